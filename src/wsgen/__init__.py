@@ -1,0 +1,3 @@
+"""wsgen: from a name to a robot standing in a simulator, on a machine that has never seen ROS."""
+
+__version__ = "0.1.0"

@@ -1,0 +1,58 @@
+"""What is happening now, as values; observers draw them.
+
+A step is named by its path: `("build", "gazebo_test")` is the package inside the build.
+An observer that fails must not break the work: `post` swallows what a listener raises and keeps
+the work going, because a broken terminal is no reason to lose a build.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, kw_only=True)
+class StepStarted:
+    """A step begins; `detail` says on what."""
+
+    step: tuple[str, ...]
+    detail: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class StepProgressed:
+    """A step goes on: what it does at this moment."""
+
+    step: tuple[str, ...]
+    detail: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class OutputLine:
+    """A line that a foreign program printed while the step ran."""
+
+    step: tuple[str, ...]
+    text: str
+    is_error_stream: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class StepEnded:
+    """A step ends."""
+
+    step: tuple[str, ...]
+    succeeded: bool
+    seconds: float  # wall-clock
+    detail: str = ""
+
+
+Event = StepStarted | StepProgressed | OutputLine | StepEnded
+Listener = Callable[[Event], None]
+
+
+def post(listener: Listener | None, event: Event) -> None:
+    """Hand the event to the listener; a listener that raises does not break the work."""
+    if listener is not None:
+        with contextlib.suppress(Exception):
+            listener(event)

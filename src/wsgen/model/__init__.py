@@ -1,0 +1,1 @@
+"""What things are: frozen value classes without I/O and without third-party imports."""

@@ -1,0 +1,1 @@
+"""Names of packages, after REP-144."""

@@ -1,0 +1,96 @@
+"""What a launch file would start, without starting it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from wsgen.model.pose import IDENTITY, Pose
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+    from wsgen.diagnostics import Diagnostic
+
+
+@dataclass(frozen=True, kw_only=True)
+class LaunchArgument:
+    """An argument that the launch file declares."""
+
+    name: str
+    default: str | None  # None: the caller must give it
+    value: str | None  # what it has in this plan
+    description: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Process:
+    """A process that would start; a composable node's container is one too."""
+
+    package: str | None  # None: not a ROS node
+    executable: str | None
+    name: str | None = None
+    namespace: str = ""
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    arguments: tuple[str, ...] = ()
+    remappings: tuple[tuple[str, str], ...] = ()
+    command: tuple[str, ...] | None = None  # of ExecuteProcess
+    environment: Mapping[str, str] = field(default_factory=dict)  # what differs from the launch's
+    starts: str = "launch"  # "launch", "timer 3.0", "exit of NAME", "start of NAME"
+    file: Path | None = None  # the launch file that says so
+    line: int | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Include:
+    """A launch file that is included."""
+
+    package: str | None
+    file: Path
+    arguments: Mapping[str, str] = field(default_factory=dict)
+    evaluated: bool = True  # False: the package is stood in for, its launch file was not run
+
+
+@dataclass(frozen=True, kw_only=True)
+class Unresolved:
+    """Something whose value cannot be known without a real ROS."""
+
+    what: str
+    why: str
+    file: Path | None = None
+    line: int | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class LaunchPlan:
+    """The outcome of evaluating a launch file."""
+
+    package: str | None
+    launch_file: Path
+    arguments: tuple[LaunchArgument, ...] = ()
+    processes: tuple[Process, ...] = ()
+    includes: tuple[Include, ...] = ()
+    environment: Mapping[str, str] = field(default_factory=dict)  # what the launch file sets
+    unresolved: tuple[Unresolved, ...] = ()
+    diagnostics: tuple[Diagnostic, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Spawn:
+    """A robot that the plan puts into the simulator."""
+
+    entity: str
+    description: str  # URDF text
+    description_file: Path | None = None  # where it was read from, when that is known
+    pose_in_world: Pose = IDENTITY
+    process: Process | None = None  # the spawner
+
+
+@dataclass(frozen=True, kw_only=True)
+class Simulator:
+    """The simulator that the plan starts."""
+
+    generation: str  # "classic" or "gz"
+    world: str | None  # path or name as the launch gives it; None: the simulator's default world
+    is_headless: bool = False

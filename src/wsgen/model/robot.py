@@ -1,0 +1,204 @@
+"""A robot as its URDF describes it, and as a simulator gets it. SI units throughout.
+
+The frame of a link is the frame of its parent joint (URDF's convention). `pose_in_link` is seen
+from the link frame, `pose_in_parent` from the parent link's frame.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import TYPE_CHECKING
+
+from wsgen.model.pose import IDENTITY, Pose
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+
+class JointType(str, Enum):
+    """URDF's joint types."""
+
+    FIXED = "fixed"
+    REVOLUTE = "revolute"
+    CONTINUOUS = "continuous"
+    PRISMATIC = "prismatic"
+    PLANAR = "planar"
+    FLOATING = "floating"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Inertial:
+    """Mass, centre of mass and inertia tensor of a link."""
+
+    mass: float  # kg
+    pose_in_link: Pose = IDENTITY  # of the frame at the centre of mass in which `inertia` is given
+    inertia: tuple[float, float, float, float, float, float]  # kg m²: ixx ixy ixz iyy iyz izz
+
+
+@dataclass(frozen=True, kw_only=True)
+class Box:
+    """A box centred on its frame."""
+
+    size: tuple[float, float, float]  # m, edge lengths along x, y, z
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cylinder:
+    """A cylinder centred on its frame, its axis along z."""
+
+    radius: float  # m
+    length: float  # m
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sphere:
+    """A sphere centred on its frame."""
+
+    radius: float  # m
+
+
+@dataclass(frozen=True, kw_only=True)
+class Capsule:
+    """A cylinder with two half spheres, centred on its frame, its axis along z."""
+
+    radius: float  # m
+    length: float  # m, of the cylinder between the half spheres
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mesh:
+    """A mesh file."""
+
+    uri: str  # as written: package://…, file://…, model://… or a path
+    scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    path: str | None = None  # the file that `uri` stands for, when it was found
+
+
+Geometry = Box | Cylinder | Sphere | Capsule | Mesh
+
+
+@dataclass(frozen=True, kw_only=True)
+class Surface:
+    """How a collision touches others; the defaults are Gazebo's."""
+
+    mu1: float = 1.0  # Coulomb friction coefficient, first direction
+    mu2: float = 1.0  # second direction
+    kp: float | None = None  # N/m, contact stiffness
+    kd: float | None = None  # N s/m, contact damping
+    min_depth: float | None = None  # m
+    max_contacts: int | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Visual:
+    """Something to see."""
+
+    geometry: Geometry
+    pose_in_link: Pose = IDENTITY
+    rgba: tuple[float, float, float, float] | None = None  # 0 to 1; None: the simulator's default
+    name: str | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Collision:
+    """Something to touch."""
+
+    geometry: Geometry
+    pose_in_link: Pose = IDENTITY
+    surface: Surface = Surface()
+    name: str | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Link:
+    """A rigid body."""
+
+    name: str
+    inertial: Inertial | None = None
+    visuals: tuple[Visual, ...] = ()
+    collisions: tuple[Collision, ...] = ()
+    self_collide: bool = False
+    gravity: bool = True
+    line: int | None = None  # of the element in the URDF text, 1-based
+
+
+@dataclass(frozen=True, kw_only=True)
+class JointLimit:
+    """Bounds of a joint: rad, rad/s, N m for rotation; m, m/s, N for translation."""
+
+    lower: float = 0.0
+    upper: float = 0.0
+    effort: float = 0.0
+    velocity: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mimic:
+    """This joint's position = multiplier × the other joint's position + offset."""
+
+    joint: str
+    multiplier: float = 1.0
+    offset: float = 0.0  # rad or m
+
+
+@dataclass(frozen=True, kw_only=True)
+class Joint:
+    """How a child link moves against its parent."""
+
+    name: str
+    type: JointType
+    parent: str  # link name
+    child: str  # link name
+    pose_in_parent: Pose = IDENTITY  # of the child's frame, at joint position 0
+    axis_in_joint: tuple[float, float, float] = (1.0, 0.0, 0.0)  # seen from the child's frame
+    limit: JointLimit | None = None
+    damping: float = 0.0  # N m s/rad or N s/m
+    friction: float = 0.0  # N m or N
+    mimic: Mimic | None = None
+    line: int | None = None  # of the element in the URDF text, 1-based
+
+    @property
+    def is_movable(self) -> bool:
+        """Whether it has a degree of freedom."""
+        return self.type is not JointType.FIXED
+
+
+@dataclass(frozen=True, kw_only=True)
+class GazeboTag:
+    """One `<gazebo>` element, as far as wsgen only records it."""
+
+    reference: str | None  # link or joint; None: the whole robot
+    values: Mapping[str, str] = field(default_factory=dict)  # child element -> its text
+    plugins: tuple[str, ...] = ()  # file names of the plugin libraries
+    sensors: tuple[str, ...] = ()  # names of the sensors
+    line: int | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Robot:
+    """A tree of links; `root` is the link without a parent."""
+
+    name: str
+    root: str
+    links: tuple[Link, ...]
+    joints: tuple[Joint, ...] = ()
+    gazebo: tuple[GazeboTag, ...] = ()
+    fixed_to_world: bool = False  # the root is a link named `world`
+
+    @property
+    def mass(self) -> float:
+        """Sum of the masses of all links, kg."""
+        return sum(link.inertial.mass for link in self.links if link.inertial)
+
+    @property
+    def movable_joints(self) -> tuple[Joint, ...]:
+        """The joints with a degree of freedom, in the order of the description."""
+        return tuple(joint for joint in self.joints if joint.is_movable)
+
+    def link(self, name: str) -> Link:
+        """The link of that name; KeyError where there is none."""
+        for link in self.links:
+            if link.name == name:
+                return link
+        raise KeyError(name)

@@ -1,0 +1,35 @@
+"""A world that robots are spawned into. SI units; poses are seen from the world frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from wsgen.model.pose import IDENTITY, Pose
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlacedModel:
+    """A model in a world."""
+
+    name: str
+    uri: str | None = None  # what it was included by; None: written in the world file
+    pose_in_world: Pose = IDENTITY
+    is_static: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class World:
+    """What an SDF world file says, as far as a trial needs it; the defaults are Gazebo's."""
+
+    name: str
+    file: Path | None = None  # None: the empty world that wsgen supplies
+    gravity: tuple[float, float, float] = (0.0, 0.0, -9.8)  # m/s²
+    step: float = 0.001  # s, of the physics engine
+    models: tuple[PlacedModel, ...] = ()
+    has_ground_plane: bool = False  # a plane at z = 0 that carries the robots
+    lights: tuple[str, ...] = ()
+    plugins: tuple[str, ...] = ()  # file names of the plugin libraries
