@@ -1,26 +1,18 @@
 """Every exception that wsgen raises on purpose, and the exit code each one ends with.
 
-WsgenError                      1   base; never raised itself
+WsgenError                          base; never raised itself
 ├── RequestError                2   the request is wrong: name, option, template, target
 ├── WouldOverwriteError         3   something is there already; nothing was written
 ├── NotFoundError               4   a tool or a file that is needed is missing
-├── NotReadableError            4   a file is there and cannot be read or written
-└── UserFilesError              1   wsgen cannot go on because of what the user's files say
+└── NotReadableError            4   a file is there and cannot be read or written
 
-What is wrong with the user's files is a `Diagnostic`, not an exception, as long as wsgen can go
-on and collect the next one; `UserFilesError` carries the diagnostics when it cannot.
+What is wrong with the user's files is a `Diagnostic`, not an exception: wsgen goes on and collects
+the next one, and ends with exit code 1.
 
 Every message says what happened and where; `hint` is the next step to try.
 """
 
 from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from wsgen.diagnostics import Diagnostic
 
 EXIT_PASSED = 0
 EXIT_FAILED = 1
@@ -28,13 +20,14 @@ EXIT_REQUEST = 2
 EXIT_WOULD_OVERWRITE = 3
 EXIT_MISSING = 4
 EXIT_BUG = 70
+EXIT_SIGNALLED = 128  # and the number of the signal
 EXIT_INTERRUPTED = 130
 
 
 class WsgenError(Exception):
     """Base of all errors that are told to the user without a traceback."""
 
-    exit_code = EXIT_FAILED
+    exit_code = EXIT_REQUEST
 
     def __init__(self, message: str, *, hint: str) -> None:
         super().__init__(message)
@@ -68,15 +61,3 @@ class NotReadableError(WsgenError):
     """A file or folder is there and cannot be read or written."""
 
     exit_code = EXIT_MISSING
-
-
-class UserFilesError(WsgenError):
-    """The user's files stop wsgen; `diagnostics` says where and why."""
-
-    exit_code = EXIT_FAILED
-
-    def __init__(
-        self, message: str, *, hint: str, diagnostics: Sequence[Diagnostic] = ()
-    ) -> None:
-        super().__init__(message, hint=hint)
-        self.diagnostics = tuple(diagnostics)

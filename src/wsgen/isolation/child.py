@@ -5,11 +5,14 @@ from __future__ import annotations
 import importlib
 import json
 import os
+import signal
 import sys
 import traceback
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
+
+from wsgen.isolation.lifeline import hold
 
 OUTPUT_LIMIT = 64 * 2**20  # bytes; a child that prints for ever must not fill the disk
 
@@ -24,16 +27,19 @@ def announce(step: str) -> None:
 
 def perform(request: dict[str, Any]) -> None:
     """Do the task and end the process; the answer lies in the scratch folder."""
-    global _scratch  # the process has one task, and its functions announce from anywhere
+    global _scratch  # noqa: PLW0603  the process has one task; its functions announce from anywhere
     _scratch = Path(request["scratch"])
-    _limit(request["memory"])
+    hold(request["lifeline"], signal.SIGKILL)
+    _limit(request["memory"], request["cpu_seconds"])
     module, _, function = request["task"].partition(":")
     try:
-        answer = {"value": getattr(importlib.import_module(module), function)(*request["arguments"])}
+        answer = {
+            "value": getattr(importlib.import_module(module), function)(*request["arguments"])
+        }
         text = json.dumps(answer)
     except MemoryError:
         text = json.dumps({"died": "needed more memory than it may have"})
-    except Exception as error:
+    except Exception as error:  # noqa: BLE001  foreign code may raise anything
         traceback.print_exc()
         text = json.dumps({"died": f"failed ({type(error).__name__}: {error})"})
     answer_file = _scratch / "answer"
@@ -47,14 +53,15 @@ def perform(request: dict[str, Any]) -> None:
     os._exit(0)
 
 
-def _limit(memory: int) -> None:
-    """Limit address space and output where the system knows how."""
+def _limit(memory: int, cpu_seconds: int) -> None:
+    """Limit address space, CPU time and output where the system knows how."""
     try:
-        import resource
-    except ImportError:  # Windows
+        import resource  # noqa: PLC0415  Windows has none
+    except ImportError:
         return
     for kind, amount in (
         (resource.RLIMIT_AS, memory),
+        (resource.RLIMIT_CPU, cpu_seconds),
         (resource.RLIMIT_FSIZE, OUTPUT_LIMIT),
         (resource.RLIMIT_CORE, 0),
     ):

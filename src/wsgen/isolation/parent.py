@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import math
 import os
 import pickle
 import signal
@@ -15,11 +16,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wsgen.errors import NotReadableError
+from wsgen.isolation.lifeline import open_lifeline
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
 BOOTSTRAP = str(Path(__file__).with_name("bootstrap.py"))
+SPARE_CPU_SECONDS = 5  # above the wall-clock limit: whatever becomes of the parent, it ends
 LAST_WORDS = 4000  # characters of the child's output that are worth telling
 
 # Numerical libraries start a thread for every core when they are imported; nothing here uses
@@ -66,13 +69,17 @@ def run(
     the module search path stays wsgen's own, with the environment's PYTHONPATH behind it, so that
     a sourced ROS of another Python cannot put its modules in the place of wsgen's. `folder` is the
     child's working directory.
+
+    The child and its children end with the call and with this process, however it ends.
     """
     variables = os.environ if environment is None else environment
-    with tempfile.TemporaryDirectory(prefix="wsgen-") as scratch:
+    with tempfile.TemporaryDirectory(prefix="wsgen-") as scratch, open_lifeline() as lifeline:
         request = {
             "task": task,
             "arguments": arguments,
             "memory": limits.memory,
+            "cpu_seconds": math.ceil(limits.seconds) + SPARE_CPU_SECONDS,
+            "lifeline": lifeline,
             "path": [entry for entry in sys.path if entry],
             "scratch": scratch,
         }
@@ -85,6 +92,7 @@ def run(
                     stderr=subprocess.STDOUT,
                     cwd=folder,
                     env={**variables, **ONE_THREAD},
+                    pass_fds=(lifeline,),
                     start_new_session=True,  # so that its own children can be ended with it
                 )
             except OSError as error:
