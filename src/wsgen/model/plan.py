@@ -20,8 +20,9 @@ class LaunchArgument:
 
     name: str
     default: str | None  # None: the caller must give it
-    value: str | None  # what it has in this plan
+    value: str | None  # what it has in this plan; None where it was only asked for
     description: str = ""
+    is_conditional: bool = False  # declared only if some condition holds or some event happens
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,9 +38,13 @@ class Process:
     remappings: tuple[tuple[str, str], ...] = ()
     command: tuple[str, ...] | None = None  # of ExecuteProcess
     environment: Mapping[str, str] = field(default_factory=dict)  # what differs from the launch's
-    starts: str = "launch"  # "launch", "timer 3.0", "exit of NAME", "start of NAME"
+    container: str | None = None  # of a composable node, which is no process of its own: its host
+    starts: str = "launch"  # "launch", "timer 3.0", "exit of NAME", "start of NAME", "shutdown"
+    start_time: float = 0.0  # s of virtual time after the launch; others exit without delay
     file: Path | None = None  # the launch file that says so
     line: int | None = None
+    # The xacro, URDF or SDF file that the text of a parameter or an argument was made from.
+    description_file: Path | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,6 +55,8 @@ class Include:
     file: Path
     arguments: Mapping[str, str] = field(default_factory=dict)
     evaluated: bool = True  # False: the package is stood in for, its launch file was not run
+    # What a launch file that was not run would have seen: given, inherited and its own defaults.
+    configurations: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,6 +81,7 @@ class LaunchPlan:
     environment: Mapping[str, str] = field(default_factory=dict)  # what the launch file sets
     unresolved: tuple[Unresolved, ...] = ()
     diagnostics: tuple[Diagnostic, ...] = ()
+    seconds_in_xacro: float = 0.0  # wall-clock, a part of the time that the evaluation took
 
 
 @dataclass(frozen=True, kw_only=True)

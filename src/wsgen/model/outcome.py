@@ -1,0 +1,82 @@
+"""What `wsgen validate` found out, ready for a report. SI units; poses in the world frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from wsgen.diagnostics import has_errors
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.model.pose import Pose
+    from wsgen.model.world import World
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rest:
+    """How the robot was at the end of the trial."""
+
+    pose_in_world: Pose  # of the root link's frame
+    settled_after: float | None  # s; None: it still moved at the end
+    speed: float  # m/s, at the end
+
+
+@dataclass(frozen=True, kw_only=True)
+class Simulated:
+    """What the engine says it simulates."""
+
+    links: int
+    movable_joints: int
+    mass: float  # kg
+
+
+@dataclass(frozen=True, kw_only=True)
+class RobotOutcome:
+    """One spawned robot; the counts are those of the description as written."""
+
+    entity: str
+    spawn_pose: Pose
+    links: int
+    joints: int
+    movable_joints: int
+    mass: float  # kg
+    simulated: Simulated | None = None  # None: it did not come into the engine
+    rest: Rest | None = None
+    passed: bool = False  # no error was found about this robot
+
+
+@dataclass(frozen=True, kw_only=True)
+class PackageOutcome:
+    """One validated package."""
+
+    package: str | None
+    share: Path | None
+    launch_file: Path | None
+    world: World | None = None
+    robots: tuple[RobotOutcome, ...] = ()
+    diagnostics: tuple[Diagnostic, ...] = ()
+    picture: Path | None = None
+    picture_tile: float | None = None  # m, edge of a square of the ground in the picture
+    seconds: Mapping[str, float] = field(default_factory=dict)  # wall-clock, by stage
+
+    @property
+    def passed(self) -> bool:
+        """Whether there is a robot and no error."""
+        return bool(self.robots) and not has_errors(self.diagnostics)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outcome:
+    """The whole run."""
+
+    packages: tuple[PackageOutcome, ...]
+    left_out: tuple[str, ...] = ()  # packages that spawn no robot
+
+    @property
+    def passed(self) -> bool:
+        """Whether every package passed."""
+        return all(package.passed for package in self.packages)
