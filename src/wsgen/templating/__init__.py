@@ -1,0 +1,1 @@
+"""From a request to the files of a package: `spec`, then `render`, then `write`."""

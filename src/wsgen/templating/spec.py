@@ -1,0 +1,70 @@
+"""From the words of a request to a PackageSpec; what is wrong with the request is found here."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from wsgen.errors import RequestError
+from wsgen.model.names import check_package_name, suggest_package_name
+from wsgen.model.package import Maintainer, PackageSpec
+from wsgen.templating.licenses import find_license
+from wsgen.templating.manifest import resolve_answers
+from wsgen.templating.text import check_description, check_maintainer_email, check_maintainer_name
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from wsgen.model.target import Target
+    from wsgen.templating.manifest import Template
+
+
+def make_maintainer(name: str, email: str) -> Maintainer:
+    """Check both.
+
+    Raises:
+        RequestError: one of them cannot stand in package.xml.
+    """
+    return Maintainer(name=check_maintainer_name(name), email=check_maintainer_email(email))
+
+
+def make_spec(  # noqa: PLR0913  the words of the request, all by keyword
+    name: str,
+    *,
+    template: Template,
+    target: Target,
+    maintainer: Maintainer,
+    license_name: str,
+    settings: Iterable[str] = (),
+    description: str | None = None,
+) -> PackageSpec:
+    """Check every word and fill in what is not given.
+
+    Raises:
+        RequestError: the first thing that is wrong, with what would do.
+    """
+    _check_name(name, template)
+    return PackageSpec(
+        name=name,
+        license=find_license(license_name),
+        answers=resolve_answers(template, settings),
+        description=check_description(template.description if description is None else description),
+        maintainer=maintainer,
+        template=template.name,
+        target=target,
+        dependencies=template.dependencies,
+    )
+
+
+def _check_name(name: str, template: Template) -> None:
+    broken = check_package_name(name)
+    if broken is not None:
+        suggestion = suggest_package_name(name)
+    elif any(name in needed for needed in template.dependencies.values()):
+        broken = "is a package that the new one needs, and no package can need itself"
+        suggestion = f"{name}_robot"
+    else:
+        return
+    shown = name if len(name) <= 40 else f"{name[:40]}..."  # noqa: PLR2004  enough to know it
+    raise RequestError(
+        f"The package name {shown!r} {broken}.", hint=f"A name that would do: {suggestion}"
+    )

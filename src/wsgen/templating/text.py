@@ -1,0 +1,115 @@
+"""Text that users give: what of it can stand in a package, and how it is written into each format.
+
+Users' text goes into package.xml, wsgen.toml, README.md and the licence, nowhere else. All other
+files get names that `model.names` has checked, and numbers.
+"""
+
+from __future__ import annotations
+
+import re
+
+from wsgen.errors import RequestError
+
+# First and last of each run of characters that XML 1.0 has, without the control characters and the
+# line ends of Unicode that TOML, Python or a terminal would stumble over.
+_USABLE = (
+    ("\t", "\n"),
+    (" ", "~"),
+    ("\xa0", "\u2027"),
+    ("\u202a", "\ud7ff"),
+    ("\ue000", "\ufffd"),
+    ("\U00010000", "\U0010ffff"),
+)
+# ament_cmake writes the maintainer into a quoted CMake string as it is.
+_BREAKS_CMAKE = ('"', "\\", "${", "$ENV{", "$CACHE{")
+# EmailType of package_common.xsd.
+_EMAIL = re.compile(
+    r"[-\w%+]+(\.[-\w%+]+)*@[-a-z0-9%]+(\.[-a-z0-9%]+)*\.[a-z]{2,}", re.ASCII | re.IGNORECASE
+)
+# Characters that mean something in Markdown, the last ones at the start of a paragraph.
+_MARKDOWN = str.maketrans({character: f"\\{character}" for character in "\\`*_[]<>&|#~"})
+_MARKDOWN_LIST = ("-", "+", "=", *(f"{digit}{sign}" for digit in "0123456789" for sign in ".)"))
+
+
+def check_description(text: str) -> str:
+    """A description of one or more lines, without the white space around it.
+
+    Raises:
+        RequestError: it is empty or has characters that package.xml cannot hold.
+    """
+    text = text.replace("\r\n", "\n").strip()
+    if not text:
+        raise RequestError(
+            "The description is empty, which package.xml may not be.",
+            hint="Say in a sentence what the package is for, or leave --description away.",
+        )
+    _check_characters("description", text)
+    return text
+
+
+def check_maintainer_name(text: str) -> str:
+    """A name on one line that package.xml and CMake can hold.
+
+    Raises:
+        RequestError: it is none.
+    """
+    text = text.strip()
+    if not text or "\n" in text or "\t" in text:
+        raise RequestError(
+            "The maintainer's name is empty or has several lines.",
+            hint="Give --maintainer-name 'First Last'.",
+        )
+    _check_characters("maintainer's name", text)
+    broken = [sign for sign in _BREAKS_CMAKE if sign in text]
+    if broken:
+        raise RequestError(
+            f"The maintainer's name has {broken[0]} in it; ament_cmake copies the name into a"
+            " string of CMake, which that breaks.",
+            hint="Give a --maintainer-name without double quotes, backslashes and ${.",
+        )
+    return text
+
+
+def check_maintainer_email(text: str) -> str:
+    """An address of the form that package.xml's schema asks for.
+
+    Raises:
+        RequestError: it is none.
+    """
+    if not _EMAIL.fullmatch(text):
+        raise RequestError(
+            f"{text!r} is no e-mail address that package.xml may have.",
+            hint="Give --maintainer-email name@example.com, in ASCII letters.",
+        )
+    return text
+
+
+def xml_text(text: str) -> str:
+    """As text between tags."""
+    return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+
+
+def toml_string(text: str) -> str:
+    """As a basic string with its quotes."""
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
+    return f'"{escaped}"'
+
+
+def markdown_text(text: str) -> str:
+    """As one paragraph that shows the text as it is."""
+    line = " ".join(text.split()).translate(_MARKDOWN)
+    # A digit and its sign would begin a numbered list, which only the sign's escape prevents.
+    if line.startswith(_MARKDOWN_LIST):
+        sign = 1 if line[0].isdigit() else 0
+        line = f"{line[:sign]}\\{line[sign:]}"
+    return line
+
+
+def _check_characters(what: str, text: str) -> None:
+    for character in text:
+        if not any(first <= character <= last for first, last in _USABLE):
+            raise RequestError(
+                f"The {what} has the character U+{ord(character):04X} in it, which package.xml"
+                " cannot hold.",
+                hint="Take it out: control characters and bytes that are no UTF-8 cannot stay.",
+            )

@@ -1,0 +1,200 @@
+"""What other programs say of each golden."""
+
+import math
+import os
+import re
+import shutil
+import subprocess
+import sys
+import warnings
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import pytest
+
+from golden_support import GOLDENS, PACKAGE, WORKSPACE
+
+pytestmark = pytest.mark.oracle
+
+LENGTH, RADIUS, MASS = 0.5, 0.4, 1.0  # of the golden's cylinder, in m and kg
+IXX = MASS * (3 * RADIUS**2 + LENGTH**2) / 12
+IZZ = MASS * RADIUS**2 / 2
+
+# The rules of package_format3.xsd: the order of the elements, and what their texts look like.
+MANIFEST_ORDER = re.compile(
+    r"name version description (maintainer )+(license )+(url )*(author )*"
+    r"((build|build_export|buildtool|buildtool_export|exec|doc|test)_depend |depend |conflict "
+    r"|replace )*(group_depend )*(member_of_group )*(export )?"
+)
+MANIFEST_TEXTS = {
+    "name": r"[a-z](_?[a-z0-9]+)*",
+    "version": r"(0|[1-9][0-9]*)(\.(0|[1-9][0-9]*)){2}",
+    "maintainer": r".*\S.*",
+    "license": r".*\S.*",
+}
+MANIFEST_EMAIL = (
+    r"[-a-zA-Z0-9_%+]+(\.[-a-zA-Z0-9_%+]+)*@[-a-zA-Z0-9%]+(\.[-a-zA-Z0-9%]+)*\.[a-zA-Z]{2,}"
+)
+
+# The two models that Gazebo Classic brings, as far as a parser wants to see them.
+CLASSIC_MODELS = {
+    "sun": '<light type="directional" name="sun"><direction>0 0 -1</direction></light>',
+    "ground_plane": '<model name="ground_plane"><static>true</static><link name="link"/></model>',
+}
+
+
+@pytest.fixture(params=sorted(folder.name for folder in GOLDENS.iterdir()))
+def package(request: pytest.FixtureRequest) -> Path:
+    """The package of a golden."""
+    case: str = request.param
+    return GOLDENS / case / WORKSPACE / "src" / PACKAGE
+
+
+@pytest.fixture
+def urdf(package: Path, tmp_path: Path) -> Path:
+    """The robot as xacro expands it in an install space."""
+    share = tmp_path / "install" / "share"
+    shutil.copytree(package, share / PACKAGE)
+    index = share / "ament_index" / "resource_index" / "packages"
+    index.mkdir(parents=True)
+    (index / PACKAGE).touch()
+    file = tmp_path / "robot.urdf"
+    subprocess.run(
+        [
+            *(sys.executable, "-c", "import xacro; xacro.main()"),
+            *(share / PACKAGE / "model" / "robot.xacro", "-o", file),
+        ],
+        env=os.environ | {"AMENT_PREFIX_PATH": str(tmp_path / "install")},
+        check=True,
+    )
+    return file
+
+
+def ask(name: str, *arguments: str | Path, folder: Path, **environment: str) -> str:
+    """What a program prints; the test is skipped where it is not installed."""
+    program = shutil.which(name)
+    if program is None:
+        pytest.skip(f"{name} is not installed")
+    answer = subprocess.run(
+        [program, *arguments],
+        cwd=folder,
+        env=os.environ | environment,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+    if "is not a" in answer.stderr and "command" in answer.stderr:
+        pytest.skip(f"{name} has no command {arguments[0]}")
+    assert answer.returncode == 0, answer.stdout + answer.stderr
+    return answer.stdout
+
+
+def test_catkin_pkg_has_nothing_to_say(package: Path) -> None:
+    catkin = pytest.importorskip("catkin_pkg.package")
+    said: list[str] = []
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        parsed = catkin.parse_package(package, warnings=said)
+        parsed.validate(warnings=said)
+    assert said == []
+    assert parsed.name == PACKAGE
+    assert {str(needed) for needed in parsed.exec_depends} >= {
+        "joint_state_publisher",
+        "robot_state_publisher",
+        "gazebo_ros",
+        "xacro",
+    }
+
+
+def test_package_format3(package: Path) -> None:
+    root = ET.parse(package / "package.xml").getroot()
+    assert (root.tag, root.attrib) == ("package", {"format": "3"})
+    tags = "".join(f"{element.tag} " for element in root)
+    assert MANIFEST_ORDER.fullmatch(tags), tags
+    for tag, pattern in MANIFEST_TEXTS.items():
+        for element in root.iter(tag):
+            assert re.fullmatch(pattern, element.text or ""), tag
+    for element in root.iter("maintainer"):
+        assert re.fullmatch(MANIFEST_EMAIL, element.attrib["email"])
+    assert root.findtext("description")
+    assert root.findtext("export/build_type") == "ament_cmake"
+
+
+def test_dependencies_are_what_the_files_use(package: Path) -> None:
+    root = ET.parse(package / "package.xml").getroot()
+    needed = {element.text for element in root.iter("exec_depend")}
+    launch = (package / "launch" / "gazebo_model.launch.py").read_text()
+    used = set(re.findall(r"^(?:from|import) (\w+)", launch, re.MULTILINE))
+    used |= set(re.findall(r"package='(\w+)'", launch))
+    used |= set(re.findall(r"FindPackageShare\('(\w+)'\)", launch)) - {PACKAGE}
+    # The tutorial asks for joint_state_publisher, and without ros2launch nobody starts the file.
+    assert needed == used | {"joint_state_publisher", "ros2launch", "xacro"}
+
+
+def test_launch_file_in_the_style_of_ament(package: Path, tmp_path: Path) -> None:
+    """The settings of ament_flake8, and single quotes as in its newer versions."""
+    pytest.importorskip("flake8")
+    command = [
+        *(sys.executable, "-m", "flake8", "--isolated", "--max-line-length", "99"),
+        *("--import-order-style", "google"),
+        *(
+            "--extend-ignore",
+            "B902,C816,D100,D101,D102,D103,D104,D105,D106,D107,D203,D212,D404,I202",
+        ),
+        str(package / "launch"),
+    ]
+    answer = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (answer.returncode, answer.stdout, answer.stderr) == (0, "", "")
+    code = (package / "launch" / "gazebo_model.launch.py").read_text().replace('"""', "")
+    assert '"' not in code.replace("'xacro \"'", "").replace("'\"'", "")
+
+
+def test_world_is_valid_for_gazebo(package: Path, tmp_path: Path) -> None:
+    for name, content in CLASSIC_MODELS.items():
+        folder = tmp_path / name
+        folder.mkdir()
+        (folder / "model.config").write_text(
+            f"<model><name>{name}</name><sdf version='1.5'>model.sdf</sdf></model>"
+        )
+        (folder / "model.sdf").write_text(f"<sdf version='1.5'>{content}</sdf>")
+    world = package / "model" / "empty_world.world"
+    models = str(tmp_path)
+    assert "Valid." in ask("ign", "sdf", "-k", world, folder=tmp_path, SDF_PATH=models)
+    read = ET.fromstring(ask("ign", "sdf", "-p", world, folder=tmp_path, SDF_PATH=models))
+    assert {element.get("name") for element in read.iter("model")} == {"ground_plane"}
+    assert {element.get("name") for element in read.iter("light")} == {"sun"}
+
+
+def test_urdfdom_reads_the_robot(urdf: Path) -> None:
+    said = ask("check_urdf", urdf, folder=urdf.parent)
+    assert "robot name is: simple_robot" in said
+    assert "root Link: dummy has 1 child(ren)" in said
+
+
+def test_gazebo_reads_the_robot(urdf: Path) -> None:
+    model = ET.fromstring(ask("ign", "sdf", "-p", urdf, folder=urdf.parent))
+    (link,) = model.iter("link")
+    assert link.get("name") == "dummy"
+    assert float(link.findtext("inertial/mass") or "nan") == MASS
+    inertia = [
+        float(link.findtext(f"inertial/inertia/i{axes}") or "nan") for axes in ("xx", "yy", "zz")
+    ]
+    assert inertia == pytest.approx([IXX, IXX, IZZ])
+    friction = link.find("collision/surface/friction/ode")
+    assert friction is not None
+    assert [friction.findtext("mu"), friction.findtext("mu2")] == ["0.2", "0.2"]
+    assert "Gazebo/Green" in (link.findtext("visual/material/script/name") or "")
+
+
+def test_mujoco_compiles_the_robot(urdf: Path) -> None:
+    mujoco = pytest.importorskip("mujoco")
+    # MuJoCo welds the root of a URDF to the world and would merge everything into it.
+    text = urdf.read_text().replace(
+        '<robot name="simple_robot">',
+        '<robot name="simple_robot"><mujoco><compiler fusestatic="false"/></mujoco>',
+    )
+    model = mujoco.MjModel.from_xml_string(text)
+    assert model.body("base_link").mass == pytest.approx([MASS])
+    assert sorted(model.body("base_link").inertia) == pytest.approx(sorted([IXX, IXX, IZZ]))
+    assert math.isclose(model.body_mass.sum(), MASS)
