@@ -1,0 +1,1 @@
+"""colcon's world: the workspace's folders, its packages, the toolchain, the build, the overlay."""

@@ -1,0 +1,238 @@
+"""The folders of a colcon workspace, and the packages in it."""
+
+from __future__ import annotations
+
+import os
+import shlex
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from wsgen.diagnostics import Diagnostic
+from wsgen.errors import NotFoundError, RequestError
+from wsgen.workspace.manifest import FOREIGN_MANIFEST, read_manifest
+from wsgen.workspace.opening import refuse_missing_manifest
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+IGNORE_MARKERS = frozenset({"COLCON_IGNORE", "AMENT_IGNORE", "CATKIN_IGNORE"})
+PYTHON_MARKERS = frozenset({"setup.py", "setup.cfg", "pyproject.toml"})
+# How many folders below `src` are looked at to see that it is the source folder of a workspace,
+# and not that of something else with a million files, such as /usr/src.
+EVIDENCE_LIMIT = 2000
+
+
+@dataclass(frozen=True, kw_only=True)
+class Workspace:
+    """A colcon workspace with the folders in their usual places."""
+
+    root: Path  # absolute
+
+    @property
+    def source(self) -> Path:
+        """Where packages are written; colcon finds them anywhere below `root`."""
+        return self.root / "src"
+
+    @property
+    def build(self) -> Path:
+        """What CMake made, a folder for each package."""
+        return self.root / "build"
+
+    @property
+    def install(self) -> Path:
+        """The install space: what `source install/setup.bash` brings in."""
+        return self.root / "install"
+
+    @property
+    def log(self) -> Path:
+        """The logs, a folder for each run."""
+        return self.root / "log"
+
+
+@dataclass(frozen=True, kw_only=True)
+class PackageFolder:
+    """A folder with a package.xml that is, or should be, a ROS package."""
+
+    path: Path
+    name: str  # the folder's name where the manifest cannot be read
+    build_type: str  # empty where the manifest cannot be read
+    test_dependencies: frozenset[str] = frozenset()
+    diagnostics: tuple[Diagnostic, ...] = ()  # what is wrong with the manifest
+
+
+@dataclass(frozen=True, kw_only=True)
+class Inventory:
+    """What colcon's crawl of a workspace meets."""
+
+    packages: tuple[PackageFolder, ...] = ()  # ROS packages, ordered by path
+    others: tuple[Path, ...] = ()  # packages without manifest: plain CMake, Python
+    has_python: bool = False  # colcon needs what it knows about Python packages
+
+
+def open_workspace(given: str | None) -> Workspace:
+    """Return the workspace at the given folder, or else the one that is meant here.
+
+    That is the one around the current folder, or the only one in it: after `wsgen new`, nobody
+    needs to change the folder. A folder that is given is the workspace itself, as it is for
+    `wsgen new`, and not one that holds it.
+
+    Raises:
+        NotFoundError: there is none.
+        RequestError: there are several to choose from, or the folder given is around a workspace.
+    """
+    if given is not None:
+        root = Path(given).expanduser().absolute()
+        if not root.is_dir():
+            raise NotFoundError(
+                f"The workspace {root} does not exist.",
+                hint="Give the folder that holds src, or make one with: wsgen new PACKAGE -w DIR",
+            )
+        _refuse_surroundings(root)
+        return Workspace(root=root)
+    here = Path.cwd()
+    workspace = find_workspace(here)
+    if workspace is not None:
+        return workspace
+    inside = _workspaces_in(here)
+    if len(inside) > 1:
+        raise RequestError(
+            f"There are several colcon workspaces in {here}.",
+            hint=f"Go into one, or choose: -w {' | '.join(folder.name for folder in inside)}",
+        )
+    if not inside:
+        refuse_missing_manifest((here, *here.parents, *sorted(here.iterdir())))
+        raise NotFoundError(
+            f"There is no colcon workspace around {here}, nor one in it.",
+            hint="Go into one, name it with --workspace, or make one with: wsgen new PACKAGE",
+        )
+    return Workspace(root=inside[0])
+
+
+def find_workspace(start: Path) -> Workspace | None:
+    """Find the workspace that a folder is in: the nearest one around it, itself included.
+
+    A folder is one if `src` in it holds packages (or nothing at all yet), or if colcon has left
+    its marks there. Where somebody once built inside `src` by mistake, the marks left there do
+    not hide the workspace around.
+    """
+    start = start.absolute()
+    marked: Workspace | None = None
+    for folder in (start, *start.parents):
+        if marked is not None and start != folder / "src" and folder / "src" not in start.parents:
+            continue
+        if (folder / "package.xml").is_file() or (folder / "COLCON_IGNORE").exists():
+            continue
+        is_exposed = folder in {Path(folder.anchor), Path.home()}
+        if _is_marked(folder):
+            if marked is None:
+                marked = Workspace(root=folder)
+            is_exposed = False
+        if not is_exposed and _has_source(folder):
+            return Workspace(root=folder)
+    return marked
+
+
+def find_packages(workspace: Workspace) -> tuple[PackageFolder, ...]:
+    """List the ROS packages that colcon would find, with what is wrong with their manifests."""
+    return take_inventory(workspace).packages
+
+
+def take_inventory(workspace: Workspace) -> Inventory:
+    """Crawl the workspace as colcon does."""
+    packages: list[PackageFolder] = []
+    others: list[Path] = []
+    has_python = False
+    for folder, names in crawl(workspace.root):
+        has_python = has_python or not PYTHON_MARKERS.isdisjoint(names)
+        package = read_package(folder) if "package.xml" in names else None
+        if package is not None:
+            packages.append(package)
+            has_python = has_python or package.build_type == "ament_python"
+        elif not names.isdisjoint({"CMakeLists.txt", *PYTHON_MARKERS}):
+            others.append(folder)
+    return Inventory(packages=tuple(packages), others=tuple(others), has_python=has_python)
+
+
+def read_package(folder: Path) -> PackageFolder | None:
+    """Read the package in a folder; None if its package.xml is of something else than ROS."""
+    manifest = read_manifest(folder / "package.xml")
+    if not isinstance(manifest, Diagnostic):
+        return PackageFolder(
+            path=folder,
+            name=manifest.name,
+            build_type=manifest.build_type,
+            test_dependencies=manifest.test_dependencies,
+        )
+    if manifest.code == FOREIGN_MANIFEST:
+        return None
+    return PackageFolder(path=folder, name=folder.name, build_type="", diagnostics=(manifest,))
+
+
+def crawl(root: Path, *, with_ignored: bool = False) -> Iterator[tuple[Path, frozenset[str]]]:
+    """Yield the folders that colcon looks at, each with the names of its files.
+
+    Like colcon, it follows links, leaves out hidden and ignored folders, and looks for no package
+    below a package. `with_ignored` yields those below ignored folders too.
+    """
+    visited = set()
+    for name, folders, files in os.walk(root, followlinks=True):
+        real = os.path.realpath(name)
+        if real in visited or (not with_ignored and not IGNORE_MARKERS.isdisjoint(files)):
+            folders.clear()
+            continue
+        visited.add(real)
+        yield Path(name), frozenset(files)
+        if not {"package.xml", "CMakeLists.txt", "setup.py"}.isdisjoint(files):
+            folders.clear()
+        folders[:] = sorted(folder for folder in folders if not folder.startswith("."))
+
+
+def _refuse_surroundings(root: Path) -> None:
+    """Stop where build, install and log would come to lie around a workspace."""
+    if _is_marked(root) or (root / "src").is_dir() or (root / "package.xml").exists():
+        return
+    inside = _workspaces_in(root)
+    if inside:
+        raise RequestError(
+            f"{root} is no workspace, it holds {' and '.join(path.name for path in inside)}.",
+            hint=f"Write: -w {shlex.quote(str(inside[0]))}",
+        )
+
+
+def _workspaces_in(folder: Path) -> list[Path]:
+    return [path for path in sorted(folder.iterdir()) if _is_workspace(path)]
+
+
+def _is_workspace(folder: Path) -> bool:
+    """Whether a folder below the current one is plainly a workspace with packages."""
+    return (
+        folder.is_dir()
+        and not (folder / "COLCON_IGNORE").exists()
+        and _holds_packages(folder / "src")
+    )
+
+
+def _is_marked(folder: Path) -> bool:
+    """Whether colcon has built or installed here."""
+    try:
+        return (folder / "install" / ".colcon_install_layout").is_file() or (
+            folder / "build" / ".built_by"
+        ).read_text(encoding="utf-8").strip() == "colcon"
+    except (OSError, ValueError):
+        return False
+
+
+def _has_source(folder: Path) -> bool:
+    source = folder / "src"
+    try:
+        if not any(source.iterdir()):
+            return True  # mkdir -p ws/src, the first step of every tutorial
+    except OSError:
+        return False
+    return _holds_packages(source)
+
+
+def _holds_packages(folder: Path) -> bool:
+    return any("package.xml" in names for _, names in islice(crawl(folder), EVIDENCE_LIMIT))

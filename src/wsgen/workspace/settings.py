@@ -1,0 +1,66 @@
+"""What a package says to wsgen: its `wsgen.toml`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from wsgen import tomlfile
+from wsgen.diagnostics import Diagnostic, Severity
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+FILE = "wsgen.toml"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """The part of the file that is a wish, not a record."""
+
+    file: Path
+    allow: tuple[str, ...] = ()  # names of rules whose findings the package has on purpose
+
+
+def read_settings(package: Path) -> tuple[Settings, tuple[Diagnostic, ...]]:
+    """Read the settings of the package in a folder; the defaults where it has none."""
+    file = package / FILE
+    try:
+        document = tomlfile.load(file)
+    except FileNotFoundError:
+        return Settings(file=file), ()
+    except OSError as error:
+        return Settings(file=file), (
+            _wrong(file, f"{FILE} cannot be read: {error.strerror}.", "Make it readable."),
+        )
+    except ValueError as error:
+        return Settings(file=file), (
+            _wrong(file, f"{FILE} is not TOML: {error}.", "Mend it, or remove it."),
+        )
+    allow = _allow(document)
+    if allow is None:
+        return Settings(file=file), (
+            _wrong(
+                file,
+                "`allow` in [validate] is not a list of names.",
+                'Write for example: allow = ["massless-root"]',
+            ),
+        )
+    unknown = sorted(set(document.get("validate", {})) - {"allow"})
+    return Settings(file=file, allow=allow), tuple(
+        _wrong(file, f"[validate] knows no key `{key}`.", "It knows `allow`.") for key in unknown
+    )
+
+
+def _allow(document: dict[str, Any]) -> tuple[str, ...] | None:
+    section = document.get("validate", {})
+    names = section.get("allow", []) if isinstance(section, dict) else None
+    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+        return None
+    return tuple(names)
+
+
+def _wrong(file: Path, message: str, hint: str) -> Diagnostic:
+    return Diagnostic(
+        code="PKG060", severity=Severity.WARNING, message=message, file=file, hint=hint
+    )

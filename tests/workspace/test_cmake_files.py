@@ -1,0 +1,75 @@
+"""CMakeLists.txt as text, and what CMake prints."""
+
+from pathlib import Path
+
+from wsgen.workspace.cmake_output import read_errors
+from wsgen.workspace.cmake_text import read_calls
+
+TEXT = """\
+# find_package(commented REQUIRED)
+Find_Package(ament_cmake
+  REQUIRED)  # with a comment
+#[[ install(DIRECTORY
+  launch) ]]
+message("a # that is no comment (nor a bracket")
+if(NOT (A AND B))
+install(
+  DIRECTORY launch
+    "my model"
+  DESTINATION share/${PROJECT_NAME})
+"""
+
+
+def test_calls(tmp_path: Path) -> None:
+    file = tmp_path / "CMakeLists.txt"
+    file.write_text(TEXT)
+    calls = read_calls(file)
+    assert [(call.command, call.line) for call in calls if call.command != "message"] == [
+        ("find_package", 2),
+        ("if", 7),
+        ("install", 8),
+    ]
+    install = calls[-1]
+    assert install.arguments[:3] == ("DIRECTORY", "launch", "my model")
+    assert install.argument_lines[:3] == (9, 9, 10)
+
+
+def test_no_file(tmp_path: Path) -> None:
+    assert read_calls(tmp_path / "CMakeLists.txt") == ()
+
+
+PRINTED = """\
+CMake Warning at CMakeLists.txt:1 (message):
+  not this one
+
+CMake Error at {folder}/cmake/more.cmake:3 (message):
+  The first
+  error.
+
+  Its second paragraph.
+Call Stack (most recent call first):
+  /opt/ros/share/x.cmake:9 (include)
+  CMakeLists.txt:5 (go)
+
+
+-- Configuring incomplete, errors occurred!
+CMake Error: Something  without a place.
+"""
+
+
+def test_errors(tmp_path: Path) -> None:
+    (tmp_path / "CMakeLists.txt").touch()
+    first, second = read_errors(PRINTED.format(folder="/elsewhere"))
+    assert first.message == "The first error. Its second paragraph."
+    assert first.command == "message"
+    assert first.locate(tmp_path) == (tmp_path / "CMakeLists.txt", 5)
+    assert second.message == "Something without a place."
+    assert second.locate(tmp_path) == (None, None)
+
+
+def test_the_innermost_place_in_the_package_counts(tmp_path: Path) -> None:
+    (tmp_path / "CMakeLists.txt").touch()
+    (tmp_path / "cmake").mkdir()
+    (tmp_path / "cmake" / "more.cmake").touch()
+    first, _ = read_errors(PRINTED.format(folder=tmp_path))
+    assert first.locate(tmp_path) == (tmp_path / "cmake" / "more.cmake", 3)

@@ -1,0 +1,424 @@
+"""Each failure that is known, made by a real build, and what is said about it."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from workspace.building import (
+    CMAKE,
+    PACKAGE_XML,
+    SHELL_PROGRAMS,
+    build_here,
+    link_programs,
+    outside,
+    plain_colcon,
+    write_package,
+)
+from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.errors import NotReadableError
+from wsgen.events import Event, OutputLine
+from wsgen.workspace.build import BuildResult
+from wsgen.workspace.colcon_process import Finished
+from wsgen.workspace.explain_colcon import explain_colcon
+from wsgen.workspace.layout import Workspace
+
+# The code, the line of CMakeLists.txt, words of the message and of the hint, by what is written.
+CMAKE_CASES = {
+    "installs a folder that is not there": (
+        CMAKE.replace("launch model", "launch modle"),
+        ("BLD003", 5, "the folder modle", "Did you mean model?"),
+    ),
+    "installs a file that is not there": (
+        CMAKE.replace("DIRECTORY launch model", "FILES\n    model/robot.urdf"),
+        ("BLD003", 6, "the file model/robot.urdf", "Did you mean robot.xacro?"),
+    ),
+    "needs a package that is not there": (
+        CMAKE.replace("install(", "find_package(gazebo_msgs REQUIRED)\ninstall("),
+        ("BLD008", 4, "gazebo_msgs", "Source the ROS that has it"),
+    ),
+    "misspells a package": (
+        CMAKE.replace("find_package(ament_cmake", "find_package(ament_cmak"),
+        ("BLD008", 3, "find_package(ament_cmak)", "Did you mean ament_cmake?"),
+    ),
+    "calls what it has not found": (
+        CMAKE.replace("find_package(ament_cmake REQUIRED)\n", ""),
+        ("BLD027", 7, "ament_package", "find_package(ament_cmake REQUIRED)"),
+    ),
+    "misspells its own function": (
+        CMAKE + "function(install_model)\nendfunction()\ninstal_model()\n",
+        ("BLD027", 11, "instal_model", "Did you mean install_model?"),
+    ),
+    "calls something that nobody knows": (
+        CMAKE + "frobnicate()\n",
+        ("BLD027", 9, "frobnicate", "Mend its name"),
+    ),
+    "installs nowhere": (
+        CMAKE.replace("DESTINATION share/${PROJECT_NAME}", ""),
+        ("BLD028", 4, "install(DIRECTORY ...)", "DESTINATION share/${PROJECT_NAME}"),
+    ),
+    "has another name than the manifest": (
+        CMAKE.replace("project(demo", "project(robot"),
+        ("BLD029", 2, "calls the package robot, and package.xml (line 3)", "project(demo)"),
+    ),
+    "does not close a quotation mark": (
+        CMAKE.replace("find_package(", 'message("hello)\nfind_package('),
+        ("BLD011", 3, "opened here", "Close it"),
+    ),
+    "does not close one of several quotation marks": (
+        CMAKE.replace("find_package(", 'message("hello)\nmessage("bye")\nfind_package('),
+        ("BLD011", 3, "opened here", "Close it"),
+    ),
+    "calls ament_package twice": (
+        CMAKE + "ament_package()\n",
+        ("BLD009", 9, "line 8", "Call it once"),
+    ),
+    "does not close a parenthesis": (
+        CMAKE.replace("${PROJECT_NAME}\n)", "${PROJECT_NAME}\n"),
+        ("BLD011", 4, 'missing ending ")"', "not closed"),
+    ),
+    "asks for a CMake of old": (
+        CMAKE.replace("3.20", "2.8"),
+        ("BLD012", 1, "cmake_minimum_required", "VERSION 3.20"),
+    ),
+    "asks for a CMake to come": (
+        CMAKE.replace("3.20", "99.0"),
+        ("BLD013", 1, "CMake 99.0 is needed", "newer"),
+    ),
+    "misspells a command": (
+        CMAKE.replace("ament_package", "ament_pakage"),
+        ("BLD027", 8, "ament_pakage", "Did you mean ament_package?"),
+    ),
+    "stops for a reason of its own": (
+        CMAKE + "message(FATAL_ERROR no)\n",
+        ("BLD015", 9, "CMake: no", "stdout_stderr.log"),
+    ),
+    "fails without a word of CMake": (
+        CMAKE + 'add_custom_target(work ALL COMMAND sh -c "echo the cause >&2; false" VERBATIM)\n',
+        ("BLD016", None, "the cause", "stdout_stderr.log"),
+    ),
+}
+
+
+def only(result: BuildResult) -> Diagnostic:
+    assert not result.succeeded
+    (finding,) = result.diagnostics
+    assert finding.severity is Severity.ERROR
+    return finding
+
+
+@pytest.mark.parametrize("case", CMAKE_CASES)
+def test_cmake_file(case: str, tmp_path: Path) -> None:
+    cmake, (code, line, message, hint) = CMAKE_CASES[case]
+    file = write_package(tmp_path, cmake=cmake) / "CMakeLists.txt"
+    events: list[Event] = []
+    result = build_here(tmp_path, events=events)
+    finding = only(result)
+    assert (finding.code, finding.line) == (code, line)
+    assert finding.file == (file.parent if line is None else file)
+    assert message in finding.message
+    assert hint in (finding.hint or "")
+    # What the programs said is there once, as events and in the result.
+    said = [
+        event.text for event in events if isinstance(event, OutputLine) and event.is_error_stream
+    ]
+    assert tuple(said) == result.packages[0].error_output != ()
+
+
+def test_a_folder_that_git_did_not_keep(tmp_path: Path) -> None:
+    package = write_package(tmp_path)
+    (package / "launch" / "demo.launch.py").unlink()
+    (package / "launch").rmdir()
+    finding = only(build_here(tmp_path))
+    assert (finding.code, finding.line) == ("BLD003", 5)
+    assert "Git keeps no empty folders" in (finding.hint or "")
+
+
+def test_no_cmake_file(tmp_path: Path) -> None:
+    (write_package(tmp_path) / "CMakeLists.txt").unlink()
+    finding = only(build_here(tmp_path))
+    assert (finding.code, finding.file) == ("BLD021", tmp_path / "src" / "demo")
+
+
+def test_no_package_xml(tmp_path: Path) -> None:
+    (write_package(tmp_path) / "package.xml").unlink()
+    finding = only(build_here(tmp_path))
+    assert (finding.code, finding.file) == ("PKG010", tmp_path / "src" / "demo")
+
+
+def test_apt_is_advised_where_a_ros_is_sourced(tmp_path: Path) -> None:
+    write_package(
+        tmp_path, cmake=CMAKE.replace("install(", "find_package(my_msgs REQUIRED)\ninstall(")
+    )
+    finding = only(build_here(tmp_path, environment={**outside(), "ROS_DISTRO": "iron"}))
+    assert "ros-iron-my-msgs" in (finding.hint or "")
+
+
+def test_output_is_told_again_where_it_is_not_explained(tmp_path: Path) -> None:
+    file = write_package(tmp_path, cmake=CMAKE + "message(WARNING odd)\n") / "CMakeLists.txt"
+    assert "  odd" in build_here(tmp_path).unexplained_output
+    file.write_text(CMAKE + "message(WARNING odd)\nmessage(FATAL_ERROR no)\n")
+    assert {"  odd", "  no"} <= {*build_here(tmp_path).unexplained_output}
+    file.write_text(CMAKE + "message(WARNING odd)\nfrobnicate()\n")
+    assert build_here(tmp_path).unexplained_output == ()
+    write_package(tmp_path, "other", cmake=CMAKE + "message(WARNING strange)\n")
+    assert "  strange" in build_here(tmp_path, "other").unexplained_output
+
+
+def test_the_traceback_about_a_manifest_is_not_told_again(tmp_path: Path) -> None:
+    text = PACKAGE_XML.replace("<license>Apache-2.0</license>", "")
+    write_package(tmp_path, package_xml=text)
+    result = build_here(tmp_path)
+    assert "Traceback" in "".join(result.packages[0].error_output)
+    assert result.unexplained_output == ()
+
+
+def test_without_ament_package_ros_finds_nothing(tmp_path: Path) -> None:
+    file = write_package(tmp_path, cmake=CMAKE.replace("ament_package()\n", "")) / "CMakeLists.txt"
+    finding = only(build_here(tmp_path))
+    assert (finding.code, finding.file) == ("BLD010", file)
+
+
+def test_an_ament_package_that_was_removed_later(tmp_path: Path) -> None:
+    file = write_package(tmp_path) / "CMakeLists.txt"
+    assert build_here(tmp_path).succeeded
+    file.write_text(CMAKE.replace("ament_package()\n", ""))
+    assert only(build_here(tmp_path)).code == "BLD010"
+
+
+@pytest.mark.parametrize("requested", [(), ("demo",)])
+@pytest.mark.parametrize(
+    ("build_type", "hint"),
+    [("ament_cmke", "Did you mean ament_cmake?"), ("meson", "There are: ament_cmake, ament_")],
+)
+def test_a_build_type_that_colcon_does_not_know(
+    build_type: str, hint: str, requested: tuple[str, ...], tmp_path: Path
+) -> None:
+    package = write_package(
+        tmp_path, package_xml=PACKAGE_XML.replace("ament_cmake</b", f"{build_type}</b")
+    )
+    write_package(tmp_path, "other")
+    finding = only(build_here(tmp_path, *requested))
+    assert (finding.code, finding.file, finding.line) == ("PKG008", package / "package.xml", 9)
+    assert hint in (finding.hint or "")
+
+
+@pytest.mark.parametrize(
+    ("export", "line", "hint"),
+    [
+        ("", None, "Add: <export><build_type>ament_cmake</build_type></export>"),
+        ("<export/>", 9, "Add below <export>: <build_type>ament_cmake</build_type>"),
+    ],
+)
+def test_no_build_type(export: str, line: int | None, hint: str, tmp_path: Path) -> None:
+    given = "<export><build_type>ament_cmake</build_type></export>"
+    package = write_package(tmp_path, package_xml=PACKAGE_XML.replace(given, export))
+    finding = only(build_here(tmp_path))
+    assert (finding.code, finding.file, finding.line) == ("PKG009", package / "package.xml", line)
+    assert finding.hint == hint
+
+
+def test_a_package_of_plain_cmake_has_no_build_type_to_give(tmp_path: Path) -> None:
+    text = PACKAGE_XML.replace("<build_type>ament_cmake</build_type>", "")
+    cmake = "cmake_minimum_required(VERSION 3.20)\nproject(demo LANGUAGES NONE)\n"
+    write_package(tmp_path, package_xml=text, cmake=cmake)
+    assert build_here(tmp_path).diagnostics == ()
+
+
+def test_a_package_that_is_asked_for_and_skipped(tmp_path: Path) -> None:
+    package = write_package(tmp_path)
+    write_package(tmp_path, "other")
+    (tmp_path / "colcon_defaults.yaml").write_text("build: {packages-skip: [demo]}\n")
+    finding = only(build_here(tmp_path, "demo"))
+    assert (finding.code, finding.file, finding.line) == ("BLD023", package / "package.xml", 3)
+    assert build_here(tmp_path).succeeded
+
+
+MANIFEST_CASES = {
+    "is no XML": (PACKAGE_XML.replace("</license>", ""), ("PKG001", 7, "<license> is not closed")),
+    "is empty": ("", ("PKG001", 1, "the file is empty")),
+    "names no package": (PACKAGE_XML.replace("<name>demo</name>", ""), ("PKG004", None, "names")),
+    "has a bad address": (
+        PACKAGE_XML.replace("somebody@example.com", "somebody"),
+        ("PKG005", 6, "Invalid email"),
+    ),
+    "has no version": (
+        PACKAGE_XML.replace("<version>0.0.0</version>", ""),
+        ("PKG005", None, '"version"'),
+    ),
+    "needs itself": (
+        PACKAGE_XML.replace("<export>", "<depend>demo</depend><export>"),
+        ("PKG005", 3, "same name"),
+    ),
+}
+
+
+@pytest.mark.parametrize("case", MANIFEST_CASES)
+def test_package_xml(case: str, tmp_path: Path) -> None:
+    text, (code, line, message) = MANIFEST_CASES[case]
+    package = write_package(tmp_path)
+    (package / "package.xml").write_text(text)
+    result = build_here(tmp_path)
+    assert not result.succeeded
+    finding = result.diagnostics[0]
+    assert {found.code for found in result.diagnostics} == {code}
+    assert (finding.file, finding.line) == (package / "package.xml", line)
+    assert message in finding.message
+
+
+def test_a_broken_manifest_of_the_package_that_is_asked_for(tmp_path: Path) -> None:
+    (write_package(tmp_path) / "package.xml").write_text("<package>")
+    assert only(build_here(tmp_path, "demo")).code == "PKG001"
+    assert not (tmp_path / "build").exists()
+
+
+def test_two_packages_of_one_name(tmp_path: Path) -> None:
+    write_package(tmp_path)
+    second = write_package(tmp_path, "copy")
+    (second / "package.xml").write_text(PACKAGE_XML)
+    finding = only(build_here(tmp_path))
+    assert (finding.code, finding.element) == ("PKG007", "demo")
+    assert "src/copy" in finding.message
+    assert "src/demo" in finding.message
+
+
+def test_a_package_of_the_workspace_that_is_not_declared(tmp_path: Path) -> None:
+    needs = CMAKE.replace("install(", "find_package(zlast REQUIRED)\ninstall(")
+    write_package(tmp_path, cmake=needs)
+    write_package(tmp_path, "zlast")
+    finding = only(build_here(tmp_path))
+    assert finding.code == "BLD008"
+    assert "<depend>zlast</depend>" in (finding.hint or "")
+
+
+def test_a_dependency_that_was_not_built(tmp_path: Path) -> None:
+    depends = PACKAGE_XML.replace("<export>", "<depend>base</depend><export>")
+    write_package(tmp_path, package_xml=depends)
+    write_package(tmp_path, "base")
+    result = build_here(tmp_path, colcon_arguments=("--packages-select", "demo"))
+    finding = result.diagnostics[0]
+    assert not result.succeeded
+    assert (finding.code, finding.hint) == ("BLD019", "Build them first: wsgen build base")
+
+
+def test_a_python_without_what_ament_needs(tmp_path: Path) -> None:
+    write_package(tmp_path)
+    python = link_python(tmp_path)
+    result = build_here(
+        tmp_path, colcon_arguments=("--cmake-args", f"-DPython3_EXECUTABLE={python}")
+    )
+    finding = only(result)
+    assert finding.code == "BLD004"
+    assert str(python) in finding.message
+    assert str(tmp_path / "build" / "demo") in (finding.hint or "")
+
+
+def link_python(folder: Path) -> Path:
+    """Make a Python that has the standard library alone."""
+    environment = folder / "COLCON_IGNORE-python"
+    (environment / "bin").mkdir(parents=True)
+    home = Path(sys.base_prefix, "bin")
+    (environment / "pyvenv.cfg").write_text(f"home = {home}\n")
+    python = environment / "bin" / "python3"
+    python.symlink_to(home / f"python{sys.version_info[0]}.{sys.version_info[1]}")
+    return python
+
+
+def test_empy_4(tmp_path: Path) -> None:
+    """A package that expands a template as rosidl does, where empy 4 is in empy 3's place."""
+    expand = (
+        "execute_process(COMMAND ${Python3_EXECUTABLE} -c\n"
+        '  "import em; em.Interpreter(options={em.BUFFERED_OPT: True})"\n'
+        "  COMMAND_ERROR_IS_FATAL ANY)\n"
+    )
+    write_package(tmp_path, cmake=CMAKE.replace("ament_package()", expand + "ament_package()"))
+    assert build_here(tmp_path).succeeded
+    (tmp_path / "build" / "demo" / "CMakeCache.txt").unlink()
+    modules = tmp_path / "modules"
+    modules.mkdir()
+    (modules / "em.py").write_text("__version__ = '4.2'\n\nclass Interpreter:\n    pass\n")
+    finding = only(build_here(tmp_path, environment={**outside(), "PYTHONPATH": str(modules)}))
+    assert finding.code == "BLD005"
+    assert "empy>=3.3.4,<4" in (finding.hint or "")
+
+
+def test_no_compiler(tmp_path: Path) -> None:
+    write_package(tmp_path, cmake=CMAKE.replace("demo LANGUAGES NONE", "demo "))
+    path = link_programs(tmp_path / "programs", *SHELL_PROGRAMS)
+    result = build_here(tmp_path, environment={**outside(), "PATH": str(path)})
+    finding = only(result)
+    assert (finding.code, finding.line) == ("BLD006", 2)
+    assert "LANGUAGES NONE" in (finding.hint or "")
+
+
+def test_no_program_for_the_generator(tmp_path: Path) -> None:
+    write_package(tmp_path)
+    path = link_programs(tmp_path / "programs", *SHELL_PROGRAMS)
+    finding = only(
+        build_here(
+            tmp_path,
+            colcon_arguments=("--cmake-args", "-G", "Unix Makefiles"),
+            environment={**outside(), "PATH": str(path)},
+        )
+    )
+    assert finding.code == "BLD014"
+
+
+def test_no_cmake(tmp_path: Path) -> None:
+    write_package(tmp_path)
+    environment = {**outside(), "CMAKE_COMMAND": str(tmp_path / "no" / "cmake")}
+    assert only(build_here(tmp_path, environment=environment)).code == "BLD007"
+
+
+def test_no_ament_cmake(tmp_path: Path) -> None:
+    """CMake is told not to look where it is."""
+    write_package(tmp_path)
+    arguments = ("--cmake-args", f"-DCMAKE_IGNORE_PREFIX_PATH={sys.prefix}")
+    finding = only(build_here(tmp_path, colcon_arguments=arguments))
+    assert (finding.code, finding.line) == ("BLD002", 3)
+
+
+def test_the_other_install_layout(tmp_path: Path) -> None:
+    write_package(tmp_path)
+    plain_colcon(tmp_path, outside(), "--merge-install")
+    finding = only(build_here(tmp_path))
+    assert finding.code == "BLD017"
+    assert "--merge-install" in (finding.hint or "")
+    assert build_here(tmp_path, colcon_arguments=("--merge-install",)).succeeded
+
+
+def test_the_build_folder_of_another_tool(tmp_path: Path) -> None:
+    write_package(tmp_path)
+    (tmp_path / "build").mkdir()
+    (tmp_path / "build" / ".built_by").write_text("catkin_make\n")
+    finding = only(build_here(tmp_path))
+    assert finding.code == "BLD018"
+    assert "catkin_make" in finding.message
+
+
+@pytest.mark.parametrize("folder", ["build", "install", "log"])
+def test_a_file_in_the_place_of_a_folder(folder: str, tmp_path: Path) -> None:
+    write_package(tmp_path)
+    (tmp_path / folder).write_text("")
+    with pytest.raises(NotReadableError, match="cannot write") as raised:
+        build_here(tmp_path)
+    assert str(tmp_path / folder) in raised.value.message
+
+
+@pytest.mark.parametrize(
+    ("finished", "words"),
+    [
+        (Finished(returncode=-9, output=""), "signal 9"),
+        (Finished(returncode=1, output="something\nthat nobody knows\n"), "that nobody knows"),
+        (Finished(returncode=1, output=""), "colcon failed without a word."),
+        (
+            Finished(returncode=1, output="Traceback (most recent call last):\n  f()\nOops: no\n"),
+            "colcon failed: Oops: no",
+        ),
+    ],
+)
+def test_colcon_fails_for_an_unknown_reason(finished: Finished, words: str) -> None:
+    workspace = Workspace(root=Path("/ws"))
+    (finding,) = explain_colcon(finished.output, finished.returncode, workspace)
+    assert finding.code == "BLD020"
+    assert words in finding.message

@@ -1,0 +1,186 @@
+"""Where a workspace begins, and which packages are in it."""
+
+from pathlib import Path
+
+import pytest
+
+from workspace.building import PACKAGE_XML, write_package
+from wsgen.errors import NotFoundError, RequestError
+from wsgen.workspace.layout import (
+    Workspace,
+    find_packages,
+    find_workspace,
+    open_workspace,
+    take_inventory,
+)
+
+
+@pytest.fixture
+def root(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A home folder with a workspace in it."""
+    monkeypatch.setenv("HOME", str(tmp_path))
+    write_package(tmp_path / "ws")
+    return tmp_path / "ws"
+
+
+@pytest.mark.parametrize("inside", [".", "src", "src/demo", "src/demo/model", "docs"])
+def test_found_from_everywhere_inside(root: Path, inside: str) -> None:
+    (root / inside).mkdir(exist_ok=True)
+    assert find_workspace(root / inside) == Workspace(root=root)
+
+
+def test_the_folders(root: Path) -> None:
+    workspace = Workspace(root=root)
+    folders = (workspace.source, workspace.build, workspace.install, workspace.log)
+    assert [folder.relative_to(root).as_posix() for folder in folders] == [
+        "src",
+        "build",
+        "install",
+        "log",
+    ]
+
+
+def test_not_from_outside(root: Path) -> None:
+    assert find_workspace(root.parent) is None
+
+
+def test_an_empty_source_folder_is_a_beginning(tmp_path: Path) -> None:
+    (tmp_path / "ws" / "src").mkdir(parents=True)
+    assert find_workspace(tmp_path / "ws" / "src") == Workspace(root=tmp_path / "ws")
+
+
+def test_the_source_folder_of_something_else_is_not(tmp_path: Path) -> None:
+    (tmp_path / "project" / "src" / "project").mkdir(parents=True)
+    assert find_workspace(tmp_path / "project" / "src") is None
+
+
+def test_a_package_is_no_workspace(root: Path) -> None:
+    (root / "src" / "demo" / "src").mkdir()
+    assert find_workspace(root / "src" / "demo" / "src") == Workspace(root=root)
+
+
+@pytest.mark.parametrize(
+    ("marker", "text"),
+    [("install/.colcon_install_layout", "isolated\n"), ("build/.built_by", "colcon\n")],
+)
+def test_what_colcon_left_is_evidence(tmp_path: Path, marker: str, text: str) -> None:
+    (tmp_path / marker).parent.mkdir()
+    (tmp_path / marker).write_text(text)
+    (tmp_path / "robots").mkdir()
+    assert find_workspace(tmp_path / "robots") == Workspace(root=tmp_path)
+
+
+def test_a_build_in_the_source_folder_by_mistake_hides_nothing(root: Path) -> None:
+    (root / "src" / "install").mkdir()
+    (root / "src" / "install" / ".colcon_install_layout").write_text("isolated\n")
+    assert find_workspace(root / "src" / "demo") == Workspace(root=root)
+
+
+def test_the_inner_of_two_workspaces(root: Path) -> None:
+    write_package(root / "src" / "vendor")
+    assert find_workspace(root / "src" / "vendor") == Workspace(root=root / "src" / "vendor")
+
+
+def test_the_home_folder_needs_evidence(root: Path) -> None:
+    home = root.parent
+    write_package(home, "loose")
+    (home / "letters").mkdir()
+    assert find_workspace(home / "letters") is None
+    (home / "build").mkdir()
+    (home / "build" / ".built_by").write_text("colcon\n")
+    assert find_workspace(home / "letters") == Workspace(root=home)
+
+
+def test_an_ignored_folder_is_no_workspace(root: Path) -> None:
+    (root / "COLCON_IGNORE").touch()
+    assert find_workspace(root) is None
+
+
+def test_packages_are_those_that_colcon_finds(root: Path) -> None:
+    write_package(root / "src" / "group", "second")
+    write_package(root, "inside_package").rename(root / "src" / "demo" / "nested")
+    (write_package(root, "ignored") / "COLCON_IGNORE").touch()
+    write_package(root, ".hidden")
+    (root / "src" / "group" / "loop").symlink_to(root / "src")
+    assert [package.name for package in find_packages(Workspace(root=root))] == ["demo", "second"]
+
+
+def test_a_broken_manifest_is_reported_and_the_others_are_listed(root: Path) -> None:
+    (write_package(root, "broken") / "package.xml").write_text("<package>\n<name>")
+    broken, demo = find_packages(Workspace(root=root))
+    assert (broken.name, broken.build_type) == ("broken", "")
+    assert [(found.code, found.line) for found in broken.diagnostics] == [("PKG001", 2)]
+    assert (demo.name, demo.build_type, demo.diagnostics) == ("demo", "ament_cmake", ())
+
+
+@pytest.mark.parametrize(
+    ("file", "others", "has_python"),
+    [("CMakeLists.txt", 1, False), ("setup.py", 1, True), ("package.json", 0, False)],
+)
+def test_what_is_no_ros_package(root: Path, file: str, others: int, has_python: bool) -> None:
+    (root / "src" / "other").mkdir()
+    (root / "src" / "other" / file).touch()
+    inventory = take_inventory(Workspace(root=root))
+    assert (len(inventory.others), inventory.has_python) == (others, has_python)
+
+
+def test_a_package_xml_of_another_world(root: Path) -> None:
+    (root / "src" / "pear").mkdir()
+    (root / "src" / "pear" / "package.xml").write_text("<extension/>")
+    assert [package.name for package in find_packages(Workspace(root=root))] == ["demo"]
+
+
+def test_a_python_package_is_noticed(root: Path) -> None:
+    write_package(
+        root, "scripts", package_xml=PACKAGE_XML.replace("ament_cmake</b", "ament_python</b")
+    )
+    assert take_inventory(Workspace(root=root)).has_python
+
+
+def test_opening(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert open_workspace(str(root)) == Workspace(root=root)
+    monkeypatch.chdir(root / "src")
+    assert open_workspace(None) == Workspace(root=root)
+    assert open_workspace("demo") == Workspace(root=root / "src" / "demo")
+    with pytest.raises(NotFoundError, match="does not exist"):
+        open_workspace(str(root / "nowhere"))
+
+
+def test_opening_from_the_folder_in_which_new_was_called(
+    root: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(root.parent)
+    assert open_workspace(None) == Workspace(root=root)
+    other = root.parent / "other"
+    (other / "src" / "package").mkdir(parents=True)
+    (other / "src" / "package" / "package.xml").touch()
+    with pytest.raises(RequestError, match="several colcon workspaces") as raised:
+        open_workspace(None)
+    assert "other" in raised.value.hint
+
+
+def test_opening_what_is_around_a_workspace(root: Path) -> None:
+    with pytest.raises(RequestError, match="it holds ws") as raised:
+        open_workspace(str(root.parent))
+    assert raised.value.hint == f"Write: -w {root}"
+    (root.parent / "build").mkdir()
+    (root.parent / "build" / ".built_by").write_text("colcon\n")
+    assert open_workspace(str(root.parent)) == Workspace(root=root.parent)  # as it was meant
+
+
+@pytest.mark.parametrize("inside", [".", "ws", "ws/src", "ws/src/demo"])
+def test_opening_where_the_package_has_no_manifest(
+    inside: str, root: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (root / "src" / "demo" / "package.xml").unlink()
+    monkeypatch.chdir(root.parent / inside)
+    with pytest.raises(NotFoundError) as raised:
+        open_workspace(None)
+    assert raised.value.message.startswith(f"{root / 'src' / 'demo'} has no package.xml")
+
+
+def test_opening_where_there_is_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "somewhere" / "src").mkdir(parents=True)
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(NotFoundError, match="no colcon workspace around"):
+        open_workspace(None)

@@ -1,0 +1,144 @@
+"""package.xml, read quickly and judged by catkin_pkg."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from workspace.building import PACKAGE_XML
+from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.workspace.manifest import Manifest, read_manifest
+from wsgen.workspace.package_xml import check_package_xml
+
+
+def write(folder: Path, text: str | bytes) -> Path:
+    file = folder / "package.xml"
+    file.write_bytes(text.encode() if isinstance(text, str) else text)
+    return file
+
+
+def test_what_is_read(tmp_path: Path) -> None:
+    text = PACKAGE_XML.replace("<export>", "<test_depend> ament_lint_auto </test_depend><export>")
+    assert read_manifest(write(tmp_path, text)) == Manifest(
+        name="demo", build_type="ament_cmake", test_dependencies=frozenset({"ament_lint_auto"})
+    )
+
+
+def test_names_elsewhere_are_not_the_package_s(tmp_path: Path) -> None:
+    text = "<package><export><tool><name>no</name></tool></export><name>yes</name></package>"
+    manifest = read_manifest(write(tmp_path, text))
+    assert isinstance(manifest, Manifest)
+    assert (manifest.name, manifest.build_type) == ("yes", "catkin")
+
+
+ENTITY = '<!DOCTYPE p [<!ENTITY a "aaaa">]><package><name>&a;</name></package>'
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "line"),
+    [
+        ("", "PKG001", 1),
+        ("<package>\n<name>\n", "PKG001", 2),
+        (b"\xff\xfe\x00", "PKG001", 1),
+        (ENTITY, "PKG001", 1),
+        ("<extension/>", "PKG003", 1),
+        ("<package/>", "PKG004", None),
+        ("<package><name> </name></package>", "PKG004", None),
+    ],
+)
+def test_what_cannot_be_read(
+    text: str | bytes, code: str, line: int | None, tmp_path: Path
+) -> None:
+    found = read_manifest(write(tmp_path, text))
+    assert isinstance(found, Diagnostic)
+    assert (found.code, found.line) == (code, line)
+    assert found.hint
+
+
+def test_a_folder_in_its_place(tmp_path: Path) -> None:
+    (tmp_path / "package.xml").mkdir()
+    found = read_manifest(tmp_path / "package.xml")
+    assert isinstance(found, Diagnostic)
+    assert found.code == "PKG002"
+
+
+def test_a_good_one_has_no_findings(tmp_path: Path) -> None:
+    assert check_package_xml(write(tmp_path, PACKAGE_XML)) == ()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line", "words"),
+    [
+        ("somebody@example.com", "nobody", 6, 'Invalid email "nobody"'),
+        ("0.0.0", "1.0", 4, 'version "1.0"'),
+        (">demo<", ">de mo<", 3, 'name "de mo"'),
+        ("<license>Apache-2.0</license>", "", None, '"license"'),
+        ("<buildtool_depend>", "<depend>demo</depend><buildtool_depend>", 3, "same name"),
+        ("Apache-2.0", "", 7, "license tag"),
+        ("<export>", "<run_depend>rviz</run_depend><export>", 9, "run_depend"),
+        ('format="3"', 'format="x"', 2, "'x'"),
+    ],
+)
+def test_what_catkin_pkg_refuses(
+    old: str, new: str, line: int | None, words: str, tmp_path: Path
+) -> None:
+    findings = check_package_xml(write(tmp_path, PACKAGE_XML.replace(old, new)))
+    assert findings
+    assert findings[0].severity is Severity.ERROR
+    assert findings[0].code == "PKG005"
+    assert words in findings[0].message
+    assert findings[0].line == line
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line", "told"),
+    [
+        ("</license>", "", 7, ("<license> is not closed", "Add </license>")),
+        ("</license>", "</licence>", 7, ("<license> is closed by </licence>", "Write </license>")),
+        ("</package>", "", 2, ("<package> is not closed", "Add </package>")),
+        ("A robot", "A & robot", 5, ("invalid token", "&amp;")),
+    ],
+)
+def test_mistakes_of_xml(
+    old: str, new: str, line: int, told: tuple[str, str], tmp_path: Path
+) -> None:
+    found = read_manifest(write(tmp_path, PACKAGE_XML.replace(old, new)))
+    assert isinstance(found, Diagnostic)
+    assert (found.code, found.line) == ("PKG001", line)
+    assert told[0] in found.message
+    assert told[1] in (found.hint or "")
+
+
+MAINTAINER = '<maintainer email="somebody@example.com">Somebody</maintainer>'
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "hint"),
+    [
+        (MAINTAINER, "", 'Add: <maintainer email="you@example.com">Your Name</maintainer>'),
+        ("<license>Apache-2.0</license>", "", "Add: <license>Apache-2.0</license>"),
+        ("<version>0.0.0</version>", "", "Add: <version>0.0.0</version>"),
+        ("<version>", "<version>1.0.0</version><version>", "Keep one <version>."),
+        ("A robot for tests.", "", "Add: <description>What the package is for.</description>"),
+        ("0.0.0", "1.0", "Write three numbers: <version>1.0.0</version>"),
+        ("<export>", "<depnd>a</depnd><export>", "Remove or rename depnd: this format"),
+        (' email="somebody@example.com"', "", 'Write: <maintainer email="...">'),
+        ('format="3"', 'format="99"', "REP-149"),
+    ],
+)
+def test_the_hint_is_something_to_write(old: str, new: str, hint: str, tmp_path: Path) -> None:
+    assert old in PACKAGE_XML
+    finding = check_package_xml(write(tmp_path, PACKAGE_XML.replace(old, new)))[0]
+    assert finding.code == "PKG005"
+    assert (finding.hint or "").startswith(hint)
+
+
+def test_what_it_dislikes(tmp_path: Path) -> None:
+    (finding,) = check_package_xml(write(tmp_path, PACKAGE_XML.replace(">demo<", ">Demo<")))
+    assert (finding.code, finding.severity, finding.line) == ("PKG006", Severity.WARNING, 3)
+
+
+def test_listing_packages_does_not_load_catkin_pkg() -> None:
+    code = "import sys, wsgen.workspace.build; sys.exit('catkin_pkg' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

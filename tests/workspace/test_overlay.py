@@ -1,0 +1,95 @@
+"""Sourcing an install space."""
+
+import os
+import shutil
+from pathlib import Path
+
+import pytest
+
+from workspace.building import build_here, link_programs, outside, write_package
+from wsgen.errors import NotFoundError, NotReadableError, RequestError
+from wsgen.workspace.layout import Workspace
+from wsgen.workspace.overlay import require_share, source_overlay
+
+
+@pytest.fixture(scope="module")
+def workspace(tmp_path_factory: pytest.TempPathFactory) -> Workspace:
+    """A workspace with a space in its name, built."""
+    root = tmp_path_factory.mktemp("my ws")
+    write_package(root)
+    assert build_here(root).succeeded
+    return Workspace(root=root)
+
+
+def test_the_environment_of_a_user(workspace: Workspace) -> None:
+    overlay = source_overlay(workspace, {**outside(), "MINE": "one\ntwo=2"})
+    prefix = workspace.install / "demo"
+    assert overlay.prefixes == (prefix,)
+    assert overlay.environment["AMENT_PREFIX_PATH"] == str(prefix)
+    assert overlay.environment["MINE"] == "one\ntwo=2"
+    assert overlay.share("demo") == prefix / "share" / "demo"
+    assert overlay.share("gazebo_ros") is None
+    assert overlay.packages() == ("demo",)
+
+
+def test_the_first_prefix_wins(workspace: Workspace, tmp_path: Path) -> None:
+    write_package(tmp_path)
+    write_package(tmp_path, "more")
+    build_here(tmp_path)
+    under = source_overlay(workspace, outside())
+    over = source_overlay(tmp_path / "install", under.environment)
+    assert over.share("demo") == tmp_path / "install" / "demo" / "share" / "demo"
+    assert over.packages() == ("demo", "more")
+    assert over.prefixes[-1] == workspace.install / "demo"
+
+
+def test_without_bash(workspace: Workspace, tmp_path: Path) -> None:
+    path = link_programs(tmp_path / "programs", "sh", "env", "python3", "uname")
+    overlay = source_overlay(workspace, {**outside(), "PATH": str(path)})
+    assert overlay.share("demo") is not None
+    with pytest.raises(NotFoundError, match="Install bash"):
+        source_overlay(workspace, {**outside(), "PATH": str(tmp_path)})
+
+
+def test_not_built(tmp_path: Path) -> None:
+    with pytest.raises(NotFoundError, match="wsgen build"):
+        source_overlay(Workspace(root=tmp_path), outside())
+
+
+@pytest.mark.parametrize("script", ["echo went wrong >&2; return 3", "exit 0"])
+def test_a_setup_file_that_fails(script: str, tmp_path: Path) -> None:
+    (tmp_path / "setup.bash").write_text(script)
+    with pytest.raises(NotReadableError, match="cannot be sourced"):
+        source_overlay(tmp_path, outside())
+
+
+def test_what_a_setup_file_prints_is_no_variable(tmp_path: Path) -> None:
+    (tmp_path / "setup.bash").write_text("echo A=1; export B=2")
+    variables = source_overlay(tmp_path, outside()).environment
+    assert (variables.get("A"), variables.get("B")) == (None, "2")
+
+
+def test_a_package_that_is_there(workspace: Workspace) -> None:
+    overlay = source_overlay(workspace, outside())
+    assert require_share(overlay, workspace, "demo") == overlay.share("demo")
+
+
+def test_a_package_that_was_not_built(workspace: Workspace) -> None:
+    package = write_package(workspace.root, "late")
+    try:
+        with pytest.raises(NotFoundError, match="wsgen build late"):
+            require_share(source_overlay(workspace, outside()), workspace, "late")
+    finally:
+        shutil.rmtree(package)
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_a_package_that_nobody_knows(workspace: Workspace, known: bool) -> None:
+    overlay = source_overlay(workspace, outside())
+    with pytest.raises(RequestError, match=r"Did you mean demo\?"):
+        require_share(overlay, workspace if known else None, "dmeo")
+
+
+def test_nothing_of_this_process_comes_in(workspace: Workspace) -> None:
+    assert "PYTEST_CURRENT_TEST" in os.environ
+    assert "PYTEST_CURRENT_TEST" not in source_overlay(workspace, outside()).environment

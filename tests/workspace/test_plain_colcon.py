@@ -1,0 +1,155 @@
+"""Plain `colcon build` finds the toolchain by itself, and a sourced ROS is left in peace."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from workspace.building import (
+    COLCON,
+    SHELL_PROGRAMS,
+    build_here,
+    cache_entry,
+    link_programs,
+    outside,
+    plain_colcon,
+    write_package,
+)
+
+SCRIPTS = Path(sys.executable).parent
+# What CMake's Python has to import for ament_cmake, with the needs of those.
+ROS_PYTHON_NEEDS = (
+    "catkin_pkg",
+    "pyparsing",
+    "dateutil",
+    "docutils",
+    "six.py",
+    "em.py",
+    "packaging",
+)
+
+
+def check_wheels_were_used(root: Path) -> None:
+    assert Path(cache_entry(root, "_Python3_EXECUTABLE") or "").parent == SCRIPTS
+    assert cache_entry(root, "ament_cmake_DIR") == f"{sys.prefix}/share/ament_cmake/cmake"
+    # The binary itself, not the wheel's Python script around it.
+    assert "/cmake/data/bin/" in (cache_entry(root, "CMAKE_COMMAND") or "")
+
+
+def test_not_activated(tmp_path: Path) -> None:
+    write_package(tmp_path)
+    plain_colcon(tmp_path, outside())
+    check_wheels_were_used(tmp_path)
+
+
+def test_not_activated_and_no_cmake_on_the_machine(tmp_path: Path) -> None:
+    write_package(tmp_path)
+    path = link_programs(tmp_path / "programs", *SHELL_PROGRAMS)
+    plain_colcon(tmp_path, {**outside(), "PATH": str(path)})
+    check_wheels_were_used(tmp_path)
+
+
+def test_activated(tmp_path: Path) -> None:
+    write_package(tmp_path)
+    path = f"{SCRIPTS}{os.pathsep}{outside()['PATH']}"
+    plain_colcon(tmp_path, {**outside(), "PATH": path, "VIRTUAL_ENV": sys.prefix})
+    check_wheels_were_used(tmp_path)
+
+
+def test_another_environment_is_active(tmp_path: Path) -> None:
+    write_package(tmp_path)
+    other = tmp_path / "other"
+    (other / "bin").mkdir(parents=True)
+    (other / "bin" / "python3").symlink_to("/usr/bin/python3")
+    path = f"{other / 'bin'}{os.pathsep}{outside()['PATH']}"
+    plain_colcon(tmp_path, {**outside(), "PATH": path, "VIRTUAL_ENV": str(other)})
+    check_wheels_were_used(tmp_path)
+
+
+def test_the_user_s_own_cmake(tmp_path: Path) -> None:
+    write_package(tmp_path)
+    own = tmp_path / "own-cmake"
+    own.write_text(f'#!/bin/sh\ntouch {tmp_path}/called\nexec {SCRIPTS}/cmake "$@"\n')
+    own.chmod(0o755)
+    plain_colcon(tmp_path, {**outside(), "CMAKE_COMMAND": str(own)})
+    assert (tmp_path / "called").exists()
+
+
+def test_colcon_test_finds_ctest(tmp_path: Path) -> None:
+    write_package(tmp_path)
+    path = link_programs(tmp_path / "programs", *SHELL_PROGRAMS)
+    environment = {**outside(), "PATH": str(path)}
+    plain_colcon(tmp_path, environment)
+    run = subprocess.run(
+        [COLCON, "test"], cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
+    )
+    assert (run.returncode, run.stderr) == (0, ""), run.stdout
+
+
+@pytest.fixture(scope="module")
+def ros(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    """The environment after sourcing a ROS that has a Python of its own.
+
+    Its prefix holds the files of ament_cmake as /opt/ros/<distro> does, its Python the modules
+    that a system's Python gets from Debian packages.
+    """
+    root = tmp_path_factory.mktemp("ros")
+    prefix = root / "opt"
+    (prefix / "share").mkdir(parents=True)
+    for folder in Path(sys.prefix, "share").glob("ament_*"):
+        (prefix / "share" / folder.name).symlink_to(folder)
+    for setup in ("setup.sh", "local_setup.sh"):
+        (prefix / setup).write_text("")
+
+    version = f"python{sys.version_info[0]}.{sys.version_info[1]}"
+    python = root / "usr"
+    home = Path(sys.base_prefix, "bin")
+    modules = python / "lib" / version / "site-packages"
+    modules.mkdir(parents=True)
+    (python / "bin").mkdir()
+    (python / "bin" / "python3").symlink_to(home / version)
+    (python / "pyvenv.cfg").write_text(f"home = {home}\n")
+    ours = Path(sys.prefix, "lib", version, "site-packages")
+    for name in ROS_PYTHON_NEEDS:
+        if (ours / name).exists():
+            (modules / name).symlink_to(ours / name)
+    ros_modules = prefix / "lib" / version / "site-packages"
+    ros_modules.mkdir(parents=True)
+    (ros_modules / "ament_package").symlink_to(ours / "ament_package")
+    return {
+        **outside(),
+        "PATH": f"{python / 'bin'}{os.pathsep}{outside()['PATH']}",
+        "AMENT_PREFIX_PATH": str(prefix),
+        "PYTHONPATH": str(ros_modules),
+        "ROS_DISTRO": "iron",
+        "ROS_VERSION": "2",
+    }
+
+
+def check_ros_was_used(root: Path, ros: dict[str, str]) -> None:
+    python = ros["PATH"].split(os.pathsep)[0]
+    assert cache_entry(root, "_Python3_EXECUTABLE") == f"{python}/python3"
+    prefix = ros["AMENT_PREFIX_PATH"]
+    assert cache_entry(root, "ament_cmake_DIR") == f"{prefix}/share/ament_cmake/cmake"
+
+
+def test_sourced_ros(ros: dict[str, str], tmp_path: Path) -> None:
+    write_package(tmp_path)
+    plain_colcon(tmp_path, ros)
+    check_ros_was_used(tmp_path, ros)
+
+
+def test_sourced_ros_with_the_environment_activated(ros: dict[str, str], tmp_path: Path) -> None:
+    write_package(tmp_path)
+    active = {**ros, "PATH": f"{SCRIPTS}{os.pathsep}{ros['PATH']}", "VIRTUAL_ENV": sys.prefix}
+    plain_colcon(tmp_path, active)
+    check_ros_was_used(tmp_path, ros)
+
+
+def test_sourced_ros_with_wsgen(ros: dict[str, str], tmp_path: Path) -> None:
+    write_package(tmp_path)
+    active = {**ros, "PATH": f"{SCRIPTS}{os.pathsep}{ros['PATH']}", "VIRTUAL_ENV": sys.prefix}
+    assert build_here(tmp_path, environment=active).succeeded
+    check_ros_was_used(tmp_path, ros)

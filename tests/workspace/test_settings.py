@@ -1,0 +1,43 @@
+"""What a package's `wsgen.toml` says to wsgen."""
+
+from pathlib import Path
+
+import pytest
+
+from wsgen.workspace.settings import read_settings
+
+
+def test_no_file_is_no_wish(tmp_path: Path) -> None:
+    settings, diagnostics = read_settings(tmp_path)
+    assert settings.allow == ()
+    assert diagnostics == ()
+
+
+def test_what_is_allowed(tmp_path: Path) -> None:
+    (tmp_path / "wsgen.toml").write_text('schema = 1\n[validate]\nallow = ["massless-root"]\n')
+    settings, diagnostics = read_settings(tmp_path)
+    assert settings.allow == ("massless-root",)
+    assert diagnostics == ()
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"allow = [",
+        b"\xff\xfe",
+        b'[validate]\nallow = "massless-root"\n',
+        b"[validate]\nallow = [1]\n",
+        b"validate = 3\n",
+        b'[validate]\nalow = ["massless-root"]\n',
+    ],
+)
+def test_a_file_that_cannot_be_used_is_a_finding(tmp_path: Path, content: bytes) -> None:
+    (tmp_path / "wsgen.toml").write_bytes(content)
+    settings, diagnostics = read_settings(tmp_path)
+    assert settings.allow == ()
+    assert [found.code for found in diagnostics] == ["PKG060"]
+
+
+def test_a_folder_in_its_place(tmp_path: Path) -> None:
+    (tmp_path / "wsgen.toml").mkdir()
+    assert [found.code for found in read_settings(tmp_path)[1]] == ["PKG060"]
