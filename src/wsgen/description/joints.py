@@ -1,0 +1,154 @@
+"""`<joint>` of a URDF. Calibration and safety limits are ignored, as Gazebo ignores them."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from wsgen.description.findings import line_of
+from wsgen.description.numbers import read_number, read_triple
+from wsgen.description.shapes import read_origin
+from wsgen.model.robot import Joint, JointLimit, JointType, Mimic
+from wsgen.xmltree import children
+
+if TYPE_CHECKING:
+    from wsgen.description.findings import Findings
+    from wsgen.xmltree import Element
+
+NEED_LIMITS = (JointType.REVOLUTE, JointType.PRISMATIC)
+HAVE_AXIS = (JointType.REVOLUTE, JointType.PRISMATIC, JointType.CONTINUOUS, JointType.PLANAR)
+UNIT_TOLERANCE = 1e-3  # of the length of an axis; hand-written axes have three digits
+
+
+def read_joint(findings: Findings, element: Element, name: str) -> Joint | None:
+    """A joint; None where it does not say what it joins, or how."""
+    path = f"joint[@name='{name}']"
+    kind = _read_type(findings, element, path)
+    ends = {
+        tag: next((child.get("link") or "" for child in children(element, tag)), "")
+        for tag in ("parent", "child")
+    }
+    for tag, link in ends.items():
+        if not link:
+            findings.error(
+                "ROB014",
+                f"The joint `{name}` has no {tag} link.",
+                hint=f'Add <{tag} link="LINK"/>.',
+                at=element,
+                path=path,
+            )
+    if kind is None or not all(ends.values()):
+        return None
+    damping, friction = _read_dynamics(findings, element, path)
+    return Joint(
+        name=name,
+        type=kind,
+        parent=ends["parent"],
+        child=ends["child"],
+        pose_in_parent=read_origin(findings, element, path),
+        axis_in_joint=_read_axis(findings, element, path) if kind in HAVE_AXIS else (1.0, 0.0, 0.0),
+        limit=_read_limit(findings, element, path, kind),
+        damping=damping,
+        friction=friction,
+        mimic=_read_mimic(findings, element, path),
+        line=line_of(element),
+    )
+
+
+def _read_type(findings: Findings, element: Element, path: str) -> JointType | None:
+    kind = element.get("type")
+    if kind in {known.value for known in JointType}:
+        return JointType(kind)
+    findings.error(
+        "ROB015",
+        "The joint has no type." if kind is None else f"`{kind}` is not a joint type.",
+        hint=f"One of {', '.join(known.value for known in JointType)}.",
+        at=element,
+        path=path,
+    )
+    return None
+
+
+def _read_axis(findings: Findings, element: Element, path: str) -> tuple[float, float, float]:
+    for axis in children(element, "axis"):
+        xyz = read_triple(findings, axis, "xyz", f"{path}/axis")
+        length = math.hypot(*xyz) if xyz is not None else 1.0
+        if xyz is None:
+            break
+        if length == 0:
+            findings.error(
+                "ROB018",
+                "The axis has no direction (0 0 0).",
+                hint='Name the axis that the joint moves about or along, as xyz="0 0 1".',
+                at=axis,
+                path=f"{path}/axis",
+            )
+            break
+        if abs(length - 1) > UNIT_TOLERANCE:
+            findings.warning(
+                "ROB019",
+                f"The axis has length {length:.4g}, not 1.",
+                hint="Divide it by its length: some programs scale the joint's motion with it.",
+                at=axis,
+                path=f"{path}/axis",
+            )
+        return (xyz[0] / length, xyz[1] / length, xyz[2] / length)
+    return (1.0, 0.0, 0.0)
+
+
+def _read_limit(
+    findings: Findings, element: Element, path: str, kind: JointType
+) -> JointLimit | None:
+    path = f"{path}/limit"
+    for limit in children(element, "limit"):
+        required = kind in NEED_LIMITS
+        lower, upper, effort, velocity = (
+            read_number(
+                findings, limit, name, path, required=required and name in {"effort", "velocity"}
+            )
+            or 0.0
+            for name in ("lower", "upper", "effort", "velocity")
+        )
+        if required and lower > upper:
+            findings.warning(
+                "ROB023",
+                f"The lower limit {lower:g} is above the upper limit {upper:g}.",
+                hint="Exchange them; Gazebo does so, other programs take the joint for a free one.",
+                at=limit,
+                path=path,
+            )
+            lower, upper = upper, lower
+        return JointLimit(lower=lower, upper=upper, effort=effort, velocity=velocity)
+    if kind in NEED_LIMITS:
+        findings.error(
+            "ROB020",
+            f"A {kind.value} joint needs <limit>.",
+            hint='Add <limit lower="-1" upper="1" effort="10" velocity="1"/> (rad or m, N m or N)'
+            + (", or make the joint continuous." if kind is JointType.REVOLUTE else "."),
+            at=element,
+            path=path,
+        )
+    return None
+
+
+def _read_dynamics(findings: Findings, element: Element, path: str) -> tuple[float, float]:
+    path = f"{path}/dynamics"
+    for dynamics in children(element, "dynamics"):
+        damping, friction = (
+            read_number(findings, dynamics, name, path, required=False) or 0.0
+            for name in ("damping", "friction")
+        )
+        return damping, friction
+    return 0.0, 0.0
+
+
+def _read_mimic(findings: Findings, element: Element, path: str) -> Mimic | None:
+    path = f"{path}/mimic"
+    for mimic in children(element, "mimic"):
+        multiplier = read_number(findings, mimic, "multiplier", path, required=False)
+        return Mimic(
+            joint=mimic.get("joint") or "",
+            multiplier=1.0 if multiplier is None else multiplier,
+            offset=read_number(findings, mimic, "offset", path, required=False) or 0.0,
+        )
+    return None

@@ -1,0 +1,112 @@
+"""The files that mesh addresses stand for."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+from urllib.parse import unquote
+
+from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.model.robot import Mesh, Robot
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from wsgen.model.robot import Geometry, Link
+
+    ShareOf = Callable[[str], Path | None]  # package name -> its installed share folder
+
+FORMATS = (".stl", ".obj", ".dae")  # that both Gazebo and PyBullet read
+
+
+def find_meshes(
+    robot: Robot, *, share_of: ShareOf, folder: Path | None = None, file: Path | None = None
+) -> tuple[Robot, tuple[Diagnostic, ...]]:
+    """Fill in the path of every mesh that is there, and report the others.
+
+    `package://PACKAGE/…` and `model://PACKAGE/…` are looked up with `share_of`; a path that is not
+    absolute is seen from `folder`. `file` is what the diagnostics name.
+    """
+    search = _Search(share_of, folder, file)
+    links = tuple(
+        replace(
+            link,
+            visuals=tuple(
+                replace(visual, geometry=search.located(visual.geometry, link, is_visual=True))
+                for visual in link.visuals
+            ),
+            collisions=tuple(
+                replace(shape, geometry=search.located(shape.geometry, link, is_visual=False))
+                for shape in link.collisions
+            ),
+        )
+        for link in robot.links
+    )
+    return replace(robot, links=links), tuple(search.diagnostics.values())
+
+
+class _Search:
+    """Where to look, and what was not found."""
+
+    def __init__(self, share_of: ShareOf, folder: Path | None, file: Path | None) -> None:
+        self.share_of = share_of
+        self.folder = folder
+        self.file = file
+        self.diagnostics: dict[
+            tuple[str, str, bool], Diagnostic
+        ] = {}  # one for each mesh of a link
+
+    def located(self, geometry: Geometry, link: Link, *, is_visual: bool) -> Geometry:
+        """The mesh with its path; any other geometry as it is."""
+        if not isinstance(geometry, Mesh):
+            return geometry
+        found = self._locate(geometry.uri)
+        if isinstance(found, Path):
+            return replace(geometry, path=str(found))
+        problem, hint = found
+        kind = "visual" if is_visual else "collision"
+        self.diagnostics[link.name, geometry.uri, is_visual] = Diagnostic(
+            code="ROB061" if is_visual else "ROB060",
+            severity=Severity.WARNING if is_visual else Severity.ERROR,
+            message=f"The {kind} mesh `{geometry.uri}` of the link `{link.name}` {problem}.",
+            file=self.file,
+            line=link.line,
+            element=f"link[@name='{link.name}']/{kind}/geometry/mesh",
+            hint=hint,
+        )
+        return geometry
+
+    def _locate(self, uri: str) -> Path | tuple[str, str]:
+        """The file, or what is wrong and what to do."""
+        scheme, separator, rest = uri.partition("://")
+        if not separator:
+            path = Path(uri)
+            if not path.is_absolute():
+                if self.folder is None:
+                    return "has a path that is relative to nothing", "Write package://PACKAGE/…"
+                path = self.folder / path
+        elif scheme == "file":
+            path = Path(unquote(rest))
+        elif scheme in {"package", "model"}:
+            package, _, inside = rest.partition("/")
+            share = self.share_of(package)
+            if share is None:
+                return (
+                    f"is in the package `{package}`, which was not found",
+                    f"Build and source a workspace with `{package}`, and name it in package.xml.",
+                )
+            path = share / inside
+        else:
+            return "is not a file", "Put the mesh into the package: package://PACKAGE/meshes/…"
+        if not path.is_file():
+            return (
+                f"is not there ({path})",
+                "Check its spelling, capitals included, and that CMakeLists.txt installs it.",
+            )
+        if path.suffix.lower() not in FORMATS:
+            return (
+                f"is of a format that is not read ({path.suffix or 'no extension'})",
+                f"Convert it to one of {', '.join(FORMATS)}.",
+            )
+        return path

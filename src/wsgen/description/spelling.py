@@ -1,0 +1,61 @@
+"""Elements of a URDF whose names are surely misspelt: programs leave them out without a word."""
+
+from __future__ import annotations
+
+from difflib import get_close_matches
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from wsgen.description.findings import Findings
+    from wsgen.xmltree import Element
+
+SHAPED = ("origin", "geometry", "material")
+# What urdfdom and sdformat look for in an element. Others are allowed, and many tools have some.
+KNOWN = {
+    "robot": ("link", "joint", "material", "gazebo", "transmission", "ros2_control"),
+    "link": ("visual", "collision", "inertial"),
+    "joint": (
+        "origin",
+        "parent",
+        "child",
+        "axis",
+        "limit",
+        "dynamics",
+        "mimic",
+        "calibration",
+        "safety_controller",
+    ),
+    "visual": SHAPED,
+    "collision": SHAPED,
+    "inertial": ("origin", "mass", "inertia"),
+    "material": ("color", "texture"),
+}
+# So alike two words are, as difflib counts, that one is taken for the other: `parnt` and `parent`
+# are at 0.91, `visuals` and `visual` at 0.92, `colour` and `color` at 0.91.
+ALIKE = 0.8
+
+
+def check_spelling(findings: Findings, element: Element, path: str) -> None:
+    """Report, in the element and below it, children that are nearly called as known ones."""
+    known = KNOWN.get(str(element.tag))
+    if known is None:
+        return
+    for child in element:
+        if not isinstance(child.tag, str):
+            continue
+        name = child.get("name")
+        inside = child.tag if name is None else f"{child.tag}[@name='{name}']"
+        if element.tag != "robot":
+            inside = f"{path}/{child.tag}"
+        if child.tag in known:
+            check_spelling(findings, child, inside)
+            continue
+        near = get_close_matches(child.tag, known, n=1, cutoff=ALIKE)
+        if near:
+            findings.warning(
+                "ROB038",
+                f"A {element.tag} has no <{child.tag}>: Gazebo leaves it out without a word.",
+                hint=f"Did you mean <{near[0]}>?",
+                at=child,
+                path=inside,
+            )

@@ -1,0 +1,298 @@
+"""Lumping, against numbers worked out by hand."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from wsgen.description.lump import lump, parts_of_impossible_sums
+from wsgen.description.reader import read_urdf
+from wsgen.diagnostics import Severity
+from wsgen.model.pose import IDENTITY, Pose
+from wsgen.model.robot import (
+    Collision,
+    GazeboTag,
+    Inertial,
+    Joint,
+    JointType,
+    Link,
+    Robot,
+    Sphere,
+    Surface,
+    Visual,
+)
+
+UNIT = (1.0, 0.0, 0.0, 1.0, 0.0, 1.0)
+
+
+def body(name: str, mass: float | None = 1.0, **more: object) -> Link:
+    inertial = None if mass is None else Inertial(mass=mass, inertia=UNIT)
+    return replace(Link(name=name, inertial=inertial), **more)  # type: ignore[arg-type]
+
+
+def fixed(parent: str, child: str, pose: Pose = IDENTITY) -> Joint:
+    return Joint(
+        name=f"{parent}_{child}",
+        type=JointType.FIXED,
+        parent=parent,
+        child=child,
+        pose_in_parent=pose,
+    )
+
+
+def turning(parent: str, child: str, pose: Pose = IDENTITY) -> Joint:
+    return replace(fixed(parent, child, pose), type=JointType.CONTINUOUS)
+
+
+def robot(links: list[Link], joints: list[Joint], **more: object) -> Robot:
+    made = Robot(name="r", root=links[0].name, links=tuple(links), joints=tuple(joints))
+    return replace(made, **more)  # type: ignore[arg-type]
+
+
+def test_parallel_axis() -> None:
+    lumped, found = lump(
+        robot([body("a", 1.0), body("b", 3.0)], [fixed("a", "b", Pose((4.0, 0.0, 0.0)))])
+    )
+    (a,) = lumped.links
+    assert found == ()
+    assert a.inertial is not None
+    assert a.inertial.mass == 4.0
+    assert a.inertial.pose_in_link.xyz == (3.0, 0.0, 0.0)
+    # 1 kg at 3 m and 3 kg at 1 m from the common centre: 9 + 3 across, nothing along.
+    assert a.inertial.inertia == pytest.approx((2.0, 0.0, 0.0, 14.0, 0.0, 14.0))
+
+
+def test_products_of_inertia() -> None:
+    lumped, _ = lump(robot([body("a"), body("b")], [fixed("a", "b", Pose((2.0, 2.0, 0.0)))]))
+    assert lumped.links[0].inertial is not None
+    # Two times 1 kg at (1, 1, 0): ixy is -2.
+    assert lumped.links[0].inertial.inertia == pytest.approx((4.0, -2.0, 0.0, 4.0, 0.0, 6.0))
+
+
+def test_rotated_inertia() -> None:
+    tensor = (1.0, 0.0, 0.0, 2.0, 0.0, 2.5)
+    child = Link(name="b", inertial=Inertial(mass=1.0, inertia=tensor))
+    quarter = Pose((0.0, 0.0, 0.0), (0.0, 0.0, math.pi / 2))
+    lumped, _ = lump(robot([body("a"), child], [fixed("a", "b", quarter)]))
+    assert lumped.links[0].inertial is not None
+    # The child's x axis is the parent's y axis.
+    assert lumped.links[0].inertial.inertia == pytest.approx((3.0, 0.0, 0.0, 2.0, 0.0, 3.5))
+
+
+def test_shapes_and_surfaces_come_along() -> None:
+    child = body(
+        "b",
+        collisions=(
+            Collision(
+                geometry=Sphere(radius=1.0),
+                pose_in_link=Pose((1.0, 0.0, 0.0)),
+                surface=Surface(mu1=0.2),
+            ),
+        ),
+        visuals=(Visual(geometry=Sphere(radius=1.0), rgba=(0.0, 1.0, 0.0, 1.0)),),
+        gravity=False,
+        self_collide=True,
+    )
+    pose = Pose((0.0, 0.0, 1.0), (0.0, 0.0, math.pi / 2))
+    lumped, _ = lump(robot([body("a"), child], [fixed("a", "b", pose)]))
+    (a,) = lumped.links
+    assert a.collisions[0].pose_in_link.xyz == pytest.approx((0.0, 1.0, 1.0))
+    assert a.collisions[0].surface.mu1 == 0.2
+    assert a.visuals[0].pose_in_link == pose
+    assert a.visuals[0].rgba == (0.0, 1.0, 0.0, 1.0)
+    assert (a.gravity, a.self_collide) == (False, True)
+
+
+def test_joints_below_a_lumped_link_move_to_its_parent() -> None:
+    quarter = Pose((1.0, 0.0, 0.0), (0.0, 0.0, math.pi / 2))
+    lumped, _ = lump(
+        robot(
+            [body("a"), body("b"), body("c"), body("d")],
+            [fixed("a", "b", quarter), fixed("b", "c", quarter), turning("c", "d", quarter)],
+        )
+    )
+    (joint,) = lumped.joints
+    assert (joint.parent, joint.child, joint.name) == ("a", "d", "c_d")
+    assert joint.pose_in_parent.xyz == pytest.approx((0.0, 1.0, 0.0))
+    assert abs(joint.pose_in_parent.rpy[2]) == pytest.approx(math.pi / 2)
+    assert [link.name for link in lumped.links] == ["a", "d"]
+
+
+def test_massless_root_takes_the_lumped_body_and_keeps_its_name() -> None:
+    lumped, found = lump(robot([body("dummy", None), body("base")], [fixed("dummy", "base")]))
+    assert found == ()
+    assert [(link.name, link.inertial and link.inertial.mass) for link in lumped.links] == [
+        ("dummy", 1.0)
+    ]
+
+
+def test_lumped_massless_link_does_not_cut_off_its_children() -> None:
+    """sdformat since its pull request 1238; older ones drop c here."""
+    lumped, found = lump(
+        robot([body("a"), body("b", None), body("c")], [fixed("a", "b"), turning("b", "c")])
+    )
+    assert found == ()
+    assert [link.name for link in lumped.links] == ["a", "c"]
+
+
+def test_moving_massless_link_is_dropped_with_what_hangs_on_it() -> None:
+    lumped, found = lump(
+        robot(
+            [body("a"), body("b", None), body("c"), body("d")],
+            [turning("a", "b"), turning("b", "c"), fixed("c", "d")],
+        )
+    )
+    assert [link.name for link in lumped.links] == ["a"]
+    assert lumped.joints == ()
+    (only,) = found
+    assert (only.code, only.severity) == ("ROB040", Severity.ERROR)
+    assert all(name in only.message for name in ("`b`", "`c`", "`d`"))
+
+
+@pytest.mark.parametrize("mass", [None, 0.0, 1e-7])
+def test_root_without_mass_is_refused(mass: float | None) -> None:
+    lumped, found = lump(robot([body("a", mass), body("b")], [turning("a", "b")]))
+    assert lumped.links == ()
+    assert found[0].code == "ROB040"
+    assert "refuses" in found[0].message
+
+
+def test_two_zero_masses() -> None:
+    _, found = lump(robot([body("a", 0.0), body("b", 0.0)], [fixed("a", "b")]))
+    assert "ROB041" in {diagnostic.code for diagnostic in found}
+
+
+def test_zero_mass_adds_its_inertia() -> None:
+    lumped, found = lump(robot([body("a", 1.0), body("b", 0.0)], [fixed("a", "b")]))
+    assert found == ()
+    assert lumped.links[0].inertial is not None
+    assert lumped.links[0].inertial.inertia == (2.0, 0.0, 0.0, 2.0, 0.0, 2.0)
+
+
+def test_impossible_sum() -> None:
+    """The mass of 0 lets the inertia through that is its part of the sum."""
+    flat = Link(name="b", inertial=Inertial(mass=0.0, inertia=(1.0, 0.0, 0.0, 1.0, 0.0, 9.0)))
+    _, found = lump(robot([body("a"), flat], [fixed("a", "b")]))
+    assert [diagnostic.code for diagnostic in found] == ["ROB042"]
+
+
+def test_an_impossible_part_is_told_by_the_reader_and_its_sum_is_not() -> None:
+    flat = Link(name="b", inertial=Inertial(mass=1.0, inertia=(1.0, 0.0, 0.0, 1.0, 0.0, 9.0)))
+    model = robot([body("a"), flat, body("c")], [fixed("a", "b"), turning("b", "c")])
+    assert lump(model)[1] == ()
+    assert parts_of_impossible_sums(model) == {"a", "b"}
+
+
+@pytest.mark.parametrize("mass", [None, 0.0])
+def test_blamed_is_the_link_that_should_have_mass(mass: float | None) -> None:
+    """The tutorial's robot, its only body below an empty root."""
+    shape = Collision(geometry=Sphere(radius=1.0))
+    base = replace(body("base", mass), collisions=(shape,))
+    empty = [body("dummy", None), base, body("frame", None)]
+    joints = [fixed("dummy", "base"), fixed("base", "frame")]
+    (found,) = lump(robot(empty, joints))[1]
+    assert found.element == "link[@name='base']"
+    assert "`base` has no <inertial>" in found.message or "mass of 0 kg" in found.message
+    assert "`dummy`, which it is fixed to, has no mass either" in found.message
+    assert "`frame`" in found.message
+    assert "`base`" in (found.hint or "")
+    (found,) = lump(robot([body("root"), *empty], [turning("root", "dummy"), *joints]))[1]
+    assert found.message.startswith("Gazebo drops the link `dummy` with the joint above it")
+    assert found.element == "link[@name='base']"
+
+
+def tagged(key: str) -> GazeboTag:
+    return GazeboTag(reference="a_b", values={key: "true"})
+
+
+def test_preserved_joint_stays_fixed() -> None:
+    lumped, _ = lump(
+        robot(
+            [body("a"), body("b")],
+            [fixed("a", "b")],
+            gazebo=(tagged("preserveFixedJoint"), tagged("disableFixedJointLumping")),
+        )
+    )
+    assert [joint.type for joint in lumped.joints] == [JointType.FIXED]
+
+
+def test_disabled_lumping_makes_a_joint_that_cannot_turn() -> None:
+    lumped, _ = lump(
+        robot(
+            [body("a"), body("b")], [fixed("a", "b")], gazebo=(tagged("disableFixedJointLumping"),)
+        )
+    )
+    (joint,) = lumped.joints
+    assert joint.type is JointType.REVOLUTE
+    assert joint.limit is not None
+    assert (joint.limit.lower, joint.limit.upper) == (0.0, 0.0)
+
+
+def test_what_is_fixed_to_the_world_is_not_lumped_into_it() -> None:
+    lumped, found = lump(
+        robot(
+            [body("world", None), body("a"), body("b")],
+            [fixed("world", "a"), fixed("a", "b")],
+            fixed_to_world=True,
+        )
+    )
+    assert found == ()
+    assert [link.name for link in lumped.links] == ["world", "a"]
+    assert lumped.mass == 2.0
+
+
+def test_tags_follow_their_links() -> None:
+    lumped, _ = lump(
+        robot(
+            [body("a"), body("b"), body("c")],
+            [fixed("a", "b"), fixed("b", "c")],
+            gazebo=(GazeboTag(reference="c", sensors=("eye",)),),
+        )
+    )
+    assert lumped.gazebo[0].reference == "a"
+
+
+def test_a_long_chain() -> None:
+    count = 3000
+    links = [body(f"l{index}") for index in range(count)]
+    joints = [
+        fixed(f"l{index}", f"l{index + 1}", Pose((0.001, 0.0, 0.0))) for index in range(count - 1)
+    ]
+    lumped, found = lump(robot(links, joints))
+    assert found == ()
+    assert lumped.mass == count
+    assert lumped.links[0].inertial is not None
+    assert lumped.links[0].inertial.pose_in_link.xyz[0] == pytest.approx(0.001 * (count - 1) / 2)
+
+
+def test_the_robot_of_the_tutorial() -> None:
+    model, _ = read_urdf(
+        '<robot name="simple_robot"><link name="dummy"/>'
+        '<joint name="j" type="fixed"><parent link="dummy"/><child link="base_link"/></joint>'
+        '<link name="base_link"><collision><geometry><cylinder length="0.5" radius="0.4"/>'
+        '</geometry></collision><inertial><mass value="1"/>'
+        '<inertia ixx="100" ixy="0" ixz="0" iyy="100" iyz="0" izz="100"/></inertial></link>'
+        '<gazebo reference="base_link"><mu1>0.2</mu1></gazebo></robot>',
+        file=None,
+    )
+    assert model is not None
+    lumped, found = lump(model)
+    assert found == ()
+    assert (lumped.root, lumped.mass, lumped.joints) == ("dummy", 1.0, ())
+    assert lumped.links[0].collisions[0].surface.mu1 == 0.2
+
+
+def test_the_mass_of_a_root_called_world_counts_for_nothing() -> None:
+    """Gazebo makes no body of it."""
+    body = Inertial(mass=1.0, inertia=(1.0, 0.0, 0.0, 1.0, 0.0, 1.0))
+    robot = Robot(
+        name="r",
+        root="world",
+        links=(Link(name="world", inertial=body), Link(name="arm", inertial=body)),
+        joints=(Joint(name="j", type=JointType.CONTINUOUS, parent="world", child="arm"),),
+        fixed_to_world=True,
+    )
+    lumped, _ = lump(robot)
+    assert lumped.mass == 1.0

@@ -1,0 +1,101 @@
+"""Findings about an expanded robot, placed in the xacro files."""
+
+from pathlib import Path
+
+import pytest
+
+from wsgen.description.source import place_in_source
+from wsgen.diagnostics import Diagnostic, Severity
+
+MAIN = """<?xml version="1.0"?>
+<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="r">
+  <xacro:include filename="$(find some_robot)/model/robot.gazebo"/>
+  <xacro:include filename="wheels.xacro"/>
+  <xacro:include filename="${somewhere}/else.xacro"/>
+  <!-- <link name="base_link"/> <link name="gone"/> -->
+  <link
+    name="base_link"/>
+  <link name="${prefix}camera"/>
+  <xacro:macro name="arm" params="name">
+    <link name="${name}"/>
+    <link name="${name}_arm_$(arg side)"/>
+    <joint name="${name}_joint"/>
+    <joint name="left_${name}_joint"/>
+    <link name="${name}.a"/>
+    <link name="a.${name}"/>
+  </xacro:macro>
+</robot>
+"""
+GAZEBO = '<robot>\n<gazebo reference="base_link">\n<mu1>x</mu1></gazebo></robot>'
+WHEELS = '<robot>\n\n\n<link name="wheel"/>\n<xacro:include filename="robot.xacro"/></robot>'
+
+
+@pytest.fixture
+def model(tmp_path: Path) -> Path:
+    folder = tmp_path / "share" / "some_robot" / "model"
+    folder.mkdir(parents=True)
+    (folder / "robot.xacro").write_text(MAIN)
+    (folder / "robot.gazebo").write_text(GAZEBO)
+    (folder / "wheels.xacro").write_text(WHEELS)
+    return folder
+
+
+def place(element: str | None, file: Path | None, text: str = "<expanded/>") -> Diagnostic:
+    found = Diagnostic(
+        code="ROB050",
+        severity=Severity.WARNING,
+        message="m",
+        file=file,
+        line=99,
+        element=element,
+    )
+    (placed,) = place_in_source(
+        [found],
+        text=text,
+        file=file,
+        share_of=lambda name: file.parents[1] if file and name == "some_robot" else None,
+    )
+    return placed
+
+
+@pytest.mark.parametrize(
+    ("element", "file", "line"),
+    [
+        ("link[@name='base_link']/inertial", "robot.xacro", 7),
+        ("link[@name='front_camera']", "robot.xacro", 9),
+        ("link[@name='camera']", "robot.xacro", 9),
+        ("link[@name='upper_arm_left']", "robot.xacro", 12),
+        ("joint[@name='left_upper_joint']", "robot.xacro", 14),
+        ("joint[@name='right_upper_joint']", "robot.xacro", 13),
+        ("joint[@name='camera']", "robot.xacro", None),
+        # two could be meant
+        ("link[@name='a.a']", "robot.xacro", None),
+        # only in a comment
+        ("link[@name='gone']", "robot.xacro", None),
+        ("link[@name='wheel']", "wheels.xacro", 4),
+        ("gazebo[@reference='base_link']/mu1", "robot.gazebo", 2),
+        ("link[@name='made_by_a_macro']", "robot.xacro", None),
+        (None, "robot.xacro", None),
+    ],
+)
+def test_an_element_is_found_by_its_name(
+    model: Path, element: str | None, file: str, line: int | None
+) -> None:
+    placed = place(element, model / "robot.xacro")
+    assert (placed.file, placed.line) == (model / file, line)
+
+
+def test_a_urdf_keeps_its_lines(model: Path) -> None:
+    placed = place("link[@name='wheel']", model / "robot.xacro", text=MAIN)
+    assert (placed.file, placed.line) == (model / "robot.xacro", 99)
+
+
+def test_a_text_from_nowhere_has_no_line() -> None:
+    placed = place("link[@name='base_link']", None)
+    assert (placed.file, placed.line) == (None, None)
+
+
+def test_files_that_cannot_be_read_are_passed_over(model: Path) -> None:
+    (model / "wheels.xacro").write_bytes(b"\xff\xfe")
+    (model / "robot.gazebo").unlink()
+    assert place("link[@name='wheel']", model / "robot.xacro").line is None

@@ -1,0 +1,73 @@
+"""Elements that are nearly called as those that Gazebo reads."""
+
+from __future__ import annotations
+
+import pytest
+
+from wsgen.description.reader import read_urdf
+from wsgen.diagnostics import Diagnostic, Severity
+
+ROBOT = """<robot name="r">
+  <link name="a">
+    {link}
+    <inertial><mass value="1"/>
+      <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>{inertial}</inertial>
+    <visual><geometry><box size="1 1 1"/></geometry>{visual}</visual>
+  </link>
+  <link name="b"/>
+  <joint name="j" type="fixed"><parent link="a"/><child link="b"/>{joint}</joint>
+  {robot}
+</robot>
+"""
+PLACES = ("link", "inertial", "visual", "joint", "robot")
+
+
+def misspelt(place: str, content: str) -> list[Diagnostic]:
+    text = ROBOT.format(**{**dict.fromkeys(PLACES, ""), place: content})
+    _, found = read_urdf(text, file=None)
+    return [finding for finding in found if finding.code == "ROB038"]
+
+
+@pytest.mark.parametrize(
+    ("place", "wrong", "meant"),
+    [
+        ("link", "colision", "collision"),
+        ("link", "Collision", "collision"),
+        ("link", "inertal", "inertial"),
+        ("link", "inertia", "inertial"),
+        ("link", "visul", "visual"),
+        ("joint", "parnt", "parent"),
+        ("joint", "axs", "axis"),
+        ("joint", "limits", "limit"),
+        ("visual", "orgin", "origin"),
+        ("visual", "materal", "material"),
+        ("inertial", "orign", "origin"),
+        ("robot", "links", "link"),
+    ],
+)
+def test_the_nearest_name_is_told(place: str, wrong: str, meant: str) -> None:
+    (found,) = misspelt(place, f"<{wrong}/>")
+    assert found.severity is Severity.WARNING
+    assert f"<{wrong}>" in found.message
+    assert found.hint == f"Did you mean <{meant}>?"
+    assert found.line
+    assert (found.element or "").endswith(wrong)
+
+
+def test_the_element_names_the_part() -> None:
+    (found,) = misspelt("visual", "<materal/>")
+    assert (found.element, found.line) == ("link[@name='a']/visual/materal", 6)
+
+
+@pytest.mark.parametrize(
+    ("place", "content"),
+    [
+        ("link", "<contact><lateral_friction value='1'/></contact><self_collision_checking/>"),
+        ("link", "<sensor name='s'/><verbose/><group/>"),
+        ("joint", "<hardwareInterface/><damping/><friction/><!-- <parnt/> -->"),
+        ("robot", "<gazebo><colision/></gazebo><ros2_control/><sensor/><version/><loop_joint/>"),
+        ("robot", "<transmission><joint name='j'/></transmission><x:links xmlns:x='y'/>"),
+    ],
+)
+def test_what_other_programs_read_is_no_mistake(place: str, content: str) -> None:
+    assert misspelt(place, content) == []

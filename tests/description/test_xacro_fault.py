@@ -1,0 +1,224 @@
+"""What is told of a fault in a xacro file: the very line, and what to do."""
+
+from __future__ import annotations
+
+import os
+import sys
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+import pytest
+import xacro
+
+from wsgen.description.expand import Watch, expand, find_fault
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+ROBOT = """<?xml version="1.0"?>
+<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="r">
+  <!-- give length:=1.0 or mass:=2, as in ${mas} <link name="${mas}"/> -->
+  <xacro:arg name="mass" default="1.0"/>
+  <xacro:property name="mass" value="$(arg mass)"/>
+  <xacro:property name="length" value="0.5"/>
+  <xacro:include filename="$(find my_robot)/model/robot.gazebo"/>
+  <xacro:macro name="solid" params="mass length">
+    <inertial>
+      <mass value="${mass}"/>
+      <inertia ixx="${mass * length**2 / 12}"
+               izz="${mass * length**2 / 12.5}"/>
+    </inertial>
+  </xacro:macro>
+  <link name="base_link">
+    <collision><geometry><box size="1 1 ${length}"/></geometry></collision>
+    <xacro:solid mass="${mass}" length="${length}"/>
+  </link>
+  <link name="arm">
+    <xacro:solid mass="${mass}" length="${length}"/>
+    <visual>
+      ${length}
+    </visual>
+  </link>
+</robot>
+"""
+
+
+class PackageNotFoundError(KeyError):
+    """As ament_index_python raises it."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__(f"package {name!r} not found")
+        self.name = name
+
+
+@pytest.fixture
+def model(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The model folder of an installed package, which `$(find)` knows."""
+    share = tmp_path / "share" / "my_robot"
+    folder = share / "model"
+    folder.mkdir(parents=True)
+    index = tmp_path / "share" / "ament_index" / "resource_index" / "packages"
+    index.mkdir(parents=True)
+    (index / "my_robot").touch()
+    (folder / "robot.gazebo").write_text("<robot><gazebo><a>${length}</a></gazebo></robot>")
+    monkeypatch.setenv("AMENT_PREFIX_PATH", os.pathsep.join(["", "/no", str(tmp_path)]))
+
+    def find(name: str) -> str:
+        if name == "gazebo_ros":  # an address of which nothing is here
+            return str(tmp_path / "opt" / "share" / name)
+        if name != "my_robot":
+            raise PackageNotFoundError(name)
+        return str(share)
+
+    packages = ModuleType("ament_index_python.packages")
+    packages.get_package_share_directory = find  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, "ament_index_python", ModuleType("ament_index_python"))
+    monkeypatch.setitem(sys.modules, "ament_index_python.packages", packages)
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line", "words", "hint"),
+    [
+        # an expression that is a part of another word, and stands in a comment too
+        ('solid mass="${mass}"', 'solid mass="${mas}"', 17, "'mas' is not", "mean `mass`?"),
+        ('value="0.5"', 'value="${length}"', 6, "length -> length", "another name"),
+        ('1 ${length}"', '1 ${length"', 16, "`${length` does not end", "`}`"),
+        ("$(find my_robot)", "$(find my_robto)", 7, "'my_robto'", "mean `my_robot`?"),
+        ("<xacro:solid m", "<xacro:solidd m", 17, "xacro:solidd", "mean `solid`?"),
+        ('solid mass="${mass}"', "solid", 17, "[mass]", '<xacro:solid mass="..."'),
+        ('solid mass="${mass}"', 'solid mss="1"', 17, '"mss"', "mean `mass`?"),
+        ("robot.gazebo", "robot.gazbo", 7, "model/robot.gazbo'", "mean `robot.gazebo`?"),
+        ("/model/", "/modle/", 7, "/modle/robot.gazebo'", "mean `model`?"),
+        ('default="1.0"', 'default="1,5"', 4, "`mass` is the text '1,5'", "Write 1.5"),
+        ('default="1.0"', 'default="heavy"', 4, "`mass` is the text 'heavy'", "a number"),
+        ('value="0.5"', 'value="0.5 m"', 6, "`length` is the text '0.5 m'", "a number"),
+        ("12.5", "(mass - mass)", 12, "with mass = 1.0, length = 0.5", "xacro FILE"),
+        ("/ 12}", "/ sqr(12)}", 11, "'sqr' is not", "mean `sqrt`?"),
+        ("$(arg mass)", "$(arg mas)", 5, "argument mas", "mean `mass`?"),
+        ('params="mass length"', 'params="mass length depth:=${no}"', 8, "'no' is not", "Define"),
+        ('"mass" value', '"1mass" value', 5, "1mass", "xacro FILE"),
+        ("<visual>", '<xacro:if value="${mass} x"/><visual>', 21, "not a boolean", "xacro FILE"),
+        ("<visual>", '<xacro:insert_block name="b"/><visual>', 21, 'block "b"', "xacro FILE"),
+        ('<link name="b', '<xacro:solidus/><link name="b', 15, "xacro:solidus", "mean `solid`?"),
+        ("${length}\n", "\n${size}\n", 23, "'size' is not", "Define"),
+        (
+            "<visual>",
+            "<origin xyz=\"${xacro.load_yaml('a.yml')}\"/><visual>",
+            21,
+            "a.yml",
+            "spelling",
+        ),
+        ("</visual>", "</visul>", 23, "not well-formed", "this line"),
+        ("give", "\ngive \udcff", 4, "0xff is no UTF-8", "UTF-8"),
+    ],
+)
+def test_the_line_and_the_hint(  # noqa: PLR0917  cases
+    model: Path, old: str, new: str, line: int, words: str, hint: str
+) -> None:
+    fault = fault_of(model, ROBOT.replace(old, new, 1))
+    assert new.encode("utf-8", "surrogateescape") in (model / "robot.xacro").read_bytes()
+    assert (fault["file"], fault["line"]) == (str(model / "robot.xacro"), line)
+    assert words in fault["message"]
+    assert hint in fault["hint"]
+
+
+def fault_of(model: Path, content: str) -> dict[str, Any]:
+    (model / "robot.xacro").write_bytes(content.encode("utf-8", "surrogateescape"))
+    fault = expand(model / "robot.xacro", {}).fault
+    assert fault is not None
+    return fault
+
+
+def body(*lines: str) -> str:
+    """A robot whose elements begin in line 2."""
+    return "\n".join(
+        ('<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">', *lines, "</robot>")
+    )
+
+
+@pytest.mark.parametrize(
+    ("use", "definition", "hint"),
+    [
+        ('<link name="${a}"/>', '<xacro:property name="a" value="1"/>', "Line 3 of robot.xacro"),
+        ("<xacro:a/>", '<xacro:macro name="a"><link/></xacro:macro>', "Line 3 of robot.xacro"),
+    ],
+)
+def test_what_is_defined_too_late(model: Path, use: str, definition: str, hint: str) -> None:
+    fault = fault_of(model, body(use, definition))
+    assert fault["line"] == 2
+    assert hint in fault["hint"]
+
+
+def test_faults_in_an_included_file(model: Path) -> None:
+    include = '<xacro:include filename="robot.gazebo"/>'
+    fault = fault_of(model, body(include))
+    assert (fault["file"], fault["line"]) == (str(model / "robot.gazebo"), 1)
+    assert "'length' is not defined" in fault["message"]
+
+
+@pytest.mark.parametrize(
+    ("content", "line"),
+    [
+        ('<xacro:macro name="m">\n<link name="${no}"/></xacro:macro>', 3),
+        ('<xacro:property name="p" value="a"/>\n\n<xacro:property name="q" value="${no}"/>', 4),
+    ],
+)
+def test_what_an_included_file_defines(model: Path, content: str, line: int) -> None:
+    """The fault is found when the including file uses it; the included one is to be mended."""
+    (model / "parts.xacro").write_text(body(content))
+    include = '<xacro:include filename="parts.xacro"/>'
+    use = "<xacro:m/>" if "macro name" in content else '<link name="${q}"/>'
+    fault = fault_of(model, body(include, use))
+    assert (fault["file"], fault["line"]) == (str(model / "parts.xacro"), line)
+
+
+def test_a_number_from_the_command_line(model: Path) -> None:
+    file = model / "robot.xacro"
+    file.write_text(ROBOT)
+    fault = expand(file, {"mass": "1,5"}).fault
+    assert fault is not None
+    assert fault["line"] == 11
+    assert "the value of `mass` is the text '1,5'" in fault["message"]
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        body('<xacro:macro name="m"><xacro:m/></xacro:macro>', "<xacro:m/>"),
+        body('<xacro:include filename="robot.xacro"/>'),
+    ],
+)
+def test_circles(model: Path, content: str) -> None:
+    fault = fault_of(model, content)
+    assert "in a circle" in fault["message"]
+    assert fault["line"] == 2
+
+
+def test_a_package_that_is_not_here(model: Path) -> None:
+    """Which of them need not be here, the launch file's evaluation knows."""
+    fault = fault_of(model, ROBOT.replace("$(find my_robot)", "$(find gazebo_ros)"))
+    assert fault["missing"].endswith("/opt/share/gazebo_ros/model/robot.gazebo")
+    fault = fault_of(model, ROBOT.replace("$(find my_robot)", "$(find no_robot)"))
+    assert (fault["package"], fault["line"]) == ("no_robot", 7)
+
+
+def test_a_document_that_the_caller_opened(model: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """xacro is not told its name."""
+    monkeypatch.setattr(xacro, "parse", xacro.parse)  # set back afterwards
+    monkeypatch.setattr(xacro, "process_doc", xacro.process_doc)
+    Watch(lambda *_: None)
+    file = model / "robot.xacro"
+    for content, line in ((body('<link name="${no}"/>'), 2), (body("", "<link>"), 4)):
+        file.write_text(content)
+        with file.open() as stream, pytest.raises(Exception) as caught:  # noqa: PT011  any
+            xacro.process_doc(xacro.parse(stream))
+        fault = find_fault(caught.value)
+        assert fault is not None
+        assert (fault["file"], fault["line"]) == (str(file), line)
+
+
+def test_what_is_not_from_xacro() -> None:
+    with pytest.raises(ZeroDivisionError) as caught:
+        _ = 1 / 0
+    assert find_fault(caught.value) is None
