@@ -1,0 +1,1 @@
+"""SDF worlds: read them, and find what they include."""

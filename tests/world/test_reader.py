@@ -1,0 +1,147 @@
+"""World files: what is read from them, and what is said about bad ones."""
+
+from pathlib import Path
+
+import pytest
+
+from wsgen.diagnostics import Severity
+from wsgen.model.pose import Pose
+from wsgen.world.reader import DEFAULT_WORLD, read_world
+
+TUTORIAL = """<?xml version="1.0" ?>
+<sdf version="1.5">
+  <world name="Empty world">
+    <include><uri>model://sun</uri></include>
+    <include><uri>model://ground_plane</uri></include>
+  </world>
+</sdf>
+"""
+
+
+def write(folder: Path, text: str) -> Path:
+    file = folder / "some.world"
+    file.write_text(text, encoding="utf-8")
+    return file
+
+
+def world(content: str) -> str:
+    return f'<sdf version="1.6"><world name="w">\n{content}\n</world></sdf>'
+
+
+def codes(folder: Path, text: str) -> list[tuple[str, int | None]]:
+    _, diagnostics = read_world(write(folder, text))
+    return [(found.code, found.line) for found in diagnostics]
+
+
+def test_the_tutorials_world(tmp_path: Path) -> None:
+    read, diagnostics = read_world(write(tmp_path, TUTORIAL))
+    assert diagnostics == ()
+    assert read is not None
+    assert read.name == "Empty world"
+    assert read.gravity == (0.0, 0.0, -9.8)
+    assert read.step == 0.001
+    assert read.has_ground_plane
+    assert read.lights == ("sun",)
+    assert [model.name for model in read.models] == ["ground_plane"]
+
+
+def test_gravity_and_step_of_the_world(tmp_path: Path) -> None:
+    text = world(
+        "<gravity>0 0 -1.62</gravity><physics><max_step_size>0.002</max_step_size></physics>"
+    )
+    read, _ = read_world(write(tmp_path, text))
+    assert read is not None
+    assert (read.gravity, read.step) == ((0.0, 0.0, -1.62), 0.002)
+
+
+def test_gravity_was_part_of_physics_until_sdf_1_5(tmp_path: Path) -> None:
+    read, _ = read_world(write(tmp_path, world("<physics><gravity>0 0 -3</gravity></physics>")))
+    assert read is not None
+    assert read.gravity == (0.0, 0.0, -3.0)
+
+
+@pytest.mark.parametrize(
+    "uri",
+    ["https://fuel.gazebosim.org/1.0/OpenRobotics/models/Ground Plane", "model://ground_plane/"],
+)
+def test_a_ground_plane_by_any_address(tmp_path: Path, uri: str) -> None:
+    text = world(f"<include><uri>{uri}</uri><pose>0 0 1 0 0 0</pose></include>")
+    read, diagnostics = read_world(write(tmp_path, text))
+    assert read is not None
+    assert read.has_ground_plane
+    assert read.models[0].pose_in_world == Pose((0.0, 0.0, 1.0))
+    assert [found.code for found in diagnostics] == ["WLD009"]  # the trial has it at z = 0
+
+
+def test_a_plane_written_in_the_world_is_a_ground(tmp_path: Path) -> None:
+    text = world(
+        '<model name="floor"><static>true</static><link name="l"><collision name="c">'
+        "<geometry><plane><normal>0 0 1</normal></plane></geometry></collision></link></model>"
+    )
+    read, diagnostics = read_world(write(tmp_path, text))
+    assert read is not None
+    assert read.has_ground_plane
+    assert read.models[0].is_static
+    assert diagnostics == ()
+
+
+def test_models_that_are_left_out_are_named(tmp_path: Path) -> None:
+    text = world(
+        "<include><uri>model://ground_plane</uri></include>\n"
+        "<include><uri>model://cafe</uri></include>\n"
+        '<model name="crate"/>'
+    )
+    read, diagnostics = read_world(write(tmp_path, text))
+    assert read is not None
+    assert [(found.code, found.line) for found in diagnostics] == [("WLD004", 3), ("WLD004", 4)]
+    assert "model://cafe" in diagnostics[0].message
+    assert all(found.severity is Severity.WARNING for found in diagnostics)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("", [("WLD002", 1)]),
+        ("<sdf>\n<world>\n</sdf>", [("WLD002", 3)]),
+        ("<robot name='r'/>", [("WLD003", 1)]),
+        ("<sdf version='1.6'><model name='m'/></sdf>", [("WLD003", 1)]),
+        (world(""), [("WLD006", 1)]),
+        (world("<gravity>0 0</gravity>"), [("WLD005", 2), ("WLD006", 1)]),
+        (world("<gravity>0 0 nan</gravity>"), [("WLD005", 2), ("WLD006", 1)]),
+        (world("<gravity>0, 0, -9.8</gravity>"), [("WLD005", 2), ("WLD006", 1)]),
+        (
+            world("<physics><max_step_size>-1</max_step_size></physics>"),
+            [("WLD007", 2), ("WLD006", 1)],
+        ),
+        (
+            world("<physics><max_step_size>10</max_step_size></physics>"),
+            [("WLD007", 2), ("WLD006", 1)],
+        ),
+    ],
+)
+def test_what_is_wrong_with_a_world(
+    tmp_path: Path, text: str, expected: list[tuple[str, int]]
+) -> None:
+    assert codes(tmp_path, text) == expected
+
+
+def test_a_world_that_is_not_there(tmp_path: Path) -> None:
+    read, diagnostics = read_world(tmp_path / "no.world")
+    assert read is None
+    assert [found.code for found in diagnostics] == ["WLD001"]
+    assert "install(DIRECTORY" in (diagnostics[0].hint or "")
+
+
+def test_an_entity_cannot_reach_another_file(tmp_path: Path) -> None:
+    (tmp_path / "secret").write_text("0 0 -1")
+    text = f'<!DOCTYPE sdf [<!ENTITY s SYSTEM "{tmp_path}/secret">]>' + world(
+        "<gravity>&s;</gravity>"
+    )
+    read, diagnostics = read_world(write(tmp_path, text))
+    assert read is None or read.gravity == DEFAULT_WORLD.gravity
+    assert diagnostics
+
+
+def test_the_world_without_a_file_has_a_ground() -> None:
+    assert DEFAULT_WORLD.has_ground_plane
+    assert DEFAULT_WORLD.file is None
