@@ -1,0 +1,1 @@
+"""Launch files: evaluate them without ROS, and read from the plan what they spawn."""

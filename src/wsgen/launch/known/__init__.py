@@ -1,0 +1,1 @@
+"""Python modules of packages that are not here and whose actions are known."""

@@ -1,0 +1,1 @@
+"""Stand-in for lifecycle_msgs, where it is not installed: its numbers."""

@@ -1,0 +1,242 @@
+"""Packages of ROS that launch files name and that need not be here.
+
+Their share folders can be looked up and joined, and their launch files be included: these declare
+the same arguments with the same defaults as the real ones, because the defaults leak into the
+caller. Defaults are those of gazebo_ros 3.7.0 (iron) and ros_gz_sim 0.254.2; what another
+distribution does differently is named.
+"""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+_FLAGS_OF_BOTH = {"version": "false", "verbose": "false", "help": "false", "extra_gazebo_args": ""}
+
+_GZSERVER = {
+    "world": "",
+    **_FLAGS_OF_BOTH,
+    "lockstep": "false",
+    "pause": "false",
+    "physics": "",
+    "play": "",
+    "record": "false",
+    "record_encoding": "",
+    "record_path": "",
+    "record_period": "",
+    "record_filter": "",
+    "seed": "",
+    "iters": "",
+    "minimal_comms": "false",
+    "profile": "",
+    "params_file": "",
+    "gdb": "false",
+    "valgrind": "false",
+    "init": "true",
+    "factory": "true",
+    "force_system": "true",
+    "server_required": "false",
+}
+_GZCLIENT = {**_FLAGS_OF_BOTH, "gdb": "false", "valgrind": "false", "gui_required": "false"}
+
+_GZ_SPAWN_MODEL = {
+    "world": "",
+    "file": "",
+    "model_string": "",
+    "topic": "",
+    "entity_name": "",
+    "allow_renaming": "False",
+    **dict.fromkeys(("x", "y", "z", "R", "P", "Y"), "0.0"),
+}
+
+_CONTAINER = {
+    "container_name": "ros_gz_container",
+    "create_own_container": "False",
+    "use_composition": "False",
+}
+_BRIDGE: dict[str, str | None] = {
+    "bridge_name": None,
+    "config_file": None,
+    **_CONTAINER,
+    "namespace": "",
+    "use_respawn": "False",
+    "log_level": "info",
+}
+
+# Package -> launch file -> argument -> default, None where it must be given.
+_LAUNCH_FILES: dict[str, dict[str, Mapping[str, str | None]]] = {
+    "gazebo_ros": {
+        "gazebo.launch.py": {"gui": "true", "server": "true", **_GZSERVER, **_GZCLIENT},
+        "gzserver.launch.py": _GZSERVER,
+        "gzclient.launch.py": _GZCLIENT,
+    },
+    "ros_gz_sim": {
+        "gz_sim.launch.py": {
+            "gz_args": "",
+            "gz_version": "6",
+            "ign_args": "",
+            "ign_version": "",
+            "debugger": "false",
+            "on_exit_shutdown": "false",
+        },
+        "gz_server.launch.py": {"world_sdf_file": "", "world_sdf_string": "", **_CONTAINER},
+        "gz_spawn_model.launch.py": _GZ_SPAWN_MODEL,
+        "ros_gz_sim.launch.py": {"world_sdf_file": "", "world_sdf_string": "", **_BRIDGE},
+        "ros_gz_spawn_model.launch.py": {**_GZ_SPAWN_MODEL, **_BRIDGE},
+    },
+    "ros_gz_bridge": {"ros_gz_bridge.launch.py": _BRIDGE},
+    "ros_ign_gazebo": {"ign_gazebo.launch.py": {"ign_args": "", "ign_version": "6"}},
+}
+
+# Packages whose launch files, if they have any, are recorded with the arguments they are given.
+_OTHERS = frozenset(
+    (
+        "controller_manager",
+        "gazebo_plugins",
+        "joint_state_broadcaster",
+        "joint_state_publisher",
+        "joint_state_publisher_gui",
+        "joy",
+        "nav2_bringup",
+        "rclcpp_components",
+        "robot_localization",
+        "robot_state_publisher",
+        "ros2_control",
+        "ros2launch",
+        "ros_gz_image",
+        "ros_ign_bridge",
+        "rqt_gui",
+        "rqt_robot_steering",
+        "rviz2",
+        "slam_toolbox",
+        "teleop_twist_joy",
+        "teleop_twist_keyboard",
+        "tf2_ros",
+        "topic_tools",
+        "twist_mux",
+        "xacro",
+    )
+)
+
+# Packages that the manifest of the evaluated package says it needs, and that are not here.
+_declared: set[str] = set()
+
+# What `gz_sim.launch.py` runs where nothing is said: the Gazebo of the distribution.
+_GZ_VERSIONS = {"humble": "6", "iron": "6", "jazzy": "8", "kilted": "9"}
+
+_PROGRAMS = frozenset(
+    ("gazebo", "gz", "gzclient", "gzserver", "ign", "ros2", "ruby", "rviz2", "xacro", "xterm")
+)
+
+# Programs that run until they are told to stop; all others are taken to do their work and exit.
+_RUN_FOR_EVER = frozenset(
+    (
+        "async_slam_toolbox_node",
+        "component_container",
+        "component_container_isolated",
+        "component_container_mt",
+        "ekf_node",
+        "gazebo",
+        "gz",
+        "gzclient",
+        "gzserver",
+        "ign",
+        "image_bridge",
+        "joint_state_publisher",
+        "joint_state_publisher_gui",
+        "parameter_bridge",
+        "robot_state_publisher",
+        "ros2_control_node",
+        "rviz2",
+        "static_transform_publisher",
+        "sync_slam_toolbox_node",
+        "teleop_twist_keyboard",
+        "twist_mux",
+    )
+)
+
+
+class StandInFile:
+    """A launch file of a package that is not here."""
+
+    __slots__ = ("name", "package")
+
+    def __init__(self, package: str, name: str) -> None:
+        self.package = package
+        self.name = name
+
+    def arguments(self, distro: str) -> Mapping[str, str | None]:
+        """Its arguments and their defaults; FileNotFoundError if the package has no such file."""
+        files = _LAUNCH_FILES.get(self.package, {})
+        if files and self.name not in files:
+            raise FileNotFoundError(
+                f"{self.package} has no launch file '{self.name}'; it has {', '.join(files)}"
+            )
+        arguments = dict(files.get(self.name, {}))
+        if "gz_version" in arguments:
+            arguments["gz_version"] = _GZ_VERSIONS.get(distro, "10")
+        if distro == "humble" and "world" in arguments and self.package == "gazebo_ros":
+            arguments["world"] = os.path.join(_share("gazebo_ros"), "worlds", "empty.world")
+        return arguments
+
+
+def prefix() -> str:
+    """Where packages that are not here are said to be: where ROS would have installed them."""
+    return f"/opt/ros/{os.environ.get('ROS_DISTRO', 'iron')}"
+
+
+def is_known(package: str) -> bool:
+    """Whether a package need not be here."""
+    return (
+        package in _LAUNCH_FILES
+        or package in _OTHERS
+        or package in _declared
+        or package.startswith("nav2_")
+    )
+
+
+def declare(package: str) -> None:
+    """From here on the package is one of those that need not be here."""
+    _declared.add(package)
+
+
+def stand_in_prefix(package: str) -> str | None:
+    """The prefix to name for a package that is not here."""
+    return prefix() if is_known(package) else None
+
+
+def stand_in_of(file: str) -> StandInFile | None:
+    """The launch file of a known package that a path means, unless it is really there."""
+    package = package_of(file)
+    if package is None or not is_stand_in(file) or os.path.exists(file):
+        return None
+    return StandInFile(package, os.path.basename(file))
+
+
+def package_of(file: str) -> str | None:
+    """The package whose share folder a path lies in."""
+    _, found, rest = file.rpartition("/share/")
+    return rest.split("/", 1)[0] if found and "/" in rest else None
+
+
+def is_stand_in(file: str) -> bool:
+    """Whether a path leads into the share folder of a package that is not here."""
+    package = package_of(file)
+    return package is not None and is_known(package) and file.startswith(_share(package))
+
+
+def program_path(name: str) -> str | None:
+    """Where a program of ROS or Gazebo would be."""
+    return f"{prefix()}/bin/{name}" if name in _PROGRAMS else None
+
+
+def runs_for_ever(program: str) -> bool:
+    """Whether a program does not exit by itself."""
+    return program in _RUN_FOR_EVER
+
+
+def _share(package: str) -> str:
+    return f"{prefix()}/share/{package}/"

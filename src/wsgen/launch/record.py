@@ -1,0 +1,169 @@
+"""What is noted down while a launch file is evaluated, in the child process.
+
+There is one record in a process, because launch files make a `LaunchContext` of their own to
+perform substitutions, and what these find out belongs to the same plan. Everything in it is made
+of JSON values. No dataclasses: they would cost more than the rest of the module.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+    from types import FrameType
+
+    Location = tuple[str, int]  # file, 1-based line
+    CommandRunner = Callable[[Sequence[str]], "CommandOutcome"]
+
+_MACHINERY = os.path.dirname(os.path.dirname(__file__)) + os.sep  # all of wsgen
+_NOT_THE_USERS = (_MACHINERY, "<frozen importlib")
+
+
+class ForkError(Exception):
+    """The launch file forks; raised in it, and explained as what is wrong with it."""
+
+
+class CommandOutcome:
+    """What a command line printed, and where it found fault if it did."""
+
+    __slots__ = ("code", "fault", "stderr", "stdout")
+
+    def __init__(
+        self, stdout: str, stderr: str = "", code: int = 0, fault: dict[str, Any] | None = None
+    ) -> None:
+        self.stdout = stdout
+        self.stderr = stderr
+        self.code = code
+        self.fault = fault  # message, file, line of the user's file that is wrong
+
+
+class Record:
+    """What would start, what was included, and what could not be found out."""
+
+    def __init__(self) -> None:
+        self.package: str | None = None  # the one whose launch file is evaluated
+        self.arguments: dict[str, dict[str, Any]] = {}  # declared ones by name, in order
+        self.processes: list[dict[str, Any]] = []  # keyword arguments of model.plan.Process
+        self.includes: list[dict[str, Any]] = []  # of model.plan.Include
+        self.unresolved: list[dict[str, Any]] = []  # of model.plan.Unresolved
+        self.diagnostics: list[dict[str, Any]] = []  # of diagnostics.Diagnostic
+        self.launch_files: list[str] = []  # evaluated ones, in order
+        self.reading: Location | None = None  # element of an XML or YAML file that is made into one
+        self.run_xacro: CommandRunner | None = None
+        self.environment: dict[str, str] = {}  # as it was before the launch file ran
+        self.unknown_texts: set[str] = set()  # what stands in texts for what is not known
+        self.texts: dict[str, str] = {}  # what files became, see `_fold` -> the file
+        self.opened: list[str] = []  # robots and worlds that the launch file opened itself
+
+    def note_unresolved(self, what: str, why: str, location: Location | None) -> None:
+        """Note a value that only a real ROS could give."""
+        file, line = location or (None, None)
+        entry = {"what": what, "why": why, "file": file, "line": line}
+        if entry not in self.unresolved:
+            self.unresolved.append(entry)
+
+    def note_unknown(self, what: str, why: str, location: Location | None) -> str:
+        """Note a value that only a real ROS could give; gives the text that stands for it."""
+        self.note_unresolved(what, why, location)
+        self.unknown_texts.add(f"$({what})")
+        return f"$({what})"
+
+    def is_unknown(self, text: str) -> bool:
+        """Whether a text has one in it that stands for something unknown."""
+        return "$(" in text and any(unknown in text for unknown in self.unknown_texts)
+
+    def note_diagnostic(  # noqa: PLR0913  the fields of a diagnostic
+        self,
+        code: str,
+        severity: str,
+        message: str,
+        location: Location | None,
+        *,
+        hint: str | None = None,
+        element: str | None = None,
+    ) -> None:
+        """Note what is wrong with the user's files."""
+        file, line = location or (None, None)
+        self.diagnostics.append(
+            {
+                "code": code,
+                "severity": severity,
+                "message": message,
+                "file": file,
+                "line": line,
+                "element": element,
+                "hint": hint,
+            }
+        )
+
+    def note_text(self, text: str, file: str) -> None:
+        """Note that a text, as a description of a robot is one, was made from a file."""
+        self.texts[_fold(text)] = file
+
+    def find_description_files(self) -> None:
+        """Note with each process which file the description is of that it is given."""
+        for process in self.processes:
+            for value in (*process["parameters"].values(), *process["arguments"]):
+                if isinstance(value, str) and value.lstrip().startswith("<"):
+                    process["description_file"] = self._file_of(_fold(value))
+
+    def _file_of(self, text: str) -> str | None:
+        if text in self.texts:
+            return self.texts[text]
+        for file in dict.fromkeys(self.opened):
+            with contextlib.suppress(OSError, ValueError):
+                self.texts.setdefault(_fold(Path(file).read_text(encoding="utf-8")), file)
+        self.opened.clear()  # reading them was seen as well
+        return self.texts.get(text)
+
+    def changed_environment(self) -> dict[str, str]:
+        """Variables that differ now from what they were before the launch file ran."""
+        return {
+            name: value for name, value in os.environ.items() if self.environment.get(name) != value
+        }
+
+
+def _fold(text: str) -> str:
+    """The text without the layout that YAML takes away where it reads it."""
+    return " ".join(text.split())
+
+
+RECORD = Record()
+
+
+def caller() -> Location | None:
+    """The line that called into the recording modules; None where none of the user's did."""
+    if RECORD.reading is not None:
+        return RECORD.reading
+    frame: FrameType | None = sys._getframe(1)  # noqa: SLF001  no stack has to be built for it
+    while frame is not None and frame.f_code.co_filename.startswith(_NOT_THE_USERS):
+        frame = frame.f_back
+    if frame is None or frame.f_globals.get("__name__") == "__main__":
+        return None  # the child's own first lines
+    return frame.f_code.co_filename, frame.f_lineno
+
+
+def locate(error: BaseException, fallback: Location | None) -> None:
+    """Attach to an exception the line of the user's files that it is about, once."""
+    if hasattr(error, "wsgen_location"):
+        return
+    location = last_user_line(error) or fallback
+    if location is not None:
+        error.wsgen_location = location  # type: ignore[attr-defined]
+
+
+def last_user_line(error: BaseException) -> Location | None:
+    """The deepest line of a launch file in the exception's traceback."""
+    found = None
+    step = error.__traceback__
+    while step is not None:
+        file = step.tb_frame.f_code.co_filename
+        if file in RECORD.launch_files:
+            found = (file, step.tb_lineno)
+        step = step.tb_next
+    return found

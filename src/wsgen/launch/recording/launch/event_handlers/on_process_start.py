@@ -1,0 +1,22 @@
+"""When a process starts."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from launch.actions.execute_local import ExecuteLocal
+from launch.event_handlers.on_action_event_base import OnActionEventBase
+from launch.events.process.process_started import ProcessStarted
+
+
+class OnProcessStart(OnActionEventBase):
+    """What is done when a process starts; without a target, any process."""
+
+    def __init__(self, *, target_action: Any = None, on_start: Any, **kwargs: Any) -> None:
+        super().__init__(
+            action_matcher=target_action,
+            on_event=on_start,
+            target_event_cls=ProcessStarted,
+            target_action_cls=ExecuteLocal,
+            **kwargs,
+        )

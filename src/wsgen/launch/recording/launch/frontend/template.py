@@ -1,0 +1,94 @@
+"""Texts with `$(name argument ...)` in them, as substitutions.
+
+Arguments are separated by one blank each; one that holds blanks or parentheses is quoted. A
+backslash takes the meaning from the character behind it.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from launch.substitutions.text_substitution import TextSubstitution
+
+if TYPE_CHECKING:
+    from launch.substitution import Substitution
+
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
+_ESCAPED = re.compile(r"\\(.)", re.DOTALL)
+
+
+def parse_substitution(text: str) -> list[Substitution]:
+    """The substitutions whose texts, one after the other, are the text."""
+    if "$" not in text:  # nearly all are plain
+        return [TextSubstitution(text=unescape(text))]
+    found, _ = _Reader(text).template(0, "")
+    return found
+
+
+def unescape(text: str) -> str:
+    """The text without the backslashes that protect something."""
+    return _ESCAPED.sub(r"\1", text)
+
+
+class _Reader:
+    """Reads from a position on, and gives what it found and where that ends."""
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+
+    def template(self, position: int, quote: str) -> tuple[list[Substitution], int]:
+        """Text and substitutions up to the closing quote, or the end where there is none."""
+        return self._run(position, quote, quote)
+
+    def _run(self, position: int, quote: str, end_marks: str) -> tuple[list[Substitution], int]:
+        found: list[Substitution] = []
+        begin = position
+        while position < len(self.text) and self.text[position] not in end_marks:
+            if self.text[position] == "\\":
+                position += 2
+            elif self.text.startswith("$(", position):
+                self._add_text(found, begin, position)
+                substitution, position = self._substitution(position, quote)
+                found.append(substitution)
+                begin = position
+            elif self.text[position] == "$":
+                raise self._refusal(position, "a '$' that begins no $(...) must be written as \\$")
+            else:
+                position += 1
+        self._add_text(found, begin, position)
+        return found, min(position, len(self.text))
+
+    def _add_text(self, found: list[Substitution], begin: int, end: int) -> None:
+        if begin < end:
+            found.append(TextSubstitution(text=unescape(self.text[begin:end])))
+
+    def _substitution(self, position: int, quote: str) -> tuple[Substitution, int]:
+        name = _NAME.match(self.text, position + 2)
+        if name is None:
+            raise self._refusal(position, "a name is missing behind '$('")
+        position = name.end()
+        arguments: list[list[Substitution]] = []
+        while self.text.startswith(" ", position):
+            argument, position = self._argument(position + 1, quote)
+            arguments.append(argument)
+        if not self.text.startswith(")", position):
+            raise self._refusal(position, "')' is missing")
+        from launch.frontend.substitutions import make
+
+        return make(name.group(), arguments), position + 1
+
+    def _argument(self, position: int, quote: str) -> tuple[list[Substitution], int]:
+        mark = self.text[position : position + 1]
+        if mark in {"'", '"'} and not quote:
+            found, position = self.template(position + 1, mark)
+            if not self.text.startswith(mark, position):
+                raise self._refusal(position, f"a quote {mark} is not closed")
+            return found, position + 1
+        found, position = self._run(position, quote, f" (){quote}" if quote else " ()'\"")
+        if not found:
+            raise self._refusal(position, "an argument is missing")
+        return found, position
+
+    def _refusal(self, position: int, what: str) -> ValueError:
+        return ValueError(f"cannot read '{self.text}' at character {position + 1}: {what}")

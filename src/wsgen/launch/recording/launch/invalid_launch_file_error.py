@@ -1,0 +1,5 @@
+"""A launch file that cannot be loaded."""
+
+
+class InvalidLaunchFileError(Exception):
+    """Nothing could read the launch file."""

@@ -1,0 +1,170 @@
+"""The state of a launch: configurations, environment, event handlers."""
+
+from __future__ import annotations
+
+import os
+from collections import deque
+from typing import TYPE_CHECKING, Any
+
+from launch._timeline import Timeline
+from wsgen.launch.record import locate
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from launch.event import Event
+    from launch.event_handler import BaseEventHandler
+    from launch.substitution import Substitution
+
+
+class _Locals:
+    """Read-only attribute access to the locals."""
+
+    def __init__(self, values: Mapping[str, Any]) -> None:
+        self.__dict__["_values"] = values
+
+    def __getattr__(self, name: str) -> Any:
+        values = self.__dict__["_values"]
+        if name not in values:
+            raise AttributeError(
+                f"context.locals does not contain attribute '{name}', it contains: "
+                f"[{', '.join(values)}]"
+            )
+        return values[name]
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        raise AttributeError(f"can't set attribute '{name}', locals are read-only")
+
+
+class LaunchContext:
+    """What entities see of the launch while they are visited."""
+
+    def __init__(self, *, argv: Iterable[str] | None = None, noninteractive: bool = False) -> None:
+        self.argv = [] if argv is None else argv
+        self.noninteractive = noninteractive
+        self.is_shutdown = False
+        self.asyncio_loop = None
+        self.timeline = Timeline()
+        self._event_handlers: deque[BaseEventHandler] = deque()
+        self._globals: dict[str, Any] = {}
+        self._locals: dict[str, Any] = {}
+        self._locals_stack: list[dict[str, Any]] = []
+        self._configurations: dict[str, Any] = {}
+        self._configurations_stack: list[dict[str, Any]] = []
+        self._environment_stack: list[dict[str, str]] = []
+        self._environment_at_start = dict(os.environ)
+
+    @property
+    def launch_configurations(self) -> dict[str, Any]:
+        """Name to text; a few internal names hold lists, as in the original."""
+        return self._configurations
+
+    @property
+    def environment(self) -> dict[str, str]:
+        """The environment as it is now."""
+        return os.environ  # type: ignore[return-value]  # a mutable mapping of strings all the same
+
+    @property
+    def locals(self) -> Any:
+        """Locals by attribute."""
+        return _Locals(self.get_locals_as_dict())
+
+    def get_locals_as_dict(self) -> dict[str, Any]:
+        """Globals overlaid with locals."""
+        return {**self._globals, **self._locals}
+
+    def extend_globals(self, extensions: Mapping[str, Any]) -> None:
+        """Add locals for good."""
+        self._globals.update(extensions)
+
+    def extend_locals(self, extensions: Mapping[str, Any]) -> None:
+        """Add locals until the event that is handled now is done with."""
+        self._locals.update(extensions)
+
+    def perform_substitution(self, substitution: Substitution) -> str:
+        """The text of a substitution now."""
+        try:
+            return substitution.perform(self)
+        except Exception as error:
+            locate(error, getattr(substitution, "wsgen_location", None))
+            raise
+
+    @property
+    def has_event_handlers(self) -> bool:
+        """Whether anything waits for an event."""
+        return bool(self._event_handlers)
+
+    def would_handle_event(self, event: Event) -> bool:
+        """Whether some handler waits for this event."""
+        return any(handler.matches(event) for handler in self._event_handlers)
+
+    def register_event_handler(
+        self,
+        event_handler: BaseEventHandler,
+        append: bool = False,  # noqa: FBT001, FBT002  as the original
+    ) -> None:
+        """The handler registered last is asked first, unless it is appended."""
+        if append:
+            self._event_handlers.append(event_handler)
+        else:
+            self._event_handlers.appendleft(event_handler)
+
+    def unregister_event_handler(self, event_handler: BaseEventHandler) -> None:
+        """Ask this handler no more."""
+        self._event_handlers.remove(event_handler)
+
+    def event_handlers_matching(self, event: Event) -> list[BaseEventHandler]:
+        """Handlers of an event, in the order in which they are asked."""
+        return [handler for handler in tuple(self._event_handlers) if handler.matches(event)]
+
+    def emit_event_sync(self, event: Event) -> None:
+        """Let an event happen after what is being done."""
+        self.timeline.post(event)
+
+    async def emit_event(self, event: Event) -> None:
+        """Same, for coroutines."""
+        self.timeline.post(event)
+
+    def shut_down(self, event: Event) -> None:
+        """End the launch: what was to come is dropped, then the event happens."""
+        self.is_shutdown = True
+        self.timeline.clear()
+        self.timeline.post(event)
+
+    def add_completion_future(self, completion_future: object) -> None:
+        """Nothing waits for futures here."""
+
+    def _push_locals(self) -> None:
+        self._locals_stack.append(dict(self._locals))
+
+    def _pop_locals(self) -> None:
+        if not self._locals_stack:
+            raise RuntimeError("locals stack unexpectedly empty")
+        self._locals = self._locals_stack.pop()
+
+    def _push_launch_configurations(self) -> None:
+        self._configurations_stack.append(dict(self._configurations))
+
+    def _pop_launch_configurations(self) -> None:
+        if not self._configurations_stack:
+            raise RuntimeError("launch_configurations stack unexpectedly empty")
+        self._configurations = self._configurations_stack.pop()
+
+    def _push_environment(self) -> None:
+        self._environment_stack.append(dict(os.environ))
+
+    def _pop_environment(self) -> None:
+        if not self._environment_stack:
+            raise RuntimeError("environment stack unexpectedly empty")
+        self._replace_environment(self._environment_stack.pop())
+
+    def _reset_environment(self) -> None:
+        self._replace_environment(self._environment_at_start)
+
+    @staticmethod
+    def _replace_environment(variables: Mapping[str, str]) -> None:
+        for name in set(os.environ) - set(variables):
+            del os.environ[name]
+        for name, value in variables.items():
+            if os.environ.get(name) != value:
+                os.environ[name] = value

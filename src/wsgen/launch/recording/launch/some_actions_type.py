@@ -1,0 +1,10 @@
+"""What is accepted where actions are wanted."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from launch.action import Action
+
+SomeActionsType = Action | Iterable[Action]
+SomeActionsType_types_tuple = (Action, Iterable)

@@ -1,0 +1,5 @@
+"""A substitution that has no text."""
+
+
+class SubstitutionFailure(RuntimeError):  # noqa: N818  the name is the original's
+    """Performing a substitution failed."""

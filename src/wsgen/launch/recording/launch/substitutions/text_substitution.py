@@ -1,0 +1,33 @@
+"""A text that is known already."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from launch.substitution import Substitution
+
+if TYPE_CHECKING:
+    from launch.launch_context import LaunchContext
+
+
+class TextSubstitution(Substitution):
+    """Stands for its text."""
+
+    def __init__(self, *, text: str) -> None:
+        if not isinstance(text, str):
+            raise TypeError(f"TextSubstitution expected Text object got '{type(text)}' instead.")
+        self.__text = text
+
+    @property
+    def text(self) -> str:
+        """The text."""
+        return self.__text
+
+    def describe(self) -> str:
+        """The text in quotes."""
+        return f"'{self.__text}'"
+
+    def perform(self, context: LaunchContext) -> str:
+        """The text."""
+        del context
+        return self.__text

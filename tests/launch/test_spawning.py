@@ -1,0 +1,271 @@
+"""Simulators and robots are read from plans; what is wrong with a spawner is a diagnostic."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from wsgen.launch.spawning import find_simulator, find_spawns
+from wsgen.model.plan import Include, LaunchPlan, Process, Spawn
+
+URDF = "<robot name='r'/>"
+
+
+def plan(*processes: Process, includes: tuple[Include, ...] = ()) -> LaunchPlan:
+    return LaunchPlan(
+        package="p", launch_file=Path("p.launch.py"), processes=processes, includes=includes
+    )
+
+
+def publisher(description: Any = URDF, **keywords: Any) -> Process:
+    return Process(
+        package="robot_state_publisher",
+        executable="robot_state_publisher",
+        parameters={"robot_description": description},
+        **keywords,
+    )
+
+
+def spawner(*arguments: str, **keywords: Any) -> Process:
+    return Process(
+        package="gazebo_ros",
+        executable="spawn_entity.py",
+        arguments=arguments,
+        file=Path("p.launch.py"),
+        line=7,
+        **keywords,
+    )
+
+
+def create(*arguments: str, **keywords: Any) -> Process:
+    return Process(package="ros_gz_sim", executable="create", arguments=arguments, **keywords)
+
+
+def only_spawn(*processes: Process) -> Spawn:
+    (spawn,), wrong = find_spawns(plan(*processes))
+    assert not wrong
+    return spawn
+
+
+def only_fault(*processes: Process) -> tuple[str, str]:
+    spawns, (diagnostic,) = find_spawns(plan(*processes))
+    assert not spawns
+    assert diagnostic.hint
+    return diagnostic.code, diagnostic.message
+
+
+def test_topic_and_pose() -> None:
+    spawn = only_spawn(
+        spawner(
+            *[
+                "-topic",
+                "robot_description",
+                "-entity",
+                "e",
+                "-x",
+                "1",
+                "-y",
+                "-2",
+                "-z=.5",
+                "-R",
+                "0.1",
+                "-P",
+                "0.2",
+                "-Y=-3",
+            ]
+        ),
+        publisher(),
+    )
+    assert (spawn.entity, spawn.description, spawn.description_file) == ("e", URDF, None)
+    assert spawn.pose_in_world.xyz == (1.0, -2.0, 0.5)
+    assert spawn.pose_in_world.rpy == (0.1, 0.2, -3.0)
+    assert spawn.process is not None
+    assert spawn.process.line == 7
+
+
+def test_namespaces() -> None:
+    plans = plan(
+        publisher("<robot name='a'/>", namespace="/a"),
+        publisher("<robot name='b'/>", namespace="/b"),
+        spawner("-topic", "/b/robot_description", "-entity", "b"),
+        spawner("-topic", "robot_description", "-entity", "a", namespace="/a"),
+    )
+    spawns, wrong = find_spawns(plans)
+    assert not wrong
+    assert [(spawn.entity, spawn.description) for spawn in spawns] == [
+        ("b", "<robot name='b'/>"),
+        ("a", "<robot name='a'/>"),
+    ]
+
+
+def test_remapped_topic() -> None:
+    only_spawn(
+        publisher(remappings=(("robot_description", "/r1/urdf"),)),
+        spawner("-topic", "r1/urdf", "-entity", "e"),
+    )
+
+
+def test_file(tmp_path: Path) -> None:
+    file = tmp_path / "r.urdf"
+    file.write_text(URDF)
+    spawn = only_spawn(spawner("-file", str(file), "-entity", "e"))
+    assert (spawn.description, spawn.description_file) == (URDF, file)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "words"),
+    [
+        ("-topic robot_description", "SPN004", "-entity, the name of the model"),
+        ("-topic robot_description -entity", "SPN004", "-entity"),
+        ("-topic robot_description -entity e -q 1", "SPN004", "does not know '-q'"),
+        ("-topic robot_description -entity e -x one", "SPN005", "-x of the spawner is 'one'"),
+        ("-topic robot_description -entity e -x nan", "SPN005", "no finite number"),
+        ("-topic robot_description -entity e -x=inf", "SPN005", "no finite number"),
+        ("-database cup -entity e", "SPN006", "cup"),
+        ("-stdin -entity e", "SPN007", "standard input"),
+        ("-entity e", "SPN004", "exactly one of -file, -topic"),
+        ("-topic robot -entity e", "SPN008", "/robot, and no robot_state_publisher"),
+        ("-file /no/r.urdf -entity e", "SPN012", "'/no/r.urdf'"),
+    ],
+)
+def test_wrong_arguments(arguments: str, code: str, words: str) -> None:
+    spawns, diagnostics = find_spawns(plan(spawner(*arguments.split()), publisher()))
+    assert not spawns
+    assert {diagnostic.code for diagnostic in diagnostics} == {code}
+    assert any(words in diagnostic.message for diagnostic in diagnostics)
+
+
+def test_two_sources() -> None:
+    code, message = only_fault(
+        spawner("-topic", "robot_description", "-file", "x", "-entity", "e"), publisher()
+    )
+    assert code == "SPN004"
+    assert "is given -file and -topic" in message
+
+
+def test_options_glued_into_one_argument() -> None:
+    _, diagnostics = find_spawns(
+        plan(spawner("-topic robot_description", "-entity", "e"), publisher())
+    )
+    assert "one argument" in diagnostics[0].message
+
+
+def test_nobody_publishes() -> None:
+    code, message = only_fault(spawner("-topic", "robot_description", "-entity", "e"))
+    assert code == "SPN008"
+    assert "it starts no robot_state_publisher" in message
+
+
+@pytest.mark.parametrize("description", ["", " \n", "/path/r.urdf", 3, ["<robot/>"]])
+def test_description_that_is_none(description: Any) -> None:
+    code, _ = only_fault(
+        spawner("-topic", "robot_description", "-entity", "e"), publisher(description)
+    )
+    assert code == "SPN011"
+
+
+def test_publisher_without_description() -> None:
+    bare = Process(package="robot_state_publisher", executable="robot_state_publisher")
+    code, _ = only_fault(spawner("-topic", "robot_description", "-entity", "e"), bare)
+    assert code == "SPN009"
+
+
+def test_publisher_with_a_file_as_argument(tmp_path: Path) -> None:
+    file = tmp_path / "r.urdf"
+    file.write_text(URDF)
+    old = Process(
+        package="robot_state_publisher",
+        executable="robot_state_publisher",
+        arguments=(str(file),),
+    )
+    assert only_spawn(spawner("-topic", "robot_description", "-entity", "e"), old)
+
+
+def test_spawner_of_ros_1() -> None:
+    code, _ = only_fault(
+        Process(package="gazebo_ros", executable="spawn_model", arguments=("-urdf",)), publisher()
+    )
+    assert code == "SPN002"
+
+
+def test_no_spawner() -> None:
+    assert only_fault(publisher())[0] == "SPN003"
+
+
+def test_create() -> None:
+    spawn = only_spawn(
+        create("-string", URDF, "--name", "e", "-x=1", "-allow_renaming", "true", "-z", "2")
+    )
+    assert (spawn.entity, spawn.description) == ("e", URDF)
+    assert spawn.pose_in_world.xyz == (1.0, 0.0, 2.0)
+
+
+def test_create_with_parameters() -> None:
+    spawn = only_spawn(
+        publisher(),
+        create("-z", "1", parameters={"topic": "robot_description", "name": "e", "z": 0.5}),
+    )
+    assert spawn.entity == "e"
+    assert spawn.pose_in_world.xyz == (0.0, 0.0, 0.5)
+
+
+def test_create_from_a_parameter() -> None:
+    assert only_spawn(create("-param", "d", parameters={"d": URDF})).description == URDF
+    assert only_fault(create("-param", "d"))[0] == "SPN010"
+
+
+def include(name: str, package: str = "gazebo_ros", **values: str) -> LaunchPlan:
+    return plan(
+        includes=(
+            Include(
+                package=package,
+                file=Path("/opt/ros/iron/share") / package / "launch" / name,
+                configurations=values,
+                evaluated=False,
+            ),
+        )
+    )
+
+
+@pytest.mark.parametrize(
+    ("started", "simulator"),
+    [
+        (include("gazebo.launch.py", world="w"), ("classic", "w", False)),
+        (include("gazebo.launch.py", world="", gui="false"), ("classic", None, True)),
+        (include("gzserver.launch.py", world="w"), ("classic", "w", True)),
+        (include("gz_sim.launch.py", "ros_gz_sim", gz_args="-r -s w.sdf"), ("gz", "w.sdf", True)),
+        (include("gz_sim.launch.py", "ros_gz_sim", ign_args="w.sdf"), ("gz", "w.sdf", False)),
+        (include("gz_sim.launch.py", "ros_gz_sim", gz_args="-r 'a b"), ("gz", None, False)),
+        (
+            plan(Process(package=None, executable=None, command=("gzserver", "w.world"))),
+            ("classic", "w.world", True),
+        ),
+        (
+            plan(Process(package=None, executable=None, command=("gz sim -r w.sdf",))),
+            ("gz", "w.sdf", False),
+        ),
+    ],
+)
+def test_simulator(started: LaunchPlan, simulator: tuple[str, str | None, bool]) -> None:
+    found, wrong = find_simulator(started)
+    assert not wrong
+    assert found is not None
+    assert (found.generation, found.world, found.is_headless) == simulator
+
+
+@pytest.mark.parametrize(
+    "started",
+    [
+        plan(),
+        include("gazebo.launch.py", server="false"),
+        include("gzclient.launch.py"),
+        include("gz_sim.launch.py", "ros_gz_sim", gz_args="-g"),
+        plan(Process(package=None, executable=None, command=())),
+    ],
+)
+def test_no_simulator(started: LaunchPlan) -> None:
+    found, (diagnostic,) = find_simulator(started)
+    assert found is None
+    assert diagnostic.code == "SPN001"
