@@ -1,0 +1,92 @@
+"""Play a scene in a child process, whatever the engine does to it."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING, Any
+
+from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.isolation import parent
+from wsgen.simulation.scene import TrialOutcome, trial_from_json
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from wsgen.simulation.scene import Scene
+
+TASK = "wsgen.simulation.worker:simulate"
+LIMITS = parent.Limits()
+LAST_WORDS = 600  # characters of a dead engine's output that are told
+GREETINGS = ("pybullet build time",)  # what PyBullet prints when all is well
+
+
+def run_trial(scene: Scene, *, limits: parent.Limits = LIMITS) -> TrialOutcome:
+    """Simulate the scene; the engine's crash, hang or complaint becomes a diagnostic."""
+    started = time.perf_counter()
+    outcome = parent.run(TASK, scene, limits=limits)
+    seconds = time.perf_counter() - started
+    if isinstance(outcome, parent.Died):
+        return TrialOutcome(diagnostics=(_death(scene, outcome),), seconds={"simulate": seconds})
+    answer = outcome.value
+    measured = answer["seconds"]
+    drawn = scene.picture is not None and answer["trials"] and answer["picture_problem"] is None
+    return TrialOutcome(
+        trials=tuple(trial_from_json(trial) for trial in answer["trials"]),
+        diagnostics=(*_refusals(answer), *_complaints(scene, outcome.output)),
+        picture=scene.picture if drawn else None,
+        picture_tile=answer["picture_tile"] if drawn else None,
+        # Starting the child and the engine is what is left of the whole.
+        seconds={**measured, "load": seconds - sum(measured.values())},
+    )
+
+
+def _death(scene: Scene, death: parent.Died) -> Diagnostic:
+    words = _without_greetings(death.output)[-LAST_WORDS:]
+    said = f" Its last words: {words}" if words else ""
+    return Diagnostic(
+        code="SPN031",
+        severity=Severity.ERROR,
+        message=f"The physics engine {death.reason} while {death.step or 'it was starting'}.{said}",
+        element=_entities(scene),
+        hint="Something in the description is too much for the engine: look at collision meshes, "
+        "sizes and masses first, and leave links out until it runs.",
+    )
+
+
+def _refusals(answer: dict[str, Any]) -> Iterator[Diagnostic]:
+    for entity, reason in answer["refused"].items():
+        yield Diagnostic(
+            code="SPN032",
+            severity=Severity.ERROR,
+            message=f"The physics engine does not simulate `{entity}`: {reason}.",
+            element=entity,
+            hint="Look at its collision meshes first: the engine reads STL, OBJ and DAE.",
+        )
+    if answer["picture_problem"] is not None:
+        yield Diagnostic(
+            code="SPN034",
+            severity=Severity.WARNING,
+            message=f"The picture could not be written: {answer['picture_problem']}.",
+            hint="Name an existing folder that can be written to.",
+        )
+
+
+def _complaints(scene: Scene, output: str) -> Iterator[Diagnostic]:
+    words = _without_greetings(output)
+    if words:
+        yield Diagnostic(
+            code="SPN033",
+            severity=Severity.WARNING,
+            message=f"The physics engine complained: {words[:LAST_WORDS]}",
+            element=_entities(scene),
+            hint="The trial went on; what the engine names may be missing from it.",
+        )
+
+
+def _without_greetings(output: str) -> str:
+    lines = (line.strip() for line in output.splitlines())
+    return "\n".join(line for line in lines if line and not line.startswith(GREETINGS))
+
+
+def _entities(scene: Scene) -> str:
+    return ", ".join(robot.entity for robot in scene.robots)

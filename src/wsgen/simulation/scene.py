@@ -1,0 +1,79 @@
+"""What is simulated, and what was measured. SI units; poses are seen from the world frame."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from wsgen.model.pose import IDENTITY, Pose
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.model.robot import Robot
+    from wsgen.model.world import World
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpawnedRobot:
+    """A robot to be put into the world."""
+
+    entity: str  # its name in the simulator; unique in a scene
+    robot: Robot  # as Gazebo has it: lumped
+    pose_in_world: Pose = IDENTITY  # of the root link's frame
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scene:
+    """A world with robots in it, for some seconds."""
+
+    world: World
+    robots: tuple[SpawnedRobot, ...]
+    seconds: float = 3.0  # simulated
+    picture: Path | None = None  # where to put a PNG of the end; its folder must exist
+
+
+@dataclass(frozen=True, kw_only=True)
+class RobotTrial:
+    """What was measured of one robot. It states facts; `wsgen.checks` judges them."""
+
+    entity: str
+    links: int  # that the engine simulates
+    movable_joints: int
+    mass: float  # kg, as the engine has it
+    lowest_point: float  # m, z of what can touch, when spawned
+    penetration: float  # m, how deep that is in the ground; 0 without a ground plane
+    lowest_point_at_end: float  # m
+    is_finite: bool  # no pose or speed was infinite or not-a-number
+    settled_after: float | None  # s; from then on it was at rest; None: it still moved at the end
+    rest_pose: Pose  # of the root link's frame (not the centre of mass), at the end
+    speed: float  # m/s, of the root link's centre of mass, at the end
+    turning: float  # rad/s, of the root link, at the end
+    joint_speed: float  # rad/s or m/s, of the fastest joint, at the end
+    highest_speed: float  # m/s, of the root link's centre of mass
+    highest_point: float  # m, z of the root link's frame
+    tilt: float  # rad, between what was up in the robot when spawned and up, at the end
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrialOutcome:
+    """How a scene went. Without trials it could not be played, and the diagnostics say why."""
+
+    trials: tuple[RobotTrial, ...] = ()  # of the robots that the engine accepted
+    diagnostics: tuple[Diagnostic, ...] = ()
+    picture: Path | None = None
+    picture_tile: float | None = None  # m, edge of a square of the ground in the picture
+    seconds: Mapping[str, float] = field(default_factory=dict)  # wall-clock: load, simulate, draw
+
+
+def trial_to_json(trial: RobotTrial) -> dict[str, Any]:
+    """The trial as JSON has it; `trial_from_json` is the way back."""
+    return asdict(trial)
+
+
+def trial_from_json(value: Mapping[str, Any]) -> RobotTrial:
+    """The trial that `trial_to_json` made this of."""
+    pose = value["rest_pose"]
+    return RobotTrial(**{**value, "rest_pose": Pose(tuple(pose["xyz"]), tuple(pose["rpy"]))})

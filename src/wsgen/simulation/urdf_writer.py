@@ -1,0 +1,98 @@
+"""The URDF text that PyBullet gets: the lumped robot without what is only to be seen.
+
+One element a line: PyBullet reads lines in pieces of 8192 bytes and puts a line break between
+them, which breaks a longer line in the middle of a word. What is seen is drawn from the model, so
+that a missing picture of a wheel cannot keep the wheel from being simulated.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from wsgen.model.robot import Box, Capsule, Cylinder, JointType, Mesh, Sphere
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from wsgen.model.pose import Pose
+    from wsgen.model.robot import Geometry, Joint, Link, Robot
+
+
+MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+
+
+def write_urdf(robot: Robot) -> str:
+    """The robot's links and joints; a mesh that was not found is left out."""
+    lines = [f"<robot name={_quoted(robot.name)}>"]
+    for link in robot.links:
+        lines += _link(link, is_world=robot.fixed_to_world and link.name == robot.root)
+    for joint in robot.joints:
+        lines += _joint(joint)
+    return "\n".join([*lines, "</robot>", ""])
+
+
+def _link(link: Link, *, is_world: bool) -> Iterator[str]:
+    yield f"<link name={_quoted(link.name)}>"
+    if link.inertial is not None:
+        yield "<inertial>"
+        yield _origin(link.inertial.pose_in_link)
+        yield f'<mass value="{link.inertial.mass!r}"/>'
+        yield "<inertia"
+        for name, value in zip(MOMENTS, link.inertial.inertia, strict=True):
+            yield f' {name}="{value!r}"'
+        yield "/>"
+        yield "</inertial>"
+    elif is_world:  # without this PyBullet gives it 1 kg
+        yield '<inertial><mass value="0"/>'
+        yield '<inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial>'
+    for collision in link.collisions:
+        shape = _shape(collision.geometry)
+        if shape is not None:
+            yield "<collision>"
+            yield _origin(collision.pose_in_link)
+            yield f"<geometry>{shape}</geometry>"
+            yield "</collision>"
+    yield "</link>"
+
+
+def _joint(joint: Joint) -> Iterator[str]:
+    yield f"<joint name={_quoted(joint.name)} type={_quoted(joint.type.value)}>"
+    yield _origin(joint.pose_in_parent)
+    yield f"<parent link={_quoted(joint.parent)}/>"
+    yield f"<child link={_quoted(joint.child)}/>"
+    if joint.type is not JointType.FIXED:
+        yield f'<axis xyz="{_numbers(joint.axis_in_joint)}"/>'
+        yield f'<dynamics damping="{joint.damping!r}" friction="{joint.friction!r}"/>'
+    if joint.limit is not None and joint.type is not JointType.CONTINUOUS:
+        limit = joint.limit
+        yield f'<limit lower="{limit.lower!r}" upper="{limit.upper!r}"'
+        yield f' effort="{limit.effort!r}" velocity="{limit.velocity!r}"/>'
+    yield "</joint>"
+
+
+def _shape(geometry: Geometry) -> str | None:
+    if isinstance(geometry, Box):
+        return f'<box size="{_numbers(geometry.size)}"/>'
+    if isinstance(geometry, Sphere):
+        return f'<sphere radius="{geometry.radius!r}"/>'
+    if isinstance(geometry, Mesh):
+        if geometry.path is None:
+            return None
+        return f'<mesh filename={_quoted(geometry.path)} scale="{_numbers(geometry.scale)}"/>'
+    tag = {Cylinder: "cylinder", Capsule: "capsule"}[type(geometry)]
+    return f'<{tag} radius="{geometry.radius!r}" length="{geometry.length!r}"/>'
+
+
+def _origin(pose: Pose) -> str:
+    return f'<origin xyz="{_numbers(pose.xyz)}" rpy="{_numbers(pose.rpy)}"/>'
+
+
+def _quoted(text: str) -> str:
+    """As an attribute's value. `xml.sax.saxutils` would load all of urllib for this."""
+    for character, reference in (("&", "&amp;"), ("<", "&lt;"), ('"', "&quot;")):
+        text = text.replace(character, reference)
+    return f'"{text}"'
+
+
+def _numbers(values: Iterable[float]) -> str:
+    return " ".join(repr(value) for value in values)

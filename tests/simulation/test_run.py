@@ -1,0 +1,125 @@
+"""A scene in a child process: pictures, complaints, crashes."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from wsgen.diagnostics import Severity
+from wsgen.isolation.parent import Limits
+from wsgen.model.pose import Pose
+from wsgen.model.robot import Collision, Cylinder, Inertial, Link, Mesh, Robot, Visual
+from wsgen.model.world import World
+from wsgen.simulation import run
+from wsgen.simulation.run import run_trial
+from wsgen.simulation.scene import Scene, SpawnedRobot
+
+CYLINDER = Cylinder(radius=0.4, length=0.5)
+HERE = Path(__file__).parent
+
+
+def scene(robot: Robot, z: float = 0.25, picture: Path | None = None) -> Scene:
+    return Scene(
+        world=World(name="ground", has_ground_plane=True),
+        robots=(SpawnedRobot(entity="e", robot=robot, pose_in_world=Pose((0.0, 0.0, z))),),
+        picture=picture,
+    )
+
+
+def robot(geometry: Cylinder | Mesh = CYLINDER) -> Robot:
+    link = Link(
+        name="base",
+        inertial=Inertial(mass=1.0, inertia=(0.06, 0.0, 0.0, 0.06, 0.0, 0.08)),
+        collisions=(Collision(geometry=geometry),),
+        visuals=(Visual(geometry=geometry, rgba=(0.0, 1.0, 0.0, 1.0)),),
+    )
+    return Robot(name="r", root="base", links=(link,))
+
+
+def test_a_trial() -> None:
+    outcome = run_trial(scene(robot()))
+    (trial,) = outcome.trials
+    assert outcome.diagnostics == ()
+    assert trial.mass == 1.0
+    assert trial.penetration == pytest.approx(0.0, abs=1e-9)
+    assert outcome.picture is None
+    assert outcome.seconds["simulate"] > 0
+
+
+def test_the_picture_shows_the_robot_on_the_ground(tmp_path: Path) -> None:
+    file = tmp_path / "robot.png"
+    outcome = run_trial(scene(robot(), picture=file))
+    assert outcome.picture == file
+    assert outcome.picture_tile == 0.5
+    with Image.open(file) as picture:
+        assert picture.size == (960, 720)
+        data = picture.convert("RGB").resize((96, 72)).tobytes()
+    pixels = list(zip(data[::3], data[1::3], data[2::3], strict=True))
+    green = [tint > 120 and max(red, blue) < 60 for red, tint, blue in pixels]
+    light = [min(pixel) > 150 for pixel in pixels]
+    assert 0.1 < sum(green) / len(green) < 0.4
+    assert sum(light) / len(light) > 0.5
+    assert green[36 * 96 + 48]  # in the middle
+    assert not any(green[:96] + green[-96:])  # and not cut off
+
+
+def test_a_picture_that_cannot_be_written_is_no_reason_to_lose_the_trial(tmp_path: Path) -> None:
+    outcome = run_trial(scene(robot(), picture=tmp_path / "none" / "robot.png"))
+    assert len(outcome.trials) == 1
+    assert (outcome.picture, outcome.picture_tile) == (None, None)
+    assert [(one.code, one.severity) for one in outcome.diagnostics] == [
+        ("SPN034", Severity.WARNING)
+    ]
+
+
+def test_a_robot_that_the_engine_refuses(tmp_path: Path) -> None:
+    mesh = tmp_path / "part.glb"
+    mesh.write_bytes(b"glTF")
+    outcome = run_trial(scene(robot(Mesh(uri="part.glb", path=str(mesh)))))
+    assert outcome.trials == ()
+    assert outcome.diagnostics[0].code == "SPN032"
+    assert outcome.diagnostics[0].severity is Severity.ERROR
+
+
+def test_a_mesh_that_crashes_the_engine(tmp_path: Path) -> None:
+    """Face indices out of range end PyBullet with SIGSEGV."""
+    mesh = tmp_path / "part.obj"
+    mesh.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 99999999\n")
+    outcome = run_trial(scene(robot(Mesh(uri="part.obj", path=str(mesh)))))
+    assert outcome.trials == ()
+    (death,) = outcome.diagnostics
+    assert death.code == "SPN031"
+    assert death.element == "e"
+    assert "SIGSEGV" in death.message
+    assert "loading the robot `e`" in death.message
+
+
+def test_out_of_time() -> None:
+    outcome = run_trial(scene(robot()), limits=Limits(seconds=0.01))
+    assert "took longer than" in outcome.diagnostics[0].message
+
+
+def test_last_words_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(run, "TASK", "abort_with_words:simulate")
+    monkeypatch.setattr(sys, "path", [*sys.path, str(HERE)])
+    (death,) = run_trial(scene(robot())).diagnostics
+    assert "SIGABRT" in death.message
+    assert "while going down" in death.message
+    assert "farewell" in death.message
+
+
+def test_complaints_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(run, "TASK", "abort_with_words:complain")
+    monkeypatch.setattr(sys, "path", [*sys.path, str(HERE)])
+    (complaint,) = run_trial(scene(robot())).diagnostics
+    assert (complaint.code, complaint.severity) == ("SPN033", Severity.WARNING)
+    assert complaint.message.endswith("complained: b3Warning: no")
+
+
+def test_nothing_is_left_behind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    run_trial(scene(robot()))
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,76 @@
+"""The text that the engine gets."""
+
+from __future__ import annotations
+
+from wsgen.description.reader import read_urdf
+from wsgen.model.pose import Pose
+from wsgen.model.robot import (
+    Box,
+    Capsule,
+    Collision,
+    Cylinder,
+    Inertial,
+    Joint,
+    JointLimit,
+    JointType,
+    Link,
+    Robot,
+    Sphere,
+)
+from wsgen.simulation.urdf_writer import write_urdf
+
+ROBOT = Robot(
+    name='r "&" <x>',
+    root="a",
+    links=(
+        Link(
+            name="a",
+            inertial=Inertial(
+                mass=1 / 3,
+                pose_in_link=Pose((0.1, 1e-20, 3.0), (0.1, 0.2, 0.3)),
+                inertia=(1.0, 0.1, 0.2, 2.0, 0.3, 2.5),
+            ),
+            collisions=tuple(
+                Collision(geometry=geometry, pose_in_link=Pose((1.0, 2.0, 3.0)))
+                for geometry in (
+                    Box(size=(1.0, 2.0, 3.0)),
+                    Cylinder(radius=0.1, length=0.2),
+                    Sphere(radius=0.3),
+                    Capsule(radius=0.1, length=0.2),
+                )
+            ),
+        ),
+        Link(name="b", inertial=Inertial(mass=1.0, inertia=(1.0, 0.0, 0.0, 1.0, 0.0, 1.0))),
+    ),
+    joints=(
+        Joint(
+            name="j",
+            type=JointType.REVOLUTE,
+            parent="a",
+            child="b",
+            pose_in_parent=Pose((1.0, 2.0, 3.0), (0.1, 0.2, 0.3)),
+            axis_in_joint=(0.0, 0.6, 0.8),
+            limit=JointLimit(lower=-1.5, upper=0.25, effort=3.0, velocity=4.0),
+            damping=0.5,
+            friction=0.25,
+        ),
+    ),
+)
+
+
+def test_what_is_written_is_read_back_the_same() -> None:
+    read, found = read_urdf(write_urdf(ROBOT), file=None)
+    assert found == ()
+    assert read is not None
+    assert (read.name, read.root) == (ROBOT.name, ROBOT.root)
+    for ours, theirs in zip(ROBOT.links, read.links, strict=True):
+        assert (ours.inertial, ours.collisions) == (theirs.inertial, theirs.collisions)
+    (joint,) = read.joints
+    (wanted,) = ROBOT.joints
+    assert joint.limit == wanted.limit
+    assert joint.pose_in_parent == wanted.pose_in_parent
+    assert (joint.damping, joint.friction) == (0.5, 0.25)
+
+
+def test_no_line_is_too_long_for_the_engine() -> None:
+    assert max(map(len, write_urdf(ROBOT).splitlines())) < 8192
