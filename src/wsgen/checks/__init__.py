@@ -1,0 +1,1 @@
+"""Rules over facts: one small function a rule, and the catalogue of all codes."""

@@ -1,0 +1,28 @@
+"""What a package has on purpose."""
+
+from pathlib import Path
+
+from wsgen.checks.allowances import unknown_rule_allowed, without_allowed
+from wsgen.diagnostics import Diagnostic, Severity
+
+ROOT = Diagnostic(code="ROB051", severity=Severity.WARNING, message="massless")
+DROPPED = Diagnostic(code="ROB040", severity=Severity.ERROR, message="dropped")
+
+
+def test_an_allowed_warning_is_silent() -> None:
+    assert without_allowed([ROOT, DROPPED], ["massless-root"]) == (DROPPED,)
+
+
+def test_an_error_cannot_be_allowed() -> None:
+    assert without_allowed([DROPPED], ["dropped-link"]) == (DROPPED,)
+
+
+def test_what_is_not_allowed_stays() -> None:
+    assert without_allowed([ROOT], ["ros-1-plugin"]) == (ROOT,)
+
+
+def test_a_misspelt_name_is_told_with_its_neighbour() -> None:
+    (found,) = unknown_rule_allowed(["masless-root"], Path("wsgen.toml"))
+    assert found.code == "PKG061"
+    assert "massless-root" in (found.hint or "")
+    assert list(unknown_rule_allowed(["massless-root"], Path("wsgen.toml"))) == []

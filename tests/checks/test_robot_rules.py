@@ -1,0 +1,135 @@
+"""The rules over a robot, each with its facts and no files."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from wsgen.checks.robot_rules import (
+    implausible_inertia,
+    loose_joint,
+    massless_root,
+    nothing_to_see,
+    nothing_to_touch,
+    ros_1_plugin,
+)
+from wsgen.diagnostics import Severity
+from wsgen.model.robot import (
+    Box,
+    Collision,
+    Cylinder,
+    GazeboTag,
+    Geometry,
+    Inertial,
+    Joint,
+    JointType,
+    Link,
+    Mesh,
+    Sphere,
+    Visual,
+)
+
+FILE = Path("robot.urdf")
+CYLINDER = Cylinder(radius=0.4, length=0.5)
+
+
+def link(moment: float, geometry: Geometry = CYLINDER, mass: float = 1.0) -> Link:
+    return Link(
+        name="base",
+        inertial=Inertial(mass=mass, inertia=(moment, 0, 0, moment, 0, moment)),
+        collisions=(Collision(geometry=geometry),),
+        line=7,
+    )
+
+
+JOINT = Joint(name="j", type=JointType.FIXED, parent="dummy", child="base")
+
+
+def test_the_inertia_of_the_tutorial() -> None:
+    (found,) = implausible_inertia([link(100.0)], FILE)
+    assert (found.code, found.severity, found.line) == ("ROB050", Severity.WARNING, 7)
+    assert found.hint is not None
+    assert 'ixx="0.06083" iyy="0.06083" izz="0.08"' in found.hint
+
+
+@pytest.mark.parametrize(
+    ("moment", "words"),
+    [
+        (100.0, "is 1250 times that of"),
+        (1e-4, "is only 1/800 of that of"),
+        (0.0, "is zero, not that of"),
+    ],
+)
+def test_ratios_are_written_out(moment: float, words: str) -> None:
+    (found,) = implausible_inertia([link(moment)], FILE)
+    assert words in found.message
+
+
+@pytest.mark.parametrize("moment", [1e-9, 0.0])
+def test_too_small(moment: float) -> None:
+    assert [found.code for found in implausible_inertia([link(moment)], None)] == ["ROB050"]
+
+
+@pytest.mark.parametrize(
+    "one",
+    [
+        link(0.06),
+        link(0.5),
+        link(100.0, Box(size=(30.0, 30.0, 30.0))),
+        link(0.001, Sphere(radius=0.05)),
+        link(100.0, Mesh(uri="m.stl")),
+        link(100.0, mass=0.0),
+        Link(name="empty"),
+    ],
+)
+def test_plausible_or_unknown(one: Link) -> None:
+    assert list(implausible_inertia([one], None)) == []
+
+
+def test_massless_root() -> None:
+    (found,) = massless_root(Link(name="dummy"), [JOINT], 1.0, FILE)
+    assert (found.code, found.severity) == ("ROB051", Severity.WARNING)
+    assert "`dummy`" in found.message
+    assert "`base`" in found.message
+
+
+def test_roots_that_are_fine() -> None:
+    assert list(massless_root(link(0.1), [replace(JOINT, parent="base")], 1.0, None)) == []
+    assert (
+        list(massless_root(Link(name="world"), [replace(JOINT, parent="world")], 1.0, None)) == []
+    )
+    turning = replace(JOINT, type=JointType.CONTINUOUS)
+    assert list(massless_root(Link(name="dummy"), [turning], 1.0, None)) == []
+
+
+@pytest.mark.parametrize(
+    "name", ["libgazebo_ros_control.so", "gazebo_ros_control", "/opt/lib/libgazebo_ros_laser.so"]
+)
+def test_ros_1_plugin(name: str) -> None:
+    (found,) = ros_1_plugin([GazeboTag(reference=None, plugins=(name,), line=3)], FILE)
+    assert (found.code, found.severity, found.line) == ("ROB052", Severity.WARNING, 3)
+
+
+def test_plugins_of_ros_2() -> None:
+    names = ("libgazebo_ros_diff_drive.so", "libgazebo_ros2_control.so", "libmine.so")
+    assert list(ros_1_plugin([GazeboTag(reference=None, plugins=names)], None)) == []
+
+
+def test_nothing_to_touch() -> None:
+    assert [found.code for found in nothing_to_touch([Link(name="a")], None)] == ["ROB053"]
+    assert list(nothing_to_touch([link(0.1), Link(name="a")], None)) == []
+    assert list(nothing_to_touch([], None)) == []
+
+
+def test_nothing_to_see() -> None:
+    (found,) = nothing_to_see([link(0.1)], None)
+    assert (found.code, found.severity) == ("ROB054", Severity.INFO)
+    seen = replace(link(0.1), visuals=(Visual(geometry=CYLINDER),))
+    assert list(nothing_to_see([seen, Link(name="frame")], None)) == []
+
+
+def test_loose_joint() -> None:
+    floating = replace(JOINT, type=JointType.FLOATING)
+    assert [found.code for found in loose_joint([JOINT, floating], None)] == ["ROB055"]
