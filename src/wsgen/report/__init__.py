@@ -1,0 +1,1 @@
+"""What was found out, in the forms that other programs read."""

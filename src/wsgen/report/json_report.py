@@ -1,0 +1,103 @@
+"""Outcome -> the JSON that `wsgen validate --format json` prints; a contract, see `VERSION`."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.model.outcome import Outcome, PackageOutcome, RobotOutcome
+    from wsgen.model.pose import Pose
+
+VERSION = 1  # changes only when a key is taken away or changes its meaning
+
+
+def render_outcome(outcome: Outcome) -> str:
+    """The JSON text, with a newline at its end."""
+    document = {
+        "version": VERSION,
+        "passed": outcome.passed,
+        "packages": [_package(package) for package in outcome.packages],
+    }
+    return json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def diagnostic_to_json(diagnostic: Diagnostic) -> dict[str, Any]:
+    """One diagnostic, all keys always there."""
+    return {
+        "code": diagnostic.code,
+        "severity": diagnostic.severity.value,
+        "message": diagnostic.message,
+        "file": _path(diagnostic.file),
+        "line": diagnostic.line,
+        "element": diagnostic.element,
+        "hint": diagnostic.hint,
+    }
+
+
+def _package(package: PackageOutcome) -> dict[str, Any]:
+    world = package.world
+    return {
+        "package": package.package,
+        "share": _path(package.share),
+        "launch_file": _path(package.launch_file),
+        "passed": package.passed,
+        "world": None
+        if world is None
+        else {
+            "name": world.name,
+            "file": _path(world.file),
+            "models": [model.name for model in world.models],
+            "gravity": list(world.gravity),
+        },
+        "robots": [_robot(robot) for robot in package.robots],
+        "diagnostics": [diagnostic_to_json(found) for found in package.diagnostics],
+        "picture": _path(package.picture),
+        "seconds": {stage: round(value, 4) for stage, value in package.seconds.items()},
+    }
+
+
+def _robot(robot: RobotOutcome) -> dict[str, Any]:
+    simulated, rest = robot.simulated, robot.rest
+    return {
+        "entity": robot.entity,
+        "spawn_pose": _pose(robot.spawn_pose),
+        "links": robot.links,
+        "joints": robot.joints,
+        "movable_joints": robot.movable_joints,
+        "mass": _number(robot.mass),
+        "simulated": None
+        if simulated is None
+        else {
+            "links": simulated.links,
+            "movable_joints": simulated.movable_joints,
+            "mass": _number(simulated.mass),
+        },
+        "rest": None
+        if rest is None
+        else {
+            **_pose(rest.pose_in_world),
+            "settled_after": rest.settled_after,
+            "speed": _number(rest.speed),
+        },
+    }
+
+
+def _pose(pose: Pose) -> dict[str, Any]:
+    return {
+        "xyz": [_number(value) for value in pose.xyz],
+        "rpy": [_number(value) for value in pose.rpy],
+    }
+
+
+def _number(value: float) -> float | None:
+    """JSON has no infinity and no not-a-number: null says that there is no usable value."""
+    return value if math.isfinite(value) else None
+
+
+def _path(path: Path | None) -> str | None:
+    return None if path is None else str(path)

@@ -1,0 +1,133 @@
+"""The JSON contract of `wsgen validate --format json`."""
+
+import json
+import math
+from pathlib import Path
+
+from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.model.outcome import Outcome, PackageOutcome, Rest, RobotOutcome, Simulated
+from wsgen.model.pose import Pose
+from wsgen.model.world import PlacedModel, World
+from wsgen.report.json_report import render_outcome
+
+ROBOT = RobotOutcome(
+    entity="r",
+    spawn_pose=Pose((0.0, 0.0, 1.0)),
+    links=2,
+    joints=1,
+    movable_joints=0,
+    mass=1.0,
+    simulated=Simulated(links=1, movable_joints=0, mass=1.0),
+    rest=Rest(pose_in_world=Pose((0.0, 0.0, 0.25)), settled_after=0.5, speed=0.0),
+)
+FINDING = Diagnostic(code="SPN053", severity=Severity.WARNING, message="m", file=Path("f"), line=3)
+
+
+def outcome(**changes: object) -> Outcome:
+    values = {
+        "package": "p",
+        "share": Path("/s"),
+        "launch_file": Path("/s/l.launch.py"),
+        "world": World(name="w", models=(PlacedModel(name="ground_plane"),)),
+        "robots": (ROBOT,),
+        "diagnostics": (FINDING,),
+        "seconds": {"total": 1.23456},
+        **changes,
+    }
+    return Outcome(packages=(PackageOutcome(**values),))  # type: ignore[arg-type]
+
+
+def test_every_key_of_the_contract() -> None:
+    document = json.loads(render_outcome(outcome()))
+    assert document == {
+        "version": 1,
+        "passed": True,
+        "packages": [
+            {
+                "package": "p",
+                "share": "/s",
+                "launch_file": "/s/l.launch.py",
+                "passed": True,
+                "world": {
+                    "name": "w",
+                    "file": None,
+                    "models": ["ground_plane"],
+                    "gravity": [0.0, 0.0, -9.8],
+                },
+                "robots": [
+                    {
+                        "entity": "r",
+                        "spawn_pose": {"xyz": [0.0, 0.0, 1.0], "rpy": [0.0, 0.0, 0.0]},
+                        "links": 2,
+                        "joints": 1,
+                        "movable_joints": 0,
+                        "mass": 1.0,
+                        "simulated": {"links": 1, "movable_joints": 0, "mass": 1.0},
+                        "rest": {
+                            "xyz": [0.0, 0.0, 0.25],
+                            "rpy": [0.0, 0.0, 0.0],
+                            "settled_after": 0.5,
+                            "speed": 0.0,
+                        },
+                    }
+                ],
+                "diagnostics": [
+                    {
+                        "code": "SPN053",
+                        "severity": "warning",
+                        "message": "m",
+                        "file": "f",
+                        "line": 3,
+                        "element": None,
+                        "hint": None,
+                    }
+                ],
+                "picture": None,
+                "seconds": {"total": 1.2346},
+            }
+        ],
+    }
+
+
+def keys(value: object, path: str = "") -> set[str]:
+    """The paths of all keys, lists as in the documentation."""
+    if isinstance(value, list):
+        return {name for item in value[:1] for name in keys(item, f"{path}[]")}
+    if not isinstance(value, dict):
+        return set()
+    found = set()
+    for key, below in value.items():
+        name = f"{path}.{key}" if path else key
+        is_list_of_objects = isinstance(below, list) and bool(below) and isinstance(below[0], dict)
+        found |= {f"{name}[]" if is_list_of_objects else name} | keys(below, name)
+    return found
+
+
+def test_the_documentation_lists_every_key() -> None:
+    stages = dict.fromkeys(("launch", "expand", "load", "simulate", "total"), 1.0)
+    document = json.loads(render_outcome(outcome(seconds=stages)))
+    text = (Path(__file__).parents[2] / "docs" / "json.md").read_text(encoding="utf-8")
+    listed = {line.split("`")[1] for line in text.splitlines() if line.startswith("| `")}
+    assert listed == keys(document)
+
+
+def test_no_robot_is_no_pass() -> None:
+    document = json.loads(render_outcome(outcome(robots=())))
+    assert document["passed"] is False
+
+
+def test_an_error_is_no_pass() -> None:
+    error = Diagnostic(code="SPN052", severity=Severity.ERROR, message="m")
+    document = json.loads(render_outcome(outcome(diagnostics=(error,))))
+    assert document["packages"][0]["passed"] is False
+
+
+def test_numbers_that_json_does_not_know_are_null() -> None:
+    rest = Rest(pose_in_world=Pose((math.nan, 0.0, math.inf)), settled_after=None, speed=math.nan)
+    robot = RobotOutcome(
+        entity="r", spawn_pose=Pose(), links=1, joints=0, movable_joints=0, mass=1.0, rest=rest
+    )
+    written = json.loads(render_outcome(outcome(robots=(robot,))))["packages"][0]["robots"][0]
+    assert written["rest"]["xyz"] == [None, 0.0, None]
+    assert written["rest"]["speed"] is None
+    assert written["simulated"] is None
