@@ -1,0 +1,191 @@
+"""`wsgen launch`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from wsgen.cli.options import format_option, output_options, workspace_option
+from wsgen.errors import EXIT_FAILED, EXIT_PASSED, NotFoundError, RequestError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+    from wsgen.model.plan import LaunchPlan
+    from wsgen.workspace.layout import Workspace
+    from wsgen.workspace.overlay import Overlay
+
+
+@click.command(
+    epilog="A launch file is a program, and evaluating it runs it: in a process of its own, with "
+    "limits on time and memory. What it describes is not started."
+)
+@click.argument("words", nargs=-1, required=True, metavar="(PACKAGE FILE | PATH) [NAME:=VALUE]...")
+@workspace_option
+@click.option(
+    "-s",
+    "--show-args",
+    "--show-arguments",
+    "show_arguments",
+    is_flag=True,
+    help="Show the arguments that may be given to the launch file.",
+)
+@format_option
+@output_options
+def command(
+    words: tuple[str, ...],
+    *,
+    workspace: str | None,
+    show_arguments: bool,
+    output_format: str,
+    quiet: bool,
+    verbose: bool,
+) -> int:
+    """Evaluate a launch file without ROS and show what it would start.
+
+    The words are those of `ros2 launch`: an installed package and the name of one of its launch
+    files, or the path of a launch file; then launch arguments.
+    """
+    from wsgen.cli.progress import listening
+    from wsgen.diagnostics import has_errors
+    from wsgen.launch.evaluate import evaluate
+    from wsgen.pipeline.clock import Clock
+
+    place = _find_workspace(workspace, words[0])
+    overlay = _source(place, is_wanted=workspace is not None)
+    package, file, rest = _choose(words, place, overlay)
+    arguments = _split(rest)
+    with (
+        listening(quiet=quiet, verbose=verbose) as listener,
+        Clock(package or file.stem, listener).step("launch", file.name),
+    ):
+        plan = evaluate(
+            file,
+            package=package,
+            arguments=arguments,
+            environment=overlay.environment,
+            only_arguments=show_arguments,
+        )
+    _write(plan, output_format=output_format, show_arguments=show_arguments)
+    return EXIT_FAILED if has_errors(plan.diagnostics) else EXIT_PASSED
+
+
+def _find_workspace(given: str | None, first_word: str) -> Workspace | None:
+    """The workspace that is named, or the one around the current folder or the launch file."""
+    from pathlib import Path
+
+    from wsgen.workspace.layout import find_workspace, open_workspace
+
+    if given is not None:
+        return open_workspace(given)
+    if Path(first_word).is_file():
+        return find_workspace(Path(first_word).resolve().parent) or find_workspace(Path.cwd())
+    try:
+        return open_workspace(None)
+    except (NotFoundError, RequestError):  # none, or several: a sourced one may have the package
+        return None
+
+
+def _source(workspace: Workspace | None, *, is_wanted: bool) -> Overlay:
+    """The workspace's overlay if it is built, else the environment as it is."""
+    import os
+    from pathlib import Path
+
+    from wsgen.launch.known_packages import prefix
+    from wsgen.workspace.overlay import Overlay, source_overlay
+
+    if workspace is not None and (is_wanted or (workspace.install / "setup.bash").is_file()):
+        return source_overlay(workspace, os.environ)
+    # Where nothing is sourced, the packages of ROS that wsgen knows are all there is.
+    environment = {"AMENT_PREFIX_PATH": prefix(), **os.environ}
+    prefixes = environment["AMENT_PREFIX_PATH"].split(os.pathsep)
+    return Overlay(
+        install=Path(prefixes[0]),
+        environment=environment,
+        prefixes=tuple(Path(one) for one in prefixes if one),
+    )
+
+
+def _choose(
+    words: tuple[str, ...], workspace: Workspace | None, overlay: Overlay
+) -> tuple[str | None, Path, tuple[str, ...]]:
+    """The package, the launch file and the launch arguments that the words mean."""
+    from pathlib import Path
+
+    from wsgen.workspace.overlay import require_share
+
+    first, rest = words[0], words[1:]
+    names_file = bool(rest) and ":=" not in rest[0]
+    path = Path(first)
+    if path.exists() and (not names_file or overlay.share(first) is None):
+        if names_file:
+            raise RequestError(
+                f"{rest[0]!r} is no launch argument, and there is no package {first!r}.",
+                hint="After the path of a launch file come arguments: name:=value.",
+            )
+        return _package_of(path), path, rest
+    if not names_file:
+        raise RequestError(
+            f"There is no launch file {first!r}.",
+            hint="Give its path, or a package and the name of a launch file: "
+            "wsgen launch PACKAGE FILE",
+        )
+    share = require_share(overlay, workspace, first)
+    return first, _find_file(first, share, rest[0]), rest[1:]
+
+
+def _find_file(package: str, share: Path, name: str) -> Path:
+    """The file of that name anywhere in the share folder, as `ros2 launch` looks for it."""
+    from wsgen.pipeline.launch_files import find_launch_files
+
+    found = sorted(file for file in share.rglob("*") if file.name == name and file.is_file())
+    if len(found) == 1:
+        return found[0]
+    if found:
+        raise RequestError(
+            f"{package} has installed {name} more than once.",
+            hint=f"Give the path of one: {', '.join(str(file) for file in found)}",
+        )
+    names = ", ".join(file.name for file in find_launch_files(share)) or "none"
+    raise RequestError(
+        f"{package} has not installed a launch file {name}.", hint=f"Installed: {names}."
+    )
+
+
+def _package_of(file: Path) -> str | None:
+    """The package that a launch file belongs to, by the nearest package.xml above it."""
+    from wsgen.workspace.layout import read_package
+
+    for folder in file.absolute().parents:
+        if (folder / "package.xml").is_file():
+            package = read_package(folder)
+            return None if package is None else package.name
+    return None
+
+
+def _split(arguments: tuple[str, ...]) -> Mapping[str, str]:
+    """`name:=value` as `ros2 launch` takes it; the last of a name counts."""
+    values: dict[str, str] = {}
+    for argument in arguments:
+        name, _, value = argument.partition(":=")
+        if not name or not value:
+            raise RequestError(
+                f"The launch argument {argument!r} is not of the form name:=value.",
+                hint="For example: z:=0.5",
+            )
+        values[name] = value
+    return values
+
+
+def _write(plan: LaunchPlan, *, output_format: str, show_arguments: bool) -> None:
+    if output_format == "json":
+        from wsgen.report.launch_json import render_plan
+
+        click.echo(render_plan(plan), nl=False)
+        return
+    from wsgen.cli.launch_tree import render_arguments, render_tree
+
+    for line in render_arguments(plan) if show_arguments else render_tree(plan):
+        click.echo(line)

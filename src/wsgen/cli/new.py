@@ -1,0 +1,264 @@
+"""`wsgen new`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from wsgen.cli.options import format_option, output_options, workspace_option
+from wsgen.errors import EXIT_PASSED, RequestError
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from wsgen.model.package import Maintainer
+    from wsgen.workspace.layout import Workspace
+
+DEFAULT_WORKSPACE = "ws_gazebo"
+
+
+class NewCommand(click.Command):
+    """A command whose help ends with what the templates and the licences are."""
+
+    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """List them as they are on this disk; only --help pays for it."""
+        from wsgen.model.target import DEFAULT_TARGET
+        from wsgen.templating.licenses import license_names
+        from wsgen.templating.manifest import load_template, template_names
+
+        for name in template_names():
+            template = load_template(name, DEFAULT_TARGET)
+            with formatter.section(f"Variables of the template {name}, for --set"):
+                formatter.write_dl(
+                    [
+                        (
+                            f"{variable.name}={variable.default:g}",
+                            (
+                                f"{variable.help}, {variable.minimum:g} to {variable.maximum:g} "
+                                f"{variable.unit}"
+                            ),
+                        )
+                        for variable in template.variables
+                    ]
+                )
+        with formatter.section("Licences"):
+            formatter.write_text(", ".join(license_names()))
+        super().format_epilog(ctx, formatter)
+
+
+@click.command(
+    cls=NewCommand, epilog="For example:  wsgen new my_robot --set length=0.8 --license MIT"
+)
+@click.argument("name", metavar="PACKAGE")
+@workspace_option
+@click.option(
+    "-t",
+    "--template",
+    default="simple",
+    metavar="NAME",
+    show_default=True,
+    help="What kind of robot.",
+)
+@click.option(
+    "--distro",
+    envvar="ROS_DISTRO",
+    default="iron",
+    metavar="NAME",
+    help="ROS 2 distribution that the package is for.  [default: $ROS_DISTRO, else iron]",
+)
+@click.option(
+    "--sim",
+    type=click.Choice(["classic", "gz"]),
+    help="Gazebo Classic or Gazebo Sim.  [default: classic on iron, gz elsewhere]",
+)
+@click.option(
+    "--set", "settings", multiple=True, metavar="KEY=VALUE", help="A variable of the template."
+)
+@click.option("--description", metavar="TEXT", help="What the package is for.")
+@click.option(
+    "--license",
+    "license_name",
+    default="Apache-2.0",
+    metavar="SPDX",
+    show_default=True,
+    help="Licence; its text is written, too.",
+)
+@click.option("--maintainer-name", metavar="TEXT", help="[default: git's user.name]")
+@click.option("--maintainer-email", metavar="ADDRESS", help="[default: git's user.email]")
+@click.option("--dry-run", is_flag=True, help="Only say which files would be written.")
+@click.option("--build", "then_build", is_flag=True, help="Build it at once.")
+@click.option("--validate", "then_validate", is_flag=True, help="Build and validate it at once.")
+@format_option
+@output_options
+def command(
+    name: str,
+    *,
+    workspace: str | None,
+    template: str,
+    distro: str,
+    sim: str | None,
+    settings: tuple[str, ...],
+    description: str | None,
+    license_name: str,
+    maintainer_name: str | None,
+    maintainer_email: str | None,
+    dry_run: bool,
+    then_build: bool,
+    then_validate: bool,
+    output_format: str,
+    quiet: bool,
+    verbose: bool,
+) -> int:
+    """Write a package with a robot, and the workspace around it if there is none."""
+    from wsgen.model.target import choose_target
+    from wsgen.templating.manifest import load_template
+    from wsgen.templating.render import render_package
+    from wsgen.templating.spec import make_spec
+    from wsgen.templating.write import refuse_existing, write_package
+    from wsgen.workspace.paths import check_workspace_path
+
+    if output_format == "json" and (then_build or then_validate):
+        raise RequestError(
+            "--format json gives what was written, and nothing after it.",
+            hint="Call `wsgen build` and `wsgen validate --format json` by themselves.",
+        )
+    target = choose_target(distro, sim)
+    chosen = load_template(template, target)
+    spec = make_spec(
+        name,
+        template=chosen,
+        target=target,
+        maintainer=_choose_maintainer(maintainer_name, maintainer_email),
+        license_name=license_name,
+        settings=settings,
+        description=description,
+    )
+    place = choose_workspace(workspace)
+    check_workspace_path(place.root)
+    folder = place.source / spec.name
+    refuse_existing(folder)
+    refuse_duplicate(spec.name, place)
+    tree = render_package(spec, chosen)
+    if not dry_run:
+        write_package(tree, folder)
+    tell = _tell_json if output_format == "json" else _tell_text
+    tell(place, folder, list(tree), is_written=not dry_run)
+    if dry_run or not (then_build or then_validate):
+        return EXIT_PASSED
+    return go_on(place, spec.name, validate=then_validate, quiet=quiet, verbose=verbose)
+
+
+def go_on(workspace: Workspace, package: str, *, validate: bool, quiet: bool, verbose: bool) -> int:
+    """Build the package, then validate it if that is wanted; the exit code."""
+    from wsgen.cli.build import build_workspace
+
+    root = str(workspace.root)
+    code = build_workspace((package,), workspace=root, quiet=quiet, verbose=verbose)
+    if code != EXIT_PASSED or not validate:
+        return code
+    from wsgen.cli.validate import validate_packages
+    from wsgen.pipeline.request import ValidateRequest
+
+    request = ValidateRequest(packages=(package,))
+    return validate_packages(request, workspace=root, quiet=quiet, verbose=verbose)
+
+
+def choose_workspace(given: str | None) -> Workspace:
+    """The given folder, else the workspace around the current one, else ./ws_gazebo.
+
+    Raises:
+        RequestError: the given folder is among the packages of another workspace.
+    """
+    from pathlib import Path
+
+    from wsgen.workspace.layout import Workspace, find_workspace
+
+    if given is None:
+        return find_workspace(Path.cwd()) or Workspace(root=Path.cwd() / DEFAULT_WORKSPACE)
+    root = Path(given).expanduser().absolute()
+    around = find_workspace(root)
+    if around is not None and (root == around.source or around.source in root.parents):
+        raise RequestError(
+            f"{root} lies among the packages of the workspace {around.root}.",
+            hint=f"Give the workspace itself: -w {around.root}",
+        )
+    return Workspace(root=root)
+
+
+def refuse_duplicate(name: str, workspace: Workspace) -> None:
+    """Stop if the workspace has a package of this name: colcon builds none of two.
+
+    Raises:
+        WouldOverwriteError: it has; says where.
+    """
+    from wsgen.errors import WouldOverwriteError
+    from wsgen.workspace.layout import find_packages
+
+    for package in find_packages(workspace):
+        if package.name == name:
+            raise WouldOverwriteError(
+                f"The workspace has a package {name} in {package.path}; nothing was written.",
+                hint="Take another name: colcon refuses two packages of one name.",
+            )
+
+
+def _choose_maintainer(name: str | None, email: str | None) -> Maintainer:
+    """What is given; git is asked for the rest."""
+    if name is not None and email is not None:
+        from wsgen.templating.spec import make_maintainer
+
+        return make_maintainer(name, email)
+    from wsgen.templating.maintainer import UNKNOWN_DOMAIN, find_maintainer
+
+    maintainer = find_maintainer(name, email)
+    if email is None and maintainer.email.endswith(f"@{UNKNOWN_DOMAIN}"):
+        click.echo(
+            f"note: git knows no usable user.email: {maintainer.email} in package.xml is to be"
+            " changed. Or give --maintainer-email.",
+            err=True,
+        )
+    return maintainer
+
+
+def _tell_text(workspace: Workspace, folder: Path, files: list[str], *, is_written: bool) -> None:
+    if not is_written:
+        click.echo("\n".join(click.format_filename(folder / file) for file in files))
+        click.echo("Nothing was written.", err=True)
+        return
+    click.echo(f"Wrote {_short(folder)}")
+    click.echo(f"Next: {_next_command(workspace)}")
+
+
+def _tell_json(workspace: Workspace, folder: Path, files: list[str], *, is_written: bool) -> None:
+    import json
+
+    result = {
+        "version": 1,
+        "package": folder.name,
+        "path": str(folder),
+        "workspace": str(workspace.root),
+        "files": files,
+        "written": is_written,
+    }
+    click.echo(json.dumps(result, indent=2))
+
+
+def _next_command(workspace: Workspace) -> str:
+    """What to type next, from the current folder."""
+    import shlex
+    from pathlib import Path
+
+    commands = ["wsgen build", "wsgen validate"]
+    here = Path.cwd()
+    if workspace.root != here and workspace.root not in here.parents:
+        commands.insert(0, f"cd {shlex.quote(_short(workspace.root))}")
+    return " && ".join(commands)
+
+
+def _short(path: Path) -> str:
+    """Relative to the current folder where that is below it."""
+    from pathlib import Path
+
+    here = Path.cwd()
+    return click.format_filename(path.relative_to(here) if here in path.parents else path)

@@ -1,0 +1,56 @@
+"""Options that several commands share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import click
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+workspace_option = click.option(
+    "-w",
+    "--workspace",
+    type=click.Path(file_okay=False),
+    metavar="DIR",
+    help="The colcon workspace.  [default: the one around the current folder]",
+)
+
+format_option = click.option(
+    "--format",
+    "output_format",
+    type=click.Choice(["text", "json"]),
+    default="text",
+    show_default=True,
+    help="Form of the result on standard output.",
+)
+
+
+def _set_color(ctx: click.Context, _parameter: click.Parameter, value: str) -> None:
+    # click itself leaves colours away where the output is no terminal.
+    if value != "auto":
+        ctx.color = value == "always"
+        if ctx.obj is not None:  # for what is told after the command has failed
+            ctx.obj.wanted = ctx.color
+
+
+def output_options(function: Function) -> Function:
+    """-q, -v and --color, for commands that show progress on standard error."""
+    for option in (
+        click.option("-q", "--quiet", is_flag=True, help="Show no progress."),
+        click.option("-v", "--verbose", is_flag=True, help="Show what other programs print."),
+        click.option(
+            "--color",
+            type=click.Choice(["auto", "always", "never"]),
+            default="auto",
+            envvar="WSGEN_COLOR",
+            show_default=True,
+            is_eager=True,
+            expose_value=False,
+            callback=_set_color,
+            help="Colours; in auto, NO_COLOR turns them off.",
+        ),
+    ):
+        function = option(function)
+    return function

@@ -1,0 +1,76 @@
+"""Events -> standard error: a moving line on a terminal, a line a step elsewhere."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING
+
+import click
+
+from wsgen.events import Event, Listener, OutputLine, StepEnded, StepProgressed, StepStarted
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+from contextlib import contextmanager
+
+
+class LineProgress:
+    """One line when a step ends, for logs; what other programs print with `verbose`."""
+
+    def __init__(self, *, verbose: bool) -> None:
+        self.verbose = verbose
+
+    def __call__(self, event: Event) -> None:
+        """Draw one event."""
+        if isinstance(event, StepEnded):
+            click.echo(_ended(event), err=True)
+        elif isinstance(event, StepStarted) and self.verbose:
+            click.echo(f"  ...  {_title(event)}", err=True)
+        elif isinstance(event, OutputLine) and self.verbose:
+            click.echo(f"       {event.text}", err=True)
+
+
+class TerminalProgress(LineProgress):
+    """The step at work with a turning wheel below the lines of those that ended."""
+
+    def __init__(self, *, verbose: bool) -> None:
+        super().__init__(verbose=verbose)
+        from rich.console import Console  # 20 ms that only a terminal pays
+
+        color = click.get_current_context().color
+        self.status = Console(stderr=True, no_color=color is False).status("")
+
+    def __call__(self, event: Event) -> None:
+        """Draw one event."""
+        if isinstance(event, (StepStarted, StepProgressed)):
+            self.status.update(_title(event))
+            self.status.start()
+        if isinstance(event, StepEnded):
+            self.status.stop()
+        super().__call__(event)
+
+
+@contextmanager
+def listening(*, quiet: bool, verbose: bool) -> Iterator[Listener | None]:
+    """The listener that suits standard error; None for `quiet`."""
+    if quiet:
+        yield None
+    elif sys.stderr is not None and sys.stderr.isatty():
+        progress = TerminalProgress(verbose=verbose)
+        try:
+            yield progress
+        finally:
+            progress.status.stop()
+    else:
+        yield LineProgress(verbose=verbose)
+
+
+def _title(event: StepStarted | StepProgressed | StepEnded) -> str:
+    return f"{' '.join(event.step)}  {event.detail}".rstrip()
+
+
+def _ended(event: StepEnded) -> str:
+    mark = click.style("  ok ", fg="green") if event.succeeded else click.style("failed", fg="red")
+    seconds = click.style(f"{event.seconds:.2f} s", dim=True)
+    return f"{mark:6} {_title(event)}  {seconds}"

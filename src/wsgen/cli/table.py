@@ -1,0 +1,98 @@
+"""Outcome -> what a person reads at the end of `wsgen validate`."""
+
+from __future__ import annotations
+
+import math
+import os
+from typing import TYPE_CHECKING
+
+import click
+
+from wsgen.cli.findings import render_findings
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from wsgen.model.outcome import Outcome, PackageOutcome, RobotOutcome
+
+# Lengths in metres; the whole fits into 80 columns.
+HEADINGS = ("robot", "mass, kg", "joints move", "spawned at, m", "at the end, m", "")
+
+
+def render_outcome_table(outcome: Outcome) -> list[str]:
+    """A block a package: what was played, a table of robots, the findings, the picture."""
+    lines: list[str] = []
+    for package in outcome.packages:
+        lines += [*_package(package), ""]
+    if outcome.left_out:
+        lines += [f"not judged, as they spawn no robot: {', '.join(outcome.left_out)}", ""]
+    return lines[:-1]
+
+
+def _package(package: PackageOutcome) -> list[str]:
+    verdict = (
+        click.style("passed", fg="green", bold=True)
+        if package.passed
+        else click.style("failed", fg="red", bold=True)
+    )
+    lines = [f"{click.style(package.package or '(file)', bold=True)}: {verdict}"]
+    if package.launch_file is not None:
+        lines.append(f"  launch file  {_short(package.launch_file)}")
+    if package.world is not None:
+        file = package.world.file
+        lines.append(f"  world        {package.world.name}" + (f"  {_short(file)}" if file else ""))
+    if package.robots:
+        rows = [_robot(robot) for robot in package.robots]
+        lines += ["", *_table([HEADINGS, *rows])]
+    findings = render_findings(package.diagnostics)
+    if findings:
+        lines += ["", *(f"  {line}" for line in findings)]
+    if package.picture is not None:
+        scale = f"  (a square is {package.picture_tile:g} m)" if package.picture_tile else ""
+        lines += ["", f"  picture      {package.picture}{scale}"]
+    return lines
+
+
+def _robot(robot: RobotOutcome) -> tuple[str, ...]:
+    rest, simulated = robot.rest, robot.simulated
+    return (
+        robot.entity,
+        f"{simulated.mass if simulated else robot.mass:.3f}",
+        f"{robot.movable_joints} of {robot.joints}",
+        _xyz(robot.spawn_pose.xyz),
+        _xyz(rest.pose_in_world.xyz) if rest else "-",
+        _verdict(robot),
+    )
+
+
+def _verdict(robot: RobotOutcome) -> str:
+    if not robot.passed:
+        return "fails" if robot.rest else "not tried"
+    if robot.rest is None or robot.rest.settled_after is None:
+        return "keeps moving"
+    return f"stands after {robot.rest.settled_after:.1f} s"
+
+
+def _xyz(xyz: tuple[float, float, float]) -> str:
+    """Centimetres on the ground, millimetres above it; adding zero makes -0.00 plain."""
+    return " ".join(
+        f"{round(value, decimals) + 0.0:.{decimals}f}" if math.isfinite(value) else str(value)
+        for value, decimals in zip(xyz, (2, 2, 3), strict=True)
+    )
+
+
+def _table(rows: list[tuple[str, ...]]) -> list[str]:
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+    lines = [
+        "  "
+        + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        for row in rows
+    ]
+    rule = "  " + "  ".join("-" * width for width in widths)
+    return [click.style(lines[0], bold=True), rule, *lines[1:]]
+
+
+def _short(path: Path) -> str:
+    """Relative to the current folder where that is below it."""
+    relative = os.path.relpath(path)
+    return os.fspath(path) if relative.startswith("..") else relative

@@ -1,0 +1,191 @@
+"""`wsgen launch`: the words of `ros2 launch`, and what is shown."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING
+
+import pytest
+
+import wsgen.cli
+from install_space import HEAD, InstallSpace
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+TEXT = (
+    HEAD
+    + """
+def generate_launch_description():
+    driver = Node(package="rviz2", executable="rviz2", name="view", namespace="/a",
+                  parameters=[{"robot_description": open(__file__[:-9] + "urdf").read(), "b": 1}],
+                  remappings=[("x", "y")])
+    return LaunchDescription([
+        DeclareLaunchArgument("height", default_value="0.5", description="how high"),
+        SetEnvironmentVariable("MODE", "test"),
+        IncludeLaunchDescription([FindPackageShare("gazebo_ros"), "/launch/gazebo.launch.py"],
+                                 launch_arguments={"gui": "false"}.items()),
+        driver,
+        RegisterEventHandler(OnProcessStart(target_action=driver, on_start=[
+            ExecuteProcess(cmd=["echo", LaunchConfiguration("height")])])),
+        TimerAction(period=3.0, actions=[ExecuteProcess(cmd=[Command(["date"])])]),
+    ])
+"""
+)
+
+
+@pytest.fixture
+def share(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The share folder of a sourced package, seen from a folder without workspace."""
+    space = InstallSpace(tmp_path / "install")
+    folder = space.add(
+        "my_robot", {"launch/r.launch.py": TEXT, "launch/r.urdf": "<robot name='r'/>"}
+    )
+    monkeypatch.setenv("AMENT_PREFIX_PATH", str(space.prefix))
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    return folder
+
+
+def launch(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str, str]:
+    code = wsgen.cli.run(["launch", *words])
+    captured = capsys.readouterr()
+    assert "Traceback" not in captured.err
+    return code, captured.out, captured.err
+
+
+def test_the_plan_as_a_tree(share: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, _ = launch(capsys, "my_robot", "r.launch.py", "height:=2")
+    assert code == 0
+    lines = out.splitlines()
+    assert "  height:=2  (given)  how high" in lines
+    assert "  MODE=test" in lines
+    assert "  gazebo_ros gazebo.launch.py  (not here: not evaluated)" in lines
+    assert "      gui:=false" in lines
+    (node,) = (line for line in lines if line.startswith("  ├─ rviz2 rviz2  /a/view"))
+    (started,) = (line for line in lines if "echo 2" in line)
+    assert started.startswith("  │  └─ echo 2  on start of view")
+    assert lines.index(node) < lines.index(started)
+    assert any("robot_description: 17 characters from" in line for line in lines)
+    assert any("x → y" in line for line in lines)
+    assert any("after 3.0 s" in line for line in lines)
+    line = TEXT[: TEXT.index('"date"')].count("\n") + 1
+    assert lines[-1] == (
+        f"  date: commands other than xacro and cat are not executed  r.launch.py:{line}"
+    )
+
+
+def test_the_plan_as_json(share: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, _ = launch(capsys, "my_robot", "r.launch.py", "--format", "json")
+    assert code == 0
+    document = json.loads(out)
+    assert document["package"] == "my_robot"
+    assert [process["starts"] for process in document["processes"]] == [
+        "launch",
+        "start of view",
+        "timer 3.0",
+    ]
+
+
+def test_a_path(share: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = share / "launch" / "r.launch.py"
+    code, out, _ = launch(capsys, str(path), "height:=7", "--format", "json", "-q")
+    assert code == 0
+    assert json.loads(out)["arguments"][0]["value"] == "7"
+
+
+def test_a_path_where_nothing_is_sourced(
+    share: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("AMENT_PREFIX_PATH")
+    code, out, _ = launch(capsys, str(share / "launch" / "r.launch.py"), "--format", "json")
+    assert code == 0
+    assert len(json.loads(out)["processes"]) == 3
+
+
+def test_the_package_of_a_path_is_that_of_the_package_xml_above(
+    share: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (share / "package.xml").write_text(
+        "<package format='3'><name>my_robot</name><exec_depend>theirs</exec_depend></package>"
+    )
+    file = share / "launch" / "needs.launch.py"
+    file.write_text(TEXT.replace("rviz2", "theirs").replace("r.urdf", "r.urdf"))
+    (share / "launch" / "needs.urdf").write_text("<robot/>")
+    code, out, _ = launch(capsys, str(file), "--format", "json")
+    assert code == 0
+    document = json.loads(out)
+    assert document["package"] == "my_robot"
+    assert "theirs" in {entry["what"] for entry in document["unresolved"]}
+
+
+def test_the_arguments(share: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, _ = launch(capsys, "my_robot", "r.launch.py", "--show-args")
+    assert code == 0
+    assert out.startswith("Arguments (pass arguments as '<name>:=<value>'):\n\n    'height':\n")
+    assert "        how high\n        (default: '0.5')\n" in out
+    assert "    'pause':" in out  # of what it includes
+
+
+def test_conditional_arguments_and_none(share: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = share / "launch" / "c.launch.py"
+    head = HEAD + "def generate_launch_description():\n    return LaunchDescription(["
+    file.write_text(
+        head + "GroupAction([DeclareLaunchArgument('a', choices=['b'])], "
+        "condition=IfCondition('true'))])"
+    )
+    _, out, _ = launch(capsys, str(file), "-s")
+    assert "    'a':*\n        One of: ['b']\n" in out
+    assert out.endswith("* argument(s) which are only used if specific conditions occur\n")
+    file.write_text(head + "])")
+    _, out, _ = launch(capsys, str(file), "-s")
+    assert out.endswith("\n\n  No arguments.\n")
+
+
+def test_a_launch_file_with_an_error(share: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = share / "launch" / "bad.launch.py"
+    file.write_text("import os\n1 / 0\n")
+    code, out, _ = launch(capsys, str(file))
+    assert code == 1
+    assert "LCH004" in out
+    assert "bad.launch.py:2" in out
+    assert launch(capsys, str(file), "--show-args")[0] == 1
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("my_robot", "no.launch.py"), "Installed: r.launch.py"),
+        (("my_robt", "r.launch.py"), "Did you mean my_robot?"),
+        (("my_robot",), "no launch file 'my_robot'"),
+        (("no.launch.py", "a:=b"), "no launch file 'no.launch.py'"),
+        (("my_robot", "r.launch.py", "height=2"), "'height=2' is not of the form name:=value"),
+        (("my_robot", "r.launch.py", "height:="), "'height:=' is not of the form name:=value"),
+        (("here.py", "my_robot"), "'my_robot' is no launch argument"),
+    ],
+)
+def test_wrong_words(
+    share: Path,
+    capsys: pytest.CaptureFixture[str],
+    words: tuple[str, ...],
+    message: str,
+) -> None:
+    share.parents[2].joinpath("elsewhere", "here.py").touch()
+    code, out, err = launch(capsys, *words)
+    assert code == 2
+    assert not out
+    assert message in err
+
+
+def test_a_file_that_is_installed_twice(share: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (share / "r.launch.py").touch()
+    code, _, err = launch(capsys, "my_robot", "r.launch.py")
+    assert code == 2
+    assert "more than once" in err
+
+
+def test_a_workspace_that_is_not_built(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "src").mkdir()
+    code, _, err = launch(capsys, "-w", str(tmp_path), "my_robot", "r.launch.py")
+    assert code == 4
+    assert "wsgen build" in err

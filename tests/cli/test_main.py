@@ -1,0 +1,211 @@
+"""How errors become words and exit codes."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import click
+import pytest
+
+import wsgen.cli
+from wsgen.errors import (
+    NotFoundError,
+    NotReadableError,
+    RequestError,
+    WouldOverwriteError,
+)
+
+
+def command_that(raises: BaseException) -> click.Command:
+    def callback() -> None:
+        raise raises
+
+    return click.Command("new", callback=callback)
+
+
+@pytest.mark.parametrize(
+    ("raised", "code", "words"),
+    [
+        (RequestError("the name is bad", hint="take another"), 2, ("the name is bad", "take")),
+        (WouldOverwriteError("it is there", hint="move it"), 3, ("it is there", "move it")),
+        (NotFoundError("no cmake", hint="install it"), 4, ("no cmake", "install it")),
+        (NotReadableError("disk full", hint="make room"), 4, ("disk full", "make room")),
+        (KeyboardInterrupt(), 130, ("interrupted",)),
+        (ZeroDivisionError("division by zero"), 70, ("bug in wsgen", "WSGEN_TRACEBACK")),
+    ],
+)
+def test_errors_are_told_without_a_traceback(
+    raised: BaseException,
+    code: int,
+    words: tuple[str, ...],
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setattr(
+        wsgen.cli.CommandTable, "get_command", lambda *_: command_that(raises=raised)
+    )
+    assert wsgen.cli.run(["new"]) == code
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert "Traceback" not in captured.err
+    for word in words:
+        assert word in captured.err
+
+
+def test_a_misspelt_command(capsys: pytest.CaptureFixture[str]) -> None:
+    assert wsgen.cli.run(["biuld"]) == 2
+    assert "wsgen build" in capsys.readouterr().err
+
+
+def test_a_wrong_option(capsys: pytest.CaptureFixture[str]) -> None:
+    assert wsgen.cli.run(["build", "--fast"]) == 2
+    assert "--fast" in capsys.readouterr().err
+
+
+def test_the_table_of_commands_says_what_the_commands_say(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    for name in wsgen.cli.COMMANDS:
+        assert wsgen.cli.run([name, "--help"]) == 0
+        assert f"wsgen {name}" in capsys.readouterr().out
+
+
+def test_every_command_is_in_the_readme() -> None:
+    readme = Path(__file__).parents[2].joinpath("README.md").read_text(encoding="utf-8")
+    for name in wsgen.cli.COMMANDS:
+        assert f"`wsgen {name}" in readme
+
+
+def test_a_reader_that_goes_away_is_no_error() -> None:
+    reader, writer = os.pipe()
+    os.close(reader)
+    run = subprocess.run(
+        [sys.executable, "-m", "wsgen", "--help"],
+        stdout=writer,
+        stderr=subprocess.PIPE,
+        text=True,
+        check=False,
+    )
+    os.close(writer)
+    assert (run.returncode, run.stderr) == (0, "")
+
+
+def test_standard_error_that_is_closed(tmp_path: Path) -> None:
+    run = subprocess.run(
+        f"'{sys.executable}' -m wsgen validate 2>&-",
+        shell=True,
+        cwd=tmp_path,
+        check=False,
+    )
+    assert run.returncode == 4
+
+
+@pytest.mark.parametrize(
+    ("arguments", "environment", "colored"),
+    [
+        (("--color", "always"), {}, True),
+        (("--color", "always"), {"NO_COLOR": "1"}, True),
+        (("--color", "never"), {}, False),
+        ((), {}, False),
+    ],
+)
+def test_colours_of_an_error(
+    tmp_path: Path, arguments: tuple[str, ...], environment: dict[str, str], *, colored: bool
+) -> None:
+    run = subprocess.run(
+        [sys.executable, "-m", "wsgen", "validate", *arguments],
+        cwd=tmp_path,
+        env={**os.environ, **environment},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert ("\x1b[" in run.stderr) is colored
+
+
+@pytest.mark.parametrize(
+    ("environment", "colored"),
+    [({"TERM": "xterm"}, True), ({"TERM": "dumb"}, False), ({"NO_COLOR": "1"}, False)],
+)
+def test_colours_on_a_terminal(
+    tmp_path: Path, environment: dict[str, str], *, colored: bool
+) -> None:
+    controller, terminal = os.openpty()
+    child = subprocess.Popen(
+        [sys.executable, "-m", "wsgen", "validate"],
+        cwd=tmp_path,
+        env={**os.environ, "TERM": "xterm", **environment},
+        stdout=terminal,
+        stderr=terminal,
+    )
+    child.wait(timeout=30)
+    os.close(terminal)
+    printed = os.read(controller, 4000)
+    os.close(controller)
+    assert (b"\x1b[31m" in printed) is colored
+
+
+def test_a_current_folder_that_is_gone(tmp_path: Path) -> None:
+    gone = tmp_path / "gone"
+    gone.mkdir()
+    run = subprocess.run(
+        f"cd '{gone}' && rmdir '{gone}' && '{sys.executable}' -P -m wsgen new some_robot"
+        if sys.version_info >= (3, 11)
+        else f"cd '{gone}' && rmdir '{gone}' && '{sys.executable}' -m wsgen new some_robot",
+        shell=True,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert run.returncode == 4
+    assert "does not exist any more" in run.stderr
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="only Linux has a full device")
+def test_a_full_disk_behind_standard_output() -> None:
+    run = subprocess.run(
+        f"'{sys.executable}' -m wsgen --help > /dev/full",
+        shell=True,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert run.returncode == 4
+    assert "Traceback" not in run.stderr
+
+
+def test_an_interrupt_ends_with_130(tmp_path: Path) -> None:
+    """A build is interrupted while CMake configures."""
+    package = tmp_path / "src" / "slow"
+    package.mkdir(parents=True)
+    (package / "package.xml").write_text(
+        '<package format="3"><name>slow</name><version>0.0.0</version><description>d</description>'
+        '<maintainer email="a@b.cd">a</maintainer><license>MIT</license>'
+        "<buildtool_depend>ament_cmake</buildtool_depend>"
+        "<export><build_type>ament_cmake</build_type></export></package>"
+    )
+    (package / "CMakeLists.txt").write_text(
+        "cmake_minimum_required(VERSION 3.20)\nproject(slow LANGUAGES NONE)\n"
+        f'file(TOUCH "{tmp_path}/configuring")\n'
+        "execute_process(COMMAND sleep 60)\n"
+    )
+    child = subprocess.Popen(
+        [sys.executable, "-m", "wsgen", "build"],
+        cwd=tmp_path,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    deadline = time.monotonic() + 30
+    while not (tmp_path / "configuring").exists():
+        assert time.monotonic() < deadline
+        assert child.poll() is None
+        time.sleep(0.05)
+    # A terminal sends it to the whole foreground group.
+    os.killpg(child.pid, signal.SIGINT)
+    _, words = child.communicate(timeout=20)
+    assert child.returncode == 130
+    assert "Traceback" not in words

@@ -1,0 +1,218 @@
+import json
+import os
+import shutil
+import sys
+from pathlib import Path
+
+import pytest
+
+from wsgen.cli import run
+
+GIVEN = ("--maintainer-name", "Ada", "--maintainer-email", "ada@example.com")
+
+
+@pytest.fixture(autouse=True)
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty current folder, and nobody's settings."""
+    for name in ("ROS_DISTRO", "XDG_CACHE_HOME"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("GIT_CONFIG_GLOBAL", "/dev/null")
+    monkeypatch.setenv("GIT_CONFIG_SYSTEM", "/dev/null")
+    folder = tmp_path / "here"
+    folder.mkdir()
+    monkeypatch.chdir(folder)
+    return folder
+
+
+def new(*arguments: str) -> int:
+    return run(["new", *arguments, *GIVEN])
+
+
+def files(folder: Path) -> set[str]:
+    return {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
+
+
+def test_new_workspace(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert new("gazebo_test") == 0
+    assert files(here / "ws_gazebo") == {
+        f"src/gazebo_test/{name}"
+        for name in (
+            "CMakeLists.txt",
+            "LICENSE",
+            "README.md",
+            "launch/gazebo_model.launch.py",
+            "model/empty_world.world",
+            "model/robot.gazebo",
+            "model/robot.xacro",
+            "package.xml",
+            "wsgen.toml",
+        )
+    }
+    told = capsys.readouterr()
+    assert told.out == (
+        "Wrote ws_gazebo/src/gazebo_test\nNext: cd ws_gazebo && wsgen build && wsgen validate\n"
+    )
+    assert told.err == ""
+
+
+def test_second_package_goes_into_the_workspace_around(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert new("gazebo_test") == 0
+    monkeypatch.chdir(here / "ws_gazebo" / "src" / "gazebo_test" / "model")
+    capsys.readouterr()
+    assert new("second_robot") == 0
+    assert (here / "ws_gazebo" / "src" / "second_robot" / "package.xml").is_file()
+    assert capsys.readouterr().out.endswith("\nNext: wsgen build && wsgen validate\n")
+
+
+def test_existing_folder(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert new("gazebo_test") == 0
+    package = here / "ws_gazebo" / "src" / "gazebo_test"
+    (package / "package.xml").write_text("mine")
+    assert new("gazebo_test") == 3
+    assert (package / "package.xml").read_text() == "mine"
+    assert "exists already" in capsys.readouterr().err
+    assert new("gazebo_test", "--dry-run") == 3
+
+
+def test_package_of_the_same_name_in_another_folder(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert new("gazebo_test") == 0
+    source = here / "ws_gazebo" / "src"
+    (source / "group").mkdir()
+    (source / "gazebo_test").rename(source / "group" / "renamed")
+    assert new("gazebo_test") == 3
+    assert str(source / "group" / "renamed") in capsys.readouterr().err
+    assert [path.name for path in source.iterdir()] == ["group"]
+
+
+def test_given_workspace_with_a_space(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert new("gazebo_test", "-w", "my ws") == 0
+    assert (here / "my ws" / "src" / "gazebo_test").is_dir()
+    assert "cd 'my ws' && wsgen build" in capsys.readouterr().out
+
+
+def test_workspace_among_packages(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert new("gazebo_test") == 0
+    for place in ("ws_gazebo/src", "ws_gazebo/src/gazebo_test"):
+        assert new("second_robot", "-w", place) == 2
+    assert f"-w {here / 'ws_gazebo'}" in capsys.readouterr().err
+
+
+def test_json(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert new("gazebo_test", "--format", "json") == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told.pop("files") == sorted(files(here / "ws_gazebo" / "src" / "gazebo_test"))
+    assert told == {
+        "version": 1,
+        "package": "gazebo_test",
+        "path": str(here / "ws_gazebo" / "src" / "gazebo_test"),
+        "workspace": str(here / "ws_gazebo"),
+        "written": True,
+    }
+
+
+def test_dry_run(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert new("gazebo_test", "--dry-run") == 0
+    assert not list(here.iterdir())
+    told = capsys.readouterr()
+    assert len(told.out.splitlines()) == 9
+    assert str(here / "ws_gazebo/src/gazebo_test/package.xml") in told.out.splitlines()
+    assert told.err == "Nothing was written.\n"
+    assert new("gazebo_test", "--dry-run", "--format", "json") == 0
+    assert json.loads(capsys.readouterr().out)["written"] is False
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message", "hint"),
+    [
+        (["../evil"], "is a path", "would do: evil"),
+        (["/srv/evil"], "is a path", "would do: evil"),
+        ([""], "is empty", "would do: my_robot"),
+        (["x" * 300], "xxx...' is longer than 64", "would do: xxx"),
+        (["röbot"], "lower-case", "would do: robot"),
+        (["test"], "CMake", "would do: test_robot"),
+        (["import"], "Python", "would do: import_robot"),
+        (["xacro"], "no package can need itself", "would do: xacro_robot"),
+        (["ament_cmake"], "no package can need itself", "would do: ament_cmake_robot"),
+        (["a_b", "-t", "arm"], "no template 'arm'", "simple"),
+        (["a_b", "--distro", "jazzy"], "ROS 2 jazzy", "--distro iron"),
+        (["a_b", "--distro", "jazzy", "--sim", "classic"], "not released", "--distro iron"),
+        (["a_b", "--sim", "gz"], "Gazebo Sim yet", "--sim classic"),
+        (["a_b", "--set", "mass=heavy"], "'heavy' is no number", "--set mass=1"),
+        (["a_b", "--license", "GPL"], "no text of a licence 'GPL'", "Apache-2.0"),
+        (["a_b", "--description", ""], "description is empty", "--description"),
+        (["a_b", "--description", "a\x07b"], "U+0007", "control"),
+        (["a_b", "--maintainer-name", 'A "B"'], "CMake", "--maintainer-name"),
+        (["a_b", "--maintainer-email", "nobody"], "'nobody' is no e-mail", "@example.com"),
+    ],
+)
+def test_wrong_request(
+    here: Path, arguments: list[str], message: str, hint: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["new", *GIVEN, *arguments]) == 2
+    told = capsys.readouterr()
+    assert told.out == ""
+    said, tried = told.err.splitlines()
+    assert message in said
+    assert hint in tried
+    assert not list(here.iterdir())
+
+
+def test_distro_of_the_sourced_ros(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("ROS_DISTRO", "kilted")
+    assert new("gazebo_test") == 2
+    assert "ROS 2 kilted" in capsys.readouterr().err
+    assert new("gazebo_test", "--distro", "iron") == 0
+
+
+def test_options_reach_the_files(here: Path) -> None:
+    text = "<b> & \"c\" 'd' ${x} {{x}}\n🤖"
+    assert new("gazebo_test", "--description", text, "--license", "mit", "--set", "mass=2") == 0
+    package = here / "ws_gazebo" / "src" / "gazebo_test"
+    assert 'name="mass" default="2.0"' in (package / "model" / "robot.xacro").read_text()
+    assert (package / "LICENSE").read_text().startswith("MIT License\n\nCopyright (c) Ada\n")
+    assert "&lt;b&gt; &amp; \"c\" 'd' ${x} {{x}}\n🤖" in (package / "package.xml").read_text()
+
+
+def test_nobody_knows_the_maintainer(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("LOGNAME", "grace")
+    assert run(["new", "gazebo_test"]) == 0
+    assert "note: git knows no usable user.email: grace@todo.todo" in capsys.readouterr().err
+    manifest = (here / "ws_gazebo" / "src" / "gazebo_test" / "package.xml").read_text()
+    assert '<maintainer email="grace@todo.todo">grace</maintainer>' in manifest
+
+
+def test_file_where_the_workspace_should_be(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (here / "ws_gazebo").write_text("mine")
+    assert new("gazebo_test") == 4
+    assert "Not a directory" in capsys.readouterr().err
+    assert files(here) == {"ws_gazebo"}
+
+
+@pytest.mark.skipif(sys.platform == "darwin", reason="names of files are Unicode there")
+def test_folder_whose_name_is_no_text(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    odd = os.fsdecode(b"ws_\xff")
+    assert new("gazebo_test", "-w", odd) == 0
+    assert (here / odd / "src" / "gazebo_test").is_dir()
+
+
+def test_leftovers_of_a_killed_command_are_no_packages(here: Path) -> None:
+    """colcon's own crawl does not see what is not finished."""
+    assert new("gazebo_test") == 0
+    source = here / "ws_gazebo" / "src"
+    shutil.copytree(source / "gazebo_test", source / ".wsgen-new-1-00" / "second_robot")
+    assert new("second_robot") == 0
+    assert sorted(path.name for path in source.iterdir()) == ["gazebo_test", "second_robot"]
+
+
+@pytest.mark.parametrize("folder", ["semi;colon", "dollar$x", "co:lon"])
+def test_a_workspace_that_cmake_could_not_build(tmp_path: Path, folder: str) -> None:
+    assert run(["new", "some_robot", "-w", str(tmp_path / folder)]) == 2
+    assert not (tmp_path / folder).exists()

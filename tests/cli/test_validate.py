@@ -1,0 +1,309 @@
+"""`wsgen validate` on a package that `wsgen new` wrote, and on what beginners make of it."""
+
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from PIL import Image
+
+PACKAGE = "gazebo_test"
+SHARE = Path("install", PACKAGE, "share", PACKAGE)
+
+
+def wsgen(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    run = subprocess.run(
+        [sys.executable, "-m", "wsgen", *arguments],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert "Traceback" not in run.stderr, run.stderr
+    return run
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A built workspace that no test changes."""
+    root = tmp_path_factory.mktemp("built")
+    made = wsgen(root, "new", PACKAGE, "--maintainer-name", "A", "--maintainer-email", "a@b.cd")
+    assert made.returncode == 0, made.stderr
+    workspace = root / "ws_gazebo"
+    build = wsgen(workspace, "build")
+    assert build.returncode == 0, build.stderr
+    return workspace
+
+
+@pytest.fixture
+def workspace(built: Path, tmp_path: Path) -> Path:
+    """A copy of it that a test may spoil, without the build folder, which is tied to its place."""
+    without = shutil.ignore_patterns("build")
+    return Path(shutil.copytree(built, tmp_path / "ws_gazebo", symlinks=True, ignore=without))
+
+
+def validate(workspace: Path, *arguments: str) -> tuple[int, dict[str, Any], str]:
+    run = wsgen(workspace, "validate", "--format", "json", *arguments)
+    document = json.loads(run.stdout) if run.stdout else {}
+    return run.returncode, document, run.stderr
+
+
+def errors(document: dict[str, Any]) -> list[dict[str, Any]]:
+    return [
+        found
+        for package in document["packages"]
+        for found in package["diagnostics"]
+        if found["severity"] == "error"
+    ]
+
+
+def test_the_generated_robot_stands(built: Path, tmp_path: Path) -> None:
+    code, document, _ = validate(built, "--picture", str(tmp_path / "pictures"))
+    assert code == 0
+    assert document["passed"]
+    (package,) = document["packages"]
+    assert package["diagnostics"] == []
+    assert package["launch_file"].endswith(
+        "install/gazebo_test/share/gazebo_test/launch/gazebo_model.launch.py"
+    )
+    assert package["world"]["file"].endswith("empty_world.world")
+    assert package["world"]["gravity"] == [0.0, 0.0, -9.8]
+    (robot,) = package["robots"]
+    assert robot["mass"] == 1.0
+    assert robot["simulated"] == {"links": 1, "movable_joints": 0, "mass": 1.0}
+    assert robot["spawn_pose"]["xyz"][2] > 0.25
+    assert robot["rest"]["xyz"] == pytest.approx([0.0, 0.0, 0.25], abs=0.002)
+    assert robot["rest"]["rpy"] == pytest.approx([0.0, 0.0, 0.0], abs=0.01)
+    assert robot["rest"]["settled_after"] < 2.0
+    assert robot["rest"]["speed"] < 0.01
+    seconds = package["seconds"]
+    assert set(seconds) == {"launch", "expand", "load", "simulate", "total"}
+    assert all(value > 0 for value in seconds.values())
+    assert sum(seconds.values()) <= 2 * seconds["total"]
+
+
+def test_any_text_in_the_options_gives_a_package_that_builds_and_stands(tmp_path: Path) -> None:
+    made = wsgen(
+        tmp_path,
+        "new",
+        "some_robot",
+        "--description",
+        "a < b & \"c\" 'd' \u00e9\U0001f600 ${x} {{x}} @x@ $x ; #{} ]]> \\n",
+        "--maintainer-name",
+        "O'Neil & S\u00f8n <x> {{y}}",
+        "--maintainer-email",
+        "o.neil+x@example.com",
+    )
+    assert made.returncode == 0, made.stderr
+    built = wsgen(tmp_path, "build")
+    assert (built.returncode, "arning" in built.stderr) == (0, False), built.stderr
+    code, document, _ = validate(tmp_path)
+    assert code == 0
+    assert document["packages"][0]["diagnostics"] == []
+
+
+def test_the_picture_shows_a_green_robot_on_a_ground(built: Path, tmp_path: Path) -> None:
+    _, document, _ = validate(built, "--picture", str(tmp_path / "pictures"))
+    with Image.open(document["packages"][0]["picture"]) as picture:
+        channels = picture.convert("RGB").resize((64, 48)).tobytes()
+    pixels = list(zip(channels[0::3], channels[1::3], channels[2::3], strict=True))
+    green = sum(g > 1.5 * max(red, blue) for red, g, blue in pixels)
+    black = sum(max(pixel) < 25 for pixel in pixels)
+    assert green > 0.05 * len(pixels)
+    assert black < 0.05 * len(pixels)
+    assert len(set(pixels)) > 50
+
+
+def test_two_runs_say_the_same(built: Path) -> None:
+    first, second = validate(built)[1], validate(built)[1]
+    for document in (first, second):
+        document["packages"][0].pop("seconds")
+    assert first == second
+
+
+def test_launch_arguments_reach_the_robot(built: Path) -> None:
+    code, document, _ = validate(built, "--arg", "z:=0.5", "--arg", "x:=1.5")
+    (robot,) = document["packages"][0]["robots"]
+    assert code == 0
+    assert robot["spawn_pose"]["xyz"] == [1.5, 0.0, 0.5]
+    assert robot["rest"]["xyz"] == pytest.approx([1.5, 0.0, 0.25], abs=0.002)
+
+
+@pytest.mark.parametrize(("z", "code"), [("-3", "SPN055"), ("-0.25", "SPN055")])
+def test_a_robot_that_cannot_get_out_of_the_ground_fails(built: Path, z: str, code: str) -> None:
+    exit_code, document, _ = validate(built, "--arg", f"z:={z}", "--seconds", "0.5")
+    assert exit_code == 1
+    assert code in [error["code"] for error in errors(document)]
+
+
+def test_a_world_that_no_file_is_called(built: Path) -> None:
+    code, document, _ = validate(built, "--arg", "world:=nosuch.world")
+    assert code == 0
+    assert [found["code"] for found in document["packages"][0]["diagnostics"]] == ["WLD008"]
+
+
+def test_a_launch_argument_that_is_none(built: Path) -> None:
+    code, _, words = validate(built, "--arg", "z=0.5")
+    assert code == 2
+    assert "name:=value" in words
+
+
+def test_a_package_that_does_not_exist(built: Path) -> None:
+    code, _, words = validate(built, "gazebo_tset")
+    assert code == 2
+    assert PACKAGE in words
+
+
+def test_a_launch_file_that_does_not_exist(built: Path) -> None:
+    code, _, words = validate(built, "--launch", "other.launch.py")
+    assert code == 2
+    assert "gazebo_model.launch.py" in words
+
+
+def test_no_workspace(tmp_path: Path) -> None:
+    code, _, words = validate(tmp_path)
+    assert code == 4
+    assert "wsgen new" in words
+
+
+def test_not_built(workspace: Path) -> None:
+    shutil.rmtree(workspace / "install")
+    code, _, words = validate(workspace)
+    assert code == 4
+    assert "wsgen build" in words
+
+
+def test_model_is_not_installed(workspace: Path) -> None:
+    shutil.rmtree(workspace / SHARE / "model")
+    code, document, _ = validate(workspace)
+    assert code == 1
+    found = errors(document)
+    assert any("robot.xacro" in error["message"] for error in found)
+    assert any("CMakeLists.txt" in error["hint"] for error in found)
+
+
+def test_launch_is_not_installed(workspace: Path) -> None:
+    shutil.rmtree(workspace / SHARE / "launch")
+    code, document, _ = validate(workspace, PACKAGE)
+    assert code == 1
+    (error,) = errors(document)
+    assert error["code"] == "PKG050"
+    assert "CMakeLists.txt" in error["hint"]
+
+
+def test_a_package_without_a_launch_file(workspace: Path) -> None:
+    shutil.rmtree(workspace / SHARE / "launch")
+    shutil.rmtree(workspace / "src" / PACKAGE / "launch")
+    code, document, _ = validate(workspace)
+    assert code == 1
+    assert [error["code"] for error in errors(document)] == ["PKG051"]
+
+
+def test_every_package_of_a_workspace_is_judged_or_named(workspace: Path) -> None:
+    """One that is not built, one that spawns nothing, one with two launch files."""
+    for name in ("not_built", "library", "undecided"):
+        made = wsgen(workspace, "new", name)
+        assert made.returncode == 0, made.stderr
+    shutil.rmtree(workspace / "src" / "library" / "launch")
+    cmake = workspace / "src" / "library" / "CMakeLists.txt"
+    cmake.write_text(cmake.read_text().replace("DIRECTORY launch model", "DIRECTORY model"))
+    launch = workspace / "src" / "undecided" / "launch"
+    shutil.copy(launch / "gazebo_model.launch.py", launch / "other.launch.py")
+    assert wsgen(workspace, "build", "library", "undecided").returncode == 0
+    code, document, _ = validate(workspace)
+    assert code == 1
+    found = {
+        package["package"]: [error["code"] for error in package["diagnostics"]]
+        for package in document["packages"]
+    }
+    assert found == {PACKAGE: [], "not_built": ["PKG053"], "undecided": ["PKG054"]}
+    assert "not judged, as they spawn no robot: library" in wsgen(workspace, "validate").stdout
+    code, _, words = validate(workspace, "undecided")
+    assert code == 2
+    assert "other.launch.py" in words
+
+
+def test_a_path_is_no_package(built: Path) -> None:
+    code, _, words = validate(built, f"{PACKAGE}/")
+    assert code == 2
+    assert f"wsgen validate {PACKAGE}" in words
+
+
+def test_a_launch_file_that_was_renamed_after_a_build_with_links(workspace: Path) -> None:
+    """--symlink-install leaves a link that leads nowhere."""
+    launch = workspace / SHARE / "launch"
+    (launch / "gazebo_model.launch.py").unlink()
+    (launch / "gazebo_model.launch.py").symlink_to("nowhere.launch.py")
+    (launch / "folder.launch.py").mkdir()
+    code, document, _ = validate(workspace)
+    assert code == 1
+    assert [error["code"] for error in errors(document)] == ["PKG050"]
+
+
+def test_a_syntax_error_in_the_launch_file(workspace: Path) -> None:
+    file = workspace / SHARE / "launch" / "gazebo_model.launch.py"
+    file.write_text("def generate_launch_description(:\n")
+    code, document, _ = validate(workspace)
+    assert code == 1
+    (error,) = errors(document)
+    assert (error["file"], error["line"]) == (str(file), 1)
+
+
+def test_an_undefined_property_in_the_xacro(workspace: Path) -> None:
+    file = workspace / SHARE / "model" / "robot.xacro"
+    file.write_text(file.read_text().replace("${length}", "${lenght}"))
+    code, document, _ = validate(workspace)
+    assert code == 1
+    assert any("lenght" in error["message"] for error in errors(document))
+
+
+def test_a_brace_that_is_missing_in_the_xacro(workspace: Path) -> None:
+    file = workspace / SHARE / "model" / "robot.xacro"
+    file.write_text(file.read_text().replace("${length}", "${length", 1))
+    code, document, _ = validate(workspace)
+    assert code == 1
+    assert errors(document)
+
+
+def test_a_world_that_is_not_there(workspace: Path) -> None:
+    (workspace / SHARE / "model" / "empty_world.world").unlink()
+    code, document, _ = validate(workspace)
+    assert code == 1
+    assert [error["code"] for error in errors(document)] == ["WLD001"]
+
+
+def test_a_launch_file_that_spawns_nothing(workspace: Path) -> None:
+    file = workspace / SHARE / "launch" / "gazebo_model.launch.py"
+    file.write_text(
+        "from launch import LaunchDescription\n"
+        "def generate_launch_description():\n"
+        "    return LaunchDescription([])\n"
+    )
+    code, document, _ = validate(workspace)
+    assert code == 1
+    assert any("spawn" in error["message"] for error in errors(document))
+
+
+def test_a_launch_file_that_hangs_or_crashes_is_a_finding(workspace: Path) -> None:
+    file = workspace / SHARE / "launch" / "gazebo_model.launch.py"
+    file.write_text("import os\nos.abort()\n")
+    code, document, _ = validate(workspace)
+    assert code == 1
+    assert any("SIGABRT" in error["message"] for error in errors(document))
+
+
+def test_the_json_file_is_what_is_printed(built: Path, tmp_path: Path) -> None:
+    file = tmp_path / "report.json"
+    run = wsgen(built, "validate", "--json", str(file))
+    assert run.returncode == 0
+    assert json.loads(file.read_text())["passed"]
+    assert "simple_robot" in run.stdout
+
+
+def test_a_json_file_that_cannot_be_written(built: Path, tmp_path: Path) -> None:
+    run = wsgen(built, "validate", "--json", str(tmp_path / "no" / "report.json"))
+    assert run.returncode == 4
+    assert "report.json" in run.stderr
