@@ -1,0 +1,55 @@
+"""The diagram of docs/architecture.md is what the code does."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+SOURCE = ROOT / "src" / "wsgen"
+
+# One module each; xacro's and colcon's doors lie deeper than one import.
+FOREIGN = {
+    "pybullet": "simulation/bullet.py",
+    "xacro": "description/expand.py",
+    "jinja2": "templating/render.py",
+    "catkin_pkg": "workspace/package_xml.py",
+    "lxml": "xmltree.py",
+}
+
+
+def test_imports_point_down() -> None:
+    linter = Path(sys.executable).with_name("lint-imports")
+    run = subprocess.run(
+        [linter, "--no-cache"], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    assert run.returncode == 0, run.stdout + run.stderr
+
+
+def test_the_diagram_in_the_documentation_is_the_contract() -> None:
+    contract = (ROOT / "pyproject.toml").read_text().split("layers = [")[1].split("]")[0]
+    layers = [line.strip(' ",') for line in contract.strip().splitlines()]
+    diagram = (ROOT / "docs" / "architecture.md").read_text().split("<!-- layers -->")[1]
+    assert diagram.split("```")[1].strip().splitlines() == layers
+
+
+@pytest.mark.parametrize("library", FOREIGN)
+def test_a_foreign_library_has_one_door(library: str) -> None:
+    doors = {
+        path.relative_to(SOURCE).as_posix()
+        for path in SOURCE.rglob("*.py")
+        for line in path.read_text().splitlines()
+        if line.strip().startswith((f"import {library}", f"from {library}"))
+    }
+    assert doors == {FOREIGN[library]}
+
+
+def test_only_the_command_line_imports_click_and_rich() -> None:
+    users = {
+        path.relative_to(SOURCE).parts[0]
+        for path in SOURCE.rglob("*.py")
+        for line in path.read_text().splitlines()
+        if line.strip().startswith(("import click", "from click", "import rich", "from rich"))
+    }
+    assert users == {"cli"}

@@ -1,0 +1,72 @@
+"""The whole loop on every supported Python of this machine, installed as a user installs it."""
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+SUPPORTED = ((3, 10), (3, 11), (3, 12), (3, 13))
+
+
+def interpreters() -> Iterator[tuple[str, Path]]:
+    """Version and path of one interpreter for each supported version but the running one."""
+    folders = [Path(entry) for entry in os.environ.get("PATH", "").split(os.pathsep)]
+    pyenv = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv"))
+    folders += sorted(pyenv.glob("versions/*/bin"))
+    for version in SUPPORTED:
+        if version == sys.version_info[:2]:
+            continue
+        name = f"{version[0]}.{version[1]}"
+        for folder in folders:
+            python = folder / f"python{name}"
+            # A shim of a version manager is there also for versions it does not have.
+            if python.is_file() and works(python):
+                yield name, python
+                break
+
+
+def works(python: Path) -> bool:
+    run = subprocess.run([python, "-c", "import venv"], capture_output=True, check=False)
+    return run.returncode == 0
+
+
+FOUND = dict(interpreters())
+
+
+@pytest.mark.parametrize("version", [f"{major}.{minor}" for major, minor in SUPPORTED])
+def test_new_build_validate(version: str, tmp_path: Path) -> None:
+    if version == f"{sys.version_info[0]}.{sys.version_info[1]}":
+        pytest.skip("the other tests run on this one")
+    if version not in FOUND:
+        pytest.skip(f"there is no Python {version} on this machine")
+    environment = {
+        name: value
+        for name, value in os.environ.items()
+        if name not in {"VIRTUAL_ENV", "PYTHONPATH", "AMENT_PREFIX_PATH"}
+    }
+
+    def call(*command: str | Path, folder: Path = tmp_path) -> str:
+        run = subprocess.run(
+            command, cwd=folder, env=environment, capture_output=True, text=True, check=False
+        )
+        assert run.returncode == 0, f"{command}\n{run.stdout}\n{run.stderr}"
+        return run.stdout
+
+    call(FOUND[version], "-m", "venv", "environment")
+    scripts = tmp_path / "environment" / "bin"
+    call(scripts / "python", "-m", "pip", "install", "--quiet", ROOT)
+    # Plain colcon with the environment not activated finds the wheels' packages as well.
+    for tool in ("colcon", "wsgen"):
+        call(scripts / "wsgen", "new", "gazebo_test", "-w", tool)
+        call(scripts / tool, "build", folder=tmp_path / tool)
+        said = call(scripts / "wsgen", "validate", "--format", "json", folder=tmp_path / tool)
+        outcome = json.loads(said)
+        (robot,) = outcome["packages"][0]["robots"]
+        assert outcome["passed"]
+        assert robot["simulated"] == {"links": 1, "movable_joints": 0, "mass": 1.0}
+        assert robot["rest"]["xyz"][2] == pytest.approx(0.25, abs=0.002)

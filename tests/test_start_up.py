@@ -1,0 +1,101 @@
+"""What the commands load: start-up is guarded by modules, not by a clock."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+SCRIPT = """
+import sys
+from wsgen.cli import run
+code = run({arguments!r})
+print("\\n".join(["<modules>", *sys.modules]))
+sys.exit(code)
+"""
+
+# Each of these costs more than the work of `wsgen new`.
+HEAVY = {
+    "rich",
+    "lxml",
+    "xacro",
+    "yaml",
+    "numpy",
+    "pybullet",
+    "PIL",
+    "colcon_core",
+    "catkin_pkg",
+    "importlib.metadata",
+    "subprocess",
+    "asyncio",
+    "email",
+    "http",
+    "urllib.request",
+    "argparse",
+    "logging",
+}
+
+
+def of_libraries(*names: str) -> set[str]:
+    """What importing these libraries loads by itself, on this Python."""
+    script = f"import sys, {', '.join(names)}; print(*sys.modules)"
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    return set(run.stdout.split())
+
+
+def loaded(folder: Path, *arguments: str, expect: int = 0) -> set[str]:
+    """The modules that a command leaves loaded."""
+    run = subprocess.run(
+        [sys.executable, "-c", SCRIPT.format(arguments=list(arguments))],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert run.returncode == expect, run.stderr
+    return set(run.stdout.split("<modules>\n")[1].split())
+
+
+def test_help_loads_the_table_of_commands_alone(tmp_path: Path) -> None:
+    modules = loaded(tmp_path, "--help")
+    assert {name for name in modules if name.startswith("wsgen")} == {
+        "wsgen",
+        "wsgen.cli",
+        "wsgen.errors",
+    }
+    assert not modules & (HEAVY | {"jinja2", "dataclasses", "json"}) - of_libraries("click")
+
+
+def test_new_loads_what_it_renders_with(tmp_path: Path) -> None:
+    modules = loaded(
+        tmp_path, "new", "some_robot", "--maintainer-name", "A", "--maintainer-email", "a@b.cd"
+    )
+    packages = {name.split(".")[1] for name in modules if name.startswith("wsgen.")}
+    assert packages <= {
+        "cli",
+        "diagnostics",
+        "errors",
+        "model",
+        "templating",
+        "tomlfile",
+        "workspace",
+    }
+    assert not modules & HEAVY - of_libraries("click", "jinja2")
+    assert {name for name in modules if name.startswith("wsgen.model.")} <= {
+        "wsgen.model.names",
+        "wsgen.model.package",
+        "wsgen.model.target",
+    }
+
+
+def test_build_loads_no_simulator(tmp_path: Path) -> None:
+    modules = loaded(tmp_path, "build", "--help")
+    assert not modules & HEAVY - of_libraries("click")
+
+
+def test_validate_leaves_engine_and_xacro_to_its_children(tmp_path: Path) -> None:
+    """Without a built workspace it comes as far as loading all stages."""
+    (tmp_path / "src" / "p").mkdir(parents=True)
+    (tmp_path / "src" / "p" / "package.xml").write_text("<package><name>p</name></package>")
+    modules = loaded(tmp_path, "validate", expect=4)
+    assert "wsgen.pipeline" in modules
+    assert not modules & {"rich", "numpy", "pybullet", "PIL", "xacro", "colcon_core", "catkin_pkg"}
+    assert not modules & {"jinja2", "asyncio", "logging", "wsgen.launch.worker"}
