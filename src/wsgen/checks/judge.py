@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from wsgen.checks import robot_rules, trial_rules
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
@@ -42,46 +43,46 @@ def judge_trial(
     ]
     if robot.fixed_to_world:
         # It hangs or stands where it is spawned; only its joints can move.
-        return (
-            *found,
-            *trial_rules.keeps_moving(
-                entity,
-                trial.settled_after,
-                trial.speed,
-                trial.movable_joints,
-                turning=trial.turning,
-                joint_speed=trial.joint_speed,
-            ),
-        )
+        return (*found, *_unrest(trial))
     if world.has_ground_plane:
         found += trial_rules.born_inside_the_ground(entity, trial.penetration, spawn_pose.xyz[2])
         found += trial_rules.spawned_high_above_the_ground(
             entity, trial.lowest_point, spawn_pose.xyz[2]
         )
-    if not trial.is_finite:
-        return tuple(found)
-    motion = [
-        *trial_rules.falls_without_end(
+    if trial.is_finite:
+        found += _judge_motion(spawn_pose, world, trial)
+    return tuple(found)
+
+
+def _judge_motion(spawn_pose: Pose, world: World, trial: RobotTrial) -> list[Diagnostic]:
+    entity = trial.entity
+    falls = list(
+        trial_rules.falls_without_end(
             entity,
             trial.lowest_point,
             trial.lowest_point_at_end,
             has_ground=world.has_ground_plane,
-        ),
-    ]
-    if not motion:
-        stuck = list(trial_rules.stuck_in_the_ground(entity, -trial.lowest_point_at_end))
-        motion += stuck
-        motion += trial_rules.thrown_into_the_air(
-            entity, trial.highest_point - spawn_pose.xyz[2] - trial.penetration
         )
-        if not stuck:  # which is still being pushed out, and moves for that alone
-            motion += trial_rules.keeps_moving(
-                entity,
-                trial.settled_after,
-                trial.speed,
-                trial.movable_joints,
-                turning=trial.turning,
-                joint_speed=trial.joint_speed,
-            )
-        motion += trial_rules.tips_over(entity, trial.tilt)
-    return (*found, *motion)
+    )
+    if falls:
+        return falls
+    found = list(trial_rules.stuck_in_the_ground(entity, -trial.lowest_point_at_end))
+    is_stuck = bool(found)  # and still being pushed out: it moves for that alone
+    found += trial_rules.thrown_into_the_air(
+        entity, trial.highest_point - spawn_pose.xyz[2] - trial.penetration
+    )
+    if not is_stuck:
+        found += _unrest(trial)
+    found += trial_rules.tips_over(entity, trial.tilt)
+    return found
+
+
+def _unrest(trial: RobotTrial) -> Iterator[Diagnostic]:
+    return trial_rules.keeps_moving(
+        trial.entity,
+        trial.settled_after,
+        trial.speed,
+        trial.movable_joints,
+        turning=trial.turning,
+        joint_speed=trial.joint_speed,
+    )

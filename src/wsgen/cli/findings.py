@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import os
 from typing import TYPE_CHECKING
 
 import click
 
 from wsgen.checks.catalogue import RULES
+from wsgen.cli.words import short_path
 from wsgen.diagnostics import Severity
 
 if TYPE_CHECKING:
@@ -38,9 +38,7 @@ def render_findings(diagnostics: Iterable[Diagnostic]) -> list[str]:
 def _place(finding: Diagnostic) -> str:
     parts = []
     if finding.file is not None:
-        path = os.fspath(finding.file)
-        relative = os.path.relpath(path)
-        short = relative if not relative.startswith("..") else path
+        short = short_path(finding.file)
         parts.append(short if finding.line is None else f"{short}:{finding.line}")
     if finding.element:
         parts.append(finding.element)

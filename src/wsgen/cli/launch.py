@@ -10,7 +10,6 @@ from wsgen.cli.options import format_option, output_options, workspace_option
 from wsgen.errors import EXIT_FAILED, EXIT_PASSED, NotFoundError, RequestError
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
     from pathlib import Path
 
     from wsgen.model.plan import LaunchPlan
@@ -49,6 +48,7 @@ def command(
     files, or the path of a launch file; then launch arguments.
     """
     from wsgen.cli.progress import listening
+    from wsgen.cli.words import split_launch_arguments
     from wsgen.diagnostics import has_errors
     from wsgen.launch.evaluate import evaluate
     from wsgen.pipeline.clock import Clock
@@ -56,7 +56,7 @@ def command(
     place = _find_workspace(workspace, words[0])
     overlay = _source(place, is_wanted=workspace is not None)
     package, file, rest = _choose(words, place, overlay)
-    arguments = _split(rest)
+    arguments = split_launch_arguments(rest)
     with (
         listening(quiet=quiet, verbose=verbose) as listener,
         Clock(package or file.stem, listener).step("launch", file.name),
@@ -163,20 +163,6 @@ def _package_of(file: Path) -> str | None:
             package = read_package(folder)
             return None if package is None else package.name
     return None
-
-
-def _split(arguments: tuple[str, ...]) -> Mapping[str, str]:
-    """`name:=value` as `ros2 launch` takes it; the last of a name counts."""
-    values: dict[str, str] = {}
-    for argument in arguments:
-        name, _, value = argument.partition(":=")
-        if not name or not value:
-            raise RequestError(
-                f"The launch argument {argument!r} is not of the form name:=value.",
-                hint="For example: z:=0.5",
-            )
-        values[name] = value
-    return values
 
 
 def _write(plan: LaunchPlan, *, output_format: str, show_arguments: bool) -> None:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import os
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from wsgen.cli.findings import render_findings
+from wsgen.cli.words import short_path
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -38,7 +38,7 @@ def render_arguments(plan: LaunchPlan) -> Iterator[str]:
 
 def render_tree(plan: LaunchPlan) -> Iterator[str]:
     """What starts at once and what follows from that, with what decides about it above."""
-    yield click.style(_short(plan.launch_file), bold=True)
+    yield click.style(short_path(plan.launch_file), bold=True)
     yield from _section("arguments", [_argument(argument) for argument in plan.arguments])
     yield from _section(
         "environment", [f"{name}={value}" for name, value in plan.environment.items()]
@@ -75,7 +75,7 @@ def _argument(argument: Any) -> str:
 
 
 def _include(include: Include) -> Iterator[str]:
-    name = f"{include.package} {include.file.name}" if include.package else _short(include.file)
+    name = f"{include.package} {include.file.name}" if include.package else short_path(include.file)
     note = "" if include.evaluated else click.style("  (not here: not evaluated)", fg="yellow")
     yield f"{name}{note}"
     for argument, value in include.arguments.items():
@@ -140,7 +140,7 @@ def _details(process: Process) -> Iterator[str]:
         yield f"arguments: {_clip(' '.join(process.arguments))}"
     for name, value in process.parameters.items():
         if process.description_file is not None and str(value).lstrip().startswith("<"):
-            yield f"{name}: {len(value)} characters from {_short(process.description_file)}"
+            yield f"{name}: {len(value)} characters from {short_path(process.description_file)}"
         else:
             yield f"{name}: {_clip(str(value))}"
     for source, target in process.remappings:
@@ -156,8 +156,3 @@ def _place(file: Path | None, line: int | None) -> str:
     if file is None:
         return ""
     return click.style(f"  {file.name}" + (f":{line}" if line else ""), dim=True)
-
-
-def _short(path: Path) -> str:
-    relative = os.path.relpath(path)
-    return relative if not relative.startswith("..") else str(path)

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import math
-import os
 from typing import TYPE_CHECKING
 
 import click
 
 from wsgen.cli.findings import render_findings
+from wsgen.cli.words import short_path
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from wsgen.model.outcome import Outcome, PackageOutcome, RobotOutcome
 
 # Lengths in metres; the whole fits into 80 columns.
@@ -37,10 +35,12 @@ def _package(package: PackageOutcome) -> list[str]:
     )
     lines = [f"{click.style(package.package or '(file)', bold=True)}: {verdict}"]
     if package.launch_file is not None:
-        lines.append(f"  launch file  {_short(package.launch_file)}")
+        lines.append(f"  launch file  {short_path(package.launch_file)}")
     if package.world is not None:
         file = package.world.file
-        lines.append(f"  world        {package.world.name}" + (f"  {_short(file)}" if file else ""))
+        lines.append(
+            f"  world        {package.world.name}" + (f"  {short_path(file)}" if file else "")
+        )
     if package.robots:
         rows = [_robot(robot) for robot in package.robots]
         lines += ["", *_table([HEADINGS, *rows])]
@@ -90,9 +90,3 @@ def _table(rows: list[tuple[str, ...]]) -> list[str]:
     ]
     rule = "  " + "  ".join("-" * width for width in widths)
     return [click.style(lines[0], bold=True), rule, *lines[1:]]
-
-
-def _short(path: Path) -> str:
-    """Relative to the current folder where that is below it."""
-    relative = os.path.relpath(path)
-    return os.fspath(path) if relative.startswith("..") else relative

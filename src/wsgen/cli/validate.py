@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from wsgen.cli.options import format_option, output_options, workspace_option
-from wsgen.errors import EXIT_FAILED, EXIT_PASSED, NotFoundError, RequestError
+from wsgen.errors import EXIT_FAILED, EXIT_PASSED, NotFoundError
 
 if TYPE_CHECKING:
     from wsgen.model.outcome import Outcome
@@ -62,6 +62,7 @@ def command(
     """
     from pathlib import Path
 
+    from wsgen.cli.words import split_launch_arguments
     from wsgen.pipeline.request import ValidateRequest
 
     if json_file is not None and not Path(json_file).absolute().parent.is_dir():
@@ -71,7 +72,7 @@ def command(
     request = ValidateRequest(
         packages=packages,
         launch_file=launch_file,
-        launch_arguments=_split_arguments(arguments),
+        launch_arguments=split_launch_arguments(arguments),
         seconds=seconds,
         picture_folder=Path(picture) if picture else None,
     )
@@ -107,20 +108,6 @@ def validate_packages(
         )
     _write(outcome, output_format=output_format, json_file=json_file)
     return EXIT_PASSED if outcome.passed else EXIT_FAILED
-
-
-def _split_arguments(arguments: tuple[str, ...]) -> dict[str, str]:
-    """`name:=value` as `ros2 launch` takes it; the last of a name counts."""
-    values: dict[str, str] = {}
-    for argument in arguments:
-        name, separator, value = argument.partition(":=")
-        if not separator or not name:
-            raise RequestError(
-                f"The launch argument {argument!r} is not of the form name:=value.",
-                hint="For example: --arg z:=0.5",
-            )
-        values[name] = value
-    return values
 
 
 def _write(outcome: Outcome, *, output_format: str, json_file: str | None) -> None:

@@ -6,11 +6,17 @@ The rules are those of sdformat's `parser_urdf.cc` since its pull request 1238 (
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wsgen.description.gazebo import is_true
-from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.description.lumping import (
+    MASSLESS,
+    Body,
+    dropped_link,
+    impossible_sum,
+    two_zero_masses,
+)
 from wsgen.model.inertia import about_link_axes, is_possible, moved
 from wsgen.model.pose import Pose
 from wsgen.model.robot import Inertial, Joint, JointLimit, JointType, Link, Robot
@@ -19,18 +25,9 @@ from wsgen.model.transform import compose
 if TYPE_CHECKING:
     from pathlib import Path
 
-MASSLESS = 1e-6  # kg; what sdformat's comparison with zero cannot tell from it
-NAMED = 8  # so many names are told in a message
+    from wsgen.diagnostics import Diagnostic
+
 HELD = JointLimit(lower=0.0, upper=0.0)  # of a fixed joint whose lumping is disabled
-
-
-@dataclass
-class _Body:
-    """A link that grows by what is fixed to it."""
-
-    link: Link
-    lumped: list[str] = field(default_factory=list)  # names, in the order of lumping
-    joints: list[Joint] = field(default_factory=list)  # to children that stay links
 
 
 def lump(robot: Robot, *, file: Path | None = None) -> tuple[Robot, tuple[Diagnostic, ...]]:
@@ -43,15 +40,10 @@ def lump(robot: Robot, *, file: Path | None = None) -> tuple[Robot, tuple[Diagno
     diagnostics: list[Diagnostic] = []
     bodies, merged_into = _merged(robot, file, diagnostics)
     kept, dropped = _drop_massless(robot, bodies)
-    diagnostics += [_dropped(robot, bodies, name, file) for name in dropped]
+    diagnostics += [dropped_link(robot, bodies, name, file) for name in dropped]
     for name in kept:
-        diagnostics += _impossible_sum(robot, bodies[name], file)
+        diagnostics += impossible_sum(robot, bodies[name], file)
     return _assembled(robot, bodies, kept, merged_into), tuple(diagnostics)
-
-
-def is_impossible(inertial: Inertial) -> bool:
-    """Whether no body of this mass has this inertia; that of a zero mass means nothing."""
-    return inertial.mass > 0 and not is_possible(inertial.inertia)
 
 
 def parts_of_impossible_sums(robot: Robot) -> set[str]:
@@ -72,16 +64,16 @@ def parts_of_impossible_sums(robot: Robot) -> set[str]:
 
 def _merged(
     robot: Robot, file: Path | None, diagnostics: list[Diagnostic]
-) -> tuple[dict[str, _Body], dict[str, str]]:
+) -> tuple[dict[str, Body], dict[str, str]]:
     """What every link is after lumping, and which link each lumped one went into."""
     joint_to = {joint.child: _as_gazebo_has_it(joint, robot) for joint in robot.joints}
-    bodies = {link.name: _Body(link) for link in robot.links}
+    bodies = {link.name: Body(link) for link in robot.links}
     merged_into: dict[str, str] = {}
     for name in reversed(_from_root_to_leaves(robot)[1:]):
         joint = joint_to[name]
         parent = bodies[joint.parent]
         if joint.type is JointType.FIXED and _is_lumped(joint, robot):
-            diagnostics += _two_zero_masses(parent.link, bodies[name].link, file)
+            diagnostics += two_zero_masses(parent.link, bodies[name].link, file)
             _merge(parent, bodies[name], joint.pose_in_parent)
             merged_into[name] = joint.parent
         else:
@@ -125,7 +117,7 @@ def _says(robot: Robot, joint: Joint, key: str) -> bool:
     return any(is_true(tag.values.get(key)) for tag in robot.gazebo if tag.reference == joint.name)
 
 
-def _merge(parent: _Body, child: _Body, pose: Pose) -> None:
+def _merge(parent: Body, child: Body, pose: Pose) -> None:
     """Put the child, whose frame has this pose in the parent's, into the parent."""
     parent.lumped += [child.link.name, *child.lumped]
     parent.joints += [
@@ -189,7 +181,7 @@ def _sum(parent: Inertial | None, child: Inertial | None) -> Inertial | None:
     )
 
 
-def _drop_massless(robot: Robot, bodies: dict[str, _Body]) -> tuple[list[str], list[str]]:
+def _drop_massless(robot: Robot, bodies: dict[str, Body]) -> tuple[list[str], list[str]]:
     """The links that stay, and those whose lack of mass cuts off what hangs on them."""
     kept, dropped, queue = [], [], [robot.root]
     for name in queue:
@@ -204,7 +196,7 @@ def _drop_massless(robot: Robot, bodies: dict[str, _Body]) -> tuple[list[str], l
 
 
 def _assembled(
-    robot: Robot, bodies: dict[str, _Body], kept: list[str], merged_into: dict[str, str]
+    robot: Robot, bodies: dict[str, Body], kept: list[str], merged_into: dict[str, str]
 ) -> Robot:
     stays = set(kept)
     joints = {
@@ -232,100 +224,3 @@ def _without_mass_of_world(robot: Robot, link: Link) -> Link:
     """Gazebo makes no body of a root called `world`: what mass it is given counts for nothing."""
     is_world = robot.fixed_to_world and link.name == robot.root
     return replace(link, inertial=None) if is_world else link
-
-
-def _below(bodies: dict[str, _Body], name: str) -> list[str]:
-    """The links that disappear with a link: those lumped into it, and all that hang on it."""
-    queue = [name]
-    for link in queue:
-        queue += [joint.child for joint in bodies[link].joints]
-    return [part for link in queue for part in (link, *bodies[link].lumped)][1:]
-
-
-def _dropped(robot: Robot, bodies: dict[str, _Body], name: str, file: Path | None) -> Diagnostic:
-    """What Gazebo leaves out; blamed is the link that was surely meant to have mass."""
-    blamed = _lacks_mass(robot, bodies[name])
-    why = f"`{blamed.name}` has " + (
-        "no <inertial>" if blamed.inertial is None else f"a mass of {blamed.inertial.mass:g} kg"
-    )
-    if blamed.name != name:
-        why += f", and `{name}`, which it is fixed to, has no mass either"
-    below = [link for link in _below(bodies, name) if link != blamed.name]
-    told = ", ".join(f"`{link}`" for link in below[:NAMED])
-    told += f" and {len(below) - NAMED} more" if len(below) > NAMED else ""
-    if name == robot.root:
-        message = f"Gazebo refuses the robot: its root link {why}"
-        if blamed.name != name:
-            message = f"Gazebo refuses the robot: {why}"
-        message += f"; with the root disappear {told}." if below else "."
-    else:
-        message = f"Gazebo drops the link `{name}` with the joint above it"
-        message += f" and {told}: {why}." if below else f": {why}."
-    return Diagnostic(
-        code="ROB040",
-        severity=Severity.ERROR,
-        message=message,
-        file=file,
-        line=blamed.line,
-        element=f"link[@name='{blamed.name}']",
-        hint=f"Give `{blamed.name}` an <inertial> with a mass above {MASSLESS:g} kg"
-        + (", or fix a link with mass to it by a fixed joint." if blamed.name == name else "."),
-    )
-
-
-def _lacks_mass(robot: Robot, body: _Body) -> Link:
-    """The part of a massless body that should have mass.
-
-    That is one whose <inertial> says 0, or one that can be touched or seen; else the body's own
-    link, which is nothing but a frame.
-    """
-    links = {link.name: link for link in robot.links}
-    parts = [links[name] for name in (body.link.name, *body.lumped)]
-    return next(
-        (part for part in parts if part.inertial is not None),
-        next((part for part in parts if part.collisions or part.visuals), parts[0]),
-    )
-
-
-def _two_zero_masses(parent: Link, child: Link, file: Path | None) -> list[Diagnostic]:
-    """Gazebo computes the common centre of two zero masses as 0/0 and refuses the robot."""
-    if parent.inertial is None or child.inertial is None:
-        return []
-    if parent.inertial.mass or child.inertial.mass:
-        return []
-    return [
-        Diagnostic(
-            code="ROB041",
-            severity=Severity.ERROR,
-            message=f"The links `{child.name}` and `{parent.name}` are fixed together and both "
-            "have a mass of 0: their centre of mass is not a number, and Gazebo refuses the robot.",
-            file=file,
-            line=child.line,
-            element=f"link[@name='{child.name}']/inertial/mass",
-            hint=f"Remove <inertial> from `{child.name}`: no inertia is better than a zero mass.",
-        )
-    ]
-
-
-def _impossible_sum(robot: Robot, body: _Body, file: Path | None) -> list[Diagnostic]:
-    """The reader has judged single links; here the sum of sound ones is new."""
-    inertial = body.link.inertial
-    if not body.lumped or inertial is None or is_possible(inertial.inertia):
-        return []
-    parts = {body.link.name, *body.lumped}
-    written = [link.inertial for link in robot.links if link.name in parts]
-    if any(part is not None and is_impossible(part) for part in written):
-        return []
-    return [
-        Diagnostic(
-            code="ROB042",
-            severity=Severity.ERROR,
-            message=f"With the links that are fixed to it, `{body.link.name}` has an inertia that "
-            "no body has, and Gazebo refuses the robot.",
-            file=file,
-            line=body.link.line,
-            element=f"link[@name='{body.link.name}']",
-            hint=f"Correct the inertia of {', '.join(f'`{name}`' for name in body.lumped[:NAMED])}"
-            f" or of `{body.link.name}` itself.",
-        )
-    ]

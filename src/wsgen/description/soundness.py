@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from wsgen.description.lump import is_impossible, parts_of_impossible_sums
+from wsgen.description.lump import parts_of_impossible_sums
+from wsgen.description.lumping import is_impossible
 from wsgen.model.inertia import principal_moments
 from wsgen.model.robot import JointType
 
