@@ -120,6 +120,7 @@ class Link:
     collisions: tuple[Collision, ...] = ()
     self_collide: bool = False
     gravity: bool = True
+    velocity_decay: float = 0.0  # 1/s, of linear and angular speed; only Gazebo Classic applies it
     line: int | None = None  # of the element in the URDF text, 1-based
 
 
@@ -155,6 +156,8 @@ class Joint:
     limit: JointLimit | None = None
     damping: float = 0.0  # N m s/rad or N s/m
     friction: float = 0.0  # N m or N
+    spring_stiffness: float = 0.0  # N m/rad or N/m
+    spring_reference: float = 0.0  # rad or m, where the spring is at rest
     mimic: Mimic | None = None
     line: int | None = None  # of the element in the URDF text, 1-based
 
@@ -177,14 +180,20 @@ class GazeboTag:
 
 @dataclass(frozen=True, kw_only=True)
 class Robot:
-    """A tree of links; `root` is the link without a parent."""
+    """A tree of links; `root` is the link without a parent.
+
+    A lumped robot may be several trees: what hangs on a joint that Gazebo makes no joint of
+    (floating, planar) is loose, and `loose` says where it is at the start.
+    """
 
     name: str
     root: str
     links: tuple[Link, ...]
     joints: tuple[Joint, ...] = ()
     gazebo: tuple[GazeboTag, ...] = ()
+    loose: tuple[Joint, ...] = ()  # of a lumped robot: parent and child are links of two trees
     fixed_to_world: bool = False  # the root is a link named `world`
+    is_static: bool = False  # <gazebo><static>: nothing of it moves
 
     @property
     def mass(self) -> float:
