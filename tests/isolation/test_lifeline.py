@@ -1,51 +1,49 @@
 """The end of the parent is the end of its children, whatever they do."""
 
+import os
 import resource
 import signal
 import subprocess
 import sys
-import time
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from wsgen.isolation.parent import Answered, Limits, run
+from isolation.conftest import Run
+from isolation.processes import is_alive, wait_while
+from wsgen.isolation.outcome import Answered, Limits
 
-# The child starts a process of its own, tells both process ids, and computes for ever.
+# The child starts a process of its own, tells who the three are, and computes for ever.
 TASK = """
 import os, subprocess
 def spin(file):
     child = subprocess.Popen(["sleep", "60"])
     with open(file + ".part", "w") as stream:
-        stream.write(f"{os.getpid()} {child.pid}")
+        stream.write(f"{os.getppid()} {os.getpid()} {child.pid}")
     os.rename(file + ".part", file)
     while True:
         pass
 """
 
-PARENT = """
+START = """
 import signal, sys, tempfile
 sys.path.insert(0, sys.argv[1])
 tempfile.tempdir = sys.argv[2]
 from wsgen.isolation.parent import Limits, run
 signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))
-run("foreign_spin:spin", sys.argv[3], limits=Limits(seconds=60))
 """
-
-
-def is_alive(pid: int) -> bool:
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except OSError:
-        return False
-
-
-def wait_while(condition: Callable[[], bool], seconds: float = 20.0) -> None:
-    end = time.monotonic() + seconds
-    while condition():
-        assert time.monotonic() < end, "waited too long"
-        time.sleep(0.02)
+ONE = "run('foreign_spin:spin', sys.argv[3], limits=Limits(seconds=60))"
+SEVERAL = """
+from concurrent.futures import ThreadPoolExecutor
+from wsgen.isolation.nursery import Nursery
+with ThreadPoolExecutor(2) as pool, Nursery() as nursery:
+    calls = [
+        pool.submit(nursery.run, "foreign_spin:spin", file, limits=Limits(seconds=60))
+        for file in sys.argv[3:]
+    ]
+    for call in calls:
+        call.result()
+"""
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere a killed parent ends nobody")
@@ -53,23 +51,48 @@ def wait_while(condition: Callable[[], bool], seconds: float = 20.0) -> None:
     ("number", "returncode", "is_left_behind"),
     [(signal.SIGTERM, 128 + signal.SIGTERM, False), (signal.SIGKILL, -signal.SIGKILL, True)],
 )
+@pytest.mark.parametrize("calls", [ONE, SEVERAL])
 def test_the_end_of_the_parent(
-    number: signal.Signals, returncode: int, is_left_behind: bool, tmp_path: Path
+    calls: str, number: signal.Signals, returncode: int, is_left_behind: bool, tmp_path: Path
 ) -> None:
     (tmp_path / "foreign_spin.py").write_text(TASK)
     scratch = tmp_path / "scratch"
     scratch.mkdir()
-    pids = tmp_path / "pids"
-    arguments = [str(tmp_path), str(scratch), str(pids)]
-    with subprocess.Popen([sys.executable, "-c", PARENT, *arguments]) as parent:
-        wait_while(lambda: not pids.exists())
-        family = [int(pid) for pid in pids.read_text().split()]
+    files = [tmp_path / "one", tmp_path / "two"][: 1 if calls is ONE else 2]
+    arguments = [START + calls, str(tmp_path), str(scratch), *map(str, files)]
+    with subprocess.Popen([sys.executable, "-c", *arguments]) as parent:
+        wait_while(lambda: not all(file.exists() for file in files))
+        family = [int(pid) for file in files for pid in file.read_text().split()]
         assert all(map(is_alive, family))
         parent.send_signal(number)
         assert parent.wait(20) == returncode
     wait_while(lambda: any(map(is_alive, family)))
     # Nobody can clean up after kill -9.
     assert bool(list(scratch.iterdir())) == is_left_behind
+
+
+IMPORT = """
+import os, sys, time
+from pathlib import Path
+file = Path(os.environ["PID_FILE"])
+file.with_suffix(".part").write_text(str(os.getpid()))
+file.with_suffix(".part").rename(file)
+time.sleep(60)
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere a killed parent ends nobody")
+def test_the_end_of_the_parent_while_a_server_imports(tmp_path: Path) -> None:
+    (tmp_path / "foreign_spin.py").write_text(IMPORT)
+    file = tmp_path / "pid"
+    arguments = [START + SEVERAL, str(tmp_path), str(tmp_path), str(file)]
+    environment = {**os.environ, "PID_FILE": str(file)}
+    with subprocess.Popen([sys.executable, "-c", *arguments], env=environment) as parent:
+        wait_while(lambda: not file.exists())
+        server = int(file.read_text())
+        assert is_alive(server)
+        parent.kill()
+    wait_while(lambda: is_alive(server))
 
 
 HELD_TOO_LATE = """
@@ -90,7 +113,7 @@ def test_a_parent_that_ended_before(tmp_path: Path) -> None:
 
 
 def test_a_child_has_not_much_more_cpu_time_than_time(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "foreign_limit.py").write_text(
         "import resource\ndef limit():\n    return resource.getrlimit(resource.RLIMIT_CPU)\n"

@@ -1,6 +1,6 @@
-"""Run one function in a child process that may crash, hang or eat memory.
+"""Run functions in child processes that may crash, hang or eat memory.
 
 Launch files, xacro expressions and physics engines are foreign code: they run in a child, and the
-child's death is a value, never the death of wsgen. `parent.run` starts the child, `child` is what
-happens in it.
+child's death is a value, never the death of wsgen. `parent.run` starts an interpreter for one
+child, `nursery` forks many from one; `child` is what happens in them.
 """

@@ -8,12 +8,22 @@ import os
 import pickle
 import sys
 
+
+def set_search_path(own: list[str]) -> None:
+    """Look for modules where wsgen does, and behind that where the environment says."""
+    overlay = os.environ.get("PYTHONPATH", "").split(os.pathsep)
+    sys.path[:] = own + [entry for entry in overlay if entry and entry not in own]
+
+
 request = pickle.load(sys.stdin.buffer)  # noqa: S301  the parent wrote it
-overlay = os.environ.get("PYTHONPATH", "").split(os.pathsep)
-sys.path[:] = request["path"] + [
-    entry for entry in overlay if entry and entry not in request["path"]
-]
+set_search_path(request["path"])
 
 from wsgen.isolation import child  # noqa: E402  the search path had to be set first
+
+if "control" in request:
+    from wsgen.isolation.server import serve
+
+    request = serve(request)  # comes back in each child that the server forks
+    set_search_path(request["path"])
 
 child.perform(request)

@@ -14,6 +14,9 @@ from typing import Any
 
 from wsgen.isolation.lifeline import hold
 
+if sys.platform != "win32":
+    import resource
+
 OUTPUT_LIMIT = 64 * 2**20  # bytes; a child that prints for ever must not fill the disk
 
 _scratch: Path | None = None
@@ -23,6 +26,11 @@ def announce(step: str) -> None:
     """Say what comes now; it is what is reported if the process dies in it."""
     if _scratch is not None:
         _scratch.joinpath("step").write_text(step, encoding="utf-8")
+
+
+def scratch_folder() -> Path | None:
+    """A folder that goes when the process ends, however it ends; None outside of a child."""
+    return _scratch
 
 
 def perform(request: dict[str, Any]) -> None:
@@ -55,9 +63,7 @@ def perform(request: dict[str, Any]) -> None:
 
 def _limit(memory: int, cpu_seconds: int) -> None:
     """Limit address space, CPU time and output where the system knows how."""
-    try:
-        import resource  # noqa: PLC0415  Windows has none
-    except ImportError:
+    if sys.platform == "win32":
         return
     for kind, amount in (
         (resource.RLIMIT_AS, memory),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import json
 import math
 import os
 import pickle
@@ -11,54 +10,38 @@ import signal
 import subprocess
 import sys
 import tempfile
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wsgen.errors import NotReadableError
 from wsgen.isolation.lifeline import open_lifeline
+from wsgen.isolation.outcome import (
+    DEFAULT_LIMITS,
+    Answered,
+    Died,
+    Limits,
+    conclude,
+    describe_lateness,
+    read_death,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+__all__ = ["Answered", "Died", "Limits", "run"]
+
 BOOTSTRAP = str(Path(__file__).with_name("bootstrap.py"))
 SPARE_CPU_SECONDS = 5  # above the wall-clock limit: whatever becomes of the parent, it ends
-LAST_WORDS = 4000  # characters of the child's output that are worth telling
 
 # Numerical libraries start a thread for every core when they are imported; nothing here uses
 # them, and without them numpy is imported in half the CPU time.
 ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
 
 
-@dataclass(frozen=True, kw_only=True)
-class Limits:
-    """How long and how large a child may grow."""
-
-    seconds: float = 60.0  # wall-clock
-    memory: int = 4 * 2**30  # bytes of address space, where the system can limit it
-
-
-@dataclass(frozen=True, kw_only=True)
-class Answered:
-    """The function returned."""
-
-    value: Any  # as JSON gives it back
-    output: str  # the last of what Python and C code printed meanwhile
-
-
-@dataclass(frozen=True, kw_only=True)
-class Died:
-    """The function did not return."""
-
-    reason: str  # goes on after "it": "took longer than 60 s", "crashed (SIGSEGV)"
-    step: str  # what the child had announced that it was doing; may be empty
-    output: str  # its last words
-
-
 def run(
     task: str,
     *arguments: object,
-    limits: Limits = Limits(),
+    limits: Limits = DEFAULT_LIMITS,
     environment: Mapping[str, str] | None = None,
     folder: Path | None = None,
 ) -> Answered | Died:
@@ -72,54 +55,88 @@ def run(
 
     The child and its children end with the call and with this process, however it ends.
     """
-    variables = os.environ if environment is None else environment
-    with tempfile.TemporaryDirectory(prefix="wsgen-") as scratch, open_lifeline() as lifeline:
-        request = {
-            "task": task,
-            "arguments": arguments,
-            "memory": limits.memory,
-            "cpu_seconds": math.ceil(limits.seconds) + SPARE_CPU_SECONDS,
-            "lifeline": lifeline,
-            "path": [entry for entry in sys.path if entry],
-            "scratch": scratch,
-        }
-        with Path(scratch, "output").open("wb") as output:
-            try:
-                child = subprocess.Popen(
-                    [sys.executable, "-I", BOOTSTRAP],
-                    stdin=subprocess.PIPE,
-                    stdout=output,
-                    stderr=subprocess.STDOUT,
-                    cwd=folder,
-                    env={**variables, **ONE_THREAD},
-                    pass_fds=(lifeline,),
-                    start_new_session=True,  # so that its own children can be ended with it
-                )
-            except OSError as error:
-                raise NotReadableError(
-                    f"A child process could not be started: {error.strerror}.",
-                    hint="Check that the working folder exists and that memory is free.",
-                ) from error
-        out_of_time = False
+    with tempfile.TemporaryDirectory(prefix="wsgen-") as name, open_lifeline() as lifeline:
+        scratch = Path(name)
+        request = make_request(task, arguments, limits, scratch, lifeline)
+        child = start_interpreter(
+            output=scratch / "output",
+            descriptors=(lifeline,),
+            environment=environment,
+            folder=folder,
+        )
+        is_late = False
         try:
             # A child that dies before it has read the request is seen by its exit code.
             with contextlib.suppress(BrokenPipeError):
                 child.communicate(pickle.dumps(request), timeout=limits.seconds)
         except subprocess.TimeoutExpired:
-            out_of_time = True
+            is_late = True
         finally:
             _end(child)
-        output_tail = _read_tail(Path(scratch, "output"))
-        answer = _read_answer(Path(scratch, "answer"))
-        if answer is not None and "value" in answer and not out_of_time:
-            return Answered(value=answer["value"], output=output_tail)
-        if out_of_time:
-            reason = f"took longer than {limits.seconds:g} s"
-        elif answer is not None:
-            reason = answer["died"]
-        else:
-            reason = _describe_exit(child.returncode)
-        return Died(reason=reason, step=_read_tail(Path(scratch, "step")), output=output_tail)
+        if is_late:
+            return read_death(scratch, describe_lateness(limits))
+        return conclude(scratch, returncode=child.returncode)
+
+
+def make_request(
+    task: str, arguments: tuple[object, ...], limits: Limits, scratch: Path, lifeline: int
+) -> dict[str, Any]:
+    """What a child is told, whichever way it starts."""
+    return {
+        "task": task,
+        "arguments": arguments,
+        "memory": limits.memory,
+        "cpu_seconds": math.ceil(limits.seconds) + SPARE_CPU_SECONDS,
+        "path": search_path(),
+        "scratch": str(scratch),
+        "lifeline": lifeline,
+    }
+
+
+def search_path() -> list[str]:
+    """Where this process finds modules, for a child to find the same ones."""
+    return [entry for entry in sys.path if entry]
+
+
+def start_interpreter(
+    *,
+    output: Path,
+    descriptors: tuple[int, ...],
+    environment: Mapping[str, str] | None = None,
+    folder: Path | None = None,
+) -> subprocess.Popen[bytes]:
+    """Start the interpreter of a child, which expects its pickled request on standard input.
+
+    Raises:
+        NotReadableError: The folder or the memory for it is missing.
+    """
+    with output.open("wb") as stream:
+        try:
+            return subprocess.Popen(
+                [sys.executable, "-I", BOOTSTRAP],
+                stdin=subprocess.PIPE,
+                stdout=stream,
+                stderr=subprocess.STDOUT,
+                cwd=folder,
+                env=complete(environment),
+                pass_fds=descriptors,
+                start_new_session=True,  # so that its own children can be ended with it
+            )
+        except OSError as error:
+            raise not_started(error) from error
+
+
+def complete(environment: Mapping[str, str] | None) -> dict[str, str]:
+    """The environment of a child; None is this process's own."""
+    return {**(os.environ if environment is None else environment), **ONE_THREAD}
+
+
+def not_started(error: OSError) -> NotReadableError:
+    """Say that the system refused to make the child."""
+    return NotReadableError(
+        f"A child process could not be started: {error.strerror}.",
+        hint="Check that the working folder exists and that memory is free.",
+    )
 
 
 def _end(child: subprocess.Popen[bytes]) -> None:
@@ -130,28 +147,3 @@ def _end(child: subprocess.Popen[bytes]) -> None:
     else:
         child.kill()
     child.wait()
-
-
-def _describe_exit(code: int) -> str:
-    if code < 0:
-        with contextlib.suppress(ValueError):
-            return f"crashed ({signal.Signals(-code).name})"
-    return f"ended with exit code {code} and no answer"
-
-
-def _read_answer(file: Path) -> dict[str, Any] | None:
-    try:
-        answer = json.loads(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return None
-    return answer if isinstance(answer, dict) else None
-
-
-def _read_tail(file: Path) -> str:
-    try:
-        with file.open("rb") as stream:
-            stream.seek(0, os.SEEK_END)
-            stream.seek(max(0, stream.tell() - LAST_WORDS))
-            return stream.read().decode("utf-8", "replace").strip()
-    except OSError:
-        return ""
