@@ -47,7 +47,8 @@ $(VENV)/.installed: $(VENV)/bin/python pyproject.toml
 
 # Dependency groups need pip 25.1.
 $(VENV)/.installed-for-tests: $(VENV)/.installed
-	@echo "What the tests need is installed into $(VENV): about a minute."
+	@echo "What the tests need is installed into $(VENV): about two minutes."
 	@$(VENV)/bin/python -m pip install --quiet --disable-pip-version-check --upgrade 'pip>=25.1'
 	@$(VENV)/bin/python -m pip install --quiet --disable-pip-version-check --group test --group lint --group oracle
+	@$(VENV)/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --group robots
 	@touch $@

@@ -17,6 +17,20 @@ if TYPE_CHECKING:
 
 Element = etree._Element  # noqa: SLF001  lxml has no public name for the type
 
+BYTE_ORDER_MARK = b"\xef\xbb\xbf"
+
+# Of libxml2's errors.
+HARMLESS = frozenset(
+    (
+        etree.ErrorTypes.NS_ERR_UNDEFINED_NAMESPACE,
+        etree.ErrorTypes.NS_ERR_QNAME,
+        etree.ErrorTypes.ERR_ENTITYREF_SEMICOL_MISSING,
+        etree.ErrorTypes.ERR_UNDECLARED_ENTITY,
+        etree.ErrorTypes.WAR_UNDECLARED_ENTITY,
+        etree.ErrorTypes.ERR_MISPLACED_CDATA_END,
+    )
+)
+
 
 @dataclass(frozen=True, kw_only=True)
 class Malformed:
@@ -32,21 +46,65 @@ def parse(content: str | bytes) -> Element | Malformed:
     A text may carry an encoding declaration: it is read as the text it is.
     """
     data = content.encode("utf-8") if isinstance(content, str) else content
-    parser = etree.XMLParser(
-        encoding="utf-8" if isinstance(content, str) else None,
-        resolve_entities=False,
-        no_network=True,
-        load_dtd=False,
-        huge_tree=False,
-        remove_comments=True,
-        remove_pis=True,
-    )
     if not data.strip():
         return Malformed(message="the document is empty", line=1)
     try:
-        return etree.fromstring(data, parser)
+        return etree.fromstring(data, _parser("utf-8" if isinstance(content, str) else None))
     except etree.XMLSyntaxError as error:
         return Malformed(message=error.msg or "not well-formed", line=error.lineno or 1)
+
+
+def parse_as_tinyxml(text: str) -> Element | None:
+    """The root element of a document without comments that is only nearly well-formed.
+
+    It may have what tinyxml2, the parser of Gazebo and of robot_state_publisher, does not mind:
+    bare ampersands, entities and prefixes that are not declared. None where it has anything else.
+    """
+    parser = _parser("utf-8", recover=True)
+    try:
+        root = etree.fromstring(text.encode("utf-8"), parser)
+    except etree.XMLSyntaxError:
+        return None
+    slips = [slip for slip in parser.error_log if slip.type not in HARMLESS]
+    is_harmless = all("EntityRef" in slip.message for slip in slips)  # others have no name either
+    return root if is_harmless else None
+
+
+def parse_numbers(content: bytes) -> Element | Malformed:
+    """The root element of a file whose texts are long lists of numbers.
+
+    It is read as tinyxml2 reads it: byte for byte, whatever encoding it declares, and what follows
+    the root element is none of its business. As texts of any length are taken, a document type,
+    whose entities could grow without end, is not.
+    """
+    if b"<!DOCTYPE" in content:
+        return Malformed(message="it declares a document type", line=1)
+    parser = _parser("iso-8859-1", recover=True, large=True)
+    try:
+        root = etree.fromstring(content.removeprefix(BYTE_ORDER_MARK), parser)
+    except etree.XMLSyntaxError as error:
+        return Malformed(message=error.msg or "not well-formed", line=error.lineno or 1)
+    for slip in parser.error_log:
+        if slip.type == etree.ErrorTypes.ERR_DOCUMENT_END:
+            break
+        if slip.type not in HARMLESS:
+            return Malformed(message=slip.message, line=slip.line or 1)
+    return Malformed(message="the document is empty", line=1) if root is None else root
+
+
+def _parser(
+    encoding: str | None, *, recover: bool = False, large: bool = False
+) -> etree.XMLParser:
+    return etree.XMLParser(
+        encoding=encoding,
+        resolve_entities=False,
+        no_network=True,
+        load_dtd=False,
+        huge_tree=large,
+        remove_comments=True,
+        remove_pis=True,
+        recover=recover,
+    )
 
 
 def children(element: Element, *tags: str) -> Iterator[Element]:

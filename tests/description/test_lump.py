@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import pytest
 
-from wsgen.description.lump import lump, parts_of_impossible_sums
+from wsgen.description.lump import lump
+from wsgen.description.lumping import parts_of_impossible_sums
 from wsgen.description.reader import read_urdf
 from wsgen.diagnostics import Severity
 from wsgen.model.pose import IDENTITY, Pose
@@ -91,9 +92,7 @@ def test_shapes_and_surfaces_come_along() -> None:
                 surface=Surface(mu1=0.2),
             ),
         ),
-        visuals=(Visual(geometry=Sphere(radius=1.0), rgba=(0.0, 1.0, 0.0, 1.0)),),
-        gravity=False,
-        self_collide=True,
+        visuals=(Visual(geometry=Sphere(radius=1.0), rgba=(0.0, 1.0, 0.0, 1.0), name="v"),),
     )
     pose = Pose((0.0, 0.0, 1.0), (0.0, 0.0, math.pi / 2))
     lumped, _ = lump(robot([body("a"), child], [fixed("a", "b", pose)]))
@@ -102,7 +101,8 @@ def test_shapes_and_surfaces_come_along() -> None:
     assert a.collisions[0].surface.mu1 == 0.2
     assert a.visuals[0].pose_in_link == pose
     assert a.visuals[0].rgba == (0.0, 1.0, 0.0, 1.0)
-    assert (a.gravity, a.self_collide) == (False, True)
+    # As sdformat names them: by the link they come from, if they have no name.
+    assert (a.collisions[0].name, a.visuals[0].name) == ("b", "v")
 
 
 def test_joints_below_a_lumped_link_move_to_its_parent() -> None:
@@ -151,7 +151,7 @@ def test_moving_massless_link_is_dropped_with_what_hangs_on_it() -> None:
     assert all(name in only.message for name in ("`b`", "`c`", "`d`"))
 
 
-@pytest.mark.parametrize("mass", [None, 0.0, 1e-7])
+@pytest.mark.parametrize("mass", [None, 0.0])
 def test_root_without_mass_is_refused(mass: float | None) -> None:
     lumped, found = lump(robot([body("a", mass), body("b")], [turning("a", "b")]))
     assert lumped.links == ()
@@ -159,9 +159,30 @@ def test_root_without_mass_is_refused(mass: float | None) -> None:
     assert "refuses" in found[0].message
 
 
-def test_two_zero_masses() -> None:
-    _, found = lump(robot([body("a", 0.0), body("b", 0.0)], [fixed("a", "b")]))
-    assert "ROB041" in {diagnostic.code for diagnostic in found}
+def test_a_mass_of_almost_nothing_is_a_mass() -> None:
+    """Before sdformat's pull request 1238 it was none up to a milligram."""
+    lumped, found = lump(robot([body("a", 1e-7), body("b")], [turning("a", "b")]))
+    assert (len(lumped.links), found) == (2, ())
+
+
+@pytest.mark.parametrize(
+    ("masses", "joints", "is_refused"),
+    [
+        # What is fixed first to what decides whether 0/0 is ever computed.
+        ({"a": None, "b": 0.0, "c": 1.0}, [("a", "b"), ("a", "c")], True),
+        ({"a": None, "b": 1.0, "c": 0.0}, [("a", "b"), ("a", "c")], False),
+        ({"a": None, "b": 0.0, "c": 1.0}, [("a", "b"), ("b", "c")], False),
+        ({"a": 1.0, "b": None, "c": 0.0}, [("a", "b"), ("b", "c")], True),
+        ({"a": 1.0, "b": 0.0}, [("a", "b")], False),
+    ],
+)
+def test_two_zero_masses(
+    masses: dict[str, float | None], joints: list[tuple[str, str]], *, is_refused: bool
+) -> None:
+    """As tried with `ign sdf -k`."""
+    links = [body(name, mass) for name, mass in masses.items()]
+    _, found = lump(robot(links, [fixed(*ends) for ends in joints]))
+    assert [diagnostic.code for diagnostic in found] == (["ROB041"] if is_refused else [])
 
 
 def test_zero_mass_adds_its_inertia() -> None:
@@ -169,6 +190,36 @@ def test_zero_mass_adds_its_inertia() -> None:
     assert found == ()
     assert lumped.links[0].inertial is not None
     assert lumped.links[0].inertial.inertia == (2.0, 0.0, 0.0, 2.0, 0.0, 2.0)
+
+
+@pytest.mark.parametrize("kind", [JointType.FLOATING, JointType.PLANAR])
+def test_what_gazebo_makes_no_joint_of_is_loose(kind: JointType) -> None:
+    quarter = Pose((1.0, 0.0, 0.0), (0.0, 0.0, math.pi / 2))
+    lumped, found = lump(
+        robot(
+            [body("a"), body("b"), body("c"), body("d"), body("e")],
+            [
+                fixed("a", "b", quarter),
+                replace(fixed("b", "c", quarter), type=kind),
+                turning("c", "d"),
+                fixed("d", "e"),
+            ],
+        )
+    )
+    assert found == ()
+    assert [joint.name for joint in lumped.joints] == ["c_d"]
+    (loose,) = lumped.loose
+    assert (loose.parent, loose.child) == ("a", "c")
+    assert loose.pose_in_parent.xyz == pytest.approx((1.0, 1.0, 0.0))
+    assert lumped.mass == 5.0
+
+
+def test_loose_and_massless_is_dropped() -> None:
+    lumped, found = lump(
+        robot([body("a"), body("b", None)], [replace(fixed("a", "b"), type=JointType.FLOATING)])
+    )
+    assert (lumped.loose, [link.name for link in lumped.links]) == ((), ["a"])
+    assert [diagnostic.code for diagnostic in found] == ["ROB040"]
 
 
 def test_impossible_sum() -> None:
@@ -255,16 +306,22 @@ def test_tags_follow_their_links() -> None:
 
 
 def test_a_long_chain() -> None:
-    count = 3000
-    links = [body(f"l{index}") for index in range(count)]
+    count = 10_000
+    ball = (Collision(geometry=Sphere(radius=0.01)),)
+    links = [body(f"l{index}", collisions=ball) for index in range(count)]
     joints = [
         fixed(f"l{index}", f"l{index + 1}", Pose((0.001, 0.0, 0.0))) for index in range(count - 1)
     ]
+    links += [body(f"m{index}") for index in range(count)]
+    joints += [turning(f"l{count - 1}", f"m{index}") for index in range(count)]
     lumped, found = lump(robot(links, joints))
     assert found == ()
-    assert lumped.mass == count
-    assert lumped.links[0].inertial is not None
-    assert lumped.links[0].inertial.pose_in_link.xyz[0] == pytest.approx(0.001 * (count - 1) / 2)
+    assert lumped.mass == 2 * count
+    first = lumped.links[0]
+    assert first.inertial is not None
+    assert first.inertial.pose_in_link.xyz[0] == pytest.approx(0.001 * (count - 1) / 2)
+    assert first.collisions[-1].pose_in_link.xyz[0] == pytest.approx(0.001 * (count - 1))
+    assert {joint.parent for joint in lumped.joints} == {"l0"}
 
 
 def test_the_robot_of_the_tutorial() -> None:

@@ -6,168 +6,14 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.description.reader import TEXT_LIMIT, read_urdf
+from urdf_texts import ERRORS, MASS, SPHERE, TWO, WARNINGS, joint, link, robot, shape
+from wsgen.description.document import TEXT_LIMIT
+from wsgen.description.reader import read_urdf
 from wsgen.diagnostics import Severity
 from wsgen.model.pose import Pose
-from wsgen.model.robot import Box, Capsule, Cylinder, JointType, Mesh, Sphere, Surface
+from wsgen.model.robot import Box, Cylinder, JointType, Mesh, Sphere
 
 FILE = Path("robot.urdf")
-MASS = (
-    '<inertial><mass value="1"/>'
-    '<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
-)
-
-
-def robot(body: str, name: str = "r") -> str:
-    return f'<robot name="{name}">\n{body}\n</robot>'
-
-
-def link(name: str, body: str = MASS) -> str:
-    return f'<link name="{name}">{body}</link>\n'
-
-
-def joint(name: str, parent: str, child: str, body: str = "", kind: str = "fixed") -> str:
-    return (
-        f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>'
-        f"{body}</joint>\n"
-    )
-
-
-def shape(tag: str, geometry: str) -> str:
-    return f"<{tag}><geometry>{geometry}</geometry></{tag}>"
-
-
-TWO = link("a") + link("b")
-LIMIT = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
-
-ERRORS = {
-    "not xml": ("ROB001", "<robot name='r'><link name='a'></robot>"),
-    "empty": ("ROB001", ""),
-    "entities": ("ROB002", '<!DOCTYPE r [<!ENTITY a "b">]>' + robot(link("a"))),
-    "sdf": ("ROB003", "<sdf version='1.9'/>"),
-    "no name": ("ROB004", robot(link("a"), name="")),
-    "no links": ("ROB005", robot("")),
-    "link without name": ("ROB006", robot(link("a") + "<link/>")),
-    "joint without name": ("ROB006", robot(TWO + joint("", "a", "b"))),
-    "two links of one name": ("ROB007", robot(link("a") + link("a"))),
-    "two joints of one name": (
-        "ROB008",
-        robot(TWO + link("c") + joint("j", "a", "b") + joint("j", "b", "c")),
-    ),
-    "two roots": ("ROB009", robot(TWO)),
-    "world not joined": ("ROB009", robot('<link name="world"/>' + link("a"))),
-    "cycle": ("ROB010", robot(TWO + joint("j", "a", "b") + joint("k", "b", "a"))),
-    "cycle below a root": (
-        "ROB010",
-        robot(link("r") + TWO + joint("j", "a", "b") + joint("k", "b", "a")),
-    ),
-    "two parents": (
-        "ROB011",
-        robot(TWO + link("c") + joint("j", "a", "c") + joint("k", "b", "c")),
-    ),
-    "self joint": ("ROB012", robot(link("a") + joint("j", "a", "a"))),
-    "unknown link": ("ROB013", robot(TWO + joint("j", "a", "B"))),
-    "joint without child": (
-        "ROB014",
-        robot(TWO + '<joint name="j" type="fixed"><parent link="a"/></joint>'),
-    ),
-    "joint type": ("ROB015", robot(TWO + joint("j", "a", "b", kind="hinge"))),
-    "comma": ("ROB016", robot(TWO + joint("j", "a", "b", '<origin xyz="0,1 0 0"/>'))),
-    "two numbers": ("ROB016", robot(TWO + joint("j", "a", "b", '<origin xyz="0 0"/>'))),
-    "nan": ("ROB016", robot(TWO + joint("j", "a", "b", '<origin rpy="nan 0 0"/>'))),
-    "huge": ("ROB016", robot(link("a", MASS.replace('"1"', '"1e999"')))),
-    "underscore": ("ROB016", robot(link("a", MASS.replace('value="1"', 'value="1_0"')))),
-    "other digits": ("ROB016", robot(link("a", MASS.replace('value="1"', 'value="٣"')))),
-    "missing moment": ("ROB016", robot(link("a", MASS.replace('iyz="0"', "")))),
-    "left over": ("ROB017", robot(TWO + joint("j", "a", "b", '<origin xyz="${x} 0 0"/>'))),
-    "left over in text": ("ROB017", robot(link("a") + "<gazebo><p>$(find x)</p></gazebo>")),
-    "left over macro": (
-        "ROB017",
-        robot(link("a") + '<xacro:wheel xmlns:xacro="http://www.ros.org/wiki/xacro"/>'),
-    ),
-    "zero axis": (
-        "ROB018",
-        robot(TWO + joint("j", "a", "b", '<axis xyz="0 0 0"/>', "continuous")),
-    ),
-    "no limit": ("ROB020", robot(TWO + joint("j", "a", "b", kind="revolute"))),
-    "no effort": (
-        "ROB016",
-        robot(TWO + joint("j", "a", "b", '<limit velocity="1"/>', "prismatic")),
-    ),
-    "inertial without mass": ("ROB021", robot(link("a", "<inertial/>"))),
-    "negative mass": ("ROB022", robot(link("a", MASS.replace('value="1"', 'value="-1"')))),
-    "no geometry": ("ROB024", robot(link("a", MASS + "<collision/>"))),
-    "unknown geometry": ("ROB024", robot(link("a", MASS + shape("visual", "<cone/>")))),
-    "zero radius": ("ROB028", robot(link("a", shape("collision", '<sphere radius="0"/>')))),
-    "negative box": ("ROB028", robot(link("a", shape("visual", '<box size="1 -1 1"/>')))),
-    "zero scale": (
-        "ROB028",
-        robot(link("a", shape("visual", '<mesh filename="a.stl" scale="0 1 1"/>'))),
-    ),
-    "mesh without name": ("ROB029", robot(link("a", shape("visual", "<mesh/>")))),
-    "friction in words": (
-        "ROB031",
-        robot(link("a") + '<gazebo reference="a"><mu1>low</mu1></gazebo>'),
-    ),
-    "unknown leader": ("ROB035", robot(TWO + joint("j", "a", "b", '<mimic joint="x"/>'))),
-    "mimics itself": ("ROB036", robot(TWO + joint("j", "a", "b", '<mimic joint="j"/>'))),
-    "impossible part of a sum that is impossible": (
-        "ROB037",
-        robot(link("a") + link("b", MASS.replace('izz="1"', 'izz="9"')) + joint("j", "a", "b")),
-    ),
-    "impossible inertia": ("ROB037", robot(link("a", MASS.replace('izz="1"', 'izz="9"')))),
-}
-
-WARNINGS = {
-    "long axis": (
-        "ROB019",
-        robot(TWO + joint("j", "a", "b", '<axis xyz="0 0 2"/>', "continuous")),
-    ),
-    "limits exchanged": (
-        "ROB023",
-        robot(TWO + joint("j", "a", "b", LIMIT.replace("-1", "2"), "revolute")),
-    ),
-    "undefined material": (
-        "ROB025",
-        robot(
-            link(
-                "a",
-                '<visual><geometry><sphere radius="1"/></geometry><material name="m"/></visual>',
-            )
-        ),
-    ),
-    "two colours": (
-        "ROB026",
-        robot(
-            '<material name="m"><color rgba="1 0 0 1"/></material>\n'
-            '<material name="m"><color rgba="0 0 1 1"/></material>' + link("a")
-        ),
-    ),
-    "bytes as colour": (
-        "ROB027",
-        robot('<material name="m"><color rgba="255 0 0 1"/></material>' + link("a")),
-    ),
-    "unknown reference": ("ROB030", robot(link("wheel") + '<gazebo reference="whel"/>')),
-    "unknown colour": (
-        "ROB032",
-        robot(link("a") + '<gazebo reference="a"><material>Gazebo/Gren</material></gazebo>'),
-    ),
-    "preserve on a link": (
-        "ROB033",
-        robot(
-            link("a") + '<gazebo reference="a"><preserveFixedJoint>1</preserveFixedJoint></gazebo>'
-        ),
-    ),
-    "joint named like a link": ("ROB034", robot(TWO + joint("b", "a", "b"))),
-    "impossible part of a sum that is possible": (
-        "ROB037",
-        robot(
-            link("a", MASS.replace('"1"', '"20"'))
-            + link("b", MASS.replace('izz="1"', 'izz="9"'))
-            + joint("j", "a", "b")
-        ),
-    ),
-}
 
 
 @pytest.mark.parametrize(("code", "text"), ERRORS.values(), ids=ERRORS.keys())
@@ -248,8 +94,7 @@ def test_geometry() -> None:
     shapes = (
         '<box size="1 2 3"/>',
         '<cylinder radius="1" length="2"/>',
-        '<sphere radius=" 1.5 "/>',
-        '<capsule radius="1" length="2"/>',
+        '<sphere radius=" 1.5"/>',
         '<mesh filename="package://p/m.stl" scale="1e-3 .001 0.001"/>',
     )
     model, found = read_urdf(
@@ -261,7 +106,6 @@ def test_geometry() -> None:
         Box(size=(1, 2, 3)),
         Cylinder(radius=1, length=2),
         Sphere(radius=1.5),
-        Capsule(radius=1, length=2),
         Mesh(uri="package://p/m.stl", scale=(0.001, 0.001, 0.001)),
     ]
 
@@ -302,48 +146,104 @@ def test_colours() -> None:
             + link("a", f'<visual>{sphere}<material name="red"/></visual><visual>{sphere}</visual>')
             + link("b", f'<visual>{sphere}<material name="red"/></visual>')
             + joint("j", "a", "b")
-            + '<gazebo reference="b"><material>Gazebo/Green</material></gazebo>'
         ),
         file=None,
     )
     assert model is not None
     assert found == ()
     assert [visual.rgba for visual in model.link("a").visuals] == [(1, 0, 0, 1), None]
-    assert [visual.rgba for visual in model.link("b").visuals] == [(0, 1, 0, 1)]
+    assert [visual.rgba for visual in model.link("b").visuals] == [(1, 0, 0, 1)]
 
 
 def test_gazebo_tags() -> None:
     model, found = read_urdf(
         robot(
-            link("a", shape("collision", '<sphere radius="1"/>'))
-            + '<gazebo reference="a"><mu1>0.2</mu1><mu2 value="0.3"/><kp>1e6</kp><kd>2</kd>'
-            "<minDepth>0.001</minDepth><maxContacts>4</maxContacts><selfCollide>True</selfCollide>"
-            '<turnGravityOff>true</turnGravityOff><sensor name="eye" type="camera">'
+            link("a", shape("collision", SPHERE))
+            + '<gazebo reference="a"><mu1>0.2</mu1><mu2 value="0.3">0.5</mu2>'
+            "<collision><surface><friction><ode><mu>0.7</mu></ode></friction></surface></collision>"
+            '<sensor name="eye" type="camera">'
             '<plugin name="p" filename="libeye.so"/></sensor></gazebo>\n'
             '<gazebo><plugin name="q" filename="libdrive.so"/></gazebo>'
+            '<gazebo reference=""><static>true</static></gazebo>'
         ),
         file=None,
     )
     assert model is not None
     assert found == ()
-    (a,) = model.links
-    assert a.collisions[0].surface == Surface(
-        mu1=0.2, mu2=0.3, kp=1e6, kd=2, min_depth=0.001, max_contacts=4
-    )
-    assert (a.self_collide, a.gravity) == (True, False)
+    values = model.gazebo[0].values
+    assert (values["mu1"], values["mu2"]) == ("0.2", "0.3")
+    assert values["collision/surface/friction/ode/mu"] == "0.7"
+    assert "sensor" not in values
     assert [(tag.reference, tag.plugins, tag.sensors) for tag in model.gazebo] == [
         ("a", ("libeye.so",), ("eye",)),
         (None, ("libdrive.so",), ()),
+        (None, (), ()),
     ]
 
 
-def test_self_collision_of_the_whole_robot() -> None:
-    model, _ = read_urdf(
-        robot(TWO + joint("j", "a", "b") + "<gazebo><selfCollide>1</selfCollide></gazebo>"),
-        file=None,
+def test_what_cannot_be_read_ends_the_link() -> None:
+    """urdfdom reads inertial, visuals and collisions in this order, and stops at an error."""
+    broken = shape("visual", "<cone/>")
+    ball, touch = shape("visual", SPHERE), shape("collision", SPHERE)
+    model, found = read_urdf(robot(link("a", touch + ball + broken + ball + ball)), file=FILE)
+    assert model is not None
+    (read,) = model.links
+    assert (len(read.visuals), len(read.collisions)) == (1, 0)
+    assert {diagnostic.code for diagnostic in found} == {"ROB024", "ROB044"}
+    assert "2 visuals and 1 collision" in next(
+        diagnostic.message for diagnostic in found if diagnostic.code == "ROB044"
+    )
+
+
+@pytest.mark.parametrize(
+    ("inertial", "mass"),
+    [
+        ("<mass value='x'/>", None),
+        ("<mass value='3'/>", 3.0),
+        ("<mass value='3'/><inertia ixx='1' iyy='1' izz='1'/>", 3.0),
+    ],
+)
+def test_what_is_left_of_an_inertial(inertial: str, mass: float | None) -> None:
+    """As in `ign sdf -p`: the mass may stay, the moments are 0, and the shapes are lost."""
+    model, found = read_urdf(
+        robot(link("a", f"<inertial>{inertial}</inertial>" + shape("collision", SPHERE))), file=FILE
     )
     assert model is not None
-    assert all(one.self_collide for one in model.links)
+    (read,) = model.links
+    assert (read.inertial.mass if read.inertial else None) == mass
+    assert read.inertial is None or read.inertial.inertia == (0.0,) * 6
+    assert read.collisions == ()
+    assert "ROB044" in {diagnostic.code for diagnostic in found}
+
+
+def test_a_mirrored_mesh_can_be_seen() -> None:
+    model, found = read_urdf(
+        robot(link("a", shape("visual", '<mesh filename="a.stl" scale="1 -1 1"/>'))), file=None
+    )
+    assert model is not None
+    assert (len(model.links[0].visuals), found) == (1, ())
+
+
+def test_default_namespace_means_nothing() -> None:
+    text = robot(link("a", MASS)).replace("<robot", "<robot xmlns='http://www.ros.org'")
+    model, found = read_urdf(text, file=None)
+    assert model is not None
+    assert (model.mass, found) == (1.0, ())
+
+
+def test_lumped_joint_may_be_called_like_a_link() -> None:
+    assert read_urdf(robot(TWO + joint("b", "a", "b")), file=None)[1] == ()
+
+
+def test_impossible_inertia_with_a_possible_sum_is_a_warning_also_at_the_parent() -> None:
+    heavy = MASS.replace('"1"', '"20"')
+    _, found = read_urdf(
+        robot(
+            link("a", MASS.replace('izz="1"', 'izz="9"')) + link("b", heavy) + joint("j", "a", "b")
+        ),
+        file=None,
+    )
+    assert [(one.code, one.severity) for one in found] == [("ROB037", Severity.WARNING)]
 
 
 def test_world_is_the_world() -> None:

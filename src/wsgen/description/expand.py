@@ -82,6 +82,11 @@ def expand(file: Path, mappings: Mapping[str, str]) -> CommandResult:
     return _run([str(file)], mappings)
 
 
+def expand_for_parent(file: str, mappings: Mapping[str, str]) -> dict[str, Any]:
+    """`expand` in a child process; gives the fields of the result by name."""
+    return expand(Path(file), mappings)._asdict()
+
+
 def run_command(words: Sequence[str]) -> CommandResult:
     """Do what the command line `xacro …` does; the first word is the program."""
     return _run(words[1:], {})

@@ -1,4 +1,8 @@
-"""`<joint>` of a URDF. Calibration and safety limits are ignored, as Gazebo ignores them."""
+"""`<joint>` of a URDF.
+
+Gazebo ignores <calibration> and <safety_controller>, but its parser refuses a robot for what is
+wrong in them, and for a wrong <limit> also where the joint needs none.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +12,7 @@ from typing import TYPE_CHECKING
 from wsgen.description.findings import line_of
 from wsgen.description.numbers import read_number, read_triple
 from wsgen.description.shapes import read_origin
+from wsgen.model.pose import IDENTITY
 from wsgen.model.robot import Joint, JointLimit, JointType, Mimic
 from wsgen.xmltree import children
 
@@ -17,6 +22,16 @@ if TYPE_CHECKING:
 
 NEED_LIMITS = (JointType.REVOLUTE, JointType.PRISMATIC)
 HAVE_AXIS = (JointType.REVOLUTE, JointType.PRISMATIC, JointType.CONTINUOUS, JointType.PLANAR)
+# The numbers in what Gazebo ignores, and whether they must be there.
+IGNORED = {
+    "calibration": {"rising": False, "falling": False},
+    "safety_controller": {
+        "soft_lower_limit": False,
+        "soft_upper_limit": False,
+        "k_position": False,
+        "k_velocity": True,
+    },
+}
 UNIT_TOLERANCE = 1e-3  # of the length of an axis; hand-written axes have three digits
 
 
@@ -40,12 +55,13 @@ def read_joint(findings: Findings, element: Element, name: str) -> Joint | None:
     if kind is None or not all(ends.values()):
         return None
     damping, friction = _read_dynamics(findings, element, path)
+    _check_ignored(findings, element, path)
     return Joint(
         name=name,
         type=kind,
         parent=ends["parent"],
         child=ends["child"],
-        pose_in_parent=read_origin(findings, element, path),
+        pose_in_parent=read_origin(findings, element, path) or IDENTITY,
         axis_in_joint=_read_axis(findings, element, path) if kind in HAVE_AXIS else (1.0, 0.0, 0.0),
         limit=_read_limit(findings, element, path, kind),
         damping=damping,
@@ -72,10 +88,10 @@ def _read_type(findings: Findings, element: Element, path: str) -> JointType | N
 def _read_axis(findings: Findings, element: Element, path: str) -> tuple[float, float, float]:
     for axis in children(element, "axis"):
         xyz = read_triple(findings, axis, "xyz", f"{path}/axis")
-        length = math.hypot(*xyz) if xyz is not None else 1.0
-        if xyz is None:
+        if xyz is None and "xyz" in axis.attrib:
             break
-        if length == 0:
+        length = math.hypot(*xyz) if xyz is not None else 0.0
+        if xyz is None or length == 0:
             findings.error(
                 "ROB018",
                 "The axis has no direction (0 0 0).",
@@ -101,15 +117,11 @@ def _read_limit(
 ) -> JointLimit | None:
     path = f"{path}/limit"
     for limit in children(element, "limit"):
-        required = kind in NEED_LIMITS
         lower, upper, effort, velocity = (
-            read_number(
-                findings, limit, name, path, required=required and name in {"effort", "velocity"}
-            )
-            or 0.0
+            read_number(findings, limit, name, path, required=name in {"effort", "velocity"}) or 0.0
             for name in ("lower", "upper", "effort", "velocity")
         )
-        if required and lower > upper:
+        if kind in NEED_LIMITS and lower > upper:
             findings.warning(
                 "ROB023",
                 f"The lower limit {lower:g} is above the upper limit {upper:g}.",
@@ -134,6 +146,14 @@ def _read_limit(
 def _read_dynamics(findings: Findings, element: Element, path: str) -> tuple[float, float]:
     path = f"{path}/dynamics"
     for dynamics in children(element, "dynamics"):
+        if not {"damping", "friction"} & set(dynamics.attrib):
+            findings.error(
+                "ROB016",
+                "<dynamics> has neither `damping` nor `friction`, and Gazebo refuses the robot.",
+                hint='Write <dynamics damping="0.1"/> (N m s/rad or N s/m), or remove it.',
+                at=dynamics,
+                path=path,
+            )
         damping, friction = (
             read_number(findings, dynamics, name, path, required=False) or 0.0
             for name in ("damping", "friction")
@@ -145,6 +165,15 @@ def _read_dynamics(findings: Findings, element: Element, path: str) -> tuple[flo
 def _read_mimic(findings: Findings, element: Element, path: str) -> Mimic | None:
     path = f"{path}/mimic"
     for mimic in children(element, "mimic"):
+        if mimic.get("joint") is None:
+            findings.error(
+                "ROB014",
+                "<mimic> names no joint.",
+                hint='Write <mimic joint="JOINT"/>.',
+                at=mimic,
+                path=path,
+            )
+            return None
         multiplier = read_number(findings, mimic, "multiplier", path, required=False)
         return Mimic(
             joint=mimic.get("joint") or "",
@@ -152,3 +181,11 @@ def _read_mimic(findings: Findings, element: Element, path: str) -> Mimic | None
             offset=read_number(findings, mimic, "offset", path, required=False) or 0.0,
         )
     return None
+
+
+def _check_ignored(findings: Findings, element: Element, path: str) -> None:
+    for tag, attributes in IGNORED.items():
+        for ignored in children(element, tag):
+            for attribute, required in attributes.items():
+                read_number(findings, ignored, attribute, f"{path}/{tag}", required=required)
+            break

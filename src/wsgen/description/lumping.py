@@ -1,128 +1,193 @@
-"""What Gazebo leaves out or refuses when it lumps fixed joints."""
+"""Which links Gazebo makes one body of, and what the body weighs."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.model.inertia import is_possible
+from wsgen.description.extensions import is_true
+from wsgen.model.inertia import about_link_axes, is_possible, moved
+from wsgen.model.pose import IDENTITY, Pose
+from wsgen.model.robot import Inertial, JointType
+from wsgen.model.transform import compose
 
 if TYPE_CHECKING:
-    from pathlib import Path
+    from wsgen.model.inertia import Six
+    from wsgen.model.robot import Collision, Joint, Link, Robot, Visual
 
-    from wsgen.model.robot import Inertial, Joint, Link, Robot
-
-MASSLESS = 1e-6  # kg; what sdformat's comparison with zero cannot tell from it
-NAMED = 8  # so many names are told in a message
+WORLD = "world"  # sdformat's word for what never moves; it knows no other way to say so in a URDF
 
 
 @dataclass
 class Body:
-    """A link that grows by what is fixed to it."""
+    """A link with what is fixed to it, in sdformat's order: depth first, by the joints' names."""
 
-    link: Link
-    lumped: list[str] = field(default_factory=list)  # names, in the order of lumping
-    joints: list[Joint] = field(default_factory=list)  # to children that stay links
+    parts: list[tuple[Link, Pose]]  # the link itself first; poses in its frame
+    joints: list[Joint] = field(default_factory=list)  # to other bodies, seen from its frame
+    two_zeros: tuple[str, str] | None = None  # parent and child of a sum of two masses of 0
+
+    @property
+    def link(self) -> Link:
+        """The link whose name and frame the body keeps."""
+        return self.parts[0][0]
+
+    @property
+    def lumped(self) -> list[str]:
+        """The names of the others."""
+        return [link.name for link, _ in self.parts[1:]]
+
+    @property
+    def mass(self) -> float:
+        """The sum of the masses, kg."""
+        return sum(link.inertial.mass for link, _ in self.parts if link.inertial is not None)
+
+    def inertial(self) -> Inertial | None:
+        """All together, about the common centre of mass, along the axes of the link frame.
+
+        A part without mass adds its inertia all the same, as in sdformat.
+        """
+        parts = [
+            replace(link.inertial, pose_in_link=compose(pose, link.inertial.pose_in_link))
+            for link, pose in self.parts
+            if link.inertial is not None
+        ]
+        return parts[0] if len(parts) == 1 else _sum(parts) if parts else None
+
+    def visuals(self) -> tuple[Visual, ...]:
+        """What can be seen, in the body's frame; the lumped ones are named as sdformat does."""
+        return tuple(
+            replace(
+                visual,
+                pose_in_link=compose(pose, visual.pose_in_link),
+                name=visual.name if link is self.link else visual.name or link.name,
+            )
+            for link, pose in self.parts
+            for visual in link.visuals
+        )
+
+    def collisions(self) -> tuple[Collision, ...]:
+        """What can be touched, likewise."""
+        return tuple(
+            replace(
+                collision,
+                pose_in_link=compose(pose, collision.pose_in_link),
+                name=collision.name if link is self.link else collision.name or link.name,
+            )
+            for link, pose in self.parts
+            for collision in link.collisions
+        )
 
 
-def _below(bodies: dict[str, Body], name: str) -> list[str]:
-    """The links that disappear with a link: those lumped into it, and all that hang on it."""
-    queue = [name]
-    for link in queue:
-        queue += [joint.child for joint in bodies[link].joints]
-    return [part for link in queue for part in (link, *bodies[link].lumped)][1:]
+def bodies_of(robot: Robot) -> dict[str, Body]:
+    """The bodies by the names of their first links, parents before children.
 
-
-def dropped_link(robot: Robot, bodies: dict[str, Body], name: str, file: Path | None) -> Diagnostic:
-    """What Gazebo leaves out; blamed is the link that was surely meant to have mass."""
-    blamed = _lacks_mass(robot, bodies[name])
-    why = f"`{blamed.name}` has " + (
-        "no <inertial>" if blamed.inertial is None else f"a mass of {blamed.inertial.mass:g} kg"
-    )
-    if blamed.name != name:
-        why += f", and `{name}`, which it is fixed to, has no mass either"
-    below = [link for link in _below(bodies, name) if link != blamed.name]
-    told = ", ".join(f"`{link}`" for link in below[:NAMED])
-    told += f" and {len(below) - NAMED} more" if len(below) > NAMED else ""
-    if name == robot.root:
-        message = f"Gazebo refuses the robot: its root link {why}"
-        if blamed.name != name:
-            message = f"Gazebo refuses the robot: {why}"
-        message += f"; with the root disappear {told}." if below else "."
-    else:
-        message = f"Gazebo drops the link `{name}` with the joint above it"
-        message += f" and {told}: {why}." if below else f": {why}."
-    return Diagnostic(
-        code="ROB040",
-        severity=Severity.ERROR,
-        message=message,
-        file=file,
-        line=blamed.line,
-        element=f"link[@name='{blamed.name}']",
-        hint=f"Give `{blamed.name}` an <inertial> with a mass above {MASSLESS:g} kg"
-        + (", or fix a link with mass to it by a fixed joint." if blamed.name == name else "."),
-    )
-
-
-def _lacks_mass(robot: Robot, body: Body) -> Link:
-    """The part of a massless body that should have mass.
-
-    That is one whose <inertial> says 0, or one that can be touched or seen; else the body's own
-    link, which is nothing but a frame.
+    No recursion, and nothing is moved twice: a chain may have 10,000 links.
     """
+    below: dict[str, list[Joint]] = {}
+    for joint in sorted(robot.joints, key=lambda joint: joint.name):
+        below.setdefault(joint.parent, []).append(joint)
+    kept = _kept_joints(robot)
     links = {link.name: link for link in robot.links}
-    parts = [links[name] for name in (body.link.name, *body.lumped)]
-    return next(
-        (part for part in parts if part.inertial is not None),
-        next((part for part in parts if part.collisions or part.visuals), parts[0]),
+    bodies = {robot.root: Body([(links[robot.root], IDENTITY)])}
+    stack = [(robot.root, bodies[robot.root], IDENTITY)]
+    while stack:
+        name, body, pose = stack.pop()
+        if name != body.link.name:
+            body.parts.append((links[name], pose))
+        for joint in reversed(below.get(name, ())):
+            place = compose(pose, joint.pose_in_parent)
+            if joint.type is JointType.FIXED and joint.name not in kept:
+                stack.append((joint.child, body, place))
+                continue
+            bodies[joint.child] = Body([(links[joint.child], IDENTITY)])
+            body.joints.append(replace(joint, parent=body.link.name, pose_in_parent=place))
+            stack.append((joint.child, bodies[joint.child], IDENTITY))
+    _find_two_zeros(robot, below, kept, bodies)
+    return bodies
+
+
+def parts_of_impossible_sums(robot: Robot) -> set[str]:
+    """The links that are fixed together to something whose inertia no body has.
+
+    The robot must be a tree. A link that nothing is fixed to counts as well.
+    """
+    return {
+        part.name
+        for body in bodies_of(robot).values()
+        if (inertial := body.inertial()) is not None
+        and inertial.mass > 0
+        and not is_possible(inertial.inertia)
+        for part, _ in body.parts
+    }
+
+
+def joints_that_say(robot: Robot, key: str) -> set[str]:
+    """The names of the joints about which a `<gazebo>` element says that this is true."""
+    return {
+        tag.reference
+        for tag in robot.gazebo
+        if tag.reference is not None and is_true(tag.values.get(key))
+    }
+
+
+def _kept_joints(robot: Robot) -> set[str]:
+    """The fixed joints that sdformat does not lump."""
+    return (
+        joints_that_say(robot, "preserveFixedJoint")
+        | joints_that_say(robot, "disableFixedJointLumping")
+        | {joint.name for joint in robot.joints if robot.fixed_to_world and joint.parent == WORLD}
     )
 
 
-def two_zero_masses(parent: Link, child: Link, file: Path | None) -> list[Diagnostic]:
-    """Gazebo computes the common centre of two zero masses as 0/0 and refuses the robot."""
-    if parent.inertial is None or child.inertial is None:
-        return []
-    if parent.inertial.mass or child.inertial.mass:
-        return []
-    return [
-        Diagnostic(
-            code="ROB041",
-            severity=Severity.ERROR,
-            message=f"The links `{child.name}` and `{parent.name}` are fixed together and both "
-            "have a mass of 0: their centre of mass is not a number, and Gazebo refuses the robot.",
-            file=file,
-            line=child.line,
-            element=f"link[@name='{child.name}']/inertial/mass",
-            hint=f"Remove <inertial> from `{child.name}`: no inertia is better than a zero mass.",
+def _find_two_zeros(
+    robot: Robot, below: dict[str, list[Joint]], kept: set[str], bodies: dict[str, Body]
+) -> None:
+    """Note where sdformat computes a common centre of mass as 0/0.
+
+    It puts every link into its parent when all below it are done; a parent without <inertial>
+    counts as 0 kg there.
+    """
+    masses = {
+        link.name: None if link.inertial is None else link.inertial.mass for link in robot.links
+    }
+    order = list(bodies)[:1]
+    body_of = {name: body for body in bodies.values() for name in (body.link.name, *body.lumped)}
+    for name in order:
+        order += [joint.child for joint in reversed(below.get(name, ()))]
+    parent_of = {joint.child: joint for joint in robot.joints}
+    for child in reversed(order[1:]):
+        joint, mass = parent_of[child], masses[child]
+        if joint.type is not JointType.FIXED or joint.name in kept or mass is None:
+            continue
+        total = (masses[joint.parent] or 0.0) + mass
+        masses[joint.parent] = total
+        body = body_of[child]
+        if total == 0 and body.two_zeros is None:
+            body.two_zeros = (joint.parent, child)
+
+
+def _sum(parts: list[Inertial]) -> Inertial:
+    mass = sum(part.mass for part in parts)
+    if not mass:  # there is no centre, and Gazebo makes no body of it
+        return replace(parts[0], mass=0.0)
+    x, y, z = (
+        sum(part.mass * part.pose_in_link.xyz[axis] for part in parts) / mass for axis in range(3)
+    )
+    moments: list[Six] = [
+        moved(
+            about_link_axes(part),
+            part.mass,
+            (
+                part.pose_in_link.xyz[0] - x,
+                part.pose_in_link.xyz[1] - y,
+                part.pose_in_link.xyz[2] - z,
+            ),
         )
+        for part in parts
     ]
-
-
-def is_impossible(inertial: Inertial) -> bool:
-    """Whether no body of this mass has this inertia; that of a zero mass means nothing."""
-    return inertial.mass > 0 and not is_possible(inertial.inertia)
-
-
-def impossible_sum(robot: Robot, body: Body, file: Path | None) -> list[Diagnostic]:
-    """The reader has judged single links; here the sum of sound ones is new."""
-    inertial = body.link.inertial
-    if not body.lumped or inertial is None or is_possible(inertial.inertia):
-        return []
-    parts = {body.link.name, *body.lumped}
-    written = [link.inertial for link in robot.links if link.name in parts]
-    if any(part is not None and is_impossible(part) for part in written):
-        return []
-    return [
-        Diagnostic(
-            code="ROB042",
-            severity=Severity.ERROR,
-            message=f"With the links that are fixed to it, `{body.link.name}` has an inertia that "
-            "no body has, and Gazebo refuses the robot.",
-            file=file,
-            line=body.link.line,
-            element=f"link[@name='{body.link.name}']",
-            hint=f"Correct the inertia of {', '.join(f'`{name}`' for name in body.lumped[:NAMED])}"
-            f" or of `{body.link.name}` itself.",
-        )
-    ]
+    ixx, ixy, ixz, iyy, iyz, izz = map(sum, zip(*moments, strict=True))
+    return Inertial(
+        mass=mass,
+        pose_in_link=Pose(xyz=(x, y, z)),
+        inertia=(ixx, ixy, ixz, iyy, iyz, izz),
+    )

@@ -80,14 +80,12 @@ class _Search:
     def _locate(self, uri: str) -> Path | tuple[str, str]:
         """The file, or what is wrong and what to do."""
         scheme, separator, rest = uri.partition("://")
-        if not separator:
-            path = Path(uri)
+        if not separator or scheme == "file":
+            path = Path(unquote(rest) if separator else uri)
             if not path.is_absolute():
                 if self.folder is None:
                     return "has a path that is relative to nothing", "Write package://PACKAGE/…"
                 path = self.folder / path
-        elif scheme == "file":
-            path = Path(unquote(rest))
         elif scheme in {"package", "model"}:
             package, _, inside = rest.partition("/")
             share = self.share_of(package)

@@ -2,23 +2,41 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
-from wsgen.description.lump import parts_of_impossible_sums
-from wsgen.description.lumping import is_impossible
+from wsgen.description.dropping import is_impossible
+from wsgen.description.lumping import WORLD, joints_that_say, parts_of_impossible_sums
 from wsgen.model.inertia import principal_moments
 from wsgen.model.robot import JointType
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from wsgen.description.findings import Findings
     from wsgen.model.robot import Robot
 
+RESERVED = re.compile(r"__.*__", re.DOTALL)  # of SDF, as are `world` and a few that only SDF has
 
-def check_names(findings: Findings, robot: Robot) -> None:
-    """Report a joint that is called like a link."""
+
+def check_names(findings: Findings, robot: Robot, line_of_robot: int | None) -> None:
+    """Report names that SDF keeps for itself, and a joint that is called like a link."""
+    for name, line, path in (
+        (robot.name, line_of_robot, "robot"),
+        *((link.name, link.line, f"link[@name='{link.name}']") for link in robot.links),
+        *((joint.name, joint.line, f"joint[@name='{joint.name}']") for joint in robot.joints),
+    ):
+        is_link = path.startswith("link")
+        # Without a tree nobody knows whether it was meant to be the root.
+        is_root = is_link and (robot.fixed_to_world or not robot.root)
+        if (name == WORLD and not is_root) or RESERVED.fullmatch(name):
+            _report_reserved(findings, name, line, path)
     links = {link.name for link in robot.links}
+    kept = joints_that_say(robot, "preserveFixedJoint")
+    kept |= joints_that_say(robot, "disableFixedJointLumping")
     for joint in robot.joints:
-        if joint.name in links:
+        is_lumped = joint.type is JointType.FIXED and joint.name not in kept
+        if joint.name in links and (joint.parent == WORLD or not is_lumped):
             findings.warning(
                 "ROB034",
                 f"A link and a joint are both called `{joint.name}`.",
@@ -29,27 +47,38 @@ def check_names(findings: Findings, robot: Robot) -> None:
             )
 
 
+def _report_reserved(findings: Findings, name: str, line: int | None, path: str) -> None:
+    findings.error(
+        "ROB043",
+        f"`{name}` is a name that Gazebo keeps for itself, and it refuses the robot.",
+        hint="Make it the root of the robot, which is then fixed to the world, or rename it."
+        if name == WORLD and path.startswith("link")
+        else "Take another name; not `world`, and none with two underscores before and behind.",
+        at=line,
+        path=path,
+    )
+
+
 def check_mimics(findings: Findings, robot: Robot) -> None:
     """Report a mimic joint whose leader does not exist, or that follows itself."""
     leaders = {joint.name: joint.mimic.joint for joint in robot.joints if joint.mimic}
     names = {joint.name for joint in robot.joints}
+    circular = _in_circles(leaders)
     for joint in robot.joints:
         if joint.mimic is None:
             continue
         path = f"joint[@name='{joint.name}']/mimic"
         if joint.mimic.joint not in names:
-            findings.error(
+            findings.warning(
                 "ROB035",
-                f"The joint `{joint.name}` mimics `{joint.mimic.joint}`, and there is none.",
+                f"The joint `{joint.name}` mimics `{joint.mimic.joint}`, and there is none: it "
+                "moves on its own.",
                 hint="Name a joint of this robot.",
                 at=joint.line,
                 path=path,
             )
             continue
-        leader, steps = joint.mimic.joint, 0
-        while leader in leaders and leader != joint.name and steps < len(leaders):
-            leader, steps = leaders[leader], steps + 1
-        if leader == joint.name:
+        if joint.name in circular:
             findings.error(
                 "ROB036",
                 f"The joint `{joint.name}` mimics itself.",
@@ -59,11 +88,28 @@ def check_mimics(findings: Findings, robot: Robot) -> None:
             )
 
 
+def _in_circles(leaders: Mapping[str, str]) -> set[str]:
+    """The joints that follow themselves, directly or over others."""
+    circular: set[str] = set()
+    done: set[str] = set()
+    for start in leaders:
+        way: dict[str, None] = {}
+        name = start
+        while name in leaders and name not in done and name not in way:
+            way[name] = None
+            name = leaders[name]
+        if name in way:
+            names = list(way)
+            circular.update(names[names.index(name) :])
+        done.update(way)
+    return circular
+
+
 def check_inertias(findings: Findings, robot: Robot) -> None:
     """Report an inertia that no body has.
 
-    It is an error where Gazebo refuses the robot for it; that of a link which is lumped into
-    another one counts only as a part of the sum.
+    It is an error where Gazebo refuses the robot for it: of links that are fixed together only the
+    sum counts.
     """
     impossible = [
         (link, link.inertial)
@@ -72,12 +118,11 @@ def check_inertias(findings: Findings, robot: Robot) -> None:
     ]
     if not impossible:
         return
-    lumped = {joint.child for joint in robot.joints if joint.type is JointType.FIXED}
-    refused = parts_of_impossible_sums(robot) if robot.root else set()
+    everything = {link.name for link in robot.links}
+    refused = parts_of_impossible_sums(robot) if robot.root else everything
     for link, inertial in impossible:
         low, middle, high = principal_moments(inertial.inertia)
-        harmless = link.name in lumped and link.name not in refused
-        report = findings.warning if harmless else findings.error
+        report = findings.error if link.name in refused else findings.warning
         report(
             "ROB037",
             f"No body has the inertia of the link `{link.name}`: its principal moments are "

@@ -6,6 +6,8 @@ from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from wsgen.description.findings import Findings
     from wsgen.xmltree import Element
 
@@ -33,6 +35,18 @@ KNOWN = {
 # So alike two words are, as difflib counts, that one is taken for the other: `parnt` and `parent`
 # are at 0.91, `visuals` and `visual` at 0.92, `colour` and `color` at 0.91.
 ALIKE = 0.8
+
+MOST_COMPARED = 500  # names; difflib takes its time
+MOST_HINTS = 50  # findings; who has more has another trouble than spelling
+
+
+def nearest(findings: Findings, name: str, known: Iterable[str]) -> str | None:
+    """A known name that is nearly the same; None where there is none, or it would take too long."""
+    if len(findings.diagnostics) > MOST_HINTS:
+        return None
+    alike = sorted(other for other in known if abs(len(other) - len(name)) <= len(name) // 3)
+    near = get_close_matches(name, alike[:MOST_COMPARED], n=1)
+    return near[0] if near else None
 
 
 def check_spelling(findings: Findings, element: Element, path: str) -> None:

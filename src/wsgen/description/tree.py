@@ -6,10 +6,10 @@ roots, a cycle or two joints of one name, and check_urdf and sdformat print with
 
 from __future__ import annotations
 
-from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
 from wsgen.description.findings import line_of
+from wsgen.description.spelling import nearest
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -89,11 +89,11 @@ def _check_ends(
 ) -> bool:
     for end, name in (("parent", joint.parent), ("child", joint.child)):
         if name not in links:
-            near = get_close_matches(name, links, n=1)
+            near = nearest(findings, name, links)
             findings.error(
                 "ROB013",
                 f"The {end} of the joint `{joint.name}` is `{name}`, and no link is called so.",
-                hint=f"Did you mean `{near[0]}`?" if near else f'Add <link name="{name}">.',
+                hint=f"Did you mean `{near}`?" if near else f'Add <link name="{name}">.',
                 at=element,
                 path=path,
             )

@@ -23,12 +23,14 @@ class Rest:
     pose_in_world: Pose  # of the root link's frame
     settled_after: float | None  # s; None: it still moved at the end
     speed: float  # m/s, at the end
+    joint_positions: Mapping[str, float] = field(default_factory=dict)  # rad or m, at the end
 
 
 @dataclass(frozen=True, kw_only=True)
 class Simulated:
     """What the engine says it simulates."""
 
+    engine: str  # `bullet` or `dart`
     links: int
     movable_joints: int
     mass: float  # kg
@@ -51,9 +53,10 @@ class RobotOutcome:
 
 @dataclass(frozen=True, kw_only=True)
 class PackageOutcome:
-    """One validated package."""
+    """One validated package, or a file that was validated without one."""
 
     package: str | None
+    file: Path | None = None  # of the robot or world, where there is no package
     share: Path | None
     launch_file: Path | None
     world: World | None = None

@@ -130,8 +130,8 @@ class JointLimit:
 
     lower: float = 0.0
     upper: float = 0.0
-    effort: float = 0.0
-    velocity: float = 0.0
+    effort: float = 0.0  # below 0: without bound, as SDF has it
+    velocity: float = 0.0  # likewise
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -111,3 +111,10 @@ def compose(outer: Pose, inner: Pose) -> Pose:
     else:
         rpy = rpy_of_rotation(multiply(rotation, rotation_of_rpy(inner.rpy)))
     return Pose(xyz=(outer.xyz[0] + x, outer.xyz[1] + y, outer.xyz[2] + z), rpy=rpy)
+
+
+def invert(pose: Pose) -> Pose:
+    """The pose of the outer frame seen from the inner one."""
+    rotation = transpose(rotation_of_rpy(pose.rpy))
+    x, y, z = rotate(rotation, pose.xyz)
+    return Pose(xyz=(-x, -y, -z), rpy=rpy_of_rotation(rotation))

@@ -42,9 +42,7 @@ def _places(robot: Robot) -> tuple[dict[str, Pose], dict[str, str]]:
     below: dict[str, list[tuple[str, Pose, bool]]] = {}
     for joints, is_loose in ((robot.joints, False), (robot.loose, True)):
         for joint in joints:
-            below.setdefault(joint.parent, []).append(
-                (joint.child, joint.pose_in_parent, is_loose)
-            )
+            below.setdefault(joint.parent, []).append((joint.child, joint.pose_in_parent, is_loose))
     poses, tree_of, queue = {robot.root: IDENTITY}, {robot.root: robot.root}, [robot.root]
     for parent in queue:
         for child, pose, is_loose in below.get(parent, ()):

@@ -1,0 +1,114 @@
+"""What `<gazebo>` elements do; `test_gazebo_texts` compares more of it with Gazebo's parser."""
+
+from __future__ import annotations
+
+import pytest
+
+from urdf_texts import MASS, SPHERE, joint, link, robot, shape
+from wsgen.description.lump import lump
+from wsgen.description.reader import read_urdf
+from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.model.robot import Robot, Surface
+
+TOUCH = shape("collision", SPHERE)
+SEEN = shape("visual", SPHERE)
+NAMED = TOUCH.replace("<collision", '<collision name="tyre"')
+
+
+def about(reference: str, body: str) -> str:
+    return f'<gazebo reference="{reference}">{body}</gazebo>\n'
+
+
+def lumped(text: str) -> tuple[Robot, tuple[Diagnostic, ...]]:
+    written, found = read_urdf(robot(text), file=None)
+    assert written is not None
+    assert not [one for one in found if one.severity is Severity.ERROR]
+    return lump(written)
+
+
+def test_surface_and_flags() -> None:
+    made, found = lumped(
+        link("a", MASS + TOUCH)
+        + about(
+            "a",
+            "<mu1>0.2</mu1><mu2>0.3</mu2><kp>1e6</kp><kd>2</kd><minDepth>0.001</minDepth>"
+            "<maxContacts>4</maxContacts><selfCollide>True</selfCollide>"
+            "<turnGravityOff>true</turnGravityOff><dampingFactor>0.1</dampingFactor>",
+        )
+        + "<gazebo><static>yes</static></gazebo>"
+    )
+    assert found == ()
+    (a,) = made.links
+    assert a.collisions[0].surface == Surface(
+        mu1=0.2, mu2=0.3, kp=1e6, kd=2, min_depth=0.001, max_contacts=4
+    )
+    assert (a.self_collide, a.gravity, a.velocity_decay) == (True, False, 0.1)
+    assert made.is_static
+
+
+@pytest.mark.parametrize("text", ["inf", "nan", "-nan"])
+def test_what_no_engine_could_use_is_left_out(text: str) -> None:
+    made, _ = lumped(
+        link("a", MASS + TOUCH)
+        + about("a", f"<mu1>{text}</mu1><kp>{text}</kp><dampingFactor>{text}</dampingFactor>")
+    )
+    (a,) = made.links
+    assert (a.collisions[0].surface, a.velocity_decay) == (Surface(), 0.0)
+
+
+def test_a_name_of_its_own_keeps_the_values_from_a_collision() -> None:
+    made, found = lumped(link("wheel", MASS + NAMED) + about("wheel", "<mu1>0.2</mu1>"))
+    assert made.links[0].collisions[0].surface == Surface()
+    (only,) = found
+    assert (only.code, only.severity) == ("ROB046", Severity.WARNING)
+    assert "<mu1>" in only.message
+    assert only.line
+    assert "`name`" in (only.hint or "")
+
+
+def test_one_collision_that_gets_the_values_is_enough() -> None:
+    _, found = lumped(link("wheel", MASS + NAMED + TOUCH) + about("wheel", "<mu1>0.2</mu1>"))
+    assert found == ()
+
+
+def test_a_lumped_link_that_is_called_like_its_parent() -> None:
+    made, found = lumped(
+        link("arm", MASS)
+        + link("arm_tip", MASS + TOUCH)
+        + joint("j", "arm", "arm_tip")
+        + about("arm_tip", "<mu1>0.2</mu1>")
+    )
+    assert made.links[0].collisions[0].surface == Surface()
+    (only,) = found
+    assert only.code == "ROB046"
+    assert "lumped into `arm`" in only.message
+
+
+def test_nothing_to_give_values_to_is_no_finding() -> None:
+    assert lumped(link("a") + about("a", "<mu1>0.2</mu1>"))[1] == ()
+
+
+def test_colours() -> None:
+    made, _ = lumped(
+        link("a", MASS + SEEN)
+        + link("b", MASS + SEEN)
+        + link("c", MASS + SEEN.replace("<visual", '<visual name="v"'))
+        + joint("j", "a", "b", kind="continuous")
+        + joint("k", "a", "c", kind="continuous")
+        + about("a", "<material>Gazebo/Green</material>")
+        + about("b", "<visual><material><diffuse>1 0 0.5</diffuse></material></visual>")
+        + about("c", "<material>Gazebo/Green</material>")
+    )
+    assert [one.visuals[0].rgba for one in made.links] == [(0, 1, 0, 1), (1, 0, 0.5, 1), None]
+
+
+def test_springs() -> None:
+    made, _ = lumped(
+        link("a")
+        + link("b")
+        + joint("j", "a", "b", kind="continuous")
+        + about("j", "<springStiffness>3</springStiffness><springReference>0.1</springReference>")
+        + about("j", "<springStiffness>4</springStiffness>")
+    )
+    (only,) = made.joints
+    assert (only.spring_stiffness, only.spring_reference) == (4.0, 0.1)

@@ -1,0 +1,64 @@
+"""Which joints gravity can move."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from wsgen.model.limbs import limb_joints
+from wsgen.model.pose import Pose
+from wsgen.model.robot import Inertial, Joint, JointType, Link, Robot
+
+MOMENTS = (0.1, 0.0, 0.0, 0.1, 0.0, 0.1)
+
+
+def part(name: str, centre: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Link:
+    inertial = Inertial(mass=1.0, pose_in_link=Pose(centre), inertia=MOMENTS)
+    return Link(name=name, inertial=inertial)
+
+
+def joint(parent: str, child: str, kind: JointType = JointType.CONTINUOUS) -> Joint:
+    return Joint(name=child, type=kind, parent=parent, child=child, axis_in_joint=(0.0, 1.0, 0.0))
+
+
+def robot(link: Link, one: Joint | None = None, *more: tuple[Link, Joint]) -> Robot:
+    return Robot(
+        name="r",
+        root="base",
+        links=(part("base"), link, *(further for further, _ in more)),
+        joints=(one or joint("base", link.name), *(further for _, further in more)),
+    )
+
+
+@pytest.mark.parametrize("centre", [(0.0, 0.0, 0.0), (0.0, 0.3, 0.0), (0.003, -0.3, 0.003)])
+def test_a_wheel_is_no_limb(centre: tuple[float, float, float]) -> None:
+    """Its centre of mass may be anywhere along its axle, and a little beside it."""
+    assert limb_joints(robot(part("wheel", centre))) == set()
+
+
+@pytest.mark.parametrize("centre", [(0.006, 0.0, 0.0), (0.0, 0.3, 0.2), (0.004, 0.0, 0.004)])
+def test_what_is_off_its_axle_is_a_limb(centre: tuple[float, float, float]) -> None:
+    assert limb_joints(robot(part("arm", centre))) == {"arm"}
+
+
+def test_the_axis_is_that_of_the_joint() -> None:
+    slanted = replace(joint("base", "wheel"), axis_in_joint=(0.6, 0.8, 0.0))
+    assert limb_joints(robot(part("wheel", (0.3, 0.4, 0.0)), slanted)) == set()
+    assert limb_joints(robot(part("wheel", (-0.3, 0.4, 0.0)), slanted)) == {"wheel"}
+
+
+@pytest.mark.parametrize("kind", [JointType.REVOLUTE, JointType.PRISMATIC])
+def test_what_does_not_turn_without_end_is_a_limb(kind: JointType) -> None:
+    assert limb_joints(robot(part("arm"), joint("base", "arm", kind))) == {"arm"}
+
+
+def test_what_carries_something_is_a_limb() -> None:
+    """A turntable with a wheel on it; a caster's fork."""
+    fork = robot(part("fork"), joint("base", "fork"), (part("wheel"), joint("fork", "wheel")))
+    assert limb_joints(fork) == {"fork"}
+
+
+def test_fixed_joints_and_links_without_mass() -> None:
+    assert limb_joints(robot(part("bump"), joint("base", "bump", JointType.FIXED))) == set()
+    assert limb_joints(robot(Link(name="frame"))) == {"frame"}
