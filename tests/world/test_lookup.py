@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.world.lookup import find_world
+from wsgen.world.lookup import find_world, model_finder
 
 
 @pytest.fixture(autouse=True)
@@ -34,3 +34,57 @@ def test_a_name_is_looked_up_where_gazebo_does(here: Path, variable: str, place:
 
 def test_a_name_that_is_found_nowhere() -> None:
     assert find_world("empty.world", {"GAZEBO_RESOURCE_PATH": ""}) is None
+
+
+def make_model(folder: Path, marker: str = "model.sdf") -> Path:
+    folder.mkdir(parents=True)
+    (folder / marker).touch()
+    return folder
+
+
+@pytest.mark.parametrize(
+    "variable", ["GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH"]
+)
+def test_a_model_is_looked_up_where_gazebo_does(here: Path, variable: str) -> None:
+    model = make_model(here / "resources" / "crate")
+    find = model_finder(Path("/nowhere/w.world"), {variable: f"/gone:{here / 'resources'}"})
+    assert find("model://crate") == model
+    assert find("package://crate/") == model
+    assert find("model://other") is None
+
+
+@pytest.mark.parametrize("place", ["crate", "models/crate", "../crate", "../models/crate"])
+def test_a_model_is_looked_up_around_the_file(here: Path, place: str) -> None:
+    file = here / "package" / "worlds" / "w.world"
+    model = make_model(file.parent / place)
+    found = model_finder(file, {})("model://crate")
+    assert found is not None
+    assert found.samefile(model)
+
+
+def test_the_models_of_gazebo_classic(here: Path) -> None:
+    model = make_model(here / ".gazebo" / "models" / "crate")
+    assert model_finder(Path("/nowhere/w"), {"HOME": str(here)})("model://crate") == model
+
+
+def test_a_folder_with_a_model_goes_before_one_without(here: Path) -> None:
+    (here / "first" / "crate").mkdir(parents=True)
+    model = make_model(here / "second" / "crate", "model.config")
+    find = model_finder(
+        Path("/nowhere/w"), {"GAZEBO_MODEL_PATH": f"{here / 'first'}:{here / 'second'}"}
+    )
+    assert find("model://crate") == model
+    (model / "model.config").unlink()
+    assert find("model://crate") == here / "first" / "crate"
+
+
+@pytest.mark.parametrize(
+    "uri", ["crate", "model://", "model:///", "model://../crate", "https://x/crate", "model://a\0"]
+)
+def test_addresses_of_no_model(here: Path, uri: str) -> None:
+    make_model(here / "crate")
+    assert model_finder(here / "w.world", {"GAZEBO_MODEL_PATH": str(here)})(uri) is None
+
+
+def test_a_name_that_no_folder_can_have(here: Path) -> None:
+    assert model_finder(here / "w.world", {})("model://" + "x" * 5000) is None

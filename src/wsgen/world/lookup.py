@@ -1,4 +1,4 @@
-"""The file that a world's name stands for."""
+"""The file that a world's name stands for, and the folder of a model."""
 
 from __future__ import annotations
 
@@ -7,10 +7,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Iterable, Mapping
 
 # Where Gazebo Classic, Gazebo Sim and Gazebo Fortress look, after the current folder.
 SEARCH_PATHS = ("GAZEBO_RESOURCE_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH")
+# Where they look for models.
+MODEL_PATHS = ("GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH")
+AROUND = 6  # so many folders above a file may be that of its package, or of its models
+SCHEMES = ("model", "package")
 
 
 def find_world(name: str, environment: Mapping[str, str]) -> Path | None:
@@ -20,13 +24,65 @@ def find_world(name: str, environment: Mapping[str, str]) -> Path | None:
     """
     if Path(name).is_absolute():
         return Path(name)
-    folders = [Path.cwd()]
-    for variable in SEARCH_PATHS:
-        folders += [
-            Path(entry) for entry in environment.get(variable, "").split(os.pathsep) if entry
-        ]
-    for folder in folders:
+    for folder in (Path.cwd(), *_entries(SEARCH_PATHS, environment)):
         for candidate in (folder / name, folder / "worlds" / name):
             if candidate.is_file():
                 return candidate
     return None
+
+
+def model_finder(file: Path, environment: Mapping[str, str]) -> Callable[[str], Path | None]:
+    """A function from `model://NAME` to the folder of the model; None if it is found nowhere.
+
+    It looks where Gazebo does, then around the file that names the model: in the folders above it,
+    and in their `models`. A folder with a model.config or model.sdf goes before one without.
+    """
+    above = list(file.absolute().parents)[:AROUND]
+    home = environment.get("HOME")
+    folders = [
+        *_entries(MODEL_PATHS, environment),
+        *([Path(home) / ".gazebo" / "models"] if home else []),
+        *(place for folder in above for place in (folder, folder / "models")),
+    ]
+
+    def find(uri: str) -> Path | None:
+        scheme, separator, name = uri.partition("://")
+        name = name.strip("/")
+        if not separator or scheme not in SCHEMES or not name or ".." in Path(name).parts:
+            return None
+        found = [folder / name for folder in folders if is_folder(folder / name)]
+        return next(
+            (
+                folder
+                for folder in found
+                if is_file(folder / "model.config") or is_file(folder / "model.sdf")
+            ),
+            found[0] if found else None,
+        )
+
+    return find
+
+
+def is_file(path: Path) -> bool:
+    """Whether a regular file is there; False for a path that no file can have."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):  # too long; before Python 3.14 this is raised
+        return False
+
+
+def is_folder(path: Path) -> bool:
+    """Whether a folder is there; False for a path that no folder can have."""
+    try:
+        return path.is_dir()
+    except (OSError, ValueError):
+        return False
+
+
+def _entries(variables: Iterable[str], environment: Mapping[str, str]) -> list[Path]:
+    return [
+        Path(entry)
+        for variable in variables
+        for entry in environment.get(variable, "").split(os.pathsep)
+        if entry
+    ]

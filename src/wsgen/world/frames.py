@@ -1,0 +1,147 @@
+"""Where frames are, and which links they move with.
+
+Poses are relative to frames, which are relative to frames; chains may be long and may close to a
+circle, so nothing here is recursive.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from wsgen.model.transform import compose, invert
+from wsgen.world.scopes import MODEL_FRAME, WORLD
+from wsgen.world.values import word
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from wsgen.model.pose import Pose
+    from wsgen.world.scopes import Node, Scope
+
+
+def resolve(node: Node) -> Pose:
+    """The pose of a node in the frame of its scope; circles and unknown names are reported."""
+    stack = [node]
+    while stack:
+        top = stack[-1]
+        if top.pose_in_scope is not None:
+            stack.pop()
+            continue
+        if not top.is_in_progress:
+            top.is_in_progress, top.base = True, _base(top)
+        waiting = [other for other in _needs(top) if other.pose_in_scope is None]
+        if any(other.is_in_progress for other in waiting):
+            _report_circle(top)
+            top.pose_in_scope = top.pose
+        elif waiting:
+            stack += waiting
+        else:
+            top.pose_in_scope = _calculate(top)
+    assert node.pose_in_scope is not None  # noqa: S101  the loop ends when it is known
+    return node.pose_in_scope
+
+
+def pose_in(scope: Scope, node: Node) -> Pose:
+    """The pose of a node in a scope around it."""
+    pose = resolve(node)
+    place = node.scope
+    while place is not scope and place.node is not None:
+        pose = compose(resolve(place.node), pose)
+        place = place.node.scope
+    return pose
+
+
+def frame_called(node: Node, name: str, what: str) -> Node | None:
+    """The frame that a name means where `node` is; None: the frame of its scope.
+
+    An unknown name is reported, `what` being the place where it was written.
+    """
+    if name in {"", MODEL_FRAME} or (name == WORLD and node.scope.is_world):
+        return None
+    found = node.scope.lookup(name)
+    if found is None:
+        node.source.error(
+            "WLD016",
+            f"{what} of the {node.kind} `{node.name}` names `{name}`, "
+            "and no link, joint, frame or model is called so here.",
+            at=node.element,
+            hint="Name one of the same model; one of a model in it is written `MODEL::NAME`.",
+        )
+    return found
+
+
+def link_of(node: Node) -> Node | None:
+    """The link that a frame moves with; None where there is none."""
+    seen = set()
+    place: Node | None = node
+    while place is not None and place.kind != "link":
+        if id(place) in seen:
+            _report_circle(place)
+            return None
+        seen.add(id(place))
+        if place.kind == "model":
+            place = None if place.inside is None else canonical_link(place.inside)
+        else:
+            attribute = place.element.get("attached_to") or ""
+            name = word(place.element, "child") if place.kind == "joint" else attribute
+            if name in {"", MODEL_FRAME}:
+                place = canonical_link(place.scope)
+            else:
+                place = place.scope.lookup(name)
+    return place
+
+
+def canonical_link(scope: Scope) -> Node | None:
+    """The link that the frame of a model moves with: the named one, or the first."""
+    name = scope.element.get("canonical_link") or ""
+    if name and not scope.is_world:
+        named = scope.lookup(name)
+        if named is not None and named.kind == "link":
+            return named
+    return next((link for inner in scope.below() for link in inner.own("link")), None)
+
+
+def _base(node: Node) -> Node | None:
+    """The frame that the pose of a node is relative to; None: that of its scope."""
+    if node.relative_to:
+        return frame_called(node, node.relative_to, "The pose")
+    if node.kind == "joint":
+        return node.scope.lookup(word(node.element, "child"))  # reported where links are joined
+    if node.kind == "frame":
+        return frame_called(node, node.element.get("attached_to") or "", "`attached_to`")
+    return None
+
+
+def _placed(node: Node) -> Node | None:
+    """The frame inside a model that its pose is about; None: the model's own."""
+    if node.inside is None or node.inside.placement_frame in {"", MODEL_FRAME}:
+        return None
+    return node.inside.lookup(node.inside.placement_frame)  # reported when it was read
+
+
+def _needs(node: Node) -> Iterator[Node]:
+    """The nodes whose poses must be known for that of this one."""
+    for other, scope in ((node.base, node.scope), (_placed(node), node.inside)):
+        if other is not None:
+            yield other
+            place = other.scope
+            while place is not scope and place.node is not None:
+                yield place.node
+                place = place.node.scope
+
+
+def _calculate(node: Node) -> Pose:
+    placed = _placed(node)
+    pose = node.pose if node.base is None else compose(pose_in(node.scope, node.base), node.pose)
+    if placed is not None and node.inside is not None:
+        pose = compose(pose, invert(pose_in(node.inside, placed)))
+    return pose
+
+
+def _report_circle(node: Node) -> None:
+    node.source.error(
+        "WLD017",
+        f"The {node.kind} `{node.name}` is placed relative to itself, by way of other frames.",
+        at=node.element,
+        hint="Break the circle: let one of the frames be relative to the model.",
+    )

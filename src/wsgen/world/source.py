@@ -1,0 +1,163 @@
+"""One SDF file that is being read: its document, its version, and what is wrong with it."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from wsgen import xmltree
+from wsgen.diagnostics import Diagnostic, Severity
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from wsgen.xmltree import Element
+
+SIZE_LIMIT = 32 * 2**20  # bytes; the largest public worlds have 1 % of it
+
+Version = tuple[int, int]
+
+OLDEST: Version = (1, 3)  # with <pose>; before it there was <origin>, and another root element
+NEWEST: Version = (1, 12)  # of Gazebo Jetty
+MODEL_FRAME_AXES: Version = (1, 4)  # until here, the axis of a joint is seen from the model
+POSE_FRAMES: Version = (1, 7)  # from here on, a pose can be relative to any frame
+
+
+@dataclass(frozen=True, kw_only=True)
+class Source:
+    """An SDF file; the files that include each other share one list of diagnostics."""
+
+    file: Path
+    root: Element
+    version: Version
+    diagnostics: list[Diagnostic]
+
+    def error(self, code: str, message: str, *, at: Element, hint: str) -> None:
+        """Gazebo refuses this, or makes another world of it."""
+        self._report(code, Severity.ERROR, message, at, hint)
+
+    def warning(self, code: str, message: str, *, at: Element, hint: str) -> None:
+        """It works, and surely is not what was meant; or wsgen leaves it out."""
+        self._report(code, Severity.WARNING, message, at, hint)
+
+    def _report(
+        self, code: str, severity: Severity, message: str, element: Element, hint: str
+    ) -> None:
+        self.diagnostics.append(
+            Diagnostic(
+                code=code,
+                severity=severity,
+                message=message,
+                file=self.file,
+                line=line_of(element),
+                element=path_of(element),
+                hint=hint,
+            )
+        )
+
+
+def load(file: Path, diagnostics: list[Diagnostic]) -> Source | None:
+    """The document of a file; None where it cannot be read, which is reported.
+
+    The version is not looked at yet: see `with_version`.
+    """
+    content = _read(file)
+    if isinstance(content, Diagnostic):
+        diagnostics.append(content)
+        return None
+    root = xmltree.parse(content)
+    if isinstance(root, xmltree.Malformed):
+        diagnostics.append(
+            Diagnostic(
+                code="WLD002",
+                severity=Severity.ERROR,
+                message=f"The world file is not well-formed XML: {root.message}.",
+                file=file,
+                line=root.line,
+                hint="Close every element that was opened, and quote every attribute.",
+            )
+        )
+        return None
+    return Source(file=file, root=root, version=NEWEST, diagnostics=diagnostics)
+
+
+def _read(file: Path) -> bytes | Diagnostic:
+    """What is in a file, or why it cannot be had."""
+    unreadable = Diagnostic(
+        code="WLD001",
+        severity=Severity.ERROR,
+        message="The world file cannot be read: it is not a regular file.",
+        file=file,
+        hint="Name the .sdf or .world file itself.",
+    )
+    try:
+        if file.exists() and not file.is_file():
+            return unreadable
+        with file.open("rb") as stream:
+            content = stream.read(SIZE_LIMIT + 1)
+    except (OSError, ValueError) as error:
+        return replace(
+            unreadable,
+            message=f"The world file cannot be read: {_reason(error)}.",
+            hint="Is its folder in an install(DIRECTORY ...) rule of CMakeLists.txt? "
+            "Then build again with `wsgen build`.",
+        )
+    if len(content) > SIZE_LIMIT:
+        return replace(
+            unreadable,
+            code="WLD010",
+            message=f"The file has more than {SIZE_LIMIT} bytes; wsgen reads up to that.",
+            hint="Put what is repeated into a model, and include it.",
+        )
+    return content
+
+
+def _reason(error: OSError | ValueError) -> str:
+    return (error.strerror or str(error)) if isinstance(error, OSError) else str(error)
+
+
+def with_version(source: Source) -> Source:
+    """The same file, read as the version of SDF that it says; one that is none is reported."""
+    text = source.root.get("version")
+    found = re.fullmatch(r"(\d{1,9})\.(\d{1,9})", (text or "").strip(), re.ASCII)
+    hint = f'Write <sdf version="1.6">; wsgen knows {_words(OLDEST)} to {_words(NEWEST)}.'
+    if found is None:
+        source.error(
+            "WLD011",
+            "<sdf> has no version." if text is None else f"`{text[:40]}` is no version of SDF.",
+            at=source.root,
+            hint=hint,
+        )
+        return source
+    version = (int(found[1]), int(found[2]))
+    if not OLDEST <= version <= NEWEST:
+        source.warning(
+            "WLD012",
+            f"SDF {text} is {'newer' if version > NEWEST else 'older'} than what wsgen knows.",
+            at=source.root,
+            hint=hint,
+        )
+    return replace(source, version=min(max(version, OLDEST), NEWEST))
+
+
+def _words(version: Version) -> str:
+    return f"{version[0]}.{version[1]}"
+
+
+def line_of(element: Element) -> int | None:
+    """The line of an element in its file, 1-based."""
+    # lxml's stubs give it the type of a descriptor.
+    line = element.sourceline
+    return line if isinstance(line, int) else None
+
+
+def path_of(element: Element) -> str:
+    """Where an element is, as in XPath, with names where there are any: never a count."""
+    parts = []
+    place: Element | None = element
+    while place is not None:
+        name = place.get("name")
+        parts.append(str(place.tag) if name is None else f"{place.tag}[@name='{name}']")
+        place = place.getparent()
+    return "/" + "/".join(reversed(parts))

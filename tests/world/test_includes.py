@@ -1,0 +1,249 @@
+"""Models that are included from other files."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING
+
+import pytest
+
+from wsgen.diagnostics import Severity
+from wsgen.world.lookup import model_finder
+from wsgen.world.models import read_sdf
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from wsgen.world.models import SdfFile
+
+    Read = Callable[..., SdfFile]
+
+MASS = "<inertial><mass>2</mass></inertial>"
+LINK = f'<link name="l">{MASS}<pose>0 0 1 0 0 0</pose></link>'
+GROUND = "<include><uri>model://ground_plane</uri></include>"
+
+
+def write_model(folder: Path, content: str, version: str = "1.9", name: str = "model.sdf") -> None:
+    folder.mkdir(exist_ok=True)
+    (folder / name).write_text(f'<sdf version="{version}">\n{content}</sdf>', encoding="utf-8")
+
+
+def world(content: str) -> str:
+    return f'<world name="w">{GROUND}\n{content}</world>'
+
+
+def test_name_pose_and_static_of_the_include(read: Read, models: Path) -> None:
+    write_model(models / "crate", f'<model name="crate"><pose>9 9 9 0 0 0</pose>{LINK}</model>')
+    file = read(
+        world(
+            "<include><uri>model://crate</uri></include>"
+            "<include><uri>model://crate</uri><name>other</name><pose>1 0 0 0 0 0</pose>"
+            "<static>true</static></include>"
+        )
+    )
+    assert file.diagnostics == ()
+    assert [(one.name, one.pose_in_world.xyz, one.is_static) for one in file.models] == [
+        ("crate", (9, 9, 10), False),
+        ("other", (1, 0, 1), True),
+    ]
+    assert {(one.file, one.line) for one in file.models} == {(models / "crate" / "model.sdf", 2)}
+    assert file.world is not None
+    assert [(one.name, one.uri) for one in file.world.models] == [
+        ("ground_plane", "model://ground_plane"),
+        ("crate", "model://crate"),
+        ("other", "model://crate"),
+    ]
+
+
+def test_an_include_may_make_a_static_model_movable(read: Read, models: Path) -> None:
+    write_model(models / "m", f'<model name="m"><static>1</static>{LINK}</model>')
+    uri = "<uri>model://m</uri>"
+    file = read(world(f"<include>{uri}<static>0</static></include>"))
+    assert [one.is_static for one in file.models] == [False]
+
+
+def test_placement_frame_of_the_include(read: Read, models: Path) -> None:
+    write_model(models / "m", f'<model name="m">{LINK}</model>')
+    uri = "<uri>model://m</uri><pose>0 0 5 0 0 0</pose><placement_frame>l</placement_frame>"
+    file = read(world(f"<include>{uri}</include>"))
+    assert file.models[0].pose_in_world.xyz == (0, 0, 5)
+
+
+def test_model_config_names_the_file(read: Read, models: Path) -> None:
+    folder = models / "m"
+    write_model(folder, f'<model name="old">{LINK}</model>', "1.4", "old.sdf")
+    write_model(folder, f'<model name="new">{LINK}</model>', "1.10", "new.sdf")
+    (folder / "model.config").write_text(
+        '<model><sdf version="1.4">old.sdf</sdf><sdf version="1.10">new.sdf</sdf></model>'
+    )
+    file = read(world("<include><uri>model://m</uri></include>"))
+    assert [one.name for one in file.models] == ["new"]
+
+
+@pytest.mark.parametrize("uri", ["parts/m", "parts/m/model.sdf", "file://{models}/m"])
+def test_paths(read: Read, models: Path, uri: str) -> None:
+    for folder in (models, models.parent / "parts"):
+        folder.mkdir(exist_ok=True)
+        write_model(folder / "m", f'<model name="m">{LINK}</model>')
+    file = read(world(f"<include><uri>{uri.format(models=models)}</uri></include>"))
+    assert file.diagnostics == ()
+    assert [one.name for one in file.models] == ["m"]
+
+
+def test_meshes_are_seen_from_the_file_that_names_them(read: Read, models: Path) -> None:
+    mesh = "<geometry><mesh><uri>m.stl</uri></mesh></geometry>"
+    link = f'<link name="l">{MASS}<visual name="v">{mesh}</visual></link>'
+    write_model(models / "m", f'<model name="m">{link}</model>')
+    (models / "m" / "m.stl").touch()
+    file = read(world("<include><uri>model://m</uri></include>"))
+    assert file.diagnostics == ()
+
+
+def test_include_in_a_model(read: Read, models: Path) -> None:
+    write_model(models / "hand", f'<model name="hand">{LINK}</model>', "1.6")
+    file = read(
+        f'<model name="m"><link name="base">{MASS}</link><include><uri>model://hand</uri>'
+        '<name>left</name><pose relative_to="base">0 1 0 0 0 0</pose></include>'
+        '<joint name="j" type="fixed"><parent>base</parent><child>left::l</child></joint></model>'
+    )
+    assert file.diagnostics == ()
+    robot = file.models[0].robot
+    assert robot is not None
+    assert [(one.child, one.pose_in_parent.xyz) for one in robot.joints] == [("left::l", (0, 1, 1))]
+
+
+def test_merged_include(read: Read, models: Path) -> None:
+    hand = f'{LINK}<frame name="tip" attached_to="l"/>'
+    write_model(models / "hand", f'<model name="hand">{hand}</model>')
+    file = read(
+        f'<model name="m"><link name="base">{MASS}</link><include merge="true">'
+        "<uri>model://hand</uri><pose>0 1 0 0 0 0</pose></include>"
+        '<joint name="j" type="fixed"><parent>base</parent><child>tip</child></joint></model>'
+    )
+    assert file.diagnostics == ()
+    robot = file.models[0].robot
+    assert robot is not None
+    assert [(one.child, one.pose_in_parent.xyz) for one in robot.joints] == [("l", (0, 1, 1))]
+
+
+def test_a_merged_link_needs_its_own_name(read: Read, models: Path) -> None:
+    hand = (
+        f'{LINK}<link name="k">{MASS}</link>'
+        '<joint name="j" type="fixed"><parent>l</parent><child>k</child></joint>'
+    )
+    write_model(models / "hand", f'<model name="hand">{hand}</model>')
+    file = read(
+        f'<model name="m">{LINK}<include merge="true"><uri>model://hand</uri></include></model>'
+    )
+    assert [found.code for found in file.diagnostics] == ["WLD015"]
+    robot = file.models[0].robot
+    assert robot is not None
+    assert ([link.name for link in robot.links], robot.joints) == (["l", "k"], ())
+
+
+@pytest.mark.parametrize(
+    ("include", "severity"),
+    [
+        ("<uri>model://nowhere</uri>", Severity.WARNING),
+        ("<uri>model://empty</uri>", Severity.WARNING),
+        ("<uri>model://../models</uri>", Severity.WARNING),
+        ("<uri>model://urdf</uri>", Severity.WARNING),
+        ("<uri>https://fuel.gazebosim.org/1.0/someone/models/Tree</uri>", Severity.WARNING),
+        ("<uri>no/such/file.sdf</uri>", Severity.WARNING),
+        (f"<uri>{'x' * 5000}</uri>", Severity.WARNING),
+        ("", Severity.ERROR),
+    ],
+)
+def test_what_cannot_be_had(read: Read, models: Path, include: str, severity: Severity) -> None:
+    (models / "empty").mkdir()
+    (models / "urdf").mkdir()
+    (models / "urdf" / "r.urdf").write_text('<robot name="r"/>')
+    (models / "urdf" / "model.config").write_text("<model><sdf>r.urdf</sdf></model>")
+    file = read(world(f"<include>{include}</include>"))
+    (found,) = file.diagnostics
+    assert (found.code, found.severity, found.line) == ("WLD004", severity, 3)
+    assert file.models == ()
+    inside = read(f'<model name="m">{LINK}\n<include>{include}</include></model>')
+    (found,) = inside.diagnostics
+    assert (found.code, found.severity, found.line) == ("WLD004", Severity.ERROR, 3)
+    assert inside.models[0].robot is not None
+
+
+def test_a_special_file_is_not_read(read: Read, models: Path) -> None:
+    (models / "m").mkdir()
+    os.mkfifo(models / "m" / "model.sdf")
+    file = read(world("<include><uri>model://m/model.sdf</uri></include>"))
+    assert [found.code for found in file.diagnostics] == ["WLD004"]
+
+
+def test_lights_and_actors_are_nothing_to_touch(read: Read, models: Path) -> None:
+    write_model(models / "lamp", '<light name="lamp" type="point"/>')
+    assert read(world("<include><uri>model://lamp</uri></include>")).diagnostics == ()
+
+
+def test_a_broken_model_is_reported_with_its_own_file(read: Read, models: Path) -> None:
+    (models / "m").mkdir()
+    (models / "m" / "model.sdf").write_text("<sdf>\n<model>\n</sdf>")
+    file = read(world("<include><uri>model://m</uri></include>"))
+    assert [(found.code, found.file, found.line) for found in file.diagnostics] == [
+        ("WLD002", models / "m" / "model.sdf", 3),
+        ("WLD004", models.parent / "scene.sdf", 3),
+    ]
+
+
+def test_what_is_wrong_in_a_model_is_said_once(read: Read, models: Path) -> None:
+    write_model(models / "m", '<model name="m"><link name="l"/></model>')
+    include = "<include><uri>model://m</uri><name>{}</name></include>"
+    file = read(world("".join(map(include.format, "abc"))))
+    assert len(file.models) == 3
+    assert [(found.code, found.file) for found in file.diagnostics] == [
+        ("WLD035", models / "m" / "model.sdf")
+    ]
+
+
+def test_a_circle_of_includes(read: Read, models: Path) -> None:
+    for name, other in ("ab", "ba"):
+        content = f"{LINK}<include><uri>model://{other}</uri></include>"
+        write_model(models / name, f'<model name="{name}">{content}</model>')
+    file = read(world("<include><uri>model://a</uri></include>"))
+    (found,) = file.diagnostics
+    assert (found.code, found.severity) == ("WLD019", Severity.ERROR)
+    assert "a/model.sdf → b/model.sdf → a/model.sdf" in found.message
+    robot = file.models[0].robot
+    assert robot is not None
+    assert [link.name for link in robot.links] == ["l", "b::l"]
+
+
+def test_includes_without_end(read: Read, models: Path) -> None:
+    """Each model includes the next one twice: a billion of them if nobody counts."""
+    for i in range(30):
+        includes = "".join(
+            f"<include><uri>model://m{i + 1}</uri><name>{name}</name></include>" for name in "ab"
+        )
+        write_model(models / f"m{i}", f'<model name="m"><static>1</static>{LINK}{includes}</model>')
+    file = read(world("<include><uri>model://m0</uri></include>"))
+    assert "WLD014" in {found.code for found in file.diagnostics}
+
+
+def test_a_ladder_of_includes(read: Read, models: Path) -> None:
+    for i in range(300):
+        content = f"{LINK}<include><uri>model://m{i + 1}</uri></include>"
+        write_model(models / f"m{i}", f'<model name="m">{content}</model>')
+    file = read(world("<include><uri>model://m0</uri></include>"))
+    (found,) = file.diagnostics
+    assert found.code == "WLD014"
+    assert found.file is not None
+    assert found.file.parent.name == "m50"
+
+
+def test_the_folders_around_the_file_are_searched(tmp_path: Path) -> None:
+    package = tmp_path / "package"
+    (package / "worlds").mkdir(parents=True)
+    (package / "models").mkdir()
+    write_model(package / "models" / "m", f'<model name="m">{LINK}</model>')
+    file = package / "worlds" / "w.world"
+    file.write_text(f'<sdf version="1.6">{world("<include><uri>model://m</uri></include>")}</sdf>')
+    found = read_sdf(file, find_model=model_finder(file, {}))
+    assert found.diagnostics == ()
+    assert [one.name for one in found.models] == ["m"]

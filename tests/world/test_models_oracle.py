@@ -1,0 +1,184 @@
+"""Models of SDF against Gazebo's own parser, on files that robot packages ship."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import shutil
+import subprocess
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import pytest
+
+from wsgen.diagnostics import Severity
+from wsgen.model.inertia import about_link_axes
+from wsgen.model.pose import IDENTITY, Pose
+from wsgen.model.robot import Inertial, JointType, Robot
+from wsgen.model.transform import compose, rotate, rotation_of_rpy
+from wsgen.model.trees import split_trees
+from wsgen.world.models import SdfModel, read_sdf
+
+IGN = shutil.which("ign")
+OUTPUT_LIMIT = 10 * 2**20  # bytes
+MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+PACKAGES = ("pybullet", "pybullet-arm64", "example-robot-data", "gym-ignition-models")
+ENDINGS = {".sdf", ".world"}
+# What depends on where meshes are, and on the engines of a trial, is not the parser's matter.
+BEYOND_THE_PARSER = {"WLD032", "WLD034"}
+
+pytestmark = [
+    pytest.mark.oracle,
+    pytest.mark.skipif(
+        IGN is None, reason="ign (Debian: ignition-tools, libsdformat12) is missing"
+    ),
+]
+
+
+def shipped() -> list[Path]:
+    found: set[Path] = set()
+    for package in PACKAGES:
+        try:
+            files = importlib.metadata.files(package) or []
+        except importlib.metadata.PackageNotFoundError:
+            continue
+        found |= {Path(str(file.locate())) for file in files if file.suffix in ENDINGS}
+    return sorted(found)
+
+
+def ign(option: str, file: Path, answer: Path) -> str:
+    limited = f"ulimit -f {OUTPUT_LIMIT // 512}; exec '{IGN}' sdf {option} '{file}'"
+    with answer.open("w", encoding="utf-8") as output:
+        subprocess.run(
+            ["sh", "-c", limited],
+            stdout=output,
+            stderr=subprocess.STDOUT,
+            timeout=60,
+            check=False,
+            cwd=file.parent,
+        )
+    return answer.read_text(encoding="utf-8")
+
+
+def pose_of(element: ET.Element) -> Pose:
+    """The pose as `ign` writes it; none of the files uses frames."""
+    pose = element.find("pose")
+    if pose is None:
+        return IDENTITY
+    assert not pose.get("relative_to")
+    x, y, z, roll, pitch, yaw = map(float, (pose.text or "").split())
+    return Pose((x, y, z), (roll, pitch, yaw))
+
+
+def inertial_of(link: ET.Element) -> Inertial:
+    moments = [
+        float(link.findtext(f"inertial/inertia/{moment}") or default)
+        for moment, default in zip(MOMENTS, (1, 0, 0, 1, 0, 1), strict=True)
+    ]
+    inertial = link.find("inertial")
+    return Inertial(
+        mass=float(link.findtext("inertial/mass") or 1),
+        pose_in_link=IDENTITY if inertial is None else pose_of(inertial),
+        inertia=(*moments,),  # type: ignore[arg-type]  # six of them
+    )
+
+
+def seen_from_outside(
+    inertial: Inertial, link: Pose
+) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Centre of mass, and the moments along the axes of the world."""
+    placed = Inertial(
+        mass=inertial.mass,
+        pose_in_link=compose(link, inertial.pose_in_link),
+        inertia=inertial.inertia,
+    )
+    return placed.pose_in_link.xyz, about_link_axes(placed)
+
+
+def frames_of(model: SdfModel, robot: Robot) -> dict[str, Pose]:
+    """Where the links are in the world, all joints at zero."""
+    frames = {}
+    for tree, pose in split_trees(robot):
+        frames[tree.root] = compose(model.pose_in_world, pose)
+        queue = [tree.root]
+        for parent in queue:
+            for joint in tree.joints:
+                if joint.parent == parent:
+                    frames[joint.child] = compose(frames[parent], joint.pose_in_parent)
+                    queue.append(joint.child)
+    return frames
+
+
+def test_there_is_something_to_compare() -> None:
+    assert len(shipped()) > 10
+
+
+@pytest.mark.parametrize("file", shipped(), ids=lambda file: f"{file.parent.name}/{file.name}")
+def test_same_models_links_and_joints(file: Path, tmp_path: Path) -> None:
+    verdict = ign("-k", file, tmp_path / "verdict")
+    ours = read_sdf(file, find_model=lambda _: None)
+    errors = {
+        found.code
+        for found in ours.diagnostics
+        if found.severity is Severity.ERROR and found.code not in BEYOND_THE_PARSER
+    }
+    assert (not errors) == ("Valid." in verdict), (errors, verdict)
+    if errors:
+        return
+    text = ign("-p", file, tmp_path / "answer")
+    models = list(ET.fromstring(text[text.index("<sdf") :]).iter("model"))
+    assert {model.get("name") for model in models} == {model.name for model in ours.models}
+    for theirs in models:
+        model = next(model for model in ours.models if model.name == theirs.get("name"))
+        assert model.robot is not None
+        compare_links(theirs, model, model.robot)
+        compare_joints(theirs, model, model.robot, {found.message for found in ours.diagnostics})
+
+
+def compare_links(theirs: ET.Element, model: SdfModel, robot: Robot) -> None:
+    frames = frames_of(model, robot)
+    links = {link.name: link for link in robot.links if link.name != "world"}
+    assert set(links) == {link.get("name") for link in theirs.findall("link")}
+    for element in theirs.findall("link"):
+        link = links[element.get("name") or ""]
+        expected = inertial_of(element)
+        assert link.inertial is not None
+        assert link.inertial.mass == pytest.approx(expected.mass, rel=1e-9)
+        place = compose(pose_of(theirs), pose_of(element))
+        centre, moments = seen_from_outside(link.inertial, frames[link.name])
+        their_centre, their_moments = seen_from_outside(expected, place)
+        assert centre == pytest.approx(their_centre, rel=1e-6, abs=1e-7)
+        assert moments == pytest.approx(
+            their_moments, rel=1e-6, abs=1e-6 * max(map(abs, their_moments))
+        )
+        assert len(element.findall("visual")) >= len(link.visuals)
+        assert len(element.findall("collision")) >= len(link.collisions)
+
+
+def compare_joints(theirs: ET.Element, model: SdfModel, robot: Robot, messages: set[str]) -> None:
+    frames = frames_of(model, robot)
+    joints = {joint.name: joint for joint in robot.joints}
+    left_out = {message.split("`")[1] for message in messages if message.startswith("The joint `")}
+    elements = {element.get("name") or "": element for element in theirs.findall("joint")}
+    assert set(elements) == {*joints, *(left_out & set(elements))}
+    for name, joint in joints.items():
+        element = elements[name]
+        assert (joint.parent, joint.child) == (
+            element.findtext("parent"),
+            element.findtext("child"),
+        )
+        kind = "revolute" if joint.type is JointType.CONTINUOUS else joint.type.value
+        assert element.get("type") in {kind, joint.type.value}
+        if joint.type is JointType.FIXED:
+            continue
+        xyz = element.find("axis/xyz")
+        assert xyz is not None
+        in_model = xyz.get("expressed_in") == "__model__"
+        x, y, z = map(float, (xyz.text or "").split())
+        seen = rotate(rotation_of_rpy(frames[joint.child].rpy), joint.axis_in_joint)
+        around = pose_of(theirs) if in_model else frames[joint.child]
+        assert seen == pytest.approx(rotate(rotation_of_rpy(around.rpy), (x, y, z)), abs=1e-6)
+        if joint.limit is not None:
+            assert (joint.limit.lower, joint.limit.upper) == (
+                float(element.findtext("axis/limit/lower") or -1e16),
+                float(element.findtext("axis/limit/upper") or 1e16),
+            )
