@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -14,7 +15,7 @@ from wsgen.model.pose import Pose
 from wsgen.model.robot import Collision, Cylinder, Inertial, Link, Mesh, Robot, Visual
 from wsgen.model.world import World
 from wsgen.simulation import run
-from wsgen.simulation.run import run_trial
+from wsgen.simulation.run import default_engine, missing_engines, run_trial
 from wsgen.simulation.scene import Scene, SpawnedRobot
 
 CYLINDER = Cylinder(radius=0.4, length=0.5)
@@ -47,6 +48,24 @@ def test_a_trial() -> None:
     assert trial.penetration == pytest.approx(0.0, abs=1e-9)
     assert outcome.picture is None
     assert outcome.seconds["simulate"] > 0
+
+
+def test_a_trial_in_dart_gives_the_same() -> None:
+    pytest.importorskip("dartpy")
+    outcome = run_trial(replace(scene(robot()), engine="dart"))
+    (bullet,) = run_trial(scene(robot())).trials
+    (trial,) = outcome.trials
+    assert outcome.diagnostics == ()
+    assert (trial.mass, trial.links) == (bullet.mass, bullet.links)
+    assert trial.rest_pose.xyz == pytest.approx(bullet.rest_pose.xyz, abs=0.002)
+
+
+def test_engines_that_are_not_installed(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert missing_engines(["bullet"]) == []
+    assert default_engine() == "bullet"
+    monkeypatch.setattr(run, "MODULES", {"bullet": "no_such_module", "dart": "sys"})
+    assert missing_engines(["bullet", "dart"]) == ["bullet"]
+    assert default_engine() == "dart"
 
 
 def test_the_picture_shows_the_robot_on_the_ground(tmp_path: Path) -> None:
@@ -97,6 +116,15 @@ def test_a_mesh_that_crashes_the_engine(tmp_path: Path) -> None:
     assert "loading the robot `e`" in death.message
 
 
+def test_a_mesh_that_is_nothing_is_complained_about(tmp_path: Path) -> None:
+    """PyBullet takes it for a shape without points, and says so."""
+    mesh = tmp_path / "part.obj"
+    mesh.write_text("no mesh\n")
+    outcome = run_trial(scene(robot(Mesh(uri="part.obj", path=str(mesh)))))
+    assert [one.code for one in outcome.diagnostics] == ["SPN033"]
+    assert "part.obj" in outcome.diagnostics[0].message
+
+
 def test_out_of_time() -> None:
     outcome = run_trial(scene(robot()), limits=Limits(seconds=0.01))
     assert "took longer than" in outcome.diagnostics[0].message
@@ -117,6 +145,17 @@ def test_complaints_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
     (complaint,) = run_trial(scene(robot())).diagnostics
     assert (complaint.code, complaint.severity) == ("SPN033", Severity.WARNING)
     assert complaint.message.endswith("complained: b3Warning: no")
+
+
+def test_complaints_are_told_without_their_colours(tmp_path: Path) -> None:
+    pytest.importorskip("dartpy")
+    mesh = tmp_path / "part.obj"
+    mesh.write_text("no mesh\n")
+    broken = scene(robot(Mesh(uri="part.obj", path=str(mesh))))
+    refused, complaint = run_trial(replace(broken, engine="dart")).diagnostics
+    assert (refused.code, complaint.code) == ("SPN032", "SPN033")
+    assert "complained: Warning [" in complaint.message
+    assert "\x1b" not in complaint.message
 
 
 def test_nothing_is_left_behind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

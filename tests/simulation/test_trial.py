@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import pytest
@@ -11,16 +13,17 @@ from wsgen.model.pose import Pose
 from wsgen.model.robot import Inertial, Link, Robot
 from wsgen.model.transform import quaternion_of_rpy
 from wsgen.model.world import World
-from wsgen.simulation.engine import State
+from wsgen.simulation.engine import Overlap, State
 from wsgen.simulation.fake import FakeEngine
 from wsgen.simulation.scene import (
+    Overlapping,
     RobotTrial,
     Scene,
     SpawnedRobot,
     trial_from_json,
     trial_to_json,
 )
-from wsgen.simulation.trial import play
+from wsgen.simulation.trial import CLEARANCE, play
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -40,11 +43,20 @@ def still(z: float, *, speed: float = 0.0, rpy: tuple[float, float, float] = (0,
 
 
 def trial_of(
-    motion: Callable[[float], State], *, ground: bool = True, spawn: Pose = SPAWN
+    motion: Callable[[float], State],
+    *,
+    ground: bool = True,
+    spawn: Pose = SPAWN,
+    robot: Robot = BALL,
+    on_the_ground: bool = False,
+    **script: object,
 ) -> RobotTrial:
     world = World(name="w", has_ground_plane=ground)
-    scene = Scene(world=world, robots=(SpawnedRobot(entity="e", robot=BALL, pose_in_world=spawn),))
-    (trial,), refused = play(FakeEngine(motion, reach=0.5), scene, lambda _: None)
+    spawned = SpawnedRobot(
+        entity="e", robot=robot, pose_in_world=spawn, on_the_ground=on_the_ground
+    )
+    engine = FakeEngine(motion, **{"reach": 0.5, **script})  # type: ignore[arg-type]
+    (trial,), refused = play(engine, Scene(world=world, robots=(spawned,)), lambda _: None)
     assert refused == {}
     return trial
 
@@ -110,6 +122,110 @@ def test_not_a_number() -> None:
     assert trial.rest_pose.xyz[2] == 2.0  # the last that was finite
 
 
+def test_a_joint_that_is_not_a_number() -> None:
+    trial = trial_of(lambda _: still(1.0), positions=lambda t: {"j": math.nan if t > 1 else 0.1})
+    assert not trial.is_finite
+    assert trial.joint_positions == {"j": 0.1}
+
+
+def test_an_energy_that_is_not_a_number() -> None:
+    trial = trial_of(lambda _: still(1.0), energy=lambda t: math.inf if t > 1 else 3.0)
+    assert not trial.is_finite
+    assert trial.energy_gain == 0.0
+
+
+def test_what_is_not_finite_any_more_ends_the_trial() -> None:
+    engine = FakeEngine(lambda seconds: still(math.inf if seconds > 0.5 else 1.0))
+    robots = (SpawnedRobot(entity="e", robot=BALL),)
+    play(engine, Scene(world=World(name="w"), robots=robots), lambda _: None)
+    assert engine.steps * engine.step_seconds == pytest.approx(0.51)
+
+
+def test_the_most_energy_that_was_gained() -> None:
+    trial = trial_of(lambda _: still(1.0), energy=lambda t: 5.0 + (2.0 if 1 < t < 2 else -1.0 * t))
+    assert trial.energy_gain == 2.0
+    losing = trial_of(lambda _: still(1.0), energy=lambda t: 5.0 - t)
+    assert losing.energy_gain == 0.0
+
+
+def test_how_far_joints_travel_and_where_they_end() -> None:
+    trial = trial_of(
+        lambda _: still(1.0),
+        positions=lambda t: {"swings": 0.5 - 0.5 * math.cos(math.pi * t), "stays": 0.25},
+    )
+    assert trial.joint_positions == {"swings": pytest.approx(1.0), "stays": 0.25}
+    assert trial.joint_travel == {"swings": pytest.approx(1.0), "stays": 0.0}
+    back = trial_of(lambda _: still(1.0), positions=lambda t: {"j": 0.1 + math.sin(math.pi * t)})
+    assert back.joint_travel == {"j": pytest.approx(1.0, abs=0.01)}
+
+
+def test_what_is_to_stand_on_the_ground_is_put_just_above_it() -> None:
+    """It moves as from there: what it rose and sank is seen from where it was put."""
+    trial = trial_of(lambda t: still(7.0 - (0.005 if t else 0.0)), on_the_ground=True)
+    assert trial.spawn_pose.xyz == pytest.approx((0.0, 0.0, 0.5 + CLEARANCE))
+    assert trial.lowest_point == pytest.approx(CLEARANCE)
+    assert trial.penetration == 0.0
+    assert trial.rest_pose.xyz[2] == pytest.approx(0.5)
+    assert trial.lowest_point_at_end == pytest.approx(0.0, abs=1e-9)
+    assert trial.highest_point == pytest.approx(0.5 + CLEARANCE)
+
+
+def test_the_place_and_heading_are_kept_when_it_is_put_on_the_ground() -> None:
+    spawn = Pose((1.0, 2.0, 3.0), (0.1, 0.2, 0.3))
+    placed = trial_of(lambda _: still(3.0), spawn=spawn, on_the_ground=True).spawn_pose
+    assert (placed.xyz[:2], placed.rpy) == ((1.0, 2.0), spawn.rpy)
+
+
+@pytest.mark.parametrize(
+    ("robot", "ground"),
+    [
+        (BALL, False),
+        (replace(BALL, is_static=True), True),
+        (replace(BALL, fixed_to_world=True), True),
+    ],
+)
+def test_what_cannot_stand_on_the_ground_stays_where_it_is(robot: Robot, *, ground: bool) -> None:
+    trial = trial_of(lambda _: still(1.0), robot=robot, ground=ground, on_the_ground=True)
+    assert trial.spawn_pose == SPAWN
+    assert trial.lowest_point == 0.5
+
+
+def test_what_is_spawned_in_the_ground_stays_there_unless_told() -> None:
+    assert trial_of(lambda _: still(0.1)).penetration == pytest.approx(0.4)
+
+
+def test_overlaps_are_seen_from_both_sides() -> None:
+    robots = tuple(SpawnedRobot(entity=name, robot=BALL) for name in ("a", "b", "c"))
+    engine = FakeEngine(
+        lambda _: still(1.0),
+        overlapping=(Overlap("a", "arm", "b", "leg", 0.25), Overlap("b", "leg", "b", "foot", 0.5)),
+    )
+    trials, _ = play(engine, Scene(world=World(name="w"), robots=robots), lambda _: None)
+    assert {trial.entity: trial.overlaps for trial in trials} == {
+        "a": (Overlapping(link="arm", other_entity="b", other_link="leg", depth=0.25),),
+        "b": (
+            Overlapping(link="leg", other_entity="a", other_link="arm", depth=0.25),
+            Overlapping(link="leg", other_entity=None, other_link="foot", depth=0.5),
+        ),
+        "c": (),
+    }
+
+
+def test_overlaps_are_those_at_the_start() -> None:
+    """After all robots are where they are put."""
+    seen: list[tuple[float, int]] = []
+
+    class Engine(FakeEngine):
+        def overlaps(self) -> list[Overlap]:
+            seen.append((round(self.state("e").xyz[2], 6), self.steps))
+            return []
+
+    robots = (SpawnedRobot(entity="e", robot=BALL, on_the_ground=True),)
+    scene = Scene(world=World(name="w", has_ground_plane=True), robots=robots)
+    play(Engine(lambda _: still(9.0), reach=0.5), scene, lambda _: None)
+    assert seen == [(0.505, 0)]
+
+
 def test_seconds_and_step() -> None:
     engine = FakeEngine(lambda _: still(1.0), step_seconds=0.004)
     scene = Scene(
@@ -132,5 +248,11 @@ def test_refused_robots_do_not_stop_the_others() -> None:
 
 
 def test_a_trial_travels_as_json() -> None:
-    trial = trial_of(lambda _: still(1.0))
-    assert trial_from_json(trial_to_json(trial)) == trial
+    trial = trial_of(
+        lambda _: still(1.0),
+        positions=lambda t: {"j": t},
+        energy=lambda t: t,
+        overlapping=(Overlap("e", "a", "f", "b", 0.1), Overlap("e", "a", "e", "c", 0.2)),
+    )
+    assert len(trial.overlaps) == 2
+    assert trial_from_json(json.loads(json.dumps(trial_to_json(trial)))) == trial

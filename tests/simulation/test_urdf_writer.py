@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import pytest
+
 from wsgen.description.reader import read_urdf
 from wsgen.model.pose import Pose
 from wsgen.model.robot import (
@@ -36,7 +40,6 @@ ROBOT = Robot(
                     Box(size=(1.0, 2.0, 3.0)),
                     Cylinder(radius=0.1, length=0.2),
                     Sphere(radius=0.3),
-                    Capsule(radius=0.1, length=0.2),
                 )
             ),
         ),
@@ -70,6 +73,23 @@ def test_what_is_written_is_read_back_the_same() -> None:
     assert joint.limit == wanted.limit
     assert joint.pose_in_parent == wanted.pose_in_parent
     assert (joint.damping, joint.friction) == (0.5, 0.25)
+
+
+def test_a_capsule_as_pybullet_reads_it() -> None:
+    """Gazebo knows none in a URDF, but in an SDF."""
+    link = Link(name="a", collisions=(Collision(geometry=Capsule(radius=0.1, length=0.2)),))
+    text = write_urdf(Robot(name="r", root="a", links=(link,)))
+    assert '<geometry><capsule radius="0.1" length="0.2"/></geometry>' in text
+
+
+@pytest.mark.parametrize("kind", [JointType.REVOLUTE, JointType.PRISMATIC])
+def test_no_limit_is_one_that_is_upside_down(kind: JointType) -> None:
+    """PyBullet demands one."""
+    free = replace(ROBOT.joints[0], type=kind, limit=None)
+    text = write_urdf(replace(ROBOT, joints=(free,)))
+    assert '<limit lower="0.0" upper="-1.0"' in text
+    endless = replace(free, type=JointType.CONTINUOUS)
+    assert "<limit" not in write_urdf(replace(ROBOT, joints=(endless,)))
 
 
 def test_no_line_is_too_long_for_the_engine() -> None:

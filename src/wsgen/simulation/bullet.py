@@ -3,36 +3,27 @@
 from __future__ import annotations
 
 import math
-import tempfile
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-import pybullet
-
-from wsgen.model.pose import Pose
-from wsgen.model.transform import (
-    compose,
-    quaternion_of_rpy,
-    rotation_of_quaternion,
-    rpy_of_rotation,
-)
-from wsgen.simulation.engine import Loaded, Refused, State
-from wsgen.simulation.urdf_writer import write_urdf
+from wsgen.model.robot import JointType
+from wsgen.model.transform import compose, quaternion_of_rpy
+from wsgen.model.trees import split_trees
+from wsgen.simulation.bullet_body import Box, BulletBody
+from wsgen.simulation.bullet_client import Client, error
+from wsgen.simulation.bullet_damper import STRIDE as DAMPER_STRIDE
+from wsgen.simulation.bullet_properties import GROUND_FRICTION
+from wsgen.simulation.engine import Loaded, Overlap, Refused, State
+from wsgen.simulation.pairs import neighbours
 
 if TYPE_CHECKING:
-    from wsgen.model.robot import Link, Robot, Visual
+    from wsgen.model.pose import Pose
+    from wsgen.model.robot import Joint, Robot
     from wsgen.model.transform import Vector
     from wsgen.model.world import World
     from wsgen.simulation.scene import SpawnedRobot
 
 # MAX_DEGREE_OF_FREEDOM in PyBullet's SharedMemoryCommands.h; with more, reading a pose raises.
 MOST_LINKS = 128
-
-# Inertias come from the description, not from the collision shapes. Cylinders are exact: as
-# polyhedra of 32 faces wheels do not roll and everything stands 1 mm higher. Gazebo lumps before
-# and so do we: PyBullet's own merging of fixed links loses masses and turns inertias. Keeping the
-# order of the links ends with SIGSEGV when a child is written before its parent.
-LOAD_FLAGS = pybullet.URDF_USE_INERTIA_FROM_FILE | pybullet.URDF_USE_IMPLICIT_CYLINDER
 
 # A box, because a plane of PyBullet has no thickness and lets fast things through.
 GROUND_HALF_EXTENTS = (500.0, 500.0, 5.0)  # m
@@ -42,16 +33,6 @@ GROUND_HALF_EXTENTS = (500.0, 500.0, 5.0)  # m
 # falls 5 m ends up 0.2 m aside, in DART, Gazebo's engine, under where it was spawned. No setting
 # of PyBullet's mends it for all heights; where a robot lies after a fall is not to be believed.
 
-# Gazebo's engine takes the smaller friction of two touching bodies, PyBullet the product: with 1
-# on the ground the product is the robot's own, which the ground's 1 must not exceed.
-GROUND_FRICTION = 1.0
-
-# Gazebo damps neither links nor joints unless told so; PyBullet damps links by 0.04 a second.
-LINK_DAMPING = 0.0
-
-# Gazebo has no speed limit for passive joints; PyBullet stops them at 100 rad/s.
-HIGHEST_JOINT_SPEED = 1e6
-
 # How much of an overlap the contact solver removes in one step (PyBullet's default), and how fast
 # two bodies may be pushed apart by that. PyBullet has no such bound: out of an overlap of 0.25 m it
 # shoots a robot 20 m high. Gazebo's engines have one (max_vel of ODE, the largest error reduction
@@ -59,7 +40,12 @@ HIGHEST_JOINT_SPEED = 1e6
 # overlap are gone within the usual trial.
 OVERLAP_SHARE = 0.08
 SEPARATION_SPEED = 0.25  # m/s
+LIMIT_SHARE = 0.01  # of the way back to a limit, in one step; DART's error reduction parameter
 SEPARATION_STRIDE = 10  # steps between two looks at the overlap while it is large
+
+FAR = 100.0  # m; no robot is as large
+
+TOUCHING = 1e-3  # m; PyBullet's margin around convex shapes: less than this is no overlap
 
 
 class BulletEngine:
@@ -67,37 +53,35 @@ class BulletEngine:
 
     def __init__(self, world: World) -> None:
         self.step_seconds = world.step
-        self._client = pybullet.connect(pybullet.DIRECT)
-        self._bodies: dict[str, int] = {}
-        self._robots: dict[str, SpawnedRobot] = {}
-        self._movable: dict[str, list[int]] = {}
+        self.client = Client()
+        self._gravity = world.gravity
+        self._robots: dict[str, Robot] = {}
+        self._bodies: dict[str, list[tuple[BulletBody, Pose]]] = {}  # with its pose in the robot
+        self._pulled: list[BulletBody] = []
+        self._damped: list[BulletBody] = []
         self._ground: int | None = None
-        self._separating = True  # no step has been made yet: there may be overlaps
-        pybullet.setGravity(*world.gravity, physicsClientId=self._client)
-        pybullet.setPhysicsEngineParameter(
+        self._separating = True  # there may be overlaps: something is new where it is
+        self.client.setGravity(*world.gravity)
+        self.client.setPhysicsEngineParameter(
             fixedTimeStep=world.step,
             # Without this a second robot from the same path would be the first one again.
             enableFileCaching=0,
             # The same scene must give the same trial on every run.
             deterministicOverlappingPairs=1,
-            physicsClientId=self._client,
         )
         if world.has_ground_plane:
             self._ground = self._add_ground()
 
     def _add_ground(self) -> int:
-        shape = pybullet.createCollisionShape(
-            pybullet.GEOM_BOX, halfExtents=GROUND_HALF_EXTENTS, physicsClientId=self._client
+        shape = self.client.createCollisionShape(
+            self.client.GEOM_BOX, halfExtents=GROUND_HALF_EXTENTS
         )
-        ground = pybullet.createMultiBody(
+        ground = self.client.createMultiBody(
             baseMass=0,
             baseCollisionShapeIndex=shape,
             basePosition=(0, 0, -GROUND_HALF_EXTENTS[2]),
-            physicsClientId=self._client,
         )
-        pybullet.changeDynamics(
-            ground, -1, lateralFriction=GROUND_FRICTION, physicsClientId=self._client
-        )
+        self.client.changeDynamics(ground, -1, lateralFriction=GROUND_FRICTION)
         return int(ground)
 
     def spawn(self, robot: SpawnedRobot) -> Loaded | Refused:
@@ -107,127 +91,146 @@ class BulletEngine:
             return Refused("nothing of it has mass")
         if len(model.links) > MOST_LINKS:
             return Refused(f"it has {len(model.links)} links, PyBullet can do {MOST_LINKS}")
-        with tempfile.TemporaryDirectory(prefix="wsgen-") as folder:
-            file = Path(folder, "robot.urdf")
-            file.write_text(write_urdf(model), encoding="utf-8")
-            try:
-                body = pybullet.loadURDF(
-                    str(file),
-                    basePosition=robot.pose_in_world.xyz,
-                    baseOrientation=quaternion_of_rpy(robot.pose_in_world.rpy),
-                    useFixedBase=model.fixed_to_world,
-                    flags=_flags(model),
-                    physicsClientId=self._client,
-                )
-            except pybullet.error as error:
-                return Refused(str(error))
-        self._bodies[robot.entity] = body
-        self._robots[robot.entity] = robot
-        self._movable[robot.entity] = self._release(body, model)
-        return self._loaded(robot.entity)
-
-    def _release(self, body: int, model: Robot) -> list[int]:
-        """Give links and joints Gazebo's properties; gives the indices of the movable joints."""
-        links = {link.name: link for link in model.links}
-        joints = {joint.name: joint for joint in model.joints}
-        movable = []
-        self._set_dynamics(body, -1, links[model.root])
-        for index in range(pybullet.getNumJoints(body, physicsClientId=self._client)):
-            info = pybullet.getJointInfo(body, index, physicsClientId=self._client)
-            joint = joints[info[1].decode()]
-            self._set_dynamics(body, index, links[joint.child])
-            if info[2] == pybullet.JOINT_FIXED:
-                continue
-            movable.append(index)
-            # PyBullet puts a motor into every joint that holds it. Only friction may.
-            pybullet.setJointMotorControl2(
-                body,
-                index,
-                pybullet.VELOCITY_CONTROL,
-                force=joint.friction,
-                physicsClientId=self._client,
-            )
-        return movable
-
-    def _set_dynamics(self, body: int, index: int, link: Link) -> None:
-        pybullet.changeDynamics(
-            body,
-            index,
-            lateralFriction=_friction(link),
-            linearDamping=LINK_DAMPING,
-            angularDamping=LINK_DAMPING,
-            maxJointVelocity=HIGHEST_JOINT_SPEED,
-            physicsClientId=self._client,
+        bodies: list[tuple[BulletBody, Pose]] = []
+        try:
+            for tree, pose_in_robot in split_trees(model):
+                pose = compose(robot.pose_in_world, pose_in_robot)
+                body = BulletBody(self.client, tree, pose, step_seconds=self.step_seconds)
+                bodies.append((body, pose_in_robot))
+                unread = body.unread_mesh()
+                if unread is not None:
+                    raise error(f"it cannot read the mesh {unread}")  # noqa: TRY301  one way out
+        except error as problem:
+            for body, _ in bodies:
+                self.client.removeBody(body.number)
+            return Refused(str(problem))
+        if any(map(_starts_beyond_limit, model.joints)):
+            self._push_back_to_limits()
+        self._robots[robot.entity] = model
+        self._bodies[robot.entity] = bodies
+        self._separating = True
+        self._pulled += [body for body, _ in bodies if body.pulls]
+        self._damped += [body for body, _ in bodies if body.dampers.indices]
+        links = sum(len(body.indices) for body, _ in bodies)
+        return Loaded(
+            # A root called `world` is a body for PyBullet; in Gazebo it is the world.
+            links - 1 if model.fixed_to_world else links,
+            sum(len(body.movable) for body, _ in bodies),
+            sum(body.mass for body, _ in bodies),
         )
 
-    def _loaded(self, entity: str) -> Loaded:
-        body, model = self._bodies[entity], self._robots[entity].robot
-        count = pybullet.getNumJoints(body, physicsClientId=self._client)
-        mass = sum(
-            pybullet.getDynamicsInfo(body, index, physicsClientId=self._client)[0]
-            for index in range(-1, count)
+    def _push_back_to_limits(self) -> None:
+        """Have joints that are beyond their limits pushed back, as fast as DART does.
+
+        Split impulses are not for multibodies: with them PyBullet leaves such a joint where it is.
+        Without them it needs all iterations, or parts with tiny inertias explode.
+        """
+        self.client.setPhysicsEngineParameter(
+            useSplitImpulse=0, erp=LIMIT_SHARE, solverResidualThreshold=0.0
         )
-        # A root called `world` is a body for PyBullet; in Gazebo it is the world.
-        links = count if model.fixed_to_world else count + 1
-        return Loaded(links, len(self._movable[entity]), mass)
+
+    def place(self, entity: str, pose_in_world: Pose) -> None:
+        """Put a robot elsewhere, as if it had been spawned there."""
+        for body, pose_in_robot in self._bodies[entity]:
+            body.place(compose(pose_in_world, pose_in_robot))
+        self._separating = True
 
     def state(self, entity: str) -> State:
         """Where the robot is and how it moves."""
-        body = self._bodies[entity]
-        xyz, xyzw = pybullet.getBasePositionAndOrientation(body, physicsClientId=self._client)
-        linear, angular = pybullet.getBaseVelocity(body, physicsClientId=self._client)
-        # PyBullet's base is the frame at the centre of mass along the principal axes.
-        dynamics = pybullet.getDynamicsInfo(body, -1, physicsClientId=self._client)
-        xyz, xyzw = pybullet.multiplyTransforms(
-            xyz, xyzw, *pybullet.invertTransform(dynamics[3], dynamics[4])
-        )
-        joints = self._movable[entity]
-        moving = (
-            pybullet.getJointStates(body, joints, physicsClientId=self._client) if joints else ()
-        )
+        root = self._bodies[entity][0][0]
+        pose = root.root_pose()
+        linear, angular = self.client.getBaseVelocity(root.number)
         return State(
-            xyz=xyz,
-            xyzw=xyzw,
+            xyz=pose.xyz,
+            xyzw=quaternion_of_rpy(pose.rpy),
             speed=math.hypot(*linear),
             turning=math.hypot(*angular),
-            joint_speed=max((abs(joint[1]) for joint in moving), default=0.0),
+            joint_speed=max(
+                (
+                    abs(speed)
+                    for body, _ in self._bodies[entity]
+                    for _, speed in body.joint_states()
+                ),
+                default=0.0,
+            ),
         )
+
+    def joint_positions(self, entity: str) -> dict[str, float]:
+        """The positions of the movable joints by name, rad or m."""
+        return {
+            name: position
+            for body, _ in self._bodies[entity]
+            for name, (position, _) in zip(body.movable, body.joint_states(), strict=True)
+        }
+
+    def energy(self, entity: str) -> float:
+        """Kinetic energy, and potential energy above z = 0 in the world's gravity, J."""
+        return sum(body.energy(self._gravity) for body, _ in self._bodies[entity])
 
     def lowest_point(self, entity: str) -> float:
         """The z of the lowest point that can touch something, m; that of the root without any.
 
         Over or in the ground it is exact; elsewhere the robot's boxes along the world's axes tell.
         """
-        body = self._bodies[entity]
-        root = self.state(entity).xyz[2]
-        if self._ground is not None:
-            near = pybullet.getClosestPoints(
-                body, self._ground, distance=abs(root) + 100.0, physicsClientId=self._client
+        boxes = [box for body, _ in self._bodies[entity] for box in body.boxes()]
+        if not boxes:
+            return self.state(entity).xyz[2]
+        lowest = min(low[2] for _, _, low, _ in boxes)
+        if self._ground is None or not all(map(_is_over_ground, boxes)):
+            return lowest
+        near = [
+            float(point[8])
+            for body, _ in self._bodies[entity]
+            for point in self.client.getClosestPoints(
+                body.number, self._ground, distance=max(0.0, lowest) + FAR
             )
-            if near:
-                return float(min(point[8] for point in near))
-        return min(corner[2] for corner in self._corners(entity))
+        ]
+        return min(
+            near, default=lowest
+        )  # a mesh file without points has a box, and is near nothing
 
-    def _corners(self, entity: str) -> list[Vector]:
-        """Corners of boxes along the world's axes around everything that can touch."""
-        body, links = self._bodies[entity], self._robots[entity].robot.links
-        corners = [self.state(entity).xyz]
-        for index in range(-1, pybullet.getNumJoints(body, physicsClientId=self._client)):
-            corners += pybullet.getAABB(body, index, physicsClientId=self._client)
-        return corners if any(link.collisions for link in links) else corners[:1]
+    def corners(self, entity: str) -> list[Vector]:
+        """Corners of boxes along the world's axes around all that can touch something, m."""
+        boxes = [box for body, _ in self._bodies[entity] for box in body.boxes()]
+        corners = [corner for _, _, low, high in boxes for corner in (low, high)]
+        return corners or [self.state(entity).xyz]
 
-    def _link_poses(self, entity: str) -> dict[str, Pose]:
-        """The frames of all links, by name, seen from the world."""
-        body, robot = self._bodies[entity], self._robots[entity].robot
-        state = self.state(entity)
-        poses = {robot.root: _pose(state.xyz, state.xyzw)}
-        for index in range(pybullet.getNumJoints(body, physicsClientId=self._client)):
-            name = pybullet.getJointInfo(body, index, physicsClientId=self._client)[12].decode()
-            link = pybullet.getLinkState(
-                body, index, computeForwardKinematics=1, physicsClientId=self._client
-            )
-            poses[name] = _pose(link[4], link[5])
-        return poses
+    def link_poses(self, entity: str) -> dict[str, Pose]:
+        """The frames of all links of a robot by name, seen from the world."""
+        return {
+            name: pose
+            for body, _ in self._bodies[entity]
+            for name, pose in body.link_poses().items()
+        }
+
+    def overlaps(self) -> list[Overlap]:
+        """Links in each other, of two robots or of one, whether or not they may collide."""
+        parts = [
+            (entity, body, *box)
+            for entity, bodies in self._bodies.items()
+            for body, _ in bodies
+            for box in body.boxes()
+        ]
+        joined = {entity: neighbours(robot) for entity, robot in self._robots.items()}
+        deepest: dict[tuple[str, str, str, str], float] = {}
+        for place, (entity, body, link, index, low, high) in enumerate(parts):
+            for other_entity, other, other_link, other_index, other_low, other_high in parts[
+                :place
+            ]:
+                if entity == other_entity and (
+                    link == other_link or frozenset((link, other_link)) in joined[entity]
+                ):
+                    continue
+                if not _boxes_meet(low, high, other_low, other_high):
+                    continue
+                near = self.client.getClosestPoints(
+                    other.number, body.number, 0.0, other_index, index
+                )
+                depth = max((-point[8] for point in near), default=0.0)
+                key = (other_entity, other_link, entity, link)
+                if depth > TOUCHING:
+                    deepest[key] = max(depth, deepest.get(key, 0.0))
+        return [Overlap(*key, depth=depth) for key, depth in deepest.items()]
 
     def advance(self, steps: int) -> None:
         """Let time pass; overlapping bodies are pushed apart no faster than the bound."""
@@ -236,8 +239,14 @@ class BulletEngine:
             if self._separating:
                 now = min(SEPARATION_STRIDE, steps)
                 self._bound_separation()
+            if self._damped:
+                now = min(DAMPER_STRIDE, now)
+                for body in self._damped:
+                    body.damp()
             for _ in range(now):
-                pybullet.stepSimulation(physicsClientId=self._client)
+                for body in self._pulled:
+                    body.pull(self._gravity)
+                self.client.stepSimulation()
             steps -= now
 
     def _bound_separation(self) -> None:
@@ -245,51 +254,32 @@ class BulletEngine:
 
         The overlap shrinks until the next look, so the speed is below the bound in between.
         """
-        pybullet.performCollisionDetection(physicsClientId=self._client)
-        contacts = pybullet.getContactPoints(physicsClientId=self._client)
-        depth = max((-contact[8] for contact in contacts), default=0.0)
+        self.client.performCollisionDetection()
+        depth = max((-contact[8] for contact in self.client.getContactPoints()), default=0.0)
         bounded = SEPARATION_SPEED * self.step_seconds
         self._separating = depth * OVERLAP_SHARE > bounded
-        pybullet.setPhysicsEngineParameter(
-            contactERP=bounded / depth if self._separating else OVERLAP_SHARE,
-            physicsClientId=self._client,
+        self.client.setPhysicsEngineParameter(
+            contactERP=bounded / depth if self._separating else OVERLAP_SHARE
         )
-
-    def draw(self, file: Path) -> float:
-        """Write a PNG in which all robots are seen; gives the edge of the ground's squares, m."""
-        # NumPy's and Pillow's loading would cost every trial as much as its simulation does.
-        from wsgen.simulation import bullet_studio  # noqa: PLC0415
-
-        seen: list[tuple[Visual, Pose]] = []
-        corners: list[Vector] = []
-        for entity, robot in self._robots.items():
-            corners += self._corners(entity)
-            for link, pose in self._link_poses(entity).items():
-                seen += [
-                    (visual, compose(pose, visual.pose_in_link))
-                    for visual in robot.robot.link(link).visuals
-                ]
-        return bullet_studio.draw(pybullet, seen, corners, file)
 
     def close(self) -> None:
         """Give everything back; the engine is not used afterwards."""
-        pybullet.disconnect(physicsClientId=self._client)
+        self.client.close()
 
 
-def _pose(xyz: Vector, xyzw: tuple[float, float, float, float]) -> Pose:
-    return Pose(xyz=xyz, rpy=rpy_of_rotation(rotation_of_quaternion(xyzw)))
+def _is_over_ground(box: Box) -> bool:
+    """Whether the ground's upper side is what is nearest to it."""
+    _, _, low, high = box
+    x, y, depth = GROUND_HALF_EXTENTS
+    return -x < low[0] and high[0] < x and -y < low[1] and high[1] < y and low[2] > -depth
 
 
-def _flags(robot: Robot) -> int:
-    """Links of one robot touch each other only where Gazebo was told so."""
-    collide = any(link.self_collide for link in robot.links)
-    return int(LOAD_FLAGS | (pybullet.URDF_USE_SELF_COLLISION if collide else 0))
+def _starts_beyond_limit(joint: Joint) -> bool:
+    limit = None if joint.type is JointType.CONTINUOUS else joint.limit
+    return limit is not None and not limit.lower <= 0.0 <= limit.upper
 
 
-def _friction(link: Link) -> float:
-    """The friction of a link; PyBullet has one for all of its shapes.
-
-    Where shapes differ, the smallest counts: it is a caster's, lumped into the chassis, and the
-    caster is what touches the ground.
-    """
-    return min((GROUND_FRICTION, *(shape.surface.mu1 for shape in link.collisions)))
+def _boxes_meet(low: Vector, high: Vector, other_low: Vector, other_high: Vector) -> bool:
+    return all(
+        a <= d and c <= b for a, b, c, d in zip(low, high, other_low, other_high, strict=True)
+    )

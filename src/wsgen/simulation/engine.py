@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 if TYPE_CHECKING:
-    from pathlib import Path
+    from collections.abc import Sequence
 
+    from wsgen.model.pose import Pose
+    from wsgen.model.transform import Vector
     from wsgen.simulation.scene import SpawnedRobot
 
 
@@ -38,6 +40,16 @@ class State:
     joint_speed: float  # rad/s or m/s, of the fastest joint; 0 without movable joints
 
 
+class Overlap(NamedTuple):
+    """Two links that are in each other."""
+
+    entity: str
+    link: str
+    other_entity: str  # the same one for two links of one robot
+    other_link: str
+    depth: float  # m
+
+
 class Engine(Protocol):
     """A world in a physics engine; robots are addressed by their entity names.
 
@@ -50,17 +62,35 @@ class Engine(Protocol):
     def spawn(self, robot: SpawnedRobot) -> Loaded | Refused:
         """Put a robot into the world, at rest, its joints passive."""
 
+    def place(self, entity: str, pose_in_world: Pose) -> None:
+        """Put a robot elsewhere, as if it had been spawned there."""
+
     def state(self, entity: str) -> State:
         """Where the robot is and how it moves."""
+
+    def joint_positions(self, entity: str) -> dict[str, float]:
+        """The positions of the movable joints by name, rad or m."""
+
+    def energy(self, entity: str) -> float:
+        """Kinetic energy, and potential energy above z = 0 in the world's gravity, J."""
 
     def lowest_point(self, entity: str) -> float:
         """The z of the lowest point that can touch something, m; that of the root without any."""
 
+    def overlaps(self) -> Sequence[Overlap]:
+        """Links in each other, of two robots or of one, whether or not they may collide.
+
+        Left out are links that a joint joins. The ground is not a link.
+        """
+
     def advance(self, steps: int) -> None:
         """Let time pass."""
 
-    def draw(self, file: Path) -> float:
-        """Write a PNG in which all robots are seen; gives the edge of the ground's squares, m."""
+    def link_poses(self, entity: str) -> dict[str, Pose]:
+        """The frames of all links of a robot by name, seen from the world."""
+
+    def corners(self, entity: str) -> list[Vector]:
+        """Corners of boxes along the world's axes around all that can touch something, m."""
 
     def close(self) -> None:
         """Give everything back; the engine is not used afterwards."""

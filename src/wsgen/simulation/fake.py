@@ -2,37 +2,46 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from wsgen.model.pose import Pose
 from wsgen.simulation.engine import Loaded, Refused, State
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
+    from collections.abc import Callable, Mapping, Sequence
 
+    from wsgen.simulation.engine import Overlap
     from wsgen.simulation.scene import SpawnedRobot
-
-PNG = b"\x89PNG\r\n\x1a\n"
 
 
 class FakeEngine:
     """Moves every robot as `motion` says: a state for the seconds since the start.
 
-    Robots whose names are in `refuses` are refused; what touches lies `reach` below the root.
+    So do `positions` (of joints) and `energy`. Robots whose names are in `refuses` are refused;
+    what touches lies `reach` below the root. A robot that is placed somewhere moves as if the
+    script had begun there.
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913  what a script can say
         self,
         motion: Callable[[float], State],
         *,
         step_seconds: float = 0.001,
         reach: float = 0.0,
         refuses: frozenset[str] = frozenset(),
+        positions: Callable[[float], Mapping[str, float]] = lambda _: {},
+        energy: Callable[[float], float] = lambda _: 0.0,
+        overlapping: Sequence[Overlap] = (),
     ) -> None:
         self.step_seconds = step_seconds
         self.motion = motion
         self.reach = reach
         self.refuses = refuses
+        self.positions_at = positions
+        self.energy_at = energy
+        self.overlapping = overlapping
+        self.shift = 0.0
         self.steps = 0
         self.is_closed = False
 
@@ -41,11 +50,15 @@ class FakeEngine:
         if robot.entity in self.refuses:
             return Refused("the script says so")
         model = robot.robot
-        return Loaded(len(model.links), len(model.movable_joints), model.mass)
+        links = len(model.links) - model.fixed_to_world
+        joints = 0 if model.is_static else len(model.movable_joints)
+        return Loaded(links, joints, model.mass)
 
     def state(self, entity: str) -> State:  # noqa: ARG002  all robots move alike
         """What the script says for now."""
-        return self.motion(self.steps * self.step_seconds)
+        state = self.motion(self.steps * self.step_seconds)
+        x, y, z = state.xyz
+        return replace(state, xyz=(x, y, z + self.shift))
 
     def lowest_point(self, entity: str) -> float:
         """A fixed distance below the root."""
@@ -55,10 +68,29 @@ class FakeEngine:
         """Go on in the script."""
         self.steps += steps
 
-    def draw(self, file: Path) -> float:
-        """Leave the first bytes of a PNG."""
-        file.write_bytes(PNG)
-        return 1.0
+    def place(self, entity: str, pose_in_world: Pose) -> None:
+        """Shift the script to that height."""
+        self.shift += pose_in_world.xyz[2] - self.state(entity).xyz[2]
+
+    def joint_positions(self, entity: str) -> dict[str, float]:  # noqa: ARG002  as for `state`
+        """What the script says for now."""
+        return dict(self.positions_at(self.steps * self.step_seconds))
+
+    def energy(self, entity: str) -> float:  # noqa: ARG002  as for `state`
+        """What the script says for now."""
+        return self.energy_at(self.steps * self.step_seconds)
+
+    def overlaps(self) -> list[Overlap]:
+        """What the script says."""
+        return list(self.overlapping)
+
+    def link_poses(self, entity: str) -> dict[str, Pose]:
+        """The root's alone."""
+        return {"root": Pose(xyz=self.state(entity).xyz)}
+
+    def corners(self, entity: str) -> list[tuple[float, float, float]]:
+        """The root's alone."""
+        return [self.state(entity).xyz]
 
     def close(self) -> None:
         """Remember it."""

@@ -2,30 +2,51 @@
 
 from __future__ import annotations
 
+import re
 import time
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.isolation import parent
+from wsgen.isolation.outcome import DEFAULT_LIMITS, Died
 from wsgen.simulation.scene import TrialOutcome, trial_from_json
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
+    from wsgen.isolation.outcome import Limits
+    from wsgen.isolation.protocol import Run
     from wsgen.simulation.scene import Scene
 
-TASK = "wsgen.simulation.worker:simulate"
-LIMITS = parent.Limits()
+TASK = "wsgen.simulation.{engine}_worker:simulate"
+MODULES = {"bullet": "pybullet", "dart": "dartpy"}
 LAST_WORDS = 600  # characters of a dead engine's output that are told
+COLOURS = re.compile(r"\x1b\[[0-9;]*m")  # DART's warnings are yellow
 GREETINGS = ("pybullet build time",)  # what PyBullet prints when all is well
 
 
-def run_trial(scene: Scene, *, limits: parent.Limits = LIMITS) -> TrialOutcome:
-    """Simulate the scene; the engine's crash, hang or complaint becomes a diagnostic."""
+def missing_engines(engines: Iterable[str]) -> list[str]:
+    """Which of these engines are not installed."""
+    return [name for name in engines if find_spec(MODULES[name]) is None]
+
+
+def default_engine() -> str:
+    """PyBullet, or DART where Python has no wheels of PyBullet."""
+    return "dart" if missing_engines(["bullet"]) else "bullet"
+
+
+def run_trial(
+    scene: Scene, *, limits: Limits = DEFAULT_LIMITS, run: Run = parent.run
+) -> TrialOutcome:
+    """Simulate the scene; the engine's crash, hang or complaint becomes a diagnostic.
+
+    `run` starts the child process.
+    """
     started = time.perf_counter()
-    outcome = parent.run(TASK, scene, limits=limits)
+    outcome = run(TASK.format(engine=scene.engine), scene, limits=limits)
     seconds = time.perf_counter() - started
-    if isinstance(outcome, parent.Died):
+    if isinstance(outcome, Died):
         return TrialOutcome(diagnostics=(_death(scene, outcome),), seconds={"simulate": seconds})
     answer = outcome.value
     measured = answer["seconds"]
@@ -40,7 +61,7 @@ def run_trial(scene: Scene, *, limits: parent.Limits = LIMITS) -> TrialOutcome:
     )
 
 
-def _death(scene: Scene, death: parent.Died) -> Diagnostic:
+def _death(scene: Scene, death: Died) -> Diagnostic:
     words = _without_greetings(death.output)[-LAST_WORDS:]
     said = f" Its last words: {words}" if words else ""
     return Diagnostic(
@@ -66,8 +87,8 @@ def _refusals(answer: dict[str, Any]) -> Iterator[Diagnostic]:
         yield Diagnostic(
             code="SPN034",
             severity=Severity.WARNING,
-            message=f"The picture could not be written: {answer['picture_problem']}.",
-            hint="Name an existing folder that can be written to.",
+            message=f"There is no picture: {answer['picture_problem']}.",
+            hint="Name a folder that can be written to; the rest of the trial counts without it.",
         )
 
 
@@ -84,7 +105,7 @@ def _complaints(scene: Scene, output: str) -> Iterator[Diagnostic]:
 
 
 def _without_greetings(output: str) -> str:
-    lines = (line.strip() for line in output.splitlines())
+    lines = (line.strip() for line in COLOURS.sub("", output).splitlines())
     return "\n".join(line for line in lines if line and not line.startswith(GREETINGS))
 
 

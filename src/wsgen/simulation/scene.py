@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     from wsgen.model.world import World
 
 
+ENGINES = ("bullet", "dart")
+
+
 @dataclass(frozen=True, kw_only=True)
 class SpawnedRobot:
     """A robot to be put into the world."""
@@ -23,6 +26,7 @@ class SpawnedRobot:
     entity: str  # its name in the simulator; unique in a scene
     robot: Robot  # as Gazebo has it: lumped
     pose_in_world: Pose = IDENTITY  # of the root link's frame
+    on_the_ground: bool = False  # spawned at that pose, but as low as it can stand
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,7 +36,18 @@ class Scene:
     world: World
     robots: tuple[SpawnedRobot, ...]
     seconds: float = 3.0  # simulated
+    engine: str = "bullet"  # one of ENGINES
     picture: Path | None = None  # where to put a PNG of the end; its folder must exist
+
+
+@dataclass(frozen=True, kw_only=True)
+class Overlapping:
+    """A link of the robot that is in another link."""
+
+    link: str
+    other_entity: str | None  # None: of the same robot
+    other_link: str
+    depth: float  # m
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,6 +58,8 @@ class RobotTrial:
     links: int  # that the engine simulates
     movable_joints: int
     mass: float  # kg, as the engine has it
+    spawn_pose: Pose  # of the root link's frame
+    overlaps: tuple[Overlapping, ...]  # when spawned; links that a joint joins are left out
     lowest_point: float  # m, z of what can touch, when spawned
     penetration: float  # m, how deep that is in the ground; 0 without a ground plane
     lowest_point_at_end: float  # m
@@ -55,6 +72,9 @@ class RobotTrial:
     highest_speed: float  # m/s, of the root link's centre of mass
     highest_point: float  # m, z of the root link's frame
     tilt: float  # rad, between what was up in the robot when spawned and up, at the end
+    energy_gain: float  # J, the most that it had above what it had when spawned
+    joint_positions: Mapping[str, float]  # rad or m, of the movable joints at the end
+    joint_travel: Mapping[str, float]  # rad or m, the farthest that each was from its start
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,5 +95,9 @@ def trial_to_json(trial: RobotTrial) -> dict[str, Any]:
 
 def trial_from_json(value: Mapping[str, Any]) -> RobotTrial:
     """The trial that `trial_to_json` made this of."""
-    pose = value["rest_pose"]
-    return RobotTrial(**{**value, "rest_pose": Pose(tuple(pose["xyz"]), tuple(pose["rpy"]))})
+    poses = {
+        key: Pose(tuple(value[key]["xyz"]), tuple(value[key]["rpy"]))
+        for key in ("spawn_pose", "rest_pose")
+    }
+    overlaps = tuple(Overlapping(**overlap) for overlap in value["overlaps"])
+    return RobotTrial(**{**value, **poses, "overlaps": overlaps})

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from wsgen.model.pose import Pose
@@ -14,18 +14,22 @@ from wsgen.model.transform import (
     rpy_of_rotation,
     transpose,
 )
-from wsgen.simulation.engine import Loaded, Refused
-from wsgen.simulation.scene import RobotTrial
+from wsgen.simulation.engine import Refused
+from wsgen.simulation.scene import Overlapping, RobotTrial
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
-    from wsgen.simulation.engine import Engine, State
+    from wsgen.model.world import World
+    from wsgen.simulation.engine import Engine, Loaded, Overlap, State
     from wsgen.simulation.scene import Scene, SpawnedRobot
 
 # Reading a state costs as much as several steps. Bodies keep their speed between contacts, so
 # that a look every 10 ms misses neither a jump nor the moment of coming to rest.
 LOOK_EVERY = 0.01  # s, simulated
+LONG_LOOK = 10  # looks from one look at energy and joints, which costs more, to the next
+
+CLEARANCE = 0.005  # m, between the ground and what is spawned just above it
 
 # What a person calls standing still. Contact solvers leave about 1e-3 on a body at rest.
 REST_SPEED = 0.01  # m/s
@@ -40,15 +44,23 @@ class _Watch:
 
     spawned: SpawnedRobot
     loaded: Loaded
-    lowest_point: float
+    pose: Pose  # where it was spawned, in the world
     last: State
+    lowest_point: float
+    energy: float  # J, when spawned
+    joints: Mapping[str, float]  # positions when spawned, rad or m
     is_finite: bool = True
     moving_until: float = 0.0  # s
     highest_speed: float = 0.0
     highest_point: float = field(init=False)
+    energy_gain: float = 0.0
+    last_joints: Mapping[str, float] = field(init=False)
+    travel: dict[str, float] = field(init=False)
 
     def __post_init__(self) -> None:
         self.highest_point = self.last.xyz[2]
+        self.last_joints = self.joints
+        self.travel = dict.fromkeys(self.joints, 0.0)
 
     def look(self, seconds: float, state: State) -> None:
         """Take in the state after so many seconds."""
@@ -71,6 +83,16 @@ class _Watch:
         ):
             self.moving_until = seconds
 
+    def look_long(self, energy: float, joints: Mapping[str, float]) -> None:
+        """Take in what is looked at less often."""
+        if not self.is_finite or not all(map(math.isfinite, (energy, *joints.values()))):
+            self.is_finite = False
+            return
+        self.energy_gain = max(self.energy_gain, energy - self.energy)
+        self.last_joints = joints
+        for name, position in joints.items():
+            self.travel[name] = max(self.travel[name], abs(position - self.joints[name]))
+
 
 def play(
     engine: Engine, scene: Scene, announce: Callable[[str], None]
@@ -81,43 +103,79 @@ def play(
     entity. It ends early only when no robot has a finite state any more. `announce` is told what
     comes next.
     """
-    watches, refused = _spawn(engine, scene, announce)
-    for watch in watches:  # when all are there
-        watch.lowest_point = engine.lowest_point(watch.spawned.entity)
+    spawned, refused = _spawn(engine, scene, announce)
+    watches = [  # when all are there
+        _Watch(
+            spawned=robot,
+            loaded=loaded,
+            pose=pose,
+            last=engine.state(robot.entity),
+            lowest_point=engine.lowest_point(robot.entity),
+            energy=engine.energy(robot.entity),
+            joints=engine.joint_positions(robot.entity),
+        )
+        for robot, loaded, pose in spawned
+    ]
+    overlaps = engine.overlaps()
     announce(f"simulating {scene.seconds:g} s")
     steps = round(scene.seconds / engine.step_seconds)
     stride = max(1, round(LOOK_EVERY / engine.step_seconds))
-    done = 0
+    done = looks = 0
     while done < steps and any(watch.is_finite for watch in watches):
         now = min(stride, steps - done)
         engine.advance(now)
         done += now
+        looks += 1
         for watch in watches:
+            entity = watch.spawned.entity
             seconds = round(done * engine.step_seconds, 9)  # no more digits than it has
-            watch.look(seconds, engine.state(watch.spawned.entity))
-    return [_measured(engine, scene, watch) for watch in watches], refused
+            watch.look(seconds, engine.state(entity))
+            if watch.is_finite and (looks % LONG_LOOK == 0 or done == steps):
+                watch.look_long(engine.energy(entity), engine.joint_positions(entity))
+    return [_measured(engine, scene, watch, overlaps) for watch in watches], refused
 
 
 def _spawn(
     engine: Engine, scene: Scene, announce: Callable[[str], None]
-) -> tuple[list[_Watch], dict[str, Refused]]:
-    watches, refused = [], {}
+) -> tuple[list[tuple[SpawnedRobot, Loaded, Pose]], dict[str, Refused]]:
+    spawned, refused = [], {}
     for robot in scene.robots:
         announce(f"loading the robot `{robot.entity}`")
         outcome = engine.spawn(robot)
         if isinstance(outcome, Refused):
             refused[robot.entity] = outcome
         else:
-            watches.append(_Watch(robot, outcome, 0.0, engine.state(robot.entity)))
-    return watches, refused
+            pose = _put_on_the_ground(engine, robot, scene.world)
+            spawned.append((robot, outcome, pose))
+    return spawned, refused
 
 
-def _measured(engine: Engine, scene: Scene, watch: _Watch) -> RobotTrial:
+def _put_on_the_ground(engine: Engine, robot: SpawnedRobot, world: World) -> Pose:
+    """Lower or lift a robot that is to stand on the ground; gives its pose in the world.
+
+    What is fixed to the world stays where it is.
+    """
+    pose, model = robot.pose_in_world, robot.robot
+    is_free = not (model.fixed_to_world or model.is_static)
+    if not (robot.on_the_ground and is_free and world.has_ground_plane):
+        return pose
+    # Out of the ground first: engines know the lowest point best from above.
+    lowest = min(corner[2] for corner in engine.corners(robot.entity))
+    for _ in range(2):
+        x, y, z = pose.xyz
+        pose = replace(pose, xyz=(x, y, z + CLEARANCE - lowest))
+        engine.place(robot.entity, pose)
+        lowest = engine.lowest_point(robot.entity)
+    return pose
+
+
+def _measured(
+    engine: Engine, scene: Scene, watch: _Watch, overlaps: Sequence[Overlap]
+) -> RobotTrial:
     last = watch.last
     rotation = rotation_of_quaternion(last.xyzw)
-    spawn_pose = watch.spawned.pose_in_world
     # Up in the world, in the robot's frame at the start, and back in the world at the end.
-    turned = multiply(rotation, transpose(rotation_of_rpy(spawn_pose.rpy)))
+    turned = multiply(rotation, transpose(rotation_of_rpy(watch.pose.rpy)))
     lowest = engine.lowest_point(watch.spawned.entity) if watch.is_finite else last.xyz[2]
     settled = watch.is_finite and watch.moving_until <= scene.seconds - REST_HELD
     return RobotTrial(
@@ -125,6 +183,8 @@ def _measured(engine: Engine, scene: Scene, watch: _Watch) -> RobotTrial:
         links=watch.loaded.links,
         movable_joints=watch.loaded.movable_joints,
         mass=watch.loaded.mass,
+        spawn_pose=watch.pose,
+        overlaps=tuple(_of_one(overlaps, watch.spawned.entity)),
         lowest_point=watch.lowest_point,
         penetration=max(0.0, -watch.lowest_point) if scene.world.has_ground_plane else 0.0,
         lowest_point_at_end=lowest,
@@ -137,4 +197,27 @@ def _measured(engine: Engine, scene: Scene, watch: _Watch) -> RobotTrial:
         highest_speed=watch.highest_speed,
         highest_point=watch.highest_point,
         tilt=math.acos(min(1.0, max(-1.0, turned[2][2]))),
+        energy_gain=watch.energy_gain,
+        joint_positions=watch.last_joints,
+        joint_travel=watch.travel,
     )
+
+
+def _of_one(overlaps: Sequence[Overlap], entity: str) -> Iterator[Overlapping]:
+    """The overlaps of one robot, seen from its links."""
+    for overlap in overlaps:
+        if overlap.entity == entity:
+            other = None if overlap.other_entity == entity else overlap.other_entity
+            yield Overlapping(
+                link=overlap.link,
+                other_entity=other,
+                other_link=overlap.other_link,
+                depth=overlap.depth,
+            )
+        elif overlap.other_entity == entity:
+            yield Overlapping(
+                link=overlap.other_link,
+                other_entity=overlap.entity,
+                other_link=overlap.link,
+                depth=overlap.depth,
+            )

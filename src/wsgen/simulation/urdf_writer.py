@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from wsgen.model.robot import Box, Capsule, Cylinder, JointType, Mesh, Sphere
+from wsgen.model.robot import Box, Capsule, Cylinder, JointLimit, JointType, Mesh, Sphere
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -17,13 +17,15 @@ if TYPE_CHECKING:
     from wsgen.model.pose import Pose
     from wsgen.model.robot import Geometry, Joint, Link, Robot
 
+# PyBullet demands <limit> of hinges and slides, and takes this one for none.
+NO_LIMIT = JointLimit(lower=0.0, upper=-1.0)
 
 MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
 def write_urdf(robot: Robot) -> str:
     """The robot's links and joints; a mesh that was not found is left out."""
-    lines = [f"<robot name={_quoted(robot.name)}>"]
+    lines = [f"<robot name={quoted(robot.name)}>"]
     for link in robot.links:
         lines += _link(link, is_world=robot.fixed_to_world and link.name == robot.root)
     for joint in robot.joints:
@@ -32,7 +34,7 @@ def write_urdf(robot: Robot) -> str:
 
 
 def _link(link: Link, *, is_world: bool) -> Iterator[str]:
-    yield f"<link name={_quoted(link.name)}>"
+    yield f"<link name={quoted(link.name)}>"
     if link.inertial is not None:
         yield "<inertial>"
         yield _origin(link.inertial.pose_in_link)
@@ -56,15 +58,15 @@ def _link(link: Link, *, is_world: bool) -> Iterator[str]:
 
 
 def _joint(joint: Joint) -> Iterator[str]:
-    yield f"<joint name={_quoted(joint.name)} type={_quoted(joint.type.value)}>"
+    yield f"<joint name={quoted(joint.name)} type={quoted(joint.type.value)}>"
     yield _origin(joint.pose_in_parent)
-    yield f"<parent link={_quoted(joint.parent)}/>"
-    yield f"<child link={_quoted(joint.child)}/>"
+    yield f"<parent link={quoted(joint.parent)}/>"
+    yield f"<child link={quoted(joint.child)}/>"
     if joint.type is not JointType.FIXED:
         yield f'<axis xyz="{_numbers(joint.axis_in_joint)}"/>'
         yield f'<dynamics damping="{joint.damping!r}" friction="{joint.friction!r}"/>'
-    if joint.limit is not None and joint.type is not JointType.CONTINUOUS:
-        limit = joint.limit
+    if joint.type in (JointType.REVOLUTE, JointType.PRISMATIC):
+        limit = joint.limit or NO_LIMIT
         yield f'<limit lower="{limit.lower!r}" upper="{limit.upper!r}"'
         yield f' effort="{limit.effort!r}" velocity="{limit.velocity!r}"/>'
     yield "</joint>"
@@ -78,7 +80,7 @@ def _shape(geometry: Geometry) -> str | None:
     if isinstance(geometry, Mesh):
         if geometry.path is None:
             return None
-        return f'<mesh filename={_quoted(geometry.path)} scale="{_numbers(geometry.scale)}"/>'
+        return f'<mesh filename={quoted(geometry.path)} scale="{_numbers(geometry.scale)}"/>'
     tag = {Cylinder: "cylinder", Capsule: "capsule"}[type(geometry)]
     return f'<{tag} radius="{geometry.radius!r}" length="{geometry.length!r}"/>'
 
@@ -87,7 +89,7 @@ def _origin(pose: Pose) -> str:
     return f'<origin xyz="{_numbers(pose.xyz)}" rpy="{_numbers(pose.rpy)}"/>'
 
 
-def _quoted(text: str) -> str:
+def quoted(text: str) -> str:
     """As an attribute's value. `xml.sax.saxutils` would load all of urllib for this."""
     for character, reference in (("&", "&amp;"), ("<", "&lt;"), ('"', "&quot;")):
         text = text.replace(character, reference)

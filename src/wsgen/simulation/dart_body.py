@@ -1,0 +1,185 @@
+"""A robot in DART, set up so that it moves as in Gazebo."""
+
+from __future__ import annotations
+
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+from wsgen.model.inertia import about_link_axes
+from wsgen.model.pose import IDENTITY, Pose
+from wsgen.model.robot import Box, Capsule, Cylinder, JointType, Mesh, Sphere
+from wsgen.model.transform import compose, rotation_of_rpy, rpy_of_rotation
+from wsgen.model.trees import split_trees
+from wsgen.simulation.dart_library import Isometry3, dynamics, utils
+from wsgen.simulation.urdf_writer import quoted
+
+if TYPE_CHECKING:
+    from wsgen.model.robot import Geometry, Inertial, Joint, Link, Robot
+    from wsgen.model.transform import Vector
+
+# DART makes shapes of mesh files only where it reads a robot from text.
+MESH_ROBOT = (
+    '<robot name="mesh"><link name="mesh"><inertial><mass value="1"/>'
+    '<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+    "<collision><geometry><mesh filename={file} scale={scale}/></geometry></collision>"
+    "</link></robot>"
+)
+
+
+class DartBody:
+    """All trees of a robot in one skeleton; poses are those of its root link's frame."""
+
+    def __init__(self, robot: Robot, pose_in_world: Pose, entity: str) -> None:
+        self.robot = robot
+        self.skeleton = dynamics.Skeleton(entity)
+        self.nodes: dict[str, Any] = {}  # by link name
+        self.joints: dict[str, Any] = {}  # the movable ones, by name
+        self.shapes: list[tuple[str, Geometry, Any]] = []  # with the names of their links
+        self.unread: list[str] = []  # mesh files
+        self._bases: list[tuple[Any, Pose]] = []  # of what is not fixed, with its pose in the robot
+        self._pose_of_world = IDENTITY  # seen from the world, of a root that is the world
+        self._fixed: list[tuple[Any, Pose]] = []  # of what is fixed to the world, likewise
+        for tree, pose_in_robot in split_trees(robot):
+            self._add_tree(tree, pose_in_robot)
+        if robot.is_static:
+            self.skeleton.setMobile(False)
+            self.joints.clear()
+        elif any(link.self_collide for link in robot.links):
+            self.skeleton.enableSelfCollisionCheck()  # links that a joint joins are left out
+        self.place(pose_in_world)
+
+    def _add_tree(self, tree: Robot, pose_in_robot: Pose) -> None:
+        links = {link.name: link for link in tree.links}
+        below: dict[str, list[Joint]] = {}
+        for joint in tree.joints:
+            below.setdefault(joint.parent, []).append(joint)
+        if not tree.fixed_to_world:
+            base, node = self.skeleton.createFreeJointAndBodyNodePair()
+            self._bases.append((base, pose_in_robot))
+            self._fill(node, links[tree.root])
+        queue = [tree.root]
+        for parent in queue:
+            for joint in below.get(parent, ()):
+                is_first = tree.fixed_to_world and parent == tree.root
+                made, node = self._add_joint(joint, None if is_first else self.nodes[parent])
+                if is_first:
+                    self._fixed.append((made, joint.pose_in_parent))
+                self._fill(node, links[joint.child])
+                queue.append(joint.child)
+
+    def _add_joint(self, joint: Joint, parent: Any) -> tuple[Any, Any]:
+        """A joint below a body, or below the world."""
+        create = {
+            JointType.FIXED: self.skeleton.createWeldJointAndBodyNodePair,
+            JointType.PRISMATIC: self.skeleton.createPrismaticJointAndBodyNodePair,
+        }.get(joint.type, self.skeleton.createRevoluteJointAndBodyNodePair)
+        made, node = create() if parent is None else create(parent)
+        made.setTransformFromParentBodyNode(matrix_of(joint.pose_in_parent))
+        if joint.type is JointType.FIXED:
+            return made, node
+        made.setAxis(joint.axis_in_joint)
+        made.setDampingCoefficient(0, joint.damping)
+        made.setCoulombFriction(0, joint.friction)
+        made.setSpringStiffness(0, joint.spring_stiffness)
+        made.setRestPosition(0, joint.spring_reference)
+        if joint.limit is not None and joint.type is not JointType.CONTINUOUS:
+            made.setPositionLowerLimit(0, joint.limit.lower)
+            made.setPositionUpperLimit(0, joint.limit.upper)
+            made.setLimitEnforcement(True)
+        self.joints[joint.name] = made
+        return made, node
+
+    def _fill(self, node: Any, link: Link) -> None:
+        """Give a body the mass and the shapes of a link."""
+        self.nodes[link.name] = node
+        node.setGravityMode(link.gravity)
+        if link.inertial is not None:
+            node.setInertia(_inertia_of(link.inertial))
+        for collision in link.collisions:
+            shape = _shape_of(collision.geometry)
+            if shape is None:
+                if isinstance(collision.geometry, Mesh) and collision.geometry.path is not None:
+                    self.unread.append(collision.geometry.path)
+                continue
+            frame = add_shape(node, shape, collision.surface.mu1, self._shape_name())
+            frame.setRelativeTransform(matrix_of(collision.pose_in_link))
+            self.shapes.append((link.name, collision.geometry, frame))
+
+    def _shape_name(self) -> str:
+        """One that no shape of another robot has."""
+        return f"{self.skeleton.getName()} {len(self.shapes)}"
+
+    def place(self, pose_in_world: Pose) -> None:
+        """Put it somewhere, at rest, its joints at zero."""
+        self.skeleton.resetPositions()
+        self.skeleton.resetVelocities()
+        for joint, pose in self._fixed:
+            joint.setTransformFromParentBodyNode(matrix_of(compose(pose_in_world, pose)))
+        for base, pose in self._bases:
+            place = matrix_of(compose(pose_in_world, pose))
+            base.setPositions(dynamics.FreeJoint.convertToPositions(place))
+        self._pose_of_world = pose_in_world
+
+    def link_pose(self, link: str) -> Pose:
+        """The frame of a link, seen from the world."""
+        node = self.nodes.get(link)
+        return self._pose_of_world if node is None else pose_of(node)
+
+
+def corners_of(frame: Any) -> list[Vector]:
+    """The corners of the box around a shape along its own axes, seen from the world."""
+    box, pose = frame.getShape().getBoundingBox(), pose_of(frame)
+    (x, y, z), (far_x, far_y, far_z) = box.getMin().tolist(), box.getMax().tolist()
+    return [
+        compose(pose, Pose(xyz=corner)).xyz
+        for corner in product((x, far_x), (y, far_y), (z, far_z))
+    ]
+
+
+def add_shape(node: Any, shape: Any, friction: float, name: str) -> Any:
+    """Give a body something to touch; gives the shape's frame."""
+    frame = node.createShapeNode(shape, name)
+    frame.createCollisionAspect()
+    frame.createDynamicsAspect().setFrictionCoeff(friction)
+    return frame
+
+
+def matrix_of(pose: Pose) -> Any:
+    """The pose as DART's homogeneous matrix."""
+    rotation = rotation_of_rpy(pose.rpy)
+    rows = tuple((*row, part) for row, part in zip(rotation, pose.xyz, strict=True))
+    return Isometry3((*rows, (0.0, 0.0, 0.0, 1.0)))
+
+
+def pose_of(frame: Any) -> Pose:
+    """The pose of a frame of DART in the world."""
+    rows = frame.getWorldTransform().matrix().tolist()
+    (a, b, c, x), (d, e, f, y), (g, h, i, z), _ = rows
+    return Pose(xyz=(x, y, z), rpy=rpy_of_rotation(((a, b, c), (d, e, f), (g, h, i))))
+
+
+def _inertia_of(inertial: Inertial) -> Any:
+    xx, xy, xz, yy, yz, zz = about_link_axes(inertial)
+    return dynamics.Inertia(
+        inertial.mass, inertial.pose_in_link.xyz, ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
+    )
+
+
+def _shape_of(geometry: Geometry) -> Any:
+    """The shape; None for a mesh that is not there or not read."""
+    if isinstance(geometry, Box):
+        return dynamics.BoxShape(geometry.size)
+    if isinstance(geometry, Sphere):
+        return dynamics.SphereShape(geometry.radius)
+    if isinstance(geometry, Cylinder):
+        return dynamics.CylinderShape(geometry.radius, geometry.length)
+    if isinstance(geometry, Capsule):
+        return dynamics.CapsuleShape(geometry.radius, geometry.length)
+    if geometry.path is None:
+        return None
+    text = MESH_ROBOT.format(
+        file=quoted(f"file://{geometry.path}"), scale=quoted(" ".join(map(repr, geometry.scale)))
+    )
+    mesh_robot = utils.DartLoader().parseSkeletonString(text, "file:///")
+    node = mesh_robot.getBodyNode(0) if mesh_robot is not None else None
+    return node.getShapeNode(0).getShape() if node is not None and node.getNumShapeNodes() else None

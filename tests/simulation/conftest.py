@@ -1,0 +1,27 @@
+"""The engines that all tests about engines are run with."""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING
+
+import pytest
+
+from wsgen.simulation.run import MODULES, missing_engines
+from wsgen.simulation.scene import ENGINES
+
+if TYPE_CHECKING:
+    from simulation.robots import NewEngine
+
+CLASSES = {"bullet": "BulletEngine", "dart": "DartEngine"}
+
+
+@pytest.fixture(params=ENGINES)
+def new_engine(request: pytest.FixtureRequest) -> NewEngine:
+    """Makes an engine of a world; a test that takes this is run with every engine."""
+    name: str = request.param
+    if missing_engines([name]):
+        pytest.skip(f"{MODULES[name]} is not installed")
+    module = importlib.import_module(f"wsgen.simulation.{name}")
+    made: NewEngine = getattr(module, CLASSES[name])
+    return made

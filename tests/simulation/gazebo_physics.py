@@ -1,0 +1,97 @@
+"""Gazebo's own physics as an oracle: the Debian libraries of Gazebo Fortress."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from wsgen.model.pose import Pose
+from wsgen.model.robot import Mesh
+from wsgen.model.transform import rotation_of_quaternion, rpy_of_rotation
+
+if TYPE_CHECKING:
+    from wsgen.model.robot import Collision, Robot, Visual
+
+SOURCE = Path(__file__).with_name("gazebo_drop.cc")
+PACKAGES = (
+    "ignition-physics5-dartsim-plugin",
+    "ignition-physics5-sdf",
+    "ignition-physics5-mesh",
+    "ignition-plugin1-loader",
+    "ignition-common4-graphics",
+    "ignition-math6-eigen3",
+    "sdformat12",
+)
+DEBIAN = "libignition-physics-dev ignition-tools g++ pkg-config"
+PLUGIN = "libignition-physics5-dartsim-plugin.so"
+SECONDS = 120.0
+
+WORLD = """\
+<sdf version="1.9"><world name="drop">
+<gravity>0 0 -9.8</gravity>
+<physics name="fast" type="dart"><max_step_size>0.001</max_step_size></physics>
+<model name="ground"><static>true</static><link name="link"><collision name="plane"><geometry>
+<plane><normal>0 0 1</normal><size>100 100</size></plane>
+</geometry></collision></link></model>
+{model}
+</world></sdf>
+"""
+
+
+def is_installed() -> bool:
+    """Whether there are Gazebo's libraries, and what compiles against them."""
+    if not all(map(shutil.which, ("g++", "pkg-config", "ign"))):
+        return False
+    return subprocess.run(["pkg-config", "--exists", *PACKAGES], check=False).returncode == 0
+
+
+class GazeboPhysics:
+    """The program that lets a model fall, compiled into a folder."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.program = folder / "gazebo_drop"
+        flags = _answer("pkg-config", "--cflags", "--libs", *PACKAGES).split()
+        _answer("g++", "-std=c++17", str(SOURCE), "-o", str(self.program), *flags)
+        libraries = _answer("pkg-config", "--variable=libdir", "ignition-physics5").strip()
+        self.plugin = Path(libraries, PLUGIN)
+
+    def rest_pose(self, text: str, robot: Robot, z: float, *, steps: int) -> Pose:
+        """Where the root link is after so many steps, spawned at that height.
+
+        `text` is the URDF; `robot` is what it describes, with the files of its meshes.
+        """
+        (self.folder / "robot.urdf").write_text(_with_mesh_files(text, robot), encoding="utf-8")
+        printed = _answer("ign", "sdf", "-p", str(self.folder / "robot.urdf"))
+        found = re.search(r"<model name='([^']*)'>(.*)</model>", printed, re.DOTALL)
+        assert found is not None, printed
+        name, inside = found.groups()
+        model = f"<model name='{name}'><pose>0 0 {z!r} 0 0 0</pose>{inside}</model>"
+        world = self.folder / "world.sdf"
+        world.write_text(WORLD.format(model=model), encoding="utf-8")
+        answer = _answer(
+            str(self.program), str(self.plugin), str(world), name, robot.root, str(steps)
+        )
+        x, y, z, *xyzw = map(float, answer.splitlines()[-1].split())
+        rotation = rotation_of_quaternion((xyzw[0], xyzw[1], xyzw[2], xyzw[3]))
+        return Pose((x, y, z), rpy_of_rotation(rotation))
+
+
+def _with_mesh_files(text: str, robot: Robot) -> str:
+    shapes: list[Visual | Collision] = []
+    for link in robot.links:
+        shapes += link.visuals
+        shapes += link.collisions
+    meshes = {shape.geometry for shape in shapes if isinstance(shape.geometry, Mesh)}
+    for mesh in meshes:
+        text = text.replace(f'"{mesh.uri}"', f'"file://{mesh.path}"')
+    return text
+
+
+def _answer(*command: str) -> str:
+    run = subprocess.run(command, capture_output=True, text=True, timeout=SECONDS, check=False)
+    assert run.returncode == 0, run.stderr[-2000:]
+    return run.stdout
