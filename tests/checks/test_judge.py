@@ -1,38 +1,44 @@
-"""All rules together: which findings a trial ends with."""
+"""All rules together: which findings a robot and a trial end with."""
+
+from __future__ import annotations
 
 import math
 from dataclasses import replace
 
 import pytest
 
-from wsgen.checks.judge import judge_trial
+from checks.trials import SPAWNED, STANDS
+from wsgen.checks.judge import judge_robot, judge_trial, limbs_that_gave_way
 from wsgen.model.pose import Pose
-from wsgen.model.robot import Inertial, Link, Robot
+from wsgen.model.robot import (
+    Inertial,
+    Joint,
+    JointLimit,
+    JointType,
+    Link,
+    Robot,
+)
 from wsgen.model.world import World
-from wsgen.simulation.scene import RobotTrial
+from wsgen.simulation.scene import Overlapping, RobotTrial
 
 WORLD = World(name="w", has_ground_plane=True)
 BODY = Inertial(mass=1.0, inertia=(0.1, 0.0, 0.0, 0.1, 0.0, 0.1))
 ROBOT = Robot(name="r", root="base", links=(Link(name="base", inertial=BODY),))
-SPAWNED = Pose((0.0, 0.0, 0.3))
-STANDS = RobotTrial(
-    entity="r",
-    links=1,
-    movable_joints=0,
-    mass=1.0,
-    lowest_point=0.05,
-    penetration=0.0,
-    lowest_point_at_end=0.0,
-    is_finite=True,
-    settled_after=0.5,
-    rest_pose=Pose((0.0, 0.0, 0.25)),
-    speed=0.0,
-    turning=0.0,
-    joint_speed=0.0,
-    highest_speed=1.0,
-    highest_point=0.3,
-    tilt=0.0,
-)
+INSIDE = Overlapping(link="base", other_entity=None, other_link="arm", depth=0.1)
+IN_ANOTHER = replace(INSIDE, other_entity="s")
+
+
+def with_joint(kind: JointType, limit: JointLimit | None = None) -> Robot:
+    arm = Joint(name="arm", type=kind, parent="base", child="arm", limit=limit)
+    out = replace(BODY, mass=0.5, pose_in_link=Pose((0.0, 0.3, 0.0)))
+    base = replace(BODY, mass=0.5)
+    links = (Link(name="base", inertial=base), Link(name="arm", inertial=out))
+    return replace(ROBOT, links=links, joints=(arm,))
+
+
+ARM = with_joint(JointType.REVOLUTE, JointLimit(lower=-1.0, upper=1.0))
+HANGS = replace(STANDS, movable_joints=1, joint_positions={"arm": 0.0}, joint_travel={"arm": 0.0})
+GAVE_WAY = replace(HANGS, joint_positions={"arm": 0.9}, joint_travel={"arm": 0.9})
 
 
 def codes(trial: RobotTrial, *, robot: Robot = ROBOT, world: World = WORLD) -> list[str]:
@@ -41,6 +47,7 @@ def codes(trial: RobotTrial, *, robot: Robot = ROBOT, world: World = WORLD) -> l
 
 def test_a_robot_that_stands() -> None:
     assert codes(STANDS) == []
+    assert codes(HANGS, robot=ARM) == []
 
 
 @pytest.mark.parametrize(
@@ -48,7 +55,7 @@ def test_a_robot_that_stands() -> None:
     [
         ({"mass": 2.0}, ["SPN050"]),
         ({"movable_joints": 1}, ["SPN051"]),
-        ({"is_finite": False, "tilt": 3.0}, ["SPN052"]),
+        ({"is_finite": False, "tilt": 3.0, "energy_gain": 1e9}, ["SPN052"]),
         ({"penetration": 0.25, "lowest_point": -0.25}, ["SPN053"]),
         ({"lowest_point": 2.0}, ["SPN054"]),
         ({"lowest_point_at_end": -0.1}, ["SPN055"]),
@@ -57,10 +64,13 @@ def test_a_robot_that_stands() -> None:
         ({"highest_point": 20.0}, ["SPN057"]),
         ({"settled_after": None, "speed": 1.0}, ["SPN058"]),
         ({"tilt": math.pi / 2}, ["SPN059"]),
+        ({"energy_gain": 500.0, "highest_point": 20.0, "tilt": 3.0}, ["SPN061"]),
+        ({"overlaps": (IN_ANOTHER,)}, ["SPN063"]),
+        ({"overlaps": (INSIDE,)}, []),
     ],
 )
 def test_each_fault_is_found_and_nothing_else(
-    measured: dict[str, float], expected: list[str]
+    measured: dict[str, object], expected: list[str]
 ) -> None:
     assert codes(replace(STANDS, **measured)) == expected  # type: ignore[arg-type]
 
@@ -70,9 +80,104 @@ def test_without_a_ground_there_is_nothing_to_be_born_in() -> None:
     assert codes(trial, world=replace(WORLD, has_ground_plane=False)) == []
 
 
+def test_out_of_the_ground_is_not_into_the_air() -> None:
+    """It comes up by as much as it was in it."""
+    trial = replace(STANDS, penetration=0.6, lowest_point=-0.6, highest_point=0.9, energy_gain=6.0)
+    assert codes(trial) == ["SPN053"]
+    assert codes(replace(trial, highest_point=1.5)) == ["SPN053", "SPN057"]
+
+
+def test_energy_is_measured_in_the_gravity_of_the_world() -> None:
+    trial = replace(STANDS, energy_gain=1.5)
+    assert codes(trial) == ["SPN061"]
+    assert codes(trial, world=replace(WORLD, gravity=(0.0, 15.0, -15.0))) == []
+
+
 def test_a_robot_that_is_fixed_to_the_world_stands_by_that() -> None:
-    fixed = replace(ROBOT, fixed_to_world=True)
-    trial = replace(STANDS, lowest_point=2.0, lowest_point_at_end=-0.01, tilt=1.0)
+    fixed = replace(ARM, fixed_to_world=True)
+    trial = replace(HANGS, lowest_point=2.0, lowest_point_at_end=-0.01, tilt=1.0)
     assert codes(trial, robot=fixed) == []
-    swings = replace(trial, settled_after=None, speed=0.0)
-    assert codes(swings, robot=fixed) == ["SPN058"]
+    swings = replace(GAVE_WAY, settled_after=None, lowest_point_at_end=-9.0, highest_point=9.0)
+    assert codes(swings, robot=fixed) == ["SPN060"]
+    assert codes(replace(swings, energy_gain=99.0), robot=fixed) == ["SPN061"]
+
+
+def test_a_static_robot_has_nothing_but_its_figures() -> None:
+    static = replace(ARM, is_static=True)
+    trial = replace(STANDS, lowest_point=-3.0, penetration=3.0, lowest_point_at_end=-3.0, tilt=1.0)
+    assert codes(trial, robot=static) == []
+    assert codes(replace(trial, movable_joints=1), robot=static) == ["SPN051"]
+    assert codes(replace(trial, overlaps=(IN_ANOTHER,)), robot=static) == ["SPN063"]
+
+
+def test_limbs_that_give_way_excuse_the_robot() -> None:
+    assert codes(GAVE_WAY, robot=ARM) == ["SPN060"]
+    swings = replace(GAVE_WAY, settled_after=None, joint_speed=2.0)
+    assert codes(swings, robot=ARM) == ["SPN060"]
+    pulled = replace(swings, speed=0.5, tilt=1.0)
+    found = judge_trial(ARM, SPAWNED, WORLD, pulled)
+    assert [(one.code, one.severity.value) for one in found] == [
+        ("SPN058", "warning"),
+        ("SPN059", "warning"),
+        ("SPN060", "info"),
+    ]
+
+
+def test_a_joint_that_is_torn_beyond_its_limit() -> None:
+    trial = replace(HANGS, joint_positions={"arm": 1.5}, joint_travel={"arm": 1.5})
+    assert codes(trial, robot=ARM) == ["SPN062", "SPN060"]
+
+
+def test_links_in_each_other_count_where_they_may_collide() -> None:
+    trial = replace(HANGS, overlaps=(INSIDE,))
+    assert codes(trial, robot=ARM) == []
+    links = tuple(replace(link, self_collide=True) for link in ARM.links)
+    assert codes(trial, robot=replace(ARM, links=links)) == ["SPN064"]
+
+
+@pytest.mark.parametrize(
+    ("kind", "travel", "gave_way"),
+    [
+        (JointType.REVOLUTE, 0.09, False),
+        (JointType.REVOLUTE, 0.11, True),
+        (JointType.CONTINUOUS, 0.11, True),
+        (JointType.PRISMATIC, 0.009, False),
+        (JointType.PRISMATIC, 0.011, True),
+    ],
+)
+def test_play_is_no_giving_way(kind: JointType, travel: float, *, gave_way: bool) -> None:
+    trial = replace(HANGS, joint_travel={"arm": travel})
+    expected = {"arm": travel} if gave_way else {}
+    assert limbs_that_gave_way(with_joint(kind), trial) == expected
+
+
+def test_wheels_that_roll_do_not_give_way() -> None:
+    robot = with_joint(JointType.CONTINUOUS)
+    wheel = replace(robot.links[1], inertial=BODY)
+    robot = replace(robot, links=(robot.links[0], wheel))
+    assert limbs_that_gave_way(robot, replace(HANGS, joint_travel={"arm": 9.0})) == {}
+
+
+def test_all_rules_over_a_description_are_asked() -> None:
+    """A heavy robot of absurd inertia with nothing to touch, a loose part and a jolting joint."""
+    frame = Link(name="dummy")
+    links = (frame, Link(name="base", inertial=BODY), Link(name="off", inertial=BODY))
+    joints = (
+        Joint(name="a", type=JointType.FIXED, parent="dummy", child="base"),
+        Joint(name="b", type=JointType.FLOATING, parent="base", child="off"),
+        Joint(
+            name="c",
+            type=JointType.REVOLUTE,
+            parent="base",
+            child="jolts",
+            limit=JointLimit(lower=0.5, upper=1.0),
+        ),
+    )
+    robot = Robot(
+        name="r",
+        root="dummy",
+        links=(*links, Link(name="jolts", inertial=BODY)),
+        joints=joints,
+    )
+    found = [one.code for one in judge_robot(robot, None)]
+    assert found == ["ROB051", "ROB053", "ROB055", "ROB070"]

@@ -14,6 +14,7 @@ from wsgen.checks.robot_rules import (
     nothing_to_see,
     nothing_to_touch,
     ros_1_plugin,
+    starts_outside_limits,
 )
 from wsgen.diagnostics import Severity
 from wsgen.model.robot import (
@@ -24,6 +25,7 @@ from wsgen.model.robot import (
     Geometry,
     Inertial,
     Joint,
+    JointLimit,
     JointType,
     Link,
     Mesh,
@@ -130,6 +132,45 @@ def test_nothing_to_see() -> None:
     assert list(nothing_to_see([seen, Link(name="frame")], None)) == []
 
 
-def test_loose_joint() -> None:
+@pytest.mark.parametrize(
+    ("generation", "severity"),
+    [(None, Severity.WARNING), ("classic", Severity.WARNING), ("gz", Severity.ERROR)],
+)
+def test_loose_joint(generation: str | None, severity: Severity) -> None:
     floating = replace(JOINT, type=JointType.FLOATING)
-    assert [found.code for found in loose_joint([JOINT, floating], None)] == ["ROB055"]
+    (found,) = loose_joint([JOINT, floating], None, generation)
+    assert (found.code, found.severity) == ("ROB055", severity)
+    planar = replace(JOINT, type=JointType.PLANAR)
+    assert [one.code for one in loose_joint([planar], None, generation)] == ["ROB055"]
+    assert list(loose_joint([JOINT], None, generation)) == []
+
+
+def limited(lower: float, upper: float, kind: JointType = JointType.REVOLUTE) -> Joint:
+    return replace(JOINT, type=kind, limit=JointLimit(lower=lower, upper=upper), line=9)
+
+
+@pytest.mark.parametrize("kind", [JointType.REVOLUTE, JointType.PRISMATIC])
+@pytest.mark.parametrize(("lower", "upper"), [(-3.07, -0.07), (0.1, 0.2)])
+def test_a_joint_that_starts_outside_its_limits(
+    kind: JointType, lower: float, upper: float
+) -> None:
+    (found,) = starts_outside_limits([JOINT, limited(lower, upper, kind)], FILE)
+    assert (found.code, found.severity, found.line) == ("ROB070", Severity.INFO, 9)
+    assert f"{lower:g} to {upper:g}" in found.message
+    assert found.element == "joint[@name='j']/limit"
+
+
+@pytest.mark.parametrize(
+    "joint",
+    [
+        limited(-1.0, 1.0),
+        limited(0.0, 1.0),
+        limited(-1.0, 0.0),
+        limited(0.0, 0.0),
+        limited(0.1, 0.2, JointType.CONTINUOUS),
+        limited(0.1, 0.2, JointType.FIXED),
+        replace(JOINT, type=JointType.REVOLUTE),
+    ],
+)
+def test_joints_that_start_within_their_limits(joint: Joint) -> None:
+    assert list(starts_outside_limits([joint], FILE)) == []

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
-from wsgen.checks import robot_rules, trial_rules
+from wsgen.checks import extent_rules, motion_rules, robot_rules, scene_rules, trial_rules
+from wsgen.model.limbs import limb_joints
+from wsgen.model.robot import JointType
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
@@ -16,16 +18,30 @@ if TYPE_CHECKING:
     from wsgen.model.world import World
     from wsgen.simulation.scene import RobotTrial
 
+# Less is play: a motion that nobody would call giving way.
+GAVE_WAY_TURNING = 0.1  # rad
+GAVE_WAY_SLIDING = 0.01  # m
 
-def judge_robot(written: Robot, file: Path | None) -> tuple[Diagnostic, ...]:
-    """Judge a robot as its description gives it; `file` is what the findings name."""
+
+def judge_robot(
+    written: Robot, file: Path | None, *, generation: str | None = None
+) -> tuple[Diagnostic, ...]:
+    """Judge a robot as its description gives it.
+
+    `file` is what the findings name, `generation` the simulator it is for: "classic", "gz", or None
+    for either.
+    """
     return (
+        *extent_rules.number_beyond_engines(written.links, written.joints, file),
+        *extent_rules.implausible_size(written.links, written.joints, file),
+        *extent_rules.implausible_mass(written.links, written.joints, file),
         *robot_rules.implausible_inertia(written.links, file),
         *robot_rules.massless_root(written.link(written.root), written.joints, written.mass, file),
         *robot_rules.ros_1_plugin(written.gazebo, file),
         *robot_rules.nothing_to_touch(written.links, file),
         *robot_rules.nothing_to_see(written.links, file),
-        *robot_rules.loose_joint(written.joints, file),
+        *robot_rules.loose_joint(written.joints, file, generation),
+        *robot_rules.starts_outside_limits(written.joints, file),
     )
 
 
@@ -34,30 +50,54 @@ def judge_trial(
 ) -> tuple[Diagnostic, ...]:
     """Judge what was measured of a robot; `robot` is the one Gazebo would build (lumped)."""
     entity = trial.entity
+    collide = [link.name for link in robot.links if link.self_collide]
+    movable = 0 if robot.is_static else len(robot.movable_joints)
     found = [
         *trial_rules.mass_differs_from_description(entity, robot.mass, trial.mass),
-        *trial_rules.joints_differ_from_description(
-            entity, len(robot.movable_joints), trial.movable_joints
-        ),
+        *trial_rules.joints_differ_from_description(entity, movable, trial.movable_joints),
         *trial_rules.state_not_finite(entity, is_finite=trial.is_finite),
+        *scene_rules.robots_in_each_other(entity, trial.overlaps),
+        *scene_rules.links_in_each_other(entity, trial.overlaps, collide),
     ]
-    if robot.fixed_to_world:
-        # It hangs or stands where it is spawned; only its joints can move.
-        return (*found, *_unrest(trial))
-    if world.has_ground_plane:
+    if robot.is_static:
+        return tuple(found)
+    if world.has_ground_plane and not robot.fixed_to_world:
         found += trial_rules.born_inside_the_ground(entity, trial.penetration, spawn_pose.xyz[2])
         found += trial_rules.spawned_high_above_the_ground(
             entity, trial.lowest_point, spawn_pose.xyz[2]
         )
     if trial.is_finite:
-        found += _judge_motion(spawn_pose, world, trial)
+        found += _judge_motion(robot, world, trial)
     return tuple(found)
 
 
-def _judge_motion(spawn_pose: Pose, world: World, trial: RobotTrial) -> list[Diagnostic]:
+def _judge_motion(robot: Robot, world: World, trial: RobotTrial) -> list[Diagnostic]:
+    entity = trial.entity
+    gave_way = limbs_that_gave_way(robot, trial)
+    is_moving = trial.settled_after is None
+    found = list(
+        motion_rules.gains_energy(
+            entity,
+            trial.energy_gain,
+            trial.mass,
+            math.hypot(*world.gravity),
+            trial.penetration,
+        )
+    )
+    if found:
+        return found  # what else it does comes from that
+    # It hangs or stands where it is spawned; only its joints can move.
+    if not robot.fixed_to_world:
+        found = _judge_place(world, trial, gave_way=bool(gave_way))
+    found += motion_rules.joint_beyond_limit(entity, robot.joints, trial.joint_positions)
+    found += motion_rules.gives_way(gave_way, entity, is_moving=is_moving)
+    return found
+
+
+def _judge_place(world: World, trial: RobotTrial, *, gave_way: bool) -> list[Diagnostic]:
     entity = trial.entity
     falls = list(
-        trial_rules.falls_without_end(
+        motion_rules.falls_without_end(
             entity,
             trial.lowest_point,
             trial.lowest_point_at_end,
@@ -68,21 +108,28 @@ def _judge_motion(spawn_pose: Pose, world: World, trial: RobotTrial) -> list[Dia
         return falls
     found = list(trial_rules.stuck_in_the_ground(entity, -trial.lowest_point_at_end))
     is_stuck = bool(found)  # and still being pushed out: it moves for that alone
-    found += trial_rules.thrown_into_the_air(
-        entity, trial.highest_point - spawn_pose.xyz[2] - trial.penetration
+    found += motion_rules.thrown_into_the_air(
+        entity, trial.highest_point - trial.spawn_pose.xyz[2] - trial.penetration
     )
     if not is_stuck:
-        found += _unrest(trial)
-    found += trial_rules.tips_over(entity, trial.tilt)
+        found += motion_rules.keeps_moving(
+            entity,
+            trial.settled_after,
+            trial.speed,
+            turning=trial.turning,
+            joint_speed=trial.joint_speed,
+            gave_way=gave_way,
+        )
+    found += motion_rules.tips_over(entity, trial.tilt, gave_way=gave_way)
     return found
 
 
-def _unrest(trial: RobotTrial) -> Iterator[Diagnostic]:
-    return trial_rules.keeps_moving(
-        trial.entity,
-        trial.settled_after,
-        trial.speed,
-        trial.movable_joints,
-        turning=trial.turning,
-        joint_speed=trial.joint_speed,
-    )
+def limbs_that_gave_way(robot: Robot, trial: RobotTrial) -> dict[str, float]:
+    """The joints that moved though nobody drives them, with how far (rad or m)."""
+    types = {joint.name: joint.type for joint in robot.joints}
+    return {
+        name: trial.joint_travel[name]
+        for name in sorted(limb_joints(robot) & trial.joint_travel.keys())
+        if trial.joint_travel[name]
+        > (GAVE_WAY_SLIDING if types[name] is JointType.PRISMATIC else GAVE_WAY_TURNING)
+    }

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.model.inertia import of_solid, principal_moments
-from wsgen.model.robot import Box, Capsule, Cylinder, Mesh, Sphere
+from wsgen.model.robot import Box, Capsule, Cylinder, JointType, Mesh, Sphere
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 # A hollow part has up to three times the inertia of a solid one, a part with its mass at one end
 # more, and a collision shape may be a good deal larger or smaller than the part.
 IMPLAUSIBLE = 30.0  # times the solid's largest moment, or that part of it
+
+HAVE_LIMITS = (JointType.REVOLUTE, JointType.PRISMATIC)
 
 # Plugin libraries that no ROS 2 release has, with what took their place.
 ROS_1_PLUGINS = {
@@ -203,14 +205,17 @@ def nothing_to_see(links: Iterable[Link], file: Path | None) -> Iterator[Diagnos
             )
 
 
-def loose_joint(joints: Iterable[Joint], file: Path | None) -> Iterator[Diagnostic]:
+def loose_joint(
+    joints: Iterable[Joint], file: Path | None, generation: str | None
+) -> Iterator[Diagnostic]:
     """A joint is of a type that Gazebo makes no joint of.
 
     ## What it does
     Looks for floating and planar joints.
 
     ## Why is this bad?
-    Gazebo's parser leaves the joint out: the child is a loose body, and falls off.
+    Gazebo's parser leaves the joint out: in Gazebo Classic the child is a loose body and falls off;
+    Gazebo Sim refuses the robot, because the child is placed relative to a joint that is not there.
 
     ## Use instead
     For the base of a mobile robot nothing: it is free anyhow. Otherwise prismatic and revolute
@@ -220,14 +225,46 @@ def loose_joint(joints: Iterable[Joint], file: Path | None) -> Iterator[Diagnost
         if joint.type.value in {"floating", "planar"}:
             yield Diagnostic(
                 code="ROB055",
-                severity=Severity.WARNING,
-                message=f"Gazebo has no {joint.type.value} joints: it leaves `{joint.name}` out, "
-                f"and `{joint.child}` is loose.",
+                severity=Severity.ERROR if generation == "gz" else Severity.WARNING,
+                message=f"Gazebo has no {joint.type.value} joints and leaves `{joint.name}` out: "
+                f"in Gazebo Classic `{joint.child}` is loose, Gazebo Sim refuses the robot.",
                 file=file,
                 line=joint.line,
                 element=f"joint[@name='{joint.name}']",
                 hint=f"Make `{joint.child}` the root, or use prismatic and revolute joints.",
             )
+
+
+def starts_outside_limits(joints: Iterable[Joint], file: Path | None) -> Iterator[Diagnostic]:
+    """A joint starts at 0, and 0 is outside of its limits.
+
+    ## What it does
+    Looks for revolute and prismatic joints whose limits do not hold 0.
+
+    ## Why is this bad?
+    Simulators spawn a robot with all joints at 0 and then push this one to its limit with a jolt.
+
+    ## Example
+    `<limit lower="-3.07" upper="-0.07" ... />` of a Panda's elbow.
+
+    ## Use instead
+    Limits around 0, with the zero of the joint moved by <origin>; or a spawner that gives the start
+    position (-J in Gazebo Classic), or a controller that takes it from there.
+    """
+    for joint in joints:
+        limit = joint.limit if joint.type in HAVE_LIMITS else None
+        if limit is None or limit.lower <= 0 <= limit.upper:
+            continue
+        yield Diagnostic(
+            code="ROB070",
+            severity=Severity.INFO,
+            message=f"The joint `{joint.name}` is spawned at 0, outside of its limits "
+            f"{limit.lower:g} to {limit.upper:g}: simulators push it there.",
+            file=file,
+            line=joint.line,
+            element=f"joint[@name='{joint.name}']/limit",
+            hint="Give the spawner a start position, or choose limits that hold 0.",
+        )
 
 
 def _ratio(times: float) -> str:

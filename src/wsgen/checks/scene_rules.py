@@ -1,0 +1,140 @@
+"""Rules over robots in one scene, and over one scene in two engines.
+
+The parameters are facts in SI units; a rule yields what it finds.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.model.transform import multiply, rotation_of_rpy, transpose
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterator, Sequence
+
+    from wsgen.model.pose import Pose
+    from wsgen.simulation.scene import Overlapping, RobotTrial
+
+NAMED = 3  # so many pairs of links are told in a message
+SAME_PLACE = 0.005  # m; engines have collision margins of 1 mm
+SAME_HEADING = math.radians(2)
+SAME_JOINT = 0.1  # rad or m
+
+
+def robots_in_each_other(entity: str, overlaps: Sequence[Overlapping]) -> Iterator[Diagnostic]:
+    """Two robots are spawned inside each other.
+
+    ## What it does
+    Looks for links of two robots that are in each other when all are spawned.
+
+    ## Why is this bad?
+    The simulator shoots them apart.
+
+    ## Use instead
+    Spawn poses (-x, -y) with room for every robot.
+    """
+    for other in dict.fromkeys(found.other_entity for found in overlaps if found.other_entity):
+        deepest = max(
+            (found for found in overlaps if found.other_entity == other),
+            key=lambda found: found.depth,
+        )
+        if entity < str(other):  # told once, of the first by name
+            yield Diagnostic(
+                code="SPN063",
+                severity=Severity.ERROR,
+                message=f"`{entity}` and `{other}` are spawned inside each other: "
+                f"`{deepest.link}` is {deepest.depth:.3f} m deep in `{deepest.other_link}`.",
+                element=entity,
+                hint="Give the spawners poses that are farther apart (-x, -y).",
+            )
+
+
+def links_in_each_other(
+    entity: str, overlaps: Sequence[Overlapping], collide: Collection[str]
+) -> Iterator[Diagnostic]:
+    """Links of one robot that may touch each other start inside each other.
+
+    ## What it does
+    Looks for overlapping links with <selfCollide> that no joint joins.
+
+    ## Why is this bad?
+    The simulator pushes them apart from the first moment on: the robot shakes or jumps.
+
+    ## Use instead
+    Smaller collision shapes, or no <selfCollide> for these links.
+    """
+    inside = [
+        found
+        for found in overlaps
+        if found.other_entity is None and {found.link, found.other_link} & set(collide)
+    ]
+    if inside:
+        told = ", ".join(
+            f"`{found.link}` in `{found.other_link}` ({found.depth:.3f} m)"
+            for found in sorted(inside, key=lambda found: -found.depth)[:NAMED]
+        )
+        told += f" and {len(inside) - NAMED} more" if len(inside) > NAMED else ""
+        yield Diagnostic(
+            code="SPN064",
+            severity=Severity.WARNING,
+            message=f"Links that collide with each other start inside each other: {told}.",
+            element=entity,
+            hint="Make their collision shapes smaller, or leave <selfCollide> away.",
+        )
+
+
+def engines_disagree(first: RobotTrial, second: RobotTrial) -> Iterator[Diagnostic]:
+    """Two engines do not agree on what becomes of the robot.
+
+    ## What it does
+    Compares mass, joints and, where both come to rest, the poses and joint positions.
+
+    ## Why is this bad?
+    What happens hangs on details that no description fixes: a balance, a fall, a mesh that one
+    engine takes as its convex hull and the other as triangles.
+
+    ## Use instead
+    DART is what Gazebo Sim takes by default.
+    """
+    different = list(_differences(first, second))
+    if different:
+        yield Diagnostic(
+            code="SPN065",
+            severity=Severity.WARNING,
+            message=f"PyBullet and DART disagree: {'; '.join(different)}.",
+            element=first.entity,
+            hint="Gazebo Sim takes DART by default. A robot that falls or balances ends up "
+            "somewhere else each time; one that stands should not.",
+        )
+
+
+def _differences(first: RobotTrial, second: RobotTrial) -> Iterator[str]:
+    if not math.isclose(first.mass, second.mass, rel_tol=1e-6):
+        yield f"mass {first.mass:g} and {second.mass:g} kg"
+    if first.movable_joints != second.movable_joints:
+        yield f"{first.movable_joints} and {second.movable_joints} joints"
+    if (first.settled_after is None) != (second.settled_after is None):
+        names = ("PyBullet", "DART") if second.settled_after is None else ("DART", "PyBullet")
+        yield f"only in {names[0]} it comes to rest"
+    if first.settled_after is None or second.settled_after is None:
+        return
+    apart = math.dist(first.rest_pose.xyz, second.rest_pose.xyz)
+    angle = _angle(first.rest_pose, second.rest_pose)
+    if apart > SAME_PLACE or angle > SAME_HEADING:
+        yield f"it rests {apart * 1000:.0f} mm and {math.degrees(angle):.1f} degrees apart"
+    far = {
+        name: abs(position - second.joint_positions[name])
+        for name, position in first.joint_positions.items()
+        if name in second.joint_positions
+    }
+    worst = max(far, key=lambda name: far[name], default=None)
+    if worst is not None and far[worst] > SAME_JOINT:
+        yield f"the joint `{worst}` rests {far[worst]:.2f} rad or m apart"
+
+
+def _angle(first: Pose, second: Pose) -> float:
+    turned = multiply(rotation_of_rpy(first.rpy), transpose(rotation_of_rpy(second.rpy)))
+    cosine = (turned[0][0] + turned[1][1] + turned[2][2] - 1) / 2
+    return math.acos(min(1.0, max(-1.0, cosine)))

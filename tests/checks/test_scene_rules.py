@@ -1,0 +1,124 @@
+"""The judgements over robots in each other, and over two engines, from facts alone."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import pytest
+
+from checks.trials import STANDS
+from wsgen.checks import scene_rules as rules
+from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.model.pose import Pose
+from wsgen.simulation.scene import Overlapping
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+
+def found(diagnostics: Iterable[Diagnostic]) -> list[tuple[str, Severity]]:
+    return [(diagnostic.code, diagnostic.severity) for diagnostic in diagnostics]
+
+
+def overlap(link: str, other: str, depth: float = 0.1, *, entity: str | None = None) -> Overlapping:
+    return Overlapping(link=link, other_entity=entity, other_link=other, depth=depth)
+
+
+def test_robots_in_each_other_are_told_once_with_the_deepest() -> None:
+    seen_from_a = [
+        overlap("a1", "b1", 0.1, entity="b"),
+        overlap("a2", "b2", 0.3, entity="b"),
+        overlap("a1", "c1", 0.2, entity="c"),
+        overlap("a1", "a2", 0.9),
+    ]
+    first, second = rules.robots_in_each_other("a", seen_from_a)
+    assert found([first, second]) == [("SPN063", Severity.ERROR)] * 2
+    assert "`a` and `b`" in first.message
+    assert "`a2` is 0.300 m deep in `b2`" in first.message
+    assert "`a` and `c`" in second.message
+    # The other one, by name, keeps silent.
+    assert found(rules.robots_in_each_other("b", [overlap("b1", "a1", entity="a")])) == []
+
+
+def test_robots_apart() -> None:
+    assert found(rules.robots_in_each_other("a", [])) == []
+    assert found(rules.robots_in_each_other("a", [overlap("x", "y")])) == []
+
+
+def test_links_that_may_collide_and_start_in_each_other() -> None:
+    (one,) = rules.links_in_each_other("r", [overlap("x", "y", 0.25)], ["x", "y"])
+    assert found([one]) == [("SPN064", Severity.WARNING)]
+    assert "`x` in `y` (0.250 m)." in one.message
+
+
+@pytest.mark.parametrize("collide", [[], ["z"]])
+def test_links_that_may_not_collide(collide: list[str]) -> None:
+    assert found(rules.links_in_each_other("r", [overlap("x", "y")], collide)) == []
+
+
+def test_links_of_another_robot_are_another_matter() -> None:
+    others = [overlap("x", "y", entity="other")]
+    assert found(rules.links_in_each_other("r", others, ["x", "y"])) == []
+
+
+def test_the_deepest_pairs_are_named() -> None:
+    many = [overlap("x", str(depth), depth / 10) for depth in (1, 4, 2, 5, 3)]
+    (one,) = rules.links_in_each_other("r", many, ["x", *"12345"])
+    assert "`x` in `5` (0.500 m), `x` in `4` (0.400 m), `x` in `3` (0.300 m) and 2 more." in (
+        one.message
+    )
+
+
+def test_engines_that_agree() -> None:
+    assert found(rules.engines_disagree(STANDS, STANDS)) == []
+    near = replace(
+        STANDS,
+        mass=STANDS.mass * (1 + 1e-7),
+        rest_pose=Pose((0.003, 0.0, 0.253), (0.01, 0.0, 0.01)),
+        joint_positions={"j": 0.05},
+        settled_after=2.0,
+    )
+    assert found(rules.engines_disagree(STANDS, near)) == []
+
+
+@pytest.mark.parametrize(
+    ("measured", "words"),
+    [
+        ({"mass": 2.5}, "mass 1 and 2.5 kg"),
+        ({"movable_joints": 3}, "0 and 3 joints"),
+        ({"settled_after": None}, "only in PyBullet it comes to rest"),
+        ({"rest_pose": Pose((0.0, 0.03, 0.29))}, "it rests 50 mm and 0.0 degrees apart"),
+        (
+            {"rest_pose": Pose((0.0, 0.0, 0.25), (0.1, 0.0, 0.0))},
+            "it rests 0 mm and 5.7 degrees apart",
+        ),
+        (
+            {"joint_positions": {"j": -0.5, "k": 0.3}},
+            "the joint `j` rests 0.50 rad or m apart",
+        ),
+    ],
+)
+def test_engines_that_disagree(measured: dict[str, object], words: str) -> None:
+    first = replace(STANDS, joint_positions={"j": 0.0, "k": 0.0})
+    second = replace(STANDS, **{"joint_positions": first.joint_positions, **measured})  # type: ignore[arg-type]
+    (one,) = rules.engines_disagree(first, second)
+    assert found([one]) == [("SPN065", Severity.WARNING)]
+    assert one.message == f"PyBullet and DART disagree: {words}."
+
+
+def test_who_comes_to_rest_is_told() -> None:
+    (one,) = rules.engines_disagree(replace(STANDS, settled_after=None), STANDS)
+    assert "only in DART" in one.message
+
+
+def test_poses_of_what_moves_are_not_compared() -> None:
+    moving = replace(STANDS, settled_after=None)
+    elsewhere = replace(moving, rest_pose=Pose((9.0, 9.0, 9.0)), joint_positions={"j": 9.0})
+    assert found(rules.engines_disagree(moving, elsewhere)) == []
+
+
+def test_all_differences_are_told_together() -> None:
+    other = replace(STANDS, mass=2.0, movable_joints=1, rest_pose=Pose((0.0, 0.0, 1.25)))
+    (one,) = rules.engines_disagree(STANDS, other)
+    assert one.message.count(";") == 2
