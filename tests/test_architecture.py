@@ -11,7 +11,8 @@ SOURCE = ROOT / "src" / "wsgen"
 
 # One module each; xacro's and colcon's doors lie deeper than one import.
 FOREIGN = {
-    "pybullet": "simulation/bullet.py",
+    "pybullet": "simulation/bullet_client.py",
+    "dartpy": "simulation/dart_library.py",
     "xacro": "description/expand.py",
     "jinja2": "templating/render.py",
     "catkin_pkg": "workspace/package_xml.py",

@@ -40,7 +40,12 @@ def test_the_typed_robot_passes_with_its_faults_named(workspace: Path) -> None:
     (robot,) = package["robots"]
     assert robot["entity"] == "simple_robot"
     assert (robot["links"], robot["joints"], robot["movable_joints"]) == (2, 1, 0)
-    assert robot["simulated"] == {"links": 1, "movable_joints": 0, "mass": 1.0}
+    assert robot["simulated"] == {
+        "engine": "bullet",
+        "links": 1,
+        "movable_joints": 0,
+        "mass": 1.0,
+    }
     # Half inside the ground it is pushed out, and stands.
     assert robot["spawn_pose"]["xyz"] == [0.0, 0.0, 0.0]
     assert robot["rest"]["xyz"][2] == pytest.approx(0.25, abs=0.002)

@@ -73,7 +73,12 @@ def test_the_generated_robot_stands(built: Path, tmp_path: Path) -> None:
     assert package["world"]["gravity"] == [0.0, 0.0, -9.8]
     (robot,) = package["robots"]
     assert robot["mass"] == 1.0
-    assert robot["simulated"] == {"links": 1, "movable_joints": 0, "mass": 1.0}
+    assert robot["simulated"] == {
+        "engine": "bullet",
+        "links": 1,
+        "movable_joints": 0,
+        "mass": 1.0,
+    }
     assert robot["spawn_pose"]["xyz"][2] > 0.25
     assert robot["rest"]["xyz"] == pytest.approx([0.0, 0.0, 0.25], abs=0.002)
     assert robot["rest"]["rpy"] == pytest.approx([0.0, 0.0, 0.0], abs=0.01)

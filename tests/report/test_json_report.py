@@ -17,8 +17,13 @@ ROBOT = RobotOutcome(
     joints=1,
     movable_joints=0,
     mass=1.0,
-    simulated=Simulated(links=1, movable_joints=0, mass=1.0),
-    rest=Rest(pose_in_world=Pose((0.0, 0.0, 0.25)), settled_after=0.5, speed=0.0),
+    simulated=Simulated(engine="bullet", links=1, movable_joints=0, mass=1.0),
+    rest=Rest(
+        pose_in_world=Pose((0.0, 0.0, 0.25)),
+        settled_after=0.5,
+        speed=0.0,
+        joint_positions={"elbow": 0.5},
+    ),
 )
 FINDING = Diagnostic(code="SPN053", severity=Severity.WARNING, message="m", file=Path("f"), line=3)
 
@@ -45,6 +50,7 @@ def test_every_key_of_the_contract() -> None:
         "packages": [
             {
                 "package": "p",
+                "file": None,
                 "share": "/s",
                 "launch_file": "/s/l.launch.py",
                 "passed": True,
@@ -62,12 +68,18 @@ def test_every_key_of_the_contract() -> None:
                         "joints": 1,
                         "movable_joints": 0,
                         "mass": 1.0,
-                        "simulated": {"links": 1, "movable_joints": 0, "mass": 1.0},
+                        "simulated": {
+                            "engine": "bullet",
+                            "links": 1,
+                            "movable_joints": 0,
+                            "mass": 1.0,
+                        },
                         "rest": {
                             "xyz": [0.0, 0.0, 0.25],
                             "rpy": [0.0, 0.0, 0.0],
                             "settled_after": 0.5,
                             "speed": 0.0,
+                            "joint_positions": {"elbow": 0.5},
                         },
                     }
                 ],
@@ -107,6 +119,7 @@ def test_the_documentation_lists_every_key() -> None:
     stages = dict.fromkeys(("launch", "expand", "load", "simulate", "total"), 1.0)
     document = json.loads(render_outcome(outcome(seconds=stages)))
     text = (Path(__file__).parents[2] / "docs" / "json.md").read_text(encoding="utf-8")
+    document["packages"][0]["robots"][0]["rest"]["joint_positions"] = None  # its keys are names
     listed = {line.split("`")[1] for line in text.splitlines() if line.startswith("| `")}
     assert listed == keys(document)
 

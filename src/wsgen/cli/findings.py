@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import TYPE_CHECKING
 
 import click
@@ -11,7 +12,7 @@ from wsgen.cli.words import short_path
 from wsgen.diagnostics import Severity
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Sequence
 
     from wsgen.diagnostics import Diagnostic
 
@@ -20,10 +21,21 @@ ORDER = tuple(COLORS)
 NAMES = {rule.code: rule.name for rule in RULES}
 
 
-def render_findings(diagnostics: Iterable[Diagnostic]) -> list[str]:
-    """Errors first; of each the place, what is wrong, and what to do."""
+def render_findings(
+    diagnostics: Sequence[Diagnostic], *, most_alike: int | None = None
+) -> list[str]:
+    """Errors first; of each the place, what is wrong, and what to do.
+
+    Of warnings and informations with one code, `most_alike` are told and the others counted. Errors
+    are all told.
+    """
     lines: list[str] = []
+    told: Counter[str] = Counter()
     for finding in sorted(diagnostics, key=lambda found: ORDER.index(found.severity)):
+        told[finding.code] += 1
+        is_one_of_many = most_alike is not None and told[finding.code] > most_alike
+        if is_one_of_many and finding.severity is not Severity.ERROR:
+            continue
         kind = f"{finding.severity.value}[{finding.code}]"
         label = click.style(kind, fg=COLORS[finding.severity])
         lines.append(f"{label} {NAMES[finding.code]}: {finding.message}")
@@ -32,7 +44,19 @@ def render_findings(diagnostics: Iterable[Diagnostic]) -> list[str]:
             lines.append(f"    at: {place}")
         if finding.hint:
             lines.append(f"   try: {finding.hint}")
-    return lines
+    return lines + _not_told(diagnostics, told, most_alike)
+
+
+def _not_told(
+    diagnostics: Sequence[Diagnostic], told: Counter[str], most_alike: int | None
+) -> list[str]:
+    severities = {found.code: found.severity for found in diagnostics}
+    left = [
+        f"{count - most_alike} more of {NAMES[code]}"
+        for code, count in told.items()
+        if most_alike is not None and count > most_alike and severities[code] is not Severity.ERROR
+    ]
+    return [f"and {', '.join(left)}: -v shows all"] if left else []
 
 
 def _place(finding: Diagnostic) -> str:

@@ -39,7 +39,7 @@ def output_options(function: Function) -> Function:
     """-q, -v and --color, for commands that show progress on standard error."""
     for option in (
         click.option("-q", "--quiet", is_flag=True, help="Show no progress."),
-        click.option("-v", "--verbose", is_flag=True, help="Show what other programs print."),
+        click.option("-v", "--verbose", is_flag=True, help="Show all that is found or printed."),
         click.option(
             "--color",
             type=click.Choice(["auto", "always", "never"]),

@@ -16,27 +16,29 @@ if TYPE_CHECKING:
 # Lengths in metres; the whole fits into 80 columns.
 HEADINGS = ("robot", "mass, kg", "joints move", "spawned at, m", "at the end, m", "")
 
+MOST_ALIKE = 3  # so many warnings of one code are told, without --verbose
 
-def render_outcome_table(outcome: Outcome) -> list[str]:
+
+def render_outcome_table(outcome: Outcome, *, verbose: bool = False) -> list[str]:
     """A block a package: what was played, a table of robots, the findings, the picture."""
     lines: list[str] = []
     for package in outcome.packages:
-        lines += [*_package(package), ""]
+        lines += [*_package(package, verbose=verbose), ""]
     if outcome.left_out:
         lines += [f"not judged, as they spawn no robot: {', '.join(outcome.left_out)}", ""]
     return lines[:-1]
 
 
-def _package(package: PackageOutcome) -> list[str]:
+def _package(package: PackageOutcome, *, verbose: bool) -> list[str]:
     verdict = (
         click.style("passed", fg="green", bold=True)
         if package.passed
         else click.style("failed", fg="red", bold=True)
     )
-    lines = [f"{click.style(package.package or '(file)', bold=True)}: {verdict}"]
+    lines = [f"{click.style(_name(package), bold=True)}: {verdict}"]
     if package.launch_file is not None:
         lines.append(f"  launch file  {short_path(package.launch_file)}")
-    if package.world is not None:
+    if package.world is not None and (package.robots or package.world.file):
         file = package.world.file
         lines.append(
             f"  world        {package.world.name}" + (f"  {short_path(file)}" if file else "")
@@ -44,13 +46,17 @@ def _package(package: PackageOutcome) -> list[str]:
     if package.robots:
         rows = [_robot(robot) for robot in package.robots]
         lines += ["", *_table([HEADINGS, *rows])]
-    findings = render_findings(package.diagnostics)
+    findings = render_findings(package.diagnostics, most_alike=None if verbose else MOST_ALIKE)
     if findings:
         lines += ["", *(f"  {line}" for line in findings)]
     if package.picture is not None:
         scale = f"  (a square is {package.picture_tile:g} m)" if package.picture_tile else ""
         lines += ["", f"  picture      {package.picture}{scale}"]
     return lines
+
+
+def _name(package: PackageOutcome) -> str:
+    return package.package or (short_path(package.file) if package.file else "(file)")
 
 
 def _robot(robot: RobotOutcome) -> tuple[str, ...]:

@@ -12,10 +12,13 @@ from wsgen.errors import EXIT_FAILED, EXIT_PASSED, NotFoundError
 if TYPE_CHECKING:
     from wsgen.model.outcome import Outcome
     from wsgen.pipeline.request import ValidateRequest
+    from wsgen.workspace.layout import Workspace
 
 
-@click.command(epilog="Build first: what is judged is the installed package.")
-@click.argument("packages", nargs=-1, metavar="[PACKAGE]...")
+@click.command(
+    epilog="Build first: what is judged is the installed package. A FILE needs no package."
+)
+@click.argument("names", nargs=-1, metavar="[PACKAGE | FILE]...")
 @workspace_option
 @click.option(
     "--launch",
@@ -28,7 +31,7 @@ if TYPE_CHECKING:
     "arguments",
     multiple=True,
     metavar="NAME:=VALUE",
-    help="Launch argument; may be given several times.",
+    help="Launch argument, or argument of a xacro FILE; may be given several times.",
 )
 @click.option(
     "--seconds",
@@ -37,6 +40,20 @@ if TYPE_CHECKING:
     show_default=True,
     help="Simulated time.",
 )
+@click.option(
+    "--engine",
+    type=click.Choice(["bullet", "dart", "both"]),
+    help="Physics engine; DART is Gazebo's own (pip install 'wsgen[dart]').  [default: bullet]",
+)
+@click.option(
+    "-j",
+    "--jobs",
+    type=click.IntRange(min=1, max=256),
+    default=1,
+    show_default=True,
+    metavar="N",
+    help="So many packages or files at a time.",
+)
 @click.option("--picture", type=click.Path(), metavar="DIR", help="Write a PNG of the end there.")
 @click.option(
     "--json", "json_file", type=click.Path(), metavar="FILE", help="Write the JSON there."
@@ -44,12 +61,14 @@ if TYPE_CHECKING:
 @format_option
 @output_options
 def command(
-    packages: tuple[str, ...],
+    names: tuple[str, ...],
     *,
     workspace: str | None,
     launch_file: str | None,
     arguments: tuple[str, ...],
     seconds: float,
+    engine: str | None,
+    jobs: int,
     picture: str | None,
     json_file: str | None,
     output_format: str,
@@ -58,22 +77,27 @@ def command(
 ) -> int:
     """Source the overlay, evaluate the installed launch file, spawn, simulate and judge.
 
-    Without PACKAGE, all packages of the workspace that spawn a robot.
+    Without PACKAGE, all packages of the workspace that spawn a robot. A FILE (.urdf, .xacro, .sdf,
+    .world) is tried by itself, a robot just above the ground of an empty world.
     """
     from pathlib import Path
 
     from wsgen.cli.words import split_launch_arguments
-    from wsgen.pipeline.request import ValidateRequest
+    from wsgen.pipeline.request import FILE_SUFFIXES, ValidateRequest
+    from wsgen.simulation.run import default_engine
 
     if json_file is not None and not Path(json_file).absolute().parent.is_dir():
         raise NotFoundError(
             f"The folder of {json_file} does not exist.", hint="Make it first, or name another."
         )
     request = ValidateRequest(
-        packages=packages,
+        packages=[name for name in names if not name.lower().endswith(FILE_SUFFIXES)],
+        files=[Path(name) for name in names if name.lower().endswith(FILE_SUFFIXES)],
         launch_file=launch_file,
         launch_arguments=split_launch_arguments(arguments),
         seconds=seconds,
+        engines=("bullet", "dart") if engine == "both" else (engine or default_engine(),),
+        jobs=jobs,
         picture_folder=Path(picture) if picture else None,
     )
     return validate_packages(
@@ -100,17 +124,32 @@ def validate_packages(
 
     from wsgen.cli.progress import listening
     from wsgen.pipeline import validate
-    from wsgen.workspace.layout import open_workspace
 
     with listening(quiet=quiet, verbose=verbose) as listener:
         outcome = validate(
-            open_workspace(workspace), request, environment=os.environ, listener=listener
+            _open_workspace(workspace, request),
+            request,
+            environment=os.environ,
+            listener=listener,
         )
-    _write(outcome, output_format=output_format, json_file=json_file)
+    _write(outcome, output_format=output_format, json_file=json_file, verbose=verbose)
     return EXIT_PASSED if outcome.passed else EXIT_FAILED
 
 
-def _write(outcome: Outcome, *, output_format: str, json_file: str | None) -> None:
+def _open_workspace(given: str | None, request: ValidateRequest) -> Workspace | None:
+    """The workspace that is meant; none where files alone are named and there is none."""
+    from wsgen.errors import RequestError
+    from wsgen.workspace.layout import open_workspace
+
+    try:
+        return open_workspace(given)
+    except (NotFoundError, RequestError):
+        if given is None and request.files and not request.packages:
+            return None
+        raise
+
+
+def _write(outcome: Outcome, *, output_format: str, json_file: str | None, verbose: bool) -> None:
     if json_file or output_format == "json":
         from wsgen.report.json_report import render_outcome
 
@@ -122,7 +161,7 @@ def _write(outcome: Outcome, *, output_format: str, json_file: str | None) -> No
             return
     from wsgen.cli.table import render_outcome_table
 
-    for line in render_outcome_table(outcome):
+    for line in render_outcome_table(outcome, verbose=verbose):
         click.echo(line)
 
 

@@ -7,12 +7,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.isolation.parent import Died, Limits, run
+from wsgen.isolation import parent
+from wsgen.isolation.outcome import Died, Limits
 from wsgen.launch import codes
 from wsgen.model.plan import Include, LaunchArgument, LaunchPlan, Process, Unresolved
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+
+    from wsgen.isolation.protocol import Run
 
 TASK = "wsgen.tasks:evaluate_launch"
 LIMITS = Limits(seconds=30.0, memory=2 * 2**30)
@@ -27,6 +30,7 @@ def evaluate(  # noqa: PLR0913  all but two have defaults
     only_arguments: bool = False,
     limits: Limits = LIMITS,
     task: str = TASK,
+    run: Run = parent.run,
 ) -> LaunchPlan:
     """What the launch file would start if `ros2 launch` played it with these arguments.
 
@@ -34,8 +38,8 @@ def evaluate(  # noqa: PLR0913  all but two have defaults
     and nothing it describes is started. `environment` is that of the sourced workspace. With
     `only_arguments` it is loaded and not played, and the plan holds the arguments that it and
     what it includes declare, their defaults in the words of `ros2 launch --show-args`. `task`
-    names the function that the child calls. Whatever is wrong with the launch file, or with what
-    it includes, is in the diagnostics of the plan; nothing is raised for it.
+    names the function that the child calls, and `run` starts it. Whatever is wrong with the launch
+    file, or with what it includes, is in the diagnostics of the plan; nothing is raised for it.
     """
     outcome = run(
         task,

@@ -2,48 +2,148 @@
 
 from __future__ import annotations
 
+import os
+from contextlib import ExitStack
+from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wsgen.errors import NotReadableError
+from wsgen.errors import NotFoundError, NotReadableError
+from wsgen.isolation import parent
+from wsgen.isolation.nursery import Nursery
 from wsgen.model.outcome import Outcome
 from wsgen.pipeline.request import ValidateRequest
 from wsgen.pipeline.selection import choose
 from wsgen.pipeline.validation import Validation
-from wsgen.workspace.overlay import source_overlay
+from wsgen.simulation.run import missing_engines
+from wsgen.workspace.overlay import Overlay, source_overlay
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-    from pathlib import Path
+    from collections.abc import Mapping, Sequence
+    from concurrent.futures import Executor
 
     from wsgen.events import Listener
+    from wsgen.isolation.protocol import Run
+    from wsgen.pipeline.file_validation import FileValidation
+    from wsgen.pipeline.selection import Chosen
     from wsgen.workspace.layout import Workspace
 
 __all__ = ["ValidateRequest", "validate"]
 
 
 def validate(
-    workspace: Workspace,
+    workspace: Workspace | None,
     request: ValidateRequest,
     *,
     environment: Mapping[str, str],
     listener: Listener | None = None,
 ) -> Outcome:
-    """Validate the packages one after the other.
+    """Validate packages of a workspace, and files; `request.jobs` of them at a time.
+
+    Files need no workspace, but one that is built may hold the packages whose meshes they name.
 
     Raises:
         RequestError: a package or launch file of that name does not exist.
-        NotFoundError: the workspace is not built, or no package has a launch file.
+        NotFoundError: the workspace is not built, no package has a launch file, a file is not
+            there, or an engine is not installed.
         NotReadableError: the folder for the pictures cannot be made.
     """
+    _require(request)
     if request.picture_folder is not None:
         _make_folder(request.picture_folder)
-    overlay = source_overlay(workspace, environment)
-    packages, left_out = choose(workspace, overlay, request)
-    return Outcome(
-        packages=tuple(
-            Validation(package, overlay, request, listener).run() for package in packages
-        ),
-        left_out=left_out,
+    overlay = _overlay(workspace, request, environment)
+    packages: Sequence[Chosen] = ()
+    left_out: tuple[str, ...] = ()
+    if workspace is not None and (request.packages or not request.files):
+        packages, left_out = choose(workspace, overlay, request)
+
+    def subjects(run: Run) -> list[Validation | FileValidation]:
+        return [
+            *(Validation(package, overlay, request, listener, run) for package in packages),
+            *_files(request, overlay, listener, run),
+        ]
+
+    if len(packages) + len(request.files) == 1:  # a server would serve one child
+        (subject,) = subjects(parent.run)
+        return Outcome(packages=(subject.run(),), left_out=left_out)
+    # Leaving the nursery ends the children for which the threads wait.
+    with ExitStack() as stack:
+        pool = _thread_pool(stack, min(request.jobs, len(packages) + len(request.files)))
+        todo = subjects(stack.enter_context(Nursery()).run)
+        if pool is None:
+            outcomes = [subject.run() for subject in todo]
+        else:
+            running = [pool.submit(subject.run) for subject in todo]
+            outcomes = [future.result() for future in running]
+    return Outcome(packages=tuple(outcomes), left_out=left_out)
+
+
+def _thread_pool(stack: ExitStack, jobs: int) -> Executor | None:
+    """Threads that wait for child processes, in which what takes long happens; None for one job.
+
+    When the stack is left early, nothing more is begun.
+    """
+    if jobs == 1:
+        return None
+    # Loaded only where it is used: it brings `logging`.
+    from concurrent.futures import ThreadPoolExecutor  # noqa: PLC0415
+
+    pool = ThreadPoolExecutor(max_workers=jobs)
+    stack.callback(pool.shutdown, cancel_futures=True)
+    return pool
+
+
+def _files(
+    request: ValidateRequest, overlay: Overlay, listener: Listener | None, run: Run
+) -> list[FileValidation]:
+    if not request.files:
+        return []
+    # A package needs nothing of what reads files.
+    from wsgen.pipeline.file_validation import FileValidation  # noqa: PLC0415
+
+    stems = [file.stem for file in request.files]
+    return [
+        FileValidation(
+            file,
+            overlay,
+            request,
+            listener,
+            run,
+            # Many robots are called model.urdf.
+            name=file.stem if stems.count(file.stem) == 1 else f"{file.parent.name}-{file.stem}",
+        )
+        for file in request.files
+    ]
+
+
+def _require(request: ValidateRequest) -> None:
+    missing = missing_engines(request.engines)
+    if missing:
+        raise NotFoundError(
+            f"The engine {missing[0]} is not installed.",
+            hint="Install it: pip install 'wsgen[dart]'"
+            if missing[0] == "dart"
+            else "PyBullet has no wheels for this Python; take --engine dart.",
+        )
+    for file in request.files:
+        if not file.is_file():
+            raise NotFoundError(f"There is no file {file}.", hint="Check its path.")
+
+
+def _overlay(
+    workspace: Workspace | None, request: ValidateRequest, environment: Mapping[str, str]
+) -> Overlay:
+    """The sourced workspace; for files alone, what is sourced already may have to do."""
+    if workspace is not None:
+        try:
+            return source_overlay(workspace, environment)
+        except NotFoundError:
+            if request.packages or not request.files:
+                raise
+    prefixes = environment.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
+    return Overlay(
+        install=Path(),
+        environment=dict(environment),
+        prefixes=tuple(Path(prefix) for prefix in prefixes if prefix),
     )
 
 

@@ -26,12 +26,14 @@ class Clock:
     def __init__(self, package: str, listener: Listener | None) -> None:
         self.package = package
         self.listener = listener
-        self.started = time.perf_counter()
+        self.started: float | None = None  # with the first step: packages wait for their turn
         self.seconds = dict.fromkeys(STAGES, 0.0)
 
     @contextmanager
     def step(self, stage: str, detail: str) -> Iterator[Step]:
         """Time what is done inside, and post its beginning and end."""
+        if self.started is None:
+            self.started = time.perf_counter()
         step = (self.package, stage)
         post(self.listener, StepStarted(step=step, detail=detail))
         started = time.perf_counter()
@@ -59,5 +61,6 @@ class Clock:
         self.seconds.update({name: seconds[name] for name in STAGES if name in seconds})
 
     def read(self) -> dict[str, float]:
-        """The stages, and the total since the clock was made."""
-        return {**self.seconds, "total": time.perf_counter() - self.started}
+        """The stages, and the total since the first began."""
+        total = 0.0 if self.started is None else time.perf_counter() - self.started
+        return {**self.seconds, "total": total}

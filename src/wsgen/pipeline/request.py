@@ -9,13 +9,18 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from pathlib import Path
 
+FILE_SUFFIXES = (".urdf", ".xacro", ".sdf", ".world")  # what can be tried without a package
+
 
 @dataclass(frozen=True, kw_only=True)
 class ValidateRequest:
-    """Packages and how they are tried."""
+    """Packages and files, and how they are tried."""
 
-    packages: Sequence[str] = ()  # empty: every package of the workspace that can be launched
+    packages: Sequence[str] = ()
+    files: Sequence[Path] = ()  # neither: every package of the workspace that can be launched
     launch_file: str | None = None  # a file name as `ros2 launch` takes it
     launch_arguments: Mapping[str, str] = field(default_factory=dict)
     seconds: float = 3.0  # of simulated time
+    engines: Sequence[str] = ("bullet",)  # the first one's figures are reported
+    jobs: int = 1  # so many packages or files at a time
     picture_folder: Path | None = None

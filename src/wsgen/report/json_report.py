@@ -43,6 +43,7 @@ def _package(package: PackageOutcome) -> dict[str, Any]:
     world = package.world
     return {
         "package": package.package,
+        "file": _path(package.file),
         "share": _path(package.share),
         "launch_file": _path(package.launch_file),
         "passed": package.passed,
@@ -73,6 +74,7 @@ def _robot(robot: RobotOutcome) -> dict[str, Any]:
         "simulated": None
         if simulated is None
         else {
+            "engine": simulated.engine,
             "links": simulated.links,
             "movable_joints": simulated.movable_joints,
             "mass": _number(simulated.mass),
@@ -83,6 +85,9 @@ def _robot(robot: RobotOutcome) -> dict[str, Any]:
             **_pose(rest.pose_in_world),
             "settled_after": rest.settled_after,
             "speed": _number(rest.speed),
+            "joint_positions": {
+                name: _number(position) for name, position in rest.joint_positions.items()
+            },
         },
     }
 

@@ -1,0 +1,128 @@
+"""A robot file on its way through the stages of `wsgen validate`, without a package."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from wsgen.description.xacro_file import expand_file
+from wsgen.diagnostics import Diagnostic, has_errors
+from wsgen.model.outcome import PackageOutcome
+from wsgen.pipeline.around import share_around
+from wsgen.pipeline.clock import Clock
+from wsgen.pipeline.described import Described, describe
+from wsgen.pipeline.text_file import read_bytes
+from wsgen.pipeline.trial import Tried, try_robots
+from wsgen.world.lookup import model_finder
+from wsgen.world.models import read_sdf
+from wsgen.world.reader import DEFAULT_WORLD
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from wsgen.events import Listener
+    from wsgen.isolation.protocol import Run
+    from wsgen.model.world import World
+    from wsgen.pipeline.request import ValidateRequest
+    from wsgen.workspace.overlay import Overlay
+
+
+class FileValidation:
+    """Reads, simulates and judges; collects what is found on the way.
+
+    A robot stands just above the ground of an empty world; the models of a world file stand where
+    the file puts them.
+    """
+
+    def __init__(  # noqa: PLR0913  what a stage needs, and its name
+        self,
+        file: Path,
+        overlay: Overlay,
+        request: ValidateRequest,
+        listener: Listener | None,
+        run: Run,
+        *,
+        name: str,
+    ) -> None:
+        self.file = file
+        self.name = name
+        self.overlay = overlay
+        self.request = request
+        self.run_task = run
+        self.clock = Clock(name, listener)
+        self.around = share_around(file)
+        self.diagnostics: list[Diagnostic] = []
+
+    def run(self) -> PackageOutcome:
+        """All stages, as far as they go."""
+        with self.clock.step("expand", self.file.name) as step:
+            world, described = self._read()
+            step.succeeded = not has_errors(self.diagnostics)
+        tried = Tried()
+        if described and world:
+            with self.clock.step(
+                "simulate", ", ".join(robot.entity for robot in described)
+            ) as step:
+                tried = try_robots(world, described, self.request, self.name, run=self.run_task)
+                step.succeeded = all(robot.passed for robot in tried.robots)
+            self.clock.take(tried.seconds or {})
+        return PackageOutcome(
+            package=None,
+            file=self.file,
+            share=None,
+            launch_file=None,
+            world=world,
+            robots=tried.robots,
+            diagnostics=(*self.diagnostics, *tried.diagnostics),
+            picture=tried.picture,
+            picture_tile=tried.picture_tile,
+            seconds=self.clock.read(),
+        )
+
+    def _read(self) -> tuple[World | None, list[Described]]:
+        if self.file.suffix.lower() in {".sdf", ".world"}:
+            return self._read_sdf()
+        text = self._urdf()
+        if text is None:
+            return DEFAULT_WORLD, []
+        described, diagnostics = describe(
+            text, file=self.file, share_of=self._share_of, on_the_ground=True
+        )
+        self.diagnostics += diagnostics
+        return DEFAULT_WORLD, [described] if described else []
+
+    def _urdf(self) -> str | bytes | None:
+        """The text of the robot, expanded where the file is of xacro."""
+        text: str | bytes | None
+        if self.file.suffix.lower() == ".xacro":
+            text, diagnostics = expand_file(
+                self.file,
+                self.request.launch_arguments,
+                environment=self.overlay.environment,
+                run=self.run_task,
+            )
+        else:
+            text, diagnostics = read_bytes(self.file)
+        self.diagnostics += diagnostics
+        return text
+
+    def _read_sdf(self) -> tuple[World | None, list[Described]]:
+        find = model_finder(self.file, self.overlay.environment)
+        found = read_sdf(self.file, find_model=lambda name: find(name) or self._share_of(name))
+        self.diagnostics += found.diagnostics
+        described = [
+            Described(
+                entity=model.name,
+                written=model.robot,
+                lumped=model.robot,
+                is_sound=not has_errors(found.diagnostics),
+                spawn_pose=model.pose_in_world,
+                on_the_ground=found.world is None,
+            )
+            for model in found.models
+            if model.robot is not None
+        ]
+        return found.world or DEFAULT_WORLD, described
+
+    def _share_of(self, package: str) -> Path | None:
+        """What is sourced comes first: it is what Gazebo would find."""
+        return self.overlay.share(package) or self.around(package)

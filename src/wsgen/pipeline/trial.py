@@ -1,0 +1,129 @@
+"""Try described robots in one world or more, and judge what was measured."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from wsgen.checks.judge import judge_trial
+from wsgen.checks.scene_rules import engines_disagree
+from wsgen.diagnostics import has_errors
+from wsgen.isolation.outcome import Limits
+from wsgen.model.outcome import Rest, RobotOutcome, Simulated
+from wsgen.simulation.run import run_trial
+from wsgen.simulation.scene import Scene, SpawnedRobot
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+    from pathlib import Path
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.isolation.protocol import Run
+    from wsgen.model.world import World
+    from wsgen.pipeline.described import Described
+    from wsgen.pipeline.request import ValidateRequest
+    from wsgen.simulation.scene import RobotTrial, TrialOutcome
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tried:
+    """What came of a trial."""
+
+    robots: tuple[RobotOutcome, ...] = ()
+    diagnostics: tuple[Diagnostic, ...] = ()
+    picture: Path | None = None
+    picture_tile: float | None = None  # m, edge of a square of the ground in the picture
+    seconds: Mapping[str, float] | None = None  # wall-clock: load, simulate, draw
+
+
+def try_robots(
+    world: World, described: Sequence[Described], request: ValidateRequest, name: str, *, run: Run
+) -> Tried:
+    """Simulate the sound robots, if there are any, and judge all; `name` is the picture's."""
+    sound = [robot for robot in described if robot.is_sound]
+    if not sound:
+        return Tried(robots=tuple(_outcome(robot, None) for robot in described))
+    # Large robots are slower than their own time; this is about hanging, not about slow.
+    limits = Limits(seconds=60.0 + 20.0 * request.seconds)
+    first, *others = [
+        run_trial(_scene(world, sound, request, name, engine), limits=limits, run=run)
+        for engine in request.engines
+    ]
+    found = [*first.diagnostics]
+    measured = {trial.entity: trial for trial in first.trials}
+    robots = []
+    for robot in described:
+        trial = measured.get(robot.entity)
+        judged = () if trial is None else judge_trial(robot.lumped, trial.spawn_pose, world, trial)
+        found += judged
+        passed = trial is not None and not has_errors(judged)
+        robots.append(_outcome(robot, trial, engine=request.engines[0], passed=passed))
+    for other in others:
+        found += _compared(first, other)
+    return Tried(
+        robots=tuple(robots),
+        diagnostics=tuple(found),
+        picture=first.picture,
+        picture_tile=first.picture_tile,
+        seconds=first.seconds,
+    )
+
+
+def _compared(first: TrialOutcome, other: TrialOutcome) -> Iterator[Diagnostic]:
+    yield from other.diagnostics
+    measured = {trial.entity: trial for trial in other.trials}
+    for trial in first.trials:
+        if trial.entity in measured:
+            yield from engines_disagree(trial, measured[trial.entity])
+
+
+def _scene(
+    world: World, sound: Sequence[Described], request: ValidateRequest, name: str, engine: str
+) -> Scene:
+    folder = request.picture_folder if engine == request.engines[0] else None
+    return Scene(
+        world=world,
+        robots=tuple(
+            SpawnedRobot(
+                entity=robot.entity,
+                robot=robot.lumped,
+                pose_in_world=robot.spawn_pose,
+                on_the_ground=robot.on_the_ground,
+            )
+            for robot in sound
+        ),
+        seconds=request.seconds,
+        engine=engine,
+        picture=folder.absolute() / f"{name}.png" if folder else None,
+    )
+
+
+def _outcome(
+    described: Described, trial: RobotTrial | None, *, engine: str = "", passed: bool = False
+) -> RobotOutcome:
+    written = described.written
+    return RobotOutcome(
+        entity=described.entity,
+        spawn_pose=described.spawn_pose if trial is None else trial.spawn_pose,
+        links=len(written.links),
+        joints=len(written.joints),
+        movable_joints=len(written.movable_joints),
+        mass=written.mass,
+        simulated=None
+        if trial is None
+        else Simulated(
+            engine=engine,
+            links=trial.links,
+            movable_joints=trial.movable_joints,
+            mass=trial.mass,
+        ),
+        rest=None
+        if trial is None
+        else Rest(
+            pose_in_world=trial.rest_pose,
+            settled_after=trial.settled_after,
+            speed=trial.speed,
+            joint_positions=trial.joint_positions,
+        ),
+        passed=passed,
+    )

@@ -1,0 +1,269 @@
+"""`wsgen validate FILE`: robots and worlds that belong to no package."""
+
+import importlib.util
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from PIL import Image
+
+needs_dart = pytest.mark.skipif(
+    importlib.util.find_spec("dartpy") is None, reason="DART (dartpy) is missing"
+)
+
+LINK = """
+  <link name="{name}">
+    <inertial><mass value="{mass}"/>
+      <inertia ixx="{inertia}" ixy="0" ixz="0" iyy="{inertia}" iyz="0" izz="{inertia}"/></inertial>
+    <visual><geometry>{shape}</geometry></visual>
+    <collision><geometry>{shape}</geometry></collision>
+  </link>"""
+BOX = '<box size="0.4 0.4 0.2"/>'
+
+
+def link(name: str = "base", *, mass: str = "2", inertia: str = "0.1", shape: str = BOX) -> str:
+    return LINK.format(name=name, mass=mass, inertia=inertia, shape=shape)
+
+
+def urdf(*parts: str, name: str = "crate") -> str:
+    return f'<?xml version="1.0"?>\n<robot name="{name}">{"".join(parts)}\n</robot>\n'
+
+
+def run(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    done = subprocess.run(
+        [sys.executable, "-m", "wsgen", "validate", *arguments],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert "Traceback" not in done.stderr, done.stderr
+    return done
+
+
+def judged(folder: Path, *arguments: str) -> tuple[int, list[dict[str, Any]]]:
+    done = run(folder, "--format", "json", *arguments)
+    assert done.stdout, done.stderr
+    return done.returncode, json.loads(done.stdout)["packages"]
+
+
+def codes(package: dict[str, Any], severity: str = "error") -> list[str]:
+    return [found["code"] for found in package["diagnostics"] if found["severity"] == severity]
+
+
+def test_a_robot_is_put_just_above_the_ground(tmp_path: Path) -> None:
+    (tmp_path / "crate.urdf").write_text(urdf(link()))
+    code, (package,) = judged(tmp_path, "crate.urdf")
+    (robot,) = package["robots"]
+    assert code == 0
+    assert (package["package"], package["launch_file"], package["share"]) == (None, None, None)
+    assert package["file"] == "crate.urdf"
+    assert robot["entity"] == "crate"
+    assert robot["spawn_pose"]["xyz"] == pytest.approx([0, 0, 0.105], abs=1e-6)
+    assert robot["rest"]["xyz"] == pytest.approx([0, 0, 0.1], abs=0.001)
+    assert robot["simulated"] == {
+        "engine": "bullet",
+        "links": 1,
+        "movable_joints": 0,
+        "mass": 2.0,
+    }
+
+
+def test_an_arm_on_the_world_swings_and_passes(tmp_path: Path) -> None:
+    joint = """
+  <joint name="swing" type="continuous"><parent link="world"/><child link="base"/>
+    <origin xyz="0 0 2"/><axis xyz="0 1 0"/></joint>"""
+    arm = link().replace('<mass value="2"/>', '<origin xyz="0.5 0 0"/><mass value="2"/>')
+    (tmp_path / "arm.urdf").write_text(urdf('<link name="world"/>', arm, joint))
+    code, (package,) = judged(tmp_path, "arm.urdf")
+    assert code == 0
+    assert codes(package, "info") == ["SPN060"]
+    (robot,) = package["robots"]
+    assert robot["spawn_pose"]["xyz"] == [0, 0, 0]
+    assert abs(robot["rest"]["joint_positions"]["swing"]) > 0.1
+
+
+def test_xacro_with_an_argument(tmp_path: Path) -> None:
+    text = urdf('<xacro:arg name="kg" default="1"/>', link(mass="$(arg kg)"))
+    text = text.replace("<robot", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"')
+    (tmp_path / "crate.urdf.xacro").write_text(text)
+    code, (package,) = judged(tmp_path, "crate.urdf.xacro", "--arg", "kg:=7")
+    assert (code, package["robots"][0]["mass"]) == (0, 7.0)
+
+
+def test_xacro_that_fails_names_file_and_line(tmp_path: Path) -> None:
+    text = urdf("\n", link(mass="${unknown}"))
+    text = text.replace("<robot", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"')
+    (tmp_path / "crate.xacro").write_text(text)
+    code, (package,) = judged(tmp_path, "crate.xacro")
+    (found,) = package["diagnostics"]
+    assert (code, found["code"], found["line"]) == (1, "ROB071", 5)
+    assert Path(found["file"]).name == "crate.xacro"
+    assert "unknown" in found["message"]
+
+
+MODEL = """<?xml version="1.0"?>
+<sdf version="1.7">{before}
+  <model name="crate">{pose}<link name="base">
+    <inertial><mass>2</mass><inertia><ixx>0.1</ixx><iyy>0.1</iyy><izz>0.1</izz></inertia></inertial>
+    <collision name="c"><geometry><box><size>0.4 0.4 0.2</size></box></geometry></collision>
+  </link></model>{after}
+</sdf>
+"""
+
+
+def test_an_sdf_model_is_put_on_the_ground(tmp_path: Path) -> None:
+    (tmp_path / "crate.sdf").write_text(MODEL.format(before="", pose="", after=""))
+    code, (package,) = judged(tmp_path, "crate.sdf")
+    assert code == 0
+    assert package["robots"][0]["rest"]["xyz"] == pytest.approx([0, 0, 0.1], abs=0.001)
+
+
+def test_the_models_of_a_world_stand_where_it_puts_them(tmp_path: Path) -> None:
+    ground = "<include><uri>model://ground_plane</uri></include>"
+    (tmp_path / "room.world").write_text(
+        MODEL.format(
+            before=f'<world name="room">{ground}',
+            pose="<pose>1 2 0.1 0 0 0</pose>",
+            after="</world>",
+        )
+    )
+    code, (package,) = judged(tmp_path, "room.world")
+    assert code == 0
+    assert package["world"]["name"] == "room"
+    assert package["robots"][0]["rest"]["xyz"] == pytest.approx([1, 2, 0.1], abs=0.001)
+
+
+def test_packages_are_found_in_the_folders_around(tmp_path: Path) -> None:
+    meshes = tmp_path / "somewhere" / "meshes"
+    meshes.mkdir(parents=True)
+    (tmp_path / "somewhere" / "package.xml").write_text("<package><name>crates</name></package>")
+    corners = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
+    faces = ("1 2 4 3", "5 7 8 6", "1 5 6 2", "3 4 8 7", "1 3 7 5", "2 6 8 4")
+    (meshes / "crate.obj").write_text(
+        "".join(f"v {x} {y} {z}\n" for x, y, z in corners)
+        + "".join(f"f {face}\n" for face in faces)
+    )
+    shape = '<mesh filename="package://crates/meshes/crate.obj" scale="0.1 0.1 0.1"/>'
+    (tmp_path / "somewhere" / "crate.urdf").write_text(urdf(link(shape=shape)))
+    code, (package,) = judged(tmp_path, "somewhere/crate.urdf")
+    assert code == 0, package["diagnostics"]
+    assert package["robots"][0]["rest"]["xyz"][2] == pytest.approx(0.1, abs=0.002)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "code"),
+    [
+        ("bytes.urdf", b"abc\xff", "ROB001"),
+        ("empty.urdf", b"", "ROB001"),
+        ("cut.urdf", b"<robot name='r'><link name='a'>", "ROB001"),
+        ("nothing.sdf", b"<sdf version='1.6'/>", "WLD003"),
+        ("cut.world", b"<sdf version='1.6'><world", "WLD002"),
+    ],
+)
+def test_files_that_are_none(tmp_path: Path, name: str, content: bytes, code: str) -> None:
+    (tmp_path / name).write_bytes(content)
+    exit_code, (package,) = judged(tmp_path, name)
+    assert exit_code == 1
+    assert code in codes(package)
+    assert package["diagnostics"][0]["file"] == name
+    assert package["robots"] == []
+
+
+def test_a_file_that_is_not_there(tmp_path: Path) -> None:
+    done = run(tmp_path, "nothing.urdf")
+    assert (done.returncode, done.stdout) == (4, "")
+    assert "nothing.urdf" in done.stderr
+
+
+def test_many_files_at_once_are_told_in_their_order(tmp_path: Path) -> None:
+    names = []
+    for number in range(6):
+        (tmp_path / str(number)).mkdir()
+        mass = "0" if number == 3 else str(number + 1)  # Gazebo refuses what has no mass
+        (tmp_path / str(number) / "model.urdf").write_text(urdf(link(mass=mass)))
+        names.append(f"{number}/model.urdf")
+    code, packages = judged(tmp_path, "-j", "3", "--picture", "pictures", *names)
+    assert code == 1
+    assert [package["file"] for package in packages] == names
+    assert [package["passed"] for package in packages] == [True, True, True, False, True, True]
+    assert [package["robots"][0]["mass"] for package in packages if package["passed"]] == [
+        1.0,
+        2.0,
+        3.0,
+        5.0,
+        6.0,
+    ]
+    assert sorted(file.name for file in (tmp_path / "pictures").iterdir()) == [
+        f"{number}-model.png" for number in (0, 1, 2, 4, 5)
+    ]
+
+
+def test_a_robot_that_kills_the_engine_leaves_the_others_alone(tmp_path: Path) -> None:
+    """An OBJ whose faces name points that it does not have ends PyBullet with SIGSEGV."""
+    (tmp_path / "bad.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 999999999\n")
+    (tmp_path / "bad.urdf").write_text(urdf(link(shape='<mesh filename="bad.obj"/>')))
+    (tmp_path / "good.urdf").write_text(urdf(link()))
+    code, (bad, good) = judged(tmp_path, "-j", "2", "bad.urdf", "good.urdf")
+    assert code == 1
+    assert codes(bad) == ["SPN031"]
+    assert "crate" in bad["diagnostics"][-1]["message"]
+    assert good["passed"]
+
+
+@needs_dart
+@pytest.mark.parametrize("engine", ["dart", "both"])
+def test_the_other_engine(tmp_path: Path, engine: str) -> None:
+    (tmp_path / "crate.urdf").write_text(urdf(link()))
+    code, (package,) = judged(
+        tmp_path, "crate.urdf", "--engine", engine, "--picture", str(tmp_path)
+    )
+    (robot,) = package["robots"]
+    assert code == 0
+    assert robot["simulated"]["engine"] == ("dart" if engine == "dart" else "bullet")
+    assert robot["rest"]["xyz"] == pytest.approx([0, 0, 0.1], abs=0.001)
+    assert package["diagnostics"] == []
+    with Image.open(tmp_path / "crate.png") as picture:
+        assert picture.width > 0
+
+
+@needs_dart
+def test_engines_that_disagree_are_told(tmp_path: Path) -> None:
+    """Every bowl is filled up for PyBullet, which takes the convex hull of a mesh."""
+    points = [(x, y, z) for z in (0.0, 0.2) for x in (-0.2, 0.2) for y in (-0.2, 0.2)]
+    # An open box, and a ball in it: on its floor in DART, on its rim in PyBullet.
+    faces = ("1 2 4 3", "1 5 6 2", "3 4 8 7", "1 3 7 5", "2 6 8 4")
+    (tmp_path / "bowl.obj").write_text(
+        "".join(f"v {x} {y} {z}\n" for x, y, z in points) + "".join(f"f {f}\n" for f in faces)
+    )
+    world = f"""<sdf version="1.7"><world name="w">
+      <include><uri>model://ground_plane</uri></include>
+      <model name="bowl"><static>true</static><link name="l"><collision name="c"><geometry>
+        <mesh><uri>{tmp_path}/bowl.obj</uri></mesh></geometry></collision></link></model>
+      <model name="ball"><pose>0 0 0.3 0 0 0</pose><link name="l">
+        <inertial><mass>1</mass><inertia><ixx>0.01</ixx><iyy>0.01</iyy><izz>0.01</izz></inertia>
+        </inertial><collision name="c"><geometry><sphere><radius>0.05</radius></sphere></geometry>
+        </collision></link></model></world></sdf>"""
+    (tmp_path / "bowl.sdf").write_text(world)
+    _, (package,) = judged(tmp_path, "bowl.sdf", "--engine", "both")
+    found = [item for item in package["diagnostics"] if item["code"] == "SPN065"]
+    assert [item["element"] for item in found] == ["ball"]
+    assert "mm" in found[0]["message"]
+
+
+def test_many_warnings_of_one_kind_are_counted(tmp_path: Path) -> None:
+    joints = [
+        f'<joint name="j{n}" type="continuous"><parent link="l0"/><child link="l{n}"/>'
+        f'<origin xyz="0 0 {n}"/></joint>'
+        for n in range(1, 6)
+    ]
+    links = [link(f"l{n}", inertia="500") for n in range(6)]
+    (tmp_path / "odd.urdf").write_text(urdf(*links, *joints))
+    brief, full = run(tmp_path, "odd.urdf").stdout, run(tmp_path, "-v", "odd.urdf").stdout
+    assert brief.count("] implausible-inertia:") == 3
+    assert "and 3 more of implausible-inertia: -v shows all" in brief
+    assert full.count("] implausible-inertia:") == 6
+    assert "-v shows all" not in full

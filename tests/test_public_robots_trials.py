@@ -1,0 +1,154 @@
+"""wsgen's verdict on robots that other people have published, and the table of docs/robots.md.
+
+Every error on one of them is written down with its reason; an error that is new, and one that is
+gone, fail the test. `--regenerate` writes the table.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from public_robots import CUT, REFUSED, ROBOTS, find_robot
+
+PAGE = Path(__file__).parents[1] / "docs" / "robots.md"
+
+# Why an error of the description is right: what Gazebo does with such a robot.
+WHY = {
+    "ROB001": "the file is no well-formed XML",
+    "ROB004": "Gazebo refuses a robot without a name",
+    "ROB005": "the robot has no link",
+    "ROB015": "URDF has no such joint type",
+    "ROB016": "Gazebo's parser refuses the number, or leaves out what has it",
+    "ROB017": "xacro was not expanded; PyBullet reads 0",
+    "ROB024": "Gazebo knows no such shape in a URDF",
+    "ROB028": "Gazebo's engine ends the program on a collision mesh that is mirrored by its scale",
+    "ROB037": "Gazebo refuses the inertia (Error 18)",
+    "ROB040": "a link without mass: Gazebo refuses the robot, or cuts the link off with all below",
+    "ROB041": "Gazebo computes a centre of mass as 0/0 and refuses the robot",
+    "ROB044": "Gazebo's parser drops the rest of a link without a word",
+}
+# What only the trial shows, and why it is right.
+NO_COLLISION = {"SPN056"}, "it has no <collision>, and falls through the ground in Gazebo as well"
+NOT_BOLTED = {"SPN059"}, "it is not joined to a link `world`, and falls over in Gazebo as well"
+NO_MESHES = {"ROB060"}, "the package does not hold the meshes that the file names"
+IN_THE_TRIAL = {
+    "alexander_v1_lowerbodyonly": NO_COLLISION,
+    "al5d_robot": NO_COLLISION,
+    "double_pendulum": NOT_BOLTED,
+    "double_pendulum_continuous": NOT_BOLTED,
+    "talos_full_v2": NO_MESHES,
+    "irb140": NO_MESHES,
+    "kr120r2500pro": NO_MESHES,
+    "kr210l150": NO_MESHES,
+    "lbr_iiwa_14_r820": NO_MESHES,
+}
+
+HEAD = """\
+# Published robots
+
+What `wsgen validate FILE` says of robots that other people have published on PyPI, each put just
+above the ground of an empty world, in PyBullet, with no controller. Every error has its reason
+below the table. `pytest tests/test_public_robots_trials.py --regenerate` writes this page; a test
+compares what does not hang on the machine.
+
+"Rests after" is when it stands still; "limp" says that limbs that nobody drives gave way, "-" that
+it was not tried. z is the height of the root link at the end. Errors are bold;
+[rules.md](rules.md) lists the codes.
+
+| robot | from | links | joints | kg | rests after | z, m | seconds | found |
+|---|---|---|---|---|---|---|---|---|
+"""
+
+pytestmark = pytest.mark.oracle
+
+
+def judge(files: dict[str, Path]) -> dict[str, dict[str, Any]]:
+    """What wsgen says, by the short name of the robot."""
+    done = subprocess.run(
+        [
+            *(sys.executable, "-m", "wsgen", "validate", "-q", "--format", "json"),
+            *("-j", str(os.cpu_count() or 1), *map(str, files.values())),
+        ],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode in {0, 1}, done.stderr
+    return dict(zip(files, json.loads(done.stdout)["packages"], strict=True))
+
+
+def codes(package: dict[str, Any], severity: str) -> set[str]:
+    return {found["code"] for found in package["diagnostics"] if found["severity"] == severity}
+
+
+def test_every_error_has_its_reason_and_the_page_says_so(*, regenerate: bool) -> None:
+    """One test, because one run of wsgen judges them all."""
+    files = {name: file for package, path, name in ROBOTS if (file := find_robot(package, path))}
+    if not files:
+        pytest.skip("the packages with robots are not installed")
+    judged = judge(files)
+    errors = {name: codes(package, "error") for name, package in judged.items()}
+    expected = {name: expected_errors(name) for name in files}
+    wrong = {name: found for name, found in errors.items() if found != expected[name]}
+    assert wrong == {}
+    assert all(judged[name]["passed"] == (not errors[name]) for name in files)
+    if len(judged) < len(ROBOTS):
+        pytest.skip("packages with robots are not installed: the page is not compared")
+    rows = [row(package, name, judged[name]) for package, _, name in ROBOTS]
+    reasons = [f"- {name}: {reason(name)}." for _, _, name in ROBOTS if errors[name]]
+    text = HEAD + "\n".join(rows) + "\n\n## Errors\n\n" + "\n".join(reasons) + "\n"
+    if regenerate:
+        PAGE.write_text(text, encoding="utf-8")
+    assert what_must_hold(PAGE.read_text(encoding="utf-8")) == what_must_hold(text)
+
+
+def expected_errors(name: str) -> set[str]:
+    described = REFUSED.get(name, set()) | CUT.get(name, set())
+    return described | IN_THE_TRIAL.get(name, (set(), ""))[0]
+
+
+def reason(name: str) -> str:
+    described = sorted(REFUSED.get(name, set()) | CUT.get(name, set()))
+    tried = [IN_THE_TRIAL[name][1]] if name in IN_THE_TRIAL else []
+    return "; ".join([*(f"{WHY[code]} ({code})" for code in described), *tried])
+
+
+def row(package: str, name: str, judged: dict[str, Any]) -> str:
+    robot = judged["robots"][0] if judged["robots"] else {}
+    simulated = robot.get("simulated")
+    cells = [name, package]
+    if simulated:
+        rest = robot["rest"]
+        is_limp = "SPN060" in codes(judged, "info")
+        after = "moves" if rest["settled_after"] is None else f"{rest['settled_after']:.1f} s"
+        cells += [
+            str(simulated["links"]),
+            str(simulated["movable_joints"]),
+            f"{simulated['mass']:.3f}",
+            f"{after}, limp" if is_limp else after,
+            f"{round(rest['xyz'][2], 2) + 0.0:.2f}" if not is_limp else "",
+            f"{judged['seconds']['total']:.1f}",
+        ]
+    else:
+        cells += ["-"] * 6
+    found = sorted(codes(judged, "error")), sorted(codes(judged, "warning"))
+    cells.append(" ".join([*(f"**{code}**" for code in found[0]), *found[1]]))
+    return f"| {' | '.join(cells)} |"
+
+
+def what_must_hold(page: str) -> list[list[str]]:
+    """The page without what differs between machines: times, heights and warnings."""
+    lines = []
+    for line in page.splitlines():
+        cells = line.split(" | ")
+        is_row = len(cells) == len(HEAD.splitlines()[-2].split(" | "))
+        errors = [word for word in cells[-1].split() if word.startswith("**")]
+        lines.append([*cells[:5], *errors] if is_row else [line])
+    return lines
