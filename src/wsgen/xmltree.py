@@ -92,9 +92,7 @@ def parse_numbers(content: bytes) -> Element | Malformed:
     return Malformed(message="the document is empty", line=1) if root is None else root
 
 
-def _parser(
-    encoding: str | None, *, recover: bool = False, large: bool = False
-) -> etree.XMLParser:
+def _parser(encoding: str | None, *, recover: bool = False, large: bool = False) -> etree.XMLParser:
     return etree.XMLParser(
         encoding=encoding,
         resolve_entities=False,
