@@ -68,5 +68,10 @@ def test_new_build_validate(version: str, tmp_path: Path) -> None:
         outcome = json.loads(said)
         (robot,) = outcome["packages"][0]["robots"]
         assert outcome["passed"]
-        assert robot["simulated"] == {"links": 1, "movable_joints": 0, "mass": 1.0}
+        assert robot["simulated"] == {
+            "engine": "bullet",
+            "links": 1,
+            "movable_joints": 0,
+            "mass": 1.0,
+        }
         assert robot["rest"]["xyz"][2] == pytest.approx(0.25, abs=0.002)

@@ -8,6 +8,7 @@ the work going, because a broken terminal is no reason to lose a build.
 from __future__ import annotations
 
 import contextlib
+import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -49,6 +50,17 @@ class StepEnded:
 
 Event = StepStarted | StepProgressed | OutputLine | StepEnded
 Listener = Callable[[Event], None]
+
+
+def one_at_a_time(listener: Listener) -> Listener:
+    """A listener for several threads, which hears one event after the other."""
+    lock = threading.Lock()
+
+    def hear(event: Event) -> None:
+        with lock:
+            listener(event)
+
+    return hear
 
 
 def post(listener: Listener | None, event: Event) -> None:

@@ -36,13 +36,32 @@ def found(diagnostics: Iterable[Diagnostic]) -> list[tuple[str, Severity]]:
 )
 def test_a_robot_that_falls(start: float, end: float, *, falls: bool) -> None:
     expected = [("SPN056", Severity.ERROR)] if falls else []
-    assert found(rules.falls_without_end("r", start, end, has_ground=True)) == expected
+    judged = rules.falls_without_end("r", start, end, has_ground=True, is_moving=False)
+    assert found(judged) == expected
+
+
+@pytest.mark.parametrize(
+    ("start", "end", "is_moving", "falls"),
+    [
+        (0.1, -0.2, False, False),  # on something that is below z = 0
+        (0.1, -5.0, False, False),  # it fell, and onto something
+        (0.1, -5.0, True, True),
+        (50.0, 3.0, True, True),
+    ],
+)
+def test_without_a_ground_plane_falling_is_what_counts(
+    start: float, end: float, *, is_moving: bool, falls: bool
+) -> None:
+    expected = [("SPN056", Severity.ERROR)] if falls else []
+    judged = rules.falls_without_end("r", start, end, has_ground=False, is_moving=is_moving)
+    assert found(judged) == expected
 
 
 def test_why_it_falls() -> None:
-    (without,) = rules.falls_without_end("r", 0.0, -44.04, has_ground=False)
-    (with_ground,) = rules.falls_without_end("r", 0.0, -44.04, has_ground=True)
-    assert "44.0 m below" in without.message
+    (without,) = rules.falls_without_end("r", 1.0, -43.04, has_ground=False, is_moving=True)
+    (with_ground,) = rules.falls_without_end("r", 0.0, -44.04, has_ground=True, is_moving=True)
+    assert "by 44.0 m" in without.message
+    assert "44.0 m below" in with_ground.message
     assert "ground_plane" in (without.hint or "")
     assert "<collision>" in (with_ground.hint or "")
 
@@ -68,22 +87,24 @@ def test_the_limbs_that_moved_farthest_are_named() -> None:
 
 def test_energy_from_nowhere() -> None:
     """It is measured by how high it could lift the robot: 0.1 m of 10 kg are 9.8 J."""
-    assert found(rules.gains_energy("r", 9.7, 10.0, 9.8, 0.0)) == []
-    assert found(rules.gains_energy("r", 9.9, 10.0, 9.8, 0.0)) == [("SPN061", Severity.ERROR)]
-    (one,) = rules.gains_energy("r", 12345.6, 10.0, 9.8, 0.0)
+    assert found(rules.gains_energy("r", 9.7, 10.0, 9.8, 0.0, is_alone=True)) == []
+    assert found(rules.gains_energy("r", 9.9, 10.0, 9.8, 0.0, is_alone=True)) == [
+        ("SPN061", Severity.ERROR)
+    ]
+    (one,) = rules.gains_energy("r", 12345.6, 10.0, 9.8, 0.0, is_alone=True)
     assert "1.23e+04 J" in one.message
 
 
 def test_what_comes_out_of_the_ground_gains_the_energy_for_that() -> None:
-    assert found(rules.gains_energy("r", 9.8 * 5.9, 10.0, 9.8, 0.5)) == []
-    assert found(rules.gains_energy("r", 9.8 * 6.1, 10.0, 9.8, 0.5)) != []
+    assert found(rules.gains_energy("r", 9.8 * 5.9, 10.0, 9.8, 0.5, is_alone=True)) == []
+    assert found(rules.gains_energy("r", 9.8 * 6.1, 10.0, 9.8, 0.5, is_alone=True)) != []
 
 
 def test_without_gravity_the_measure_is_that_of_the_earth() -> None:
-    assert found(rules.gains_energy("r", 9.7, 10.0, 0.0, 0.0)) == []
-    assert found(rules.gains_energy("r", 9.9, 10.0, 0.0, 0.0)) != []
+    assert found(rules.gains_energy("r", 9.7, 10.0, 0.0, 0.0, is_alone=True)) == []
+    assert found(rules.gains_energy("r", 9.9, 10.0, 0.0, 0.0, is_alone=True)) != []
     # Where things are heavier, it takes more.
-    assert found(rules.gains_energy("r", 9.9, 10.0, 24.8, 0.0)) == []
+    assert found(rules.gains_energy("r", 9.9, 10.0, 24.8, 0.0, is_alone=True)) == []
 
 
 def joint(kind: JointType, limit: JointLimit | None) -> Joint:
@@ -170,3 +191,9 @@ def test_a_robot_that_tips_over() -> None:
     assert "90 degrees" in falls.message
     assert "limbs" in pulled.message
     assert "bolted" in (pulled.hint or "")
+
+
+def test_what_another_robot_pushes_may_gain_energy() -> None:
+    (one,) = rules.gains_energy("r", 99.0, 10.0, 9.8, 0.0, is_alone=False)
+    assert found([one]) == [("SPN061", Severity.WARNING)]
+    assert "another robot" in one.message

@@ -35,7 +35,7 @@ def test_robots_in_each_other_are_told_once_with_the_deepest() -> None:
     first, second = rules.robots_in_each_other("a", seen_from_a)
     assert found([first, second]) == [("SPN063", Severity.ERROR)] * 2
     assert "`a` and `b`" in first.message
-    assert "`a2` is 0.300 m deep in `b2`" in first.message
+    assert "`a/a2` is 0.300 m deep in `b/b2`" in first.message
     assert "`a` and `c`" in second.message
     # The other one, by name, keeps silent.
     assert found(rules.robots_in_each_other("b", [overlap("b1", "a1", entity="a")])) == []
@@ -52,7 +52,7 @@ def test_links_that_may_collide_and_start_in_each_other() -> None:
     assert "`x` in `y` (0.250 m)." in one.message
 
 
-@pytest.mark.parametrize("collide", [[], ["z"]])
+@pytest.mark.parametrize("collide", [[], ["x"], ["y", "z"]])
 def test_links_that_may_not_collide(collide: list[str]) -> None:
     assert found(rules.links_in_each_other("r", [overlap("x", "y")], collide)) == []
 

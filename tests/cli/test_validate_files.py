@@ -267,3 +267,78 @@ def test_many_warnings_of_one_kind_are_counted(tmp_path: Path) -> None:
     assert "and 3 more of implausible-inertia: -v shows all" in brief
     assert full.count("] implausible-inertia:") == 6
     assert "-v shows all" not in full
+
+
+def test_a_xacro_file_in_another_folder(tmp_path: Path) -> None:
+    (tmp_path / "sub").mkdir()
+    text = urdf(link()).replace("<robot", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"')
+    (tmp_path / "sub" / "crate.xacro").write_text(text)
+    code, _ = judged(tmp_path, "sub/crate.xacro")
+    assert code == 0
+
+
+def test_a_world_without_models_passes_and_says_so(tmp_path: Path) -> None:
+    ground = "<include><uri>model://ground_plane</uri></include>"
+    (tmp_path / "empty.world").write_text(
+        f'<sdf version="1.7"><world name="w">{ground}</world></sdf>'
+    )
+    code, (package,) = judged(tmp_path, "empty.world")
+    assert (code, codes(package, "info")) == (0, ["WLD042"])
+
+
+BODY = """<link name="l"><collision name="c"><geometry><box><size>{size}</size></box></geometry>
+  </collision>{inertial}</link>"""
+INERTIAL = """<inertial><mass>2</mass>
+  <inertia><ixx>0.1</ixx><iyy>0.1</iyy><izz>0.1</izz></inertia></inertial>"""
+
+
+def test_walls_may_stand_in_a_floor_below_zero(tmp_path: Path) -> None:
+    floor = BODY.format(size="4 4 0.2", inertial="")
+    wall = BODY.format(size="0.1 4 1", inertial="")
+    crate = BODY.format(size="0.4 0.4 0.2", inertial=INERTIAL)
+    (tmp_path / "room.sdf").write_text(
+        '<sdf version="1.7"><world name="w">'
+        f'<model name="floor"><static>1</static><pose>0 0 -0.3 0 0 0</pose>{floor}</model>'
+        f'<model name="wall"><static>1</static><pose>1 0 0.25 0 0 0</pose>{wall}</model>'
+        f'<model name="crate"><pose>0 0 -0.05 0 0 0</pose>{crate}</model>'
+        "</world></sdf>"
+    )
+    code, (package,) = judged(tmp_path, "room.sdf")
+    assert (code, codes(package)) == (0, [])
+    crates = [robot for robot in package["robots"] if robot["entity"] == "crate"]
+    assert crates[0]["rest"]["xyz"][2] == pytest.approx(-0.1, abs=0.002)
+
+
+def test_loose_parts_that_fall_for_ever_keep_it_from_rest(tmp_path: Path) -> None:
+    floating = """<joint name="j" type="floating"><parent link="base"/><child link="ball"/>
+      <origin xyz="1 0 1"/></joint>"""
+    ball = link("ball").replace("<collision>", "<!--").replace("</collision>", "-->")
+    (tmp_path / "loose.urdf").write_text(urdf(link(), ball, floating))
+    code, (package,) = judged(tmp_path, "loose.urdf")
+    assert (code, codes(package)) == (1, ["SPN058"])
+
+
+def test_the_picture_crashes_and_the_trial_counts(tmp_path: Path) -> None:
+    (tmp_path / "bad.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 999999999\n")
+    shown = '<visual><geometry><mesh filename="bad.obj"/></geometry></visual>'
+    text = urdf(link().replace("<collision>", f"{shown}<collision>"))
+    (tmp_path / "crate.urdf").write_text(text)
+    code, (package,) = judged(tmp_path, "crate.urdf", "--picture", "pictures")
+    assert (code, package["picture"]) == (0, None)
+    assert set(codes(package, "warning")) <= {"SPN034", "ROB063"}
+
+
+def test_options_that_would_do_nothing(tmp_path: Path) -> None:
+    (tmp_path / "crate.urdf").write_text(urdf(link()))
+    (tmp_path / "crate.stl").write_text("solid")
+    for words in (("--launch", "l.py", "crate.urdf"), ("--arg", "a:=1", "crate.urdf")):
+        assert run(tmp_path, *words).returncode == 2
+    done = run(tmp_path, "crate.stl")
+    assert (done.returncode, ".urdf" in done.stderr) == (2, True)
+
+
+def test_a_summary_of_many(tmp_path: Path) -> None:
+    (tmp_path / "good.urdf").write_text(urdf(link()))
+    (tmp_path / "bad.urdf").write_text(urdf(link(mass="0")))
+    lines = run(tmp_path, "-q", "good.urdf", "bad.urdf").stdout.splitlines()
+    assert lines[-2:] == ["1 passed, 1 failed:", "  bad.urdf"]

@@ -65,9 +65,34 @@ def test_the_element_names_the_part() -> None:
         ("link", "<contact><lateral_friction value='1'/></contact><self_collision_checking/>"),
         ("link", "<sensor name='s'/><verbose/><group/>"),
         ("joint", "<hardwareInterface/><damping/><friction/><!-- <parnt/> -->"),
-        ("robot", "<gazebo><colision/></gazebo><ros2_control/><sensor/><version/><loop_joint/>"),
+        ("robot", "<gazebo><something/></gazebo><ros2_control/><sensor/><version/><loop_joint/>"),
         ("robot", "<transmission><joint name='j'/></transmission><x:links xmlns:x='y'/>"),
     ],
 )
 def test_what_other_programs_read_is_no_mistake(place: str, content: str) -> None:
     assert misspelt(place, content) == []
+
+
+@pytest.mark.parametrize(
+    ("wrong", "meant"),
+    [
+        ("mu_1", "mu1"),
+        ("MU1", "mu1"),
+        ("matrial", "material"),
+        ("Material", "material"),
+        ("selfColide", "selfCollide"),
+        ("turnGravityOf", "turnGravityOff"),
+        ("maxContact", "maxContacts"),
+        ("plugn", "plugin"),
+        ("sensr", "sensor"),
+    ],
+)
+def test_what_gazebo_reads_in_its_own_element(wrong: str, meant: str) -> None:
+    (found,) = misspelt("robot", f'<gazebo reference="a"><{wrong}>1</{wrong}></gazebo>')
+    assert found.hint == f"Did you mean <{meant}>?"
+
+
+def test_an_attribute_that_is_nearly_reference() -> None:
+    (found,) = misspelt("robot", '<gazebo ref="a"><plugin name="p" filename="f"/></gazebo>')
+    assert found.hint == "Did you mean `reference`?"
+    assert misspelt("robot", '<gazebo reference="a"/><gazebo/>') == []

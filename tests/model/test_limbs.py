@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import pytest
 
 from wsgen.model.limbs import limb_joints
 from wsgen.model.pose import Pose
-from wsgen.model.robot import Inertial, Joint, JointType, Link, Robot
+from wsgen.model.robot import Inertial, Joint, JointLimit, JointType, Link, Robot
 
 MOMENTS = (0.1, 0.0, 0.0, 0.1, 0.0, 0.1)
 
@@ -62,3 +63,25 @@ def test_what_carries_something_is_a_limb() -> None:
 def test_fixed_joints_and_links_without_mass() -> None:
     assert limb_joints(robot(part("bump"), joint("base", "bump", JointType.FIXED))) == set()
     assert limb_joints(robot(Link(name="frame"))) == {"frame"}
+
+
+def test_the_swivel_of_a_caster_is_no_limb() -> None:
+    """Gravity cannot turn it, though it carries the wheel."""
+    upright = replace(joint("base", "fork"), axis_in_joint=(0.0, 0.0, 1.0))
+    wheel = part("wheel"), joint("fork", "wheel")
+    assert limb_joints(robot(part("fork", (0.1, 0.0, 0.0)), upright, wheel)) == set()
+    # Upright in the robot, not in its own frame.
+    turned = replace(
+        joint("base", "fork"),
+        axis_in_joint=(0.0, 1.0, 0.0),
+        pose_in_parent=Pose(rpy=(math.pi / 2, 0.0, 0.0)),
+    )
+    assert limb_joints(robot(part("fork", (0.1, 0.0, 0.0)), turned, wheel)) == set()
+    slanted = replace(upright, axis_in_joint=(0.0, 0.5, 0.866))
+    assert limb_joints(robot(part("fork", (0.1, 0.0, 0.0)), slanted, wheel)) == {"fork"}
+
+
+def test_a_wheel_with_limits_that_it_never_reaches() -> None:
+    limit = JointLimit(lower=-1e16, upper=1e16, effort=1.0, velocity=1.0)
+    axle = replace(joint("base", "wheel", JointType.REVOLUTE), limit=limit)
+    assert limb_joints(robot(part("wheel"), axle)) == set()

@@ -26,7 +26,8 @@ from simulation.robots import (
 )
 from wsgen.model.pose import Pose
 from wsgen.model.robot import Capsule, Cylinder, Geometry, JointType, Robot, Sphere
-from wsgen.simulation.bullet import MOST_LINKS, SEPARATION_SPEED, BulletEngine
+from wsgen.simulation.bullet import SEPARATION_SPEED, BulletEngine
+from wsgen.simulation.bullet_body import MOST_LINKS
 from wsgen.simulation.bullet_properties import ROLLING_RESISTANCE, ROOT
 from wsgen.simulation.engine import Loaded, Refused
 from wsgen.simulation.scene import SpawnedRobot

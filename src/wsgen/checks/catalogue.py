@@ -198,6 +198,7 @@ RULES = (
     Rule("WLD039", "joint-called-as-link", "A joint of a model has the name of a link or frame."),
     Rule("WLD040", "inertia-of-mesh", "An inertia is to be computed from a mesh."),
     Rule("WLD041", "massless-model-link", "A link that can move has mass 0."),
+    Rule("WLD042", "nothing-to-try", "The file holds no model to try."),
     # spawn and trial
     Rule("SPN001", "no-simulator", "The launch file starts no simulator."),
     Rule("SPN002", "ros-1-spawner", "The spawner is that of ROS 1."),

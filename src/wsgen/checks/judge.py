@@ -46,9 +46,12 @@ def judge_robot(
 
 
 def judge_trial(
-    robot: Robot, spawn_pose: Pose, world: World, trial: RobotTrial
+    robot: Robot, spawn_pose: Pose, world: World, trial: RobotTrial, *, is_alone: bool = True
 ) -> tuple[Diagnostic, ...]:
-    """Judge what was measured of a robot; `robot` is the one Gazebo would build (lumped)."""
+    """Judge what was measured of a robot; `robot` is the one Gazebo would build (lumped).
+
+    `is_alone` says that no other robot of the scene can push it.
+    """
     entity = trial.entity
     collide = [link.name for link in robot.links if link.self_collide]
     movable = 0 if robot.is_static else len(robot.movable_joints)
@@ -61,17 +64,22 @@ def judge_trial(
     ]
     if robot.is_static:
         return tuple(found)
+    if world.has_ground_plane:
+        found += trial_rules.born_inside_the_ground(
+            entity, trial.penetration, spawn_pose.xyz[2], is_bolted=robot.fixed_to_world
+        )
     if world.has_ground_plane and not robot.fixed_to_world:
-        found += trial_rules.born_inside_the_ground(entity, trial.penetration, spawn_pose.xyz[2])
         found += trial_rules.spawned_high_above_the_ground(
             entity, trial.lowest_point, spawn_pose.xyz[2]
         )
     if trial.is_finite:
-        found += _judge_motion(robot, world, trial)
+        found += _judge_motion(robot, world, trial, is_alone=is_alone)
     return tuple(found)
 
 
-def _judge_motion(robot: Robot, world: World, trial: RobotTrial) -> list[Diagnostic]:
+def _judge_motion(
+    robot: Robot, world: World, trial: RobotTrial, *, is_alone: bool
+) -> list[Diagnostic]:
     entity = trial.entity
     gave_way = limbs_that_gave_way(robot, trial)
     is_moving = trial.settled_after is None
@@ -82,13 +90,14 @@ def _judge_motion(robot: Robot, world: World, trial: RobotTrial) -> list[Diagnos
             trial.mass,
             math.hypot(*world.gravity),
             trial.penetration,
+            is_alone=is_alone,
         )
     )
-    if found:
+    if found and is_alone:
         return found  # what else it does comes from that
     # It hangs or stands where it is spawned; only its joints can move.
     if not robot.fixed_to_world:
-        found = _judge_place(world, trial, gave_way=bool(gave_way))
+        found += _judge_place(world, trial, gave_way=bool(gave_way))
     found += motion_rules.joint_beyond_limit(entity, robot.joints, trial.joint_positions)
     found += motion_rules.gives_way(gave_way, entity, is_moving=is_moving)
     return found
@@ -102,11 +111,13 @@ def _judge_place(world: World, trial: RobotTrial, *, gave_way: bool) -> list[Dia
             trial.lowest_point,
             trial.lowest_point_at_end,
             has_ground=world.has_ground_plane,
+            is_moving=trial.settled_after is None,
         )
     )
     if falls:
         return falls
-    found = list(trial_rules.stuck_in_the_ground(entity, -trial.lowest_point_at_end))
+    depth = -trial.lowest_point_at_end if world.has_ground_plane else 0.0
+    found = list(trial_rules.stuck_in_the_ground(entity, depth))
     is_stuck = bool(found)  # and still being pushed out: it moves for that alone
     found += motion_rules.thrown_into_the_air(
         entity, trial.highest_point - trial.spawn_pose.xyz[2] - trial.penetration

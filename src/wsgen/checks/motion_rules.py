@@ -31,12 +31,18 @@ NAMED = 3  # so many joints are told in a message
 
 
 def falls_without_end(
-    entity: str, lowest_at_start: float, lowest_at_end: float, *, has_ground: bool
+    entity: str,
+    lowest_at_start: float,
+    lowest_at_end: float,
+    *,
+    has_ground: bool,
+    is_moving: bool,
 ) -> Iterator[Diagnostic]:
     """The robot falls through the ground, or there is none.
 
     ## What it does
-    Looks whether the robot is below the ground at the end, and lower than it was spawned.
+    Looks whether the robot is below the ground at the end, and lower than it was spawned; in a
+    world without a ground plane, whether it is lower and still moves.
 
     ## Why is this bad?
     Nothing of the robot touches the ground, or the world has none.
@@ -44,11 +50,14 @@ def falls_without_end(
     ## Use instead
     <collision> in the links that stand on the ground, and a ground plane in the world.
     """
-    if lowest_at_end < min(lowest_at_start, 0.0) - FALLEN:
+    floor = min(lowest_at_start, 0.0) if has_ground else lowest_at_start
+    if lowest_at_end < floor - FALLEN and (has_ground or is_moving):
         yield Diagnostic(
             code="SPN056",
             severity=Severity.ERROR,
-            message=f"The robot falls: at the end it is {-lowest_at_end:.1f} m below z = 0.",
+            message=f"The robot falls: at the end it is {-lowest_at_end:.1f} m below z = 0."
+            if has_ground
+            else f"The robot falls, by {lowest_at_start - lowest_at_end:.1f} m so far.",
             element=entity,
             hint="Give the links that stand on the ground a <collision>."
             if has_ground
@@ -107,14 +116,20 @@ def gives_way(travel: Mapping[str, float], entity: str, *, is_moving: bool) -> I
     )
 
 
-def gains_energy(
-    entity: str, gain: float, mass: float, gravity: float, penetration: float
+def gains_energy(  # noqa: PLR0913  facts
+    entity: str,
+    gain: float,
+    mass: float,
+    gravity: float,
+    penetration: float,
+    *,
+    is_alone: bool,
 ) -> Iterator[Diagnostic]:
     """The robot's energy grows although nobody drives it.
 
     ## What it does
     Compares kinetic and potential energy during the trial with that when spawned; what pushes it
-    out of the ground is allowed for.
+    out of the ground is allowed for. Where several robots can push each other, it is a warning.
 
     ## Why is this bad?
     Energy that comes from nowhere is the mark of an unstable model: it shakes, and then explodes.
@@ -127,8 +142,10 @@ def gains_energy(
     if gain > weight * (LIFTED + penetration):
         yield Diagnostic(
             code="SPN061",
-            severity=Severity.ERROR,
-            message=f"The robot gains {gain:.3g} J from nowhere: the model is unstable.",
+            severity=Severity.ERROR if is_alone else Severity.WARNING,
+            message=f"The robot gains {gain:.3g} J from nowhere: the model is unstable."
+            if is_alone
+            else f"The robot gains {gain:.3g} J: it is unstable, or another robot pushes it.",
             element=entity,
             hint="Look for links far lighter than their neighbours, inertias that are too small, "
             "and overlapping collision shapes; or shorten the world's max_step_size.",

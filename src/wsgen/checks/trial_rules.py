@@ -90,7 +90,9 @@ def state_not_finite(entity: str, *, is_finite: bool) -> Iterator[Diagnostic]:
         )
 
 
-def born_inside_the_ground(entity: str, penetration: float, spawn_z: float) -> Iterator[Diagnostic]:
+def born_inside_the_ground(
+    entity: str, penetration: float, spawn_z: float, *, is_bolted: bool = False
+) -> Iterator[Diagnostic]:
     """The spawn pose puts part of the robot into the ground.
 
     ## What it does
@@ -109,7 +111,10 @@ def born_inside_the_ground(entity: str, penetration: float, spawn_z: float) -> I
             message=f"The robot is spawned {penetration:.3f} m deep in the ground "
             f"(spawn height z = {spawn_z:g} m).",
             element=entity,
-            hint=_spawn_at(spawn_z + penetration + CONTACT_SLACK, "or higher"),
+            hint=f"Raise the <origin> of the joint to `world` by {penetration:.3f} m, or spawn it "
+            "higher."
+            if is_bolted
+            else _spawn_at(spawn_z, penetration + CONTACT_SLACK, "or higher"),
         )
 
 
@@ -134,7 +139,7 @@ def spawned_high_above_the_ground(
             message=f"The robot is spawned {clearance:.2f} m above the ground and falls "
             f"(spawn height z = {spawn_z:g} m).",
             element=entity,
-            hint=_spawn_at(spawn_z - clearance + CONTACT_SLACK, "to let it stand at once"),
+            hint=_spawn_at(spawn_z, CONTACT_SLACK - clearance, "to let it stand at once"),
         )
 
 
@@ -160,10 +165,11 @@ def stuck_in_the_ground(entity: str, depth_at_end: float) -> Iterator[Diagnostic
         )
 
 
-def _spawn_at(z: float, why: str) -> str:
-    """How to spawn a robot at another height, in metres."""
-    height = f"{z + 0.0:.3f}"
+def _spawn_at(spawn_z: float, rise: float, why: str) -> str:
+    """How to spawn a robot higher, or lower by a negative rise (m)."""
+    height = f"{spawn_z + rise + 0.0:.3f}"
     return (
-        f"Spawn it at z = {height} m {why}: give z:={height} to the launch file, or change the "
-        f"default of that argument, or the -z of the spawner."
+        f"{'Raise' if rise > 0 else 'Lower'} it by {abs(rise):.3f} m {why}: from a launch file to "
+        f"z = {height} m (give z:={height}, or change that argument's default or the -z of the "
+        "spawner), in an SDF file the <pose> of the model."
     )

@@ -40,15 +40,19 @@ class TerminalProgress(LineProgress):
 
         color = click.get_current_context().color
         self.status = Console(stderr=True, no_color=color is False).status("")
+        self.running: dict[tuple[str, ...], str] = {}  # several, with more than one job
 
     def __call__(self, event: Event) -> None:
         """Draw one event."""
         if isinstance(event, (StepStarted, StepProgressed)):
-            self.status.update(_title(event))
-            self.status.start()
+            self.running[event.step] = _title(event)
         if isinstance(event, StepEnded):
+            self.running.pop(event.step, None)
             self.status.stop()
         super().__call__(event)
+        if self.running:
+            self.status.update("  ".join(self.running.values()))
+            self.status.start()
 
 
 @contextmanager

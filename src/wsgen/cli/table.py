@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 # Lengths in metres; the whole fits into 80 columns.
 HEADINGS = ("robot", "mass, kg", "joints move", "spawned at, m", "at the end, m", "")
 
+TIPS_OVER, GIVES_WAY = "SPN059", "SPN060"
 MOST_ALIKE = 3  # so many warnings of one code are told, without --verbose
 
 
@@ -24,9 +25,18 @@ def render_outcome_table(outcome: Outcome, *, verbose: bool = False) -> list[str
     lines: list[str] = []
     for package in outcome.packages:
         lines += [*_package(package, verbose=verbose), ""]
+    if len(outcome.packages) > 1:
+        lines += [*_summary(outcome), ""]
     if outcome.left_out:
         lines += [f"not judged, as they spawn no robot: {', '.join(outcome.left_out)}", ""]
     return lines[:-1]
+
+
+def _summary(outcome: Outcome) -> list[str]:
+    failed = [_name(package) for package in outcome.packages if not package.passed]
+    passed = len(outcome.packages) - len(failed)
+    lines = [f"{passed} passed, {len(failed)} failed" + (":" if failed else "")]
+    return lines + [f"  {name}" for name in failed]
 
 
 def _package(package: PackageOutcome, *, verbose: bool) -> list[str]:
@@ -44,7 +54,7 @@ def _package(package: PackageOutcome, *, verbose: bool) -> list[str]:
             f"  world        {package.world.name}" + (f"  {short_path(file)}" if file else "")
         )
     if package.robots:
-        rows = [_robot(robot) for robot in package.robots]
+        rows = [_robot(robot, package) for robot in package.robots]
         lines += ["", *_table([HEADINGS, *rows])]
     findings = render_findings(package.diagnostics, most_alike=None if verbose else MOST_ALIKE)
     if findings:
@@ -59,7 +69,7 @@ def _name(package: PackageOutcome) -> str:
     return package.package or (short_path(package.file) if package.file else "(file)")
 
 
-def _robot(robot: RobotOutcome) -> tuple[str, ...]:
+def _robot(robot: RobotOutcome, package: PackageOutcome) -> tuple[str, ...]:
     rest, simulated = robot.rest, robot.simulated
     return (
         robot.entity,
@@ -67,16 +77,24 @@ def _robot(robot: RobotOutcome) -> tuple[str, ...]:
         f"{robot.movable_joints} of {robot.joints}",
         _xyz(robot.spawn_pose.xyz),
         _xyz(rest.pose_in_world.xyz) if rest else "-",
-        _verdict(robot),
+        _verdict(robot, package),
     )
 
 
-def _verdict(robot: RobotOutcome) -> str:
+def _verdict(robot: RobotOutcome, package: PackageOutcome) -> str:
     if not robot.passed:
         return "fails" if robot.rest else "not tried"
-    if robot.rest is None or robot.rest.settled_after is None:
-        return "keeps moving"
-    return f"stands after {robot.rest.settled_after:.1f} s"
+    found = {found.code for found in package.diagnostics if found.element == robot.entity}
+    settled = None if robot.rest is None else robot.rest.settled_after
+    if TIPS_OVER in found:
+        return "tips over"
+    if settled is None:
+        return "keeps moving, limp" if GIVES_WAY in found else "keeps moving"
+    return (
+        f"rests after {settled:.1f} s, limp"
+        if GIVES_WAY in found
+        else f"stands after {settled:.1f} s"
+    )
 
 
 def _xyz(xyz: tuple[float, float, float]) -> str:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from wsgen.cli.options import format_option, output_options, workspace_option
-from wsgen.errors import EXIT_FAILED, EXIT_PASSED, NotFoundError
+from wsgen.errors import EXIT_FAILED, EXIT_PASSED, NotFoundError, RequestError
 
 if TYPE_CHECKING:
     from wsgen.model.outcome import Outcome
@@ -43,7 +43,8 @@ if TYPE_CHECKING:
 @click.option(
     "--engine",
     type=click.Choice(["bullet", "dart", "both"]),
-    help="Physics engine; DART is Gazebo's own (pip install 'wsgen[dart]').  [default: bullet]",
+    help="Physics engine; DART is Gazebo's own (pip install 'wsgen[dart]').  [default: bullet, "
+    "and dart where Python has no PyBullet]",
 )
 @click.option(
     "-j",
@@ -90,6 +91,12 @@ def command(
         raise NotFoundError(
             f"The folder of {json_file} does not exist.", hint="Make it first, or name another."
         )
+    for name in names:
+        if Path(name).is_file() and not name.lower().endswith(FILE_SUFFIXES):
+            raise RequestError(
+                f"{name} is no file that can be tried.",
+                hint=f"It ends in none of {', '.join(FILE_SUFFIXES)}.",
+            )
     request = ValidateRequest(
         packages=[name for name in names if not name.lower().endswith(FILE_SUFFIXES)],
         files=[Path(name) for name in names if name.lower().endswith(FILE_SUFFIXES)],
@@ -138,7 +145,6 @@ def validate_packages(
 
 def _open_workspace(given: str | None, request: ValidateRequest) -> Workspace | None:
     """The workspace that is meant; none where files alone are named and there is none."""
-    from wsgen.errors import RequestError
     from wsgen.workspace.layout import open_workspace
 
     try:

@@ -31,6 +31,15 @@ KNOWN = {
     "collision": SHAPED,
     "inertial": ("origin", "mass", "inertia"),
     "material": ("color", "texture"),
+    # With a reference and without; `collision` and `link` are there for who writes SDF in them.
+    "gazebo": (
+        *("material", "static", "turnGravityOff", "gravity", "dampingFactor", "maxVel"),
+        *("minDepth", "mu1", "mu2", "fdir1", "kp", "kd", "selfCollide", "self_collide"),
+        *("maxContacts", "laserRetro", "springReference", "springStiffness", "stopCfm", "stopErp"),
+        *("fudgeFactor", "provideFeedback", "implicitSpringDamper", "preserveFixedJoint"),
+        *("disableFixedJointLumping", "sensor", "plugin", "visual", "collision", "link", "joint"),
+        *("initial_joint_position", "velocity_decay", "kinematic", "enable_wind", "light"),
+    ),
 }
 # So alike two words are, as difflib counts, that one is taken for the other: `parnt` and `parent`
 # are at 0.91, `visuals` and `visual` at 0.92, `colour` and `color` at 0.91.
@@ -54,6 +63,8 @@ def check_spelling(findings: Findings, element: Element, path: str) -> None:
     known = KNOWN.get(str(element.tag))
     if known is None:
         return
+    if element.tag == "gazebo":
+        _check_reference(findings, element, path)
     for child in element:
         if not isinstance(child.tag, str):
             continue
@@ -64,12 +75,27 @@ def check_spelling(findings: Findings, element: Element, path: str) -> None:
         if child.tag in known:
             check_spelling(findings, child, inside)
             continue
-        near = get_close_matches(child.tag, known, n=1, cutoff=ALIKE)
+        near = [other for other in known if other.lower() == child.tag.lower()]
+        near = near or get_close_matches(child.tag, known, n=1, cutoff=ALIKE)
         if near:
             findings.warning(
                 "ROB038",
-                f"A {element.tag} has no <{child.tag}>: Gazebo leaves it out without a word.",
+                f"<{element.tag}> has no <{child.tag}>: Gazebo leaves it out without a word.",
                 hint=f"Did you mean <{near[0]}>?",
                 at=child,
                 path=inside,
+            )
+
+
+def _check_reference(findings: Findings, element: Element, path: str) -> None:
+    """Report what should be called `reference`: without it the element is about the whole robot."""
+    for attribute in element.attrib:
+        if attribute != "reference" and "reference".startswith(str(attribute).lower()[:3]):
+            findings.warning(
+                "ROB038",
+                f"<gazebo> has no attribute `{attribute}`: Gazebo leaves it out without a word and "
+                "takes the element for the whole robot's.",
+                hint="Did you mean `reference`?",
+                at=element,
+                path=path,
             )

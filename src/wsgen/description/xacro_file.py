@@ -32,7 +32,12 @@ def expand_file(
     in a child process with limits.
     """
     outcome = run(
-        TASK, str(file), dict(arguments), limits=LIMITS, environment=environment, folder=file.parent
+        TASK,
+        str(file.absolute()),
+        dict(arguments),
+        limits=LIMITS,
+        environment=environment,
+        folder=file.parent,
     )
     if isinstance(outcome, Died):
         return None, (
@@ -53,6 +58,9 @@ def expand_file(
 def _fault(file: Path, fault: Mapping[str, Any]) -> Diagnostic:
     where = fault.get("file")
     message = str(fault["message"]).rstrip(".")
+    if "AMENT_PREFIX_PATH" in message:
+        fault = {**fault, "hint": "Build and source a workspace with the packages of $(find …)."}
+        message = "a package of $(find …) was not found: no workspace is sourced"
     return Diagnostic(
         code="ROB071",
         severity=Severity.ERROR,

@@ -68,8 +68,9 @@ class PackageOutcome:
 
     @property
     def passed(self) -> bool:
-        """Whether there is a robot and no error."""
-        return bool(self.robots) and not has_errors(self.diagnostics)
+        """Whether there is a robot and no error; a world file may hold none."""
+        is_world = self.file is not None and self.world is not None and self.world.file is not None
+        return (bool(self.robots) or is_world) and not has_errors(self.diagnostics)
 
 
 @dataclass(frozen=True, kw_only=True)

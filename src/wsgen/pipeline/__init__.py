@@ -7,9 +7,9 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wsgen.errors import NotFoundError, NotReadableError
+from wsgen.errors import NotFoundError, NotReadableError, RequestError
+from wsgen.events import one_at_a_time
 from wsgen.isolation import parent
-from wsgen.isolation.nursery import Nursery
 from wsgen.model.outcome import Outcome
 from wsgen.pipeline.request import ValidateRequest
 from wsgen.pipeline.selection import choose
@@ -42,7 +42,8 @@ def validate(
     Files need no workspace, but one that is built may hold the packages whose meshes they name.
 
     Raises:
-        RequestError: a package or launch file of that name does not exist.
+        RequestError: a package or launch file of that name does not exist, or an option is given
+            that nothing named here takes.
         NotFoundError: the workspace is not built, no package has a launch file, a file is not
             there, or an engine is not installed.
         NotReadableError: the folder for the pictures cannot be made.
@@ -51,6 +52,7 @@ def validate(
     if request.picture_folder is not None:
         _make_folder(request.picture_folder)
     overlay = _overlay(workspace, request, environment)
+    told = None if listener is None else one_at_a_time(listener)
     packages: Sequence[Chosen] = ()
     left_out: tuple[str, ...] = ()
     if workspace is not None and (request.packages or not request.files):
@@ -58,13 +60,15 @@ def validate(
 
     def subjects(run: Run) -> list[Validation | FileValidation]:
         return [
-            *(Validation(package, overlay, request, listener, run) for package in packages),
-            *_files(request, overlay, listener, run),
+            *(Validation(package, overlay, request, told, run) for package in packages),
+            *_files(request, [package.name for package in packages], overlay, told, run),
         ]
 
     if len(packages) + len(request.files) == 1:  # a server would serve one child
         (subject,) = subjects(parent.run)
         return Outcome(packages=(subject.run(),), left_out=left_out)
+    from wsgen.isolation.nursery import Nursery  # noqa: PLC0415  of no use for one
+
     # Leaving the nursery ends the children for which the threads wait.
     with ExitStack() as stack:
         pool = _thread_pool(stack, min(request.jobs, len(packages) + len(request.files)))
@@ -93,25 +97,22 @@ def _thread_pool(stack: ExitStack, jobs: int) -> Executor | None:
 
 
 def _files(
-    request: ValidateRequest, overlay: Overlay, listener: Listener | None, run: Run
+    request: ValidateRequest,
+    packages: Sequence[str],
+    overlay: Overlay,
+    listener: Listener | None,
+    run: Run,
 ) -> list[FileValidation]:
     if not request.files:
         return []
     # A package needs nothing of what reads files.
     from wsgen.pipeline.file_validation import FileValidation  # noqa: PLC0415
+    from wsgen.pipeline.picture_names import unique_names  # noqa: PLC0415
 
-    stems = [file.stem for file in request.files]
+    names = unique_names(request.files, packages)
     return [
-        FileValidation(
-            file,
-            overlay,
-            request,
-            listener,
-            run,
-            # Many robots are called model.urdf.
-            name=file.stem if stems.count(file.stem) == 1 else f"{file.parent.name}-{file.stem}",
-        )
-        for file in request.files
+        FileValidation(file, overlay, request, listener, run, name=name)
+        for file, name in zip(request.files, names, strict=True)
     ]
 
 
@@ -127,6 +128,20 @@ def _require(request: ValidateRequest) -> None:
     for file in request.files:
         if not file.is_file():
             raise NotFoundError(f"There is no file {file}.", hint="Check its path.")
+    if request.files and not request.packages:
+        _refuse_idle_options(request)
+
+
+def _refuse_idle_options(request: ValidateRequest) -> None:
+    """What is asked for and would do nothing is a mistake."""
+    if request.launch_file is not None:
+        raise RequestError(
+            "A robot file is tried without a launch file.", hint="Leave --launch out."
+        )
+    if request.launch_arguments and all(file.suffix != ".xacro" for file in request.files):
+        raise RequestError(
+            "Only a .xacro file takes arguments.", hint="Leave --arg out, or name a .xacro file."
+        )
 
 
 def _overlay(
@@ -136,7 +151,7 @@ def _overlay(
     if workspace is not None:
         try:
             return source_overlay(workspace, environment)
-        except NotFoundError:
+        except (NotFoundError, NotReadableError):
             if request.packages or not request.files:
                 raise
     prefixes = environment.get("AMENT_PREFIX_PATH", "").split(os.pathsep)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wsgen.description.xacro_file import expand_file
-from wsgen.diagnostics import Diagnostic, has_errors
+from wsgen.diagnostics import Diagnostic, Severity, has_errors
 from wsgen.model.outcome import PackageOutcome
 from wsgen.pipeline.around import share_around
 from wsgen.pipeline.clock import Clock
@@ -121,6 +121,16 @@ class FileValidation:
             for model in found.models
             if model.robot is not None
         ]
+        if not described and not has_errors(found.diagnostics):
+            self.diagnostics.append(
+                Diagnostic(
+                    code="WLD042",
+                    severity=Severity.INFO,
+                    message="The file holds no model to try.",
+                    file=self.file,
+                    hint="A package that spawns a robot into it tries more: wsgen validate PACKAGE",
+                )
+            )
         return found.world or DEFAULT_WORLD, described
 
     def _share_of(self, package: str) -> Path | None:

@@ -81,7 +81,9 @@ def _choose_named(
         near = name.strip("./").rpartition("/")[2]
         raise RequestError(
             f"{name!r} is not the name of a package.",
-            hint=f"Write: wsgen validate {near}" if near in sources else "Give a name, not a path.",
+            hint=f"Write: wsgen validate {near}"
+            if near in sources
+            else "Give the name of a package, or a .urdf, .xacro, .sdf or .world file.",
         )
     share = require_share(overlay, workspace, name)
     source = sources.get(name)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from wsgen.checks.judge import judge_trial
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from wsgen.pipeline.described import Described
     from wsgen.pipeline.request import ValidateRequest
     from wsgen.simulation.scene import RobotTrial, TrialOutcome
+
+ENGINE_NAMES = {"bullet": "PyBullet", "dart": "DART"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,23 +47,30 @@ def try_robots(
         return Tried(robots=tuple(_outcome(robot, None) for robot in described))
     # Large robots are slower than their own time; this is about hanging, not about slow.
     limits = Limits(seconds=60.0 + 20.0 * request.seconds)
-    first, *others = [
+    outcomes = [
         run_trial(_scene(world, sound, request, name, engine), limits=limits, run=run)
         for engine in request.engines
     ]
-    found = [*first.diagnostics]
-    measured = {trial.entity: trial for trial in first.trials}
-    robots = []
-    for robot in described:
-        trial = measured.get(robot.entity)
-        judged = () if trial is None else judge_trial(robot.lumped, trial.spawn_pose, world, trial)
-        found += judged
-        passed = trial is not None and not has_errors(judged)
-        robots.append(_outcome(robot, trial, engine=request.engines[0], passed=passed))
+    found: list[Diagnostic] = []
+    failed: set[str] = set()
+    for engine, outcome in zip(request.engines, outcomes, strict=True):
+        judged, failed_here = _judge(world, sound, outcome)
+        found += judged if engine == request.engines[0] else _others(judged, found, engine)
+        failed |= failed_here
+    first, *others = outcomes
     for other in others:
         found += _compared(first, other)
+    measured = {trial.entity: trial for trial in first.trials}
     return Tried(
-        robots=tuple(robots),
+        robots=tuple(
+            _outcome(
+                robot,
+                measured.get(robot.entity),
+                engine=request.engines[0],
+                passed=robot.is_sound and robot.entity not in failed,
+            )
+            for robot in described
+        ),
         diagnostics=tuple(found),
         picture=first.picture,
         picture_tile=first.picture_tile,
@@ -69,8 +78,39 @@ def try_robots(
     )
 
 
+def _judge(
+    world: World, sound: Sequence[Described], outcome: TrialOutcome
+) -> tuple[list[Diagnostic], set[str]]:
+    """What is found in the trial of one engine, and the entities that do not pass it."""
+    found, failed = [*outcome.diagnostics], set[str]()
+    measured = {trial.entity: trial for trial in outcome.trials}
+    free = [robot for robot in sound if not robot.lumped.is_static]
+    for robot in sound:
+        trial = measured.get(robot.entity)
+        judged = (
+            ()
+            if trial is None
+            else judge_trial(robot.lumped, trial.spawn_pose, world, trial, is_alone=len(free) == 1)
+        )
+        if trial is None or has_errors(judged):
+            failed.add(robot.entity)
+        found += judged
+    return found, failed
+
+
+def _others(
+    judged: Sequence[Diagnostic], told: Sequence[Diagnostic], engine: str
+) -> list[Diagnostic]:
+    """The findings of a second engine that the first had not, with its name."""
+    known = {(finding.code, finding.element) for finding in told}
+    return [
+        replace(finding, message=f"In {ENGINE_NAMES[engine]}: {finding.message}")
+        for finding in judged
+        if (finding.code, finding.element) not in known
+    ]
+
+
 def _compared(first: TrialOutcome, other: TrialOutcome) -> Iterator[Diagnostic]:
-    yield from other.diagnostics
     measured = {trial.entity: trial for trial in other.trials}
     for trial in first.trials:
         if trial.entity in measured:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from wsgen.model.robot import JointType
 from wsgen.model.transform import compose, quaternion_of_rpy
 from wsgen.model.trees import split_trees
-from wsgen.simulation.bullet_body import Box, BulletBody
+from wsgen.simulation.bullet_body import BulletBody, PartBounds
 from wsgen.simulation.bullet_client import Client, error
 from wsgen.simulation.bullet_damper import STRIDE as DAMPER_STRIDE
 from wsgen.simulation.bullet_properties import GROUND_FRICTION
@@ -21,9 +21,6 @@ if TYPE_CHECKING:
     from wsgen.model.transform import Vector
     from wsgen.model.world import World
     from wsgen.simulation.scene import SpawnedRobot
-
-# MAX_DEGREE_OF_FREEDOM in PyBullet's SharedMemoryCommands.h; with more, reading a pose raises.
-MOST_LINKS = 128
 
 # A box, because a plane of PyBullet has no thickness and lets fast things through.
 GROUND_HALF_EXTENTS = (500.0, 500.0, 5.0)  # m
@@ -89,8 +86,6 @@ class BulletEngine:
         model = robot.robot
         if not model.links:
             return Refused("nothing of it has mass")
-        if len(model.links) > MOST_LINKS:
-            return Refused(f"it has {len(model.links)} links, PyBullet can do {MOST_LINKS}")
         bodies: list[tuple[BulletBody, Pose]] = []
         try:
             for tree, pose_in_robot in split_trees(model):
@@ -137,14 +132,14 @@ class BulletEngine:
 
     def state(self, entity: str) -> State:
         """Where the robot is and how it moves."""
-        root = self._bodies[entity][0][0]
-        pose = root.root_pose()
-        linear, angular = self.client.getBaseVelocity(root.number)
+        bodies = [body for body, _ in self._bodies[entity]]
+        pose = bodies[0].root_pose()
+        velocities = [self.client.getBaseVelocity(body.number) for body in bodies]
         return State(
             xyz=pose.xyz,
             xyzw=quaternion_of_rpy(pose.rpy),
-            speed=math.hypot(*linear),
-            turning=math.hypot(*angular),
+            speed=max(math.hypot(*linear) for linear, _ in velocities),
+            turning=max(math.hypot(*angular) for _, angular in velocities),
             joint_speed=max(
                 (
                     abs(speed)
@@ -267,7 +262,7 @@ class BulletEngine:
         self.client.close()
 
 
-def _is_over_ground(box: Box) -> bool:
+def _is_over_ground(box: PartBounds) -> bool:
     """Whether the ground's upper side is what is nearest to it."""
     _, _, low, high = box
     x, y, depth = GROUND_HALF_EXTENTS

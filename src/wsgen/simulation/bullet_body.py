@@ -21,7 +21,8 @@ from wsgen.model.transform import (
     rpy_of_rotation,
     transpose,
 )
-from wsgen.simulation.bullet_damper import Dampers, is_stiff, undamped
+from wsgen.simulation.bullet_client import error
+from wsgen.simulation.bullet_damper import Dampers, is_stiff, stiffness_to_simulate, undamped
 from wsgen.simulation.bullet_meshes import (
     unread_mesh,
     with_readable_meshes,
@@ -35,7 +36,11 @@ if TYPE_CHECKING:
     from wsgen.model.robot import Robot
     from wsgen.simulation.bullet_client import Client
 
-Box = tuple[str, int, Vector, Vector]  # around a part: see `BulletBody.boxes`
+PartBounds = tuple[str, int, Vector, Vector]  # see `BulletBody.boxes`
+
+
+# MAX_DEGREE_OF_FREEDOM in PyBullet's SharedMemoryCommands.h; with more, reading a pose raises.
+MOST_LINKS = 128
 
 
 class BulletBody:
@@ -58,6 +63,11 @@ class BulletBody:
                 joints=undamped(self.tree.joints, {joint.name for joint in stiff}),
             )
         )
+        if len(self._parts.links) > MOST_LINKS:
+            raise error(
+                f"it has {len(self._parts.links)} links with a friction of their own, PyBullet "
+                f"can do {MOST_LINKS}; --engine dart can do any number"
+            )
         self.number = self._load(pose_in_world)
         infos = [
             client.getJointInfo(self.number, index)
@@ -88,7 +98,11 @@ class BulletBody:
         if any(link.self_collide for link in self.tree.links):
             keep_apart(client, self.number, self.tree, self._index_of, self._owner)
         self._springs = [
-            (self.movable[joint.name], joint.spring_stiffness, joint.spring_reference)
+            (
+                self.movable[joint.name],
+                stiffness_to_simulate(joint, tree, step_seconds),
+                joint.spring_reference,
+            )
             for joint in self.tree.joints
             if joint.spring_stiffness and joint.name in self.movable
         ]
@@ -131,7 +145,7 @@ class BulletBody:
 
     @property
     def mass(self) -> float:
-        """What PyBullet takes it to weigh, kg; nothing for what cannot move as a whole."""
+        """What PyBullet takes it to weigh, kg; that of the description for what is static."""
         if self.tree.is_static:  # PyBullet gives what is fixed no mass
             return self.tree.mass
         return sum(float(dynamics[0]) for dynamics in self._dynamics.values())
@@ -225,7 +239,7 @@ class BulletBody:
         state = self._client.getLinkState(self.number, index, computeForwardKinematics=1)
         return _pose(state[0], state[1])
 
-    def boxes(self) -> list[Box]:
+    def boxes(self) -> list[PartBounds]:
         """The boxes along the world's axes around all that can touch something.
 
         Each with the name of its link, the index of the part in PyBullet, and two corners (m).

@@ -1,9 +1,13 @@
-"""Dampers that are too stiff for PyBullet's own damping.
+"""Dampers and springs that are too stiff for PyBullet.
 
 PyBullet applies damping from the speed before a step. Where that takes away more than all of the
 speed in one step, the joint is thrown back faster than it came, and the robot explodes; of the
 public robots one in ten has such joints (TIAGo, TALOS, iCub, xArm). Here a motor that wants to
 stand still, but is no stronger than the damper, does the same and can only take energy away.
+
+The torque of a spring is applied in the same way, from the position before a step. A spring that
+swings faster than steps can follow is made as soft as they can: where it comes to rest is the same
+to the eye.
 """
 
 from __future__ import annotations
@@ -20,6 +24,7 @@ if TYPE_CHECKING:
 
 STIFF = 0.5  # of the speed, in one step; PyBullet's own damping is exact far below
 STRIDE = 5  # steps from one setting of the motors to the next
+RESOLVED = 0.25  # of the resistance over the squared step; beyond 4 a swing grows
 SMOOTHING = 0.2  # how much of a new speed is taken over; the motor stops the joint now and then
 
 
@@ -53,16 +58,27 @@ class Dampers:
         )
 
 
+def stiffness_to_simulate(joint: Joint, tree: Robot, step_seconds: float) -> float:
+    """The stiffness of a joint's spring, or what the step can follow (N m/rad or N/m)."""
+    most = RESOLVED * _least_resistance(joint, tree) / step_seconds**2
+    return min(joint.spring_stiffness, most)
+
+
 def is_stiff(joint: Joint, tree: Robot, step_seconds: float) -> bool:
     """Whether the damper stops the lighter side of the joint within about a step."""
     if not (joint.damping and joint.is_movable):
         return False
+    return joint.damping * step_seconds > STIFF * _least_resistance(joint, tree)
+
+
+def _least_resistance(joint: Joint, tree: Robot) -> float:
+    """That of the side of the joint that is easier to move, kg m² or kg."""
     resistances = [
         _resistance(inertial, joint)
         for inertial in (tree.link(joint.child).inertial, tree.link(joint.parent).inertial)
         if inertial is not None and inertial.mass > 0
     ]
-    return joint.damping * step_seconds > STIFF * min(resistances, default=0.0)
+    return min(resistances, default=0.0)
 
 
 def undamped(joints: tuple[Joint, ...], names: set[str]) -> tuple[Joint, ...]:

@@ -86,12 +86,16 @@ class DartEngine:
         """Where the robot is and how it moves."""
         body = self._robots[entity]
         pose = body.link_pose(body.robot.root)
-        node = body.nodes.get(body.robot.root)  # none of a root that is the world
+        roots = body.loose_nodes  # none of a root that is the world
         return State(
             xyz=pose.xyz,
             xyzw=quaternion_of_rpy(pose.rpy),
-            speed=0.0 if node is None else math.hypot(*node.getCOMLinearVelocity().tolist()),
-            turning=0.0 if node is None else math.hypot(*node.getAngularVelocity().tolist()),
+            speed=max(
+                (math.hypot(*node.getCOMLinearVelocity().tolist()) for node in roots), default=0.0
+            ),
+            turning=max(
+                (math.hypot(*node.getAngularVelocity().tolist()) for node in roots), default=0.0
+            ),
             joint_speed=max(
                 (abs(float(joint.getVelocity(0))) for joint in body.joints.values()), default=0.0
             ),

@@ -36,6 +36,7 @@ class DartBody:
         self.joints: dict[str, Any] = {}  # the movable ones, by name
         self.shapes: list[tuple[str, Geometry, Any]] = []  # with the names of their links
         self.unread: list[str] = []  # mesh files
+        self.loose_nodes: list[Any] = []  # the root of every tree that is not fixed
         self._bases: list[tuple[Any, Pose]] = []  # of what is not fixed, with its pose in the robot
         self._pose_of_world = IDENTITY  # seen from the world, of a root that is the world
         self._fixed: list[tuple[Any, Pose]] = []  # of what is fixed to the world, likewise
@@ -56,6 +57,7 @@ class DartBody:
         if not tree.fixed_to_world:
             base, node = self.skeleton.createFreeJointAndBodyNodePair()
             self._bases.append((base, pose_in_robot))
+            self.loose_nodes.append(node)
             self._fill(node, links[tree.root])
         queue = [tree.root]
         for parent in queue:

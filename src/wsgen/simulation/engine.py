@@ -27,6 +27,7 @@ class Refused:
     """The engine does not simulate the robot."""
 
     reason: str
+    hint: str = "Look at its collision meshes first: the engine reads STL, OBJ and DAE."
 
 
 @dataclass(frozen=True)
@@ -35,8 +36,8 @@ class State:
 
     xyz: tuple[float, float, float]  # m, of the root link's frame
     xyzw: tuple[float, float, float, float]  # orientation of the root link, unit quaternion
-    speed: float  # m/s, of the root link's centre of mass
-    turning: float  # rad/s, of the root link
+    speed: float  # m/s, of the root link's centre of mass; of loose parts that of the fastest
+    turning: float  # rad/s, of the root link, likewise
     joint_speed: float  # rad/s or m/s, of the fastest joint; 0 without movable joints
 
 

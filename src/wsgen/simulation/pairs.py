@@ -17,12 +17,14 @@ def neighbours(robot: Robot) -> set[frozenset[str]]:
 def may_touch(robot: Robot) -> set[frozenset[str]]:
     """The pairs of links that collide with each other.
 
-    SDF: one of the two has `self_collide`, and no joint joins them.
+    Both have `self_collide`, and no joint joins them. SDF says that one is enough, Gazebo Sim takes
+    the flag of the whole model alone; with one, PyBullet's convex hulls would push robots apart
+    whose meshes do not touch.
     """
     joined = neighbours(robot)
     collide = {link.name for link in robot.links if link.self_collide}
     return {
         pair
         for one, other in combinations([link.name for link in robot.links], 2)
-        if (pair := frozenset((one, other))) & collide and pair not in joined
+        if (pair := frozenset((one, other))) <= collide and pair not in joined
     }

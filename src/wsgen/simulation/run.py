@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import re
 import time
+from dataclasses import replace
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.isolation import parent
 from wsgen.isolation.outcome import DEFAULT_LIMITS, Died
-from wsgen.simulation.scene import TrialOutcome, trial_from_json
+from wsgen.simulation.scene import DRAWING, LOADING, TrialOutcome, trial_from_json
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -47,7 +48,11 @@ def run_trial(
     outcome = run(TASK.format(engine=scene.engine), scene, limits=limits)
     seconds = time.perf_counter() - started
     if isinstance(outcome, Died):
-        return TrialOutcome(diagnostics=(_death(scene, outcome),), seconds={"simulate": seconds})
+        found, rest = _blame(scene, outcome)
+        if rest is None:
+            return TrialOutcome(diagnostics=(found,), seconds={"simulate": seconds})
+        again = run_trial(rest, limits=limits, run=run)
+        return replace(again, diagnostics=(found, *again.diagnostics))
     answer = outcome.value
     measured = answer["seconds"]
     drawn = scene.picture is not None and answer["trials"] and answer["picture_problem"] is None
@@ -59,6 +64,19 @@ def run_trial(
         # Starting the child and the engine is what is left of the whole.
         seconds={**measured, "load": seconds - sum(measured.values())},
     )
+
+
+def _blame(scene: Scene, death: Died) -> tuple[Diagnostic, Scene | None]:
+    """What the engine died of, and the scene without it; None where that is not known."""
+    if death.step == DRAWING:
+        found = _no_picture(f"the engine {death.reason} while it drew it")
+        return found, replace(scene, picture=None)
+    for robot in scene.robots:
+        if death.step == LOADING.format(entity=robot.entity):
+            others = tuple(other for other in scene.robots if other is not robot)
+            found = _death(replace(scene, robots=(robot,)), death)
+            return found, replace(scene, robots=others) if others else None
+    return _death(scene, death), None
 
 
 def _death(scene: Scene, death: Died) -> Diagnostic:
@@ -75,21 +93,26 @@ def _death(scene: Scene, death: Died) -> Diagnostic:
 
 
 def _refusals(answer: dict[str, Any]) -> Iterator[Diagnostic]:
-    for entity, reason in answer["refused"].items():
+    for entity, (reason, hint) in answer["refused"].items():
         yield Diagnostic(
             code="SPN032",
             severity=Severity.ERROR,
             message=f"The physics engine does not simulate `{entity}`: {reason}.",
             element=entity,
-            hint="Look at its collision meshes first: the engine reads STL, OBJ and DAE.",
+            hint=hint,
         )
     if answer["picture_problem"] is not None:
-        yield Diagnostic(
-            code="SPN034",
-            severity=Severity.WARNING,
-            message=f"There is no picture: {answer['picture_problem']}.",
-            hint="Name a folder that can be written to; the rest of the trial counts without it.",
-        )
+        yield _no_picture(answer["picture_problem"])
+
+
+def _no_picture(problem: str) -> Diagnostic:
+    return Diagnostic(
+        code="SPN034",
+        severity=Severity.WARNING,
+        message=f"There is no picture: {problem}.",
+        hint="The rest of the trial counts without it. Look at the visual meshes, and whether the "
+        "folder can be written to.",
+    )
 
 
 def _complaints(scene: Scene, output: str) -> Iterator[Diagnostic]:

@@ -18,6 +18,10 @@ if TYPE_CHECKING:
 
 ENGINES = ("bullet", "dart")
 
+# What the child process announces; by it the parent knows what the engine died of.
+LOADING = "loading the robot `{entity}`"
+DRAWING = "drawing the picture"
+
 
 @dataclass(frozen=True, kw_only=True)
 class SpawnedRobot:

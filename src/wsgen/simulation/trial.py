@@ -15,11 +15,12 @@ from wsgen.model.transform import (
     transpose,
 )
 from wsgen.simulation.engine import Refused
-from wsgen.simulation.scene import Overlapping, RobotTrial
+from wsgen.simulation.scene import LOADING, Overlapping, RobotTrial
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
+    from wsgen.model.robot import Robot
     from wsgen.model.world import World
     from wsgen.simulation.engine import Engine, Loaded, Overlap, State
     from wsgen.simulation.scene import Scene, SpawnedRobot
@@ -116,7 +117,13 @@ def play(
         )
         for robot, loaded, pose in spawned
     ]
-    overlaps = engine.overlaps()
+    immobile = {robot.entity for robot in scene.robots if _is_immobile(robot.robot)}
+    overlaps = [
+        overlap
+        for overlap in engine.overlaps()
+        if not {overlap.entity, overlap.other_entity} <= immobile
+        or overlap.entity == overlap.other_entity
+    ]
     announce(f"simulating {scene.seconds:g} s")
     steps = round(scene.seconds / engine.step_seconds)
     stride = max(1, round(LOOK_EVERY / engine.step_seconds))
@@ -135,12 +142,17 @@ def play(
     return [_measured(engine, scene, watch, overlaps) for watch in watches], refused
 
 
+def _is_immobile(robot: Robot) -> bool:
+    """Whether it stays where it is spawned, as walls do that stand in a floor."""
+    return robot.is_static or robot.fixed_to_world
+
+
 def _spawn(
     engine: Engine, scene: Scene, announce: Callable[[str], None]
 ) -> tuple[list[tuple[SpawnedRobot, Loaded, Pose]], dict[str, Refused]]:
     spawned, refused = [], {}
     for robot in scene.robots:
-        announce(f"loading the robot `{robot.entity}`")
+        announce(LOADING.format(entity=robot.entity))
         outcome = engine.spawn(robot)
         if isinstance(outcome, Refused):
             refused[robot.entity] = outcome
@@ -155,9 +167,8 @@ def _put_on_the_ground(engine: Engine, robot: SpawnedRobot, world: World) -> Pos
 
     What is fixed to the world stays where it is.
     """
-    pose, model = robot.pose_in_world, robot.robot
-    is_free = not (model.fixed_to_world or model.is_static)
-    if not (robot.on_the_ground and is_free and world.has_ground_plane):
+    pose = robot.pose_in_world
+    if _is_immobile(robot.robot) or not (robot.on_the_ground and world.has_ground_plane):
         return pose
     # Out of the ground first: engines know the lowest point best from above.
     lowest = min(corner[2] for corner in engine.corners(robot.entity))

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from wsgen.isolation.child import announce
 from wsgen.model.transform import compose
-from wsgen.simulation.scene import trial_to_json
+from wsgen.simulation.scene import DRAWING, trial_to_json
 from wsgen.simulation.trial import play
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def simulate(scene: Scene, make_engine: Callable[[World], Engine]) -> dict[str, 
     tile, picture_problem = _draw(engine, scene, [*refused]) if trials else (None, None)
     return {
         "trials": [trial_to_json(trial) for trial in trials],
-        "refused": {entity: why.reason for entity, why in refused.items()},
+        "refused": {entity: [why.reason, why.hint] for entity, why in refused.items()},
         "picture_tile": tile,
         "picture_problem": picture_problem,
         "seconds": {
@@ -50,7 +50,7 @@ def _draw(engine: Engine, scene: Scene, refused: Sequence[str]) -> tuple[float |
     """Draw the picture that is wanted; gives what a square in it is, or why there is none."""
     if scene.picture is None:
         return None, None
-    announce("drawing the picture")
+    announce(DRAWING)
     try:
         # NumPy's and Pillow's loading would cost every trial as much as its simulation does, and
         # where PyBullet has no wheels there is no picture.
@@ -63,6 +63,7 @@ def _draw(engine: Engine, scene: Scene, refused: Sequence[str]) -> tuple[float |
                 continue
             corners += engine.corners(robot.entity)
             poses = engine.link_poses(robot.entity)
+            corners += [pose.xyz for pose in poses.values()]  # of parts that nothing can touch
             seen += [
                 (visual, compose(poses[link.name], visual.pose_in_link))
                 for link in robot.robot.links

@@ -1,0 +1,122 @@
+"""Trials in one engine or two: what is told of each, and who passes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from wsgen.isolation.outcome import Answered, Died
+from wsgen.model.pose import Pose
+from wsgen.model.robot import Inertial, Link, Robot
+from wsgen.model.world import World
+from wsgen.pipeline.described import Described
+from wsgen.pipeline.request import ValidateRequest
+from wsgen.pipeline.trial import Tried, try_robots
+from wsgen.simulation.scene import LOADING, RobotTrial, Scene, trial_to_json
+
+BODY = Inertial(mass=1.0, inertia=(0.1, 0.0, 0.0, 0.1, 0.0, 0.1))
+WORLD = World(name="w", has_ground_plane=True)
+
+
+def described(entity: str) -> Described:
+    robot = Robot(name="r", root="base", links=(Link(name="base", inertial=BODY),))
+    return Described(entity=entity, written=robot, lumped=robot)
+
+
+def stands(entity: str, **more: Any) -> dict[str, Any]:
+    trial = RobotTrial(
+        **{
+            "entity": entity,
+            "links": 1,
+            "movable_joints": 0,
+            "mass": 1.0,
+            "spawn_pose": Pose(),
+            "overlaps": (),
+            "lowest_point": 0.0,
+            "penetration": 0.0,
+            "lowest_point_at_end": 0.0,
+            "is_finite": True,
+            "settled_after": 0.1,
+            "rest_pose": Pose(),
+            "speed": 0.0,
+            "turning": 0.0,
+            "joint_speed": 0.0,
+            "highest_speed": 0.0,
+            "highest_point": 0.0,
+            "tilt": 0.0,
+            "energy_gain": 0.0,
+            "joint_positions": {},
+            "joint_travel": {},
+            **more,
+        }
+    )
+    return trial_to_json(trial)
+
+
+class Engines:
+    """Answers for child processes: a robot that is in `kills` ends the engine."""
+
+    def __init__(self, *, kills: str = "", **dart: Any) -> None:
+        self.kills = kills
+        self.dart = dart
+        self.scenes: list[Scene] = []
+
+    def __call__(self, task: str, *arguments: Any, **_: Any) -> Answered | Died:
+        (scene,) = arguments
+        self.scenes.append(scene)
+        if any(robot.entity == self.kills for robot in scene.robots):
+            step = LOADING.format(entity=self.kills)
+            return Died(reason="crashed (SIGSEGV)", step=step, output="")
+        more = self.dart if "dart" in task else {}
+        return Answered(
+            value={
+                "trials": [stands(robot.entity, **more) for robot in scene.robots],
+                "refused": {},
+                "picture_tile": None,
+                "picture_problem": None,
+                "seconds": {"simulate": 0.0, "draw": 0.0},
+            },
+            output="",
+        )
+
+
+def tried(engines: Engines, *entities: str, both: bool = False) -> Tried:
+    request = ValidateRequest(engines=("bullet", "dart") if both else ("bullet",))
+    robots = [described(entity) for entity in entities]
+    return try_robots(WORLD, robots, request, "name", run=engines)
+
+
+def test_a_robot_that_kills_the_engine_is_named_and_the_others_are_tried() -> None:
+    outcome = tried(Engines(kills="b"), "a", "b", "c")
+    assert [(robot.entity, robot.passed) for robot in outcome.robots] == [
+        ("a", True),
+        ("b", False),
+        ("c", True),
+    ]
+    assert [(found.code, found.element) for found in outcome.diagnostics] == [("SPN031", "b")]
+
+
+def test_both_engines_must_pass_a_robot() -> None:
+    outcome = tried(Engines(lowest_point_at_end=-0.3), "a", both=True)
+    assert [robot.passed for robot in outcome.robots] == [False]
+    (found,) = [finding for finding in outcome.diagnostics if finding.code == "SPN055"]
+    assert found.message.startswith("In DART: ")
+
+
+def test_what_both_engines_find_is_told_once() -> None:
+    engines = Engines()
+    engines.dart = {}
+    outcome = tried(engines, "a", both=True)
+    assert outcome.diagnostics == ()
+    assert [scene.engine for scene in engines.scenes] == ["bullet", "dart"]
+
+
+def test_an_engine_that_dies_in_one_of_two_is_no_pass() -> None:
+    class OnlyDartDies(Engines):
+        def __call__(self, task: str, *arguments: Any, **more: Any) -> Answered | Died:
+            if "dart" in task:
+                return Died(reason="took longer than 1 s", step="simulating 3 s", output="")
+            return super().__call__(task, *arguments, **more)
+
+    outcome = tried(OnlyDartDies(), "a", both=True)
+    assert [robot.passed for robot in outcome.robots] == [False]
+    assert [found.code for found in outcome.diagnostics] == ["SPN031"]
