@@ -89,8 +89,8 @@ def check_spelling(findings: Findings, element: Element, path: str) -> None:
 
 def _check_reference(findings: Findings, element: Element, path: str) -> None:
     """Report what should be called `reference`: without it the element is about the whole robot."""
-    for attribute in element.attrib:
-        if attribute != "reference" and "reference".startswith(str(attribute).lower()[:3]):
+    for attribute in map(str, element.attrib):
+        if attribute != "reference" and "reference".startswith(attribute.lower()[:3]):
             findings.warning(
                 "ROB038",
                 f"<gazebo> has no attribute `{attribute}`: Gazebo leaves it out without a word and "
