@@ -12,6 +12,7 @@ SOURCE = ROOT / "src" / "wsgen"
 # One module each; xacro's and colcon's doors lie deeper than one import.
 FOREIGN = {
     "pybullet": "simulation/bullet_client.py",
+    "trimesh": "description/mesh_library.py",
     "dartpy": "simulation/dart_library.py",
     "xacro": "description/expand.py",
     "jinja2": "templating/render.py",

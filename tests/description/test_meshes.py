@@ -35,7 +35,7 @@ def share(tmp_path: Path) -> Path:
     folder = tmp_path / "share" / "arm"
     folder.joinpath("meshes").mkdir(parents=True)
     folder.joinpath("meshes", "part one.STL").write_bytes(b"")
-    folder.joinpath("meshes", "part.glb").write_bytes(b"")
+    folder.joinpath("meshes", "part.step").write_bytes(b"")
     return folder
 
 
@@ -63,7 +63,7 @@ def test_found(share: Path, uri: str) -> None:
         ("package://arm/meshes/part one.stl", "is not there"),  # capitals
         ("package://arm/meshes", "is not there"),  # a folder
         ("package://leg/meshes/part.stl", "package `leg`"),
-        ("package://arm/meshes/part.glb", "format"),
+        ("package://arm/meshes/part.step", "format"),
         ("https://example.org/part.stl", "is not a file"),
         ("part.stl", "relative to nothing"),
     ],

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from wsgen.isolation.outcome import Answered, Died
 from wsgen.model.pose import Pose
@@ -11,7 +11,10 @@ from wsgen.model.world import World
 from wsgen.pipeline.described import Described
 from wsgen.pipeline.request import ValidateRequest
 from wsgen.pipeline.trial import Tried, try_robots
-from wsgen.simulation.scene import LOADING, RobotTrial, Scene, trial_to_json
+from wsgen.simulation.scene import DRAWING, LOADING, RobotTrial, Scene, trial_to_json
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 BODY = Inertial(mass=1.0, inertia=(0.1, 0.0, 0.0, 0.1, 0.0, 0.1))
 WORLD = World(name="w", has_ground_plane=True)
@@ -93,6 +96,20 @@ def test_a_robot_that_kills_the_engine_is_named_and_the_others_are_tried() -> No
         ("c", True),
     ]
     assert [(found.code, found.element) for found in outcome.diagnostics] == [("SPN031", "b")]
+
+
+def test_an_engine_that_dies_while_it_draws_costs_the_picture_alone(tmp_path: Path) -> None:
+    class DiesDrawing(Engines):
+        def __call__(self, task: str, *arguments: Any, **more: Any) -> Answered | Died:
+            if arguments[0].picture is not None:
+                return Died(reason="crashed (SIGSEGV)", step=DRAWING, output="")
+            return super().__call__(task, *arguments, **more)
+
+    request = ValidateRequest(picture_folder=tmp_path)
+    outcome = try_robots(WORLD, [described("a")], request, "name", run=DiesDrawing())
+    assert [robot.passed for robot in outcome.robots] == [True]
+    assert [found.code for found in outcome.diagnostics] == ["SPN034"]
+    assert outcome.picture is None
 
 
 def test_both_engines_must_pass_a_robot() -> None:

@@ -97,24 +97,6 @@ def test_a_mesh_that_cannot_be_read(
     assert isinstance(refused, Refused), refused
 
 
-def test_a_mesh_that_is_text(new_engine: NewEngine, tmp_path: Path) -> None:
-    """STL as text, of a tetrahedron on its side of 1 m, with the origin 0.2 m above."""
-    corners = ((0.0, 0.0, -0.2), (1.0, 0.0, -0.2), (0.0, 1.0, -0.2), (0.2, 0.2, 0.5))
-    lines = ["solid tetrahedron"]
-    for face in ((0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)):
-        lines += ["facet normal 0 0 0", "outer loop"]
-        lines += ["vertex " + " ".join(f"{part:e}" for part in corners[at]) for at in face]
-        lines += ["endloop", "endfacet"]
-    mesh = tmp_path / "text.STL"
-    mesh.write_text("\n".join([*lines, "endsolid tetrahedron", ""]))
-    geometry = Mesh(uri="text.STL", path=str(mesh), scale=(0.5, 0.5, 0.5))
-    link = body(geometry, at=Pose((0.1, 0.1, 0.0)))
-    link = replace(link, collisions=(shape(geometry), shape(geometry, mu=0.5)))
-    trial = trial_of(new_engine, single(link), 0.11)
-    assert trial.rest_pose.xyz[2] == pytest.approx(0.1, abs=0.0015)
-    assert trial.tilt < math.radians(0.2)
-
-
 def test_a_refused_robot_leaves_nothing(new_engine: NewEngine, tmp_path: Path) -> None:
     """Neither itself nor the trees of it that were already in the world."""
     mesh = tmp_path / "part.glb"

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     ShareOf = Callable[[str], Path | None]  # package name -> its installed share folder
 
-FORMATS = (".stl", ".obj", ".dae")  # that both Gazebo and PyBullet read
+FORMATS = (".stl", ".obj", ".dae", ".glb", ".gltf", ".ply")  # see `mesh_files` for who reads which
 
 
 def find_meshes(

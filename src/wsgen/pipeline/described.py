@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.checks.judge import judge_robot
 from wsgen.description.lump import lump
+from wsgen.description.mesh_files import inspect_meshes
 from wsgen.description.meshes import find_meshes
 from wsgen.description.reader import read_urdf
 from wsgen.description.source import place_in_source
@@ -17,9 +18,19 @@ from wsgen.model.pose import IDENTITY, Pose
 
 if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
+    from wsgen.isolation.protocol import Run
     from wsgen.model.robot import Robot
 
 ShareOf = Callable[[str], Path | None]  # package name -> its installed share folder
+
+
+@dataclass(frozen=True, kw_only=True)
+class Workshop:
+    """What it takes to complete a description."""
+
+    share_of: ShareOf
+    folder: Path  # for mesh files that are written anew; there until the trial is over
+    run: Run  # starts the child process that reads meshes
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,7 +49,7 @@ def describe(  # noqa: PLR0913  most have defaults
     text: str | bytes,
     *,
     file: Path | None,
-    share_of: ShareOf,
+    workshop: Workshop,
     entity: str | None = None,
     spawn_pose: Pose = IDENTITY,
     on_the_ground: bool = False,
@@ -54,10 +65,19 @@ def describe(  # noqa: PLR0913  most have defaults
     described = None
     if written is not None:
         located, missing = find_meshes(
-            written, share_of=share_of, folder=file.parent if file else None, file=file
+            written, share_of=workshop.share_of, folder=file.parent if file else None, file=file
         )
-        lumped, dropped = lump(located, file=file)
-        found = (*found, *missing, *dropped, *judge_robot(written, file, generation=generation))
+        readable, flawed = inspect_meshes(
+            located, file=file, folder=workshop.folder, run=workshop.run
+        )
+        lumped, dropped = lump(readable, file=file)
+        found = (
+            *found,
+            *missing,
+            *flawed,
+            *dropped,
+            *judge_robot(written, file, generation=generation),
+        )
         described = Described(
             entity=entity or written.name,
             written=written,
@@ -68,4 +88,4 @@ def describe(  # noqa: PLR0913  most have defaults
         )
     if isinstance(text, bytes):  # of the file itself, where every line is its own
         return described, found
-    return described, place_in_source(found, text=text, file=file, share_of=share_of)
+    return described, place_in_source(found, text=text, file=file, share_of=workshop.share_of)

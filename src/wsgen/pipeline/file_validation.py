@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import tempfile
+from pathlib import Path
 from typing import TYPE_CHECKING
 
+from wsgen.description.mesh_files import inspect_meshes
 from wsgen.description.xacro_file import expand_file
 from wsgen.diagnostics import Diagnostic, Severity, has_errors
 from wsgen.model.outcome import PackageOutcome
 from wsgen.pipeline.around import share_around
 from wsgen.pipeline.clock import Clock
-from wsgen.pipeline.described import Described, describe
+from wsgen.pipeline.described import Described, Workshop, describe
 from wsgen.pipeline.text_file import read_bytes
 from wsgen.pipeline.trial import Tried, try_robots
 from wsgen.world.lookup import model_finder
@@ -17,8 +20,6 @@ from wsgen.world.models import read_sdf
 from wsgen.world.reader import DEFAULT_WORLD
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from wsgen.events import Listener
     from wsgen.isolation.protocol import Run
     from wsgen.model.world import World
@@ -54,8 +55,13 @@ class FileValidation:
 
     def run(self) -> PackageOutcome:
         """All stages, as far as they go."""
+        with tempfile.TemporaryDirectory(prefix="wsgen-") as folder:
+            workshop = Workshop(share_of=self._share_of, folder=Path(folder), run=self.run_task)
+            return self._run(workshop)
+
+    def _run(self, workshop: Workshop) -> PackageOutcome:
         with self.clock.step("expand", self.file.name) as step:
-            world, described = self._read()
+            world, described = self._read(workshop)
             step.succeeded = not has_errors(self.diagnostics)
         tried = Tried()
         if described and world:
@@ -78,14 +84,14 @@ class FileValidation:
             seconds=self.clock.read(),
         )
 
-    def _read(self) -> tuple[World | None, list[Described]]:
+    def _read(self, workshop: Workshop) -> tuple[World | None, list[Described]]:
         if self.file.suffix.lower() in {".sdf", ".world"}:
-            return self._read_sdf()
+            return self._read_sdf(workshop)
         text = self._urdf()
         if text is None:
             return DEFAULT_WORLD, []
         described, diagnostics = describe(
-            text, file=self.file, share_of=self._share_of, on_the_ground=True
+            text, file=self.file, workshop=workshop, on_the_ground=True
         )
         self.diagnostics += diagnostics
         return DEFAULT_WORLD, [described] if described else []
@@ -105,22 +111,28 @@ class FileValidation:
         self.diagnostics += diagnostics
         return text
 
-    def _read_sdf(self) -> tuple[World | None, list[Described]]:
+    def _read_sdf(self, workshop: Workshop) -> tuple[World | None, list[Described]]:
         find = model_finder(self.file, self.overlay.environment)
         found = read_sdf(self.file, find_model=lambda name: find(name) or self._share_of(name))
         self.diagnostics += found.diagnostics
-        described = [
-            Described(
-                entity=model.name,
-                written=model.robot,
-                lumped=model.robot,
-                is_sound=not has_errors(found.diagnostics),
-                spawn_pose=model.pose_in_world,
-                on_the_ground=found.world is None,
+        described = []
+        for model in found.models:
+            if model.robot is None:
+                continue
+            robot, flawed = inspect_meshes(
+                model.robot, file=model.file, folder=workshop.folder, run=workshop.run
             )
-            for model in found.models
-            if model.robot is not None
-        ]
+            self.diagnostics += flawed
+            described.append(
+                Described(
+                    entity=model.name,
+                    written=model.robot,
+                    lumped=robot,
+                    is_sound=not has_errors((*found.diagnostics, *flawed)),
+                    spawn_pose=model.pose_in_world,
+                    on_the_ground=found.world is None,
+                )
+            )
         if not described and not has_errors(found.diagnostics):
             self.diagnostics.append(
                 Diagnostic(

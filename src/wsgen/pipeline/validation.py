@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import tempfile
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.checks.allowances import unknown_rule_allowed, without_allowed
@@ -11,7 +13,7 @@ from wsgen.launch.evaluate import evaluate
 from wsgen.launch.spawning import find_simulator, find_spawns
 from wsgen.model.outcome import PackageOutcome
 from wsgen.pipeline.clock import Clock
-from wsgen.pipeline.described import Described, describe
+from wsgen.pipeline.described import Described, Workshop, describe
 from wsgen.pipeline.sources import changed_since_build, name_sources
 from wsgen.pipeline.trial import Tried, try_robots
 from wsgen.workspace.settings import read_settings
@@ -19,8 +21,6 @@ from wsgen.world.lookup import find_world
 from wsgen.world.reader import DEFAULT_WORLD, read_world
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from wsgen.events import Listener
     from wsgen.isolation.protocol import Run
     from wsgen.model.plan import LaunchPlan, Spawn
@@ -52,12 +52,17 @@ class Validation:
 
     def run(self) -> PackageOutcome:
         """All stages, as far as they go."""
+        with tempfile.TemporaryDirectory(prefix="wsgen-") as folder:
+            return self._run(Path(folder))
+
+    def _run(self, folder: Path) -> PackageOutcome:
+        workshop = Workshop(share_of=self.overlay.share, folder=folder, run=self.run_task)
         launch_file = self.chosen.launch_file
         if self.chosen.problem is not None:
             self.diagnostics.append(self.chosen.problem)
         plan = self._evaluate(launch_file) if launch_file else None
         world = self._read_world(plan) if plan else None
-        described = self._describe(plan) if plan and world else []
+        described = self._describe(plan, workshop) if plan and world else []
         tried = self._try(world, described) if world and described else Tried()
         return PackageOutcome(
             package=self.package,
@@ -122,7 +127,7 @@ class Validation:
         self.diagnostics += diagnostics
         return world
 
-    def _describe(self, plan: LaunchPlan) -> list[Described]:
+    def _describe(self, plan: LaunchPlan, workshop: Workshop) -> list[Described]:
         with self.clock.step("expand", "robot description") as step:
             spawns, diagnostics = find_spawns(plan)
             self.diagnostics += (
@@ -132,18 +137,20 @@ class Validation:
             # Of two with one name the simulator refuses the second.
             unique = {spawn.entity: spawn for spawn in reversed(spawns)}
             described = [
-                robot for spawn in reversed(unique.values()) if (robot := self._describe_one(spawn))
+                robot
+                for spawn in reversed(unique.values())
+                if (robot := self._describe_one(spawn, workshop))
             ]
             step.succeeded = len(described) == len(spawns) and all(
                 robot.is_sound for robot in described
             )
         return described
 
-    def _describe_one(self, spawn: Spawn) -> Described | None:
+    def _describe_one(self, spawn: Spawn, workshop: Workshop) -> Described | None:
         described, diagnostics = describe(
             spawn.description,
             file=spawn.description_file,
-            share_of=self.overlay.share,
+            workshop=workshop,
             entity=spawn.entity,
             spawn_pose=spawn.pose_in_world,
             generation=self.generation,

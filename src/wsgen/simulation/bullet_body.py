@@ -23,11 +23,7 @@ from wsgen.model.transform import (
 )
 from wsgen.simulation.bullet_client import error
 from wsgen.simulation.bullet_damper import Dampers, is_stiff, stiffness_to_simulate, undamped
-from wsgen.simulation.bullet_meshes import (
-    unread_mesh,
-    with_readable_meshes,
-    without_missing_meshes,
-)
+from wsgen.simulation.bullet_meshes import unread_mesh, without_missing_meshes
 from wsgen.simulation.bullet_properties import ROOT, keep_apart, release_joints, set_links
 from wsgen.simulation.surfaces import one_friction_a_link
 from wsgen.simulation.urdf_writer import write_urdf
@@ -115,8 +111,7 @@ class BulletBody:
     def _load(self, pose: Pose) -> int:
         with tempfile.TemporaryDirectory(prefix="wsgen-", dir=scratch_folder()) as folder:
             file = Path(folder, "robot.urdf")
-            readable = with_readable_meshes(self._parts, Path(folder))
-            file.write_text(write_urdf(readable), encoding="utf-8")
+            file.write_text(write_urdf(self._parts), encoding="utf-8")
             return int(
                 self._client.loadURDF(
                     str(file),

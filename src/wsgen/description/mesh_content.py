@@ -1,0 +1,87 @@
+"""What is in a mesh file, and what keeps one from being used."""
+
+from __future__ import annotations
+
+import warnings
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+TRIANGLE_LIMIT = 1_000_000  # an engine takes about 10 s to load them
+REDUCE = "Reduce it to some thousand triangles; for a <collision>, boxes or cylinders are best."
+EXPORT_ANEW = "Export the mesh anew, as binary STL or as OBJ."
+
+
+class BrokenMeshError(Exception):
+    """Why a mesh cannot be used: goes on after its name. It never leaves the child process."""
+
+    def __init__(self, problem: str, *, hint: str = EXPORT_ANEW) -> None:
+        super().__init__(problem)
+        self.problem = problem
+        self.hint = hint
+
+
+class EnormousMeshError(BrokenMeshError):
+    """The mesh is more than a simulator can be expected to load."""
+
+    def __init__(self, problem: str) -> None:
+        super().__init__(problem, hint=REDUCE)
+
+
+def refuse_triangles(count: int) -> None:
+    """Raise EnormousMeshError for more triangles than a mesh may have."""
+    if count > TRIANGLE_LIMIT:
+        raise EnormousMeshError(
+            f"has {count:,} triangles or more; of {TRIANGLE_LIMIT:,} an engine takes 10 s to load"
+        )
+
+
+class Content(NamedTuple):
+    """The triangles of a mesh, as Gazebo reads them."""
+
+    corners: NDArray[Any]  # (n, 3, 3), float: of each triangle three corners' x, y, z; m, unscaled
+    is_plain: bool = True  # PyBullet reads the same from the file
+    oddity: str | None = None  # what is wrong and does no harm to Gazebo; goes on after the name
+
+
+def parse_floats(text: str | bytes, what: str) -> NDArray[np.float64]:
+    """The numbers of a text; `what` it is, for the message if something else is among them."""
+    return _parse(text, what, "numbers", np.float64)
+
+
+def parse_integers(text: str | bytes, what: str) -> NDArray[np.int64]:
+    """The whole numbers of a text, as `parse_floats`."""
+    return _parse(text, what, "whole numbers", np.int64)
+
+
+def _parse(text: str | bytes, what: str, kind: str, dtype: type[Any]) -> NDArray[Any]:
+    if not text or text.isspace():
+        return np.empty(0, dtype)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # numpy stops at what is no number, and only warns
+        try:
+            return np.fromstring(text, dtype=dtype, sep=" ")
+        except (DeprecationWarning, ValueError):
+            raise BrokenMeshError(f"has something else than {kind} in {what}") from None
+
+
+def triangulate(indices: NDArray[np.int64], sizes: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Cut polygons into fans of triangles.
+
+    Args:
+        indices: The corners of all polygons, one after the other.
+        sizes: How many corners each polygon has; their sum is the number of `indices`.
+
+    Returns:
+        Indices, shape (n, 3). What has fewer than three corners is left out.
+    """
+    starts = np.cumsum(sizes) - sizes
+    parts = [np.empty((0, 3), np.int64)]
+    for size in np.unique(sizes):
+        if size >= 3:  # noqa: PLR2004  corners of a triangle
+            polygons = indices[starts[sizes == size][:, None] + np.arange(size)]
+            parts += [polygons[:, [0, at, at + 1]] for at in range(1, size - 1)]
+    return np.concatenate(parts)

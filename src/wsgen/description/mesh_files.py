@@ -1,0 +1,117 @@
+"""What is in the mesh files of a robot, before an engine sees them."""
+
+from __future__ import annotations
+
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from wsgen.description.mesh_findings import MeshUse, find_in_use
+from wsgen.isolation import parent
+from wsgen.isolation.outcome import Died, Limits
+from wsgen.model.robot import Mesh
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.isolation.protocol import Run
+    from wsgen.model.robot import Collision, Link, Robot, Visual
+
+TASK = "wsgen.description.mesh_worker:inspect"
+LIMITS = Limits(seconds=30.0, memory=2 * 2**30)  # of all meshes of a robot
+DEATHS = 3  # after so many meshes that the child dies of, the others are not read
+
+Request = tuple[str, bool, bool]  # the fields of `mesh_worker.Request`
+Answer = dict[str, Any]  # what `mesh_worker.inspect` says of a file
+
+
+def inspect_meshes(
+    robot: Robot, *, file: Path | None, folder: Path, run: Run = parent.run
+) -> tuple[Robot, tuple[Diagnostic, ...]]:
+    """Look into every mesh that was found, and give each engine something it reads as Gazebo does.
+
+    A collision that cannot be used keeps its uri and loses its path, and is an error; a visual is
+    left out, and is a warning. A mesh that PyBullet reads otherwise than Gazebo, or not at all, is
+    written anew, and the robot that is returned has the path of that.
+
+    Args:
+        robot: The robot as written, its meshes with their paths.
+        file: What the diagnostics name.
+        folder: Where new files go; must be there as long as the returned robot is used.
+        run: Starts the child process that reads the files.
+    """
+    requests = _requests(robot)
+    if not requests:
+        return robot, ()
+    answers = _ask(requests, Path(tempfile.mkdtemp(prefix="meshes-", dir=folder)), run)
+    found: dict[Diagnostic, None] = {}  # one file may be seen several times in a link
+    links = []
+    for link in robot.links:
+        visuals = [visual for one in link.visuals if (visual := _new_visual(one, answers))]
+        collisions = [_new_collision(one, answers) for one in link.collisions]
+        for use in _uses(link):
+            found |= dict.fromkeys(find_in_use(use, answers[use.path], file))
+        links.append(replace(link, visuals=tuple(visuals), collisions=tuple(collisions)))
+    return replace(robot, links=tuple(links)), tuple(found)
+
+
+def _uses(link: Link) -> Iterator[MeshUse]:
+    collisions = [(collision.geometry, False) for collision in link.collisions]
+    visuals = [(visual.geometry, True) for visual in link.visuals]
+    for geometry, is_visual in (*collisions, *visuals):
+        if isinstance(geometry, Mesh) and geometry.path is not None:
+            yield MeshUse(link, geometry, geometry.path, is_visual=is_visual)
+
+
+def _requests(robot: Robot) -> list[Request]:
+    """Each file once, with what it is used for."""
+    uses = [use for link in robot.links for use in _uses(link)]
+    touched = {use.path for use in uses if not use.is_visual}
+    seen = {use.path for use in uses if use.is_visual}
+    return [
+        (path, path in touched, path in seen) for path in dict.fromkeys(use.path for use in uses)
+    ]
+
+
+def _ask(requests: Sequence[Request], folder: Path, run: Run) -> Mapping[str, Answer]:
+    """What the child says of each path; what it dies of, it is asked about no more."""
+    answers: dict[str, Answer] = {}
+    waiting = list(requests)
+    for _ in range(DEATHS):
+        outcome = run(TASK, waiting, str(folder), limits=LIMITS)
+        if not isinstance(outcome, Died):
+            pairs = zip(waiting, outcome.value, strict=True)
+            return {**answers, **{request[0]: answer for request, answer in pairs}}
+        if not outcome.step.isdecimal():  # it died before it came to the first
+            return {**answers, **_refused(waiting, f"was not read, as the reader {outcome.reason}")}
+        culprit = waiting.pop(int(outcome.step))
+        answers |= _refused([culprit], f"cannot be read: the reader {outcome.reason}")
+    return {**answers, **_refused(waiting, f"was not read, as the reader died of {DEATHS} others")}
+
+
+def _refused(requests: Sequence[Request], problem: str) -> dict[str, Answer]:
+    hint = "Look at the mesh in a viewer, and export it anew or reduce it."
+    answer = {"problem": problem, "hint": hint, "is_enormous": False}
+    return {path: answer for path, _, _ in requests}
+
+
+def _new_visual(visual: Visual, answers: Mapping[str, Answer]) -> Visual | None:
+    """The visual with the file to draw; None if it cannot be drawn."""
+    mesh = visual.geometry
+    if not isinstance(mesh, Mesh) or mesh.path is None:
+        return visual
+    answer = answers[mesh.path]
+    if answer["problem"] is not None:
+        return None
+    return replace(visual, geometry=replace(mesh, path=answer["visual"]))
+
+
+def _new_collision(collision: Collision, answers: Mapping[str, Answer]) -> Collision:
+    mesh = collision.geometry
+    if not isinstance(mesh, Mesh) or mesh.path is None:
+        return collision
+    answer = answers[mesh.path]
+    path = answer["collision"] if answer["problem"] is None else None
+    return replace(collision, geometry=replace(mesh, path=path))

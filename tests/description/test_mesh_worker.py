@@ -1,0 +1,219 @@
+"""Reading mesh files, whole and broken."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import mesh_samples
+from wsgen.description import mesh_worker
+from wsgen.description.mesh_content import BrokenMeshError, EnormousMeshError
+from wsgen.description.mesh_reader import read_mesh
+from wsgen.description.mesh_stl import write_stl
+
+QUADS_OBJ = mesh_samples.obj(
+    "f 1 2 4 3", "f 5 7 8 6", "f 1 5 6 2", "f 3 4 8 7", "f 1 3 7 5", "f 2 6 8 4"
+)
+
+
+def write(folder: Path, name: str, content: bytes | str) -> Path:
+    file = folder / name
+    file.write_bytes(content.encode() if isinstance(content, str) else content)
+    return file
+
+
+def inspect(file: Path, folder: Path) -> dict[str, Any]:
+    """What is said of a file that is both touched and seen."""
+    (answer,) = mesh_worker.inspect([(str(file), True, True)], str(folder))
+    return answer
+
+
+def box_of(file: str) -> tuple[list[float], list[float]]:
+    points = read_mesh(Path(file)).corners.reshape(-1, 3)
+    return points.min(axis=0).tolist(), points.max(axis=0).tolist()
+
+
+# Name, content, triangles, and which of the two (collision, visual) is written anew.
+WHOLE: dict[str, tuple[bytes | str, int, tuple[bool, bool]]] = {
+    "binary.stl": (mesh_samples.binary_stl(), 12, (False, False)),
+    "BINARY.STL": (mesh_samples.binary_stl(), 12, (False, False)),
+    "binary_called_solid.stl": (b"solid" + mesh_samples.binary_stl()[5:], 12, (False, False)),
+    "text.stl": (mesh_samples.text_stl(), 12, (True, True)),
+    "windows.stl": (mesh_samples.text_stl().replace(b"\n", b"\r\n"), 12, (True, True)),
+    "capitals.stl": (mesh_samples.text_stl().upper(), 12, (True, True)),
+    "triangles.obj": (mesh_samples.obj(), 12, (False, False)),
+    "quads.obj": (QUADS_OBJ, 12, (False, False)),
+    "mixed.obj": (
+        QUADS_OBJ.replace(b"f 1 2 4 3", b"f 1 2 4\nf 1 4 3\nl 1 2\nf 1 2"),
+        12,
+        (False, False),
+    ),
+    "tabs.obj": (QUADS_OBJ.replace(b" ", b"\t"), 12, (False, False)),
+    "indented.obj": (QUADS_OBJ.replace(b"\n", b"\n  "), 12, (False, False)),
+    "continued.obj": (QUADS_OBJ.replace(b" 4 3", b" \\\n4 3"), 12, (False, False)),
+    "macintosh.obj": (QUADS_OBJ.replace(b"\n", b"\r"), 12, (False, False)),
+    "textured.obj": (
+        mesh_samples.obj("vt 0 0", "f 1/1 2/1 4/1 3/1", "f 5//1 7//2 8//3 6//4", "f 1/1/1 5/1/1 8"),
+        5,
+        (False, False),
+    ),
+    "coloured.obj": (QUADS_OBJ.replace(b"1.5\n", b"1.5 1 0 0.5\n"), 12, (False, False)),
+    "half_coloured.obj": (QUADS_OBJ.replace(b"-1.5\n", b"-1.5 1 0 0.5\n"), 12, (False, False)),
+    "backwards.obj": (
+        mesh_samples.obj("f -8 -7 -5 -6", "v 9 9 9", "f -5 -3 -2 -4"),
+        4,
+        (False, False),
+    ),
+    "triangles.dae": (mesh_samples.dae(), 12, (True, False)),
+    "y_up.dae": (mesh_samples.dae(asset="<up_axis>Y_UP</up_axis>"), 12, (True, False)),
+    "quads.dae": (mesh_samples.dae(mesh_samples.QUADS), 12, (True, True)),
+    "both.dae": (
+        mesh_samples.dae(mesh_samples.QUADS + mesh_samples.TRIANGLES),
+        24,
+        (True, True),
+    ),
+    "empty_too.dae": (
+        mesh_samples.dae(
+            '<triangles count="0"><input semantic="VERTEX" source="#v" offset="0"/><p/></triangles>'
+            + mesh_samples.TRIANGLES
+        ),
+        12,
+        (True, True),
+    ),
+    "latin.dae": (
+        mesh_samples.dae(asset="<title>\xe9</title>").encode("latin-1"),
+        12,
+        (True, False),
+    ),
+    "mark.dae": (b"\xef\xbb\xbf" + mesh_samples.dae().encode(), 12, (True, False)),
+    "behind.dae": (mesh_samples.dae() + "</COLLADA>\0\0", 12, (True, False)),
+}
+
+
+@pytest.mark.parametrize("name", WHOLE)
+def test_whole_files(tmp_path: Path, name: str) -> None:
+    content, triangles, is_written_anew = WHOLE[name]
+    file = write(tmp_path, name, content)
+    answer = inspect(file, tmp_path)
+    assert answer["problem"] is None
+    assert answer["oddity"] is None
+    assert answer["triangles"] == triangles
+    assert (tuple(answer["low"]), tuple(answer["high"])) == mesh_samples.BOX
+    for used, is_new in zip(("collision", "visual"), is_written_anew, strict=True):
+        assert (answer[used] != str(file)) == is_new
+        assert box_of(answer[used]) == (answer["low"], answer["high"])
+
+
+@pytest.mark.parametrize("name", mesh_samples.BROKEN)
+def test_broken_files(tmp_path: Path, name: str) -> None:
+    content, words = mesh_samples.BROKEN[name]
+    answer = inspect(write(tmp_path, name, content), tmp_path)
+    assert words in answer["problem"]
+    assert answer["hint"]
+    assert not answer["is_enormous"]
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "words"),
+    [
+        ("behind.stl", mesh_samples.binary_stl(behind=b"more"), "4 bytes behind"),
+        ("few.stl", mesh_samples.binary_stl(claimed=11), "11 triangles"),
+        ("no_asset.dae", mesh_samples.dae().replace("<asset></asset>", ""), "no <asset>"),
+        (
+            "million.dae",
+            mesh_samples.dae().replace('count="24"', 'count="1000000"'),
+            'says count="1000000" in a <float_array>, and has 24',
+        ),
+        ("few.dae", mesh_samples.dae().replace('s count="12"', 's count="9"'), "has 12 there"),
+    ],
+)
+def test_what_only_pybullet_minds_is_written_anew(
+    tmp_path: Path, name: str, content: bytes | str, words: str
+) -> None:
+    file = write(tmp_path, name, content)
+    answer = inspect(file, tmp_path)
+    assert answer["problem"] is None
+    assert words in answer["oddity"]
+    assert str(file) not in {answer["collision"], answer["visual"]}
+    assert (tuple(answer["low"]), tuple(answer["high"])) == mesh_samples.BOX
+
+
+def test_what_is_no_file(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.stl")
+    (tmp_path / "folder.stl").mkdir()
+    problems = [
+        inspect(tmp_path / name, tmp_path)["problem"]
+        for name in ("pipe.stl", "folder.stl", "missing.stl")
+    ]
+    assert problems == [
+        "is neither a file nor a folder",
+        "is a folder",
+        "cannot be read (No such file or directory)",
+    ]
+
+
+def test_a_million_triangles_are_read_and_one_more_is_not(tmp_path: Path) -> None:
+    corners = np.zeros((1_000_001, 3, 3), np.float32)
+    corners[:, 1, 0] = 1.0
+    started = time.process_time()
+    write_stl(corners[:-1], tmp_path / "million.stl")
+    answer = inspect(tmp_path / "million.stl", tmp_path)
+    assert answer["triangles"] == 1_000_000
+    assert time.process_time() - started < 5
+    write_stl(corners, tmp_path / "more.stl")
+    answer = inspect(tmp_path / "more.stl", tmp_path)
+    assert answer["is_enormous"]
+    assert "1,000,001" in answer["problem"]
+
+
+def test_a_huge_file_is_not_opened(tmp_path: Path) -> None:
+    with (tmp_path / "huge.obj").open("wb") as stream:
+        stream.truncate(10**12)  # without content, and without space on the disk
+    with pytest.raises(EnormousMeshError, match="1000000 MB"):
+        read_mesh(tmp_path / "huge.obj")
+
+
+def test_a_name_counts_with_its_capitals(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As on a file system that finds part.stl where PART.STL is."""
+    file = write(tmp_path, "part.stl", mesh_samples.binary_stl())
+    monkeypatch.setattr(os, "listdir", lambda _: ["PART.STL"])
+    with pytest.raises(BrokenMeshError, match="other capitals"):
+        read_mesh(file)
+
+
+def test_the_reader_is_loaded_without_the_library() -> None:
+    script = "import sys, wsgen.description.mesh_worker as _; print('trimesh' in sys.modules)"
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, check=True)
+    assert run.stdout == b"False\n"
+
+
+@pytest.mark.parametrize("kind", ["glb", "gltf", "ply"])
+def test_what_the_library_reads_is_written_anew(tmp_path: Path, kind: str) -> None:
+    trimesh = pytest.importorskip("trimesh")
+    scene = trimesh.Scene()
+    pose = np.diag([1.0, 1.0, 1.0, 1.0])
+    pose[:3, 3] = (0.25, 0.0, 0.0)
+    box = trimesh.creation.box((0.5, 2.0, 3.0))
+    scene.add_geometry(box, transform=pose)
+    scene.add_geometry(box, transform=np.linalg.inv(pose))
+    file = tmp_path / f"box.{kind}"
+    if kind == "gltf":
+        for name, content in scene.export(file_type="gltf").items():
+            (tmp_path / name.replace("model.gltf", "box.gltf")).write_bytes(content)
+    else:
+        (scene if kind == "glb" else scene.to_mesh()).export(file)
+    answer = inspect(file, tmp_path)
+    assert answer["problem"] is None
+    assert answer["triangles"] == 24
+    assert np.allclose((answer["low"], answer["high"]), mesh_samples.BOX)
+    assert np.allclose(box_of(answer["collision"]), mesh_samples.BOX)
+    assert answer["collision"] == answer["visual"] != str(file)
+    cut = write(tmp_path, f"cut.{kind}", file.read_bytes()[: file.stat().st_size * 2 // 3])
+    assert inspect(cut, tmp_path)["problem"]
