@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from checks.trials import SPAWNED, STANDS
+from checks.trials import STANDS
 from wsgen.checks.judge import judge_robot, judge_trial, limbs_that_gave_way
 from wsgen.model.pose import Pose
 from wsgen.model.robot import (
@@ -42,7 +42,7 @@ GAVE_WAY = replace(HANGS, joint_positions={"arm": 0.9}, joint_travel={"arm": 0.9
 
 
 def codes(trial: RobotTrial, *, robot: Robot = ROBOT, world: World = WORLD) -> list[str]:
-    return [found.code for found in judge_trial(robot, SPAWNED, world, trial)]
+    return [found.code for found in judge_trial(robot, world, trial)]
 
 
 def test_a_robot_that_stands() -> None:
@@ -115,7 +115,7 @@ def test_limbs_that_give_way_excuse_the_robot() -> None:
     swings = replace(GAVE_WAY, settled_after=None, joint_speed=2.0)
     assert codes(swings, robot=ARM) == ["SPN060"]
     pulled = replace(swings, speed=0.5, tilt=1.0)
-    found = judge_trial(ARM, SPAWNED, WORLD, pulled)
+    found = judge_trial(ARM, WORLD, pulled)
     assert [(one.code, one.severity.value) for one in found] == [
         ("SPN058", "warning"),
         ("SPN059", "warning"),

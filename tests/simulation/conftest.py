@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import pytest
 
 from wsgen.simulation.run import MODULES, missing_engines
-from wsgen.simulation.scene import ENGINES
 
 if TYPE_CHECKING:
     from simulation.robots import NewEngine
@@ -16,7 +15,7 @@ if TYPE_CHECKING:
 CLASSES = {"bullet": "BulletEngine", "dart": "DartEngine"}
 
 
-@pytest.fixture(params=ENGINES)
+@pytest.fixture(params=MODULES)
 def new_engine(request: pytest.FixtureRequest) -> NewEngine:
     """Makes an engine of a world; a test that takes this is run with every engine."""
     name: str = request.param

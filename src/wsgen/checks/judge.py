@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
-    from wsgen.model.pose import Pose
     from wsgen.model.robot import Robot
     from wsgen.model.world import World
     from wsgen.simulation.scene import RobotTrial
@@ -46,7 +45,7 @@ def judge_robot(
 
 
 def judge_trial(
-    robot: Robot, spawn_pose: Pose, world: World, trial: RobotTrial, *, is_alone: bool = True
+    robot: Robot, world: World, trial: RobotTrial, *, is_alone: bool = True
 ) -> tuple[Diagnostic, ...]:
     """Judge what was measured of a robot; `robot` is the one Gazebo would build (lumped).
 
@@ -66,11 +65,11 @@ def judge_trial(
         return tuple(found)
     if world.has_ground_plane:
         found += trial_rules.born_inside_the_ground(
-            entity, trial.penetration, spawn_pose.xyz[2], is_bolted=robot.fixed_to_world
+            entity, trial.penetration, trial.spawn_pose.xyz[2], is_bolted=robot.fixed_to_world
         )
     if world.has_ground_plane and not robot.fixed_to_world:
         found += trial_rules.spawned_high_above_the_ground(
-            entity, trial.lowest_point, spawn_pose.xyz[2]
+            entity, trial.lowest_point, trial.spawn_pose.xyz[2]
         )
     if trial.is_finite:
         found += _judge_motion(robot, world, trial, is_alone=is_alone)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.model.inertia import of_solid, principal_moments
-from wsgen.model.robot import Box, Capsule, Cylinder, JointType, Mesh, Sphere
+from wsgen.model.robot import Box, Capsule, Cylinder, Mesh, Sphere
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 # A hollow part has up to three times the inertia of a solid one, a part with its mass at one end
 # more, and a collision shape may be a good deal larger or smaller than the part.
 IMPLAUSIBLE = 30.0  # times the solid's largest moment, or that part of it
-
-HAVE_LIMITS = (JointType.REVOLUTE, JointType.PRISMATIC)
 
 # Plugin libraries that no ROS 2 release has, with what took their place.
 ROS_1_PLUGINS = {
@@ -252,8 +250,8 @@ def starts_outside_limits(joints: Iterable[Joint], file: Path | None) -> Iterato
     position (-J in Gazebo Classic), or a controller that takes it from there.
     """
     for joint in joints:
-        limit = joint.limit if joint.type in HAVE_LIMITS else None
-        if limit is None or limit.lower <= 0 <= limit.upper:
+        limit = joint.limit
+        if limit is None or not joint.starts_beyond_limit:
             continue
         yield Diagnostic(
             code="ROB070",

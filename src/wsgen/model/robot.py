@@ -166,6 +166,13 @@ class Joint:
         """Whether it has a degree of freedom."""
         return self.type is not JointType.FIXED
 
+    @property
+    def starts_beyond_limit(self) -> bool:
+        """Whether 0, where simulators spawn it, is outside of its limits."""
+        has_limits = self.type in {JointType.REVOLUTE, JointType.PRISMATIC}
+        limit = self.limit if has_limits else None
+        return limit is not None and not limit.lower <= 0 <= limit.upper
+
 
 @dataclass(frozen=True, kw_only=True)
 class GazeboTag:

@@ -18,11 +18,12 @@ from wsgen.simulation.run import missing_engines
 from wsgen.workspace.overlay import Overlay, source_overlay
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
     from concurrent.futures import Executor
 
     from wsgen.events import Listener
     from wsgen.isolation.protocol import Run
+    from wsgen.model.outcome import PackageOutcome
     from wsgen.pipeline.file_validation import FileValidation
     from wsgen.pipeline.selection import Chosen
     from wsgen.workspace.layout import Workspace
@@ -67,18 +68,23 @@ def validate(
     if len(packages) + len(request.files) == 1:  # a server would serve one child
         (subject,) = subjects(parent.run)
         return Outcome(packages=(subject.run(),), left_out=left_out)
+    return Outcome(packages=_run_several(subjects, request.jobs), left_out=left_out)
+
+
+def _run_several(
+    subjects: Callable[[Run], list[Validation | FileValidation]], jobs: int
+) -> tuple[PackageOutcome, ...]:
+    """Run them, `jobs` at a time, with child processes that share their start."""
     from wsgen.isolation.nursery import Nursery  # noqa: PLC0415  of no use for one
 
     # Leaving the nursery ends the children for which the threads wait.
     with ExitStack() as stack:
-        pool = _thread_pool(stack, min(request.jobs, len(packages) + len(request.files)))
+        pool = _thread_pool(stack, jobs)
         todo = subjects(stack.enter_context(Nursery()).run)
         if pool is None:
-            outcomes = [subject.run() for subject in todo]
-        else:
-            running = [pool.submit(subject.run) for subject in todo]
-            outcomes = [future.result() for future in running]
-    return Outcome(packages=tuple(outcomes), left_out=left_out)
+            return tuple(subject.run() for subject in todo)
+        running = [pool.submit(subject.run) for subject in todo]
+        return tuple(future.result() for future in running)
 
 
 def _thread_pool(stack: ExitStack, jobs: int) -> Executor | None:

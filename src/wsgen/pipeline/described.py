@@ -64,20 +64,8 @@ def describe(  # noqa: PLR0913  most have defaults
     written, found = read_urdf(text, file=file)
     described = None
     if written is not None:
-        located, missing = find_meshes(
-            written, share_of=workshop.share_of, folder=file.parent if file else None, file=file
-        )
-        readable, flawed = inspect_meshes(
-            located, file=file, folder=workshop.folder, run=workshop.run
-        )
-        lumped, dropped = lump(readable, file=file)
-        found = (
-            *found,
-            *missing,
-            *flawed,
-            *dropped,
-            *judge_robot(written, file, generation=generation),
-        )
+        lumped, more = _complete(written, file, workshop)
+        found = (*found, *more, *judge_robot(written, file, generation=generation))
         described = Described(
             entity=entity or written.name,
             written=written,
@@ -89,3 +77,15 @@ def describe(  # noqa: PLR0913  most have defaults
     if isinstance(text, bytes):  # of the file itself, where every line is its own
         return described, found
     return described, place_in_source(found, text=text, file=file, share_of=workshop.share_of)
+
+
+def _complete(
+    written: Robot, file: Path | None, workshop: Workshop
+) -> tuple[Robot, tuple[Diagnostic, ...]]:
+    """The robot with its meshes, as Gazebo has it."""
+    located, missing = find_meshes(
+        written, share_of=workshop.share_of, folder=file.parent if file else None, file=file
+    )
+    readable, flawed = inspect_meshes(located, file=file, folder=workshop.folder, run=workshop.run)
+    lumped, dropped = lump(readable, file=file)
+    return lumped, (*missing, *flawed, *dropped)

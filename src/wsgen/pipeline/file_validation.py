@@ -13,7 +13,6 @@ from wsgen.model.outcome import PackageOutcome
 from wsgen.pipeline.around import share_around
 from wsgen.pipeline.clock import Clock
 from wsgen.pipeline.described import Described, Workshop, describe
-from wsgen.pipeline.text_file import read_bytes
 from wsgen.pipeline.trial import Tried, try_robots
 from wsgen.world.lookup import model_finder
 from wsgen.world.models import read_sdf
@@ -107,7 +106,7 @@ class FileValidation:
                 run=self.run_task,
             )
         else:
-            text, diagnostics = read_bytes(self.file)
+            text, diagnostics = _read_bytes(self.file)
         self.diagnostics += diagnostics
         return text
 
@@ -148,3 +147,19 @@ class FileValidation:
     def _share_of(self, package: str) -> Path | None:
         """What is sourced comes first: it is what Gazebo would find."""
         return self.overlay.share(package) or self.around(package)
+
+
+def _read_bytes(file: Path) -> tuple[bytes | None, tuple[Diagnostic, ...]]:
+    """The bytes of a file; None where it cannot be read."""
+    try:
+        return file.read_bytes(), ()
+    except OSError as error:
+        return None, (
+            Diagnostic(
+                code="ROB072",
+                severity=Severity.ERROR,
+                message=f"The robot description cannot be read: {error.strerror}.",
+                file=file,
+                hint="Name a file that you may read.",
+            ),
+        )

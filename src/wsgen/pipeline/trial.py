@@ -90,7 +90,7 @@ def _judge(
         judged = (
             ()
             if trial is None
-            else judge_trial(robot.lumped, trial.spawn_pose, world, trial, is_alone=len(free) == 1)
+            else judge_trial(robot.lumped, world, trial, is_alone=len(free) == 1)
         )
         if trial is None or has_errors(judged):
             failed.add(robot.entity)

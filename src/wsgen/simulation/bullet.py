@@ -3,23 +3,25 @@
 from __future__ import annotations
 
 import math
+from itertools import combinations
 from typing import TYPE_CHECKING
 
-from wsgen.model.robot import JointType
 from wsgen.model.transform import compose, quaternion_of_rpy
 from wsgen.model.trees import split_trees
 from wsgen.simulation.bullet_body import BulletBody, PartBounds
 from wsgen.simulation.bullet_client import Client, error
 from wsgen.simulation.bullet_damper import STRIDE as DAMPER_STRIDE
-from wsgen.simulation.bullet_properties import GROUND_FRICTION
-from wsgen.simulation.engine import Loaded, Overlap, Refused, State
-from wsgen.simulation.pairs import neighbours
+from wsgen.simulation.engine import GROUND_FRICTION, Loaded, Overlap, Refused, State
+from wsgen.simulation.pairs import deepest_overlaps
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from wsgen.model.pose import Pose
-    from wsgen.model.robot import Joint, Robot
+    from wsgen.model.robot import Robot
     from wsgen.model.transform import Vector
     from wsgen.model.world import World
+    from wsgen.simulation.pairs import Place
     from wsgen.simulation.scene import SpawnedRobot
 
 # A box, because a plane of PyBullet has no thickness and lets fast things through.
@@ -41,8 +43,6 @@ LIMIT_SHARE = 0.01  # of the way back to a limit, in one step; DART's error redu
 SEPARATION_STRIDE = 10  # steps between two looks at the overlap while it is large
 
 FAR = 100.0  # m; no robot is as large
-
-TOUCHING = 1e-3  # m; PyBullet's margin around convex shapes: less than this is no overlap
 
 
 class BulletEngine:
@@ -99,7 +99,7 @@ class BulletEngine:
             for body, _ in bodies:
                 self.client.removeBody(body.number)
             return Refused(str(problem))
-        if any(map(_starts_beyond_limit, model.joints)):
+        if any(joint.starts_beyond_limit for joint in model.joints):
             self._push_back_to_limits()
         self._robots[robot.entity] = model
         self._bodies[robot.entity] = bodies
@@ -141,11 +141,7 @@ class BulletEngine:
             speed=max(math.hypot(*linear) for linear, _ in velocities),
             turning=max(math.hypot(*angular) for _, angular in velocities),
             joint_speed=max(
-                (
-                    abs(speed)
-                    for body, _ in self._bodies[entity]
-                    for _, speed in body.joint_states()
-                ),
+                (abs(speed) for body in bodies for _, speed in body.joint_states()),
                 default=0.0,
             ),
         )
@@ -180,9 +176,8 @@ class BulletEngine:
                 body.number, self._ground, distance=max(0.0, lowest) + FAR
             )
         ]
-        return min(
-            near, default=lowest
-        )  # a mesh file without points has a box, and is near nothing
+        # A mesh file without points has a box, and is near nothing.
+        return min(near, default=lowest)
 
     def corners(self, entity: str) -> list[Vector]:
         """Corners of boxes along the world's axes around all that can touch something, m."""
@@ -206,26 +201,23 @@ class BulletEngine:
             for body, _ in bodies
             for box in body.boxes()
         ]
-        joined = {entity: neighbours(robot) for entity, robot in self._robots.items()}
-        deepest: dict[tuple[str, str, str, str], float] = {}
-        for place, (entity, body, link, index, low, high) in enumerate(parts):
-            for other_entity, other, other_link, other_index, other_low, other_high in parts[
-                :place
-            ]:
-                if entity == other_entity and (
-                    link == other_link or frozenset((link, other_link)) in joined[entity]
-                ):
-                    continue
-                if not _boxes_meet(low, high, other_low, other_high):
-                    continue
+        return deepest_overlaps(self._found_in_each_other(parts), self._robots)
+
+    def _found_in_each_other(
+        self, parts: list[tuple[str, BulletBody, str, int, Vector, Vector]]
+    ) -> Iterator[tuple[Place, Place, float]]:
+        """The parts of two links whose boxes meet, with the depth of the deepest contact (m)."""
+        for one, other in combinations(parts, 2):
+            entity, body, link, index, low, high = one
+            other_entity, other_body, other_link, other_index, other_low, other_high = other
+            if (entity, link) != (other_entity, other_link) and _boxes_meet(
+                low, high, other_low, other_high
+            ):
                 near = self.client.getClosestPoints(
-                    other.number, body.number, 0.0, other_index, index
+                    body.number, other_body.number, 0.0, index, other_index
                 )
                 depth = max((-point[8] for point in near), default=0.0)
-                key = (other_entity, other_link, entity, link)
-                if depth > TOUCHING:
-                    deepest[key] = max(depth, deepest.get(key, 0.0))
-        return [Overlap(*key, depth=depth) for key, depth in deepest.items()]
+                yield (entity, link), (other_entity, other_link), depth
 
     def advance(self, steps: int) -> None:
         """Let time pass; overlapping bodies are pushed apart no faster than the bound."""
@@ -267,11 +259,6 @@ def _is_over_ground(box: PartBounds) -> bool:
     _, _, low, high = box
     x, y, depth = GROUND_HALF_EXTENTS
     return -x < low[0] and high[0] < x and -y < low[1] and high[1] < y and low[2] > -depth
-
-
-def _starts_beyond_limit(joint: Joint) -> bool:
-    limit = None if joint.type is JointType.CONTINUOUS else joint.limit
-    return limit is not None and not limit.lower <= 0.0 <= limit.upper
 
 
 def _boxes_meet(low: Vector, high: Vector, other_low: Vector, other_high: Vector) -> bool:

@@ -52,33 +52,19 @@ class BulletBody:
         """
         self._client = client
         self.tree = _frozen(tree) if tree.is_static else tree
-        stiff = [joint for joint in self.tree.joints if is_stiff(joint, tree, step_seconds)]
+        stiff = [joint for joint in self.tree.joints if is_stiff(joint, self.tree, step_seconds)]
         self._parts, self._owner = one_friction_a_link(
             replace(
                 without_missing_meshes(self.tree),
                 joints=undamped(self.tree.joints, {joint.name for joint in stiff}),
             )
         )
-        if len(self._parts.links) > MOST_LINKS:
-            raise error(
-                f"it has {len(self._parts.links)} links with a friction of their own, PyBullet "
-                f"can do {MOST_LINKS}; --engine dart can do any number"
-            )
         self.number = self._load(pose_in_world)
-        infos = [
-            client.getJointInfo(self.number, index)
-            for index in range(client.getNumJoints(self.number))
-        ]
-        # Every part has one joint above it, so that its index is that of the joint.
-        self._index_of = {tree.root: ROOT} | {
-            info[12].decode(): index for index, info in enumerate(infos)
-        }
+        self._index_of = self._number_parts()
         self.indices = {link.name: self._index_of[link.name] for link in self.tree.links}
-        self.movable = (
-            {joint.name: self._index_of[joint.child] for joint in tree.joints if joint.is_movable}
-            if not tree.is_static
-            else {}
-        )
+        self.movable = {
+            joint.name: self._index_of[joint.child] for joint in self.tree.movable_joints
+        }
         self._dynamics = {
             index: client.getDynamicsInfo(self.number, index) for index in self._index_of.values()
         }
@@ -89,18 +75,15 @@ class BulletBody:
             speeds=[0.0] * len(stiff),
         )
         self._root_from_base = invert(_pose(*self._dynamics[ROOT][3:5]))
-        set_links(client, self.number, self._parts, self._index_of)
-        release_joints(client, self.number, self.tree, self.movable)
-        if any(link.self_collide for link in self.tree.links):
-            keep_apart(client, self.number, self.tree, self._index_of, self._owner)
+        self._set_properties()
         self._springs = [
             (
                 self.movable[joint.name],
-                stiffness_to_simulate(joint, tree, step_seconds),
+                stiffness_to_simulate(joint, self.tree, step_seconds),
                 joint.spring_reference,
             )
-            for joint in self.tree.joints
-            if joint.spring_stiffness and joint.name in self.movable
+            for joint in self.tree.movable_joints
+            if joint.spring_stiffness
         ]
         self._weightless = [
             self.indices[link.name]
@@ -108,7 +91,27 @@ class BulletBody:
             if not link.gravity and link.inertial is not None and not tree.is_static
         ]
 
+    def _number_parts(self) -> dict[str, int]:
+        """PyBullet's indices of the parts; every part has one joint above it, and its index."""
+        client = self._client
+        count = client.getNumJoints(self.number)
+        infos = [client.getJointInfo(self.number, index) for index in range(count)]
+        names = {info[12].decode(): index for index, info in enumerate(infos)}
+        return {self.tree.root: ROOT} | names
+
+    def _set_properties(self) -> None:
+        client = self._client
+        set_links(client, self.number, self._parts, self._index_of)
+        release_joints(client, self.number, self.tree, self.movable)
+        if any(link.self_collide for link in self.tree.links):
+            keep_apart(client, self.number, self.tree, self._index_of, self._owner)
+
     def _load(self, pose: Pose) -> int:
+        if len(self._parts.links) > MOST_LINKS:
+            raise error(
+                f"it has {len(self._parts.links)} links with a friction of their own, PyBullet "
+                f"can do {MOST_LINKS}; --engine dart can do any number"
+            )
         with tempfile.TemporaryDirectory(prefix="wsgen-", dir=scratch_folder()) as folder:
             file = Path(folder, "robot.urdf")
             file.write_text(write_urdf(self._parts), encoding="utf-8")

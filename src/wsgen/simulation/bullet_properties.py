@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wsgen.model.robot import Capsule, Cylinder, Mesh, Sphere
+from wsgen.simulation.engine import GROUND_FRICTION
 from wsgen.simulation.pairs import may_touch
 
 if TYPE_CHECKING:
@@ -12,10 +13,6 @@ if TYPE_CHECKING:
 
     from wsgen.model.robot import Link, Robot
     from wsgen.simulation.bullet_client import Client
-
-# Gazebo's engine takes the smaller friction of two touching bodies, PyBullet the product: with 1
-# on the ground the product is the robot's own, which the ground's 1 must not exceed.
-GROUND_FRICTION = 1.0
 
 # Gazebo damps links only where told so, and only Gazebo Classic does; PyBullet damps every link by
 # 0.04 a second.

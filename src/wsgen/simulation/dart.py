@@ -10,9 +10,9 @@ from wsgen.model.pose import Pose
 from wsgen.model.transform import quaternion_of_rpy
 from wsgen.simulation.dart_body import DartBody, add_shape, corners_of, matrix_of, pose_of
 from wsgen.simulation.dart_library import collision, dynamics, simulation
-from wsgen.simulation.engine import Loaded, Overlap, Refused, State
+from wsgen.simulation.engine import GROUND_FRICTION, Loaded, Overlap, Refused, State
 from wsgen.simulation.extents import lowest_point
-from wsgen.simulation.pairs import may_touch, neighbours
+from wsgen.simulation.pairs import deepest_overlaps, may_touch
 
 if TYPE_CHECKING:
     from wsgen.model.transform import Vector
@@ -21,11 +21,9 @@ if TYPE_CHECKING:
 
 # A large box, as Gazebo makes of a plane.
 GROUND_SIZE = (1000.0, 1000.0, 10.0)  # m
-GROUND_FRICTION = 1.0
 
 MOST_CONTACTS = 10_000  # of a search for overlaps; no robot has as many shapes in each other
 BISECTIONS = 40  # of the height at which a mesh begins; from 1 km they lead to 1e-9 m
-TOUCHING = 1e-3  # m; less than this is no overlap, as in PyBullet
 
 
 class DartEngine:
@@ -164,25 +162,18 @@ class DartEngine:
             for link, _, frame in body.shapes:
                 group.addShapeFrame(frame)
                 place[frame.getName()] = (entity, link)
-        joined = {entity: neighbours(body.robot) for entity, body in self._robots.items()}
         result = collision.CollisionResult()
         group.collide(collision.CollisionOption(True, MOST_CONTACTS), result)
-        deepest: dict[tuple[str, str, str, str], float] = {}
-        for contact in result.getContacts():
-            ends = sorted(
-                place[end.getShapeFrame().getName()]
-                for end in (contact.collisionObject1, contact.collisionObject2)
+        found = (
+            (
+                place[contact.collisionObject1.getShapeFrame().getName()],
+                place[contact.collisionObject2.getShapeFrame().getName()],
+                float(contact.penetrationDepth),
             )
-            (entity, link), (other_entity, other_link) = ends
-            if entity == other_entity and (
-                link == other_link or frozenset((link, other_link)) in joined[entity]
-            ):
-                continue
-            key = (entity, link, other_entity, other_link)
-            depth = float(contact.penetrationDepth)
-            if depth > TOUCHING:
-                deepest[key] = max(depth, deepest.get(key, 0.0))
-        return [Overlap(*key, depth=depth) for key, depth in deepest.items()]
+            for contact in result.getContacts()
+        )
+        robots = {entity: body.robot for entity, body in self._robots.items()}
+        return deepest_overlaps(found, robots)
 
     def advance(self, steps: int) -> None:
         """Let time pass."""

@@ -12,6 +12,10 @@ if TYPE_CHECKING:
     from wsgen.model.transform import Vector
     from wsgen.simulation.scene import SpawnedRobot
 
+# Gazebo's engine takes the smaller friction of two touching bodies, PyBullet the product: with 1
+# on the ground the product is the robot's own, which the ground's 1 must not exceed.
+GROUND_FRICTION = 1.0
+
 
 @dataclass(frozen=True)
 class Loaded:

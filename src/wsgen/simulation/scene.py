@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from wsgen.model.world import World
 
 
-ENGINES = ("bullet", "dart")
-
 # What the child process announces; by it the parent knows what the engine died of.
 LOADING = "loading the robot `{entity}`"
 DRAWING = "drawing the picture"
@@ -40,7 +38,7 @@ class Scene:
     world: World
     robots: tuple[SpawnedRobot, ...]
     seconds: float = 3.0  # simulated
-    engine: str = "bullet"  # one of ENGINES
+    engine: str = "bullet"  # a key of `run.MODULES`
     picture: Path | None = None  # where to put a PNG of the end; its folder must exist
 
 

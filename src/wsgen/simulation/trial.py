@@ -117,13 +117,7 @@ def play(
         )
         for robot, loaded, pose in spawned
     ]
-    immobile = {robot.entity for robot in scene.robots if _is_immobile(robot.robot)}
-    overlaps = [
-        overlap
-        for overlap in engine.overlaps()
-        if not {overlap.entity, overlap.other_entity} <= immobile
-        or overlap.entity == overlap.other_entity
-    ]
+    overlaps = _overlaps(engine, scene)
     announce(f"simulating {scene.seconds:g} s")
     steps = round(scene.seconds / engine.step_seconds)
     stride = max(1, round(LOOK_EVERY / engine.step_seconds))
@@ -140,6 +134,17 @@ def play(
             if watch.is_finite and (looks % LONG_LOOK == 0 or done == steps):
                 watch.look_long(engine.energy(entity), engine.joint_positions(entity))
     return [_measured(engine, scene, watch, overlaps) for watch in watches], refused
+
+
+def _overlaps(engine: Engine, scene: Scene) -> list[Overlap]:
+    """What is in each other when all are spawned, but for two robots that stay where they are."""
+    immobile = {robot.entity for robot in scene.robots if _is_immobile(robot.robot)}
+    return [
+        overlap
+        for overlap in engine.overlaps()
+        if overlap.entity == overlap.other_entity
+        or not {overlap.entity, overlap.other_entity} <= immobile
+    ]
 
 
 def _is_immobile(robot: Robot) -> bool:
