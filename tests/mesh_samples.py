@@ -121,6 +121,12 @@ BROKEN: dict[str, tuple[bytes | str, str]] = {
     "no_vertices.dae": (dae().replace('source="#v"', 'source="#other"'), "vertices `#other`"),
     "no_positions.dae": (dae().replace("POSITION", "NORMAL"), "for their positions"),
     "no_offset.dae": (dae().replace(' offset="0"', ""), "without offset"),
+    "far_offset.dae": (dae().replace('offset="0"', 'offset="4000000000"'), "not a multiple"),
+    "endless_offset.dae": (dae().replace('offset="0"', f'offset="{"9" * 5000}"'), "offset="),
+    "far_stride.dae": (
+        dae().replace('stride="3"', 'stride="4000000000"'),
+        "in steps of 4000000000",
+    ),
     "no_numbers.dae": (re.sub("(<float_array.*?>)[^<]*", r"\1", dae()), "without numbers"),
     "empty_p.dae": (re.sub("<p>.*</p>", "<p></p>", dae()), "no triangle"),
     "no_p.dae": (re.sub("<p>.*</p>", "", dae()), "no triangle"),
@@ -165,3 +171,59 @@ BROKEN: dict[str, tuple[bytes | str, str]] = {
     "mesh.fbx": (b"Kaydara", "a format that is not read"),
     "mesh": (binary_stl(), "no extension"),
 }
+
+RED = "<phong><diffuse><color>1 0 0 1</color></diffuse></phong>"
+TEXTURED = '<lambert><diffuse><texture texture="sampler" texcoord="UV"/></diffuse></lambert>'
+PARAMETERS = (
+    '<newparam sid="surface"><surface type="2D"><init_from>image</init_from></surface></newparam>'
+    '<newparam sid="sampler"><sampler2D><source>surface</source></sampler2D></newparam>'
+)
+
+
+def coloured_dae(*shaders: str, image: str = "image.png", bind: bool = True) -> str:
+    """A square for each shader, one above the other (z = 0, 1, 2 …), each of its own material."""
+    faces = "".join(
+        f'<triangles count="2" material="symbol{at}"><input semantic="VERTEX" source="#v" '
+        'offset="0"/><input semantic="TEXCOORD" source="#uv" offset="1" set="0"/>'
+        f"<p>{' '.join(f'{4 * at + corner} {corner}' for corner in (0, 1, 2, 0, 2, 3))}</p>"
+        "</triangles>"
+        for at in range(len(shaders))
+    )
+    numbers = "".join(f"-1 -1 {z} 1 -1 {z} 1 1 {z} -1 1 {z} " for z in range(len(shaders)))
+    target = "material" if bind else "symbol"
+    effects = "".join(
+        f'<effect id="effect{at}"><profile_COMMON>{PARAMETERS}<technique>{shader}</technique>'
+        "</profile_COMMON></effect>"
+        for at, shader in enumerate(shaders)
+    )
+    materials = "".join(
+        f'<material id="{target}{at}"><instance_effect url="#effect{at}"/></material>'
+        for at in range(len(shaders))
+    )
+    bound = "".join(
+        f'<instance_material symbol="symbol{at}" target="#material{at}"/>'
+        for at in range(len(shaders) if bind else 0)
+    )
+    return f"""<?xml version="1.0" encoding="utf-8"?>
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset/>
+<library_images><image id="image"><init_from>{image}</init_from></image></library_images>
+<library_effects>{effects}</library_effects>
+<library_materials>{materials}</library_materials>
+<library_geometries><geometry id="g"><mesh>
+<source id="s"><float_array id="f" count="{12 * len(shaders)}">{numbers}</float_array></source>
+<source id="uv"><float_array id="t" count="8">0 0 1 0 1 1 0 1</float_array></source>
+<vertices id="v"><input semantic="POSITION" source="#s"/></vertices>
+{faces}</mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="vs"><node><instance_geometry url="#g"><bind_material>
+<technique_common>{bound}</technique_common></bind_material></instance_geometry></node>
+</visual_scene></library_visual_scenes><scene><instance_visual_scene url="#vs"/></scene>
+</COLLADA>
+"""
+
+
+def square_obj(faces: str = "f 1/1/1 2/2/1 3/3/1\nf 1/1/1 3/3/1 4/4/1\n", head: str = "") -> str:
+    """A square in the plane z = 0, with texture points from corner to corner."""
+    return (
+        f"{head}v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+        f"vn 0 0 1\n{faces}"
+    )

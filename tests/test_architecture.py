@@ -13,7 +13,9 @@ SOURCE = ROOT / "src" / "wsgen"
 FOREIGN = {
     "pybullet": "simulation/bullet_client.py",
     "trimesh": "description/mesh_library.py",
+    "shapely": "description/solid_extrusion.py",
     "dartpy": "simulation/dart_library.py",
+    "av": "simulation/film_encoder.py",
     "xacro": "description/expand.py",
     "jinja2": "templating/render.py",
     "catkin_pkg": "workspace/package_xml.py",

@@ -11,6 +11,7 @@ from checks.trials import STANDS
 from wsgen.checks import scene_rules as rules
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.model.pose import Pose
+from wsgen.simulation.engine import HullGap
 from wsgen.simulation.scene import Overlapping
 
 if TYPE_CHECKING:
@@ -39,6 +40,28 @@ def test_robots_in_each_other_are_told_once_with_the_deepest() -> None:
     assert "`a` and `c`" in second.message
     # The other one, by name, keeps silent.
     assert found(rules.robots_in_each_other("b", [overlap("b1", "a1", entity="a")])) == []
+
+
+def test_what_is_hardly_in_each_other_is_a_warning() -> None:
+    (shallow,) = rules.robots_in_each_other("a", [overlap("a1", "b1", 0.015, entity="b")])
+    assert shallow.severity is Severity.WARNING
+
+
+def test_the_robot_is_told_to_be_in_the_scenery() -> None:
+    seen_from_robot = [overlap("base", "l", entity="a_wall")]
+    (found_in,) = rules.robots_in_each_other("robot", seen_from_robot, {"a_wall", "b_wall"})
+    assert found_in.element == "robot"
+    seen_from_wall = [overlap("l", "base", entity="robot"), overlap("l", "l", entity="b_wall")]
+    (other,) = rules.robots_in_each_other("a_wall", seen_from_wall, {"a_wall", "b_wall"})
+    assert "`b_wall`" in other.message
+
+
+def test_the_widest_gaps_under_a_hull_are_told() -> None:
+    gaps = [HullGap("arm", "post", 0.006), HullGap("fork", "post", 0.1)]
+    first, second = rules.rests_on_its_hull("r", gaps)
+    assert found([first, second]) == [("SPN066", Severity.WARNING)] * 2
+    assert "`fork` touches `post` 100 mm from" in first.message
+    assert "`arm` touches `post` 6 mm from" in second.message
 
 
 def test_robots_apart() -> None:

@@ -6,8 +6,10 @@ import json
 from typing import TYPE_CHECKING
 
 import pytest
+from PIL import Image
 
 import wsgen.cli
+from cli.packages import SHARE
 from install_space import HEAD, InstallSpace
 
 if TYPE_CHECKING:
@@ -189,3 +191,70 @@ def test_a_workspace_that_is_not_built(tmp_path: Path, capsys: pytest.CaptureFix
     code, _, err = launch(capsys, "-w", str(tmp_path), "my_robot", "r.launch.py")
     assert code == 4
     assert "wsgen build" in err
+
+
+def test_play_is_what_validate_says(
+    built: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.chdir(built)
+    words = ("gazebo_test", "gazebo_model.launch.py", "z:=0.4")
+    pictures = str(tmp_path / "pictures")
+    code, out, _ = launch(capsys, *words, "--play", "--picture", pictures, "--format", "json")
+    (played,) = json.loads(out)["packages"]
+    assert (code, played["passed"], played["diagnostics"]) == (0, True, [])
+    assert played["robots"][0]["spawn_pose"]["xyz"] == [0.0, 0.0, 0.4]
+    assert played["picture"] == str(tmp_path / "pictures" / "gazebo_test.png")
+    wsgen.cli.run(["validate", "--format", "json", "--arg", "z:=0.4"])
+    (validated,) = json.loads(capsys.readouterr().out)["packages"]
+    assert played["robots"] == validated["robots"]
+
+
+def test_play_makes_a_film(
+    built: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.chdir(built)
+    words = ("gazebo_test", "gazebo_model.launch.py", "--play", "--seconds", "0.5")
+    file = tmp_path / "film.gif"
+    code, out, _ = launch(capsys, *words, "--record", str(file), "--format", "json")
+    assert (code, json.loads(out)["packages"][0]["film"]) == (0, str(file))
+    with Image.open(file) as film:
+        assert (film.n_frames, film.info["duration"]) == (11, 50)  # every 50 ms, both ends
+
+
+@pytest.mark.parametrize(
+    ("file", "told"),
+    [("film.png", "neither"), ("nowhere/film.gif", "does not exist"), (".", "neither")],
+)
+def test_a_film_that_cannot_be_is_refused_before_the_trial(
+    built: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    file: str,
+    told: str,
+) -> None:
+    monkeypatch.chdir(built)
+    words = ("gazebo_test", "gazebo_model.launch.py", "--play", "--record", file)
+    code, out, err = launch(capsys, *words)
+    assert (code, out) == (2, "")
+    assert told in err
+
+
+def test_play_a_launch_file_of_no_package(
+    built: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.chdir(built)
+    file = tmp_path / "alone.launch.py"
+    file.write_text((built / SHARE / "launch" / "gazebo_model.launch.py").read_text())
+    code, out, _ = launch(capsys, str(file), "--play", "z:=-3")
+    assert code == 1
+    assert out.startswith(f"{file}: failed\n")
+    assert "SPN055" in out
+
+
+@pytest.mark.parametrize("option", ["--record=x.gif", "--picture=p", "--engine=dart"])
+def test_without_play_nothing_is_simulated(
+    share: Path, capsys: pytest.CaptureFixture[str], option: str
+) -> None:
+    code, out, err = launch(capsys, "my_robot", "r.launch.py", option)
+    assert (code, out) == (2, "")
+    assert "--play" in err

@@ -2,40 +2,12 @@
 
 import json
 import shutil
-import subprocess
-import sys
 from pathlib import Path
-from typing import Any
 
 import pytest
 from PIL import Image
 
-PACKAGE = "gazebo_test"
-SHARE = Path("install", PACKAGE, "share", PACKAGE)
-
-
-def wsgen(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
-    run = subprocess.run(
-        [sys.executable, "-m", "wsgen", *arguments],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert "Traceback" not in run.stderr, run.stderr
-    return run
-
-
-@pytest.fixture(scope="module")
-def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A built workspace that no test changes."""
-    root = tmp_path_factory.mktemp("built")
-    made = wsgen(root, "new", PACKAGE, "--maintainer-name", "A", "--maintainer-email", "a@b.cd")
-    assert made.returncode == 0, made.stderr
-    workspace = root / "ws_gazebo"
-    build = wsgen(workspace, "build")
-    assert build.returncode == 0, build.stderr
-    return workspace
+from cli.packages import PACKAGE, SHARE, errors, validate, wsgen
 
 
 @pytest.fixture
@@ -43,21 +15,6 @@ def workspace(built: Path, tmp_path: Path) -> Path:
     """A copy of it that a test may spoil, without the build folder, which is tied to its place."""
     without = shutil.ignore_patterns("build")
     return Path(shutil.copytree(built, tmp_path / "ws_gazebo", symlinks=True, ignore=without))
-
-
-def validate(workspace: Path, *arguments: str) -> tuple[int, dict[str, Any], str]:
-    run = wsgen(workspace, "validate", "--format", "json", *arguments)
-    document = json.loads(run.stdout) if run.stdout else {}
-    return run.returncode, document, run.stderr
-
-
-def errors(document: dict[str, Any]) -> list[dict[str, Any]]:
-    return [
-        found
-        for package in document["packages"]
-        for found in package["diagnostics"]
-        if found["severity"] == "error"
-    ]
 
 
 def test_the_generated_robot_stands(built: Path, tmp_path: Path) -> None:

@@ -256,7 +256,7 @@ def test_the_other_engine(tmp_path: Path, engine: str) -> None:
 
 @needs_dart
 def test_engines_that_disagree_are_told(tmp_path: Path) -> None:
-    """Every bowl is filled up for PyBullet, which takes the convex hull of a mesh."""
+    """A bowl that can move is filled up for PyBullet, which takes the convex hull of its mesh."""
     points = [(x, y, z) for z in (0.0, 0.2) for x in (-0.2, 0.2) for y in (-0.2, 0.2)]
     # An open box, and a ball in it: on its floor in DART, on its rim in PyBullet.
     faces = ("1 2 4 3", "1 5 6 2", "3 4 8 7", "1 3 7 5", "2 6 8 4")
@@ -265,8 +265,10 @@ def test_engines_that_disagree_are_told(tmp_path: Path) -> None:
     )
     world = f"""<sdf version="1.7"><world name="w">
       <include><uri>model://ground_plane</uri></include>
-      <model name="bowl"><static>true</static><link name="l"><collision name="c"><geometry>
-        <mesh><uri>{tmp_path}/bowl.obj</uri></mesh></geometry></collision></link></model>
+      <model name="bowl"><link name="l">
+        <inertial><mass>50</mass><inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia></inertial>
+        <collision name="c"><geometry><mesh><uri>{tmp_path}/bowl.obj</uri></mesh></geometry>
+        </collision></link></model>
       <model name="ball"><pose>0 0 0.3 0 0 0</pose><link name="l">
         <inertial><mass>1</mass><inertia><ixx>0.01</ixx><iyy>0.01</iyy><izz>0.01</izz></inertia>
         </inertial><collision name="c"><geometry><sphere><radius>0.05</radius></sphere></geometry>
@@ -276,6 +278,9 @@ def test_engines_that_disagree_are_told(tmp_path: Path) -> None:
     found = [item for item in package["diagnostics"] if item["code"] == "SPN065"]
     assert [item["element"] for item in found] == ["ball"]
     assert "mm" in found[0]["message"]
+    (gap,) = [item for item in package["diagnostics"] if item["code"] == "SPN066"]
+    assert gap["element"] == "bowl"
+    assert "touches `ball`" in gap["message"]
 
 
 def test_many_warnings_of_one_kind_are_counted(tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import tempfile
 import time
 from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, files
@@ -89,7 +90,15 @@ def test_good_meshes_stay(tmp_path: Path, run: Callable[..., Any]) -> None:
     obj = write(tmp_path, "a.obj", mesh_samples.obj())
     dae = write(tmp_path, "a.dae", mesh_samples.dae())
     model = robot(mesh(stl), mesh(obj), visuals=(mesh(stl), mesh(obj), mesh(dae)))
-    assert inspect_meshes(model, file=ROBOT_FILE, folder=tmp_path, run=run) == (model, ())
+    changed, found = inspect_meshes(model, file=ROBOT_FILE, folder=tmp_path, run=run)
+    assert found == ()
+    assert paths(changed) == paths(model)
+    (link,) = changed.links
+    geometries = [one.geometry for one in link.collisions]
+    geometries += [one.geometry for one in link.visuals]
+    for geometry in geometries:
+        assert isinstance(geometry, Mesh)
+        assert geometry.bounds == mesh_samples.BOX
 
 
 def test_what_pybullet_does_not_read_is_written_anew(
@@ -110,7 +119,7 @@ def test_what_pybullet_does_not_read_is_written_anew(
         assert folder in Path(new).parents
         assert Path(new).stat().st_size == len(mesh_samples.binary_stl())
     geometry = changed.links[0].collisions[0].geometry
-    assert geometry == replace(mesh(text, (1, 2, 3)), path=first)
+    assert geometry == replace(mesh(text, (1, 2, 3)), path=first, bounds=mesh_samples.BOX)
     again, _ = inspect_meshes(model, file=ROBOT_FILE, folder=folder, run=run)
     assert paths(again) != paths(changed)  # two robots may share the folder
 
@@ -141,14 +150,21 @@ def test_a_broken_collision_is_an_error_and_a_broken_visual_a_warning(
     assert changed.links[0].visuals[-1].geometry == box
 
 
-def test_every_broken_file_is_told_soon(tmp_path: Path, run: Callable[..., Any]) -> None:
+@pytest.mark.parametrize("with_colours", [False, True])
+def test_every_broken_file_is_told_soon(
+    tmp_path: Path, run: Callable[..., Any], *, with_colours: bool
+) -> None:
     broken = [
         mesh(write(tmp_path, name, content)) for name, (content, _) in mesh_samples.BROKEN.items()
     ]
+    model = robot(visuals=tuple(broken)) if with_colours else robot(*broken)
     started = time.monotonic()
-    _, found = inspect_meshes(robot(*broken), file=ROBOT_FILE, folder=tmp_path, run=run)
+    _, found = inspect_meshes(
+        model, file=ROBOT_FILE, folder=tmp_path, run=run, with_colours=with_colours
+    )
     assert time.monotonic() - started < 10
-    assert kinds(found) == [("ROB062", Severity.ERROR)] * len(broken)
+    kind = ("ROB063", Severity.WARNING) if with_colours else ("ROB062", Severity.ERROR)
+    assert kinds(found) == [kind] * len(broken)
     for one, (_, words) in zip(found, mesh_samples.BROKEN.values(), strict=True):
         assert words in one.message
         assert one.hint
@@ -161,7 +177,7 @@ def test_many_triangles_are_a_warning_and_far_too_many_are_refused(
     monkeypatch.setattr("wsgen.description.mesh_findings.MANY_TRIANGLES", 11)
     model = robot(mesh(file), visuals=(mesh(file),))
     changed, found = inspect_meshes(model, file=None, folder=tmp_path, run=in_this_process)
-    assert changed == model
+    assert paths(changed) == paths(model)
     assert kinds(found) == [("ROB064", Severity.WARNING)] * 2
     assert "12 triangles" in found[0].message
     monkeypatch.setattr("wsgen.description.mesh_content.TRIANGLE_LIMIT", 11)
@@ -329,3 +345,27 @@ def test_public_meshes_are_as_large_as_trimesh_says(distribution: str, tmp_path:
         for mine, their in zip((answer["low"], answer["high"]), theirs.bounds, strict=True):
             assert mine == pytest.approx([unit * part for part in their], abs=1e-5 * extent), file
     shutil.rmtree(tmp_path)
+
+
+@pytest.mark.oracle
+@pytest.mark.filterwarnings("default")
+@pytest.mark.parametrize("distribution", PACKAGES)
+def test_public_meshes_are_as_large_with_colours(distribution: str, tmp_path: Path) -> None:
+    meshes = meshes_of(distribution)
+    if not meshes:
+        pytest.skip(f"{distribution} is not installed")
+    for file in meshes:  # each by itself, else they are reduced as one robot's
+        folder = Path(tempfile.mkdtemp(dir=tmp_path))
+        showings = [(False, (1.0, 1.0, 1.0), 1)]
+        plain, seen = (
+            mesh_worker.inspect([(str(file), False, False, wanted)], str(folder))[0]
+            for wanted in ([], showings)
+        )
+        assert seen["problem"] == plain["problem"], file
+        if plain["problem"] is None:
+            corners = [corner for look in seen["looks"][0] for corner in (look.low, look.high)]
+            extent = max(high - low for low, high in zip(plain["low"], plain["high"], strict=True))
+            for side, of in ((plain["low"], min), (plain["high"], max)):
+                together = [of(along) for along in zip(*corners, strict=True)]
+                assert together == pytest.approx(side, abs=1e-6 * extent), file
+        shutil.rmtree(folder)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import TYPE_CHECKING
 
 import pytest
@@ -58,21 +59,54 @@ def test_found(share: Path, uri: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("uri", "words"),
+    ("uri", "words", "hint"),
     [
-        ("package://arm/meshes/part one.stl", "is not there"),  # capitals
-        ("package://arm/meshes", "is not there"),  # a folder
-        ("package://leg/meshes/part.stl", "package `leg`"),
-        ("package://arm/meshes/part.step", "format"),
-        ("https://example.org/part.stl", "is not a file"),
-        ("part.stl", "relative to nothing"),
+        ("package://arm/meshes/part two.STL", "is not there", "installs it"),
+        ("package://arm/meshes/part one.stl", "/part one.STL` is", "same capitals"),
+        ("package://arm/Meshes/PART one.stl", "/meshes/part one.STL` is", "same capitals"),
+        ("file://{share}/meshes/Part%20one.STL", "/part one.STL` is", "same capitals"),
+        ("package://arm/meshes", "is a folder", "Name a mesh file"),
+        ("package://arm", "is a folder", "Name a mesh file"),
+        ("package://arm/meshes/pipe.stl", "neither a file nor a folder", "Name a mesh file"),
+        ("package://arm/meshes/gone.stl", "a link to nothing", "Name a mesh file"),
+        ("package://leg/meshes/part.stl", "package `leg`", "Build and source"),
+        ("package://arm/meshes/part.step", "format", "Convert it"),
+        ("package:///meshes/part.stl", "names no package", "package://PACKAGE/meshes/part.stl"),
+        ("model://", "names no model", "model://PACKAGE/meshes/…"),
+        ("https://fuel.gazebosim.org/1.0/part.stl", "in the network", "Download it"),
+        ("ftp://example.org/part.stl", "(`ftp://`)", "package://PACKAGE"),
+        ("$(find arm)/meshes/part one.STL", "nothing has expanded", "xacro"),
+        ("${{folder}}/part one.STL", "nothing has expanded", "xacro"),
+        ("/nowhere/somebody/part.stl", "of another machine", "package://PACKAGE"),
+        ("file:///nowhere/somebody/part.stl", "of another machine", "package://PACKAGE"),
+        ("C:\\robots\\part.stl", "a Windows machine", "package://PACKAGE"),
+        ("package://arm/meshes\\part one.STL", "has backslashes", "meshes/part one.STL"),
+        ("  ", "has no name", "package://PACKAGE"),
+        (f"{{share}}/{'long' * 100}.stl", "is not there", "Check its spelling"),
     ],
 )
-def test_not_found(share: Path, uri: str, words: str) -> None:
-    model, found = find_meshes(robot(uri), share_of={"arm": share}.get)
+def test_not_found(share: Path, uri: str, words: str, hint: str) -> None:
+    os.mkfifo(share / "meshes" / "pipe.stl")
+    (share / "meshes" / "gone.stl").symlink_to("nowhere")
+    model, found = find_meshes(
+        robot(uri.format(share=share)), share_of={"arm": share}.get, folder=share
+    )
     assert paths(model) == {None}
     assert [(one.code, one.severity) for one in found] == [
         ("ROB061", Severity.WARNING),
         ("ROB060", Severity.ERROR),
     ]
-    assert all(words in one.message and one.hint for one in found)
+    for one in found:
+        assert words in one.message
+        assert hint in (one.hint or "")
+
+
+def test_relative_to_nothing() -> None:
+    _, found = find_meshes(robot("part.stl"), share_of=lambda _: None)
+    assert "relative to nothing" in found[0].message
+
+
+def test_two_names_that_differ_in_capitals_alone_are_not_chosen_from(share: Path) -> None:
+    (share / "meshes" / "PART one.STL").write_bytes(b"")
+    _, found = find_meshes(robot("package://arm/meshes/part one.stl"), share_of={"arm": share}.get)
+    assert "Check its spelling" in (found[0].hint or "")

@@ -95,6 +95,8 @@ def test_every_key_of_the_contract() -> None:
                     }
                 ],
                 "picture": None,
+                "world_picture": None,
+                "film": None,
                 "seconds": {"total": 1.2346},
             }
         ],

@@ -13,11 +13,13 @@ from wsgen.model.robot import (
     Capsule,
     Collision,
     Cylinder,
+    Ellipsoid,
     Inertial,
     Joint,
     JointLimit,
     JointType,
     Link,
+    Mesh,
     Robot,
     Sphere,
 )
@@ -80,6 +82,20 @@ def test_a_capsule_as_pybullet_reads_it() -> None:
     link = Link(name="a", collisions=(Collision(geometry=Capsule(radius=0.1, length=0.2)),))
     text = write_urdf(Robot(name="r", root="a", links=(link,)))
     assert '<geometry><capsule radius="0.1" length="0.2"/></geometry>' in text
+
+
+def test_what_is_static_collides_with_its_triangles() -> None:
+    mesh, box = Mesh(uri="a", path="/a.stl"), Box(size=(1.0, 1.0, 1.0))
+    link = Link(name="a", collisions=(Collision(geometry=mesh), Collision(geometry=box)))
+    robot = Robot(name="r", root="a", links=(link,))
+    assert "concave" not in write_urdf(robot)
+    assert write_urdf(replace(robot, is_static=True)).count('<collision concave="yes">') == 1
+
+
+def test_what_is_no_mesh_yet_is_left_out() -> None:
+    shapes = (Ellipsoid(radii=(1.0, 1.0, 1.0)), Mesh(uri="gone.stl"))
+    link = Link(name="a", collisions=tuple(Collision(geometry=shape) for shape in shapes))
+    assert "<collision" not in write_urdf(Robot(name="r", root="a", links=(link,)))
 
 
 @pytest.mark.parametrize("kind", [JointType.REVOLUTE, JointType.PRISMATIC])

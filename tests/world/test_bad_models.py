@@ -110,7 +110,7 @@ def test_what_is_wrong_with_a_file(read: Read, content: str, codes: list[str]) -
     ("content", "code"),
     [
         (b"", "WLD002"),
-        (b"\0\1\2", "WLD002"),
+        (b"\0\1\2", "WLD047"),
         (b"<sdf version='1.9'><model name='m'>", "WLD002"),
         (b"<robot name='r'/>", "WLD003"),
         (
@@ -119,7 +119,7 @@ def test_what_is_wrong_with_a_file(read: Read, content: str, codes: list[str]) -
                 b'<sdf version="1.9"><model name="m"><link name="l"><pose>&b;</pose></link></model>'
                 b"</sdf>"
             ),
-            "WLD035",
+            "WLD046",
         ),
         (b"<sdf version='1.9'>" + b"<model name='m'>" * 1000 + b"</model>" * 1000, "WLD002"),
         (b" " * (33 * 2**20), "WLD010"),

@@ -254,7 +254,7 @@ ERROR, WARNING = Severity.ERROR, Severity.WARNING
         (SIZED.format("sphere", -1), "WLD034", ERROR),
         (SIZED.format("cylinder", "1e300"), "WLD034", ERROR),
         (
-            f'{MASS}<collision name="c"><geometry><heightmap/></geometry></collision>',
+            f'{MASS}<collision name="c"><geometry><image/></geometry></collision>',
             "WLD031",
             WARNING,
         ),

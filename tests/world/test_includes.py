@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.diagnostics import Severity
+from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.model.robot import Link, Robot
 from wsgen.world.lookup import model_finder
 from wsgen.world.models import read_sdf
 
@@ -247,3 +248,67 @@ def test_the_folders_around_the_file_are_searched(tmp_path: Path) -> None:
     found = read_sdf(file, find_model=model_finder(file, {}))
     assert found.diagnostics == ()
     assert [one.name for one in found.models] == ["m"]
+
+
+def test_a_robot_of_urdf(tmp_path: Path, models: Path) -> None:
+    folder = models / "arm"
+    folder.mkdir()
+    (folder / "arm.urdf").write_text('<robot name="arm"><link name="l"/></robot>')
+    (folder / "model.config").write_text("<model><sdf>arm.urdf</sdf></model>")
+    uri = "<uri>model://arm</uri>"
+    file = tmp_path / "w.sdf"
+    file.write_text(
+        '<sdf version="1.9">'
+        + world(
+            f"<include>{uri}<pose>1 0 0 0 0 0</pose></include>"
+            f"<include>{uri}<name>b</name><static>1</static></include>"
+            f'<frame name="f" attached_to="arm"/>'
+        )
+        + "</sdf>"
+    )
+    asked = []
+    finding = Diagnostic(code="ROB016", severity=Severity.WARNING, message="?")
+
+    def read_robot(urdf: Path) -> tuple[Robot, tuple[Diagnostic, ...]]:
+        asked.append(urdf)
+        return Robot(name="arm", root="l", links=(Link(name="l"),)), (finding,)
+
+    find = model_finder(file, {"GAZEBO_MODEL_PATH": str(models)})
+    found = read_sdf(file, find_model=find, read_robot=read_robot)
+    assert found.diagnostics == (finding,)
+    assert asked == [folder / "arm.urdf"]
+    assert [
+        (one.name, one.robot and one.robot.name, one.pose_in_world.xyz, one.is_static)
+        for one in found.models
+    ] == [("arm", "arm", (1, 0, 0), False), ("b", "b", (0, 0, 0), True)]
+    assert [one.robot and one.robot.is_static for one in found.models] == [False, True]
+    (first, second) = read_sdf(file, find_model=find).diagnostics
+    assert (first.code, second.code) == ("WLD004", "WLD016")
+    assert "arm.urdf is a URDF" in first.message
+
+
+def test_a_robot_of_urdf_that_cannot_be_read(read: Read, models: Path) -> None:
+    (models / "arm").mkdir()
+    (models / "arm" / "arm.urdf").write_text('<robot name="arm"/>')
+    content = world("<include><uri>model://arm/arm.urdf</uri></include>")
+    file = models.parent / "scene.sdf"
+    read(content)
+    found = read_sdf(
+        file,
+        find_model=model_finder(file, {"GAZEBO_MODEL_PATH": str(models)}),
+        read_robot=lambda _: (None, ()),
+    )
+    assert [(one.name, one.robot) for one in found.models] == [("arm", None)]
+
+
+def test_a_name_that_no_folder_can_have(tmp_path: Path) -> None:
+    file = tmp_path / "w.sdf"
+    content = world(f"<include><uri>model://{'x' * 9999}</uri></include>")
+    file.write_text(f'<sdf version="1.9">{content}</sdf>')
+
+    def find_model(uri: str) -> Path | None:
+        os.stat(uri.partition("://")[2])  # noqa: PTH116  raises, as pathlib does before Python 3.14
+        return None
+
+    found = read_sdf(file, find_model=find_model)
+    assert [one.code for one in found.diagnostics] == ["WLD004"]

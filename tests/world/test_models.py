@@ -229,33 +229,3 @@ def test_something_static_carries_as_well_as_a_ground(read: Read) -> None:
     assert file.diagnostics == ()
     assert file.world is not None
     assert not file.world.has_ground_plane
-
-
-PLANE = (
-    '<model name="{name}">{static}<pose>{pose}</pose><link name="l"><inertial/>'
-    '<collision name="c"><geometry><plane><normal>{normal}</normal></plane></geometry>'
-    "</collision></link></model>"
-)
-
-
-@pytest.mark.parametrize(
-    ("static", "pose", "normal", "codes", "is_ground"),
-    [
-        ("<static>1</static>", "0 0 0 0 0 0", "0 0 1", [], True),
-        ("<static>1</static>", "0 0 0 1.5707963267948966 0 0", "0 1 0", [], True),
-        ("<static>1</static>", "0 0 1 0 0 0", "0 0 1", ["WLD009"], True),
-        ("<static>1</static>", "0 0 0 0 0 0", "0.1 0 1", ["WLD009"], True),
-        ("<static>1</static>", "0 0 0 0 0 0", "1 0 0", ["WLD031", "WLD006"], False),
-        ("", "0 0 0 0 0 0", "0 0 1", ["WLD031", "WLD006"], False),
-    ],
-)
-def test_planes(
-    read: Read, static: str, pose: str, normal: str, codes: list[str], *, is_ground: bool
-) -> None:
-    plane = PLANE.format(name="ground", static=static, pose=pose, normal=normal)
-    file = read(f'<world name="w">{plane}</world>')
-    assert [found.code for found in file.diagnostics] == codes
-    assert file.world is not None
-    assert file.world.has_ground_plane is is_ground
-    # What is nothing but ground is no model beside it.
-    assert [one.name for one in file.models] == ([] if static else ["ground"])

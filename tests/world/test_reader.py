@@ -1,12 +1,19 @@
 """World files: what is read from them, and what is said about bad ones."""
 
-from pathlib import Path
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.diagnostics import Severity
-from wsgen.model.pose import Pose
-from wsgen.world.reader import DEFAULT_WORLD, read_world
+from wsgen.world.models import read_sdf
+from wsgen.world.reader import DEFAULT_WORLD
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.model.world import World
 
 TUTORIAL = """<?xml version="1.0" ?>
 <sdf version="1.5">
@@ -16,6 +23,11 @@ TUTORIAL = """<?xml version="1.0" ?>
   </world>
 </sdf>
 """
+
+
+def read_world(file: Path) -> tuple[World | None, tuple[Diagnostic, ...]]:
+    found = read_sdf(file, find_model=lambda _: None)
+    return found.world, found.diagnostics
 
 
 def write(folder: Path, text: str) -> Path:
@@ -61,50 +73,11 @@ def test_gravity_was_part_of_physics_until_sdf_1_5(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "uri",
-    ["https://fuel.gazebosim.org/1.0/OpenRobotics/models/Ground Plane", "model://ground_plane/"],
-)
-def test_a_ground_plane_by_any_address(tmp_path: Path, uri: str) -> None:
-    text = world(f"<include><uri>{uri}</uri><pose>0 0 1 0 0 0</pose></include>")
-    read, diagnostics = read_world(write(tmp_path, text))
-    assert read is not None
-    assert read.has_ground_plane
-    assert read.models[0].pose_in_world == Pose((0.0, 0.0, 1.0))
-    assert [found.code for found in diagnostics] == ["WLD009"]  # the trial has it at z = 0
-
-
-def test_a_plane_written_in_the_world_is_a_ground(tmp_path: Path) -> None:
-    text = world(
-        '<model name="floor"><static>true</static><link name="l"><collision name="c">'
-        "<geometry><plane><normal>0 0 1</normal></plane></geometry></collision></link></model>"
-    )
-    read, diagnostics = read_world(write(tmp_path, text))
-    assert read is not None
-    assert read.has_ground_plane
-    assert read.models[0].is_static
-    assert diagnostics == ()
-
-
-def test_models_that_are_left_out_are_named(tmp_path: Path) -> None:
-    text = world(
-        "<include><uri>model://ground_plane</uri></include>\n"
-        "<include><uri>model://cafe</uri></include>\n"
-        '<model name="crate"/>'
-    )
-    read, diagnostics = read_world(write(tmp_path, text))
-    assert read is not None
-    assert [(found.code, found.line) for found in diagnostics] == [("WLD004", 3), ("WLD004", 4)]
-    assert "model://cafe" in diagnostics[0].message
-    assert all(found.severity is Severity.WARNING for found in diagnostics)
-
-
-@pytest.mark.parametrize(
     ("text", "expected"),
     [
         ("", [("WLD002", 1)]),
         ("<sdf>\n<world>\n</sdf>", [("WLD002", 3)]),
         ("<robot name='r'/>", [("WLD003", 1)]),
-        ("<sdf version='1.6'><model name='m'/></sdf>", [("WLD003", 1)]),
         (world(""), [("WLD006", 1)]),
         (world("<gravity>0 0</gravity>"), [("WLD005", 2), ("WLD006", 1)]),
         (world("<gravity>0 0 nan</gravity>"), [("WLD005", 2), ("WLD006", 1)]),
@@ -145,3 +118,14 @@ def test_an_entity_cannot_reach_another_file(tmp_path: Path) -> None:
 def test_the_world_without_a_file_has_a_ground() -> None:
     assert DEFAULT_WORLD.has_ground_plane
     assert DEFAULT_WORLD.file is None
+
+
+@pytest.mark.parametrize("gravity", ["0 0 0", "0 0 9.8", "9.8 0 0"])
+def test_gravity_that_pulls_nothing_down(tmp_path: Path, gravity: str) -> None:
+    ground = "<include><uri>model://ground_plane</uri></include>"
+    text = world(f"{ground}\n<gravity>{gravity}</gravity>")
+    read, diagnostics = read_world(write(tmp_path, text))
+    assert read is not None
+    assert read.gravity == tuple(map(float, gravity.split()))
+    assert [(found.code, found.line) for found in diagnostics] == [("WLD045", 3)]
+    assert codes(tmp_path, world(f"{ground}\n<gravity>0 0 -1e9</gravity>")) == [("WLD005", 3)]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.model.pose import IDENTITY
-from wsgen.model.robot import Box, JointType, Mesh, Sphere
+from wsgen.model.robot import Box, JointType, Mesh, Primitive, Sphere, Triangulated
 from wsgen.model.transform import compose
 
 if TYPE_CHECKING:
@@ -182,6 +182,8 @@ def _sizes(geometry: Geometry) -> tuple[float, ...]:
         return geometry.scale
     if isinstance(geometry, Sphere):
         return (2 * geometry.radius,)
+    if isinstance(geometry, Triangulated):  # of SDF, and told by its reader
+        return ()
     return (2 * geometry.radius, geometry.length)
 
 
@@ -202,7 +204,7 @@ def _extent(links: Iterable[Link], joints: Iterable[Joint]) -> float:
         corners += (
             (compose(pose, place).xyz, max(_sizes(geometry)) / 2)
             for geometry, place in _shapes(link)
-            if not isinstance(geometry, Mesh)
+            if isinstance(geometry, Primitive)
         )
     return max(
         (

@@ -10,6 +10,7 @@ from wsgen.model.limbs import limb_joints
 from wsgen.model.robot import JointType
 
 if TYPE_CHECKING:
+    from collections.abc import Collection
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
@@ -45,11 +46,17 @@ def judge_robot(
 
 
 def judge_trial(
-    robot: Robot, world: World, trial: RobotTrial, *, is_alone: bool = True
+    robot: Robot,
+    world: World,
+    trial: RobotTrial,
+    *,
+    is_alone: bool = True,
+    scenery: Collection[str] = (),
 ) -> tuple[Diagnostic, ...]:
     """Judge what was measured of a robot; `robot` is the one Gazebo would build (lumped).
 
-    `is_alone` says that no other robot of the scene can push it.
+    `is_alone` says that no other robot of the scene can push it; `scenery` are the models of the
+    world among the entities of the scene.
     """
     entity = trial.entity
     collide = [link.name for link in robot.links if link.self_collide]
@@ -58,7 +65,7 @@ def judge_trial(
         *trial_rules.mass_differs_from_description(entity, robot.mass, trial.mass),
         *trial_rules.joints_differ_from_description(entity, movable, trial.movable_joints),
         *trial_rules.state_not_finite(entity, is_finite=trial.is_finite),
-        *scene_rules.robots_in_each_other(entity, trial.overlaps),
+        *scene_rules.robots_in_each_other(entity, trial.overlaps, scenery),
         *scene_rules.links_in_each_other(entity, trial.overlaps, collide),
     ]
     if robot.is_static:
@@ -68,9 +75,9 @@ def judge_trial(
             entity, trial.penetration, trial.spawn_pose.xyz[2], is_bolted=robot.fixed_to_world
         )
     if world.has_ground_plane and not robot.fixed_to_world:
-        found += trial_rules.spawned_high_above_the_ground(
-            entity, trial.lowest_point, trial.spawn_pose.xyz[2]
-        )
+        # What stands on a platform of the world is high up, and falls from no height.
+        fall = min(trial.lowest_point, trial.lowest_point - trial.lowest_point_at_end)
+        found += trial_rules.spawned_high_above_the_ground(entity, fall, trial.spawn_pose.xyz[2])
     if trial.is_finite:
         found += _judge_motion(robot, world, trial, is_alone=is_alone)
     return tuple(found)
@@ -97,6 +104,7 @@ def _judge_motion(
     # It hangs or stands where it is spawned; only its joints can move.
     if not robot.fixed_to_world:
         found += _judge_place(world, trial, gave_way=bool(gave_way))
+    found += scene_rules.rests_on_its_hull(entity, trial.hull_gaps)
     found += motion_rules.joint_beyond_limit(entity, robot.joints, trial.joint_positions)
     found += motion_rules.gives_way(gave_way, entity, is_moving=is_moving)
     return found

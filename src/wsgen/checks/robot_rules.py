@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.model.inertia import of_solid, principal_moments
-from wsgen.model.robot import Box, Capsule, Cylinder, Mesh, Sphere
+from wsgen.model.robot import Box, Cylinder, Primitive, Sphere
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -67,7 +67,7 @@ def implausible_inertia(links: Iterable[Link], file: Path | None) -> Iterator[Di
             continue
         shape = shapes[0]
         solid = of_solid(shape, link.inertial.mass)
-        if solid is None or isinstance(shape, Mesh):
+        if solid is None or not isinstance(shape, Primitive):
             continue
         largest = principal_moments(link.inertial.inertia)[2]
         times = largest / max(solid)
@@ -276,7 +276,7 @@ def _rounded(number: float) -> str:
     return f"{float(f'{number:.3g}'):.9g}"
 
 
-def _described(geometry: Box | Sphere | Cylinder | Capsule) -> str:
+def _described(geometry: Primitive) -> str:
     if isinstance(geometry, Box):
         return "a box of " + " x ".join(f"{edge:g}" for edge in geometry.size) + " m"
     if isinstance(geometry, Sphere):

@@ -15,19 +15,24 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Sequence
 
     from wsgen.model.pose import Pose
+    from wsgen.simulation.engine import HullGap
     from wsgen.simulation.scene import Overlapping, RobotTrial
 
+SHALLOW = 0.02  # m; out of so much the engine pushes a robot without a jump
 NAMED = 3  # so many pairs of links are told in a message
 SAME_PLACE = 0.005  # m; engines have collision margins of 1 mm
 SAME_HEADING = math.radians(2)
 SAME_JOINT = 0.1  # rad or m
 
 
-def robots_in_each_other(entity: str, overlaps: Sequence[Overlapping]) -> Iterator[Diagnostic]:
-    """Two robots are spawned inside each other.
+def robots_in_each_other(
+    entity: str, overlaps: Sequence[Overlapping], scenery: Collection[str] = ()
+) -> Iterator[Diagnostic]:
+    """Two robots are spawned inside each other, or one inside a model of the world.
 
     ## What it does
-    Looks for links of two robots that are in each other when all are spawned.
+    Looks for links of two robots that are in each other when all are spawned. Up to 2 cm are a
+    warning: the engine pushes them apart without a jump.
 
     ## Why is this bad?
     The simulator shoots them apart.
@@ -40,10 +45,14 @@ def robots_in_each_other(entity: str, overlaps: Sequence[Overlapping]) -> Iterat
             (found for found in overlaps if found.other_entity == other),
             key=lambda found: found.depth,
         )
-        if entity < str(other):  # told once, of the first by name
+        # Told once: of the robot that is in the world's model, else of the first by name.
+        is_told = (
+            entity < str(other) if (entity in scenery) == (other in scenery) else (other in scenery)
+        )
+        if is_told:
             yield Diagnostic(
                 code="SPN063",
-                severity=Severity.ERROR,
+                severity=Severity.ERROR if deepest.depth > SHALLOW else Severity.WARNING,
                 message=f"`{entity}` and `{other}` are spawned inside each other: "
                 f"`{entity}/{deepest.link}` is {deepest.depth:.3f} m deep in "
                 f"`{other}/{deepest.other_link}`.",
@@ -83,6 +92,33 @@ def links_in_each_other(
             message=f"Links that collide with each other start inside each other: {told}.",
             element=entity,
             hint="Make their collision shapes smaller, or leave <selfCollide> away.",
+        )
+
+
+def rests_on_its_hull(entity: str, gaps: Sequence[HullGap]) -> Iterator[Diagnostic]:
+    """A mesh rests on something with its convex hull, where Gazebo would let it sink in.
+
+    ## What it does
+    At the end of the trial, looks at what touches something else than level ground: how far is it
+    from the nearest triangle of the mesh? Up to 5 mm are nothing.
+
+    ## Why is this bad?
+    PyBullet collides the convex hull of a mesh, Gazebo its triangles: a fork that stands over a
+    post stands on nothing here, and rests lower there.
+
+    ## Use instead
+    DART, which collides triangles (--engine dart); or, in the description, a <collision> of
+    several convex shapes, which is faster in every engine.
+    """
+    for found in sorted(gaps, key=lambda found: -found.gap)[:NAMED]:
+        yield Diagnostic(
+            code="SPN066",
+            severity=Severity.WARNING,
+            message=f"The mesh of `{found.link}` touches `{found.other_entity}` "
+            f"{found.gap * 1000:.0f} mm from its triangles: PyBullet takes its convex hull, "
+            "Gazebo would let it sink in.",
+            element=entity,
+            hint="Try it with --engine dart, or make the <collision> of several convex shapes.",
         )
 
 

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 from wsgen.diagnostics import Diagnostic, Severity
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Collection, Iterator, Sequence
 
 
-def spawned_twice(entities: Sequence[str]) -> Iterator[Diagnostic]:
-    """Two robots are spawned under one name.
+def spawned_twice(entities: Sequence[str], in_world: Collection[str] = ()) -> Iterator[Diagnostic]:
+    """Two robots are spawned under one name, or one under that of a model of the world.
 
     ## What it does
-    Compares the names that the spawners give.
+    Compares the names that the spawners give, and those of the models in the world.
 
     ## Why is this bad?
     The simulator refuses the second one.
@@ -24,11 +24,13 @@ def spawned_twice(entities: Sequence[str]) -> Iterator[Diagnostic]:
     """
     for entity in dict.fromkeys(entities):
         times = entities.count(entity)
-        if times > 1:
+        if times > 1 or entity in in_world:
             yield Diagnostic(
                 code="SPN049",
                 severity=Severity.ERROR,
-                message=f"{times} robots are spawned as `{entity}`.",
+                message=f"{times} robots are spawned as `{entity}`."
+                if times > 1
+                else f"A robot is spawned as `{entity}`, and the world has a model of that name.",
                 element=entity,
                 hint="Give each spawner a name of its own: -entity in Gazebo Classic, -name in "
                 "Gazebo Sim.",

@@ -6,13 +6,23 @@ from typing import TYPE_CHECKING
 
 import click
 
-from wsgen.cli.options import format_option, output_options, workspace_option
+from wsgen.cli.options import (
+    chosen_engines,
+    engine_option,
+    format_option,
+    output_options,
+    picture_option,
+    seconds_option,
+    workspace_option,
+)
 from wsgen.errors import EXIT_FAILED, EXIT_PASSED, NotFoundError, RequestError
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
     from pathlib import Path
 
     from wsgen.model.plan import LaunchPlan
+    from wsgen.pipeline.request import ValidateRequest
     from wsgen.workspace.layout import Workspace
     from wsgen.workspace.overlay import Overlay
 
@@ -31,6 +41,20 @@ if TYPE_CHECKING:
     is_flag=True,
     help="Show the arguments that may be given to the launch file.",
 )
+@click.option(
+    "--play",
+    is_flag=True,
+    help="Do not show it but play it: spawn what it spawns into a physics engine, and judge that.",
+)
+@click.option(
+    "--record",
+    type=click.Path(),
+    metavar="FILE",
+    help="With --play: write a film of it there, a .gif, or an .mp4 (pip install 'wsgen[video]').",
+)
+@picture_option
+@seconds_option
+@engine_option
 @format_option
 @output_options
 def command(
@@ -38,6 +62,11 @@ def command(
     *,
     workspace: str | None,
     show_arguments: bool,
+    play: bool,
+    record: str | None,
+    picture: str | None,
+    seconds: float,
+    engine: str | None,
     output_format: str,
     quiet: bool,
     verbose: bool,
@@ -45,7 +74,8 @@ def command(
     """Evaluate a launch file without ROS and show what it would start.
 
     The words are those of `ros2 launch`: an installed package and the name of one of its launch
-    files, or the path of a launch file; then launch arguments.
+    files, or the path of a launch file; then launch arguments. With --play the robots stand up in
+    PyBullet, and the outcome is what `wsgen validate` says.
     """
     from wsgen.cli.progress import listening
     from wsgen.cli.words import split_launch_arguments
@@ -57,6 +87,22 @@ def command(
     overlay = _source(place, is_wanted=workspace is not None)
     package, file, rest = _choose(words, place, overlay)
     arguments = split_launch_arguments(rest)
+    if play:
+        request = _request(arguments, record, picture, seconds, engine)
+        return _play(
+            file,
+            package,
+            overlay,
+            request,
+            place,
+            output_format=output_format,
+            quiet=quiet,
+            verbose=verbose,
+        )
+    if record or picture or engine:
+        raise RequestError(
+            "Without --play nothing is simulated.", hint="Add --play, or leave the option out."
+        )
     with (
         listening(quiet=quiet, verbose=verbose) as listener,
         Clock(package or file.stem, listener).step("launch", file.name),
@@ -70,6 +116,47 @@ def command(
         )
     _write(plan, output_format=output_format, show_arguments=show_arguments)
     return EXIT_FAILED if has_errors(plan.diagnostics) else EXIT_PASSED
+
+
+def _request(
+    arguments: Mapping[str, str],
+    record: str | None,
+    picture: str | None,
+    seconds: float,
+    engine: str | None,
+) -> ValidateRequest:
+    from pathlib import Path
+
+    from wsgen.pipeline.request import ValidateRequest
+
+    return ValidateRequest(
+        launch_arguments=arguments,
+        seconds=seconds,
+        engines=chosen_engines(engine),
+        picture_folder=Path(picture) if picture else None,
+        film=Path(record) if record else None,
+    )
+
+
+def _play(
+    file: Path,
+    package: str | None,
+    overlay: Overlay,
+    request: ValidateRequest,
+    workspace: Workspace | None,
+    *,
+    output_format: str,
+    quiet: bool,
+    verbose: bool,
+) -> int:
+    from wsgen.cli.progress import listening
+    from wsgen.cli.validate import write_outcome
+    from wsgen.pipeline.play import play
+
+    with listening(quiet=quiet, verbose=verbose) as listener:
+        outcome = play(file, package, overlay, request, workspace=workspace, listener=listener)
+    write_outcome(outcome, output_format=output_format, verbose=verbose)
+    return EXIT_PASSED if outcome.passed else EXIT_FAILED
 
 
 def _find_workspace(given: str | None, first_word: str) -> Workspace | None:

@@ -27,6 +27,33 @@ format_option = click.option(
 )
 
 
+seconds_option = click.option(
+    "--seconds",
+    type=click.FloatRange(min=0.1, max=600.0),
+    default=3.0,
+    show_default=True,
+    help="Simulated time.",
+)
+
+engine_option = click.option(
+    "--engine",
+    type=click.Choice(["bullet", "dart", "both"]),
+    help="Physics engine; DART is Gazebo's own (pip install 'wsgen[dart]').  [default: bullet, "
+    "and dart where Python has no PyBullet]",
+)
+
+picture_option = click.option(
+    "--picture", type=click.Path(), metavar="DIR", help="Write a PNG of the end there."
+)
+
+
+def chosen_engines(engine: str | None) -> tuple[str, ...]:
+    """The engines that `engine_option` means; the first one's figures are reported."""
+    from wsgen.simulation.run import default_engine
+
+    return ("bullet", "dart") if engine == "both" else (engine or default_engine(),)
+
+
 def _set_color(ctx: click.Context, _parameter: click.Parameter, value: str) -> None:
     # click itself leaves colours away where the output is no terminal.
     if value != "auto":

@@ -62,11 +62,16 @@ def _package(package: PackageOutcome, *, verbose: bool) -> list[str]:
     if package.picture is not None:
         scale = f"  (a square is {package.picture_tile:g} m)" if package.picture_tile else ""
         lines += ["", f"  picture      {package.picture}{scale}"]
+    if package.world_picture is not None:
+        lines += [f"  whole world  {package.world_picture}"]
+    if package.film is not None:
+        lines += [f"  film         {package.film}"]
     return lines
 
 
 def _name(package: PackageOutcome) -> str:
-    return package.package or (short_path(package.file) if package.file else "(file)")
+    file = package.file or package.launch_file
+    return package.package or (short_path(file) if file else "(file)")
 
 
 def _robot(robot: RobotOutcome, package: PackageOutcome) -> tuple[str, ...]:

@@ -6,7 +6,15 @@ from typing import TYPE_CHECKING
 
 import click
 
-from wsgen.cli.options import format_option, output_options, workspace_option
+from wsgen.cli.options import (
+    chosen_engines,
+    engine_option,
+    format_option,
+    output_options,
+    picture_option,
+    seconds_option,
+    workspace_option,
+)
 from wsgen.errors import EXIT_FAILED, EXIT_PASSED, NotFoundError, RequestError
 
 if TYPE_CHECKING:
@@ -33,19 +41,8 @@ if TYPE_CHECKING:
     metavar="NAME:=VALUE",
     help="Launch argument, or argument of a xacro FILE; may be given several times.",
 )
-@click.option(
-    "--seconds",
-    type=click.FloatRange(min=0.1, max=600.0),
-    default=3.0,
-    show_default=True,
-    help="Simulated time.",
-)
-@click.option(
-    "--engine",
-    type=click.Choice(["bullet", "dart", "both"]),
-    help="Physics engine; DART is Gazebo's own (pip install 'wsgen[dart]').  [default: bullet, "
-    "and dart where Python has no PyBullet]",
-)
+@seconds_option
+@engine_option
 @click.option(
     "-j",
     "--jobs",
@@ -55,7 +52,7 @@ if TYPE_CHECKING:
     metavar="N",
     help="So many packages or files at a time.",
 )
-@click.option("--picture", type=click.Path(), metavar="DIR", help="Write a PNG of the end there.")
+@picture_option
 @click.option(
     "--json", "json_file", type=click.Path(), metavar="FILE", help="Write the JSON there."
 )
@@ -85,7 +82,6 @@ def command(
 
     from wsgen.cli.words import split_launch_arguments
     from wsgen.pipeline.request import FILE_SUFFIXES, ValidateRequest
-    from wsgen.simulation.run import default_engine
 
     if json_file is not None and not Path(json_file).absolute().parent.is_dir():
         raise NotFoundError(
@@ -103,7 +99,7 @@ def command(
         launch_file=launch_file,
         launch_arguments=split_launch_arguments(arguments),
         seconds=seconds,
-        engines=("bullet", "dart") if engine == "both" else (engine or default_engine(),),
+        engines=chosen_engines(engine),
         jobs=jobs,
         picture_folder=Path(picture) if picture else None,
     )
@@ -139,7 +135,7 @@ def validate_packages(
             environment=os.environ,
             listener=listener,
         )
-    _write(outcome, output_format=output_format, json_file=json_file, verbose=verbose)
+    write_outcome(outcome, output_format=output_format, json_file=json_file, verbose=verbose)
     return EXIT_PASSED if outcome.passed else EXIT_FAILED
 
 
@@ -155,7 +151,10 @@ def _open_workspace(given: str | None, request: ValidateRequest) -> Workspace | 
         raise
 
 
-def _write(outcome: Outcome, *, output_format: str, json_file: str | None, verbose: bool) -> None:
+def write_outcome(
+    outcome: Outcome, *, output_format: str, json_file: str | None = None, verbose: bool
+) -> None:
+    """Tell what came of it, as text or as JSON, and write the JSON file that is wanted."""
     if json_file or output_format == "json":
         from wsgen.report.json_report import render_outcome
 

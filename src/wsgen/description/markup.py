@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
-COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+# One without end goes to the end: to look for an end from each would take for ever.
+COMMENT = re.compile(r"<!--.*?(?:-->|\Z)", re.DOTALL)
 
 
 class Written(NamedTuple):

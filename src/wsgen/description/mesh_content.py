@@ -10,6 +10,8 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    Rgba = tuple[float, float, float, float]
+
 TRIANGLE_LIMIT = 1_000_000  # an engine takes about 10 s to load them
 REDUCE = "Reduce it to some thousand triangles; for a <collision>, boxes or cylinders are best."
 EXPORT_ANEW = "Export the mesh anew, as binary STL or as OBJ."
@@ -39,12 +41,40 @@ def refuse_triangles(count: int) -> None:
         )
 
 
+class Material(NamedTuple):
+    """What a surface looks like; a texture is multiplied with the colour."""
+
+    rgba: Rgba | None = None  # 0 to 1; None: the simulator's default
+    image: Any = None  # the address that the mesh file gives, or an opened Pillow image
+
+
+class Patch(NamedTuple):
+    """Triangles of one material."""
+
+    corners: NDArray[Any]  # (n, 3, 3): three corners' x, y, z; m, unscaled; seen counter-clockwise
+    normals: NDArray[Any] | None = None  # (n, 3, 3), of any length; None: those of the triangles
+    texture_points: NDArray[Any] | None = None  # (n, 3, 2): 0 0 is the image's lower left corner
+    material: Material = Material()
+
+
+class Complaint(NamedTuple):
+    """What is wrong with the look of a mesh."""
+
+    code: str
+    what: str  # goes on after the name of the mesh
+    hint: str
+
+
 class Content(NamedTuple):
     """The triangles of a mesh, as Gazebo reads them."""
 
     corners: NDArray[Any]  # (n, 3, 3), float: of each triangle three corners' x, y, z; m, unscaled
     is_plain: bool = True  # PyBullet reads the same from the file
     oddity: str | None = None  # what is wrong and does no harm to Gazebo; goes on after the name
+    # The rest is there where somebody asked for the look of it:
+    patches: tuple[Patch, ...] = ()  # all the triangles, by material
+    complaints: tuple[Complaint, ...] = ()
+    is_drawable: bool = False  # PyBullet draws well what it reads from the file itself
 
 
 def parse_floats(text: str | bytes, what: str) -> NDArray[np.float64]:
@@ -66,6 +96,28 @@ def _parse(text: str | bytes, what: str, kind: str, dtype: type[Any]) -> NDArray
             return np.fromstring(text, dtype=dtype, sep=" ")
         except (DeprecationWarning, ValueError):
             raise BrokenMeshError(f"has something else than {kind} in {what}") from None
+
+
+def bounds_of(corners: NDArray[Any]) -> tuple[list[float], list[float]]:
+    """The corners of the box around triangles, shape (n, 3, 3), n at least 1."""
+    points = corners.reshape(-1, 3)
+    # A column at a time: over rows of three numpy is twenty times as slow.
+    low = [float(points[:, axis].min()) for axis in range(3)]
+    return low, [float(points[:, axis].max()) for axis in range(3)]
+
+
+def flat_normals(corners: NDArray[Any]) -> NDArray[np.float64]:
+    """Of triangles, shape (n, 3, 3), seen counter-clockwise: unit vectors, 0 where it has no area.
+
+    Gives shape (n, 3).
+    """
+    first, second, third = (corners[:, at].astype(np.float64) for at in range(3))
+    a, b = (second - first).T, (third - first).T  # by column: over rows numpy is slow
+    with np.errstate(all="ignore"):  # a corner may be at no finite place
+        x, y, z = a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+        lengths = np.sqrt(x * x + y * y + z * z)
+        lengths[lengths == 0] = 1.0
+        return np.stack([x / lengths, y / lengths, z / lengths], axis=-1)
 
 
 def triangulate(indices: NDArray[np.int64], sizes: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -13,15 +13,18 @@ import numpy as np
 from wsgen.description.mesh_content import (
     BrokenMeshError,
     Content,
+    Patch,
     parse_floats,
     refuse_triangles,
 )
 from wsgen.description.mesh_dae_geometry import Geometry, read_geometry
+from wsgen.description.mesh_dae_materials import Materials
 from wsgen.description.mesh_dae_tree import Ids, child, children
 from wsgen.xmltree import Malformed, parse_numbers
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from pathlib import Path
 
     from numpy.typing import NDArray
 
@@ -37,8 +40,8 @@ def is_dae(data: bytes) -> bool:
     return b"<COLLADA" in data[:4096]
 
 
-def read_dae(data: bytes) -> Content:
-    """The triangles of a COLLADA file's scene."""
+def read_dae(data: bytes, folder: Path | None = None) -> Content:
+    """The triangles of a COLLADA file's scene; with their look if its `folder` is given."""
     root = parse_numbers(data)
     if isinstance(root, Malformed):
         raise BrokenMeshError(
@@ -46,15 +49,17 @@ def read_dae(data: bytes) -> Content:
         )
     if root.tag.rpartition("}")[2] != "COLLADA":
         raise BrokenMeshError("is XML, but no COLLADA: Gazebo and PyBullet crash on it")
-    return _Scene(root).read()
+    return _Scene(root, with_look=folder is not None).read()
 
 
 class _Scene:
     """The nodes of the scene, and the geometries that they place."""
 
-    def __init__(self, root: Element) -> None:
+    def __init__(self, root: Element, *, with_look: bool) -> None:
         self.root = root
         self.ids = Ids(root)
+        self.materials = Materials(self.ids) if with_look else None
+        self.patches: list[Patch] = []
         self.geometries: dict[str, Geometry] = {}
         self.is_plain = True
         self.oddity: str | None = None
@@ -63,11 +68,14 @@ class _Scene:
         scale = self._unit()
         parts = []
         triangles = 0
-        for url, matrix in self._places():
-            geometry = self._geometry(url)
+        for instance, matrix in self._places():
+            geometry = self._geometry(instance.get("url", ""))
             triangles += len(geometry.corners)
             refuse_triangles(triangles)
             parts.append(scale * _moved(geometry.corners, matrix))
+            if self.materials is not None:
+                self.materials.bind(instance)
+                self._add_patches(geometry, scale * matrix, self.materials)
         # PyBullet reads all geometries, also those that no node places.
         self.is_plain &= len(self.geometries) == sum(1 for _ in self.root.iter("{*}geometry"))
         if not parts:
@@ -81,7 +89,33 @@ class _Scene:
         corners = parts[0] if len(parts) == 1 else np.concatenate(parts)
         if not len(corners):
             self._complain_of_unread()
-        return Content(corners=corners, is_plain=self.is_plain, oddity=self.oddity)
+        return Content(
+            corners=corners,
+            is_plain=self.is_plain,
+            oddity=self.oddity,
+            patches=tuple(self.patches),
+            complaints=() if self.materials is None else tuple(self.materials.complaints),
+        )
+
+    def _add_patches(self, geometry: Geometry, matrix: Matrix, materials: Materials) -> None:
+        """The geometry as it is placed; mirrored, its triangles are seen from the other side."""
+        linear = matrix[:3, :3]
+        size = float(np.linalg.det(linear))  # 0 where it is pressed flat
+        order = slice(None, None, -1 if size < 0 else 1)
+        for symbol, patch in geometry.patches:
+            normals = patch.normals
+            if normals is not None:
+                turned = normals @ np.linalg.inv(linear) if size and math.isfinite(size) else None
+                normals = None if turned is None else turned[:, order]
+            points = patch.texture_points
+            self.patches.append(
+                Patch(
+                    corners=(patch.corners @ linear.T + matrix[:3, 3])[:, order],
+                    normals=normals,
+                    texture_points=None if points is None else points[:, order],
+                    material=materials.find(symbol),
+                )
+            )
 
     def _complain_of_unread(self) -> None:
         unread = {kind for geometry in self.geometries.values() for kind in geometry.unread}
@@ -105,8 +139,8 @@ class _Scene:
             return 1.0
         return float(_floats(meter, 1, "the unit")[0])
 
-    def _places(self) -> Iterator[tuple[str, Matrix]]:
-        """Where the scene places geometries: their addresses, with the node's pose."""
+    def _places(self) -> Iterator[tuple[Element, Matrix]]:
+        """What the scene places: each <instance_geometry>, with the node's pose."""
         waiting = [(node, np.eye(4), 0) for node in reversed(self._top_nodes())]
         for _ in range(NODE_LIMIT):
             if not waiting:
@@ -115,7 +149,7 @@ class _Scene:
             matrix = parent @ _transform(node)
             self.is_plain &= np.allclose(parent @ _transform_in_pybullet(node), matrix)
             for instance in children(node, "instance_geometry"):
-                yield instance.get("url", ""), matrix
+                yield instance, matrix
             for instance in children(node, "instance_node"):
                 self.is_plain = False  # PyBullet passes it over
                 inner = self.ids.find(instance.get("url", ""), "a node")
@@ -135,7 +169,9 @@ class _Scene:
 
     def _geometry(self, url: str) -> Geometry:
         if url not in self.geometries:
-            self.geometries[url] = read_geometry(self.ids.find(url, "a geometry"), self.ids)
+            self.geometries[url] = read_geometry(
+                self.ids.find(url, "a geometry"), self.ids, with_look=self.materials is not None
+            )
         return self.geometries[url]
 
 

@@ -11,6 +11,8 @@ if TYPE_CHECKING:
 
     from wsgen.xmltree import Element
 
+LONGEST_NUMBER = 18  # digits
+
 
 class Ids:
     """The elements of a document by their id; of two with one id the first, as in Gazebo."""
@@ -24,6 +26,11 @@ class Ids:
 
     def __len__(self) -> int:
         return len(self._elements)
+
+    def get(self, name: str, kind: str) -> Element | None:
+        """The element with that id, if it is of that kind."""
+        found = self._elements.get(name)
+        return found if found is not None and found.tag.rpartition("}")[2] == kind else None
 
     def find(self, url: str | None, what: str) -> Element:
         """The element with the id behind the # of an address, which is to be `what`."""
@@ -51,6 +58,6 @@ def child(element: Element, name: str) -> Element | None:
 def whole_number(element: Element, name: str, default: int) -> int:
     """An attribute that is a whole number of 0 or more."""
     text = element.get(name, str(default)).strip()
-    if not text.isdecimal():
+    if not text.isdecimal() or len(text) > LONGEST_NUMBER:
         raise BrokenMeshError(f'has {name}="{text}" in a <{element.tag.rpartition("}")[2]}>')
     return int(text)

@@ -18,6 +18,7 @@ LARGEST = 100.0  # m, edge of the box around a part of a robot
 SMALLEST = 1e-4  # m
 USUAL = (0.005, 5.0)  # m, that of most parts
 FACTORS = (0.001, 0.0254, 0.01, 0.1, 10.0, 100.0, 1000.0)  # mm, inches, cm …, and their opposites
+LOOKS = {"ROB075": Severity.INFO}  # of a mesh; other findings about it are warnings
 RECENT_FORMATS = {
     ".glb": "Gazebo Classic and Fortress read no GLB",
     ".gltf": "Gazebo Classic and Fortress read no glTF",
@@ -74,6 +75,8 @@ def find_in_use(use: MeshUse, answer: Mapping[str, Any], file: Path | None) -> I
         hint = "Convert it to STL, OBJ or COLLADA, which all read."
         yield _finding(use, file, "ROB068", f"is of a format that not all read: {lacking}", hint)
     yield from _judge_extent(use, answer, file)
+    for code, what, hint in answer["complaints"] if use.is_visual else ():
+        yield _finding(use, file, code, what, hint, severity=LOOKS.get(code, Severity.WARNING))
 
 
 def _judge_extent(

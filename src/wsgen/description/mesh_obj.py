@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,14 +11,15 @@ from wsgen.description.mesh_content import (
     BrokenMeshError,
     Content,
     EnormousMeshError,
-    parse_floats,
     parse_integers,
     refuse_triangles,
     triangulate,
 )
+from wsgen.description.mesh_obj_look import Faces, with_look
+from wsgen.description.mesh_obj_rows import made_absolute, read_rows
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from pathlib import Path
 
     from numpy.typing import NDArray
 
@@ -33,8 +34,8 @@ def is_obj(data: bytes) -> bool:
     return VERTEX_LINE.search(data) is not None
 
 
-def read_obj(data: bytes) -> Content:
-    """The triangles of an OBJ file.
+def read_obj(data: bytes, folder: Path | None = None) -> Content:
+    """The triangles of an OBJ file; with their look if its `folder` is given.
 
     PyBullet and Gazebo use an index that is out of range, and crash or read other memory.
     """
@@ -44,18 +45,22 @@ def read_obj(data: bytes) -> Content:
     lines = _lines(data)
     vertices = [line for line in lines if line.startswith(b"v ")]
     faces = [line for line in lines if line.startswith(b"f ")]
-    points = _read_points(vertices)
+    points = read_rows(vertices, COORDINATES, "vertex")
     joined = b"".join([line[1:] for line in faces])
     indices = parse_integers(BEHIND_SLASH.sub(b"", joined), "its faces")
-    if indices.size and indices.min() < 0:
-        indices = _made_absolute(indices, lines)
+    indices = made_absolute(indices, lines, b"v ")
     wrong = indices[(indices < 1) | (indices > len(points))]
     if wrong.size:
         raise BrokenMeshError(
             f"has {len(points)} vertices, and a face with number {wrong[0]}: "
             "Gazebo and PyBullet crash on it"
         )
-    return Content(corners=points[_cut(indices - 1, faces)])
+    sizes = np.fromiter((len(line.split()) - 1 for line in faces), np.int64, len(faces))
+    if folder is None:
+        return Content(corners=points[_cut(indices - 1, sizes)])
+    places = _cut(np.arange(len(indices)), sizes)
+    corners = points[indices[places] - 1]
+    return with_look(corners, places, Faces(lines, joined, sizes), folder)
 
 
 def _lines(data: bytes) -> list[bytes]:
@@ -70,39 +75,7 @@ def _lines(data: bytes) -> list[bytes]:
     return data.split(b"\n")
 
 
-def _read_points(lines: Sequence[bytes]) -> NDArray[np.float64]:
-    """Shape (n, 3); a line may have a weight or a colour behind the coordinates."""
-    numbers = parse_floats(b"".join([line[1:] for line in lines]), "its vertices")
-    width, rest = divmod(len(numbers), len(lines) or 1)
-    if width >= COORDINATES and not rest and _have_equal_widths(lines, width):
-        return numbers.reshape(-1, width)[:, :COORDINATES]
-    rows = [line.split()[1 : COORDINATES + 1] for line in lines]
-    if any(len(row) < COORDINATES for row in rows):
-        raise BrokenMeshError("has a vertex with fewer than three numbers")
-    return np.array(rows, dtype=np.float64).reshape(-1, COORDINATES)
-
-
-def _have_equal_widths(lines: Sequence[bytes], width: int) -> bool:
-    """Whether each line has so many numbers, given that all together have that many on average."""
-    if width == COORDINATES:  # nothing has fewer, so nothing has more
-        return all(len(line.split(None, COORDINATES)) > COORDINATES for line in lines)
-    return all(len(line.split()) == width + 1 for line in lines)
-
-
-def _cut(indices: NDArray[np.int64], faces: Sequence[bytes]) -> NDArray[np.int64]:
-    sizes = np.fromiter((len(line.split()) - 1 for line in faces), np.int64, len(faces))
+def _cut(indices: NDArray[np.int64], sizes: NDArray[np.int64]) -> NDArray[np.int64]:
     if (sizes == COORDINATES).all():
         return indices.reshape(-1, COORDINATES)
     return triangulate(indices, sizes)
-
-
-def _made_absolute(indices: NDArray[np.int64], lines: Sequence[bytes]) -> NDArray[Any]:
-    """Negative indices count back from the last vertex that stands before the face."""
-    seen = 0
-    before = []
-    for line in lines:
-        if line.startswith(b"v "):
-            seen += 1
-        elif line.startswith(b"f "):
-            before += [seen] * (len(line.split()) - 1)
-    return np.where(indices < 0, indices + np.array(before) + 1, indices)

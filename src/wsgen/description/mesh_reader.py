@@ -27,11 +27,15 @@ RECOGNISE: dict[str, Callable[[bytes], bool]] = {  # by the extension that files
     "obj": is_obj,
     "gltf": lambda data: data[:1024].lstrip().startswith(b"{") and b'"asset"' in data,
 }
-READ: dict[str, Callable[[bytes], Content]] = {"dae": read_dae, "stl": read_stl, "obj": read_obj}
+READ: dict[str, Callable[[bytes, Path | None], Content]] = {
+    "dae": read_dae,
+    "stl": read_stl,
+    "obj": read_obj,
+}
 
 
-def read_mesh(file: Path) -> Content:
-    """The triangles of a mesh file.
+def read_mesh(file: Path, *, with_look: bool = False) -> Content:
+    """The triangles of a mesh file; with their look if asked for.
 
     Raises:
         BrokenMeshError: It cannot be used.
@@ -54,7 +58,9 @@ def read_mesh(file: Path) -> Content:
                 f"is called .{kind} and holds {other.upper()}: simulators go by the name",
                 hint=f"Give the file the extension .{other}.",
             )
-    return READ[kind](data) if kind in READ else read_with_library(file, kind)
+    if kind in READ:
+        return READ[kind](data, file.parent if with_look else None)
+    return read_with_library(file, kind, with_look=with_look)
 
 
 def _check_is_there(file: Path) -> None:

@@ -7,7 +7,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from wsgen.description.mesh_content import BrokenMeshError, EnormousMeshError, refuse_triangles
+from wsgen.description.mesh_content import (
+    BrokenMeshError,
+    EnormousMeshError,
+    bounds_of,
+    refuse_triangles,
+)
+from wsgen.description.mesh_looks import Gallery, Showing
 from wsgen.description.mesh_reader import read_mesh
 from wsgen.description.mesh_stl import write_stl
 from wsgen.isolation.child import announce
@@ -25,10 +31,11 @@ class Request(NamedTuple):
 
     path: str
     is_collision: bool
-    is_visual: bool
+    is_visual: bool  # seen, and nobody asked for its look
+    showings: Sequence[Sequence[Any]] = ()  # fields of `Showing`: the looks that are asked for
 
 
-def inspect(requests: Sequence[tuple[str, bool, bool]], folder: str) -> list[dict[str, Any]]:
+def inspect(requests: Sequence[Sequence[Any]], folder: str) -> list[dict[str, Any]]:
     """Look into every file, given as fields of `Request`; announces the number of the one it is at.
 
     What PyBullet would read otherwise than Gazebo, or not at all, is written anew into `folder`:
@@ -38,20 +45,28 @@ def inspect(requests: Sequence[tuple[str, bool, bool]], folder: str) -> list[dic
     Returns:
         For each file `problem` and `hint` if it cannot be used, and whether it `is_enormous`; else
         `triangles`, their number, `low` and `high`, the corners of the box around them (m,
-        unscaled), `oddity`, and the files to take instead, `collision` and `visual`.
+        unscaled), `oddity`, and the files to take instead, `collision` and `visual`; `looks`, a
+        list of fields of `Look` for each of the request's showings, and `complaints`, the fields of
+        each `Complaint`.
     """
     answers = []
-    for number, request in enumerate(requests):
+    gallery = Gallery(Path(folder))
+    asked = [Request(*fields) for fields in requests]
+    for number, request in enumerate(asked):
         announce(str(number))
-        answers.append(_inspect(Request(*request), Path(folder, f"{number}.stl")))
+        answers.append(_inspect(request, number, Path(folder), gallery))
+    looks = gallery.hang()
+    for number, (answer, request) in enumerate(zip(answers, asked, strict=True)):
+        answer["looks"] = [looks.get((number, _showing(one)), []) for one in request.showings]
     return answers
 
 
-def _inspect(request: Request, spare: Path) -> dict[str, Any]:
-    file = Path(request.path)
+def _inspect(request: Request, number: int, folder: Path, gallery: Gallery) -> dict[str, Any]:
+    file, spare = Path(request.path), folder / f"{number}.stl"
     try:
-        content = read_mesh(file)
+        content = read_mesh(file, with_look=bool(request.showings))
         low, high = _bounds(content.corners)
+        complaints = gallery.add(number, file, content, map(_showing, request.showings))
     except BrokenMeshError as error:
         is_enormous = isinstance(error, EnormousMeshError)
         return {"problem": error.problem, "hint": error.hint, "is_enormous": is_enormous}
@@ -73,7 +88,13 @@ def _inspect(request: Request, spare: Path) -> dict[str, Any]:
         "oddity": content.oddity,
         "collision": str(file if is_collision_plain else spare),
         "visual": str(file if content.is_plain else spare),
+        "complaints": complaints,
     }
+
+
+def _showing(fields: Sequence[Any]) -> Showing:
+    is_painted, scale, times = fields
+    return Showing(is_painted, (scale[0], scale[1], scale[2]), times)
 
 
 def _refuse(problem: str, hint: str) -> dict[str, Any]:
@@ -85,10 +106,7 @@ def _bounds(corners: NDArray[Any]) -> tuple[list[float], list[float]]:
     if not len(corners):
         raise BrokenMeshError("has no triangle: Gazebo and PyBullet leave it out without a word")
     refuse_triangles(len(corners))
-    points = corners.reshape(-1, 3)
-    # A column at a time: over rows of three numpy is twenty times as slow.
-    low = [float(points[:, axis].min()) for axis in range(3)]
-    high = [float(points[:, axis].max()) for axis in range(3)]
+    low, high = bounds_of(corners)
     if not np.isfinite([*low, *high]).all() or max(-min(low), *high) > CRASHING:
         raise BrokenMeshError(
             "has a corner that is at no finite place: PyBullet crashes on it or leaves it out"

@@ -5,19 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
-from urllib.parse import unquote
 
+from wsgen.description.mesh_lookup import locate
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.model.robot import Mesh, Robot
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
+    from wsgen.description.mesh_lookup import ShareOf
     from wsgen.model.robot import Geometry, Link
-
-    ShareOf = Callable[[str], Path | None]  # package name -> its installed share folder
-
-FORMATS = (".stl", ".obj", ".dae", ".glb", ".gltf", ".ply")  # see `mesh_files` for who reads which
 
 
 def find_meshes(
@@ -61,7 +56,7 @@ class _Search:
         """The mesh with its path; any other geometry as it is."""
         if not isinstance(geometry, Mesh):
             return geometry
-        found = self._locate(geometry.uri)
+        found = locate(geometry.uri, self.share_of, self.folder)
         if isinstance(found, Path):
             return replace(geometry, path=str(found))
         problem, hint = found
@@ -76,35 +71,3 @@ class _Search:
             hint=hint,
         )
         return geometry
-
-    def _locate(self, uri: str) -> Path | tuple[str, str]:
-        """The file, or what is wrong and what to do."""
-        scheme, separator, rest = uri.partition("://")
-        if not separator or scheme == "file":
-            path = Path(unquote(rest) if separator else uri)
-            if not path.is_absolute():
-                if self.folder is None:
-                    return "has a path that is relative to nothing", "Write package://PACKAGE/…"
-                path = self.folder / path
-        elif scheme in {"package", "model"}:
-            package, _, inside = rest.partition("/")
-            share = self.share_of(package)
-            if share is None:
-                return (
-                    f"is in the package `{package}`, which was not found",
-                    f"Build and source a workspace with `{package}`, and name it in package.xml.",
-                )
-            path = share / inside
-        else:
-            return "is not a file", "Put the mesh into the package: package://PACKAGE/meshes/…"
-        if not path.is_file():
-            return (
-                f"is not there ({path})",
-                "Check its spelling, capitals included, and that CMakeLists.txt installs it.",
-            )
-        if path.suffix.lower() not in FORMATS:
-            return (
-                f"is of a format that is not read ({path.suffix or 'no extension'})",
-                f"Convert it to one of {', '.join(FORMATS)}.",
-            )
-        return path

@@ -4,7 +4,16 @@ from __future__ import annotations
 
 import math
 
-from wsgen.model.robot import Box, Capsule, Cylinder, Geometry, Inertial, Sphere
+from wsgen.model.robot import (
+    Box,
+    Capsule,
+    Cone,
+    Cylinder,
+    Ellipsoid,
+    Geometry,
+    Inertial,
+    Sphere,
+)
 from wsgen.model.transform import Matrix, Vector, multiply, rotation_of_rpy, transpose
 
 # sdformat's MassMatrix3 allows ten times the rounding of doubles; hand-written files have fewer
@@ -91,17 +100,25 @@ def is_possible(six: Six) -> bool:
 
 
 def of_solid(geometry: Geometry, mass: float) -> Vector | None:
-    """Principal moments of an evenly filled body along its frame's axes; None for a mesh."""
+    """Principal moments of an evenly filled body along its frame's axes.
+
+    They are about its centre of mass. None for a mesh, an extrusion, a heightmap.
+    """
     if isinstance(geometry, Box):
         x, y, z = (edge * edge for edge in geometry.size)
         return (mass * (y + z) / 12, mass * (x + z) / 12, mass * (x + y) / 12)
-    if isinstance(geometry, Sphere):
-        return (0.4 * mass * geometry.radius**2,) * 3
+    if isinstance(geometry, Sphere | Ellipsoid):
+        radii = (geometry.radius,) * 3 if isinstance(geometry, Sphere) else geometry.radii
+        x, y, z = (radius * radius for radius in radii)
+        return (mass * (y + z) / 5, mass * (x + z) / 5, mass * (x + y) / 5)
     if isinstance(geometry, Cylinder):
         across = mass * (3 * geometry.radius**2 + geometry.length**2) / 12
         return (across, across, mass * geometry.radius**2 / 2)
     if isinstance(geometry, Capsule):
         return _of_capsule(geometry.radius, geometry.length, mass)
+    if isinstance(geometry, Cone):
+        across = mass * (12 * geometry.radius**2 + 3 * geometry.length**2) / 80
+        return (across, across, 0.3 * mass * geometry.radius**2)
     return None
 
 

@@ -64,6 +64,8 @@ class PackageOutcome:
     diagnostics: tuple[Diagnostic, ...] = ()
     picture: Path | None = None
     picture_tile: float | None = None  # m, edge of a square of the ground in the picture
+    world_picture: Path | None = None  # of all that is in the world, where that is more
+    film: Path | None = None
     seconds: Mapping[str, float] = field(default_factory=dict)  # wall-clock, by stage
 
     @property

@@ -73,9 +73,56 @@ class Mesh:
     uri: str  # as written: package://…, file://…, model://… or a path
     scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
     path: str | None = None  # the file that `uri` stands for, when it was found
+    # m, unscaled: two corners of the box around its points, when somebody has looked into the file
+    bounds: tuple[tuple[float, float, float], tuple[float, float, float]] | None = None
 
 
-Geometry = Box | Cylinder | Sphere | Capsule | Mesh
+@dataclass(frozen=True, kw_only=True)
+class Ellipsoid:
+    """An ellipsoid centred on its frame, its axes along x, y, z."""
+
+    radii: tuple[float, float, float]  # m
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cone:
+    """A cone with its tip along z, its frame half way between base and tip."""
+
+    radius: float  # m, of the base
+    length: float  # m, from base to tip
+
+
+@dataclass(frozen=True, kw_only=True)
+class Extrusion:
+    """What outlines in the plane of x and y enclose, from z = 0 up; SDF's <polyline>.
+
+    What is inside of an even number of outlines is outside: one within another is a hole.
+    """
+
+    outlines: tuple[tuple[tuple[float, float], ...], ...]  # m, corners; closed from last to first
+    height: float  # m
+    line: int | None = None  # of the element in the SDF text, 1-based
+
+
+@dataclass(frozen=True, kw_only=True)
+class Heightmap:
+    """A surface over the plane of x and y, as high as the pixels of an image are bright.
+
+    It is centred on its frame; the first row of the image is at the highest y.
+    """
+
+    uri: str  # as written
+    path: str | None = None  # the image that `uri` stands for, when it was found
+    size: tuple[float, float, float] = (1.0, 1.0, 1.0)  # m; z is the height of the brightest pixel
+    pos: tuple[float, float, float] = (0.0, 0.0, 0.0)  # m, offset; collisions have none in Gazebo
+    sampling: int = 1  # steps from one pixel to the next
+    line: int | None = None  # of the element in the SDF text, 1-based
+
+
+Primitive = Box | Cylinder | Sphere | Capsule
+# What no engine has: `wsgen.description.solids` makes meshes of them.
+Triangulated = Ellipsoid | Cone | Extrusion | Heightmap
+Geometry = Primitive | Mesh | Triangulated
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,6 +144,7 @@ class Visual:
     geometry: Geometry
     pose_in_link: Pose = IDENTITY
     rgba: tuple[float, float, float, float] | None = None  # 0 to 1; None: the simulator's default
+    texture: str | None = None  # an image file, for a mesh in OBJ that has texture coordinates
     name: str | None = None
 
 

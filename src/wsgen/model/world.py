@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -9,6 +10,15 @@ from wsgen.model.pose import IDENTITY, Pose
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+
+_SUN = (-0.5, 0.1, -0.9)  # where the light of Gazebo's own sun goes
+SUN_DIRECTION = (
+    _SUN[0] / math.hypot(*_SUN),
+    _SUN[1] / math.hypot(*_SUN),
+    _SUN[2] / math.hypot(*_SUN),
+)
+SUN_COLOUR = (0.8, 0.8, 0.8)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,4 +42,8 @@ class World:
     models: tuple[PlacedModel, ...] = ()
     has_ground_plane: bool = False  # a plane at z = 0 that carries the robots
     lights: tuple[str, ...] = ()
+    # Of the first directional light that shines down: which way it goes, of length 1, in the world
+    # frame, and its red, green and blue from 0 to 1. Without one these are Gazebo's own sun's.
+    sun_direction: tuple[float, float, float] = SUN_DIRECTION
+    sun_colour: tuple[float, float, float] = SUN_COLOUR
     plugins: tuple[str, ...] = ()  # file names of the plugin libraries

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from wsgen.pipeline.selection import Chosen
     from wsgen.workspace.layout import Workspace
 
-__all__ = ["ValidateRequest", "validate"]
+__all__ = ["ValidateRequest", "prepare", "validate"]
 
 
 def validate(
@@ -49,9 +49,7 @@ def validate(
             there, or an engine is not installed.
         NotReadableError: the folder for the pictures cannot be made.
     """
-    _require(request)
-    if request.picture_folder is not None:
-        _make_folder(request.picture_folder)
+    prepare(request)
     overlay = _overlay(workspace, request, environment)
     told = None if listener is None else one_at_a_time(listener)
     packages: Sequence[Chosen] = ()
@@ -122,7 +120,14 @@ def _files(
     ]
 
 
-def _require(request: ValidateRequest) -> None:
+def prepare(request: ValidateRequest) -> None:
+    """See that there is what the request needs, before anything is begun.
+
+    Raises:
+        RequestError: an option is given that nothing named here takes.
+        NotFoundError: a file is not there, or an engine is not installed.
+        NotReadableError: the folder for the pictures cannot be made.
+    """
     missing = missing_engines(request.engines)
     if missing:
         raise NotFoundError(
@@ -136,6 +141,8 @@ def _require(request: ValidateRequest) -> None:
             raise NotFoundError(f"There is no file {file}.", hint="Check its path.")
     if request.files and not request.packages:
         _refuse_idle_options(request)
+    if request.picture_folder is not None:
+        _make_folder(request.picture_folder)
 
 
 def _refuse_idle_options(request: ValidateRequest) -> None:

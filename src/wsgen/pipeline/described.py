@@ -12,6 +12,7 @@ from wsgen.description.lump import lump
 from wsgen.description.mesh_files import inspect_meshes
 from wsgen.description.meshes import find_meshes
 from wsgen.description.reader import read_urdf
+from wsgen.description.solids import build_solids
 from wsgen.description.source import place_in_source
 from wsgen.diagnostics import has_errors
 from wsgen.model.pose import IDENTITY, Pose
@@ -31,6 +32,7 @@ class Workshop:
     share_of: ShareOf
     folder: Path  # for mesh files that are written anew; there until the trial is over
     run: Run  # starts the child process that reads meshes
+    with_colours: bool = False  # also read what meshes look like, for a picture
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,6 +45,7 @@ class Described:
     is_sound: bool = True  # if not, the engine would try another robot than the described one
     spawn_pose: Pose = IDENTITY
     on_the_ground: bool = False  # as low as it can stand, instead of at the height of that pose
+    is_scenery: bool = False  # a model of the world around the robots that are tried
 
 
 def describe(  # noqa: PLR0913  most have defaults
@@ -64,7 +67,7 @@ def describe(  # noqa: PLR0913  most have defaults
     written, found = read_urdf(text, file=file)
     described = None
     if written is not None:
-        lumped, more = _complete(written, file, workshop)
+        lumped, more = _as_in_gazebo(written, file, workshop)
         found = (*found, *more, *judge_robot(written, file, generation=generation))
         described = Described(
             entity=entity or written.name,
@@ -79,13 +82,29 @@ def describe(  # noqa: PLR0913  most have defaults
     return described, place_in_source(found, text=text, file=file, share_of=workshop.share_of)
 
 
-def _complete(
+def _as_in_gazebo(
     written: Robot, file: Path | None, workshop: Workshop
 ) -> tuple[Robot, tuple[Diagnostic, ...]]:
     """The robot with its meshes, as Gazebo has it."""
     located, missing = find_meshes(
         written, share_of=workshop.share_of, folder=file.parent if file else None, file=file
     )
-    readable, flawed = inspect_meshes(located, file=file, folder=workshop.folder, run=workshop.run)
+    readable, flawed = complete(located, file, workshop)
     lumped, dropped = lump(readable, file=file)
     return lumped, (*missing, *flawed, *dropped)
+
+
+def complete(
+    robot: Robot, file: Path | None, workshop: Workshop
+) -> tuple[Robot, tuple[Diagnostic, ...]]:
+    """The robot with shapes and mesh files that every engine reads as Gazebo does."""
+    readable, flawed = inspect_meshes(
+        robot,
+        file=file,
+        folder=workshop.folder,
+        run=workshop.run,
+        with_colours=workshop.with_colours,
+    )
+    # Afterwards: these are not a person's meshes, whose slips would be looked for.
+    built, wrong = build_solids(readable, file=file, folder=workshop.folder, run=workshop.run)
+    return built, (*flawed, *wrong)

@@ -6,16 +6,14 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wsgen.description.mesh_files import inspect_meshes
 from wsgen.description.xacro_file import expand_file
 from wsgen.diagnostics import Diagnostic, Severity, has_errors
 from wsgen.model.outcome import PackageOutcome
-from wsgen.pipeline.around import share_around
 from wsgen.pipeline.clock import Clock
 from wsgen.pipeline.described import Described, Workshop, describe
+from wsgen.pipeline.folders import share_around, share_on_model_path
+from wsgen.pipeline.models import describe_models, read_file
 from wsgen.pipeline.trial import Tried, try_robots
-from wsgen.world.lookup import model_finder
-from wsgen.world.models import read_sdf
 from wsgen.world.reader import DEFAULT_WORLD
 
 if TYPE_CHECKING:
@@ -50,12 +48,18 @@ class FileValidation:
         self.run_task = run
         self.clock = Clock(name, listener)
         self.around = share_around(file)
+        self.on_model_path = share_on_model_path(overlay.environment)
         self.diagnostics: list[Diagnostic] = []
 
     def run(self) -> PackageOutcome:
         """All stages, as far as they go."""
         with tempfile.TemporaryDirectory(prefix="wsgen-") as folder:
-            workshop = Workshop(share_of=self._share_of, folder=Path(folder), run=self.run_task)
+            workshop = Workshop(
+                share_of=self._share_of,
+                folder=Path(folder),
+                run=self.run_task,
+                with_colours=self.request.is_drawn,
+            )
             return self._run(workshop)
 
     def _run(self, workshop: Workshop) -> PackageOutcome:
@@ -80,6 +84,8 @@ class FileValidation:
             diagnostics=(*self.diagnostics, *tried.diagnostics),
             picture=tried.picture,
             picture_tile=tried.picture_tile,
+            world_picture=tried.world_picture,
+            film=tried.film,
             seconds=self.clock.read(),
         )
 
@@ -111,27 +117,9 @@ class FileValidation:
         return text
 
     def _read_sdf(self, workshop: Workshop) -> tuple[World | None, list[Described]]:
-        find = model_finder(self.file, self.overlay.environment)
-        found = read_sdf(self.file, find_model=lambda name: find(name) or self._share_of(name))
-        self.diagnostics += found.diagnostics
-        described = []
-        for model in found.models:
-            if model.robot is None:
-                continue
-            robot, flawed = inspect_meshes(
-                model.robot, file=model.file, folder=workshop.folder, run=workshop.run
-            )
-            self.diagnostics += flawed
-            described.append(
-                Described(
-                    entity=model.name,
-                    written=model.robot,
-                    lumped=robot,
-                    is_sound=not has_errors((*found.diagnostics, *flawed)),
-                    spawn_pose=model.pose_in_world,
-                    on_the_ground=found.world is None,
-                )
-            )
+        found = read_file(self.file, workshop, self.overlay.environment)
+        described, flawed = describe_models(found, workshop)
+        self.diagnostics += (*found.diagnostics, *flawed)
         if not described and not has_errors(found.diagnostics):
             self.diagnostics.append(
                 Diagnostic(
@@ -146,7 +134,7 @@ class FileValidation:
 
     def _share_of(self, package: str) -> Path | None:
         """What is sourced comes first: it is what Gazebo would find."""
-        return self.overlay.share(package) or self.around(package)
+        return self.overlay.share(package) or self.on_model_path(package) or self.around(package)
 
 
 def _read_bytes(file: Path) -> tuple[bytes | None, tuple[Diagnostic, ...]]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.checks.judge import judge_trial
 from wsgen.checks.scene_rules import engines_disagree
-from wsgen.diagnostics import has_errors
+from wsgen.diagnostics import Diagnostic, Severity, has_errors
 from wsgen.isolation.outcome import Limits
 from wsgen.model.outcome import Rest, RobotOutcome, Simulated
 from wsgen.simulation.run import run_trial
@@ -17,13 +17,13 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
-    from wsgen.diagnostics import Diagnostic
     from wsgen.isolation.protocol import Run
     from wsgen.model.world import World
     from wsgen.pipeline.described import Described
     from wsgen.pipeline.request import ValidateRequest
     from wsgen.simulation.scene import RobotTrial, TrialOutcome
 
+MOST_MODELS = 1000  # a minute of simulation for 3 s; public worlds have some dozens
 ENGINE_NAMES = {"bullet": "PyBullet", "dart": "DART"}
 
 
@@ -35,6 +35,8 @@ class Tried:
     diagnostics: tuple[Diagnostic, ...] = ()
     picture: Path | None = None
     picture_tile: float | None = None  # m, edge of a square of the ground in the picture
+    world_picture: Path | None = None
+    film: Path | None = None
     seconds: Mapping[str, float] | None = None  # wall-clock: load, simulate, draw
 
 
@@ -43,8 +45,14 @@ def try_robots(
 ) -> Tried:
     """Simulate the sound robots, if there are any, and judge all; `name` is the picture's."""
     sound = [robot for robot in described if robot.is_sound]
-    if not sound:
-        return Tried(robots=tuple(_outcome(robot, None) for robot in described))
+    robots = [robot for robot in described if not robot.is_scenery]
+    if all(robot.is_scenery for robot in sound):
+        return Tried(robots=tuple(_outcome(robot, None) for robot in robots))
+    if len(sound) > MOST_MODELS:
+        return Tried(
+            robots=tuple(_outcome(robot, None) for robot in robots),
+            diagnostics=(_too_many(len(sound), world),),
+        )
     # Large robots are slower than their own time; this is about hanging, not about slow.
     limits = Limits(seconds=60.0 + 20.0 * request.seconds)
     outcomes = [
@@ -69,12 +77,24 @@ def try_robots(
                 engine=request.engines[0],
                 passed=robot.is_sound and robot.entity not in failed,
             )
-            for robot in described
+            for robot in robots
         ),
         diagnostics=tuple(found),
         picture=first.picture,
         picture_tile=first.picture_tile,
+        world_picture=first.world_picture,
+        film=first.film.file if first.film else None,
         seconds=first.seconds,
+    )
+
+
+def _too_many(models: int, world: World) -> Diagnostic:
+    return Diagnostic(
+        code="SPN035",
+        severity=Severity.ERROR,
+        message=f"The world holds {models:,} models: a trial takes at most {MOST_MODELS:,}.",
+        file=world.file,
+        hint="Make one static model of what never moves, or split the world.",
     )
 
 
@@ -82,7 +102,9 @@ def _judge(
     world: World, sound: Sequence[Described], outcome: TrialOutcome
 ) -> tuple[list[Diagnostic], set[str]]:
     """What is found in the trial of one engine, and the entities that do not pass it."""
-    found, failed = [*outcome.diagnostics], set[str]()
+    failed: set[str] = set()
+    scenery = {robot.entity for robot in sound if robot.is_scenery}
+    found = [_soften(one) if one.element in scenery else one for one in outcome.diagnostics]
     measured = {trial.entity: trial for trial in outcome.trials}
     free = [robot for robot in sound if not robot.lumped.is_static]
     for robot in sound:
@@ -90,12 +112,20 @@ def _judge(
         judged = (
             ()
             if trial is None
-            else judge_trial(robot.lumped, world, trial, is_alone=len(free) == 1)
+            else judge_trial(robot.lumped, world, trial, is_alone=len(free) == 1, scenery=scenery)
         )
+        if robot.is_scenery:
+            judged = tuple(map(_soften, judged))
         if trial is None or has_errors(judged):
             failed.add(robot.entity)
         found += judged
     return found, failed
+
+
+def _soften(finding: Diagnostic) -> Diagnostic:
+    """A finding about the scenery: worth telling, and no fault of the robots that are judged."""
+    is_error = finding.severity is Severity.ERROR
+    return replace(finding, severity=Severity.WARNING) if is_error else finding
 
 
 def _others(
@@ -120,7 +150,8 @@ def _compared(first: TrialOutcome, other: TrialOutcome) -> Iterator[Diagnostic]:
 def _scene(
     world: World, sound: Sequence[Described], request: ValidateRequest, name: str, engine: str
 ) -> Scene:
-    folder = request.picture_folder if engine == request.engines[0] else None
+    is_first = engine == request.engines[0]
+    folder = request.picture_folder.absolute() if request.picture_folder and is_first else None
     return Scene(
         world=world,
         robots=tuple(
@@ -129,12 +160,15 @@ def _scene(
                 robot=robot.lumped,
                 pose_in_world=robot.spawn_pose,
                 on_the_ground=robot.on_the_ground,
+                is_scenery=robot.is_scenery,
             )
             for robot in sound
         ),
         seconds=request.seconds,
         engine=engine,
-        picture=folder.absolute() / f"{name}.png" if folder else None,
+        picture=folder / f"{name}.png" if folder else None,
+        world_picture=folder / f"{name}-world.png" if folder else None,
+        record=request.film.absolute() if request.film and is_first else None,
     )
 
 

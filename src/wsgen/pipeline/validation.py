@@ -3,24 +3,36 @@
 from __future__ import annotations
 
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.checks.allowances import unknown_rule_allowed, without_allowed
 from wsgen.checks.spawn_rules import spawned_twice
 from wsgen.diagnostics import Diagnostic, Severity, has_errors
+from wsgen.isolation import parent
 from wsgen.launch.evaluate import evaluate
 from wsgen.launch.spawning import find_simulator, find_spawns
 from wsgen.model.outcome import PackageOutcome
 from wsgen.pipeline.clock import Clock
 from wsgen.pipeline.described import Described, Workshop, describe
+from wsgen.pipeline.folders import share_on_model_path
+from wsgen.pipeline.models import (
+    describe_models,
+    read_file,
+    read_spawned,
+    without_taken,
+)
 from wsgen.pipeline.sources import changed_since_build, name_sources
 from wsgen.pipeline.trial import Tried, try_robots
 from wsgen.workspace.settings import read_settings
+from wsgen.world.document import is_sdf
 from wsgen.world.lookup import find_world
-from wsgen.world.reader import DEFAULT_WORLD, read_world
+from wsgen.world.reader import DEFAULT_WORLD
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
     from wsgen.events import Listener
     from wsgen.isolation.protocol import Run
     from wsgen.model.plan import LaunchPlan, Spawn
@@ -39,7 +51,7 @@ class Validation:
         overlay: Overlay,
         request: ValidateRequest,
         listener: Listener | None,
-        run: Run,
+        run: Run = parent.run,
     ) -> None:
         self.chosen = chosen
         self.package = chosen.name
@@ -56,14 +68,11 @@ class Validation:
             return self._run(Path(folder))
 
     def _run(self, folder: Path) -> PackageOutcome:
-        workshop = Workshop(share_of=self.overlay.share, folder=folder, run=self.run_task)
         launch_file = self.chosen.launch_file
         if self.chosen.problem is not None:
             self.diagnostics.append(self.chosen.problem)
         plan = self._evaluate(launch_file) if launch_file else None
-        world = self._read_world(plan) if plan else None
-        described = self._describe(plan, workshop) if plan and world else []
-        tried = self._try(world, described) if world and described else Tried()
+        world, tried = self._play(plan, folder) if plan else (None, Tried())
         return PackageOutcome(
             package=self.package,
             share=self.chosen.share,
@@ -73,8 +82,27 @@ class Validation:
             diagnostics=self._told(),
             picture=tried.picture,
             picture_tile=tried.picture_tile,
+            world_picture=tried.world_picture,
+            film=tried.film,
             seconds=self.clock.read(),
         )
+
+    def _play(self, plan: LaunchPlan, folder: Path) -> tuple[World | None, Tried]:
+        """Put what the plan spawns into the world that it names, and try it."""
+        environment = {**self.overlay.environment, **plan.environment}
+        on_model_path = share_on_model_path(environment)
+        workshop = Workshop(
+            share_of=lambda package: self.overlay.share(package) or on_model_path(package),
+            folder=folder,
+            run=self.run_task,
+            with_colours=self.request.is_drawn,
+        )
+        world, scenery = self._read_world(plan, workshop, environment)
+        described = self._describe(plan, workshop, environment, scenery) if world else []
+        if world is None or not described:
+            return world, Tried()
+        taken = [robot.entity for robot in described]
+        return world, self._try(world, [*without_taken(scenery, taken), *described])
 
     def _told(self) -> tuple[Diagnostic, ...]:
         """The findings as the package's source has them, without what it has on purpose."""
@@ -94,7 +122,7 @@ class Validation:
         with self.clock.step("launch", launch_file.name) as step:
             plan = evaluate(
                 launch_file,
-                package=self.package,
+                package=self.package if self.chosen.share else None,
                 arguments=self.request.launch_arguments,
                 environment=self.overlay.environment,
                 run=self.run_task,
@@ -104,49 +132,64 @@ class Validation:
         self.diagnostics += plan.diagnostics
         return None if has_errors(plan.diagnostics) else plan
 
-    def _read_world(self, plan: LaunchPlan) -> World | None:
+    def _read_world(
+        self, plan: LaunchPlan, workshop: Workshop, environment: Mapping[str, str]
+    ) -> tuple[World | None, list[Described]]:
+        """The world that the plan starts, and the models in it."""
         simulator, diagnostics = find_simulator(plan)
         self.diagnostics += diagnostics
         self.generation = simulator.generation if simulator else None
         if simulator is None or not simulator.world:
-            return DEFAULT_WORLD
-        file = find_world(simulator.world, self.overlay.environment)
+            return DEFAULT_WORLD, []
+        file = find_world(simulator.world, environment)
         if file is None:
-            self.diagnostics.append(
-                Diagnostic(
-                    code="WLD008",
-                    severity=Severity.WARNING,
-                    message=f"No file is called {simulator.world}. If it is one of Gazebo's own "
-                    "worlds, Gazebo finds it; the trial takes a ground plane instead.",
-                    file=plan.launch_file,
-                    hint="Give the path of a world file that the package installs.",
-                )
-            )
-            return DEFAULT_WORLD
-        world, diagnostics = read_world(file)
-        self.diagnostics += diagnostics
-        return world
+            self.diagnostics.append(_unknown_world(plan.launch_file, simulator.world))
+            return DEFAULT_WORLD, []
+        with self.clock.step("expand", file.name) as step:
+            found = read_file(file, workshop, environment)
+            scenery, flawed = describe_models(found, workshop, is_scenery=True)
+            step.succeeded = not has_errors((*found.diagnostics, *flawed))
+        self.diagnostics += (*found.diagnostics, *flawed)
+        return found.world, scenery
 
-    def _describe(self, plan: LaunchPlan, workshop: Workshop) -> list[Described]:
+    def _describe(
+        self,
+        plan: LaunchPlan,
+        workshop: Workshop,
+        environment: Mapping[str, str],
+        scenery: Iterable[Described],
+    ) -> list[Described]:
         with self.clock.step("expand", "robot description") as step:
             spawns, diagnostics = find_spawns(plan)
             self.diagnostics += (
                 *diagnostics,
-                *spawned_twice([spawn.entity for spawn in spawns]),
+                *spawned_twice(
+                    [spawn.entity for spawn in spawns], [model.entity for model in scenery]
+                ),
             )
             # Of two with one name the simulator refuses the second.
             unique = {spawn.entity: spawn for spawn in reversed(spawns)}
             described = [
                 robot
                 for spawn in reversed(unique.values())
-                if (robot := self._describe_one(spawn, workshop))
+                if (robot := self._describe_one(spawn, workshop, environment))
             ]
             step.succeeded = len(described) == len(spawns) and all(
                 robot.is_sound for robot in described
             )
         return described
 
-    def _describe_one(self, spawn: Spawn, workshop: Workshop) -> Described | None:
+    def _describe_one(
+        self, spawn: Spawn, workshop: Workshop, environment: Mapping[str, str]
+    ) -> Described | None:
+        if is_sdf(spawn.description):
+            found = read_spawned(spawn, workshop, environment)
+            models, flawed = describe_models(found, workshop)
+            self.diagnostics += (*found.diagnostics, *flawed)
+            return next(
+                (replace(model, entity=spawn.entity, on_the_ground=False) for model in models),
+                None,
+            )
         described, diagnostics = describe(
             spawn.description,
             file=spawn.description_file,
@@ -159,10 +202,23 @@ class Validation:
         return described
 
     def _try(self, world: World, described: list[Described]) -> Tried:
-        names = ", ".join(robot.entity for robot in described if robot.is_sound)
+        names = ", ".join(
+            robot.entity for robot in described if robot.is_sound and not robot.is_scenery
+        )
         with self.clock.step("simulate", names) as step:
             tried = try_robots(world, described, self.request, self.package, run=self.run_task)
             step.succeeded = all(robot.passed for robot in tried.robots)
         self.diagnostics += tried.diagnostics
         self.clock.take(tried.seconds or {})
         return tried
+
+
+def _unknown_world(launch_file: Path | None, name: str) -> Diagnostic:
+    return Diagnostic(
+        code="WLD008",
+        severity=Severity.WARNING,
+        message=f"No file is called {name}. If it is one of Gazebo's own worlds, Gazebo finds it; "
+        "the trial takes a ground plane instead.",
+        file=launch_file,
+        hint="Give the path of a world file that the package installs.",
+    )

@@ -58,6 +58,8 @@ def _package(package: PackageOutcome) -> dict[str, Any]:
         "robots": [_robot(robot) for robot in package.robots],
         "diagnostics": [diagnostic_to_json(found) for found in package.diagnostics],
         "picture": _path(package.picture),
+        "world_picture": _path(package.world_picture),
+        "film": _path(package.film),
         "seconds": {stage: round(value, 4) for stage, value in package.seconds.items()},
     }
 

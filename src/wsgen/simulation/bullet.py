@@ -3,23 +3,22 @@
 from __future__ import annotations
 
 import math
-from itertools import combinations
 from typing import TYPE_CHECKING
 
-from wsgen.model.transform import compose, quaternion_of_rpy
+from wsgen.model.transform import Vector, compose, quaternion_of_rpy
 from wsgen.model.trees import split_trees
 from wsgen.simulation.bullet_body import BulletBody, PartBounds
 from wsgen.simulation.bullet_client import Client, error
 from wsgen.simulation.bullet_damper import STRIDE as DAMPER_STRIDE
-from wsgen.simulation.engine import GROUND_FRICTION, Loaded, Overlap, Refused, State
+from wsgen.simulation.bullet_hulls import hull_gaps
+from wsgen.simulation.engine import GROUND_FRICTION, HullGap, Loaded, Overlap, Refused, State
 from wsgen.simulation.pairs import deepest_overlaps
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
     from wsgen.model.pose import Pose
     from wsgen.model.robot import Robot
-    from wsgen.model.transform import Vector
     from wsgen.model.world import World
     from wsgen.simulation.pairs import Place
     from wsgen.simulation.scene import SpawnedRobot
@@ -41,6 +40,9 @@ OVERLAP_SHARE = 0.08
 SEPARATION_SPEED = 0.25  # m/s
 LIMIT_SHARE = 0.01  # of the way back to a limit, in one step; DART's error reduction parameter
 SEPARATION_STRIDE = 10  # steps between two looks at the overlap while it is large
+
+# What can touch something: entity, body, link, PyBullet's index, two corners of its box (m).
+Part = tuple[str, BulletBody, str, int, Vector, Vector]
 
 FAR = 100.0  # m; no robot is as large
 
@@ -167,7 +169,12 @@ class BulletEngine:
         if not boxes:
             return self.state(entity).xyz[2]
         lowest = min(low[2] for _, _, low, _ in boxes)
-        if self._ground is None or not all(map(_is_over_ground, boxes)):
+        # Of the many triangles of what is static PyBullet finds the nearest late, or another one.
+        if (
+            self._robots[entity].is_static
+            or self._ground is None
+            or not all(map(_is_over_ground, boxes))
+        ):
             return lowest
         near = [
             float(point[8])
@@ -203,21 +210,28 @@ class BulletEngine:
         ]
         return deepest_overlaps(self._found_in_each_other(parts), self._robots)
 
-    def _found_in_each_other(
-        self, parts: list[tuple[str, BulletBody, str, int, Vector, Vector]]
-    ) -> Iterator[tuple[Place, Place, float]]:
+    def _found_in_each_other(self, parts: list[Part]) -> Iterator[tuple[Place, Place, float]]:
         """The parts of two links whose boxes meet, with the depth of the deepest contact (m)."""
-        for one, other in combinations(parts, 2):
-            entity, body, link, index, low, high = one
-            other_entity, other_body, other_link, other_index, other_low, other_high = other
-            if (entity, link) != (other_entity, other_link) and _boxes_meet(
-                low, high, other_low, other_high
-            ):
+        for one, other in _meeting(parts):
+            entity, body, link, index, _, _ = one
+            other_entity, other_body, other_link, other_index, _, _ = other
+            if (entity, link) != (other_entity, other_link):
                 near = self.client.getClosestPoints(
                     body.number, other_body.number, 0.0, index, other_index
                 )
                 depth = max((-point[8] for point in near), default=0.0)
                 yield (entity, link), (other_entity, other_link), depth
+
+    def hull_gaps(self, entity: str) -> list[HullGap]:
+        """Where a robot touches something with the convex hulls of its meshes alone, right now."""
+        if self._robots[entity].is_static:
+            return []  # collides with its triangles
+        others = [
+            (body.number, other) for other, bodies in self._bodies.items() for body, _ in bodies
+        ]
+        return [
+            gap for body, _ in self._bodies[entity] for gap in hull_gaps(self.client, body, others)
+        ]
 
     def advance(self, steps: int) -> None:
         """Let time pass; overlapping bodies are pushed apart no faster than the bound."""
@@ -261,7 +275,13 @@ def _is_over_ground(box: PartBounds) -> bool:
     return -x < low[0] and high[0] < x and -y < low[1] and high[1] < y and low[2] > -depth
 
 
-def _boxes_meet(low: Vector, high: Vector, other_low: Vector, other_high: Vector) -> bool:
-    return all(
-        a <= d and c <= b for a, b, c, d in zip(low, high, other_low, other_high, strict=True)
-    )
+def _meeting(parts: Iterable[Part]) -> Iterator[tuple[Part, Part]]:
+    """The pairs of parts whose boxes meet, found by a sweep along x."""
+    open_ones: list[Part] = []  # that reach as far as the sweep has come
+    for part in sorted(parts, key=lambda part: part[4][0]):
+        low, high = part[4], part[5]
+        open_ones = [other for other in open_ones if other[5][0] >= low[0]]
+        for other in open_ones:
+            if all(other[4][axis] <= high[axis] and low[axis] <= other[5][axis] for axis in (1, 2)):
+                yield other, part
+        open_ones.append(part)

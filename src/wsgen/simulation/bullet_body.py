@@ -237,6 +237,10 @@ class BulletBody:
         state = self._client.getLinkState(self.number, index, computeForwardKinematics=1)
         return _pose(state[0], state[1])
 
+    def link_of(self, index: int) -> str:
+        """The link of a part, by PyBullet's index."""
+        return next(self._owner[name] for name, at in self._index_of.items() if at == index)
+
     def boxes(self) -> list[PartBounds]:
         """The boxes along the world's axes around all that can touch something.
 

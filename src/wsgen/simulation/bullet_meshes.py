@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from wsgen.model.robot import Mesh
+from wsgen.model.robot import Mesh, Triangulated
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -15,13 +15,14 @@ if TYPE_CHECKING:
 
 
 def without_missing_meshes(tree: Robot) -> Robot:
-    """The same tree without what nothing can touch, because its file is not there."""
+    """The same tree without what nothing can touch: meshes without a file, unknown shapes."""
     links = []
     for link in tree.links:
         there = tuple(
             shape
             for shape in link.collisions
-            if not (isinstance(shape.geometry, Mesh) and shape.geometry.path is None)
+            if not isinstance(shape.geometry, Triangulated)
+            and not (isinstance(shape.geometry, Mesh) and shape.geometry.path is None)
         )
         links.append(replace(link, collisions=there))
     return replace(tree, links=tuple(links))

@@ -47,7 +47,9 @@ def set_links(client: Client, body: int, parts: Robot, index_of: Mapping[str, in
             body,
             index,
             lateralFriction=min((GROUND_FRICTION, *frictions)),
-            rollingFriction=ROLLING_RESISTANCE * _radius(client, body, index, part),
+            rollingFriction=0.0
+            if parts.is_static
+            else ROLLING_RESISTANCE * _radius(client, body, index, part),
         )
 
 

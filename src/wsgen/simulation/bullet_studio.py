@@ -1,96 +1,175 @@
-"""Photographs robots with PyBullet's software renderer, which needs no display."""
+"""A studio with PyBullet's software renderer, which needs no display: bodies to be photographed."""
 
 from __future__ import annotations
 
+import time
 from typing import TYPE_CHECKING
 
-from wsgen.model.pose import Pose
+import numpy as np
+
 from wsgen.model.robot import Mesh
-from wsgen.model.transform import compose, quaternion_of_rpy
-from wsgen.simulation import picture
+from wsgen.model.transform import quaternion_of_rpy, rotation_of_rpy
 from wsgen.simulation.bullet_client import Client
-from wsgen.simulation.shot import Camera, Shot
+from wsgen.simulation.shot import Shot
 from wsgen.simulation.tessellation import tessellate
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-    from pathlib import Path
+    from collections.abc import Callable, Container, Iterable
 
-    from wsgen.model.robot import Visual
+    from numpy.typing import NDArray
+
+    from wsgen.model.pose import Pose
     from wsgen.model.transform import Vector
+    from wsgen.simulation.exhibits import Exhibit, Poses
+    from wsgen.simulation.framing import Floats
+    from wsgen.simulation.shot import Camera
 
-UNPAINTED = (0.75, 0.75, 0.78, 1.0)  # about what Gazebo shows without a material
-LIGHT_DIRECTION = (0.5, -1.1, 2.0)  # towards the light
+# A face that looks into the light is as bright as its colour, as in Gazebo; one that looks away
+# keeps this share.
 LIGHT_AMBIENT = 0.55
 LIGHT_SPECULAR = 0.05
 
-
-def draw(seen: Iterable[tuple[Visual, Pose]], corners: Iterable[Vector], file: Path) -> float:
-    """Write a PNG of what is to be seen, each with its pose in the world.
-
-    `corners` are points that must be in the picture besides (m, in the world). Gives the edge of
-    the ground's squares, m.
-    """
-    client = Client()  # a world with nothing but what is seen
-    try:
-        points = list(corners)
-        for visual, pose in seen:
-            points += _place(client, visual, pose)
-        eye, light = picture.cameras(points)
-        return picture.save(_shoot(client, eye), _shoot(client, light), file)
-    finally:
-        client.close()
+UNLIT = 0.75  # how bright something is of which nobody knows where it faces
+SOLID = 0.95  # of alpha: what has less is see-through
 
 
-def _place(client: Client, visual: Visual, pose: Pose) -> list[Vector]:
-    """Put something to be seen into the studio; gives points that it reaches to, where known."""
-    geometry = visual.geometry
-    rgba = visual.rgba or UNPAINTED
-    points: list[Vector] = []
-    if not isinstance(geometry, Mesh):
-        surface = tessellate(geometry)
-        points = surface.vertices
-        shape = client.createVisualShape(
-            client.GEOM_MESH,
-            vertices=surface.vertices,
-            indices=surface.indices,
-            normals=surface.normals,
-            uvs=[(0.0, 0.0)] * len(surface.vertices),
-            rgbaColor=rgba,
+class Studio:
+    """A world with nothing but what is to be seen, at first at its origin."""
+
+    def __init__(self, exhibits: Iterable[Exhibit], *, towards_light: Vector) -> None:
+        self._client = Client()
+        self._light = towards_light
+        self._bodies = [(exhibit, self._place(exhibit)) for exhibit in exhibits]
+        self._poses: dict[int, Pose] = {}  # of the bodies that are anywhere
+        self.pace = 0.0  # s of CPU time that a pixel of the last shot took
+
+    def _place(self, exhibit: Exhibit) -> int:
+        client, geometry = self._client, exhibit.geometry
+        if isinstance(geometry, Mesh):
+            shape = client.createVisualShape(
+                client.GEOM_MESH,
+                fileName=geometry.path,
+                meshScale=geometry.scale,
+                rgbaColor=exhibit.rgba,
+            )
+        else:
+            surface = tessellate(geometry)
+            shape = client.createVisualShape(
+                client.GEOM_MESH,
+                vertices=surface.vertices,
+                indices=surface.indices,
+                normals=surface.normals,
+                uvs=[(0.0, 0.0)] * len(surface.vertices),
+                rgbaColor=exhibit.rgba,
+            )
+        body = int(client.createMultiBody(baseVisualShapeIndex=shape))
+        if exhibit.texture is not None:
+            image = client.loadTexture(exhibit.texture)
+            client.changeVisualShape(body, -1, textureUniqueId=image, rgbaColor=exhibit.rgba)
+        return body
+
+    @property
+    def opacity(self) -> list[float]:
+        """Of each body by its number, 0 to 1."""
+        table = [1.0] * (max((body for _, body in self._bodies), default=0) + 1)
+        for exhibit, body in self._bodies:
+            table[body] = exhibit.rgba[3] if exhibit.rgba[3] < SOLID else 1.0
+        return table
+
+    def arrange(self, poses: Poses) -> None:
+        """Put everything where its link is; what is nowhere keeps its place, or is not shown."""
+        for exhibit, body in self._bodies:
+            pose = exhibit.pose(poses)
+            if pose is not None:
+                self._poses[body] = pose
+                self._client.resetBasePositionAndOrientation(
+                    body, pose.xyz, quaternion_of_rpy(pose.rpy)
+                )
+            elif body not in self._poses:
+                self._show(exhibit, body, alpha=0.0)
+
+    def points(self, which: Callable[[Exhibit], bool] = lambda _: True) -> dict[int, Floats]:
+        """Points (n by 3, m, in the world) that bodies lie between, by the bodies' numbers.
+
+        Left out are those that nobody knows any of.
+        """
+        return {
+            body: np.array(points) @ np.array(rotation_of_rpy(pose.rpy)).T + pose.xyz
+            for exhibit, body in self._bodies
+            if which(exhibit) and (pose := self._poses.get(body)) and (points := exhibit.points())
+        }
+
+    def numbers(self, which: Callable[[Exhibit], bool]) -> set[int]:
+        """The numbers of the bodies of such exhibits."""
+        return {body for exhibit, body in self._bodies if which(exhibit)}
+
+    def remove(self, which: Callable[[Exhibit, Floats], bool]) -> None:
+        """Take out what is such an exhibit and lies between such points."""
+        around = self.points()
+        gone = {
+            body
+            for exhibit, body in self._bodies
+            if body in around and which(exhibit, around[body])
+        }
+        for body in gone:
+            self._client.removeBody(body)
+        self._bodies = [(exhibit, body) for exhibit, body in self._bodies if body not in gone]
+
+    def shoot(self, camera: Camera, *, without: Container[int] = ()) -> Shot:
+        """What the studio looks like through a camera, without some of the bodies.
+
+        What is see-through is seen as solid.
+        """
+        left_out = [one for one in self._bodies if one[1] in without]
+        for exhibit, body in left_out:
+            self._show(exhibit, body, alpha=0.0)  # the renderer leaves that out
+        shot = self._shoot(camera)
+        for exhibit, body in left_out:
+            if body in self._poses:
+                self._show(exhibit, body, alpha=1.0)
+        return shot
+
+    def _shoot(self, camera: Camera) -> Shot:
+        client, started = self._client, time.process_time()
+        view = client.computeViewMatrix(camera.eye, camera.target, camera.up)
+        projection = client.computeProjectionMatrixFOV(
+            camera.field_of_view, camera.aspect, camera.near, camera.far
         )
-    elif geometry.path is not None:
-        shape = client.createVisualShape(
-            client.GEOM_MESH,
-            fileName=geometry.path,
-            meshScale=geometry.scale,
-            rgbaColor=rgba,
+        _, _, rgba, depth, body = client.getCameraImage(
+            camera.width,
+            camera.height,
+            view,
+            projection,
+            renderer=client.ER_TINY_RENDERER,
+            shadow=0,  # the ground has them, see `ground`
+            lightDirection=self._light,
+            lightAmbientCoeff=LIGHT_AMBIENT,
+            lightDiffuseCoeff=1 - LIGHT_AMBIENT,
+            lightSpecularCoeff=LIGHT_SPECULAR,
         )
-    else:
-        return []
-    client.createMultiBody(
-        baseVisualShapeIndex=shape,
-        basePosition=pose.xyz,
-        baseOrientation=quaternion_of_rpy(pose.rpy),
-    )
-    return [compose(pose, Pose(xyz=point)).xyz for point in points]
+        self._paint_unlit(np.asarray(rgba), np.asarray(body))
+        self.pace = (time.process_time() - started) / (camera.width * camera.height)
+        return Shot(camera, view, projection, rgba, depth, body)
 
+    def _paint_unlit(self, rgba: NDArray[np.uint8], body: NDArray[np.int32]) -> None:
+        """Give what has no normals its colour: many STL files have none, and are drawn in black."""
+        colours = {
+            number: exhibit.rgba
+            for exhibit, number in self._bodies
+            if isinstance(exhibit.geometry, Mesh)
+            and str(exhibit.geometry.path).lower().endswith("stl")
+        }
+        if not colours:
+            return
+        rgb, numbers = rgba.reshape(-1, 4)[:, :3], body.reshape(-1)
+        for number in np.unique(numbers[~rgb.any(axis=1)]).tolist():
+            if number in colours:
+                is_unlit = (numbers == number) & ~rgb.any(axis=1)
+                rgb[is_unlit] = [round(255 * UNLIT * part) for part in colours[number][:3]]
 
-def _shoot(client: Client, camera: Camera) -> Shot:
-    """What the studio looks like through a camera, drawn without a display."""
-    view = client.computeViewMatrix(camera.eye, camera.target, (0.0, 0.0, 1.0))
-    projection = client.computeProjectionMatrixFOV(
-        camera.field_of_view, camera.aspect, camera.near, camera.far
-    )
-    _, _, rgba, depth, body = client.getCameraImage(
-        camera.width,
-        camera.height,
-        view,
-        projection,
-        renderer=client.ER_TINY_RENDERER,
-        shadow=0,  # the ground has them, see `picture`
-        lightDirection=LIGHT_DIRECTION,
-        lightAmbientCoeff=LIGHT_AMBIENT,
-        lightDiffuseCoeff=1 - LIGHT_AMBIENT,
-        lightSpecularCoeff=LIGHT_SPECULAR,
-    )
-    return Shot(camera, view, projection, rgba, depth, body)
+    def _show(self, exhibit: Exhibit, body: int, *, alpha: float) -> None:
+        self._client.changeVisualShape(body, -1, rgbaColor=(*exhibit.rgba[:3], alpha))
+
+    def close(self) -> None:
+        """Give everything back."""
+        self._client.close()

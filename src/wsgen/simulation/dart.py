@@ -10,7 +10,7 @@ from wsgen.model.pose import Pose
 from wsgen.model.transform import quaternion_of_rpy
 from wsgen.simulation.dart_body import DartBody, add_shape, corners_of, matrix_of, pose_of
 from wsgen.simulation.dart_library import collision, dynamics, simulation
-from wsgen.simulation.engine import GROUND_FRICTION, Loaded, Overlap, Refused, State
+from wsgen.simulation.engine import GROUND_FRICTION, HullGap, Loaded, Overlap, Refused, State
 from wsgen.simulation.extents import lowest_point
 from wsgen.simulation.pairs import deepest_overlaps, may_touch
 
@@ -174,6 +174,10 @@ class DartEngine:
         )
         robots = {entity: body.robot for entity, body in self._robots.items()}
         return deepest_overlaps(found, robots)
+
+    def hull_gaps(self, entity: str) -> list[HullGap]:  # noqa: ARG002  of no robot
+        """None: DART collides triangles."""
+        return []
 
     def advance(self, steps: int) -> None:
         """Let time pass."""

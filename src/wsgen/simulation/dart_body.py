@@ -168,7 +168,7 @@ def _inertia_of(inertial: Inertial) -> Any:
 
 
 def _shape_of(geometry: Geometry) -> Any:
-    """The shape; None for a mesh that is not there or not read."""
+    """The shape; None for a mesh that is not there or not read, and for what DART has not."""
     if isinstance(geometry, Box):
         return dynamics.BoxShape(geometry.size)
     if isinstance(geometry, Sphere):
@@ -177,7 +177,7 @@ def _shape_of(geometry: Geometry) -> Any:
         return dynamics.CylinderShape(geometry.radius, geometry.length)
     if isinstance(geometry, Capsule):
         return dynamics.CapsuleShape(geometry.radius, geometry.length)
-    if geometry.path is None:
+    if not isinstance(geometry, Mesh) or geometry.path is None:
         return None
     text = MESH_ROBOT.format(
         file=quoted(f"file://{geometry.path}"), scale=quoted(" ".join(map(repr, geometry.scale)))

@@ -55,6 +55,14 @@ class Overlap(NamedTuple):
     depth: float  # m
 
 
+class HullGap(NamedTuple):
+    """A mesh that rests on something with its convex hull, where it has no triangle."""
+
+    link: str
+    other_entity: str  # what it touches
+    gap: float  # m, from where it touches to the nearest triangle
+
+
 class Engine(Protocol):
     """A world in a physics engine; robots are addressed by their entity names.
 
@@ -86,6 +94,12 @@ class Engine(Protocol):
         """Links in each other, of two robots or of one, whether or not they may collide.
 
         Left out are links that a joint joins. The ground is not a link.
+        """
+
+    def hull_gaps(self, entity: str) -> Sequence[HullGap]:
+        """Where a robot touches something with the convex hulls of its meshes alone, right now.
+
+        Only what is several millimetres off; never on level ground, where it makes no difference.
         """
 
     def advance(self, steps: int) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from wsgen.model.robot import Box, Capsule, Cylinder, Mesh, Sphere
+from wsgen.model.robot import Box, Capsule, Cylinder, Primitive, Sphere
 from wsgen.model.transform import rotation_of_rpy
 
 if TYPE_CHECKING:
@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 
 
 def lowest_point(geometry: Geometry, pose_in_world: Pose) -> float | None:
-    """The z of the lowest point of a shape, m; None for a mesh, whose points are in a file."""
+    """The z of the lowest point of a primitive, m; None for others, whose points are in files."""
     x, y, z = (abs(part) for part in rotation_of_rpy(pose_in_world.rpy)[2])
-    if isinstance(geometry, Mesh):
+    if not isinstance(geometry, Primitive):
         return None
     if isinstance(geometry, Box):
         reach = sum(part * edge / 2 for part, edge in zip((x, y, z), geometry.size, strict=True))

@@ -11,7 +11,7 @@ from wsgen.simulation.engine import Loaded, Refused, State
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from wsgen.simulation.engine import Overlap
+    from wsgen.simulation.engine import HullGap, Overlap
     from wsgen.simulation.scene import SpawnedRobot
 
 
@@ -33,6 +33,7 @@ class FakeEngine:
         positions: Callable[[float], Mapping[str, float]] = lambda _: {},
         energy: Callable[[float], float] = lambda _: 0.0,
         overlapping: Sequence[Overlap] = (),
+        gaps: Mapping[str, Sequence[HullGap]] | None = None,
     ) -> None:
         self.step_seconds = step_seconds
         self.motion = motion
@@ -41,6 +42,7 @@ class FakeEngine:
         self.positions_at = positions
         self.energy_at = energy
         self.overlapping = overlapping
+        self.gaps = gaps or {}
         self.shift = 0.0
         self.steps = 0
         self.is_closed = False
@@ -83,6 +85,10 @@ class FakeEngine:
     def overlaps(self) -> list[Overlap]:
         """What the script says."""
         return list(self.overlapping)
+
+    def hull_gaps(self, entity: str) -> list[HullGap]:
+        """What the script says."""
+        return list(self.gaps.get(entity, ()))
 
     def link_poses(self, entity: str) -> dict[str, Pose]:
         """The root's alone."""

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.isolation import parent
 from wsgen.isolation.outcome import DEFAULT_LIMITS, Died
-from wsgen.simulation.scene import DRAWING, LOADING, TrialOutcome, trial_from_json
+from wsgen.simulation.scene import DRAWING, FILMING, LOADING, Film, TrialOutcome, trial_from_json
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -55,12 +55,19 @@ def run_trial(
         return replace(again, diagnostics=(found, *again.diagnostics))
     answer = outcome.value
     measured = answer["seconds"]
-    drawn = scene.picture is not None and answer["trials"] and answer["picture_problem"] is None
+    film = _film(scene, answer)
     return TrialOutcome(
         trials=tuple(trial_from_json(trial) for trial in answer["trials"]),
-        diagnostics=(*_refusals(answer), *_complaints(scene, outcome.output)),
-        picture=scene.picture if drawn else None,
-        picture_tile=answer["picture_tile"] if drawn else None,
+        diagnostics=(
+            *_refusals(answer),
+            *_complaints(scene, outcome.output),
+            *_undrawn(answer),
+            *_coarse(film),
+        ),
+        picture=scene.picture if "picture_tile" in answer else None,
+        picture_tile=answer.get("picture_tile"),
+        world_picture=scene.world_picture if "world_picture_tile" in answer else None,
+        film=film,
         # Starting the child and the engine is what is left of the whole.
         seconds={**measured, "load": seconds - sum(measured.values())},
     )
@@ -69,8 +76,11 @@ def run_trial(
 def _blame(scene: Scene, death: Died) -> tuple[Diagnostic, Scene | None]:
     """What the engine died of, and the scene without it; None where that is not known."""
     if death.step == DRAWING:
-        found = _no_picture(f"the engine {death.reason} while it drew it")
-        return found, replace(scene, picture=None)
+        found = _no_picture("picture", f"the engine {death.reason} while it drew it")
+        return found, replace(scene, picture=None, world_picture=None)
+    if death.step.startswith(FILMING):
+        found = _no_film(f"the engine {death.reason} while it was {death.step}")
+        return found, replace(scene, record=None)
     for robot in scene.robots:
         if death.step == LOADING.format(entity=robot.entity):
             others = tuple(other for other in scene.robots if other is not robot)
@@ -101,18 +111,52 @@ def _refusals(answer: dict[str, Any]) -> Iterator[Diagnostic]:
             element=entity,
             hint=hint,
         )
-    if answer["picture_problem"] is not None:
-        yield _no_picture(answer["picture_problem"])
 
 
-def _no_picture(problem: str) -> Diagnostic:
+def _undrawn(answer: dict[str, Any]) -> Iterator[Diagnostic]:
+    """What was wanted and is not there."""
+    for kind, what in (("picture", "picture"), ("world_picture", "picture of the world")):
+        problem = answer.get(f"{kind}_problem")
+        if problem is not None:
+            yield _no_picture(what, problem)
+    if answer.get("film_problem") is not None:
+        yield _no_film(answer["film_problem"])
+
+
+def _no_picture(what: str, problem: str) -> Diagnostic:
     return Diagnostic(
         code="SPN034",
         severity=Severity.WARNING,
-        message=f"There is no picture: {problem}.",
+        message=f"There is no {what}: {problem}.",
         hint="The rest of the trial counts without it. Look at the visual meshes, and whether the "
         "folder can be written to.",
     )
+
+
+def _no_film(problem: str) -> Diagnostic:
+    return Diagnostic(
+        code="SPN070",
+        severity=Severity.WARNING,
+        message=f"There is no film: {problem}.",
+        hint="The trial counts without it. Name a .gif in a folder that can be written to, or take "
+        "a picture.",
+    )
+
+
+def _film(scene: Scene, answer: dict[str, Any]) -> Film | None:
+    return Film(file=scene.record, **answer["film"]) if scene.record and "film" in answer else None
+
+
+def _coarse(film: Film | None) -> Iterator[Diagnostic]:
+    """Say so if the robot is so dense that its film has less than others."""
+    if film is not None and film.is_coarse:
+        yield Diagnostic(
+            code="SPN071",
+            severity=Severity.INFO,
+            message=f"The film has {film.frames_per_second:.3g} frames a second of {film.width} by "
+            f"{film.height} pixels: what it shows takes long to draw.",
+            hint="Visual meshes with fewer triangles make it smoother.",
+        )
 
 
 def _complaints(scene: Scene, output: str) -> Iterator[Diagnostic]:

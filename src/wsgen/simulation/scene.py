@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from wsgen.model.pose import IDENTITY, Pose
+from wsgen.simulation.engine import HullGap
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 # What the child process announces; by it the parent knows what the engine died of.
 LOADING = "loading the robot `{entity}`"
 DRAWING = "drawing the picture"
+FILMING = "drawing the film"  # goes on with how far it is
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,6 +31,7 @@ class SpawnedRobot:
     robot: Robot  # as Gazebo has it: lumped
     pose_in_world: Pose = IDENTITY  # of the root link's frame
     on_the_ground: bool = False  # spawned at that pose, but as low as it can stand
+    is_scenery: bool = False  # a part of the world: pictures are not about it
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,6 +43,8 @@ class Scene:
     seconds: float = 3.0  # simulated
     engine: str = "bullet"  # a key of `run.MODULES`
     picture: Path | None = None  # where to put a PNG of the end; its folder must exist
+    world_picture: Path | None = None  # likewise of all around, if there is scenery
+    record: Path | None = None  # where to put a film of the trial, .gif or .mp4; likewise
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,6 +82,19 @@ class RobotTrial:
     energy_gain: float  # J, the most that it had above what it had when spawned
     joint_positions: Mapping[str, float]  # rad or m, of the movable joints at the end
     joint_travel: Mapping[str, float]  # rad or m, the farthest that each was from its start
+    hull_gaps: tuple[HullGap, ...] = ()  # at the end
+
+
+@dataclass(frozen=True, kw_only=True)
+class Film:
+    """A film that was made of a trial, from the spawning to the end."""
+
+    file: Path
+    frames: int
+    frames_per_second: float  # of simulated time, which is also the film's
+    width: int  # pixels
+    height: int
+    is_coarse: bool = False  # smaller or with fewer frames than is usual, to be done in time
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,7 +104,9 @@ class TrialOutcome:
     trials: tuple[RobotTrial, ...] = ()  # of the robots that the engine accepted
     diagnostics: tuple[Diagnostic, ...] = ()
     picture: Path | None = None
-    picture_tile: float | None = None  # m, edge of a square of the ground in the picture
+    picture_tile: float | None = None  # m, edge of the ground's squares in it, if any are seen
+    world_picture: Path | None = None
+    film: Film | None = None
     seconds: Mapping[str, float] = field(default_factory=dict)  # wall-clock: load, simulate, draw
 
 
@@ -102,4 +122,5 @@ def trial_from_json(value: Mapping[str, Any]) -> RobotTrial:
         for key in ("spawn_pose", "rest_pose")
     }
     overlaps = tuple(Overlapping(**overlap) for overlap in value["overlaps"])
-    return RobotTrial(**{**value, **poses, "overlaps": overlaps})
+    gaps = tuple(HullGap(*gap) for gap in value["hull_gaps"])
+    return RobotTrial(**{**value, **poses, "overlaps": overlaps, "hull_gaps": gaps})

@@ -15,6 +15,7 @@ class Camera:
 
     eye: Vector  # m
     target: Vector  # m
+    up: Vector  # a direction that is up in the picture
     field_of_view: float  # degrees, vertical
     aspect: float  # width over height
     near: float  # m

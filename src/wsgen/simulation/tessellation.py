@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
-from wsgen.model.robot import Box, Capsule, Cylinder, Sphere
+from wsgen.model.robot import Box, Capsule, Sphere
+
+if TYPE_CHECKING:
+    from wsgen.model.robot import Primitive
 
 Vector = tuple[float, float, float]
+Profile = tuple[float, float, float, float]  # radius, z, and the normal's part outwards, along z
 
 AROUND = 96  # faces around a round shape
 UP = 24  # rings of a sphere
+# A triangle costs its renderer the box around it: long sides are cut into pieces of some radii.
+PIECE, MOST_PIECES = 0.5, 40
 
 
 @dataclass
@@ -22,26 +30,33 @@ class Triangles:
     indices: list[int] = field(default_factory=list)
 
 
-def tessellate(shape: Box | Cylinder | Sphere | Capsule) -> Triangles:
-    """The surface of the shape, seen from its own frame."""
+@functools.cache  # robots have many that are alike
+def tessellate(shape: Primitive) -> Triangles:
+    """The surface of the shape, seen from its own frame; not to be changed."""
     if isinstance(shape, Box):
         return _box(shape.size)
     if isinstance(shape, Sphere):
         return _turned(_arc(shape.radius, -90, 90, 0.0))
     if isinstance(shape, Capsule):
         half = shape.length / 2
-        return _turned(_arc(shape.radius, -90, 0, -half) + _arc(shape.radius, 0, 90, half))
+        side = _side(shape.radius, half)[1:-1]
+        arcs = _arc(shape.radius, -90, 0, -half), _arc(shape.radius, 0, 90, half)
+        return _turned(arcs[0] + side + arcs[1])
     half, radius = shape.length / 2, shape.radius
-    triangles = _turned([(radius, -half, 1.0, 0.0), (radius, half, 1.0, 0.0)])
+    triangles = _turned(_side(radius, half))
     for z, direction in ((-half, -1.0), (half, 1.0)):
         rim = [(0.0, z, 0.0, direction), (radius, z, 0.0, direction)]
         _append(triangles, _turned(rim if direction < 0 else rim[::-1]))
     return triangles
 
 
-def _arc(
-    radius: float, start: int, end: int, shift: float
-) -> list[tuple[float, float, float, float]]:
+def _side(radius: float, half: float) -> list[Profile]:
+    """From one rim of a cylinder to the other."""
+    pieces = min(MOST_PIECES, max(1, math.ceil(2 * half / (PIECE * max(radius, 1e-9)))))
+    return [(radius, half * (2 * piece / pieces - 1), 1.0, 0.0) for piece in range(pieces + 1)]
+
+
+def _arc(radius: float, start: int, end: int, shift: float) -> list[Profile]:
     count = UP * (end - start) // 180
     angles = [math.radians(start + (end - start) * step / count) for step in range(count + 1)]
     return [
@@ -55,8 +70,8 @@ def _arc(
     ]
 
 
-def _turned(profile: list[tuple[float, float, float, float]]) -> Triangles:
-    """The profile turned about z: radius, z, and the normal's part outwards and along z."""
+def _turned(profile: list[Profile]) -> Triangles:
+    """The profile turned about z."""
     triangles = Triangles()
     for step in range(AROUND + 1):
         angle = 2 * math.pi * step / AROUND

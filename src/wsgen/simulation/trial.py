@@ -25,6 +25,10 @@ if TYPE_CHECKING:
     from wsgen.simulation.engine import Engine, Loaded, Overlap, State
     from wsgen.simulation.scene import Scene, SpawnedRobot
 
+    Observer = Callable[
+        [float, Sequence[str]], None
+    ]  # simulated seconds, the robots that are there
+
 # Reading a state costs as much as several steps. Bodies keep their speed between contacts, so
 # that a look every 10 ms misses neither a jump nor the moment of coming to rest.
 LOOK_EVERY = 0.01  # s, simulated
@@ -96,13 +100,16 @@ class _Watch:
 
 
 def play(
-    engine: Engine, scene: Scene, announce: Callable[[str], None]
+    engine: Engine,
+    scene: Scene,
+    announce: Callable[[str], None],
+    observe: Observer | None = None,
 ) -> tuple[list[RobotTrial], dict[str, Refused]]:
     """Spawn the robots, let them go for the scene's seconds, and measure.
 
     Gives the trials of the robots that the engine accepted, and why it refused the others, by
     entity. It ends early only when no robot has a finite state any more. `announce` is told what
-    comes next.
+    comes next; `observe` is called when all are there, and at every look from then on.
     """
     spawned, refused = _spawn(engine, scene, announce)
     watches = [  # when all are there
@@ -118,6 +125,9 @@ def play(
         for robot, loaded, pose in spawned
     ]
     overlaps = _overlaps(engine, scene)
+    entities = [watch.spawned.entity for watch in watches]
+    if observe is not None:
+        observe(0.0, entities)
     announce(f"simulating {scene.seconds:g} s")
     steps = round(scene.seconds / engine.step_seconds)
     stride = max(1, round(LOOK_EVERY / engine.step_seconds))
@@ -127,12 +137,14 @@ def play(
         engine.advance(now)
         done += now
         looks += 1
+        seconds = round(done * engine.step_seconds, 9)  # no more digits than it has
         for watch in watches:
             entity = watch.spawned.entity
-            seconds = round(done * engine.step_seconds, 9)  # no more digits than it has
             watch.look(seconds, engine.state(entity))
             if watch.is_finite and (looks % LONG_LOOK == 0 or done == steps):
                 watch.look_long(engine.energy(entity), engine.joint_positions(entity))
+        if observe is not None:
+            observe(seconds, entities)
     return [_measured(engine, scene, watch, overlaps) for watch in watches], refused
 
 
@@ -216,6 +228,7 @@ def _measured(
         energy_gain=watch.energy_gain,
         joint_positions=watch.last_joints,
         joint_travel=watch.travel,
+        hull_gaps=tuple(engine.hull_gaps(watch.spawned.entity)) if watch.is_finite else (),
     )
 
 

@@ -24,16 +24,24 @@ MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
 def write_urdf(robot: Robot) -> str:
-    """The robot's links and joints; a mesh that was not found is left out."""
+    """The robot's links and joints; a mesh that was not found is left out.
+
+    The meshes of what is static are their triangles, as in Gazebo; PyBullet has no such shape for
+    what moves, and takes the convex hull.
+    """
     lines = [f"<robot name={quoted(robot.name)}>"]
     for link in robot.links:
-        lines += _link(link, is_world=robot.fixed_to_world and link.name == robot.root)
+        lines += _link(
+            link,
+            is_world=robot.fixed_to_world and link.name == robot.root,
+            is_static=robot.is_static,
+        )
     for joint in robot.joints:
         lines += _joint(joint)
     return "\n".join([*lines, "</robot>", ""])
 
 
-def _link(link: Link, *, is_world: bool) -> Iterator[str]:
+def _link(link: Link, *, is_world: bool, is_static: bool) -> Iterator[str]:
     yield f"<link name={quoted(link.name)}>"
     if link.inertial is not None:
         yield "<inertial>"
@@ -50,7 +58,8 @@ def _link(link: Link, *, is_world: bool) -> Iterator[str]:
     for collision in link.collisions:
         shape = _shape(collision.geometry)
         if shape is not None:
-            yield "<collision>"
+            is_concave = is_static and isinstance(collision.geometry, Mesh)
+            yield '<collision concave="yes">' if is_concave else "<collision>"
             yield _origin(collision.pose_in_link)
             yield f"<geometry>{shape}</geometry>"
             yield "</collision>"
@@ -81,8 +90,10 @@ def _shape(geometry: Geometry) -> str | None:
         if geometry.path is None:
             return None
         return f'<mesh filename={quoted(geometry.path)} scale="{_numbers(geometry.scale)}"/>'
-    tag = {Cylinder: "cylinder", Capsule: "capsule"}[type(geometry)]
-    return f'<{tag} radius="{geometry.radius!r}" length="{geometry.length!r}"/>'
+    if isinstance(geometry, Cylinder | Capsule):
+        tag = "cylinder" if isinstance(geometry, Cylinder) else "capsule"
+        return f'<{tag} radius="{geometry.radius!r}" length="{geometry.length!r}"/>'
+    return None
 
 
 def _origin(pose: Pose) -> str:

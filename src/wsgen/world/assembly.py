@@ -2,36 +2,38 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.model.pose import IDENTITY, Pose
-from wsgen.model.robot import GazeboTag, Robot
+from wsgen.model.robot import GazeboTag
 from wsgen.world.bodies import read_body
-from wsgen.world.frames import pose_in, resolve
+from wsgen.world.frames import resolve
 from wsgen.world.joints import read_edge
 from wsgen.world.mimics import with_leaders
+from wsgen.world.names import report_shared_names
+from wsgen.world.planes import read_planes
 from wsgen.world.source import line_of
 from wsgen.world.tree import Tree
 from wsgen.xmltree import children
 
 if TYPE_CHECKING:
+    from wsgen.model.robot import Link, Robot
     from wsgen.world.included import Includes
     from wsgen.world.joints import Edge
+    from wsgen.world.planes import Planes
     from wsgen.world.scopes import Node, Scope
-    from wsgen.world.shapes import Plane
 
 
-@dataclass(frozen=True, kw_only=True)
-class Assembled:
+class Assembled(NamedTuple):
     """What a model is made of."""
 
     robot: Robot | None  # None: it has no link
     root_in_model: Pose = IDENTITY
-    planes: tuple[tuple[Plane, Pose], ...] = ()  # with the pose of their link in the model
+    is_ground: bool = False  # a plane of it is the ground of the world; the robot is without it
 
 
-def assemble(includes: Includes, model: Scope) -> Assembled:
+def assemble(includes: Includes, model: Scope, model_in_world: Pose) -> Assembled:
     """The robot that a model is; what is wrong in it is reported, and left out."""
     for scope in model.below():
         for node in scope.nodes.values():
@@ -40,8 +42,11 @@ def assemble(includes: Includes, model: Scope) -> Assembled:
     if not nodes:
         _report_no_link(model)
         return Assembled(robot=None)
+    report_shared_names(nodes)
     name_of = {id(node): name for name, node in nodes.items()}
     bodies = {name: read_body(includes, node, name) for name, node in nodes.items()}
+    planes = {name: read_planes(node, model, model_in_world) for name, node in nodes.items()}
+    links = {name: _with_planes(body.link, planes[name]) for name, body in bodies.items()}
     joints = _named(model, "joint")
     edges = {
         name: edge
@@ -55,7 +60,7 @@ def assemble(includes: Includes, model: Scope) -> Assembled:
     for name, edge in edges.items():
         if edge.type is None:
             tree.report_left_out(name, edge)
-    robot = tree.robot({name: body.link for name, body in bodies.items()}, edges)
+    robot = tree.robot(links, edges)
     return Assembled(
         robot=replace(
             robot,
@@ -63,11 +68,17 @@ def assemble(includes: Includes, model: Scope) -> Assembled:
             gazebo=(*_plugins(model), *(body.tag for body in bodies.values() if body.tag)),
         ),
         root_in_model=tree.frame(robot.root),
-        planes=tuple(
-            (plane, pose_in(model, nodes[name]))
-            for name, body in bodies.items()
-            for plane in body.planes
-        ),
+        is_ground=any(found.is_ground for found in planes.values()),
+    )
+
+
+def _with_planes(link: Link, planes: Planes) -> Link:
+    if not planes.collisions and not planes.visuals:
+        return link
+    return replace(
+        link,
+        collisions=(*link.collisions, *planes.collisions),
+        visuals=(*link.visuals, *planes.visuals),
     )
 
 

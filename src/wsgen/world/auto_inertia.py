@@ -7,7 +7,18 @@ from typing import TYPE_CHECKING
 
 from wsgen.model.inertia import about_link_axes, moved, of_solid
 from wsgen.model.pose import Pose
-from wsgen.model.robot import Box, Capsule, Cylinder, Inertial, Mesh, Sphere
+from wsgen.model.robot import (
+    Box,
+    Capsule,
+    Cone,
+    Cylinder,
+    Ellipsoid,
+    Extrusion,
+    Heightmap,
+    Inertial,
+    Mesh,
+    Sphere,
+)
 from wsgen.world.values import number, optional_number
 from wsgen.xmltree import children
 
@@ -33,18 +44,20 @@ def computed(
 ) -> Inertial | None:
     """The inertial of a link from its collisions; None where they have no volume.
 
-    A mesh adds nothing, which is reported. A mass that is given scales the whole, as in Gazebo Sim
-    since Ionic.
+    A mesh, an extrusion or a heightmap adds nothing, which is reported. The centre of mass of a
+    cone is taken for half way up, as sdformat 15 does. A mass that is given scales the whole, as in
+    Gazebo Sim since Ionic.
     """
     density = number(source, inertial, "density", default=WATER)
     densities = {
         element.get("name"): number(source, element, "density", default=density)
         for element in children(link, "collision")
     }
-    if any(isinstance(collision.geometry, Mesh) for collision in collisions):
+    if any(isinstance(shape.geometry, Mesh | Extrusion | Heightmap) for shape in collisions):
         source.warning(
             "WLD040",
-            "The inertia is to be computed from a mesh: the trial takes its other shapes alone.",
+            "The inertia is to be computed from a mesh, polyline or heightmap: "
+            "the trial takes its other shapes alone.",
             at=inertial,
             hint="Give mass and inertia in numbers.",
         )
@@ -87,13 +100,15 @@ def _centre(parts: Sequence[Inertial], mass: float) -> tuple[float, float, float
 
 
 def _volume(geometry: Geometry) -> float:
-    """In m³; 0 for a mesh."""
+    """In m³; 0 for what is made of triangles."""
     if isinstance(geometry, Box):
         return math.prod(geometry.size)
-    if isinstance(geometry, Sphere):
-        return 4 / 3 * math.pi * geometry.radius**3
-    if isinstance(geometry, Cylinder):
-        return math.pi * geometry.radius**2 * geometry.length
+    if isinstance(geometry, Sphere | Ellipsoid):
+        radii = (geometry.radius,) * 3 if isinstance(geometry, Sphere) else geometry.radii
+        return 4 / 3 * math.pi * math.prod(radii)
+    if isinstance(geometry, Cylinder | Cone):
+        share = 1 if isinstance(geometry, Cylinder) else 1 / 3
+        return share * math.pi * geometry.radius**2 * geometry.length
     if isinstance(geometry, Capsule):
         return math.pi * geometry.radius**2 * (geometry.length + 4 / 3 * geometry.radius)
     return 0.0

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from wsgen.model.robot import Collision
     from wsgen.world.included import Includes
     from wsgen.world.scopes import Node
-    from wsgen.world.shapes import Plane
     from wsgen.world.source import Source
     from wsgen.xmltree import Element
 
@@ -31,7 +30,6 @@ class Body(NamedTuple):
     """A link, with what the model of a robot has no place for."""
 
     link: Link
-    planes: list[Plane]  # collisions of it that are ground
     tag: GazeboTag | None  # its sensors
 
 
@@ -55,7 +53,7 @@ def read_body(includes: Includes, node: Node, name: str) -> Body:
         line=line_of(element),
     )
     tag = GazeboTag(reference=name, sensors=sensors, line=line_of(element)) if sensors else None
-    return Body(link, shapes.planes, tag)
+    return Body(link, tag)
 
 
 def _read_inertial(node: Node, name: str, collisions: Sequence[Collision]) -> Inertial | None:

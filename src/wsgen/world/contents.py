@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from wsgen.world.included import is_ground_plane, is_sun
+from wsgen.world.included import is_sun
 from wsgen.world.names import PARTS, checked_name, kind_of
 from wsgen.world.scopes import MODEL_FRAME, Node, Scope
 from wsgen.world.values import first, read_pose, truth, word
@@ -32,14 +32,14 @@ class Contents:
 
     def world(self, source: Source, element: Element) -> Scope:
         """A world, with the models that stand in it."""
-        scope = Scope(name=element.get("name") or "default", source=source, element=element)
-        self._fill(scope, (source.file.resolve(),))
+        scope = Scope(element.get("name") or "default", source=source, element=element)
+        self._fill(scope, _start(source))
         return scope
 
     def alone(self, source: Source, element: Element) -> Scope:
         """The place where a single model stands, with the model in it."""
-        scope = Scope(name="", source=source, element=source.root)
-        self._add(scope, element, (source.file.resolve(),))
+        scope = Scope("", source=source, element=source.root)
+        self._add(scope, element, _start(source))
         return scope
 
     def _fill(self, scope: Scope, trail: Trail) -> None:
@@ -58,29 +58,17 @@ class Contents:
         name = checked_name(scope, kind, element.get("name") or "", element)
         if name is None:
             return
-        pose, relative_to = read_pose(source, element)
-        node = Node(
-            kind=kind,
-            name=name,
-            scope=scope,
-            source=source,
-            element=element,
-            pose=pose,
-            relative_to=relative_to,
-        )
+        node = Node(kind, name, scope, source=source, element=element)
+        node.pose, node.relative_to = read_pose(source, element)
         scope.nodes[name] = node
         if kind == "model":
-            is_static = truth(source, element, "static", default=False)
-            self._open(node, element.get("placement_frame") or "", trail, is_static=is_static)
+            node.is_static = truth(source, element, "static", default=False)
+            self._open(node, element.get("placement_frame") or "", trail)
 
     def _include(self, scope: Scope, include: Element, trail: Trail) -> None:
         """A model of another file, with the name, the pose and the rest that the include gives."""
         uri = word(include, "uri")
         if is_sun(uri):
-            return
-        if scope.is_world and is_ground_plane(uri):
-            # An empty model: the poses of others may refer to it.
-            self._stand(scope, include, uri, scope.source, include)
             return
         found = self.includes.find(scope.source, include, uri, trail, is_part=not scope.is_world)
         if found is None:
@@ -90,16 +78,17 @@ class Contents:
         if node is None:
             return
         static = first(include, "static")
-        is_merged = not scope.is_world and include.get("merge") in {"true", "1"}
-        self._open(
-            node,
-            word(include, "placement_frame") or element.get("placement_frame") or "",
-            (*trail, source.file),
-            is_static=truth(source, element, "static", default=False)
+        node.is_static = (
+            truth(source, element, "static", default=False)
             if static is None
-            else truth(scope.source, include, "static", default=False),
-            is_merged=is_merged,
+            else truth(scope.source, include, "static", default=False)
         )
+        if element.tag != "model":
+            return
+        is_merged = not scope.is_world and include.get("merge") in {"true", "1"}
+        inside_trail = trail if source.file is None else (*trail, source.file)
+        placement = word(include, "placement_frame") or element.get("placement_frame") or ""
+        self._open(node, placement, inside_trail, is_merged=is_merged)
         if is_merged and node.inside is not None:
             del scope.nodes[node.name]
             scope.merged.append(node.inside)
@@ -113,46 +102,27 @@ class Contents:
         name = checked_name(scope, "model", given, include)
         if name is None:
             return None
+        node = Node("model", name, scope, source=source, element=element)
+        node.uri = uri
         is_placed = first(include, "pose") is not None
-        pose, relative_to = (
+        node.pose, node.relative_to = (
             read_pose(scope.source, include) if is_placed else read_pose(source, element)
-        )
-        node = Node(
-            kind="model",
-            name=name,
-            scope=scope,
-            source=source,
-            element=element,
-            pose=pose,
-            relative_to=relative_to,
-            uri=uri,
         )
         scope.nodes[name] = node
         return node
 
     def _open(
-        self,
-        node: Node,
-        placement_frame: str,
-        trail: Trail,
-        *,
-        is_static: bool,
-        is_merged: bool = False,
+        self, node: Node, placement_frame: str, trail: Trail, *, is_merged: bool = False
     ) -> None:
         """Read what is in a model."""
         around, element = node.scope, node.element
         prefix = "" if around.is_world else f"{around.prefix}{node.name}::"
-        inside = Scope(
-            name=node.name,
-            source=node.source,
-            element=element,
-            node=node,
-            prefix=around.prefix if is_merged else prefix,
-            is_static=around.is_static or is_static,
-            self_collide=truth(node.source, element, "self_collide", default=False),
-            placement_frame=placement_frame,
-            depth=around.depth + 1,
-        )
+        inside = Scope(node.name, source=node.source, element=element, node=node)
+        inside.prefix = around.prefix if is_merged else prefix
+        inside.is_static = around.is_static or node.is_static
+        inside.self_collide = truth(node.source, element, "self_collide", default=False)
+        inside.placement_frame = placement_frame
+        inside.depth = around.depth + 1
         node.inside = inside
         if inside.depth > DEEPEST:
             node.source.error(
@@ -187,3 +157,7 @@ class Contents:
                 hint="Do models include each other, each several times?",
             )
         return self.parts <= MOST_PARTS
+
+
+def _start(source: Source) -> Trail:
+    return () if source.file is None else (source.file.resolve(),)

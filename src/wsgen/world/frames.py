@@ -6,9 +6,10 @@ circle, so nothing here is recursive.
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
-from wsgen.model.transform import compose, invert
+from wsgen.model.transform import compose, invert, rotate, rotation_of_rpy
 from wsgen.world.scopes import MODEL_FRAME, WORLD
 from wsgen.world.values import word
 
@@ -17,6 +18,15 @@ if TYPE_CHECKING:
 
     from wsgen.model.pose import Pose
     from wsgen.world.scopes import Node, Scope
+
+
+LEVEL = 1e-6  # m or rad: what rounding leaves
+
+
+def is_level_at_zero(pose: Pose) -> bool:
+    """Whether the plane of x and y, with z as its upper side, is where engines have the ground."""
+    x, y, z = rotate(rotation_of_rpy(pose.rpy), (0.0, 0.0, 1.0))
+    return z > 0 and math.hypot(x, y) <= LEVEL and abs(pose.xyz[2]) <= LEVEL
 
 
 def resolve(node: Node) -> Pose:

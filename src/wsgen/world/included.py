@@ -6,22 +6,45 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import unquote
 
+from wsgen.world.fuel import address_of
 from wsgen.world.lookup import is_file, is_folder
-from wsgen.world.source import load, with_version
-from wsgen.xmltree import Malformed, children, parse
+from wsgen.world.manifest import file_of_model
+from wsgen.world.source import load, parse, with_version
+from wsgen.xmltree import children
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from wsgen.diagnostics import Diagnostic
+    from wsgen.model.robot import Robot
     from wsgen.world.source import Source
     from wsgen.xmltree import Element
+
+    ReadRobot = Callable[[Path], tuple[Robot | None, tuple[Diagnostic, ...]]]
 
 # Their Fuel addresses end in the same words, with capitals and a blank.
 GROUND_PLANE = "ground_plane"
 SUN = "sun"
 
-MANIFEST_LIMIT = 2**20  # bytes of a model.config
+# What Gazebo's own is for a trial.
+GROUND_PLANE_SDF = """
+<sdf version="1.4">
+  <model name="ground_plane">
+    <static>true</static>
+    <link name="link">
+      <collision name="collision">
+        <geometry><plane><normal>0 0 1</normal><size>100 100</size></plane></geometry>
+        <surface><friction><ode><mu>100</mu><mu2>50</mu2></ode></friction></surface>
+      </collision>
+      <visual name="visual">
+        <geometry><plane><normal>0 0 1</normal><size>100 100</size></plane></geometry>
+        <material><script><name>Gazebo/Grey</name></script></material>
+      </visual>
+    </link>
+  </model>
+</sdf>
+"""
+
 WHERE = (
     "Put its folder beside this file, or into a folder of GAZEBO_MODEL_PATH (Gazebo Classic) or "
     "GZ_SIM_RESOURCE_PATH (Gazebo Sim)."
@@ -29,15 +52,29 @@ WHERE = (
 
 
 class Includes:
-    """Finds models, and reads every file once."""
+    """Finds models, and reads every file once.
+
+    Args:
+        find_model: Gives the folder of `model://NAME` or of a model of Fuel, None where there is
+            none.
+        diagnostics: Where to put what is wrong.
+        read_robot: Reads a URDF file as Gazebo has it, which SDF may include as well.
+    """
 
     def __init__(
-        self, find_model: Callable[[str], Path | None], diagnostics: list[Diagnostic]
+        self,
+        find_model: Callable[[str], Path | None],
+        diagnostics: list[Diagnostic],
+        read_robot: ReadRobot | None = None,
     ) -> None:
         self._find_model = find_model
         self._diagnostics = diagnostics
+        self._read_robot = read_robot
         self._folders: dict[str, Path | None] = {}
+        self._files: dict[tuple[Path | None, str], Path | str] = {}  # or why there is none
         self._sources: dict[Path, Source | None] = {}
+        self._robots: dict[Path, Robot | None] = {}
+        self._ground: Source | None = None
 
     def find(
         self,
@@ -53,7 +90,11 @@ class Includes:
         `trail` are the files that lead here; `is_part` says that it belongs to another model, which
         is incomplete without it.
         """
-        found = self._model_file(source, uri)
+        if is_ground_plane(uri):
+            return self._ground_plane()
+        found = self._files.get((source.file, uri))
+        if found is None:
+            found = self._files[source.file, uri] = self._model_file(source, uri)
         if isinstance(found, Path) and found in trail:
             source.error(
                 "WLD019",
@@ -64,43 +105,70 @@ class Includes:
             return None
         if isinstance(found, Path):
             inner = self._source(found)
-            model = None if inner is None else next(children(inner.root, "model"), None)
-            if inner is not None and model is not None:
-                return inner, model
+            element = None if inner is None else self._model_in(inner, is_part=is_part)
+            if inner is not None and element is not None:
+                return inner, element
             if inner is not None and next(children(inner.root, "light", "actor"), None) is not None:
                 return None  # nothing to touch
-            found = f"there is no <model> in {found}" if inner else f"{found} cannot be read"
+            found = _why_no_model(found, inner)
         # Nobody can have a model without address; others may be where wsgen does not look.
         report = source.error if is_part or not uri else source.warning
         report(
             "WLD004",
             f"The model {uri or '(no uri)'} is not part of the trial: {found}.",
             at=include,
-            hint=WHERE,
+            hint=how_to_have(uri),
         )
         return None
 
-    def folder(self, name: str) -> Path | None:
-        """The folder of the model (or package) of that name."""
-        if name not in self._folders:
-            self._folders[name] = self._find_model(f"model://{name}")
-        return self._folders[name]
+    def robot(self, file: Path) -> Robot | None:
+        """The robot of a URDF file that `find` gave; what is wrong with it is reported."""
+        if file not in self._robots and self._read_robot is not None:
+            self._robots[file], found = self._read_robot(file)
+            self._diagnostics += found
+        return self._robots.get(file)
 
     def path(self, source: Source, uri: str) -> Path | None:
-        """The file or folder of an address, whether it is there or not; None for one of a network.
+        """The file or folder of an address, whether it is there or not; None where that is unknown.
 
         A path that is not absolute is seen from the folder of the file that it is written in.
         """
         scheme, separator, rest = uri.partition("://")
-        if not separator:
-            return source.file.parent.absolute() / uri
-        if scheme == "file":
-            return source.file.parent.absolute() / unquote(rest)
-        if scheme not in {"model", "package"}:
+        if not separator or scheme == "file":
+            written = unquote(rest) if separator else uri
+            if source.file is None:
+                return Path(written) if Path(written).is_absolute() else None
+            return source.file.parent.absolute() / written
+        if scheme in {"http", "https"}:
+            address = address_of(uri)
+            folder = None if address is None else self._folder(uri)
+            inside = "" if address is None else address.inside
+        elif scheme in {"model", "package"}:
+            name, _, inside = rest.partition("/")
+            folder = self._folder(f"model://{name}") if name else None
+        else:
             return None
-        name, _, inside = rest.partition("/")
-        folder = self.folder(name) if name else None
         return folder / inside if folder is not None and inside else folder
+
+    def _folder(self, uri: str) -> Path | None:
+        """The folder of a model (or package)."""
+        if uri not in self._folders:
+            try:
+                self._folders[uri] = self._find_model(uri)
+            except (OSError, ValueError):  # a name that no folder can have
+                self._folders[uri] = None
+        return self._folders[uri]
+
+    def _model_in(self, source: Source, *, is_part: bool) -> Element | None:
+        """The model in a file: of SDF, or a robot of URDF where that can be had."""
+        if source.root.tag == "robot":
+            return source.root if self._read_robot is not None and not is_part else None
+        return next(children(source.root, "model"), None)
+
+    def _ground_plane(self) -> tuple[Source, Element] | None:
+        if self._ground is None:
+            self._ground = parse(GROUND_PLANE_SDF, None, self._diagnostics)
+        return self._ground and (self._ground, self._ground.root[0])
 
     def _source(self, file: Path) -> Source | None:
         if file not in self._sources:
@@ -118,16 +186,26 @@ class Includes:
         if path is None:
             scheme = uri.partition("://")[0]
             return (
-                "it is in the network, and wsgen loads nothing from there"
+                "it is in the network, and Gazebo has not loaded it on this machine yet"
                 if scheme in {"http", "https"}
                 else "its folder was not found"
             )
         if is_folder(path):
-            named = _file_of_model(path)
+            named = file_of_model(path)
             if named is None:
                 return f"{path} has no model.config that names a file, and no model.sdf"
             path = named
         return path.resolve() if is_file(path) else f"{path} is not there"
+
+
+def how_to_have(uri: str) -> str:
+    """What to do about a model or mesh that is not there."""
+    if uri.startswith(("http://", "https://")):
+        return (
+            f"Load it once with `gz fuel download -u '{uri}'` (Gazebo Fortress: `ign fuel`); or "
+            "put its folder into one of GZ_SIM_RESOURCE_PATH, and include model://NAME."
+        )
+    return WHERE
 
 
 def is_sun(uri: str) -> bool:
@@ -141,29 +219,17 @@ def is_ground_plane(uri: str) -> bool:
 
 
 def _plain_name(uri: str) -> str:
-    return uri.rstrip("/").rpartition("/")[2].lower().replace(" ", "_").replace("%20", "_")
+    address = address_of(uri) if "models" in uri else None
+    last = uri.rstrip("/").rpartition("/")[2] if address is None else address.name
+    return last.lower().replace(" ", "_").replace("%20", "_")
 
 
-def _file_of_model(folder: Path) -> Path | None:
-    """The newest SDF file that model.config names, else model.sdf."""
-    manifest = folder / "model.config"
-    named: list[tuple[tuple[int, ...], str]] = []
-    if is_file(manifest) and manifest.stat().st_size <= MANIFEST_LIMIT:
-        root = parse(manifest.read_bytes())
-        if not isinstance(root, Malformed):
-            named = [
-                (_digits(sdf.get("version") or ""), (sdf.text or "").strip())
-                for sdf in children(root, "sdf")
-                if (sdf.text or "").strip()
-            ]
-    if named:
-        return folder / max(named)[1]
-    plain = folder / "model.sdf"
-    return plain if is_file(plain) else None
-
-
-def _digits(version: str) -> tuple[int, ...]:
-    return tuple(int(part) for part in version.split(".") if part.isascii() and part.isdigit())
+def _why_no_model(file: Path, source: Source | None) -> str:
+    if source is None:
+        return f"{file} cannot be read"
+    if source.root.tag == "robot":
+        return f"{file} is a URDF, and only a model that stands in the world by itself can be one"
+    return f"there is no <model> in {file}"
 
 
 def _circle(trail: tuple[Path, ...], again: Path) -> str:

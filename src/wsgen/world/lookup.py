@@ -6,6 +6,8 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from wsgen.world.fuel import find_in_cache
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
@@ -34,6 +36,8 @@ def find_world(name: str, environment: Mapping[str, str]) -> Path | None:
 def model_finder(file: Path, environment: Mapping[str, str]) -> Callable[[str], Path | None]:
     """A function from `model://NAME` to the folder of the model; None if it is found nowhere.
 
+    Addresses of Fuel are known as well, for what Gazebo has loaded from there.
+
     It looks where Gazebo does, then around the file that names the model: in the folders above it,
     and in their `models`. A folder with a model.config or model.sdf goes before one without.
     """
@@ -47,6 +51,8 @@ def model_finder(file: Path, environment: Mapping[str, str]) -> Callable[[str], 
 
     def find(uri: str) -> Path | None:
         scheme, separator, name = uri.partition("://")
+        if scheme in {"http", "https"}:
+            return find_in_cache(uri, environment)
         name = name.strip("/")
         if not separator or scheme not in SCHEMES or not name or ".." in Path(name).parts:
             return None

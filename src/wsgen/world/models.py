@@ -2,52 +2,30 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.model.pose import IDENTITY, Pose
-from wsgen.model.transform import compose, rotate, rotation_of_rpy
-from wsgen.model.world import PlacedModel
-from wsgen.world.assembly import assemble
 from wsgen.world.contents import Contents
-from wsgen.world.frames import resolve
-from wsgen.world.included import GROUND_PLANE, Includes
-from wsgen.world.reader import check_ground, check_is_carried, describe_world
-from wsgen.world.shapes import is_only_ground
-from wsgen.world.source import line_of, load, with_version
+from wsgen.world.included import Includes
+from wsgen.world.inhabitants import SdfModel, read_inhabitants, read_standing
+from wsgen.world.reader import check_is_carried, describe_world
+from wsgen.world.source import load, parse, with_version
 from wsgen.xmltree import children
+
+__all__ = ["SdfFile", "SdfModel", "read_model", "read_sdf"]
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
-    from wsgen.model.robot import Robot
+    from wsgen.model.pose import Pose
     from wsgen.model.world import World
-    from wsgen.world.assembly import Assembled
-    from wsgen.world.scopes import Node, Scope
+    from wsgen.world.included import ReadRobot
     from wsgen.world.source import Source
     from wsgen.xmltree import Element
 
-UPRIGHT = math.cos(math.radians(45))  # a plane that is steeper is a wall
-LEVEL = 1e-6  # m or rad: what rounding leaves
 
-
-@dataclass(frozen=True, kw_only=True)
-class SdfModel:
-    """A model of an SDF file."""
-
-    name: str
-    robot: Robot | None  # None: it has no link
-    pose_in_world: Pose = IDENTITY  # of the root link's frame; without a world, where it stands
-    is_static: bool = False
-    file: Path  # that the model is written in
-    line: int | None = None  # of its element in that file, 1-based
-
-
-@dataclass(frozen=True, kw_only=True)
-class SdfFile:
+class SdfFile(NamedTuple):
     """What an SDF file holds."""
 
     world: World | None = None  # None: a single model, or nothing that can be used
@@ -55,25 +33,94 @@ class SdfFile:
     diagnostics: tuple[Diagnostic, ...] = ()
 
 
-def read_sdf(file: Path, *, find_model: Callable[[str], Path | None]) -> SdfFile:
+def read_sdf(
+    file: Path,
+    *,
+    find_model: Callable[[str], Path | None],
+    read_robot: ReadRobot | None = None,
+) -> SdfFile:
     """Read a world or a model file, with the models that it includes.
 
-    `find_model` gives the folder of the model (or package) that `model://NAME` stands for, and None
-    where there is none; see `wsgen.world.lookup.model_finder`. All numbers of the robots are
-    finite, also where the diagnostics have errors: what could not be read is left out.
+    All numbers of the robots are finite, also where the diagnostics have errors: what could not be
+    read is left out.
+
+    Args:
+        file: The file, whatever it is.
+        find_model: Gives the folder of the model (or package) that `model://NAME` or an address of
+            Fuel stands for, and None where there is none; see `wsgen.world.lookup.model_finder`.
+        read_robot: Reads a URDF file that is included in a world, as Gazebo has it. Without it such
+            a model is left out, with a diagnostic.
     """
     diagnostics: list[Diagnostic] = []
-    world, models = _read(file, diagnostics, Includes(find_model, diagnostics))
-    # A model that is included twice is wrong once.
-    return SdfFile(world=world, models=models, diagnostics=tuple(dict.fromkeys(diagnostics)))
-
-
-def _read(
-    file: Path, diagnostics: list[Diagnostic], includes: Includes
-) -> tuple[World | None, tuple[SdfModel, ...]]:
     source = load(file, diagnostics)
-    if source is None:
-        return None, ()
+    includes = Includes(find_model, diagnostics, read_robot)
+    return _finished(diagnostics, None if source is None else _read(source, includes))
+
+
+def read_model(
+    content: str | bytes,
+    *,
+    file: Path | None,
+    find_model: Callable[[str], Path | None],
+    pose_in_world: Pose | None = None,
+) -> SdfFile:
+    """Read the text of a model that is spawned; only one that has no world is taken.
+
+    Args:
+        content: SDF; bytes where it is the file itself, for its own encoding to count.
+        file: Where the text comes from, for diagnostics and relative paths.
+        find_model: As for `read_sdf`.
+        pose_in_world: Where it is spawned; None: at the pose that the model gives itself.
+    """
+    diagnostics: list[Diagnostic] = []
+    source = parse(content, file, diagnostics)
+    includes = Includes(find_model, diagnostics)
+    return _finished(
+        diagnostics, None if source is None else _read_spawned(source, includes, pose_in_world)
+    )
+
+
+def _finished(diagnostics: list[Diagnostic], found: SdfFile | None) -> SdfFile:
+    # A model that is included twice is wrong once.
+    return (found or SdfFile())._replace(diagnostics=tuple(dict.fromkeys(diagnostics)))
+
+
+def _read(source: Source, includes: Includes) -> SdfFile | None:
+    element = _chosen(source)
+    if element is None:
+        return None
+    source = with_version(source)
+    if element.tag == "world":
+        return _read_world(source, element, includes)
+    return SdfFile(models=_alone(source, element, includes, None))
+
+
+def _read_spawned(source: Source, includes: Includes, pose: Pose | None) -> SdfFile | None:
+    light = next(children(source.root, "light", "actor"), None)
+    if light is not None and next(children(source.root, "world", "model"), None) is None:
+        source.info(
+            "WLD042",
+            f"It is a {light.tag} that is spawned: there is nothing to try.",
+            at=light,
+            hint="Nothing needs to be done.",
+        )
+        return None
+    element = _chosen(source)
+    if element is None:
+        return None
+    if element.tag == "world":
+        source.error(
+            "WLD043",
+            f"The world `{element.get('name') or ''}` is spawned, and spawners take models.",
+            at=element,
+            hint="Start the simulator with the world, and spawn a file of <sdf><model>.",
+        )
+        return None
+    return SdfFile(models=_alone(with_version(source), element, includes, pose))
+
+
+def _chosen(source: Source) -> Element | None:
+    """The world or model that is read; that there is none, or more, is reported."""
     found = list(children(source.root, "world", "model")) if source.root.tag == "sdf" else []
     if not found:
         source.error(
@@ -83,8 +130,7 @@ def _read(
             at=source.root,
             hint='A world file is <sdf version="1.5"><world name="..."> ... </world></sdf>.',
         )
-        return None, ()
-    source = with_version(source)
+        return None
     first = next((element for element in found if element.tag == "world"), found[0])
     if len(found) > 1:
         # Gazebo's parser takes the first model and fails; of worlds it reads all.
@@ -96,107 +142,29 @@ def _read(
             at=next(element for element in found if element is not first),
             hint="Put several models into one world, or into a file each.",
         )
-    contents = Contents(includes)
-    if first.tag == "world":
-        if not first.get("name"):
-            source.error(
-                "WLD013",
-                "The world has no name.",
-                at=first,
-                hint='Write <world name="NAME">; Gazebo Sim refuses the file without.',
-            )
-        return _read_world(source, first, contents)
-    place = contents.alone(source, first)
-    return None, tuple(
-        _model(node, assemble(includes, node.inside))
-        for node in place.own("model")
-        if node.inside is not None
-    )
+    return first
 
 
-def _read_world(
-    source: Source, element: Element, contents: Contents
-) -> tuple[World, tuple[SdfModel, ...]]:
-    scope = contents.world(source, element)
-    for node in scope.nodes.values():
-        resolve(node)
-    models, placed, has_ground = [], [], False
-    for node in scope.own("model"):
-        if node.inside is None:  # the ground plane, by its address
-            has_ground = True
-            pose = resolve(node)
-            check_ground(source, node.element, pose.xyz[2], pose.rpy[:2])
-            name = GROUND_PLANE
-            placed.append(PlacedModel(name=name, uri=node.uri, pose_in_world=pose, is_static=True))
-            continue
-        assembled = assemble(contents.includes, node.inside)
-        has_ground |= _has_ground(node, assembled)
-        placed.append(
-            PlacedModel(
-                name=node.name,
-                uri=node.uri,
-                pose_in_world=resolve(node),
-                is_static=node.inside.is_static,
-            )
-        )
-        if not is_only_ground(node.source, node.element):
-            models.append(_model(node, assembled))
-    _report_left_out(source, scope)
-    world = describe_world(source, element, placed, has_ground=has_ground)
-    carries = any(
-        model.is_static and model.robot and any(link.collisions for link in model.robot.links)
-        for model in models
-    )
-    if not carries:
-        check_is_carried(source, element, world)
-    return world, tuple(models)
+def _alone(
+    source: Source, element: Element, includes: Includes, pose: Pose | None
+) -> tuple[SdfModel, ...]:
+    place = Contents(includes).alone(source, element)
+    for node in place.own("model"):
+        if pose is not None:
+            node.pose, node.relative_to = pose, ""
+    return tuple(read_standing(includes, node) for node in place.own("model"))
 
 
-def _model(node: Node, assembled: Assembled) -> SdfModel:
-    return SdfModel(
-        name=node.name,
-        robot=assembled.robot,
-        pose_in_world=compose(resolve(node), assembled.root_in_model),
-        is_static=node.inside is not None and node.inside.is_static,
-        file=node.source.file,
-        line=line_of(node.element),
-    )
-
-
-def _has_ground(node: Node, assembled: Assembled) -> bool:
-    """Whether a plane of a model is the ground; what is wrong with its planes is reported."""
-    has_ground = False
-    for plane, link_in_model in assembled.planes:
-        pose = compose(resolve(node), compose(link_in_model, plane.pose_in_link))
-        link_in_world = compose(resolve(node), link_in_model)
-        normal = rotate(rotation_of_rpy(link_in_world.rpy), plane.normal)
-        length = math.hypot(*normal)
-        if (
-            length == 0
-            or normal[2] < UPRIGHT * length
-            or not (node.inside and node.inside.is_static)
-        ):
-            node.source.warning(
-                "WLD031",
-                f"The plane of the model `{node.name}` is left out of the trial: "
-                "only one that is static and level can be the ground.",
-                at=plane.element,
-                hint="Make a wall of a thin box.",
-            )
-            continue
-        has_ground = True
-        x, y, z = (part / length for part in normal)
-        if math.hypot(x, y) > LEVEL or abs(pose.xyz[2]) > LEVEL:
-            tilt = (math.atan2(0.0 - y, z), math.atan2(x, z))
-            check_ground(node.source, plane.element, pose.xyz[2], tilt)
-    return has_ground
-
-
-def _report_left_out(source: Source, scope: Scope) -> None:
-    for element in children(scope.element, "joint", "population", "actor"):
-        source.warning(
-            "WLD004",
-            f"The {element.tag} {element.get('name') or ''} of the world is not part of the trial.",
+def _read_world(source: Source, element: Element, includes: Includes) -> SdfFile:
+    if not element.get("name"):
+        source.error(
+            "WLD013",
+            "The world has no name.",
             at=element,
-            hint="The robots are tried without it.",
+            hint='Write <world name="NAME">; Gazebo Sim refuses the file without.',
         )
+    inhabitants = read_inhabitants(Contents(includes).world(source, element), includes)
+    world = describe_world(source, element, inhabitants.placed, has_ground=inhabitants.has_ground)
+    if not inhabitants.carry:
+        check_is_carried(source, element, world)
+    return SdfFile(world=world, models=inhabitants.models)

@@ -8,7 +8,9 @@ from wsgen.world.scopes import WORLD
 from wsgen.world.source import POSE_FRAMES
 
 if TYPE_CHECKING:
-    from wsgen.world.scopes import Kind, Scope
+    from collections.abc import Mapping
+
+    from wsgen.world.scopes import Kind, Node, Scope
     from wsgen.world.source import Version
     from wsgen.xmltree import Element
 
@@ -77,3 +79,30 @@ def _unused_name(scope: Scope, kind: Kind, name: str, element: Element) -> str |
         hint="Give each its own name; an include may say <name>.",
     )
     return None
+
+
+def report_shared_names(links: Mapping[str, Node]) -> None:
+    """Report the links in which parts of different kinds have one name; `links` has full names."""
+    sharing = [(name, node, shared) for name, node in links.items() if (shared := _shared(node))]
+    if not sharing:
+        return
+    name, node, shared = sharing[0]
+    more = f" (and so in {len(sharing) - 1} more links)" if len(sharing) > 1 else ""
+    node.source.info(
+        "WLD044",
+        f"Two parts of the link `{name}` are called `{shared}`{more}.",
+        at=node.element,
+        hint="Gazebo loads it; its checker (`gz sdf --check`) wants a name for each visual, "
+        "collision, sensor and light of a link.",
+    )
+
+
+def _shared(node: Node) -> str:
+    """A name that parts of different kinds of a link have; empty: there is none."""
+    kind_called: dict[str, str] = {}
+    for part in node.element:
+        name = part.get("name")
+        kind = str(part.tag)
+        if name and kind != "plugin" and kind_called.setdefault(name, kind) != kind:
+            return name
+    return ""

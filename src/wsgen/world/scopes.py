@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
 from wsgen.model.pose import IDENTITY, Pose
@@ -19,39 +18,78 @@ MODEL_FRAME = "__model__"  # how the frame of the model around it is called in S
 WORLD = "world"
 
 
-@dataclass(slots=True, eq=False, kw_only=True)
+# Plain classes: as dataclasses these two would take a fifth of the time to load this package.
 class Node:
     """Something with a frame: it stands in a scope, under a name."""
 
-    kind: Kind
-    name: str
-    scope: Scope  # in which its pose is written
-    source: Source
-    element: Element
-    pose: Pose = IDENTITY  # as written, in the frame called `relative_to`
-    relative_to: str = ""  # empty: the default of its kind
-    uri: str | None = None  # of a model: what it was included by
-    inside: Scope | None = None  # of a model: what is in it
-    base: Node | None = None  # that frame, once it is looked up; None: that of the scope
-    pose_in_scope: Pose | None = None  # once it is worked out, in the frame of `scope`
-    is_in_progress: bool = False  # it is being worked out
+    __slots__ = (
+        "base",
+        "element",
+        "inside",
+        "is_in_progress",
+        "is_static",
+        "kind",
+        "name",
+        "pose",
+        "pose_in_scope",
+        "relative_to",
+        "scope",
+        "source",
+        "uri",
+    )
+
+    def __init__(
+        self, kind: Kind, name: str, scope: Scope, *, source: Source, element: Element
+    ) -> None:
+        self.kind = kind
+        self.name = name
+        self.scope = scope  # in which its pose is written
+        self.source = source
+        self.element = element
+        self.pose: Pose = IDENTITY  # as written, in the frame called `relative_to`
+        self.relative_to = ""  # empty: the default of its kind
+        self.uri: str | None = None  # of a model: what it was included by
+        # Of a model: what is in it; None: its element is the <robot> of a URDF.
+        self.inside: Scope | None = None
+        self.is_static = False  # of a model
+        # That frame, once it is looked up; None: that of the scope.
+        self.base: Node | None = None
+        # Once it is worked out, in the frame of `scope`.
+        self.pose_in_scope: Pose | None = None
+        self.is_in_progress = False  # it is being worked out
 
 
-@dataclass(slots=True, eq=False, kw_only=True)
 class Scope:
     """A world or a model: a space of names."""
 
-    name: str
-    source: Source
-    element: Element
-    node: Node | None = None  # of a model: its own frame, in the scope around it
-    prefix: str = ""  # of the names of its links in the outermost model: `inner::`
-    is_static: bool = False
-    self_collide: bool = False  # of links that do not say themselves
-    depth: int = 0  # so many models are around it, itself among them
-    placement_frame: str = ""  # the frame in it whose pose is that of the model
-    nodes: dict[str, Node] = field(default_factory=dict)
-    merged: list[Scope] = field(default_factory=list)  # their names count as names of this one
+    __slots__ = (
+        "depth",
+        "element",
+        "is_static",
+        "merged",
+        "name",
+        "node",
+        "nodes",
+        "placement_frame",
+        "prefix",
+        "self_collide",
+        "source",
+    )
+
+    def __init__(
+        self, name: str, *, source: Source, element: Element, node: Node | None = None
+    ) -> None:
+        self.name = name
+        self.source = source
+        self.element = element
+        self.node = node  # of a model: its own frame, in the scope around it
+        self.prefix = ""  # of the names of its links in the outermost model: `inner::`
+        self.is_static = False
+        self.self_collide = False  # of links that do not say themselves
+        self.depth = 0  # so many models are around it, itself among them
+        self.placement_frame = ""  # the frame in it whose pose is that of the model
+        self.nodes: dict[str, Node] = {}
+        self.merged: list[Scope] = []  # their names count as names of this one
 
     @property
     def is_world(self) -> bool:

@@ -2,51 +2,40 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
-from wsgen.model.robot import Box, Capsule, Collision, Cylinder, Mesh, Sphere, Visual
-from wsgen.model.transform import rotate, rotation_of_rpy
+from wsgen.model.robot import Box, Capsule, Collision, Cone, Cylinder, Mesh, Sphere, Visual
+from wsgen.world.included import how_to_have
 from wsgen.world.lookup import is_file
+from wsgen.world.solids import is_sized, read_ellipsoid, read_extrusion, read_heightmap
 from wsgen.world.surfaces import read_colour, read_surface
-from wsgen.world.values import (
-    FARTHEST,
-    first,
-    number,
-    read_pose,
-    triple,
-    truth,
-    word,
-)
+from wsgen.world.values import first, number, read_pose, triple, word
 from wsgen.xmltree import children
 
 if TYPE_CHECKING:
     from wsgen.model.pose import Pose
     from wsgen.model.robot import Geometry
-    from wsgen.model.transform import Vector
     from wsgen.world.included import Includes
     from wsgen.world.source import Source
     from wsgen.xmltree import Element
 
-LEFT_OUT = ("ellipsoid", "heightmap", "polyline", "image", "cone")
-KNOWN = ("box", "sphere", "cylinder", "capsule", "mesh", "plane", "empty", *LEFT_OUT)
-
-
-class Plane(NamedTuple):
-    """A plane that something can stand on."""
-
-    element: Element
-    pose_in_link: Pose
-    normal: Vector  # seen from the link frame, of any length
+ROUND: dict[str, type[Cylinder | Capsule | Cone]] = {
+    "cylinder": Cylinder,
+    "capsule": Capsule,
+    "cone": Cone,
+}
+MESHED = ("ellipsoid", "polyline", "heightmap", "mesh")
+LEFT_OUT = ("image",)
+KNOWN = ("box", "sphere", *ROUND, *MESHED, "plane", "empty", *LEFT_OUT)
 
 
 class ShapeReader:
-    """Reads the shapes of one link; collects the planes, which no `Geometry` stands for."""
+    """Reads the shapes of one link; planes are not among them, see `planes`."""
 
     def __init__(self, source: Source, includes: Includes, link: str) -> None:
         self.source = source
         self.includes = includes
         self.link = link
-        self.planes: list[Plane] = []
         self._missing: set[tuple[str, str]] = set()  # reported once for each link
 
     def visuals(self, link: Element) -> tuple[Visual, ...]:
@@ -54,7 +43,7 @@ class ShapeReader:
         found = []
         for element in self._named(link, "visual"):
             pose = self._pose(element)
-            geometry = self._geometry(element, pose)
+            geometry = self._geometry(element)
             if geometry is not None:
                 found.append(
                     Visual(
@@ -71,7 +60,7 @@ class ShapeReader:
         found = []
         for element in self._named(link, "collision"):
             pose = self._pose(element)
-            geometry = self._geometry(element, pose)
+            geometry = self._geometry(element)
             if geometry is not None:
                 found.append(
                     Collision(
@@ -117,7 +106,7 @@ class ShapeReader:
             )
         return pose
 
-    def _geometry(self, owner: Element, pose: Pose) -> Geometry | None:
+    def _geometry(self, owner: Element) -> Geometry | None:
         geometry = first(owner, "geometry")
         shape = None if geometry is None else next(children(geometry, *KNOWN), None)
         if shape is None:
@@ -129,8 +118,6 @@ class ShapeReader:
             )
             return None
         if shape.tag == "plane":
-            if owner.tag == "collision":
-                self.planes.append(self._plane(shape, pose))
             return None
         if shape.tag in LEFT_OUT:
             self.source.warning(
@@ -141,11 +128,18 @@ class ShapeReader:
                 hint="Make it of boxes, spheres, cylinders, capsules or a mesh.",
             )
             return None
-        return self._mesh(shape, owner) if shape.tag == "mesh" else self._solid(shape)
+        return self._read(shape, owner)
 
-    def _plane(self, shape: Element, pose: Pose) -> Plane:
-        normal = triple(self.source, shape, "normal", default=(0.0, 0.0, 1.0))
-        return Plane(shape, pose, rotate(rotation_of_rpy(pose.rpy), normal))
+    def _read(self, shape: Element, owner: Element) -> Geometry | None:
+        if shape.tag == "mesh":
+            return self._mesh(shape, owner)
+        if shape.tag == "heightmap":
+            return read_heightmap(self.source, self.includes, shape, owner, self.link)
+        if shape.tag == "polyline":
+            return read_extrusion(self.source, shape, self.link)
+        if shape.tag == "ellipsoid":
+            return read_ellipsoid(self.source, shape)
+        return self._solid(shape)
 
     def _solid(self, shape: Element) -> Geometry | None:
         """The shape with the sizes that SDF gives it by default."""
@@ -153,25 +147,26 @@ class ShapeReader:
             return None
         if shape.tag == "box":
             size = triple(self.source, shape, "size", default=(1.0, 1.0, 1.0))
-            return Box(size=size) if self._has_extent(shape, size) else None
+            return Box(size=size) if is_sized(self.source, shape, size) else None
         radius = number(
-            self.source, shape, "radius", default=0.5 if shape.tag == "capsule" else 1.0
+            self.source,
+            shape,
+            "radius",
+            default=0.5 if shape.tag in {"capsule", "cone"} else 1.0,
         )
         length = number(self.source, shape, "length", default=1.0)
         if shape.tag == "sphere":
-            return Sphere(radius=radius) if self._has_extent(shape, (radius,)) else None
-        if not self._has_extent(shape, (radius, length)):
+            return Sphere(radius=radius) if is_sized(self.source, shape, (radius,)) else None
+        if not is_sized(self.source, shape, (radius, length)):
             return None
-        if shape.tag == "cylinder":
-            return Cylinder(radius=radius, length=length)
-        return Capsule(radius=radius, length=length)
+        return ROUND[str(shape.tag)](radius=radius, length=length)
 
     def _mesh(self, shape: Element, owner: Element) -> Geometry | None:
         uri = word(shape, "uri")
         scale = triple(self.source, shape, "scale", default=(1.0, 1.0, 1.0))
         # What is only seen may be mirrored.
         is_visual = owner.tag == "visual"
-        if not self._has_extent(shape, tuple(map(abs, scale)) if is_visual else scale):
+        if not is_sized(self.source, shape, tuple(map(abs, scale)) if is_visual else scale):
             return None
         path = self.includes.path(self.source, uri) if uri else None
         if path is not None and is_file(path):
@@ -184,36 +179,6 @@ class ShapeReader:
                 f"The {owner.tag} mesh `{uri}` of the link `{self.link}` is not there"
                 f"{'' if path is None else f' ({path})'}.",
                 at=shape,
-                hint="Check its spelling, capitals included; the folder of model://NAME is looked "
-                "for in GAZEBO_MODEL_PATH, GZ_SIM_RESOURCE_PATH and around this file.",
+                hint=how_to_have(uri),
             )
         return Mesh(uri=uri, scale=scale) if uri else None
-
-    def _has_extent(self, shape: Element, sizes: tuple[float, ...]) -> bool:
-        if all(0 < size <= FARTHEST for size in sizes):
-            return True
-        self.source.error(
-            "WLD034",
-            f"A size of this {shape.tag} is not between 0 and {FARTHEST:g} m.",
-            at=shape,
-            hint="Give every length, radius and scale a sensible number of metres: Gazebo's "
-            "physics engine ends the program on a shape without extent.",
-        )
-        return False
-
-
-def is_only_ground(source: Source, model: Element) -> bool:
-    """Whether a model is static and made of planes alone: the ground, not a thing on it."""
-    shapes = [
-        shape
-        for link in children(model, "link")
-        for part in children(link, "collision", "visual")
-        for geometry in children(part, "geometry")
-        for shape in children(geometry, *KNOWN)
-    ]
-    return (
-        bool(shapes)
-        and all(shape.tag == "plane" for shape in shapes)
-        and next(children(model, "model", "include"), None) is None
-        and truth(source, model, "static", default=False)
-    )

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen import xmltree
 from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.world.document import read_document
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -24,11 +24,10 @@ MODEL_FRAME_AXES: Version = (1, 4)  # until here, the axis of a joint is seen fr
 POSE_FRAMES: Version = (1, 7)  # from here on, a pose can be relative to any frame
 
 
-@dataclass(frozen=True, kw_only=True)
-class Source:
-    """An SDF file; the files that include each other share one list of diagnostics."""
+class Source(NamedTuple):
+    """An SDF document; those that include each other share one list of diagnostics."""
 
-    file: Path
+    file: Path | None  # None: a text that comes from no file
     root: Element
     version: Version
     diagnostics: list[Diagnostic]
@@ -40,6 +39,10 @@ class Source:
     def warning(self, code: str, message: str, *, at: Element, hint: str) -> None:
         """It works, and surely is not what was meant; or wsgen leaves it out."""
         self._report(code, Severity.WARNING, message, at, hint)
+
+    def info(self, code: str, message: str, *, at: Element, hint: str) -> None:
+        """Nothing is wrong with it; a person may want to know."""
+        self._report(code, Severity.INFO, message, at, hint)
 
     def _report(
         self, code: str, severity: Severity, message: str, element: Element, hint: str
@@ -66,20 +69,27 @@ def load(file: Path, diagnostics: list[Diagnostic]) -> Source | None:
     if isinstance(content, Diagnostic):
         diagnostics.append(content)
         return None
-    root = xmltree.parse(content)
-    if isinstance(root, xmltree.Malformed):
-        diagnostics.append(
-            Diagnostic(
-                code="WLD002",
-                severity=Severity.ERROR,
-                message=f"The world file is not well-formed XML: {root.message}.",
-                file=file,
-                line=root.line,
-                hint="Close every element that was opened, and quote every attribute.",
-            )
-        )
+    return parse(content, file, diagnostics)
+
+
+def parse(content: str | bytes, file: Path | None, diagnostics: list[Diagnostic]) -> Source | None:
+    """The document of a text, and the file that it came from; like `load` otherwise."""
+    if len(content) > SIZE_LIMIT:
+        diagnostics.append(_too_large(file))
         return None
-    return Source(file=file, root=root, version=NEWEST, diagnostics=diagnostics)
+    root, slips = read_document(content)
+    diagnostics += (
+        Diagnostic(
+            code=slip.code,
+            severity=Severity.ERROR if root is None else Severity.WARNING,
+            message=slip.message,
+            file=file,
+            line=slip.line,
+            hint=slip.hint,
+        )
+        for slip in slips
+    )
+    return None if root is None else Source(file, root, NEWEST, diagnostics)
 
 
 def _read(file: Path) -> bytes | Diagnostic:
@@ -103,14 +113,17 @@ def _read(file: Path) -> bytes | Diagnostic:
             hint="Is its folder in an install(DIRECTORY ...) rule of CMakeLists.txt? "
             "Then build again with `wsgen build`.",
         )
-    if len(content) > SIZE_LIMIT:
-        return replace(
-            unreadable,
-            code="WLD010",
-            message=f"The file has more than {SIZE_LIMIT} bytes; wsgen reads up to that.",
-            hint="Put what is repeated into a model, and include it.",
-        )
     return content
+
+
+def _too_large(file: Path | None) -> Diagnostic:
+    return Diagnostic(
+        code="WLD010",
+        severity=Severity.ERROR,
+        message=f"The file has more than {SIZE_LIMIT} bytes; wsgen reads up to that.",
+        file=file,
+        hint="Put what is repeated into a model, and include it.",
+    )
 
 
 def _reason(error: OSError | ValueError) -> str:
@@ -138,7 +151,7 @@ def with_version(source: Source) -> Source:
             at=source.root,
             hint=hint,
         )
-    return replace(source, version=min(max(version, OLDEST), NEWEST))
+    return source._replace(version=min(max(version, OLDEST), NEWEST))
 
 
 def _words(version: Version) -> str:

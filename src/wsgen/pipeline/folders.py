@@ -1,14 +1,32 @@
-"""Packages and models in the folders around a file, for what is not installed."""
+"""The folders of packages and models that addresses name."""
 
 from __future__ import annotations
 
+import os
+from pathlib import Path
 from typing import TYPE_CHECKING
 
+from wsgen.world.lookup import MODEL_PATHS, is_folder
 from wsgen.xmltree import Malformed, child_text, parse
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
+    from collections.abc import Callable, Mapping
+
+
+def share_on_model_path(environment: Mapping[str, str]) -> Callable[[str], Path | None]:
+    """Look a package or model up where the environment tells Gazebo to look for models."""
+    folders = [
+        Path(entry)
+        for variable in MODEL_PATHS
+        for entry in environment.get(variable, "").split(os.pathsep)
+        if entry
+    ]
+
+    def share_of(package: str) -> Path | None:
+        found = (folder / package for folder in folders if package)
+        return next((folder for folder in found if is_folder(folder)), None)
+
+    return share_of
 
 
 def share_around(file: Path) -> Callable[[str], Path | None]:
@@ -24,7 +42,7 @@ def share_around(file: Path) -> Callable[[str], Path | None]:
             if folder.name == package or _manifest_name(folder) == package:
                 return folder
             for beside in (folder / package, folder / "share" / package):
-                if package and beside.is_dir():
+                if package and is_folder(beside):
                     return beside
         return None
 

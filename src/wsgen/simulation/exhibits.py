@@ -1,0 +1,141 @@
+"""What there is to be seen of the robots in a scene, and where: a picture's contents."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import product
+from typing import TYPE_CHECKING
+
+from wsgen.model.pose import IDENTITY, Pose
+from wsgen.model.robot import Box, Capsule, Cylinder, Mesh, Sphere
+from wsgen.model.transform import compose
+from wsgen.simulation.tessellation import tessellate
+
+if TYPE_CHECKING:
+    from collections.abc import Container, Iterator, Mapping, Sequence
+
+    from wsgen.model.robot import Geometry, Link, Primitive, Visual
+    from wsgen.model.transform import Vector
+    from wsgen.simulation.scene import Scene, SpawnedRobot
+
+Rgba = tuple[float, float, float, float]
+Poses = dict[str, "Mapping[str, Pose]"]  # of links, in the world: entity, then link
+
+UNPAINTED: Rgba = (0.75, 0.75, 0.78, 1.0)  # about what Gazebo shows without a material
+WHITE: Rgba = (1.0, 1.0, 1.0, 1.0)  # leaves a texture its colours
+COLLISION: Rgba = (1.0, 0.44, 0.0, 0.5)  # what Gazebo paints collisions with
+BLACKEST = 0.1  # Gazebo's `FlatBlack`
+INVISIBLE = 0.1  # what has less alpha is not to be seen
+
+
+@dataclass(frozen=True, kw_only=True)
+class Exhibit:
+    """Something that is drawn."""
+
+    entity: str  # the robot and the link that carry it
+    link: str
+    geometry: Primitive | Mesh
+    pose_in_link: Pose = IDENTITY
+    rgba: Rgba
+    texture: str | None = None  # an image file
+    is_subject: bool = True  # of a robot that the picture is about
+    is_collision: bool = False  # shown because its link has nothing else to show
+
+    def points(self) -> list[Vector]:
+        """Points that it lies between, seen from its own frame, m; none where nobody knows."""
+        if not isinstance(self.geometry, Mesh):
+            return tessellate(self.geometry).vertices
+        if self.geometry.bounds is None:
+            return []
+        x, y, z = (
+            (low * factor, high * factor)
+            for low, high, factor in zip(*self.geometry.bounds, self.geometry.scale, strict=True)
+        )
+        return list(product(x, y, z))
+
+    @property
+    def has_known_size(self) -> bool:
+        """Whether `points` gives any."""
+        return not isinstance(self.geometry, Mesh) or self.geometry.bounds is not None
+
+    def pose(self, poses: Poses) -> Pose | None:
+        """Where it is in the world; None where that is no number."""
+        pose = compose(poses[self.entity][self.link], self.pose_in_link)
+        return pose if all(map(math.isfinite, (*pose.xyz, *pose.rpy))) else None
+
+
+def list_exhibits(scene: Scene, refused: Container[str]) -> list[Exhibit]:
+    """What can be drawn of the robots that the engine took.
+
+    A link without a visual that can be drawn shows its collisions, unless its maker has made its
+    visuals invisible; a robot of which nothing is seen then shows those, too.
+    """
+    return [
+        exhibit
+        for robot in scene.robots
+        if robot.entity not in refused
+        for exhibit in _of_robot(robot, is_subject=robot in subjects(scene))
+    ]
+
+
+def subjects(scene: Scene) -> Sequence[SpawnedRobot]:
+    """The robots that a picture is about: all, where there is nothing but scenery."""
+    return [robot for robot in scene.robots if not robot.is_scenery] or scene.robots
+
+
+def _of_robot(robot: SpawnedRobot, *, is_subject: bool) -> list[Exhibit]:
+    links = robot.robot.links
+    seen = [one for link in links for one in _of_link(robot.entity, link, is_subject=is_subject)]
+    return seen or [
+        one for link in links for one in _collisions(robot.entity, link, is_subject=is_subject)
+    ]
+
+
+def _of_link(entity: str, link: Link, *, is_subject: bool) -> Iterator[Exhibit]:
+    visuals = [
+        (visual, geometry) for visual in link.visuals if (geometry := _drawable(visual.geometry))
+    ]
+    if not visuals:
+        yield from _collisions(entity, link, is_subject=is_subject)
+    for visual, geometry in visuals:
+        rgba = _colour(visual)
+        if rgba[3] >= INVISIBLE:
+            yield Exhibit(
+                entity=entity,
+                link=link.name,
+                geometry=geometry,
+                pose_in_link=visual.pose_in_link,
+                rgba=rgba,
+                texture=visual.texture,
+                is_subject=is_subject,
+            )
+
+
+def _collisions(entity: str, link: Link, *, is_subject: bool) -> Iterator[Exhibit]:
+    for collision in link.collisions:
+        geometry = _drawable(collision.geometry)
+        if geometry is not None:
+            yield Exhibit(
+                entity=entity,
+                link=link.name,
+                geometry=geometry,
+                pose_in_link=collision.pose_in_link,
+                rgba=COLLISION,
+                is_subject=is_subject,
+                is_collision=True,
+            )
+
+
+def _drawable(geometry: Geometry) -> Primitive | Mesh | None:
+    """The shape, if there is something to draw it from."""
+    if isinstance(geometry, Mesh):
+        return geometry if geometry.path is not None else None
+    return geometry if isinstance(geometry, (Box, Cylinder, Sphere, Capsule)) else None
+
+
+def _colour(visual: Visual) -> Rgba:
+    """Its colour, but for black, which is painted as little brighter as shows its edges."""
+    red, green, blue, alpha = visual.rgba or (WHITE if visual.texture else UNPAINTED)
+    is_black = max(red, green, blue) < BLACKEST
+    return (BLACKEST, BLACKEST, BLACKEST, alpha) if is_black else (red, green, blue, alpha)

@@ -1,0 +1,160 @@
+"""What is behind the robots in a picture: checkered ground with their shadow, and the sky.
+
+A square of the ground has an edge of a round length (1, 2 or 5 times a power of ten), which is
+written into the picture: with it sizes can be read off. Ground, shadow and sky are computed for
+every pixel, because a ground of triangles would cost most of the time and still have no edges.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PIL import Image, ImageFilter
+
+from wsgen.simulation.framing import FIELD_OF_VIEW, matrix, view_axes
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from wsgen.simulation.framing import Size
+    from wsgen.simulation.shot import Camera, Shot
+
+    Floats = NDArray[np.float32]
+
+SKY_LOW, SKY_HIGH = (0.93, 0.95, 0.97), (0.72, 0.82, 0.92)
+TILE_LIGHT, TILE_DARK = (0.86, 0.87, 0.88), (0.77, 0.79, 0.81)
+SHADE = 0.42  # of the ground's light that a shadow takes
+SOFTNESS = 1 / 170  # of the shadow's width: how far its edges are blurred
+TILE_MOST = 0.5  # of the robots' size; the next smaller round length is a fifth or more
+TILE_PIXELS = 5.0  # squares that are smaller than this at the nearest cannot be told apart
+DOWN = -1e-6  # a ray that goes no steeper looks along the ground
+
+
+def tile_for(size: float) -> float:
+    """A round length for the edge of a square, a fifth to a half of this size, m."""
+    wanted = max(size * TILE_MOST, 1e-9)
+    power = 10.0 ** math.floor(math.log10(wanted))
+    edge = max((step * power for step in (1, 2, 5) if step * power <= wanted), default=power)
+    return float(f"{edge:.1g}")  # 0.2 and not 0.20000000000000001
+
+
+class Backdrop:
+    """The ground and the sky that a camera sees, in a picture of this size.
+
+    `tile` is the edge of a square, m; None where no squares can be seen: the camera does not look
+    down on the ground, or is so high above it that they run together, or there is no ground.
+    """
+
+    def __init__(self, camera: Camera, size: Size, *, tile: float, has_ground: bool) -> None:
+        self.size = size
+        self._camera = camera
+        rays = _rays(camera, size)
+        height = camera.eye[2]
+        self._hits = (rays[..., 2] < DOWN) & (has_ground and height > 0)
+        self.is_ground_seen = bool(self._hits.any())
+        reach = np.where(self._hits, -height / np.where(self._hits, rays[..., 2], -1.0), 0.0)
+        self.colour = _sky(rays, has_ground=has_ground and height > 0)
+        self.tile: float | None = None
+        if self.is_ground_seen:
+            pixel = math.radians(FIELD_OF_VIEW) / size.height / tile
+            if float(reach[self._hits].min()) * pixel * TILE_PIXELS < 1:
+                self.tile = tile
+            self._lay(rays, reach, tile, pixel)
+
+    def _lay(self, rays: Floats, reach: Floats, tile: float, pixel: float) -> None:
+        """Put the ground over the sky, with haze where it is far."""
+        eye = np.array(self._camera.eye, dtype=np.float64)
+        middle = (np.floor(eye[:2] / (2 * tile)) * 2 * tile).astype(np.float64)  # keeps digits
+        on_ground = (eye[:2] - middle).astype(np.float32) + reach[..., None] * rays[..., :2]
+        size = math.dist(self._camera.eye, self._camera.target)
+        tiles = _tiles(on_ground, tile, reach * np.float32(pixel))
+        haze = np.clip((reach / size - 1.2) / 4.5, 0, 1)
+        haze = (haze * haze * (3 - 2 * haze))[..., None]
+        ground = tiles + haze * (np.array(SKY_LOW, dtype=np.float32) - tiles)
+        self._lit = 1 - haze[..., 0]  # haze hides shadows, too
+        self.colour = np.where(self._hits[..., None], ground, self.colour)
+
+    def shadowed(self, light: Shot | None, opacity: Floats) -> Floats:
+        """Red, green and blue, 0 to 1, with the shadow of what the light sees.
+
+        `opacity` says how much light each body takes, by its number, 0 to 1.
+        """
+        if light is None or not self.is_ground_seen:
+            return self.colour
+        pixels = light.camera.width
+        bodies = np.asarray(light.body).reshape(pixels, pixels)
+        mask = np.where(bodies >= 0, opacity[np.maximum(bodies, 0)] * 255, 0).astype(np.uint8)
+        soft = Image.fromarray(mask).filter(ImageFilter.GaussianBlur(pixels * SOFTNESS))
+        # A plane is seen alike by two cameras but for a change of perspective.
+        change = _ground_to_pixels(light) @ _pixels_to_ground(self._camera, self.size)
+        seen = soft.transform(
+            (self.size.width, self.size.height),
+            Image.Transform.PERSPECTIVE,
+            tuple((change / change[2, 2]).ravel()[:8]),
+            Image.Resampling.BILINEAR,
+        )
+        shade = np.asarray(seen, dtype=np.float32) * np.float32(SHADE / 255) * self._hits
+        shaded: Floats = self.colour * (1 - shade * self._lit)[..., None]
+        return shaded
+
+
+def _rays(camera: Camera, size: Size) -> Floats:
+    """Where each pixel looks: directions in the world, their part along the view's axis 1."""
+    right, up, forward = view_axes(_back(camera)).astype(np.float32)
+    slope = math.tan(math.radians(camera.field_of_view / 2))
+    across = (np.arange(size.width, dtype=np.float32) + 0.5) / size.width * 2 - 1
+    down = 1 - (np.arange(size.height, dtype=np.float32) + 0.5) / size.height * 2
+    columns = (across * np.float32(slope * camera.aspect))[:, None] * right
+    rows = (down * np.float32(slope))[:, None] * up + forward
+    rays: Floats = columns[None, :, :] + rows[:, None, :]
+    return rays
+
+
+def _back(camera: Camera) -> tuple[float, float, float]:
+    x, y, z = (eye - target for eye, target in zip(camera.eye, camera.target, strict=True))
+    return (x, y, z)
+
+
+def _sky(rays: Floats, *, has_ground: bool) -> Floats:
+    """The sky; without a ground below it, one plain colour all around."""
+    low, high = np.array(SKY_LOW, dtype=np.float32), np.array(SKY_HIGH, dtype=np.float32)
+    if not has_ground:
+        return np.broadcast_to(low, rays.shape)
+    height = np.clip(rays[..., 2:] / 0.5, 0, 1) ** 0.8
+    sky: Floats = low + (high - low) * height
+    return sky
+
+
+def _tiles(on_ground: Floats, tile: float, pixel: Floats) -> Floats:
+    """A checker whose edges are smoothed over the width of a pixel (in tiles)."""
+    # A triangle wave of period 2, of height 1, steep where tiles meet.
+    wave = np.abs((on_ground / np.float32(tile)) % 2 - 1) - 0.5
+    square = np.clip(wave / np.maximum(pixel, 1e-9)[..., None], -1, 1)
+    # Tiles smaller than a pixel are one grey.
+    fade = np.clip(1 - pixel * 3, 0, 1) * square[..., 0] * square[..., 1] / 2 + 0.5
+    light, dark = np.array(TILE_LIGHT, dtype=np.float32), np.array(TILE_DARK, dtype=np.float32)
+    tiles: Floats = dark + (light - dark) * fade[..., None]
+    return tiles
+
+
+def _pixels_to_ground(camera: Camera, size: Size) -> NDArray[np.float64]:
+    """From a pixel (column, row, 1) to the point of the ground that it shows (x w, y w, w)."""
+    right, up, forward = view_axes(_back(camera))
+    slope = math.tan(math.radians(camera.field_of_view / 2))
+    across, down = 2 * slope * camera.aspect / size.width, -2 * slope / size.height
+    corner = forward - right * slope * camera.aspect + up * slope
+    rays = np.stack([right * across, up * down, corner], axis=1)
+    x, y, z = camera.eye
+    to_ground: NDArray[np.float64] = np.array([[-z, 0, x], [0, -z, y], [0, 0, 1]]) @ rays
+    return to_ground
+
+
+def _ground_to_pixels(light: Shot) -> NDArray[np.float64]:
+    """From a point of the ground (x, y, 1) to the pixel that shows it (column w, row w, w)."""
+    transform = matrix(light.projection) @ matrix(light.view)
+    half = light.camera.width / 2
+    to_pixel = np.array([[half, 0, half], [0, -half, half], [0, 0, 1]])
+    to_pixels: NDArray[np.float64] = to_pixel @ transform[[0, 1, 3]][:, [0, 1, 3]]
+    return to_pixels

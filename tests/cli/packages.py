@@ -1,0 +1,37 @@
+"""A package that `wsgen new` wrote, built, and what `wsgen validate` says of it."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+PACKAGE = "gazebo_test"
+SHARE = Path("install", PACKAGE, "share", PACKAGE)
+
+
+def wsgen(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    run = subprocess.run(
+        [sys.executable, "-m", "wsgen", *arguments],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert "Traceback" not in run.stderr, run.stderr
+    return run
+
+
+def validate(workspace: Path, *arguments: str) -> tuple[int, dict[str, Any], str]:
+    run = wsgen(workspace, "validate", "--format", "json", *arguments)
+    document = json.loads(run.stdout) if run.stdout else {}
+    return run.returncode, document, run.stderr
+
+
+def errors(document: dict[str, Any]) -> list[dict[str, Any]]:
+    return [
+        found
+        for package in document["packages"]
+        for found in package["diagnostics"]
+        if found["severity"] == "error"
+    ]

@@ -1,0 +1,590 @@
+"""Colours and textures of mesh files."""
+
+from __future__ import annotations
+
+import os
+import struct
+import time
+import zlib
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import mesh_samples
+from wsgen.description import mesh_worker
+from wsgen.description.mesh_files import inspect_meshes
+from wsgen.description.mesh_looks import MATERIALS
+from wsgen.description.mesh_reader import read_mesh
+from wsgen.description.mesh_stl import write_stl
+from wsgen.diagnostics import Severity
+from wsgen.isolation.nursery import Nursery
+from wsgen.isolation.outcome import Answered, Died
+from wsgen.model.robot import Collision, Link, Mesh, Robot, Visual
+
+if TYPE_CHECKING:
+    from wsgen.diagnostics import Diagnostic
+
+Rgba = tuple[float, float, float, float]
+RED: Rgba = (1.0, 0.0, 0.0, 1.0)
+BLUE: Rgba = (0.0, 0.0, 1.0, 1.0)
+WHITE: Rgba = (1.0, 1.0, 1.0, 1.0)
+BLUE_SHADER = "<blinn><diffuse><color>0 0 1</color></diffuse></blinn>"
+OPAQUE = '<transparent opaque="A_ONE"><color>1 1 1 1</color></transparent>'
+PALETTE = ((255, 0, 0), (0, 255, 0), (0, 0, 255), (255, 255, 0))  # rows, from the upper left
+
+
+def in_this_process(task: str, *arguments: Any, **_: Any) -> Answered | Died:
+    assert task == "wsgen.description.mesh_worker:inspect"
+    return Answered(value=mesh_worker.inspect(*arguments), output="")
+
+
+def write(folder: Path, name: str, content: bytes | str) -> Path:
+    file = folder / name
+    file.write_bytes(content.encode() if isinstance(content, str) else content)
+    return file
+
+
+def picture(file: Path, size: int = 64, mode: str = "RGB") -> Path:
+    """Four squares, each of another colour."""
+    pixels = np.array(PALETTE, np.uint8).reshape(2, 2, 3)
+    image = Image.fromarray(pixels).resize((size, size), Image.Resampling.NEAREST)
+    image.convert(mode).save(file)
+    return file
+
+
+def looks(
+    file: Path, rgba: Rgba | None = None, scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
+) -> tuple[list[Visual], tuple[Diagnostic, ...]]:
+    """What a visual becomes."""
+    mesh = Mesh(uri=file.name, path=str(file), scale=scale)
+    link = Link(name="arm", visuals=(Visual(geometry=mesh, rgba=rgba),))
+    model = Robot(name="r", root="arm", links=(link,))
+    new = file.parent / "new"
+    new.mkdir(exist_ok=True)
+    changed, found = inspect_meshes(
+        model, file=None, folder=new, run=in_this_process, with_colours=True
+    )
+    return list(changed.links[0].visuals), found
+
+
+def only(file: Path) -> tuple[Visual, tuple[Diagnostic, ...]]:
+    visuals, found = looks(file)
+    (visual,) = visuals
+    return visual, found
+
+
+def path_of(visual: Visual) -> Path:
+    assert isinstance(visual.geometry, Mesh)
+    return Path(visual.geometry.path or "")
+
+
+def heights(visual: Visual) -> set[float]:
+    return set(read_mesh(path_of(visual)).corners[..., 2].ravel().tolist())
+
+
+def test_each_material_of_a_collada_file_is_a_visual(tmp_path: Path) -> None:
+    text = mesh_samples.coloured_dae(mesh_samples.RED, BLUE_SHADER, mesh_samples.RED)
+    visuals, found = looks(write(tmp_path, "a.dae", text))
+    assert found == ()
+    assert [visual.rgba for visual in visuals] == [RED, BLUE]
+    assert [heights(visual) for visual in visuals] == [{0.0, 2.0}, {1.0}]
+    assert isinstance(visuals[0].geometry, Mesh)
+    assert visuals[0].geometry.bounds == ((-1.0, -1.0, 0.0), (1.0, 1.0, 2.0))
+    assert visuals[0].texture is None
+
+
+def test_a_colour_of_the_description_overrides_those_of_the_file(tmp_path: Path) -> None:
+    text = mesh_samples.coloured_dae(mesh_samples.RED, mesh_samples.TEXTURED)
+    visuals, found = looks(write(tmp_path, "a.dae", text), rgba=(0.0, 1.0, 0.0, 0.5))
+    assert found == ()  # the texture is not missed
+    (visual,) = visuals
+    assert (visual.rgba, visual.texture) == ((0.0, 1.0, 0.0, 0.5), None)
+    assert heights(visual) == {0.0, 1.0}
+
+
+def test_without_colours_a_file_stays_whole(tmp_path: Path) -> None:
+    file = write(tmp_path, "a.dae", mesh_samples.coloured_dae(mesh_samples.RED, BLUE_SHADER))
+    visual = Visual(geometry=Mesh(uri="a.dae", path=str(file)))
+    model = Robot(name="r", root="arm", links=(Link(name="arm", visuals=(visual,)),))
+    changed, _ = inspect_meshes(model, file=None, folder=tmp_path, run=in_this_process)
+    (same,) = changed.links[0].visuals
+    assert (path_of(same), same.rgba) == (file, None)
+
+
+def test_a_material_is_found_by_its_id_where_nothing_binds_it(tmp_path: Path) -> None:
+    text = mesh_samples.coloured_dae(mesh_samples.RED, BLUE_SHADER, bind=False)
+    visuals, _ = looks(write(tmp_path, "a.dae", text))
+    assert [visual.rgba for visual in visuals] == [RED, BLUE]
+
+
+@pytest.mark.parametrize(
+    ("transparency", "alpha"),
+    [
+        ("", 1.0),
+        ("<transparent><color>1 1 1 1</color></transparent>", 1.0),  # not said how it is meant
+        (OPAQUE, 1.0),
+        ('<transparent opaque="A_ONE"><color>1 1 1 0.25</color></transparent>', 0.25),
+        ('<transparent opaque="A_ZERO"><color>1 1 1 0.25</color></transparent>', 0.75),
+        ('<transparent opaque="RGB_ONE"><color>1 1 1 1</color></transparent>', 1.0),
+        ('<transparent opaque="RGB_ZERO"><color>1 1 1 1</color></transparent>', 0.0),
+        (
+            f"{OPAQUE}<transparency><float>0.5</float></transparency>",
+            0.5,
+        ),
+        (
+            f"{OPAQUE}<transparency><float>half</float></transparency>",
+            1.0,
+        ),
+    ],
+)
+def test_transparency_of_collada(tmp_path: Path, transparency: str, alpha: float) -> None:
+    shader = mesh_samples.RED.replace("</phong>", f"{transparency}</phong>")
+    visual, _ = only(write(tmp_path, "a.dae", mesh_samples.coloured_dae(shader)))
+    assert visual.rgba is not None
+    assert visual.rgba[:3] == RED[:3]
+    assert visual.rgba[3] == pytest.approx(alpha)
+
+
+@pytest.mark.parametrize(
+    "shader",
+    [
+        "",
+        "<constant><emission><color>1 0 0 1</color></emission></constant>",
+        "<phong/>",
+        "<phong><diffuse/></phong>",
+        "<phong><diffuse><color>red</color></diffuse></phong>",
+        "<phong><diffuse><color>1 0</color></diffuse></phong>",
+        "<phong><diffuse><color>nan 0 0 1</color></diffuse></phong>",
+    ],
+)
+def test_a_shader_that_gives_no_colour(tmp_path: Path, shader: str) -> None:
+    visual, found = only(write(tmp_path, "a.dae", mesh_samples.coloured_dae(shader)))
+    assert (visual.rgba, visual.texture, found) == (None, None, ())
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ('target="#material0"', 'target="#other"'),
+        ('<material id="material0">', "<material>"),
+        ('<instance_effect url="#effect0"/>', ""),
+        ("profile_COMMON>", "profile_CG>"),
+        ("technique>", "other>"),
+    ],
+)
+def test_a_material_that_leads_nowhere(tmp_path: Path, old: str, new: str) -> None:
+    text = mesh_samples.coloured_dae(mesh_samples.RED)
+    assert old in text
+    visual, found = only(write(tmp_path, "a.dae", text.replace(old, new)))
+    assert (visual.rgba, found) == (None, ())
+
+
+def test_an_effect_that_is_not_there_is_told(tmp_path: Path) -> None:
+    text = mesh_samples.coloured_dae(mesh_samples.RED).replace('url="#effect0"', 'url="#other"')
+    visual, (found,) = only(write(tmp_path, "a.dae", text))
+    assert visual.rgba is None
+    assert (found.code, found.severity) == ("ROB076", Severity.WARNING)
+    assert "`#other`" in found.message
+
+
+@pytest.mark.parametrize("chain", ["sampler", "image"])
+def test_a_texture_of_collada(tmp_path: Path, chain: str) -> None:
+    picture(tmp_path / "image.png")
+    shader = mesh_samples.TEXTURED.replace("sampler", chain)
+    visual, found = only(write(tmp_path, "a.dae", mesh_samples.coloured_dae(shader)))
+    assert found == ()
+    assert visual.rgba == WHITE
+    assert visual.texture is not None
+    assert Image.open(visual.texture).getpixel((0, 0)) == PALETTE[0]
+    assert b"vt " in path_of(visual).read_bytes()
+
+
+def test_a_texture_among_those_of_a_model(tmp_path: Path) -> None:
+    (tmp_path / "meshes").mkdir()
+    (tmp_path / "materials" / "textures").mkdir(parents=True)
+    picture(tmp_path / "materials" / "textures" / "image.png")
+    text = mesh_samples.coloured_dae(mesh_samples.TEXTURED)
+    visual, found = only(write(tmp_path / "meshes", "a.dae", text))
+    assert visual.texture
+    assert found == ()
+
+
+@pytest.mark.parametrize("image", ["image.png", "/nowhere/image.png", "x" * 5000, "\\image.png"])
+def test_a_texture_that_is_missing(tmp_path: Path, image: str) -> None:
+    text = mesh_samples.coloured_dae(mesh_samples.TEXTURED, image=image)
+    visual, (found,) = only(write(tmp_path, "a.dae", text))
+    assert (visual.rgba, visual.texture) == (WHITE, None)
+    assert (found.code, found.severity) == ("ROB073", Severity.WARNING)
+    assert image[:50] in found.message
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("<init_from>image.png</init_from>", "<init_from/>"),
+        ("<init_from>image.png</init_from>", ""),
+        ("<init_from>image<", "<init_from>sampler<"),  # round and round
+        ("<source>surface<", "<source>sampler<"),
+        ("<source>surface</source>", ""),
+        ('<image id="image">', '<image id="other">'),
+    ],
+)
+def test_a_texture_that_leads_nowhere(tmp_path: Path, old: str, new: str) -> None:
+    picture(tmp_path / "image.png")
+    text = mesh_samples.coloured_dae(mesh_samples.TEXTURED)
+    assert old in text
+    visual, found = only(write(tmp_path, "a.dae", text.replace(old, new)))
+    assert (visual.rgba, visual.texture, found) == (WHITE, None, ())
+
+
+def claimed(width: int, height: int) -> bytes:
+    """The beginning of a PNG that says that it is so large, and has nothing."""
+
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        check = zlib.crc32(kind + data)
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", check)
+
+    header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
+    data = zlib.compress(bytes(1000))
+    return (
+        b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", data) + chunk(b"IEND", b"")
+    )
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"", "cannot be read"),
+        (b"hello world", "cannot be read"),
+        (claimed(60_000, 60_000), "pixels"),
+        (claimed(13_000, 13_000), "13000 by 13000 pixels"),
+        (claimed(8000, 8000)[:-20], "cannot be read"),
+        ("folder", "is no file"),
+        ("pipe", "is no file"),
+        ("huge", "1000000 MB"),
+    ],
+)
+def test_a_texture_that_cannot_be_shown(tmp_path: Path, content: bytes | str, words: str) -> None:
+    image = tmp_path / "image.png"
+    if isinstance(content, bytes):
+        image.write_bytes(content)
+    elif content == "folder":
+        image.mkdir()
+    elif content == "pipe":
+        os.mkfifo(image)
+    else:
+        with image.open("wb") as stream:
+            stream.truncate(10**12)
+    text = mesh_samples.coloured_dae(mesh_samples.TEXTURED)
+    started = time.monotonic()
+    visual, (found,) = only(write(tmp_path, "a.dae", text))
+    assert time.monotonic() - started < 5
+    assert (visual.rgba, visual.texture) == (WHITE, None)
+    assert (found.code, found.severity) == ("ROB074", Severity.WARNING)
+    assert words in found.message
+
+
+@pytest.mark.parametrize("name", ["a.png", "a.jpg", "a.tif", "a.bmp", "a.tga", "a.dds", "a.gif"])
+def test_a_texture_is_made_a_small_png(tmp_path: Path, name: str) -> None:
+    picture(tmp_path / name, size=2500)
+    text = mesh_samples.coloured_dae(mesh_samples.TEXTURED, image=name)
+    visual, found = only(write(tmp_path, "a.dae", text))
+    assert found == ()
+    assert visual.texture is not None
+    with Image.open(visual.texture) as image:
+        assert (image.format, image.mode, image.size) == ("PNG", "RGB", (1024, 1024))
+        pixels = [image.getpixel(at) for at in ((100, 100), (900, 100), (100, 900), (900, 900))]
+    assert np.allclose(pixels, PALETTE, atol=8)
+
+
+def test_a_texture_of_sixteen_bits(tmp_path: Path) -> None:
+    grey = np.full((4, 4), 0x8000, np.uint16)
+    Image.fromarray(grey).save(tmp_path / "image.png")
+    text = mesh_samples.coloured_dae(mesh_samples.TEXTURED)
+    visual, found = only(write(tmp_path, "a.dae", text))
+    assert found == ()
+    assert Image.open(visual.texture or "").getpixel((0, 0)) == (128, 128, 128)
+
+
+def obj_with(tmp_path: Path, materials: str, faces: str | None = None) -> Path:
+    write(tmp_path, "a.mtl", materials)
+    own = "usemtl one\nf 1/1 2/2 3/3\nusemtl two\nf 1/1 3/3 4/4\n"
+    return write(tmp_path, "a.obj", mesh_samples.square_obj(faces or own, "mtllib a.mtl\n"))
+
+
+def test_each_material_of_an_obj_file_is_a_visual(tmp_path: Path) -> None:
+    file = obj_with(tmp_path, "newmtl one\nKd 1 0 0\nnewmtl two\nKd 0 0 1\nd 0.5\n")
+    visuals, found = looks(file)
+    assert found == ()
+    assert [visual.rgba for visual in visuals] == [RED, (0.0, 0.0, 1.0, 0.5)]
+    assert [len(read_mesh(path_of(visual)).corners) for visual in visuals] == [1, 1]
+
+
+@pytest.mark.parametrize(
+    ("lines", "rgba"),
+    [
+        ("Kd 1 0 0", RED),
+        ("Kd 2 -1 0", RED),
+        ("Kd 0.5", (0.5, 0.5, 0.5, 1.0)),
+        ("Kd 1 0 0\nTr 0.75", (1.0, 0.0, 0.0, 0.25)),
+        ("Kd 1 0 0\nd -halo 0.25", (1.0, 0.0, 0.0, 0.25)),
+        ("Kd 1 0 0\nd 0.25\nTr 0", (1.0, 0.0, 0.0, 0.25)),
+        ("Kd red", None),
+        ("Kd nan 0 0", None),
+        ("Kd 1 0", None),
+        ("Ns 1", None),
+        ("Kd spectral file.rfl", None),
+    ],
+)
+def test_colours_of_obj(tmp_path: Path, lines: str, rgba: Rgba | None) -> None:
+    visual, found = only(obj_with(tmp_path, f"newmtl one\n{lines}\n", "usemtl one\nf 1 2 3 4\n"))
+    assert (visual.rgba, found) == (rgba, ())
+
+
+@pytest.mark.parametrize(
+    "options", ["", "-s 1 1 1 ", "-o 0.5 -clamp on ", "-blendu off -mm 0 1 -bm 2 "]
+)
+def test_a_texture_of_obj(tmp_path: Path, options: str) -> None:
+    picture(tmp_path / "my image.png")
+    faces = "usemtl one\nf -4/-4 -3/-3 -2/-2 -1/-1\n"
+    file = obj_with(tmp_path, f"newmtl one\nmap_Kd {options}my image.png\n", faces)
+    visual, found = only(file)
+    assert found == ()
+    assert visual.rgba == (0.6, 0.6, 0.6, 1.0)
+    assert visual.texture
+    content = read_mesh(path_of(visual), with_look=True)
+    points = content.patches[0].texture_points
+    assert points is not None
+    assert np.allclose(points, (content.corners[..., :2] + 1) / 2)
+
+
+@pytest.mark.parametrize("kind", ["missing", "folder", "pipe", "huge", "null\0byte", "x" * 5000])
+def test_a_material_library_that_cannot_be_read(tmp_path: Path, kind: str) -> None:
+    name = f"{kind}.mtl"
+    if kind == "folder":
+        (tmp_path / name).mkdir()
+    elif kind == "pipe":
+        os.mkfifo(tmp_path / name)
+    elif kind == "huge":
+        with (tmp_path / name).open("wb") as stream:
+            stream.truncate(10**12)
+    text = mesh_samples.square_obj("usemtl one\nf 1 2 3 4\n", f"mtllib {name}\n")
+    visual, (found,) = only(write(tmp_path, "a.obj", text))
+    assert visual.rgba is None
+    assert (found.code, found.severity) == ("ROB075", Severity.INFO)
+
+
+def test_a_material_library_that_is_no_text(tmp_path: Path) -> None:
+    write(tmp_path, "a.mtl", bytes(range(256)) * 100)
+    text = mesh_samples.square_obj("usemtl one\nf 1 2 3 4\n", "mtllib a.mtl\n")
+    visual, _ = only(write(tmp_path, "a.obj", text))
+    assert visual.rgba is None
+
+
+@pytest.mark.parametrize(
+    "faces",
+    [
+        "f 1/9/1 2/2/1 3/3/1 4/4/1\n",
+        "f 1/1/9 2/2/1 3/3/1 4/4/1\n",
+        "f 1/1/1 2/2/1 3 4/4/1\n",
+        "f 1/1/1 2/2 3//1 4\n",
+        "f 1/0/0 2/0/0 3/0/0 4/0/0\n",
+        "f 1/-9/-9 2/1/1 3/1/1 4/1/1\n",
+        "f 1/x/y 2/x/y 3/x/y 4/x/y\n",
+    ],
+)
+def test_an_obj_whose_texture_points_and_normals_are_nothing(tmp_path: Path, faces: str) -> None:
+    picture(tmp_path / "image.png")
+    file = obj_with(tmp_path, "newmtl one\nKd 1 0 0\nmap_Kd image.png\n", f"usemtl one\n{faces}")
+    visual, _ = only(file)
+    content = read_mesh(path_of(visual), with_look=True)
+    assert len(content.corners) == 2
+    normals = content.patches[0].normals
+    assert normals is not None
+    assert np.allclose(normals, (0, 0, 1))
+
+
+def test_materials_without_number(tmp_path: Path) -> None:
+    count = 20_000
+    names = "".join(f"newmtl {at}\nKd 0 0 {at / count}\n" for at in range(count))
+    faces = "".join(f"usemtl {at}\nf 1 2 3\n" for at in range(count))
+    started = time.process_time()
+    visuals, _ = looks(obj_with(tmp_path, names, faces))
+    assert time.process_time() - started < 5
+    assert len(visuals) == MATERIALS
+    assert sum(len(read_mesh(path_of(visual)).corners) for visual in visuals) == count
+
+
+def test_colours_of_gltf(tmp_path: Path) -> None:
+    trimesh = pytest.importorskip("trimesh")
+    scene = trimesh.Scene()
+    image = Image.fromarray(np.array(PALETTE, np.uint8).reshape(2, 2, 3))
+    plain = trimesh.visual.material.PBRMaterial(baseColorFactor=[255, 0, 0, 255])
+    textured = trimesh.visual.material.PBRMaterial(baseColorTexture=image)
+    for material, z in ((plain, 0.0), (textured, 1.0)):
+        square = trimesh.Trimesh(
+            vertices=[(-1, -1, z), (1, -1, z), (1, 1, z), (-1, 1, z)],
+            faces=[(0, 1, 2), (0, 2, 3)],
+            process=False,
+        )
+        corners = [(0, 0), (1, 0), (1, 1), (0, 1)]
+        square.visual = trimesh.visual.TextureVisuals(uv=corners, material=material)
+        scene.add_geometry(square)
+    (tmp_path / "a.glb").write_bytes(scene.export(file_type="glb"))
+    visuals, found = looks(tmp_path / "a.glb")
+    assert [one.code for one in found] == ["ROB068"]
+    visuals.sort(key=lambda visual: min(heights(visual)))
+    assert [visual.rgba for visual in visuals] == [RED, WHITE]
+    assert [heights(visual) for visual in visuals] == [{0.0}, {1.0}]
+    assert visuals[0].texture is None
+    assert Image.open(visuals[1].texture or "").getpixel((0, 0)) == PALETTE[0]
+    content = read_mesh(path_of(visuals[1]), with_look=True)
+    points = content.patches[0].texture_points
+    assert points is not None
+    assert np.allclose(points, (content.corners[..., :2] + 1) / 2)
+
+
+def test_what_the_renderer_reads_well_stays(tmp_path: Path) -> None:
+    stl = tmp_path / "a.stl"
+    content = read_mesh(write(tmp_path, "zero.stl", mesh_samples.binary_stl()))
+    write_stl(content.corners, stl)
+    obj = write(tmp_path, "a.obj", mesh_samples.obj())
+    assert path_of(only(stl)[0]) == stl
+    assert path_of(only(obj)[0]) == obj
+    assert path_of(only(tmp_path / "zero.stl")[0]).suffix == ".obj"  # it has no normals
+    mirrored, _ = looks(stl, scale=(1.0, -1.0, 1.0))
+    assert path_of(mirrored[0]).suffix == ".obj"
+
+
+def test_dense_meshes_are_reduced_together(tmp_path: Path) -> None:
+    steps = 300
+    angles = np.linspace(0, 2 * np.pi, steps + 1)
+    rise = np.linspace(0, np.pi, steps + 1)
+    grid = np.stack(
+        [
+            np.outer(np.sin(rise), np.cos(angles)),
+            np.outer(np.sin(rise), np.sin(angles)),
+            np.outer(np.cos(rise), np.ones_like(angles)),
+        ],
+        axis=-1,
+    )
+    a, b, c, d = grid[:-1, :-1], grid[1:, :-1], grid[1:, 1:], grid[:-1, 1:]
+    corners = np.concatenate(
+        [np.stack(part, axis=2).reshape(-1, 3, 3) for part in ([a, b, c], [a, c, d])]
+    )
+    write_stl(corners, tmp_path / "sphere.stl")
+    (tmp_path / "small.stl").write_bytes(mesh_samples.binary_stl())
+    (answer, small) = mesh_worker.inspect(
+        [
+            (str(tmp_path / name), False, False, [(False, (1.0, 1.0, 1.0), 2)])
+            for name in ("sphere.stl", "small.stl")
+        ],
+        str(tmp_path),
+    )
+    assert answer["triangles"] == 180_000
+    ((path, _, _, low, high),) = answer["looks"][0]
+    assert np.allclose((low, high), ((-1, -1, -1), (1, 1, 1)), atol=1e-3)
+    content = read_mesh(Path(path), with_look=True)
+    assert 10_000 < len(content.corners) <= 55_000  # it is shown twice
+    normals = content.patches[0].normals
+    assert normals is not None
+    cosines = np.einsum("ijk,ijk->ij", normals, content.corners)  # of a ball, its own place
+    assert cosines.min() > 0.98
+    ((path, *_),) = small["looks"][0]
+    assert len(read_mesh(Path(path)).corners) == len(mesh_samples.FACES)
+
+
+def test_looks_come_out_of_the_child(tmp_path: Path) -> None:
+    picture(tmp_path / "image.png")
+    text = mesh_samples.coloured_dae(mesh_samples.RED, mesh_samples.TEXTURED)
+    mesh = Mesh(uri="a.dae", path=str(write(tmp_path, "a.dae", text)))
+    link = Link(
+        name="arm",
+        visuals=(Visual(geometry=mesh), Visual(geometry=mesh, rgba=BLUE)),
+        collisions=(Collision(geometry=mesh),),
+    )
+    model = Robot(name="r", root="arm", links=(link,))
+    with Nursery() as nursery:
+        changed, found = inspect_meshes(
+            model, file=None, folder=tmp_path, run=nursery.run, with_colours=True
+        )
+    assert found == ()
+    (new,) = changed.links
+    assert [visual.rgba for visual in new.visuals] == [RED, WHITE, BLUE]
+    assert [visual.texture is None for visual in new.visuals] == [True, False, True]
+    assert isinstance(new.collisions[0].geometry, Mesh)
+    assert (new.collisions[0].geometry.path or "").endswith(".stl")
+
+
+def seen_from_above(
+    visual: Visual, light: tuple[float, float, float] = (0.0, 0.0, 5.0)
+) -> list[list[int]]:
+    """What PyBullet draws of a square: the upper left, upper right, lower left and lower right."""
+    pybullet = pytest.importorskip("pybullet")
+    session = pybullet.connect(pybullet.DIRECT)
+    try:
+        assert isinstance(visual.geometry, Mesh)
+        pybullet.setPhysicsEngineParameter(enableFileCaching=0)
+        shape = pybullet.createVisualShape(
+            pybullet.GEOM_MESH,
+            fileName=visual.geometry.path,
+            meshScale=visual.geometry.scale,
+            rgbaColor=visual.rgba or WHITE,
+        )
+        body = pybullet.createMultiBody(baseVisualShapeIndex=shape)
+        if visual.texture is not None:
+            texture = pybullet.loadTexture(visual.texture)
+            pybullet.changeVisualShape(body, -1, textureUniqueId=texture)
+        _, _, rgba, *_ = pybullet.getCameraImage(
+            100,
+            100,
+            pybullet.computeViewMatrix((0, 0, 4), (0, 0, 0), (0, 1, 0)),
+            pybullet.computeProjectionMatrixFOV(32, 1, 0.1, 10),
+            renderer=pybullet.ER_TINY_RENDERER,
+            shadow=0,
+            lightDirection=light,
+            lightAmbientCoeff=0.5,
+            lightDiffuseCoeff=0.5,
+            lightSpecularCoeff=0,
+        )
+    finally:
+        pybullet.disconnect(session)
+    pixels = np.asarray(rgba, np.uint8).reshape(100, 100, 4)
+    return [pixels[row, column, :3].tolist() for row in (25, 75) for column in (25, 75)]
+
+
+@pytest.mark.parametrize("shift", [0, -3, 2])
+def test_a_texture_is_drawn_right_way_up(tmp_path: Path, shift: int) -> None:
+    picture(tmp_path / "image.png")
+    text = mesh_samples.coloured_dae(mesh_samples.TEXTURED)
+    moved = " ".join(str(shift + part) for part in (0, 0, 1, 0, 1, 1, 0, 1))
+    visual, _ = only(write(tmp_path, "a.dae", text.replace("0 0 1 0 1 1 0 1", moved)))
+    assert np.allclose(seen_from_above(visual), PALETTE, atol=1)
+
+
+@pytest.mark.parametrize("scale", [(1.0, 1.0, 1.0), (-1.0, 1.0, 1.0), (2.0, -1.0, 3.0)])
+@pytest.mark.parametrize("node", ["", "<scale>1 -1 1</scale>"])
+def test_what_is_mirrored_is_seen_and_lit(
+    tmp_path: Path, scale: tuple[float, float, float], node: str
+) -> None:
+    text = mesh_samples.coloured_dae(mesh_samples.RED).replace("<node>", f"<node>{node}")
+    visuals, _ = looks(write(tmp_path, "a.dae", text), scale=scale)
+    (visual,) = visuals
+    assert np.allclose(seen_from_above(visual), RED[:3] * np.array(255), atol=1)
+    assert np.allclose(
+        seen_from_above(visual, light=(0.0, 0.0, -5.0)), RED[:3] * np.array(127), atol=1
+    )
+
+
+@pytest.mark.parametrize("with_colours", [True, False])
+def test_what_has_no_normals_is_not_black(tmp_path: Path, *, with_colours: bool) -> None:
+    file = write(tmp_path, "a.stl", mesh_samples.text_stl())
+    visual = Visual(geometry=Mesh(uri="a.stl", path=str(file)), rgba=RED)
+    model = Robot(name="r", root="arm", links=(Link(name="arm", visuals=(visual,)),))
+    changed, _ = inspect_meshes(
+        model, file=None, folder=tmp_path, run=in_this_process, with_colours=with_colours
+    )
+    assert seen_from_above(changed.links[0].visuals[0])[0] == [255, 0, 0]

@@ -1,0 +1,184 @@
+"""Static models are collided as their triangles; shapes that no engine has, as meshes."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from simulation.robots import VOID, body, joint, single, spawned
+from wsgen.description import solid_worker
+from wsgen.description.mesh_stl import write_stl
+from wsgen.description.solids import build_solids
+from wsgen.isolation.outcome import Answered
+from wsgen.model.pose import IDENTITY, Pose
+from wsgen.model.robot import (
+    Box,
+    Collision,
+    Ellipsoid,
+    Extrusion,
+    Geometry,
+    Heightmap,
+    JointType,
+    Link,
+    Mesh,
+    Robot,
+    Sphere,
+)
+from wsgen.model.transform import rotation_of_quaternion
+from wsgen.simulation.scene import SpawnedRobot
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from simulation.robots import NewEngine
+    from wsgen.simulation.engine import State
+
+MARGIN = 0.002  # m, of contacts
+RADIUS = 0.1
+BALL = single(body(Sphere(radius=RADIUS)))
+
+
+def square(half: float) -> tuple[tuple[float, float], ...]:
+    return ((-half, -half), (half, -half), (half, half), (-half, half))
+
+
+WALLS = Extrusion(outlines=(square(1), square(0.8)), height=1)
+FLOOR = Extrusion(outlines=(square(1),), height=0.2)
+
+
+def static(*shapes: Geometry, at: Pose = IDENTITY) -> Robot:
+    collisions = tuple(Collision(geometry=shape, pose_in_link=at) for shape in shapes)
+    return replace(single(Link(name="scenery", collisions=collisions)), is_static=True)
+
+
+def made(robot: Robot, folder: Path) -> Robot:
+    def run(_: str, *arguments: Any, **__: Any) -> Answered:
+        return Answered(value=solid_worker.build(*arguments), output="")
+
+    new, found = build_solids(robot, file=None, folder=folder, run=run)  # type: ignore[arg-type]
+    assert found == ()
+    return new
+
+
+def rest(
+    new_engine: NewEngine, scenery: Robot, robot: Robot, start: tuple[float, float, float]
+) -> State:
+    """Where a robot is that fell onto some scenery."""
+    other = SpawnedRobot(entity="o", robot=robot, pose_in_world=Pose(start))
+    with spawned(new_engine, scenery, IDENTITY, other, world=VOID) as engine:
+        engine.advance(2000)
+        return engine.state("o")
+
+
+@pytest.mark.parametrize("x", [0.0, 0.3])
+def test_a_ball_falls_into_a_room(new_engine: NewEngine, tmp_path: Path, x: float) -> None:
+    room = made(static(WALLS, FLOOR), tmp_path)
+    state = rest(new_engine, room, BALL, (x, 0.05, 1.5))
+    assert state.xyz == pytest.approx((x, 0.05, 0.2 + RADIUS), abs=MARGIN)
+    assert state.speed < 0.001
+
+
+def test_a_room_of_several_links(new_engine: NewEngine, tmp_path: Path) -> None:
+    floor = static(FLOOR)
+    walls = Link(name="walls", collisions=(Collision(geometry=WALLS),))
+    fixed = joint("scenery", "walls", JointType.FIXED, Pose((0.0, 0.0, 0.2)))
+    room = made(replace(floor, links=(*floor.links, walls), joints=(fixed,)), tmp_path)
+    state = rest(new_engine, room, BALL, (0.1, 0.05, 1.5))
+    assert state.xyz[2] == pytest.approx(0.2 + RADIUS, abs=MARGIN)
+
+
+def test_a_ball_rests_on_the_rim(new_engine: NewEngine, tmp_path: Path) -> None:
+    room = made(static(WALLS), tmp_path)
+    box = single(body(Box(size=(0.3, 0.3, 0.2))))
+    state = rest(new_engine, room, box, (0.9, 0.03, 1.15))
+    assert state.xyz[2] == pytest.approx(1.1, abs=MARGIN)
+
+
+def test_what_moves_rests_on_an_extrusion(new_engine: NewEngine, tmp_path: Path) -> None:
+    table = made(static(FLOOR, at=Pose((0.0, 0.0, 0.5))), tmp_path)
+    state = rest(new_engine, table, single(body(Box(size=(0.4, 0.3, 0.2)))), (0.2, 0.1, 0.9))
+    assert state.xyz == pytest.approx((0.2, 0.1, 0.8), abs=MARGIN)
+
+
+def test_an_extrusion_that_moves(new_engine: NewEngine, tmp_path: Path) -> None:
+    cross = ((-1, -3), (1, -3), (1, -1), (3, -1), (3, 1), (1, 1), (1, 3), (-1, 3), (-1, 1), (-3, 1))
+    shape = Extrusion(outlines=(tuple((x / 10, y / 10) for x, y in cross),), height=0.2)
+    falling = made(single(body(shape, moment=0.02)), tmp_path)
+    state = rest(new_engine, made(static(FLOOR), tmp_path), falling, (0.0, 0.0, 0.3))
+    assert state.xyz[2] == pytest.approx(0.2, abs=MARGIN)
+
+
+@pytest.mark.parametrize(
+    ("radii", "height"), [((0.3, 0.25, 0.1), 0.1), ((0.2, 0.2, 0.2), 0.2), ((0.1, 0.3, 0.05), 0.05)]
+)
+def test_an_ellipsoid_rests_at_its_small_radius(
+    new_engine: NewEngine, tmp_path: Path, radii: tuple[float, float, float], height: float
+) -> None:
+    egg = made(single(body(Ellipsoid(radii=radii))), tmp_path)
+    state = rest(new_engine, made(static(FLOOR), tmp_path), egg, (0.0, 0.0, 0.22 + height))
+    assert state.xyz[2] == pytest.approx(0.2 + height, abs=MARGIN)
+
+
+def test_an_ellipsoid_falls_onto_its_broad_side(new_engine: NewEngine, tmp_path: Path) -> None:
+    egg = made(single(body(Ellipsoid(radii=(0.3, 0.25, 0.1)), at=IDENTITY)), tmp_path)
+    pose = Pose((0.0, 0.0, 0.5), (0.0, math.radians(50), 0.0))
+    other = SpawnedRobot(entity="o", robot=egg, pose_in_world=pose)
+    with spawned(new_engine, made(static(FLOOR), tmp_path), IDENTITY, other) as engine:
+        engine.advance(10_000)
+        state = engine.state("o")
+    assert rotation_of_quaternion(state.xyzw)[2][2] == pytest.approx(1, abs=0.01)
+    assert state.xyz[2] == pytest.approx(0.3, abs=0.005)
+
+
+@pytest.fixture
+def hills(tmp_path: Path) -> Robot:
+    """Two terraces of 5 by 2 m, 1 m and 2 m high, beside a plain; a row of pixels is a metre."""
+    pixels = np.zeros((11, 11), np.uint8)
+    pixels[:5, :3] = 100  # the first rows are at the highest y
+    pixels[:5, 8:] = 200
+    file = tmp_path / "hills.png"
+    Image.fromarray(pixels).save(file)
+    return made(static(Heightmap(uri="hills.png", path=str(file), size=(11, 11, 2))), tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "height"),
+    [(-4.2, 3.3, 1), (4.2, 3.3, 2), (0, 0, 0), (-4.2, -3.3, 0), (4.2, -2.7, 0)],
+)
+def test_a_ball_rests_on_a_heightmap(
+    new_engine: NewEngine, hills: Robot, x: float, y: float, height: float
+) -> None:
+    state = rest(new_engine, hills, BALL, (x, y, height + RADIUS + 0.05))
+    assert state.xyz == pytest.approx((x, y, height + RADIUS), abs=MARGIN)
+
+
+def test_a_ball_rolls_down_a_slope(new_engine: NewEngine, hills: Robot) -> None:
+    """Nothing but its own rolling resistance slows it."""
+    state = rest(new_engine, hills, BALL, (2.9, 3.3, 2.2))
+    assert state.xyz[0] < 0
+    assert state.speed > 3
+
+
+def test_half_a_million_triangles_load_within_seconds(
+    new_engine: NewEngine, tmp_path: Path
+) -> None:
+    count = 501
+    line = np.linspace(-5, 5, count)
+    points = np.stack([*np.meshgrid(line, line), np.zeros((count, count))], axis=-1)
+    points[..., 2] = np.sin(points[..., 0]) / 10
+    a, b, c, d = points[:-1, :-1], points[:-1, 1:], points[1:, 1:], points[1:, :-1]
+    corners = np.concatenate([np.stack([a, b, c], axis=2), np.stack([a, c, d], axis=2)])
+    file = tmp_path / "large.stl"
+    write_stl(corners.reshape(-1, 3, 3), file)
+    started = time.process_time()
+    state = rest(
+        new_engine, static(Mesh(uri="large.stl", path=str(file))), BALL, (math.pi / 2, 0.1, 0.3)
+    )
+    assert time.process_time() - started < 10
+    assert state.xyz[2] > 0.15

@@ -1,0 +1,270 @@
+"""Films of trials: what is recorded, what is written, and what keeps one from being written."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from dataclasses import replace
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from simulation.showpieces import BLUE, GROUND, is_blue
+from wsgen.diagnostics import Severity
+from wsgen.isolation.outcome import DEFAULT_LIMITS, Answered, Died, Limits
+from wsgen.model.pose import Pose
+from wsgen.model.robot import Box, Collision, Inertial, Link, Robot, Visual
+from wsgen.simulation import film, recording
+from wsgen.simulation.gallery import Gallery
+from wsgen.simulation.recording import Recorder, why_no_film
+from wsgen.simulation.run import run_trial
+from wsgen.simulation.scene import FILMING, Film, Scene, SpawnedRobot
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from simulation.showpieces import Pixels
+    from wsgen.simulation.exhibits import Poses
+
+SIZE = (0.1, 0.1, 1.0)
+
+
+def pole(tilt: float = 0.2) -> SpawnedRobot:
+    """It falls over."""
+    link = Link(
+        name="base",
+        inertial=Inertial(mass=1.0, inertia=(0.084, 0.0, 0.0, 0.084, 0.0, 0.002)),
+        collisions=(Collision(geometry=Box(size=SIZE)),),
+        visuals=(Visual(geometry=Box(size=SIZE), rgba=BLUE),),
+    )
+    robot = Robot(name="r", root="base", links=(link,))
+    return SpawnedRobot(entity="e", robot=robot, pose_in_world=Pose((0, 0, 0.55), (0, tilt, 0)))
+
+
+def scene(file: Path, seconds: float = 1.5) -> Scene:
+    return Scene(world=GROUND, robots=(pole(),), seconds=seconds, record=file)
+
+
+def frames_of(file: Path) -> tuple[list[Pixels], list[int]]:
+    """The pictures of a GIF, and how long each is shown, ms."""
+    pictures, times = [], []
+    with Image.open(file) as image:
+        assert image.format == "GIF"
+        assert image.info["loop"] == 0
+        for number in range(getattr(image, "n_frames", 1)):
+            image.seek(number)
+            pictures.append(np.asarray(image.convert("RGB")))
+            times.append(image.info["duration"])
+    return pictures, times
+
+
+def upright(pixels: Pixels) -> float:
+    """How much higher than wide the robot is in a picture."""
+    rows, columns = np.nonzero(is_blue(pixels))
+    return float(np.ptp(rows) / np.ptp(columns))
+
+
+def test_a_film_shows_the_robot_from_the_start_to_the_end(tmp_path: Path) -> None:
+    file = tmp_path / "film.gif"
+    outcome = run_trial(scene(file))
+    assert outcome.diagnostics == ()
+    assert len(outcome.trials) == 1
+    made = outcome.film
+    assert made is not None
+    assert (made.file, made.frames, made.frames_per_second) == (file, 31, 20.0)
+    assert (made.width, made.height, made.is_coarse) == (480, 360, False)
+    pictures, times = frames_of(file)
+    assert len(pictures) == 31
+    assert set(times) == {50}
+    assert {picture.shape for picture in pictures} == {(360, 480, 3)}
+    assert upright(pictures[0]) > 1.5  # it stands …
+    assert upright(pictures[-1]) < 1.0  # … and lies
+    changes = [np.abs(a.astype(int) - b).mean() for a, b in pairwise(pictures)]
+    assert max(changes) < 12  # it moves, and does not flicker
+
+
+def test_the_background_of_a_film_stands_still(tmp_path: Path) -> None:
+    file = tmp_path / "film.gif"
+    run_trial(scene(file))
+    pictures, _ = frames_of(file)
+    sky = np.stack([picture[:15] for picture in pictures])
+    assert np.ptp(sky, axis=0).max() == 0
+
+
+def test_a_film_and_a_picture_of_one_trial(tmp_path: Path) -> None:
+    wanted = replace(scene(tmp_path / "film.gif", 0.2), picture=tmp_path / "end.png")
+    outcome = run_trial(wanted)
+    assert outcome.picture == wanted.picture
+    assert outcome.film is not None
+    assert outcome.film.frames == 5
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["end.png", "film.gif"]
+
+
+def test_a_film_in_dart(tmp_path: Path) -> None:
+    pytest.importorskip("dartpy")
+    outcome = run_trial(replace(scene(tmp_path / "film.gif", 0.2), engine="dart"))
+    assert outcome.film is not None
+    assert outcome.film.frames == 5
+
+
+def test_an_mp4_has_the_same_frames(tmp_path: Path) -> None:
+    av = pytest.importorskip("av")
+    file = tmp_path / "film.mp4"
+    outcome = run_trial(scene(file))
+    assert outcome.diagnostics == ()
+    with av.open(str(file)) as container:
+        stream = container.streams.video[0]
+        assert (stream.width, stream.height) == (480, 360)
+        assert float(stream.average_rate) == 20.0
+        pictures = [frame.to_ndarray(format="rgb24") for frame in container.decode(video=0)]
+    assert len(pictures) == 31
+    assert upright(pictures[0]) > 1.5
+    assert upright(pictures[-1]) < 1.0
+
+
+# What is recorded
+
+
+def test_frames_are_taken_at_a_fixed_rate() -> None:
+    asked: list[str] = []
+
+    def link_poses(entity: str) -> dict[str, Pose]:
+        asked.append(entity)
+        return {"base": Pose()}
+
+    recorder = Recorder(link_poses, 1.0, immobile={"wall"})
+    for look in range(101):
+        recorder(look / 100, ["robot", "wall"])
+    assert recorder.rate == 20.0
+    assert len(recorder.frames) == 21
+    assert asked.count("robot") == 21
+    assert asked.count("wall") == 1
+    assert all(set(frame) == {"robot", "wall"} for frame in recorder.frames)
+
+
+@pytest.mark.parametrize(("seconds", "rate"), [(3, 20.0), (30, 20.0), (60, 10.0), (1e4, 0.06)])
+def test_long_trials_have_fewer_frames_a_second(seconds: float, rate: float) -> None:
+    recorder = Recorder(lambda _: {}, seconds)
+    assert recorder.rate == pytest.approx(rate, rel=0.01)
+    assert (100 / recorder.rate) % 1 == pytest.approx(0.0)  # what GIF can count
+
+
+def made_of(file: Path, frames: list[Poses], told: list[str]) -> Film:
+    robot = pole()
+    gallery = Gallery(Scene(world=GROUND, robots=(robot,)), frames[0], {"e": [(0, 0, 0)]})
+    recorder = Recorder(lambda _: {}, 1.0)
+    recorder.frames = frames
+    return film.draw_film(gallery, recorder, file, told.append)
+
+
+def test_what_takes_long_to_draw_gets_fewer_and_smaller_frames(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    frames: list[Poses] = [{"e": {"base": Pose((0.0, 0.0, 0.5 + n / 20))}} for n in range(21)]
+    file, told = tmp_path / "film.gif", list[str]()
+    usual = made_of(file, frames, told)
+    assert not usual.is_coarse
+    assert told[:2] == ["frame 1 of 21", "frame 2 of 21"]
+    monkeypatch.setattr(film, "BUDGET", 0.1)
+    coarse = made_of(file, frames, told)
+    assert coarse.is_coarse
+    assert coarse.frames < usual.frames
+    assert (coarse.width, coarse.height) == (320, 240)
+    pictures, times = frames_of(file)
+    assert len(pictures) == coarse.frames
+    assert times[0] == pytest.approx(1000 / coarse.frames_per_second, abs=10)
+
+
+def test_a_robot_that_is_nowhere_at_the_end_stays_where_it_was(tmp_path: Path) -> None:
+    there, nowhere = Pose((0.0, 0.0, 0.5)), Pose((float("nan"), 0.0, 0.0))
+    frames: list[Poses] = [{"e": {"base": pose}} for pose in (there, there, nowhere)]
+    file = tmp_path / "film.gif"
+    made_of(file, frames, [])
+    pictures, _ = frames_of(file)
+    assert is_blue(pictures[-1]).sum() == is_blue(pictures[0]).sum() > 1000
+
+
+# What keeps a film from being made
+
+
+def refused(outcome_of: Scene) -> str:
+    """The trial counts, and the film's problem is a warning."""
+    outcome = run_trial(outcome_of)
+    assert len(outcome.trials) == 1
+    assert outcome.film is None
+    (found,) = outcome.diagnostics
+    assert (found.code, found.severity) == ("SPN070", Severity.WARNING)
+    return found.message
+
+
+@pytest.mark.parametrize("name", ["film.avi", "film", "film.gif.txt"])
+def test_a_suffix_that_is_no_film(tmp_path: Path, name: str) -> None:
+    assert ".gif or an .mp4" in refused(scene(tmp_path / name, 0.1))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_that_is_not_there(tmp_path: Path) -> None:
+    assert "does not exist" in refused(scene(tmp_path / "none" / "film.gif", 0.1))
+
+
+def test_a_folder_in_the_place_of_the_file(tmp_path: Path) -> None:
+    (tmp_path / "film.gif").mkdir()
+    assert "cannot be written" in refused(scene(tmp_path / "film.gif", 0.1))
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
+def test_a_folder_that_may_not_be_written_to(tmp_path: Path) -> None:
+    tmp_path.chmod(0o500)
+    assert "cannot be written" in refused(scene(tmp_path / "film.gif", 0.1))
+
+
+def test_a_disk_that_is_full(tmp_path: Path) -> None:
+    (tmp_path / "film.gif").symlink_to("/dev/full")
+    assert "No space left" in refused(scene(tmp_path / "film.gif", 0.1))
+
+
+def test_without_the_encoder_an_mp4_is_refused_with_what_to_do(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(recording, "ENCODER", "no_such_encoder")
+    problem = why_no_film(tmp_path / "film.mp4")
+    assert problem is not None
+    assert "take a .gif" in problem
+    assert "pip install 'wsgen[video]'" in problem
+    assert why_no_film(tmp_path / "film.gif") is None
+
+
+def test_an_engine_that_dies_while_it_films_costs_the_film_alone(tmp_path: Path) -> None:
+    wanted = replace(scene(tmp_path / "film.gif", 0.1), picture=tmp_path / "end.png")
+    asked: list[Scene] = []
+
+    def dies_once(
+        task: str, *arguments: object, limits: Limits = DEFAULT_LIMITS, **_: object
+    ) -> Answered | Died:
+        (now,) = arguments
+        assert isinstance(now, Scene)
+        asked.append(now)
+        if now.record is not None:
+            return Died(reason="crashed (SIGSEGV)", step=f"{FILMING}: frame 2 of 3", output="")
+        return Answered(
+            value={"trials": [], "refused": {}, "picture_tile": 0.5, "seconds": {}}, output=""
+        )
+
+    outcome = run_trial(wanted, run=dies_once)
+    assert [one.record for one in asked] == [wanted.record, None]
+    assert outcome.picture == wanted.picture
+    (found,) = outcome.diagnostics
+    assert found.code == "SPN070"
+    assert "crashed (SIGSEGV) while it was drawing the film: frame 2 of 3" in found.message
+
+
+def test_a_trial_without_a_film_loads_nothing_for_it() -> None:
+    script = "import sys, wsgen.simulation.bullet_worker; print(*sys.modules)"
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, check=True, text=True)
+    loaded = run.stdout.split()
+    assert "wsgen.simulation.bullet" in loaded
+    assert not {"PIL", "av", "wsgen.simulation.film", "wsgen.simulation.gallery"} & set(loaded)
