@@ -36,12 +36,12 @@ def found(diagnostics: Iterable[Diagnostic]) -> list[tuple[str, Severity]]:
 )
 def test_a_robot_that_falls(start: float, end: float, *, falls: bool) -> None:
     expected = [("SPN056", Severity.ERROR)] if falls else []
-    judged = rules.falls_without_end("r", start, end, has_ground=True, is_moving=False)
+    judged = rules.falls_without_end("r", start, end, has_ground=True, is_falling=False)
     assert found(judged) == expected
 
 
 @pytest.mark.parametrize(
-    ("start", "end", "is_moving", "falls"),
+    ("start", "end", "is_falling", "falls"),
     [
         (0.1, -0.2, False, False),  # on something that is below z = 0
         (0.1, -5.0, False, False),  # it fell, and onto something
@@ -50,16 +50,16 @@ def test_a_robot_that_falls(start: float, end: float, *, falls: bool) -> None:
     ],
 )
 def test_without_a_ground_plane_falling_is_what_counts(
-    start: float, end: float, *, is_moving: bool, falls: bool
+    start: float, end: float, *, is_falling: bool, falls: bool
 ) -> None:
     expected = [("SPN056", Severity.ERROR)] if falls else []
-    judged = rules.falls_without_end("r", start, end, has_ground=False, is_moving=is_moving)
+    judged = rules.falls_without_end("r", start, end, has_ground=False, is_falling=is_falling)
     assert found(judged) == expected
 
 
 def test_why_it_falls() -> None:
-    (without,) = rules.falls_without_end("r", 1.0, -43.04, has_ground=False, is_moving=True)
-    (with_ground,) = rules.falls_without_end("r", 0.0, -44.04, has_ground=True, is_moving=True)
+    (without,) = rules.falls_without_end("r", 1.0, -43.04, has_ground=False, is_falling=True)
+    (with_ground,) = rules.falls_without_end("r", 0.0, -44.04, has_ground=True, is_falling=True)
     assert "by 44.0 m" in without.message
     assert "44.0 m below" in with_ground.message
     assert "ground_plane" in (without.hint or "")

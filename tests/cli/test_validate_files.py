@@ -371,3 +371,20 @@ def test_a_summary_of_many(tmp_path: Path) -> None:
     (tmp_path / "bad.urdf").write_text(urdf(link(mass="0")))
     lines = run(tmp_path, "-q", "good.urdf", "bad.urdf").stdout.splitlines()
     assert lines[-2:] == ["1 passed, 1 failed:", "  bad.urdf"]
+
+
+def test_a_thing_of_a_world_may_roll(tmp_path: Path) -> None:
+    ball = """<model name="ball"><pose>0 0 1 0 0 0</pose><link name="l">
+      <inertial><mass>1</mass><inertia><ixx>0.01</ixx><iyy>0.01</iyy><izz>0.01</izz></inertia>
+      </inertial><collision name="c"><geometry><sphere><radius>0.1</radius></sphere></geometry>
+      </collision></link></model>"""
+    slope = """<model name="slope"><static>true</static><link name="l"><collision name="c">
+      <geometry><plane><normal>0.5 0 1</normal></plane></geometry></collision></link></model>"""
+    world = f'<sdf version="1.7"><world name="w">{slope}{ball}</world></sdf>'
+    (tmp_path / "slope.world").write_text(world)
+    code, (package,) = judged(tmp_path, "slope.world")
+    moves = [item for item in package["diagnostics"] if item["element"] == "ball"]
+    assert code == 0
+    assert ("SPN058", "warning") in [(item["code"], item["severity"]) for item in moves]
+    (tmp_path / "ball.sdf").write_text(f'<sdf version="1.7">{ball}</sdf>')
+    assert judged(tmp_path, "ball.sdf")[0] == 0  # on level ground it lies still

@@ -256,3 +256,17 @@ def test_a_trial_travels_as_json() -> None:
     )
     assert len(trial.overlaps) == 2
     assert trial_from_json(json.loads(json.dumps(trial_to_json(trial)))) == trial
+
+
+@pytest.mark.parametrize(
+    ("acceleration", "falls"), [(-9.8, True), (-4.9, False), (0.0, False), (9.8, False)]
+)
+def test_falling_is_getting_faster_with_gravity(acceleration: float, *, falls: bool) -> None:
+    trial = trial_of(lambda t: still(1.0 - t + acceleration * t * t / 2), ground=False)
+    assert trial.is_falling == falls
+
+
+def test_what_rolls_off_an_edge_falls_at_the_end() -> None:
+    trial = trial_of(lambda t: still(1.0 - 4.9 * max(0.0, t - 2.8) ** 2), ground=False)
+    assert trial.is_falling
+    assert not trial_of(lambda t: still(1.0 - 4.9 * min(t, 0.4) ** 2), ground=False).is_falling

@@ -118,7 +118,7 @@ def _judge_place(world: World, trial: RobotTrial, *, gave_way: bool) -> list[Dia
             trial.lowest_point,
             trial.lowest_point_at_end,
             has_ground=world.has_ground_plane,
-            is_moving=trial.settled_after is None,
+            is_falling=trial.is_falling,
         )
     )
     if falls:

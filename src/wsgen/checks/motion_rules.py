@@ -36,13 +36,13 @@ def falls_without_end(
     lowest_at_end: float,
     *,
     has_ground: bool,
-    is_moving: bool,
+    is_falling: bool,
 ) -> Iterator[Diagnostic]:
     """The robot falls through the ground, or there is none.
 
     ## What it does
     Looks whether the robot is below the ground at the end, and lower than it was spawned; in a
-    world without a ground plane, whether it is lower and still moves.
+    world without a ground plane, whether it is lower and gets faster as gravity has it.
 
     ## Why is this bad?
     Nothing of the robot touches the ground, or the world has none.
@@ -51,7 +51,7 @@ def falls_without_end(
     <collision> in the links that stand on the ground, and a ground plane in the world.
     """
     floor = min(lowest_at_start, 0.0) if has_ground else lowest_at_start
-    if lowest_at_end < floor - FALLEN and (has_ground or is_moving):
+    if lowest_at_end < floor - FALLEN and (has_ground or is_falling):
         yield Diagnostic(
             code="SPN056",
             severity=Severity.ERROR,

@@ -46,6 +46,7 @@ class Described:
     spawn_pose: Pose = IDENTITY
     on_the_ground: bool = False  # as low as it can stand, instead of at the height of that pose
     is_scenery: bool = False  # a model of the world around the robots that are tried
+    may_move: bool = False  # a thing of a world that is tried: that it rolls or tips is no fault
 
 
 def describe(  # noqa: PLR0913  most have defaults

@@ -93,6 +93,7 @@ def describe_models(
                 spawn_pose=model.pose_in_world,
                 on_the_ground=found.world is None and not model.is_static,
                 is_scenery=is_scenery,
+                may_move=found.world is not None,
             )
         )
     return described, tuple(dict.fromkeys(diagnostics))

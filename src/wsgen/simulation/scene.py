@@ -82,6 +82,7 @@ class RobotTrial:
     energy_gain: float  # J, the most that it had above what it had when spawned
     joint_positions: Mapping[str, float]  # rad or m, of the movable joints at the end
     joint_travel: Mapping[str, float]  # rad or m, the farthest that each was from its start
+    is_falling: bool = False  # nothing holds it up: at the end it gets faster with gravity
     hull_gaps: tuple[HullGap, ...] = ()  # at the end
 
 

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 LOOK_EVERY = 0.01  # s, simulated
 LONG_LOOK = 10  # looks from one look at energy and joints, which costs more, to the next
 
+FALLS_WITH = 0.7  # of gravity; on a slope of 45 degrees what slides gets faster with half of it
 CLEARANCE = 0.005  # m, between the ground and what is spawned just above it
 
 # What a person calls standing still. Contact solvers leave about 1e-3 on a body at rest.
@@ -57,6 +58,7 @@ class _Watch:
     is_finite: bool = True
     moving_until: float = 0.0  # s
     highest_speed: float = 0.0
+    heights: tuple[tuple[float, float], ...] = ((0.0, 0.0),) * 3  # s, m: of the last looks
     highest_point: float = field(init=False)
     energy_gain: float = 0.0
     last_joints: Mapping[str, float] = field(init=False)
@@ -79,6 +81,7 @@ class _Watch:
         if not self.is_finite:
             return  # the last finite state is what is told
         self.last = state
+        self.heights = (*self.heights[1:], (seconds, state.xyz[2]))
         self.highest_speed = max(self.highest_speed, state.speed)
         self.highest_point = max(self.highest_point, state.xyz[2])
         if (
@@ -87,6 +90,14 @@ class _Watch:
             or state.joint_speed > REST_JOINT_SPEED
         ):
             self.moving_until = seconds
+
+    def acceleration(self) -> float:
+        """How it gets faster upwards, m/s², over the last looks."""
+        (first, low), (second, middle), (third, high) = self.heights
+        if not first < second < third:
+            return 0.0
+        before = (middle - low) / (second - first)
+        return 2 * ((high - middle) / (third - second) - before) / (third - first)
 
     def look_long(self, energy: float, joints: Mapping[str, float]) -> None:
         """Take in what is looked at less often."""
@@ -228,8 +239,14 @@ def _measured(
         energy_gain=watch.energy_gain,
         joint_positions=watch.last_joints,
         joint_travel=watch.travel,
+        is_falling=_falls(watch.acceleration(), scene.world.gravity[2]),
         hull_gaps=tuple(engine.hull_gaps(watch.spawned.entity)) if watch.is_finite else (),
     )
+
+
+def _falls(acceleration: float, gravity: float) -> bool:
+    """Whether that is what a body does that nothing holds up; both upwards, m/s²."""
+    return gravity < 0 and acceleration < FALLS_WITH * gravity
 
 
 def _of_one(overlaps: Sequence[Overlap], entity: str) -> Iterator[Overlapping]:
