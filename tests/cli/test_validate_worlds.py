@@ -161,3 +161,62 @@ def test_a_picture_of_the_whole_world_where_it_holds_more(built: Path, tmp_path:
     assert package["world_picture"] == str(pictures / "gazebo_test-world.png")
     _, alone = validate_in(built, tmp_path, GROUND, "--picture", str(pictures))
     assert alone["packages"][0]["world_picture"] is None
+
+
+def test_a_robot_may_lean_on_a_slope(built: Path, tmp_path: Path) -> None:
+    slope = block("slope", "0 0 1 0 0.35 0", "6 6 0.2")
+    crate = tmp_path / "crate.sdf"
+    inertia = "<ixx>0.01</ixx><iyy>0.01</iyy><izz>0.01</izz>"
+    crate.write_text(
+        '<sdf version="1.6"><model name="crate"><link name="l"><inertial><mass>1</mass><inertia>'
+        f'{inertia}</inertia></inertial><collision name="c"><geometry><box><size>0.3 0.3 0.1</size>'
+        "</box></geometry></collision></link></model></sdf>"
+    )
+    launch = built / SHARE / "launch" / "gazebo_model.launch.py"
+    aside = launch.with_name("crate.launch.py")
+    text = launch.read_text()
+    aside.write_text(text.replace("'-topic', 'robot_description'", f"'-file', '{crate}'"))
+    try:
+        options = ("--launch", aside.name, "--arg", "z:=1.25", PACKAGE)
+        code, document = validate_in(built, tmp_path, GROUND + slope, *options)
+    finally:
+        aside.unlink()
+    assert (code, found(document)) == (0, [("SPN059", "warning")])
+
+
+def test_what_is_broken_in_a_world_takes_nothing_else_away(built: Path, tmp_path: Path) -> None:
+    broken = (
+        '<model name="bad"><static>true</static><pose>9 0 0 0 0 0</pose><link name="l">'
+        '<collision name="c"><geometry><mesh><uri>none.stl</uri></mesh></geometry></collision>'
+        "</link></model>"
+    )
+    platform = block("platform", "0 0 1 0 0 0", "4 4 2")
+    code, document = validate_in(built, tmp_path, GROUND + broken + platform, "--arg", "z:=2.3")
+    assert (code, found(document)) == (1, [("WLD032", "error")])
+    assert document["packages"][0]["robots"][0]["rest"]["xyz"][2] == pytest.approx(2.25, abs=0.003)
+
+
+def test_what_is_spawned_cannot_be_called_as_the_ground(built: Path, tmp_path: Path) -> None:
+    launch = built / SHARE / "launch" / "gazebo_model.launch.py"
+    aside = launch.with_name("ground.launch.py")
+    aside.write_text(launch.read_text().replace("'simple_robot'", "'ground_plane'"))
+    try:
+        code, document = validate_in(built, tmp_path, GROUND, "--launch", aside.name, PACKAGE)
+    finally:
+        aside.unlink()
+    assert (code, found(document)) == (1, [("SPN049", "error")])
+
+
+def test_a_spawned_model_without_links_is_no_robot(built: Path, tmp_path: Path) -> None:
+    launch = built / SHARE / "launch" / "gazebo_model.launch.py"
+    aside = launch.with_name("nothing.launch.py")
+    model = '<sdf version="1.6"><model name="m"><static>true</static></model></sdf>'
+    (tmp_path / "nothing.sdf").write_text(model)
+    text = launch.read_text()
+    given = f"'-file', '{tmp_path}/nothing.sdf'"
+    aside.write_text(text.replace("'-topic', 'robot_description'", given))
+    try:
+        code, document = validate_in(built, tmp_path, GROUND, "--launch", aside.name, PACKAGE)
+    finally:
+        aside.unlink()
+    assert (code, found(document)) == (1, [("SPN003", "error")])

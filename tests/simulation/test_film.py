@@ -216,6 +216,11 @@ def test_a_folder_in_the_place_of_the_file(tmp_path: Path) -> None:
     assert "cannot be written" in refused(scene(tmp_path / "film.gif", 0.1))
 
 
+def test_a_pipe_in_the_place_of_the_file(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "film.gif")
+    assert "cannot be written" in refused(scene(tmp_path / "film.gif", 0.1))
+
+
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
 def test_a_folder_that_may_not_be_written_to(tmp_path: Path) -> None:
     tmp_path.chmod(0o500)

@@ -214,6 +214,7 @@ RULES = (
     Rule("WLD045", "no-downward-gravity", "Nothing is pulled down in this world."),
     Rule("WLD046", "declared-entities", "The file declares entities of XML and uses them."),
     Rule("WLD047", "world-not-utf-8", "The file is no text in UTF-8."),
+    Rule("WLD048", "nested-static-model", "A static model is part of one that moves."),
     Rule("WLD050", "missing-heightmap", "The image of a heightmap is not there."),
     Rule("WLD051", "unusable-heightmap", "The image of a heightmap is broken or enormous."),
     Rule("WLD053", "reduced-heightmap", "The trial takes fewer pixels of a heightmap than it has."),

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wsgen.checks import extent_rules, motion_rules, robot_rules, scene_rules, trial_rules
+from wsgen.diagnostics import Severity
 from wsgen.model.limbs import limb_joints
 from wsgen.model.robot import JointType
 
@@ -21,6 +23,7 @@ if TYPE_CHECKING:
 # Less is play: a motion that nobody would call giving way.
 GAVE_WAY_TURNING = 0.1  # rad
 GAVE_WAY_SLIDING = 0.01  # m
+ON_THE_GROUND = 0.02  # m
 
 
 def judge_robot(
@@ -79,8 +82,23 @@ def judge_trial(
         fall = min(trial.lowest_point, trial.lowest_point - trial.lowest_point_at_end)
         found += trial_rules.spawned_high_above_the_ground(entity, fall, trial.spawn_pose.xyz[2])
     if trial.is_finite:
-        found += _judge_motion(robot, world, trial, is_alone=is_alone)
+        is_pushed = any(overlap.other_entity is not None for overlap in trial.overlaps)
+        motion = _judge_motion(robot, world, trial, is_alone=is_alone and not is_pushed)
+        if scenery and not _is_on_the_ground(world, trial):
+            motion = [_as_on_a_slope(one) for one in motion]
+        found += motion
     return tuple(found)
+
+
+def _is_on_the_ground(world: World, trial: RobotTrial) -> bool:
+    """Whether it ends up where a robot that leans has fallen over, and stands on no slope."""
+    return world.has_ground_plane and abs(trial.lowest_point_at_end) < ON_THE_GROUND
+
+
+def _as_on_a_slope(finding: Diagnostic) -> Diagnostic:
+    """On the models of a world it may be right that a robot leans."""
+    leans = finding.code == "SPN059" and finding.severity is Severity.ERROR
+    return replace(finding, severity=Severity.WARNING) if leans else finding
 
 
 def _judge_motion(

@@ -61,7 +61,7 @@ def falls_without_end(
             element=entity,
             hint="Give the links that stand on the ground a <collision>."
             if has_ground
-            else "Include model://ground_plane in the world.",
+            else "Spawn it above what carries it (x, y, z), or include model://ground_plane.",
         )
 
 

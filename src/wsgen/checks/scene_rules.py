@@ -57,7 +57,7 @@ def robots_in_each_other(
                 f"`{entity}/{deepest.link}` is {deepest.depth:.3f} m deep in "
                 f"`{other}/{deepest.other_link}`.",
                 element=entity,
-                hint="Give the spawners poses that are farther apart (-x, -y).",
+                hint="Spawn them farther apart (-x, -y), or higher (-z).",
             )
 
 

@@ -87,6 +87,10 @@ def command(
     overlay = _source(place, is_wanted=workspace is not None)
     package, file, rest = _choose(words, place, overlay)
     arguments = split_launch_arguments(rest)
+    if play and show_arguments:
+        raise RequestError(
+            "--show-args shows the arguments and --play plays the file.", hint="Take one of them."
+        )
     if play:
         request = _request(arguments, record, picture, seconds, engine)
         return _play(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
     from wsgen.isolation.protocol import Run
     from wsgen.model.robot import Robot
+
+NAMED = 3  # so many robots are told in a line
 
 ShareOf = Callable[[str], Path | None]  # package name -> its installed share folder
 
@@ -93,6 +95,13 @@ def _as_in_gazebo(
     readable, flawed = complete(located, file, workshop)
     lumped, dropped = lump(readable, file=file)
     return lumped, (*missing, *flawed, *dropped)
+
+
+def name_some(described: Sequence[Described]) -> str:
+    """The names of the robots that are tried, of many the first few."""
+    names = [robot.entity for robot in described if robot.is_sound and not robot.is_scenery]
+    others = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
+    return ", ".join(names[:NAMED]) + others
 
 
 def complete(

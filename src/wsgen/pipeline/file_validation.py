@@ -10,7 +10,7 @@ from wsgen.description.xacro_file import expand_file
 from wsgen.diagnostics import Diagnostic, Severity, has_errors
 from wsgen.model.outcome import PackageOutcome
 from wsgen.pipeline.clock import Clock
-from wsgen.pipeline.described import Described, Workshop, describe
+from wsgen.pipeline.described import Described, Workshop, describe, name_some
 from wsgen.pipeline.folders import share_around, share_on_model_path
 from wsgen.pipeline.models import describe_models, read_file
 from wsgen.pipeline.trial import Tried, try_robots
@@ -68,9 +68,7 @@ class FileValidation:
             step.succeeded = not has_errors(self.diagnostics)
         tried = Tried()
         if described and world:
-            with self.clock.step(
-                "simulate", ", ".join(robot.entity for robot in described)
-            ) as step:
+            with self.clock.step("simulate", name_some(described)) as step:
                 tried = try_robots(world, described, self.request, self.name, run=self.run_task)
                 step.succeeded = all(robot.passed for robot in tried.robots)
             self.clock.take(tried.seconds or {})
@@ -120,11 +118,11 @@ class FileValidation:
         found = read_file(self.file, workshop, self.overlay.environment)
         described, flawed = describe_models(found, workshop)
         self.diagnostics += (*found.diagnostics, *flawed)
-        if not described and not has_errors(found.diagnostics):
+        if not described and not has_errors(self.diagnostics):
             self.diagnostics.append(
                 Diagnostic(
                     code="WLD042",
-                    severity=Severity.INFO,
+                    severity=Severity.ERROR if found.world is None else Severity.INFO,
                     message="The file holds no model to try.",
                     file=self.file,
                     hint="A package that spawns a robot into it tries more: wsgen validate PACKAGE",

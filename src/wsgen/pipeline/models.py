@@ -2,25 +2,27 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wsgen.description.lump import lump
 from wsgen.description.meshes import find_meshes
 from wsgen.description.reader import read_urdf
-from wsgen.diagnostics import has_errors
+from wsgen.diagnostics import Diagnostic, Severity, has_errors
+from wsgen.model.robot import Robot
 from wsgen.pipeline.described import Described, complete
 from wsgen.world.lookup import model_finder
 from wsgen.world.models import read_model, read_sdf
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
+    from collections.abc import Callable, Iterable, Mapping, Sequence
     from pathlib import Path
 
-    from wsgen.diagnostics import Diagnostic
     from wsgen.model.plan import Spawn
-    from wsgen.model.robot import Robot
     from wsgen.pipeline.described import Workshop
-    from wsgen.world.models import SdfFile
+    from wsgen.world.models import SdfFile, SdfModel
+
+MOST_MODELS = 1000  # a minute of simulation for 3 s; public worlds have some dozens
 
 
 def read_file(file: Path, workshop: Workshop, environment: Mapping[str, str]) -> SdfFile:
@@ -51,9 +53,10 @@ def _finder(
 
     def find_model(uri: str) -> Path | None:
         found = None if find is None else find(uri)
-        scheme, _, name = uri.partition("://")
-        is_local = scheme in {"model", "package"}
-        return found or (workshop.share_of(name.partition("/")[0]) if is_local else None)
+        scheme, _, rest = uri.partition("://")
+        name = rest.partition("/")[0]
+        is_local = scheme in {"model", "package"} and name not in {"", ".", ".."}
+        return found or (workshop.share_of(name) if is_local else None)
 
     return find_model
 
@@ -75,28 +78,73 @@ def describe_models(
 ) -> tuple[list[Described], tuple[Diagnostic, ...]]:
     """The models that have links, ready for an engine, and what is wrong with their meshes.
 
-    Where the file has errors none of them is sound: the scene would be another one than described.
+    Scenery is there with all that can be had of it; of a file that is tried by itself nothing is
+    sound where there are errors: the scene would be another one than described.
     """
-    described: list[Described] = []
-    diagnostics: list[Diagnostic] = []
-    for model in found.models:
-        if model.robot is None:
-            continue
-        robot, flawed = complete(model.robot, model.file, workshop)
-        diagnostics += flawed
-        described.append(
-            Described(
-                entity=model.name,
-                written=model.robot,
-                lumped=robot,
-                is_sound=not has_errors((*found.diagnostics, *flawed)),
-                spawn_pose=model.pose_in_world,
-                on_the_ground=found.world is None and not model.is_static,
-                is_scenery=is_scenery,
-                may_move=found.world is not None,
-            )
+    models = [model for model in found.models if model.robot is not None]
+    if len(models) > MOST_MODELS:
+        return [], (_too_many(len(models), found),)
+    robots, flawed = _completed(models, workshop)
+    is_sound = is_scenery or not has_errors((*found.diagnostics, *flawed))
+    return [
+        Described(
+            entity=model.name,
+            written=written,
+            lumped=robot,
+            is_sound=is_sound,
+            spawn_pose=model.pose_in_world,
+            on_the_ground=found.world is None and not model.is_static,
+            is_scenery=is_scenery,
+            may_move=found.world is not None,
         )
-    return described, tuple(dict.fromkeys(diagnostics))
+        for model, robot in zip(models, robots, strict=True)
+        if (written := model.robot) is not None
+    ], flawed
+
+
+def _completed(
+    models: Sequence[SdfModel], workshop: Workshop
+) -> tuple[list[Robot], tuple[Diagnostic, ...]]:
+    """The robots of the models, with files that engines read.
+
+    The links of all models of one file are looked into together: a child process for each of some
+    hundred models would take longer than to simulate them.
+    """
+    completed: dict[int, Robot] = {}
+    diagnostics: list[Diagnostic] = []
+    groups: dict[tuple[Path | None, bool], list[int]] = {}
+    for number, model in enumerate(models):
+        groups.setdefault((model.file, model.is_static), []).append(number)
+    for (file, is_static), numbers in groups.items():
+        robots = [robot for number in numbers if (robot := models[number].robot) is not None]
+        names = [models[number].name for number in numbers] if len(numbers) > 1 else [None]
+        together = Robot(
+            name="",
+            root="",
+            links=tuple(
+                link if name is None else replace(link, name=f"{name}::{link.name}")
+                for robot, name in zip(robots, names, strict=True)
+                for link in robot.links
+            ),
+            is_static=is_static,
+        )
+        whole, flawed = complete(together, file, workshop)
+        diagnostics += flawed
+        links = iter(whole.links)
+        for number, robot in zip(numbers, robots, strict=True):
+            own = (replace(next(links), name=link.name) for link in robot.links)
+            completed[number] = replace(robot, links=tuple(own))
+    return [completed[number] for number in range(len(models))], tuple(diagnostics)
+
+
+def _too_many(models: int, found: SdfFile) -> Diagnostic:
+    return Diagnostic(
+        code="SPN035",
+        severity=Severity.ERROR,
+        message=f"The world holds {models:,} models: a trial takes at most {MOST_MODELS:,}.",
+        file=found.world.file if found.world else None,
+        hint="Make one static model of what never moves, or split the world.",
+    )
 
 
 def without_taken(scenery: Iterable[Described], taken: Iterable[str]) -> list[Described]:

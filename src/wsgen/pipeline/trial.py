@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.checks.judge import judge_trial
 from wsgen.checks.scene_rules import engines_disagree
-from wsgen.diagnostics import Diagnostic, Severity, has_errors
+from wsgen.diagnostics import Severity, has_errors
 from wsgen.isolation.outcome import Limits
 from wsgen.model.outcome import Rest, RobotOutcome, Simulated
 from wsgen.simulation.run import run_trial
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
+    from wsgen.diagnostics import Diagnostic
     from wsgen.isolation.protocol import Run
     from wsgen.model.world import World
     from wsgen.pipeline.described import Described
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
     from wsgen.simulation.scene import RobotTrial, TrialOutcome
 
 MOVES = {"SPN058", "SPN059"}  # keeps moving, tips over
-MOST_MODELS = 1000  # a minute of simulation for 3 s; public worlds have some dozens
 ENGINE_NAMES = {"bullet": "PyBullet", "dart": "DART"}
 
 
@@ -49,11 +49,6 @@ def try_robots(
     robots = [robot for robot in described if not robot.is_scenery]
     if all(robot.is_scenery for robot in sound):
         return Tried(robots=tuple(_outcome(robot, None) for robot in robots))
-    if len(sound) > MOST_MODELS:
-        return Tried(
-            robots=tuple(_outcome(robot, None) for robot in robots),
-            diagnostics=(_too_many(len(sound), world),),
-        )
     # Large robots are slower than their own time; this is about hanging, not about slow.
     limits = Limits(seconds=60.0 + 20.0 * request.seconds)
     outcomes = [
@@ -86,16 +81,6 @@ def try_robots(
         world_picture=first.world_picture,
         film=first.film.file if first.film else None,
         seconds=first.seconds,
-    )
-
-
-def _too_many(models: int, world: World) -> Diagnostic:
-    return Diagnostic(
-        code="SPN035",
-        severity=Severity.ERROR,
-        message=f"The world holds {models:,} models: a trial takes at most {MOST_MODELS:,}.",
-        file=world.file,
-        hint="Make one static model of what never moves, or split the world.",
     )
 
 

@@ -15,7 +15,7 @@ from wsgen.launch.evaluate import evaluate
 from wsgen.launch.spawning import find_simulator, find_spawns
 from wsgen.model.outcome import PackageOutcome
 from wsgen.pipeline.clock import Clock
-from wsgen.pipeline.described import Described, Workshop, describe
+from wsgen.pipeline.described import Described, Workshop, describe, name_some
 from wsgen.pipeline.folders import share_on_model_path
 from wsgen.pipeline.models import (
     describe_models,
@@ -31,7 +31,7 @@ from wsgen.world.lookup import find_world
 from wsgen.world.reader import DEFAULT_WORLD
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Collection, Mapping
 
     from wsgen.events import Listener
     from wsgen.isolation.protocol import Run
@@ -98,8 +98,14 @@ class Validation:
             with_colours=self.request.is_drawn,
         )
         world, scenery = self._read_world(plan, workshop, environment)
-        described = self._describe(plan, workshop, environment, scenery) if world else []
-        if world is None or not described:
+        if world is None:
+            return None, Tried()
+        in_world = {
+            *(model.entity for model in scenery),
+            *(model.name for model in world.models if model.name),
+        }
+        described = self._describe(plan, workshop, environment, in_world)
+        if not described:
             return world, Tried()
         taken = [robot.entity for robot in described]
         return world, self._try(world, [*without_taken(scenery, taken), *described])
@@ -157,15 +163,13 @@ class Validation:
         plan: LaunchPlan,
         workshop: Workshop,
         environment: Mapping[str, str],
-        scenery: Iterable[Described],
+        in_world: Collection[str],
     ) -> list[Described]:
         with self.clock.step("expand", "robot description") as step:
             spawns, diagnostics = find_spawns(plan)
             self.diagnostics += (
                 *diagnostics,
-                *spawned_twice(
-                    [spawn.entity for spawn in spawns], [model.entity for model in scenery]
-                ),
+                *spawned_twice([spawn.entity for spawn in spawns], in_world),
             )
             # Of two with one name the simulator refuses the second.
             unique = {spawn.entity: spawn for spawn in reversed(spawns)}
@@ -174,9 +178,9 @@ class Validation:
                 for spawn in reversed(unique.values())
                 if (robot := self._describe_one(spawn, workshop, environment))
             ]
-            step.succeeded = len(described) == len(spawns) and all(
-                robot.is_sound for robot in described
-            )
+            if spawns and not described and not has_errors(self.diagnostics):
+                self.diagnostics.append(_nothing_spawned(plan.launch_file))
+            step.succeeded = not has_errors(self.diagnostics)
         return described
 
     def _describe_one(
@@ -202,15 +206,22 @@ class Validation:
         return described
 
     def _try(self, world: World, described: list[Described]) -> Tried:
-        names = ", ".join(
-            robot.entity for robot in described if robot.is_sound and not robot.is_scenery
-        )
-        with self.clock.step("simulate", names) as step:
+        with self.clock.step("simulate", name_some(described)) as step:
             tried = try_robots(world, described, self.request, self.package, run=self.run_task)
             step.succeeded = all(robot.passed for robot in tried.robots)
         self.diagnostics += tried.diagnostics
         self.clock.take(tried.seconds or {})
         return tried
+
+
+def _nothing_spawned(launch_file: Path | None) -> Diagnostic:
+    return Diagnostic(
+        code="SPN003",
+        severity=Severity.ERROR,
+        message="What the launch file spawns has no link: there is no robot to try.",
+        file=launch_file,
+        hint="Spawn a model with <link>, or leave the package out.",
+    )
 
 
 def _unknown_world(launch_file: Path | None, name: str) -> Diagnostic:

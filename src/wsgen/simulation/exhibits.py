@@ -23,6 +23,7 @@ Rgba = tuple[float, float, float, float]
 Poses = dict[str, "Mapping[str, Pose]"]  # of links, in the world: entity, then link
 
 UNPAINTED: Rgba = (0.75, 0.75, 0.78, 1.0)  # about what Gazebo shows without a material
+UNPAINTED_SCENERY: Rgba = (0.60, 0.57, 0.53, 1.0)  # so that a robot is told from what it is on
 WHITE: Rgba = (1.0, 1.0, 1.0, 1.0)  # leaves a texture its colours
 COLLISION: Rgba = (1.0, 0.44, 0.0, 0.5)  # what Gazebo paints collisions with
 BLACKEST = 0.1  # Gazebo's `FlatBlack`
@@ -99,7 +100,7 @@ def _of_link(entity: str, link: Link, *, is_subject: bool) -> Iterator[Exhibit]:
     if not visuals:
         yield from _collisions(entity, link, is_subject=is_subject)
     for visual, geometry in visuals:
-        rgba = _colour(visual)
+        rgba = _colour(visual, UNPAINTED if is_subject else UNPAINTED_SCENERY)
         if rgba[3] >= INVISIBLE:
             yield Exhibit(
                 entity=entity,
@@ -134,8 +135,8 @@ def _drawable(geometry: Geometry) -> Primitive | Mesh | None:
     return geometry if isinstance(geometry, (Box, Cylinder, Sphere, Capsule)) else None
 
 
-def _colour(visual: Visual) -> Rgba:
+def _colour(visual: Visual, unpainted: Rgba) -> Rgba:
     """Its colour, but for black, which is painted as little brighter as shows its edges."""
-    red, green, blue, alpha = visual.rgba or (WHITE if visual.texture else UNPAINTED)
+    red, green, blue, alpha = visual.rgba or (WHITE if visual.texture else unpainted)
     is_black = max(red, green, blue) < BLACKEST
     return (BLACKEST, BLACKEST, BLACKEST, alpha) if is_black else (red, green, blue, alpha)

@@ -29,6 +29,7 @@ SHADE = 0.42  # of the ground's light that a shadow takes
 SOFTNESS = 1 / 170  # of the shadow's width: how far its edges are blurred
 TILE_MOST = 0.5  # of the robots' size; the next smaller round length is a fifth or more
 TILE_PIXELS = 5.0  # squares that are smaller than this at the nearest cannot be told apart
+LEAST_GROUND = 0.02  # of the picture: less shows no square
 DOWN = -1e-6  # a ray that goes no steeper looks along the ground
 
 
@@ -75,6 +76,17 @@ class Backdrop:
         ground = tiles + haze * (np.array(SKY_LOW, dtype=np.float32) - tiles)
         self._lit = 1 - haze[..., 0]  # haze hides shadows, too
         self.colour = np.where(self._hits[..., None], ground, self.colour)
+
+    def look_past(self, is_free: NDArray[np.bool_]) -> None:
+        """Have no tile where the ground is seen nowhere: all else than `is_free` is before it.
+
+        `is_free` is of the picture, in any resolution.
+        """
+        rows = np.arange(self.size.height) * len(is_free) // self.size.height
+        columns = np.arange(self.size.width) * is_free.shape[1] // self.size.width
+        seen = self._hits & is_free[rows[:, None], columns]
+        if np.count_nonzero(seen) < LEAST_GROUND * seen.size:
+            self.tile = None
 
     def shadowed(self, light: Shot | None, opacity: Floats) -> Floats:
         """Red, green and blue, 0 to 1, with the shadow of what the light sees.

@@ -31,7 +31,8 @@ def why_no_film(file: Path) -> str | None:
         return "an .mp4 needs PyAV: take a .gif, or pip install 'wsgen[video]'"
     if not file.parent.is_dir():
         return f"the folder {file.parent} does not exist"
-    if file.is_dir() or not os.access(file if file.exists() else file.parent, os.W_OK):
+    is_special = file.is_dir() or file.is_fifo()
+    if is_special or not os.access(file if file.exists() else file.parent, os.W_OK):
         return f"{file} cannot be written to"
     return None
 

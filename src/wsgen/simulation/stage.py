@@ -90,6 +90,8 @@ class Stage:
     def take(self, *, dither: bool) -> Image:
         """A picture of how things are now; `dither` makes it smoother and its file larger."""
         shot = self.studio.shoot(self.camera)
+        bodies = np.asarray(shot.body).reshape(shot.camera.height, shot.camera.width)
+        self.backdrop.look_past(bodies < 0)
         behind = self._behind_veils() if (self._opacity < 1).any() else None
         light = None
         if self._light is not None and self.backdrop.is_ground_seen:

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 LOOK_EVERY = 0.01  # s, simulated
 LONG_LOOK = 10  # looks from one look at energy and joints, which costs more, to the next
 
+FALLING_LOOKS = 20  # what is in the air for less is bouncing
 FALLS_WITH = 0.7  # of gravity; on a slope of 45 degrees what slides gets faster with half of it
 CLEARANCE = 0.005  # m, between the ground and what is spawned just above it
 
@@ -58,7 +59,7 @@ class _Watch:
     is_finite: bool = True
     moving_until: float = 0.0  # s
     highest_speed: float = 0.0
-    heights: tuple[tuple[float, float], ...] = ((0.0, 0.0),) * 3  # s, m: of the last looks
+    heights: list[tuple[float, float]] = field(default_factory=list)  # s, m: of the last looks
     highest_point: float = field(init=False)
     energy_gain: float = 0.0
     last_joints: Mapping[str, float] = field(init=False)
@@ -81,7 +82,7 @@ class _Watch:
         if not self.is_finite:
             return  # the last finite state is what is told
         self.last = state
-        self.heights = (*self.heights[1:], (seconds, state.xyz[2]))
+        self.heights = [*self.heights[-FALLING_LOOKS:], (seconds, state.xyz[2])]
         self.highest_speed = max(self.highest_speed, state.speed)
         self.highest_point = max(self.highest_point, state.xyz[2])
         if (
@@ -93,9 +94,10 @@ class _Watch:
 
     def acceleration(self) -> float:
         """How it gets faster upwards, m/s², over the last looks."""
-        (first, low), (second, middle), (third, high) = self.heights
-        if not first < second < third:
+        if len(self.heights) <= FALLING_LOOKS:
             return 0.0
+        (first, low), (third, high) = self.heights[0], self.heights[-1]
+        second, middle = self.heights[FALLING_LOOKS // 2]
         before = (middle - low) / (second - first)
         return 2 * ((high - middle) / (third - second) - before) / (third - first)
 

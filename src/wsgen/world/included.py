@@ -200,6 +200,10 @@ class Includes:
 
 def how_to_have(uri: str) -> str:
     """What to do about a model or mesh that is not there."""
+    if not uri:
+        return "Write <uri>model://NAME</uri> into it."
+    if "://" not in uri:
+        return "Check its spelling, capitals included; the path is seen from this file."
     if uri.startswith(("http://", "https://")):
         return (
             f"Load it once with `gz fuel download -u '{uri}'` (Gazebo Fortress: `ign fuel`); or "

@@ -78,6 +78,15 @@ def read_standing(includes: Includes, node: Node) -> SdfModel:
 
     pose = resolve(node)
     assembled = assemble(includes, node.inside, pose)
+    for scope in node.inside.below():
+        if scope.is_static and not node.is_static and scope.element is not None:
+            scope.source.warning(
+                "WLD048",
+                f"The model `{scope.name}` is static, and part of one that is not: Gazebo holds it "
+                "still, the trial lets it move.",
+                at=scope.element,
+                hint="Make the outer model static, or let the inner one stand beside it.",
+            )
     return SdfModel(
         name=node.name,
         robot=assembled.robot,

@@ -17,8 +17,9 @@ def file_of_model(folder: Path) -> Path | None:
     """The newest SDF file that model.config names, else model.sdf."""
     manifest = folder / "model.config"
     named: list[tuple[tuple[int, ...], str]] = []
-    if is_file(manifest) and manifest.stat().st_size <= MANIFEST_LIMIT:
-        root = parse(manifest.read_bytes())
+    content = _read(manifest)
+    if content is not None:
+        root = parse(content)
         if not isinstance(root, Malformed):
             named = [
                 (_digits(sdf.get("version") or ""), (sdf.text or "").strip())
@@ -29,6 +30,17 @@ def file_of_model(folder: Path) -> Path | None:
         return folder / max(named)[1]
     plain = folder / "model.sdf"
     return plain if is_file(plain) else None
+
+
+def _read(manifest: Path) -> bytes | None:
+    """What is in it; None where there is no such file, or none that may be read."""
+    if not is_file(manifest):
+        return None
+    try:
+        with manifest.open("rb") as stream:
+            return stream.read(MANIFEST_LIMIT)
+    except OSError:
+        return None
 
 
 def _digits(version: str) -> tuple[int, ...]:

@@ -125,7 +125,9 @@ def _chosen(source: Source) -> Element | None:
     if not found:
         source.error(
             "WLD003",
-            "There is neither a <world> nor a <model> in an <sdf> here; "
+            "There is neither a <world> nor a <model> here."
+            if source.root.tag == "sdf"
+            else "There is neither a <world> nor a <model> in an <sdf> here; "
             f"the root element is <{source.root.tag}>.",
             at=source.root,
             hint='A world file is <sdf version="1.5"><world name="..."> ... </world></sdf>.',

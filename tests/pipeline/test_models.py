@@ -1,0 +1,64 @@
+"""Models of SDF files on their way into a scene."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from wsgen.isolation import parent
+from wsgen.pipeline.described import Workshop
+from wsgen.pipeline.models import MOST_MODELS, describe_models, read_file
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from wsgen.isolation.outcome import Answered, Died
+
+EGG = (
+    '<collision name="c"><geometry><ellipsoid><radii>0.1 0.2 0.3</radii></ellipsoid></geometry>'
+    "</collision>"
+)
+
+
+class Counting:
+    """Runs child processes, and counts them."""
+
+    def __init__(self) -> None:
+        self.tasks: list[str] = []
+
+    def __call__(self, task: str, *arguments: Any, **options: Any) -> Answered | Died:
+        self.tasks.append(task)
+        return parent.run(task, *arguments, **options)
+
+
+def world_of(folder: Path, count: int, shape: str) -> Path:
+    models = "".join(
+        f'<model name="m{number}"><static>true</static><link name="l">{shape}</link></model>'
+        for number in range(count)
+    )
+    file = folder / "many.world"
+    file.write_text(f'<sdf version="1.9"><world name="w">{models}</world></sdf>')
+    return file
+
+
+def test_the_models_of_a_file_share_a_child_process(tmp_path: Path) -> None:
+    pytest.importorskip("numpy")
+    counting = Counting()
+    workshop = Workshop(share_of=lambda _: None, folder=tmp_path, run=counting)
+    found = read_file(world_of(tmp_path, 5, EGG), workshop, {})
+    described, diagnostics = describe_models(found, workshop)
+    assert diagnostics == ()
+    assert len(counting.tasks) == 1
+    assert [model.entity for model in described] == ["m0", "m1", "m2", "m3", "m4"]
+    assert [link.name for model in described for link in model.lumped.links] == ["l"] * 5
+    assert all(model.lumped.links[0].collisions[0].geometry.path for model in described)  # type: ignore[union-attr]
+
+
+def test_too_many_models_are_refused_before_anything_is_made_of_them(tmp_path: Path) -> None:
+    counting = Counting()
+    workshop = Workshop(share_of=lambda _: None, folder=tmp_path, run=counting)
+    found = read_file(world_of(tmp_path, MOST_MODELS + 1, EGG), workshop, {})
+    described, (problem,) = describe_models(found, workshop)
+    assert (described, counting.tasks) == ([], [])
+    assert (problem.code, problem.file) == ("SPN035", tmp_path / "many.world")
