@@ -17,7 +17,7 @@ FOREIGN = {
     "dartpy": "simulation/dart_library.py",
     "av": "simulation/film_encoder.py",
     "xacro": "description/expand.py",
-    "jinja2": "templating/render.py",
+    "jinja2": "templating/environment.py",
     "catkin_pkg": "workspace/package_xml.py",
     "lxml": "xmltree.py",
 }

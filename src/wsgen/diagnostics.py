@@ -23,7 +23,7 @@ class Severity(str, Enum):
 class Diagnostic:
     """One finding.
 
-    `code` is stable and never reused (families PKG, BLD, ROB, WLD, LCH, SPN; the list is in
+    `code` is stable and never reused (families PKG, BLD, ROB, WLD, LCH, SPN, TPL; the list is in
     `wsgen.checks.catalogue`); `hint` is what to do about it.
     """
 

@@ -4,7 +4,8 @@ WsgenError                          base; never raised itself
 ├── RequestError                2   the request is wrong: name, option, template, target
 ├── WouldOverwriteError         3   something is there already; nothing was written
 ├── NotFoundError               4   a tool or a file that is needed is missing
-└── NotReadableError            4   a file is there and cannot be read or written
+├── NotReadableError            4   a file is there and cannot be read or written
+└── BrokenTemplateError         4   a template is there and cannot be made into a package
 
 What is wrong with the user's files is a `Diagnostic`, not an exception: wsgen goes on and collects
 the next one, and ends with exit code 1.
@@ -59,5 +60,11 @@ class NotFoundError(WsgenError):
 
 class NotReadableError(WsgenError):
     """A file or folder is there and cannot be read or written."""
+
+    exit_code = EXIT_MISSING
+
+
+class BrokenTemplateError(WsgenError):
+    """A template is there and cannot be made into a package."""
 
     exit_code = EXIT_MISSING

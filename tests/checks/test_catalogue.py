@@ -30,7 +30,7 @@ def test_every_code_in_use_is_listed_and_every_listed_code_is_used() -> None:
         code
         for path in (ROOT / "src" / "wsgen").rglob("*.py")
         if path.name != "catalogue.py"
-        for code in re.findall(r'"((?:PKG|BLD|ROB|WLD|LCH|SPN)\d{3})"', path.read_text())
+        for code in re.findall(r'"((?:PKG|BLD|ROB|WLD|LCH|SPN|TPL)\d{3})"', path.read_text())
     }
     assert used == {rule.code for rule in RULES}
 

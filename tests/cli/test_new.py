@@ -8,6 +8,10 @@ import pytest
 
 from wsgen.cli import run
 
+NOTE = (
+    "note: ROS 2 Iron has had no updates since 2024-12-04; take --distro humble (until 2027-05)"
+    " or --distro lyrical (until 2031-05).\n"
+)
 GIVEN = ("--maintainer-name", "Ada", "--maintainer-email", "ada@example.com")
 
 
@@ -52,7 +56,7 @@ def test_new_workspace(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert told.out == (
         "Wrote ws_gazebo/src/gazebo_test\nNext: cd ws_gazebo && wsgen build && wsgen validate\n"
     )
-    assert told.err == ""
+    assert told.err == NOTE
 
 
 def test_second_package_goes_into_the_workspace_around(
@@ -120,7 +124,7 @@ def test_dry_run(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     told = capsys.readouterr()
     assert len(told.out.splitlines()) == 9
     assert str(here / "ws_gazebo/src/gazebo_test/package.xml") in told.out.splitlines()
-    assert told.err == "Nothing was written.\n"
+    assert told.err == f"{NOTE}Nothing was written.\n"
     assert new("gazebo_test", "--dry-run", "--format", "json") == 0
     assert json.loads(capsys.readouterr().out)["written"] is False
 
@@ -137,10 +141,11 @@ def test_dry_run(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
         (["import"], "Python", "would do: import_robot"),
         (["xacro"], "no package can need itself", "would do: xacro_robot"),
         (["ament_cmake"], "no package can need itself", "would do: ament_cmake_robot"),
-        (["a_b", "-t", "arm"], "no template 'arm'", "simple"),
-        (["a_b", "--distro", "jazzy"], "ROS 2 jazzy", "--distro iron"),
-        (["a_b", "--distro", "jazzy", "--sim", "classic"], "not released", "--distro iron"),
-        (["a_b", "--sim", "gz"], "Gazebo Sim yet", "--sim classic"),
+        (["a_b", "-t", "crane"], "no template 'crane'", "simple"),
+        (["a_b", "-t", "base"], "only there to be extended", "simple"),
+        (["a_b", "-t", "."], "has no template.toml", "simple"),
+        (["a_b", "--distro", "noetic"], "'noetic' is no ROS 2", "--distro lyrical"),
+        (["a_b", "--distro", "jazzy", "--sim", "classic"], "not released", "jazzy --sim gz"),
         (["a_b", "--set", "mass=heavy"], "'heavy' is no number", "--set mass=1"),
         (["a_b", "--license", "GPL"], "no text of a licence 'GPL'", "Apache-2.0"),
         (["a_b", "--description", ""], "description is empty", "--description"),
@@ -162,12 +167,37 @@ def test_wrong_request(
 
 
 def test_distro_of_the_sourced_ros(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("ROS_DISTRO", "kilted")
+    assert new("gazebo_test") == 0
+    manifest = here / "ws_gazebo" / "src" / "gazebo_test" / "package.xml"
+    assert "ros_gz_sim" in manifest.read_text()
+    assert new("other_robot", "--distro", "iron") == 0
+    assert "gazebo_ros" in (manifest.parents[1] / "other_robot" / "package.xml").read_text()
+    capsys.readouterr()
+
+
+def test_sourced_ros_that_is_not_known(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("ROS_DISTRO", "noetic")
     assert new("gazebo_test") == 2
-    assert "ROS 2 kilted" in capsys.readouterr().err
-    assert new("gazebo_test", "--distro", "iron") == 0
+    told = capsys.readouterr().err
+    assert "The environment says ROS_DISTRO=noetic" in told
+    assert "unset ROS_DISTRO" in told
+    assert not list(here.iterdir())
+    assert new("gazebo_test", "--distro", "jazzy") == 0
+    monkeypatch.setenv("ROS_DISTRO", "")
+    assert new("other_robot") == 0
+
+
+def test_end_of_life_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    assert new("humble_robot", "--distro", "humble", "--sim", "classic") == 0
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("note: Gazebo Classic has had no updates since 2025-01; take --sim gz")
+    assert new("jazzy_robot", "--distro", "lyrical", "-w", "ws_gazebo") == 0
+    assert capsys.readouterr().err == ""
 
 
 def test_options_reach_the_files(here: Path) -> None:

@@ -2,27 +2,12 @@ from pathlib import Path
 
 import pytest
 
-from golden_support import EXAMPLES, GOLDENS, WORKSPACE, compare_trees, generate
-from wsgen.model.target import TARGETS
-from wsgen.templating.manifest import template_names
-
-CASES = {
-    f"{template}-{target.name}": (
-        "-t",
-        template,
-        "--distro",
-        target.distro,
-        "--sim",
-        target.simulator,
-    )
-    for template in template_names()
-    for target in TARGETS
-}
+from golden_support import CASES, EXAMPLES, GOLDENS, WORKSPACE, arguments, compare_trees, generate
 
 
 @pytest.mark.parametrize("case", CASES)
 def test_golden(case: str, tmp_path: Path, regenerate: bool) -> None:
-    workspace = generate(tmp_path, *CASES[case])
+    workspace = generate(tmp_path, *arguments(*CASES[case]))
     compare_trees(workspace, GOLDENS / case / WORKSPACE, regenerate=regenerate)
     assert (GOLDENS / case / "COLCON_IGNORE").exists()
 
@@ -36,5 +21,4 @@ def test_the_example_is_what_new_writes(
 ) -> None:
     monkeypatch.delenv("ROS_DISTRO", raising=False)
     compare_trees(generate(tmp_path), EXAMPLES / WORKSPACE, regenerate=regenerate)
-    # At the folder above, so that the example itself can be built.
     assert (EXAMPLES / "COLCON_IGNORE").exists()

@@ -3,113 +3,92 @@ from pathlib import Path
 import pytest
 
 from wsgen.errors import RequestError
-from wsgen.model.target import DEFAULT_TARGET, Target
+from wsgen.model.target import DEFAULT_TARGET, TARGETS, Target, choose_target
 from wsgen.templating.licenses import find_license, license_names
 from wsgen.templating.location import templates_folder
-from wsgen.templating.manifest import (
-    Template,
-    load_template,
-    resolve_answers,
-    template_names,
-)
+from wsgen.templating.manifest import Template, load_template, template_names
+from wsgen.templating.sources import find_source
+from wsgen.templating.variables import resolve_answers
 
-GZ_TARGET = Target(
-    distro="jazzy",
-    simulator="gz",
-    ubuntu="24.04",
-    end_of_life=None,
-    cmake_minimum="3.20",
-    sdf_version="1.11",
-)
+CLASSIC_FILES = {
+    "CMakeLists.txt",
+    "LICENSE",
+    "README.md",
+    "launch/gazebo_model.launch.py",
+    "model/empty_world.world",
+    "model/robot.gazebo",
+    "model/robot.xacro",
+    "package.xml",
+    "wsgen.toml",
+}
+GZ_FILES = CLASSIC_FILES | {
+    "config/bridge.yaml",
+    "hooks/{{ package.name }}.dsv.in",
+    "hooks/{{ package.name }}.sh.in",
+}
 
 
 @pytest.fixture
 def simple() -> Template:
-    return load_template("simple", DEFAULT_TARGET)
+    return load_template("simple")
+
+
+def defaults(template: Template) -> dict[str, float | str]:
+    return resolve_answers(template.variables, [], template.name)
+
+
+def test_what_is_only_there_to_be_extended_is_not_listed() -> None:
+    assert "simple" in template_names()
+    assert "base" not in template_names()
 
 
 @pytest.mark.parametrize("name", template_names())
-def test_every_source_of_a_template_is_there(name: str) -> None:
-    template = load_template(name, DEFAULT_TARGET)
-    for source in template.files.values():
-        assert (templates_folder() / source).is_file()
-        assert source.endswith(".j2")
+@pytest.mark.parametrize("target", TARGETS, ids=lambda target: target.name)
+def test_every_source_of_a_template_is_there(name: str, target: Target) -> None:
+    template = load_template(name)
+    for source in template.sources(target, defaults(template)).values():
+        assert source.startswith("wsgen:")
+        assert find_source(source, template.folder).is_file()
 
 
 def test_every_template_has_the_files_that_all_have(simple: Template) -> None:
-    assert set(simple.files) == {
-        "CMakeLists.txt",
-        "LICENSE",
-        "README.md",
-        "launch/gazebo_model.launch.py",
-        "model/empty_world.world",
-        "model/robot.gazebo",
-        "model/robot.xacro",
-        "package.xml",
-        "wsgen.toml",
-    }
+    assert set(simple.sources(DEFAULT_TARGET, defaults(simple))) == CLASSIC_FILES
+    assert set(simple.sources(choose_target("jazzy"), defaults(simple))) == GZ_FILES
 
 
-def test_dependencies_are_those_of_all_simulators_and_of_this_one(simple: Template) -> None:
-    assert simple.dependencies == {
+def test_dependencies_are_those_of_all_parts_whose_condition_is_met(simple: Template) -> None:
+    common = ("launch", "launch_ros", "robot_state_publisher", "ros2launch", "xacro")
+    classic = simple.dependencies(DEFAULT_TARGET, defaults(simple))
+    assert classic == {
         "buildtool_depend": ("ament_cmake",),
-        "exec_depend": (
-            "gazebo_ros",
-            "joint_state_publisher",
-            "launch",
-            "launch_ros",
-            "robot_state_publisher",
-            "ros2launch",
-            "xacro",
-        ),
+        "exec_depend": tuple(sorted((*common, "gazebo_ros", "joint_state_publisher"))),
         "test_depend": ("ament_lint_auto", "ament_lint_common"),
     }
+    gz = simple.dependencies(choose_target("jazzy"), defaults(simple))
+    assert gz["exec_depend"] == tuple(sorted((*common, "ros_gz_bridge", "ros_gz_sim")))
 
 
-@pytest.mark.parametrize("name", ["", "arm", "_shared", "..", "simple/", "/etc"])
-def test_unknown_template(name: str) -> None:
-    with pytest.raises(RequestError, match="There is no template") as caught:
-        load_template(name, DEFAULT_TARGET)
+@pytest.mark.parametrize("name", ["", "crane", "licenses", "..", "simple/", "/etc", "../simple"])
+def test_unknown_template(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(RequestError) as caught:
+        load_template(name)
     assert "simple" in caught.value.hint
 
 
-def test_template_that_is_not_made_for_a_simulator() -> None:
-    with pytest.raises(RequestError, match="not made for the simulator 'gz'") as caught:
-        load_template("simple", GZ_TARGET)
-    assert "--sim classic" in caught.value.hint
+def test_base_makes_no_package() -> None:
+    with pytest.raises(RequestError, match="'base' is only there to be extended"):
+        load_template("base")
 
 
-def test_answers(simple: Template) -> None:
-    assert resolve_answers(simple, []) == {"length": 0.5, "radius": 0.4, "mass": 1.0}
-    assert resolve_answers(simple, ["mass=2", "length=1e-1", "mass=3"]) == {
-        "length": 0.1,
-        "radius": 0.4,
-        "mass": 3.0,
-    }
-
-
-@pytest.mark.parametrize(
-    ("setting", "words"),
-    [
-        ("mass", "no '='"),
-        ("", "no '='"),
-        ("=1", "no variable ''"),
-        ("Mass=1", "no variable 'Mass'"),
-        ("mass=", "is no number"),
-        ("mass=two", "is no number"),
-        ("mass=1,5", "is no number"),
-        ("mass=nan", "is no number"),
-        ("mass=inf", "no number from 0.001 to 100000 kg"),
-        ("mass=0", "no number from 0.001 to 100000 kg"),
-        ("length=-1", "no number from 0.001 to 100 m"),
-        ("radius=1 m", "is no number"),
-    ],
-)
-def test_setting_that_makes_no_sense(simple: Template, setting: str, words: str) -> None:
-    with pytest.raises(RequestError, match=words) as caught:
-        resolve_answers(simple, [setting])
-    assert f"--set {setting}" in caught.value.message
-    assert "--set" in caught.value.hint
+def test_a_template_of_wsgen_comes_before_a_folder_of_its_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "simple").mkdir()
+    (tmp_path / "simple" / "template.toml").write_text('schema = 1\ndescription = "Mine."\n')
+    monkeypatch.chdir(tmp_path)
+    assert load_template("simple").is_shipped
+    assert load_template("./simple").description == "Mine."
 
 
 def test_licenses() -> None:
@@ -120,12 +99,12 @@ def test_licenses() -> None:
 
 
 def test_the_origin_of_every_licence_is_recorded() -> None:
-    folder = templates_folder() / "_shared" / "licenses"
+    folder = templates_folder() / "base" / "licenses"
     origin = (folder / "ORIGIN.md").read_text()
     for name in license_names():
         assert f"`{name}.txt.j2`" in origin
 
 
 def test_the_default_licence_is_the_projects_own() -> None:
-    text = (templates_folder() / "_shared/licenses/Apache-2.0.txt.j2").read_text()
+    text = (templates_folder() / "base/licenses/Apache-2.0.txt.j2").read_text()
     assert text == (Path(__file__).parents[2] / "LICENSE").read_text()

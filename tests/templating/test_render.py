@@ -21,7 +21,7 @@ ODD = '<a href="x"> & \'b\' ${x} {{x}} {% raw %} $(find y)\n# \\ 🤖 ]]> --> ""
 
 
 def render(name: str = "some_robot", **words: object) -> RenderedTree:
-    template = load_template("simple", DEFAULT_TARGET)
+    template = load_template("simple")
     request: dict[str, object] = {
         "template": template,
         "target": DEFAULT_TARGET,

@@ -260,5 +260,12 @@ RULES = (
     Rule("SPN066", "rests-on-hull", "A mesh rests on its convex hull, where it has no triangle."),
     Rule("SPN070", "no-film", "The film could not be made."),
     Rule("SPN071", "coarse-film", "The film is smaller or slower than usual, to be done in time."),
+    # templates of the user
+    Rule("TPL001", "unreadable-template", "template.toml is missing or no TOML."),
+    Rule("TPL002", "invalid-template", "template.toml says something that means nothing."),
+    Rule("TPL003", "missing-template-source", "A source is missing or outside of its folder."),
+    Rule("TPL004", "failing-template", "A source cannot be rendered."),
+    Rule("TPL005", "impossible-package-path", "A path cannot be in a package, or one is missing."),
+    Rule("TPL006", "malformed-rendered-file", "A rendered file is not what its ending says."),
 )
 # fmt: on

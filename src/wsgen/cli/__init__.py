@@ -37,6 +37,7 @@ GARBAGE_THRESHOLD = 100_000  # objects more than are freed, until the collector 
 # name -> one line of help; `wsgen.cli.NAME` holds the command as `command`.
 COMMANDS = {
     "new": "Write a package, and the workspace around it if there is none.",
+    "templates": "List the templates and their variables, or check one of yours.",
     "build": "Build the workspace with colcon and explain what fails.",
     "validate": "Play the installed launch file and see whether the robot stands.",
     "launch": "Show what a launch file would start, without ROS and without starting it.",

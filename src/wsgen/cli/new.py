@@ -12,7 +12,10 @@ from wsgen.errors import EXIT_PASSED, RequestError
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from wsgen.model.package import Maintainer
+    from wsgen.model.package import Maintainer, PackageSpec
+    from wsgen.model.target import Target
+    from wsgen.templating.manifest import Template
+    from wsgen.templating.render import RenderedTree
     from wsgen.workspace.layout import Workspace
 
 DEFAULT_WORKSPACE = "ws_gazebo"
@@ -23,25 +26,17 @@ class NewCommand(click.Command):
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """List them as they are on this disk; only --help pays for it."""
-        from wsgen.model.target import DEFAULT_TARGET
         from wsgen.templating.licenses import license_names
         from wsgen.templating.manifest import load_template, template_names
 
-        for name in template_names():
-            template = load_template(name, DEFAULT_TARGET)
-            with formatter.section(f"Variables of the template {name}, for --set"):
-                formatter.write_dl(
-                    [
-                        (
-                            f"{variable.name}={variable.default:g}",
-                            (
-                                f"{variable.help}, {variable.minimum:g} to {variable.maximum:g} "
-                                f"{variable.unit}"
-                            ),
-                        )
-                        for variable in template.variables
-                    ]
-                )
+        with formatter.section("Templates, with variables that `wsgen templates NAME` explains"):
+            formatter.write_dl(
+                [
+                    (name, f"{template.description} {' '.join(template.variables)}")
+                    for name in template_names()
+                    for template in [load_template(name)]
+                ]
+            )
         with formatter.section("Licences"):
             formatter.write_text(", ".join(license_names()))
         super().format_epilog(ctx, formatter)
@@ -56,9 +51,9 @@ class NewCommand(click.Command):
     "-t",
     "--template",
     default="simple",
-    metavar="NAME",
+    metavar="NAME|FOLDER",
     show_default=True,
-    help="What kind of robot.",
+    help="What kind of robot; a FOLDER is a template of yours.",
 )
 @click.option(
     "--distro",
@@ -91,7 +86,9 @@ class NewCommand(click.Command):
 @click.option("--validate", "then_validate", is_flag=True, help="Build and validate it at once.")
 @format_option
 @output_options
+@click.pass_context
 def command(
+    ctx: click.Context,
     name: str,
     *,
     workspace: str | None,
@@ -111,9 +108,7 @@ def command(
     verbose: bool,
 ) -> int:
     """Write a package with a robot, and the workspace around it if there is none."""
-    from wsgen.model.target import choose_target
     from wsgen.templating.manifest import load_template
-    from wsgen.templating.render import render_package
     from wsgen.templating.spec import make_spec
     from wsgen.templating.write import refuse_existing, write_package
     from wsgen.workspace.paths import check_workspace_path
@@ -123,8 +118,8 @@ def command(
             "--format json gives what was written, and nothing after it.",
             hint="Call `wsgen build` and `wsgen validate --format json` by themselves.",
         )
-    target = choose_target(distro, sim)
-    chosen = load_template(template, target)
+    target = _choose_target(ctx, distro, sim)
+    chosen = load_template(template)
     spec = make_spec(
         name,
         template=chosen,
@@ -139,14 +134,45 @@ def command(
     folder = place.source / spec.name
     refuse_existing(folder)
     refuse_duplicate(spec.name, place)
-    tree = render_package(spec, chosen)
+    tree = _render(spec, chosen)
     if not dry_run:
         write_package(tree, folder)
+    _note_end_of_life(target)
     tell = _tell_json if output_format == "json" else _tell_text
     tell(place, folder, list(tree), is_written=not dry_run)
     if dry_run or not (then_build or then_validate):
         return EXIT_PASSED
     return go_on(place, spec.name, validate=then_validate, quiet=quiet, verbose=verbose)
+
+
+def _choose_target(ctx: click.Context, distro: str, sim: str | None) -> Target:
+    from click.core import ParameterSource
+
+    from wsgen.model.target import choose_target
+
+    source = ctx.get_parameter_source("distro")
+    return choose_target(distro, sim, is_from_environment=source is ParameterSource.ENVIRONMENT)
+
+
+def _note_end_of_life(target: Target) -> None:
+    import time
+
+    from wsgen.model.target import end_of_life_note
+
+    note = end_of_life_note(target, time.strftime("%Y-%m-%d"))
+    if note is not None:
+        click.echo(f"note: {note}", err=True)
+
+
+def _render(spec: PackageSpec, template: Template) -> RenderedTree:
+    """The files of the package; a template of the user is rendered in a process of its own."""
+    if template.is_shipped:
+        from wsgen.templating.render import render_package
+
+        return render_package(spec, template)
+    from wsgen.templating.render_apart import render_package_apart
+
+    return render_package_apart(spec, template)
 
 
 def go_on(workspace: Workspace, package: str, *, validate: bool, quiet: bool, verbose: bool) -> int:

@@ -10,6 +10,9 @@ if TYPE_CHECKING:
 
     from wsgen.model.target import Target
 
+# What a variable of a template is set to: a number, an integer, a boolean or a text.
+Answer = float | str
+
 
 @dataclass(frozen=True, kw_only=True)
 class Maintainer:
@@ -27,8 +30,8 @@ class PackageSpec:
     description: str  # may have several lines
     maintainer: Maintainer
     license: str  # SPDX identifier
-    template: str
+    template: str  # its name
     target: Target
-    answers: Mapping[str, float]  # the template's variables
+    answers: Mapping[str, Answer]  # the template's variables
     # Element of package.xml, for example "exec_depend" -> packages; both in the order of the file.
     dependencies: Mapping[str, tuple[str, ...]]

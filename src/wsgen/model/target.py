@@ -1,77 +1,190 @@
-"""What a package is generated for: a ROS 2 distribution with a simulator.
-
-The facts are data in one table, each with its source. Only combinations whose templates exist are
-in it.
-"""
+"""What a package is generated for: a ROS 2 distribution with a simulator."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.errors import RequestError
+from wsgen.model.facts import (
+    DISTROS,
+    OF_CLASSIC,
+    OF_DISTROS,
+    PLUGINS,
+    PROGRAMS,
+    RELEASED_FOR,
+    ROS2_CONTROL_HARDWARE,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
 
 SIMULATORS = {"classic": "Gazebo Classic", "gz": "Gazebo Sim"}
+DISTROS_WITH_CLASSIC = RELEASED_FOR["gazebo_ros"]
 
-# Distributions that are still released or that people still run (REP-2000), oldest first, and
-# those of them for which Gazebo Classic was released (rosdistro's gazebo_ros_pkgs).
-DISTROS = ("humble", "iron", "jazzy", "kilted", "lyrical", "rolling")
-DISTROS_WITH_CLASSIC = ("humble", "iron")
+
+class Plugin(NamedTuple):
+    """A plugin of the simulator, as its tag names it."""
+
+    filename: str
+    name: str
 
 
 @dataclass(frozen=True, kw_only=True)
 class Target:
-    """A distribution and a simulator, with what templates and checks need to know of them."""
+    """A distribution and a simulator, with what templates and checks need to know of them.
 
-    distro: str  # ROS 2 distribution, lower case
+    Dates are of the form YYYY-MM-DD, or YYYY-MM where no day is announced.
+    """
+
+    distro: str  # one of DISTROS
     simulator: str  # a key of SIMULATORS
-    ubuntu: str  # version of the Tier 1 platform
-    end_of_life: str | None  # ISO date; None: still supported
-    cmake_minimum: str  # that every generated CMakeLists asks for
-    sdf_version: str  # newest SDFormat that the simulator reads
 
     @property
     def name(self) -> str:
         """As in the names of the golden folders, for example `iron-classic`."""
         return f"{self.distro}-{self.simulator}"
 
+    @property
+    def ros(self) -> str:
+        """The distribution as people write it, for example `ROS 2 Iron`."""
+        return f"ROS 2 {self.distro.capitalize()}"
 
-# REP-2000, endoflife.date (ROS 2), and sdformat's CMakeLists for the SDFormat version.
-TARGETS = (
-    Target(
-        distro="iron",
-        simulator="classic",
-        ubuntu="22.04",
-        end_of_life="2024-12-04",
-        # 3.22 is what Ubuntu 22.04 has; CMake 4 warns about minimums below 3.10.
-        cmake_minimum="3.20",
-        sdf_version="1.7",
-    ),
+    @property
+    def gazebo(self) -> str:
+        """The simulator as people write it, for example `Gazebo Harmonic`."""
+        if self.simulator == "classic":
+            return f"Gazebo Classic {OF_CLASSIC['version'][1]}"
+        return f"Gazebo {self.fact('gz_name')}"
+
+    @property
+    def ubuntu(self) -> str:
+        """Version of the Tier 1 platform."""
+        return self.fact("ubuntu")
+
+    @property
+    def end_of_life(self) -> str | None:
+        """When the distribution's updates end; None: never."""
+        return _of_distro("end_of_life", self.distro)
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether the distribution had its last update by the date of these facts."""
+        return self.fact("support") == "ended"
+
+    @property
+    def cmake_minimum(self) -> str:
+        """That every generated CMakeLists asks for."""
+        return self.fact("cmake_minimum")
+
+    @property
+    def sdf_version(self) -> str:
+        """Newest SDFormat that the simulator reads."""
+        if self.simulator == "classic":
+            return OF_CLASSIC["sdf_version"][1]
+        return self.fact("gz_sdf_version")
+
+    @property
+    def programs(self) -> Mapping[str, str]:
+        """What starts the simulator and puts a robot into it, by role (`facts.PROGRAMS`)."""
+        return {role: value for role, (_, value) in PROGRAMS[self.simulator].items()}
+
+    @property
+    def plugins(self) -> Mapping[str, Plugin]:
+        """The plugins of the simulator by role (`facts.PLUGINS`)."""
+        return {role: Plugin(*names) for role, (_, *names) in PLUGINS[self.simulator].items()}
+
+    @property
+    def ros2_control_hardware(self) -> str:
+        """The hardware plugin of ros2_control that is the simulator."""
+        return ROS2_CONTROL_HARDWARE[self.simulator][1]
+
+    def fact(self, name: str) -> str:
+        """A fact about the distribution that every one has (`facts.OF_DISTROS`)."""
+        value = _of_distro(name, self.distro)
+        if value is None:
+            raise KeyError(name)
+        return value
+
+
+def _of_distro(fact: str, distro: str) -> str | None:
+    return OF_DISTROS[fact][1 + DISTROS.index(distro)]
+
+
+TARGETS = tuple(
+    Target(distro=distro, simulator=simulator)
+    for simulator in SIMULATORS
+    for distro in (DISTROS_WITH_CLASSIC if simulator == "classic" else DISTROS)
+)
+DEFAULT_DISTRO = "iron"  # the tutorial's
+# Distribution -> the simulator that is meant where none is named; for the others it is gz.
+USUAL_SIMULATOR = {"iron": "classic"}
+DEFAULT_TARGET = next(
+    target for target in TARGETS if (target.distro, target.simulator) == ("iron", "classic")
 )
 
-DEFAULT_TARGET = TARGETS[0]
 
-
-def choose_target(distro: str, simulator: str | None = None) -> Target:
+def choose_target(
+    distro: str, simulator: str | None = None, *, is_from_environment: bool = False
+) -> Target:
     """The target of a distribution and a simulator, by default the distribution's usual one.
+
+    `is_from_environment` says that nobody typed the distribution: it is that of $ROS_DISTRO.
 
     Raises:
         RequestError: there is no such target; says why, and which one is nearest.
     """
-    if simulator is None:
-        simulator = "classic" if distro == "iron" else "gz"
+    wanted = simulator or USUAL_SIMULATOR.get(distro, "gz")
     for target in TARGETS:
-        if (target.distro, target.simulator) == (distro, simulator):
+        if (target.distro, target.simulator) == (distro, wanted):
             return target
-    nearest = next((t for t in TARGETS if t.distro == distro), DEFAULT_TARGET)
-    raise RequestError(
-        _why_not(distro, simulator),
-        hint=f"Take --distro {nearest.distro} --sim {nearest.simulator}.",
-    )
+    if distro in DISTROS:
+        raise RequestError(
+            f"Gazebo Classic is not released for ROS 2 {distro}, only for"
+            f" {' and '.join(DISTROS_WITH_CLASSIC)}.",
+            hint=f"Take --distro {distro} --sim gz; or, to stay with Gazebo Classic,"
+            f" --distro {DISTROS_WITH_CLASSIC[0]}.",
+        )
+    raise _unknown_distro(distro, simulator, is_from_environment=is_from_environment)
 
 
-def _why_not(distro: str, simulator: str) -> str:
-    if distro not in DISTROS:
-        return f"{distro!r} is no ROS 2 distribution that wsgen knows: {', '.join(DISTROS)}."
-    if simulator == "classic" and distro not in DISTROS_WITH_CLASSIC:
-        return f"Gazebo Classic is not released for ROS 2 {distro}."
-    return f"No template is made for ROS 2 {distro} with {SIMULATORS[simulator]} yet."
+def _unknown_distro(
+    distro: str, simulator: str | None, *, is_from_environment: bool
+) -> RequestError:
+    import difflib  # noqa: PLC0415  for a mistake alone
+
+    possible = DISTROS_WITH_CLASSIC if simulator == "classic" else DISTROS
+    lasting = [name for name in possible if _of_distro("support", name) == "long-term"]
+    near = (*difflib.get_close_matches(distro.lower(), possible, n=1), lasting[-1])[0]
+    known = f"no ROS 2 distribution that wsgen knows: {', '.join(DISTROS)}."
+    option = f"--distro {near}" + (f" --sim {simulator}" if simulator else "")
+    if is_from_environment:
+        return RequestError(
+            f"The environment says ROS_DISTRO={distro}, which is {known}",
+            hint=f"Say for which one the package is, for example {option}; or: unset ROS_DISTRO",
+        )
+    return RequestError(f"{distro!r} is {known}", hint=f"For example {option}")
+
+
+def end_of_life_note(target: Target, today: str) -> str | None:
+    """One sentence if the target has no updates any more on a day (YYYY-MM-DD), else None."""
+    if _is_past(target.end_of_life, today):
+        living = [name for name in DISTROS if not _is_past(_of_distro("end_of_life", name), today)]
+        lasting = [name for name in living if _of_distro("support", name) == "long-term"] or living
+        near = [name for name in lasting if _of_distro("ubuntu", name) == target.ubuntu][:1]
+        instead = " or ".join(
+            f"--distro {name} (until {_of_distro('end_of_life', name) or 'further notice'})"
+            for name in dict.fromkeys((*near, lasting[-1]))
+        )
+        return f"{target.ros} has had no updates since {target.end_of_life}; take {instead}."
+    if target.simulator == "classic" and _is_past(OF_CLASSIC["end_of_life"][1], today):
+        return (
+            f"Gazebo Classic has had no updates since {OF_CLASSIC['end_of_life'][1]}; take --sim gz"
+            f" (Gazebo {target.fact('gz_name')}, until {target.fact('gz_end_of_life')})."
+        )
+    return None
+
+
+def _is_past(date: str | None, today: str) -> bool:
+    """A month is past when it is over."""
+    return date is not None and today[: len(date)] > date

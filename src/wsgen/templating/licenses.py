@@ -5,7 +5,7 @@ from __future__ import annotations
 from wsgen.errors import RequestError
 from wsgen.templating.location import templates_folder
 
-_FOLDER = "_shared/licenses"
+_FOLDER = "base/licenses"
 _ENDING = ".txt.j2"
 
 

@@ -1,140 +1,210 @@
-"""The manifest of a template: what can be asked of it, which files it makes, for which simulators.
+"""A template: what can be asked of it, for which targets, and which files and needs it has.
 
-A template is a folder with a `template.toml`; `templates/simple` is the example to read.
+A template is a folder with a `template.toml`, one that comes with wsgen or one of the user's;
+docs/templates.md describes it, `templates/simple` is an example.
 """
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from wsgen import tomlfile
-from wsgen.errors import RequestError
+from wsgen.errors import BrokenTemplateError, RequestError
 from wsgen.templating.location import templates_folder
+from wsgen.templating.manifest_file import MANIFEST, ManifestFile
+from wsgen.templating.manifest_parts import Part, read_parts, read_targets, read_variables
+from wsgen.templating.sources import SHIPPED
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-    from typing import Any
+    from collections.abc import Mapping, Sequence
 
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.model.package import Answer
     from wsgen.model.target import Target
+    from wsgen.templating.variables import Variable
 
-MANIFEST = "template.toml"
+KEYS = (
+    "schema",
+    "extends",
+    "abstract",
+    "description",
+    "targets",
+    "variables",
+    "files",
+    "dependencies",
+    "parts",
+)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Variable:
-    """A number that a user may set with `--set NAME=NUMBER`."""
+class Template(NamedTuple):
+    """A template with what it takes over from those that it extends.
+
+    A named tuple: `wsgen new` pays for every dataclass that is defined.
+    """
 
     name: str
-    help: str
-    unit: str  # SI
-    default: float
-    minimum: float  # included
-    maximum: float  # included
-
-
-@dataclass(frozen=True, kw_only=True)
-class Template:
-    """A template, as it is for one target."""
-
-    name: str
+    folder: Path
+    is_shipped: bool  # with wsgen; the others are foreign code
+    is_abstract: bool  # only made to be extended
     description: str
-    variables: tuple[Variable, ...]
-    files: Mapping[str, str]  # path in the package -> source below the templates' folder
-    dependencies: Mapping[str, tuple[str, ...]]  # as in PackageSpec
+    targets: tuple[Target, ...]  # that it is made for
+    tables: Mapping[str, dict[str, Any]]  # of the variables, as written
+    variables: Mapping[str, Variable]
+    parts: tuple[Part, ...]  # those that it takes over first
+
+    def sources(self, target: Target, answers: Mapping[str, Answer]) -> dict[str, str]:
+        """Pattern of the path in the package -> name of the source, as in `sources`."""
+        return {
+            path: source
+            for part in self.parts
+            if part.holds(target, answers)
+            for path, source in part.files.items()
+        }
+
+    def dependencies(
+        self, target: Target, answers: Mapping[str, Answer]
+    ) -> dict[str, tuple[str, ...]]:
+        """Element of package.xml -> packages; both in the order of the file."""
+        merged: dict[str, set[str]] = {}
+        for part in self.parts:
+            if part.holds(target, answers):
+                for kind, packages in part.dependencies.items():
+                    merged.setdefault(kind, set()).update(packages)
+        return {kind: tuple(sorted(packages)) for kind, packages in sorted(merged.items())}
 
 
 def template_names() -> list[str]:
-    """The templates that come with wsgen."""
+    """The templates that come with wsgen, without those that are only made to be extended."""
+    return [name for name in _shipped() if not _load_shipped(name).is_abstract]
+
+
+def load_template(given: str) -> Template:
+    """The template of a name, or that in a folder of the user.
+
+    Raises:
+        RequestError: there is no such template.
+        BrokenTemplateError: its template.toml cannot be used.
+    """
+    if is_shipped(given):
+        template = _load_shipped(given)
+    else:
+        folder = Path(given).expanduser()
+        if not (folder / MANIFEST).exists():
+            raise _no_template(given, folder)
+        template, faults = read_template(folder)
+        refuse(faults, folder)
+    if template.is_abstract:
+        raise RequestError(
+            f"Template {template.name!r} is only there to be extended.",
+            hint=f"Templates: {', '.join(template_names())}.",
+        )
+    return template
+
+
+def read_template(folder: Path) -> tuple[Template, tuple[Diagnostic, ...]]:
+    """The template of the user in a folder, as far as it can be read, and what is wrong with it."""
+    folder = folder.absolute()
+    manifest = ManifestFile(folder / MANIFEST)
+    # A name from the path, so that `-t .` has one as well.
+    name = folder.resolve().name
+    if not name.isprintable():  # it is written into wsgen.toml
+        manifest.wrong("The folder's name has characters that do not print.", "Rename the folder.")
+    template = _read(manifest, name, is_shipped=False)
+    return template, tuple(manifest.faults)
+
+
+def refuse(faults: Sequence[Diagnostic], folder: Path) -> None:
+    """Stop if there are faults in the user's template.
+
+    Raises:
+        BrokenTemplateError: there are; tells the first one, and how to see the others.
+    """
+    if not faults:
+        return
+    first = faults[0]
+    place = f"{first.file}:{first.line}: " if first.line else f"{first.file}: "
+    more = f" ({len(faults) - 1} more: wsgen templates --check {folder})"
+    raise BrokenTemplateError(
+        (place if first.file else "") + first.message,
+        hint=(first.hint or "") + (more if len(faults) > 1 else ""),
+    )
+
+
+def _shipped() -> list[str]:
     return sorted(path.parent.name for path in templates_folder().glob(f"*/{MANIFEST}"))
 
 
-def load_template(name: str, target: Target) -> Template:
-    """Read the manifest of a template.
+def is_shipped(name: str) -> bool:
+    """Whether a template of this name comes with wsgen."""
+    return "/" not in name.strip(".") and (templates_folder() / name / MANIFEST).is_file()
 
-    Raises:
-        RequestError: there is no such template, or it is not made for the simulator of the target.
-    """
-    known = template_names()
-    if name not in known:
-        raise RequestError(
-            f"There is no template {name!r}.", hint=f"Templates: {', '.join(known)}."
+
+def _load_shipped(name: str) -> Template:
+    manifest = ManifestFile(templates_folder() / name / MANIFEST)
+    template = _read(manifest, name, is_shipped=True)
+    refuse(manifest.faults, template.folder)
+    return template
+
+
+def _no_template(given: str, folder: Path) -> RequestError:
+    names = ", ".join(template_names())
+    if folder.is_dir():
+        return RequestError(
+            f"The folder {given} has no {MANIFEST}.",
+            hint=f"docs/templates.md says how to write a template; those of wsgen are: {names}.",
         )
-    manifest = tomlfile.load(templates_folder() / name / MANIFEST)
-    simulators = manifest["simulators"]
-    if target.simulator not in simulators:
-        raise RequestError(
-            f"Template {name!r} is not made for the simulator {target.simulator!r}.",
-            hint=f"Take --sim {' or '.join(simulators)}.",
-        )
-    parts = (manifest, simulators[target.simulator])
+    return RequestError(
+        f"There is no template {given!r}.", hint=f"Templates: {names}; or give a folder of yours."
+    )
+
+
+def _read(manifest: ManifestFile, name: str, *, is_shipped: bool) -> Template:
+    document = manifest.document
+    if document:
+        manifest.check_keys(document, KEYS)
+    base = _read_base(manifest)
+    tables = _merge_tables(manifest, base)
+    variables = read_variables(manifest, tables)
+    description = manifest.take(document, str, "description")
+    if base is not None:
+        description = description or base.description
+    if not description and not manifest.faults:
+        manifest.wrong("There is no `description`.", "Say in a sentence what it makes.")
+    own = f"{SHIPPED}{name}/" if is_shipped else ""
+    parts = read_parts(manifest, variables, own)
+    targets = read_targets(manifest)
     return Template(
         name=name,
-        description=manifest["description"],
-        variables=tuple(
-            _read_variable(variable, table) for variable, table in manifest["variables"].items()
-        ),
-        files={path: source for part in parts for path, source in part["files"].items()},
-        dependencies=_merge_dependencies(part["dependencies"] for part in parts),
+        folder=manifest.file.parent,
+        is_shipped=is_shipped,
+        is_abstract=manifest.take(document, bool, "abstract", default=False),
+        description=description or "",
+        targets=tuple(one for one in targets if base is None or one in base.targets),
+        tables=tables,
+        variables=variables,
+        parts=(*(base.parts if base else ()), *parts),
     )
 
 
-def resolve_answers(template: Template, settings: Iterable[str]) -> dict[str, float]:
-    """The value of every variable: its default, or what a `NAME=NUMBER` of `settings` says.
-
-    Raises:
-        RequestError: no such variable, no number, or a number out of the variable's bounds.
-    """
-    variables = {variable.name: variable for variable in template.variables}
-    answers = {name: variable.default for name, variable in variables.items()}
-    for setting in settings:
-        name, separator, text = setting.partition("=")
-        if not separator or name not in variables:
-            known = ", ".join(variables)
-            raise RequestError(
-                f"--set {setting}: "
-                + (
-                    f"template {template.name!r} has no variable {name!r}."
-                    if separator
-                    else "no '='."
-                ),
-                hint=f"Write --set NAME=NUMBER; the names are {known}.",
-            )
-        answers[name] = _read_number(variables[name], text, setting)
-    return answers
-
-
-def _read_variable(name: str, table: Mapping[str, Any]) -> Variable:
-    return Variable(
-        name=name,
-        help=table["help"],
-        unit=table["unit"],
-        default=table["default"],
-        minimum=table["minimum"],
-        maximum=table["maximum"],
-    )
-
-
-def _merge_dependencies(
-    parts: Iterable[Mapping[str, list[str]]],
-) -> dict[str, tuple[str, ...]]:
-    merged: dict[str, set[str]] = {}
-    for part in parts:
-        for kind, packages in part.items():
-            merged.setdefault(kind, set()).update(packages)
-    return {kind: tuple(sorted(packages)) for kind, packages in sorted(merged.items())}
-
-
-def _read_number(variable: Variable, text: str, setting: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not variable.minimum <= value <= variable.maximum:  # also not-a-number
-        raise RequestError(
-            f"--set {setting}: {text!r} is no number from {variable.minimum:g} to"
-            f" {variable.maximum:g} {variable.unit}.",
-            hint=f"For example --set {variable.name}={variable.default:g}.",
+def _read_base(manifest: ManifestFile) -> Template | None:
+    """The template that is extended; it comes with wsgen."""
+    name = manifest.take(manifest.document, str, "extends")
+    if name is None:
+        return None
+    if not is_shipped(name):
+        manifest.wrong(
+            f"There is no template {name!r} to extend.",
+            f"Those of wsgen can be: {', '.join(_shipped())}.",
+            "extends",
         )
-    return value
+        return None
+    return _load_shipped(name)
+
+
+def _merge_tables(manifest: ManifestFile, base: Template | None) -> dict[str, dict[str, Any]]:
+    """The tables of the variables; of one that is taken over, single keys may be said anew."""
+    tables = dict(base.tables) if base is not None else {}
+    for name in manifest.take(manifest.document, dict, "variables", default={}):
+        own = manifest.take(manifest.document["variables"], dict, "variables", name, default={})
+        tables[name] = {**tables.get(name, {}), **own}
+    return tables

@@ -8,11 +8,11 @@ from wsgen.errors import RequestError
 from wsgen.model.names import check_package_name, suggest_package_name
 from wsgen.model.package import Maintainer, PackageSpec
 from wsgen.templating.licenses import find_license
-from wsgen.templating.manifest import resolve_answers
 from wsgen.templating.text import check_description, check_maintainer_email, check_maintainer_name
+from wsgen.templating.variables import resolve_answers
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
 
     from wsgen.model.target import Target
     from wsgen.templating.manifest import Template
@@ -42,24 +42,38 @@ def make_spec(  # noqa: PLR0913  the words of the request, all by keyword
     Raises:
         RequestError: the first thing that is wrong, with what would do.
     """
-    _check_name(name, template)
+    _check_target(template, target)
+    answers = resolve_answers(template.variables, settings, template.name)
+    dependencies = template.dependencies(target, answers)
+    _check_name(name, dependencies)
     return PackageSpec(
         name=name,
         license=find_license(license_name),
-        answers=resolve_answers(template, settings),
+        answers=answers,
         description=check_description(template.description if description is None else description),
         maintainer=maintainer,
         template=template.name,
         target=target,
-        dependencies=template.dependencies,
+        dependencies=dependencies,
     )
 
 
-def _check_name(name: str, template: Template) -> None:
+def _check_target(template: Template, target: Target) -> None:
+    if target not in template.targets:
+        same = (one for one in template.targets if one.distro == target.distro)
+        nearest = next(same, template.targets[-1])
+        raise RequestError(
+            f"Template {template.name!r} is not made for {target.ros} with {target.gazebo}.",
+            hint=f"Take --distro {nearest.distro} --sim {nearest.simulator}; it is made for"
+            f" {', '.join(one.name for one in template.targets)}.",
+        )
+
+
+def _check_name(name: str, dependencies: Mapping[str, tuple[str, ...]]) -> None:
     broken = check_package_name(name)
     if broken is not None:
         suggestion = suggest_package_name(name)
-    elif any(name in needed for needed in template.dependencies.values()):
+    elif any(name in needed for needed in dependencies.values()):
         broken = "is a package that the new one needs, and no package can need itself"
         suggestion = f"{name}_robot"
     else:

@@ -7,8 +7,12 @@ files get names that `model.names` has checked, and numbers.
 from __future__ import annotations
 
 import re
+from typing import TYPE_CHECKING
 
 from wsgen.errors import RequestError
+
+if TYPE_CHECKING:
+    from wsgen.model.package import Answer
 
 # First and last of each run of characters that XML 1.0 has, without the control characters and the
 # line ends of Unicode that TOML, Python or a terminal would stumble over.
@@ -93,6 +97,13 @@ def toml_string(text: str) -> str:
     """As a basic string with its quotes."""
     escaped = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
     return f'"{escaped}"'
+
+
+def toml_value(value: Answer) -> str:
+    """As what it is: a number, `true` or `false`, or a string with its quotes."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return toml_string(value) if isinstance(value, str) else repr(value)
 
 
 def markdown_text(text: str) -> str:

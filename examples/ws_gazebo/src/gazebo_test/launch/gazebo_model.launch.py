@@ -68,4 +68,9 @@ def generate_launch_description():
         ],
     )
 
-    return LaunchDescription([*arguments, gazebo, robot_state_publisher, spawn_robot])
+    return LaunchDescription([
+        *arguments,
+        gazebo,
+        robot_state_publisher,
+        spawn_robot,
+    ])

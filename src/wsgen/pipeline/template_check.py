@@ -1,0 +1,147 @@
+"""Whether a template makes good packages: for every target it is rendered, read and tried.
+
+The files are laid out as CMake would install them, without building, so that the launch file, the
+robot and the world go through the stages of `wsgen validate`.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from wsgen.isolation.nursery import Nursery
+from wsgen.model.package import Maintainer
+from wsgen.pipeline.launch_files import find_launch_files, may_spawn
+from wsgen.pipeline.request import ValidateRequest
+from wsgen.pipeline.selection import Chosen
+from wsgen.pipeline.validation import Validation
+from wsgen.pipeline.written_files import check_written_files
+from wsgen.simulation.run import default_engine
+from wsgen.templating.render import installed_folders
+from wsgen.templating.render_apart import render_tree_apart
+from wsgen.templating.spec import make_spec
+from wsgen.templating.variables import show
+from wsgen.templating.write import write_package
+from wsgen.workspace.overlay import INDEX, Overlay
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.isolation.protocol import Run
+    from wsgen.model.target import Target
+    from wsgen.templating.manifest import Template
+
+PACKAGE = "some_robot"
+MAINTAINER = Maintainer(name="Somebody", email="somebody@example.com")
+NAMED = 3  # so many cases are told in a message
+
+
+class Case(NamedTuple):
+    """One rendering of a template."""
+
+    target: Target
+    settings: tuple[str, ...]  # as after --set; none: the defaults
+
+    @property
+    def name(self) -> str:
+        """As a message names it."""
+        return " --set ".join((self.target.name, *self.settings))
+
+
+def check_template(template: Template) -> tuple[Diagnostic, ...]:
+    """What is wrong with the packages of a template, each finding once.
+
+    Files that are named are paths in the package, but for those of the template itself.
+    """
+    cases = tuple(_cases(template))
+    with tempfile.TemporaryDirectory(prefix="wsgen-") as folder, Nursery() as nursery:
+        found = {
+            case: _check_case(case, template, Path(folder, str(number)), nursery.run)
+            for number, case in enumerate(cases)
+        }
+    return _gather(found)
+
+
+def _cases(template: Template) -> Iterator[Case]:
+    """Every target, with the defaults and with each other value of a boolean or a choice."""
+    settings: list[tuple[str, ...]] = [()]
+    for variable in template.variables.values():
+        values = {"boolean": (True, False), "choice": variable.choices}.get(variable.type, ())
+        settings += [
+            (f"{variable.name}={show(value)}",) for value in values if value != variable.default
+        ]
+    for target in template.targets:
+        yield from (Case(target, one) for one in settings)
+
+
+def _check_case(case: Case, template: Template, folder: Path, run: Run) -> tuple[Diagnostic, ...]:
+    spec = make_spec(
+        PACKAGE,
+        template=template,
+        target=case.target,
+        maintainer=MAINTAINER,
+        license_name="MIT",
+        settings=case.settings,
+    )
+    tree, faults = render_tree_apart(spec, template, run=run)
+    if faults:
+        return faults
+    source = folder / "src" / PACKAGE
+    write_package(tree, source)
+    found = list(check_written_files(source))
+    if not found and not case.settings:
+        overlay = _install(source, folder / "install", installed_folders(tree))
+        found += _try(source, overlay, run)
+    return tuple(_relative(one, folder) for one in found)
+
+
+def _install(source: Path, prefix: Path, folders: Iterable[str]) -> Overlay:
+    """Copy what CMake would install; nothing is built."""
+    share = prefix / "share" / PACKAGE
+    for name in folders:
+        shutil.copytree(source / name, share / name)
+    shutil.copy2(source / "package.xml", share / "package.xml")
+    (prefix / INDEX).mkdir(parents=True)
+    (prefix / INDEX / PACKAGE).touch()
+    environment = {**os.environ, "AMENT_PREFIX_PATH": str(prefix)}
+    return Overlay(install=prefix, environment=environment, prefixes=(prefix,))
+
+
+def _try(source: Path, overlay: Overlay, run: Run) -> Iterator[Diagnostic]:
+    """The findings of `wsgen validate`, for every launch file that spawns a robot."""
+    share = overlay.prefixes[0] / "share" / PACKAGE
+    request = ValidateRequest(engines=(default_engine(),))
+    for file in filter(may_spawn, find_launch_files(share)):
+        chosen = Chosen(name=PACKAGE, source=source, share=share, launch_file=file)
+        yield from Validation(chosen, overlay, request, None, run).run().diagnostics
+
+
+def _relative(found: Diagnostic, folder: Path) -> Diagnostic:
+    """The finding without the folders of the check, which are gone after it."""
+    file = found.file
+    for root in (folder / "src" / PACKAGE, folder / "install" / "share" / PACKAGE):
+        if file is not None and file.is_relative_to(root):
+            file = file.relative_to(root)
+    return replace(found, file=file, message=found.message.replace(f"{folder}{os.sep}", ""))
+
+
+def _gather(found: dict[Case, tuple[Diagnostic, ...]]) -> tuple[Diagnostic, ...]:
+    """Each finding once, with the cases it is about unless it is about all."""
+    cases: dict[Diagnostic, list[str]] = {}
+    for case, diagnostics in found.items():
+        for one in dict.fromkeys(diagnostics):
+            cases.setdefault(one, []).append(case.name)
+    return tuple(
+        one if len(names) == len(found) else replace(one, message=f"{one.message} ({_list(names)})")
+        for one, names in cases.items()
+    )
+
+
+def _list(names: list[str]) -> str:
+    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
+    return f"for {', '.join(names[:NAMED])}{more}"

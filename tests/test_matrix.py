@@ -1,0 +1,147 @@
+"""Every template for every target: all of them in one workspace, built by colcon, and tried."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from golden_support import CASES, LAUNCH_FILE, arguments, generate
+from workspace.building import outside, plain_colcon
+from wsgen.cli import run
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from wsgen.model.target import Target
+
+# Case -> the name of its package in the workspace.
+PACKAGES = {case: case.replace("-", "_") for case in CASES}
+# Template -> the name of its robot in the simulator.
+ENTITIES = {"simple": "simple_robot"}
+
+
+@pytest.fixture(scope="module")
+def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """All packages, built with plain colcon."""
+    folder = tmp_path_factory.mktemp("matrix")
+    for case, package in PACKAGES.items():
+        root = generate(folder, *arguments(*CASES[case]), package=package)
+    plain_colcon(root, outside())
+    return root
+
+
+@pytest.fixture(scope="module")
+def validated(workspace: Path) -> dict[str, Any]:
+    """Package -> what `wsgen validate` says of it."""
+    report = workspace.parent / "report.json"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(workspace)
+        assert run(["validate", "-q", "-j", "2", "--json", str(report)]) == 0
+    packages = json.loads(report.read_text())["packages"]
+    return {package["package"]: package for package in packages}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_the_robot_stands_and_there_is_nothing_to_find(
+    validated: dict[str, Any], case: str
+) -> None:
+    package = validated[PACKAGES[case]]
+    assert package["passed"]
+    assert package["diagnostics"] == []
+    assert package["world"]["name"] == "empty_world"
+    assert package["world"]["models"] == ["ground_plane"]
+    (robot,) = package["robots"]
+    assert robot["entity"] == ENTITIES[CASES[case][0]]
+    assert robot["rest"]["settled_after"] is not None
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_launch_plan(case: str, workspace: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    template, target = CASES[case]
+    plan = launch(capsys, workspace, PACKAGES[case])
+    assert plan["unresolved"] == []
+    assert plan["diagnostics"] == []
+    share = workspace / "install" / PACKAGES[case] / "share" / PACKAGES[case]
+    (include,) = plan["includes"]
+    names = [argument["name"] for argument in plan["arguments"]]
+    publisher, spawner = (plan["processes"][index] for index in (-2, -1))
+    assert programs(plan) == expected_programs(target)
+    if target.simulator == "classic":
+        assert names == ["world", "x", "y", "z", "gui", "use_sim_time"]
+        assert include["package"] == "gazebo_ros"
+        assert include["arguments"] == {
+            "world": f"{share}/model/empty_world.world",
+            "gui": "true",
+        }
+    else:
+        assert names == ["world", "x", "y", "z", "headless", "use_sim_time"]
+        assert include["package"] == "ros_gz_sim"
+        assert include["arguments"] == {
+            "gz_args": f'-r -v 4 "{share}/model/empty_world.world"',
+            "on_exit_shutdown": "true",
+        }
+        assert plan["processes"][0]["parameters"] == {"config_file": f"{share}/config/bridge.yaml"}
+    assert publisher["parameters"]["use_sim_time"] is True
+    assert "<robot" in publisher["parameters"]["robot_description"]
+    flag = "-entity" if target.simulator == "classic" else "-name"
+    assert spawner["arguments"][:6] == [
+        *("-topic", "robot_description"),
+        *(flag, ENTITIES[template]),
+        *("-x", "0.0"),
+    ]
+    assert spawner["arguments"][6:9:2] == ["-y", "-z"]
+
+
+def expected_programs(target: Target) -> list[str]:
+    publisher = "robot_state_publisher/robot_state_publisher"
+    if target.simulator == "classic":
+        return [publisher, "gazebo_ros/spawn_entity.py"]
+    return ["ros_gz_bridge/parameter_bridge", publisher, "ros_gz_sim/create"]
+
+
+def test_headless(workspace: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    plan = launch(capsys, workspace, "simple_jazzy_gz", "headless:=true", "x:=2.5")
+    (include,) = plan["includes"]
+    assert include["arguments"]["gz_args"].startswith('-r -s -v 4 "/')
+    assert plan["processes"][-1]["arguments"][4:6] == ["-x", "2.5"]
+
+
+def test_sourcing_the_workspace_tells_gazebo_where_models_are(workspace: Path) -> None:
+    """Both kinds of hooks: plain sh reads the one, what colcon writes for bash the other."""
+    for shell, setup in (("sh", "setup.sh"), ("bash", "setup.bash")):
+        script = f". install/{setup} && echo $GZ_SIM_RESOURCE_PATH"
+        environment = {**outside(), "COLCON_CURRENT_PREFIX": str(workspace / "install")}
+        told = subprocess.run(
+            [shell, "-c", script],
+            cwd=workspace,
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        folders = told.stdout.strip().split(os.pathsep)
+        assert sorted(folders) == [
+            f"{workspace}/install/{package}/share"
+            for case, package in sorted(PACKAGES.items())
+            if CASES[case][1].simulator == "gz"
+        ]
+
+
+def launch(
+    capsys: pytest.CaptureFixture[str], workspace: Path, package: str, *words: str
+) -> dict[str, Any]:
+    """The plan of a package's launch file."""
+    capsys.readouterr()
+    command = ["launch", package, LAUNCH_FILE, *words, "-w", str(workspace), "--format", "json"]
+    assert run(command) == 0
+    plan: dict[str, Any] = json.loads(capsys.readouterr().out)
+    return plan
+
+
+def programs(plan: dict[str, Any]) -> list[str]:
+    """Package and executable of each process, in their order."""
+    return [f"{process['package']}/{process['executable']}" for process in plan["processes"]]
