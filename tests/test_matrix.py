@@ -1,4 +1,7 @@
-"""Every template for every target: all of them in one workspace, built by colcon, and tried."""
+"""Every template for every target: all of them in one workspace, built by colcon, and tried.
+
+The example of a template of the user is among them.
+"""
 
 from __future__ import annotations
 
@@ -9,18 +12,21 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from golden_support import CASES, LAUNCH_FILE, arguments, generate
+from golden_support import CASES, EXAMPLES, LAUNCH_FILE, arguments, generate
 from workspace.building import outside, plain_colcon
 from wsgen.cli import run
+from wsgen.model.target import TARGETS
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.model.target import Target
 
+PENDULUM = str(EXAMPLES / "templates" / "pendulum")
+ALL = {**CASES, **{f"pendulum-{target.name}": (PENDULUM, target) for target in TARGETS}}
 # Case -> the name of its package in the workspace.
-PACKAGES = {case: case.replace("-", "_") for case in CASES}
-# Template -> the name of its robot in the simulator.
+PACKAGES = {case: case.replace("-", "_") for case in ALL}
+# Template -> the name of its robot in the simulator, where it is not that of the package.
 ENTITIES = {"simple": "simple_robot"}
 
 
@@ -29,7 +35,7 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """All packages, built with plain colcon."""
     folder = tmp_path_factory.mktemp("matrix")
     for case, package in PACKAGES.items():
-        root = generate(folder, *arguments(*CASES[case]), package=package)
+        root = generate(folder, *arguments(*ALL[case]), package=package)
     plain_colcon(root, outside())
     return root
 
@@ -45,7 +51,7 @@ def validated(workspace: Path) -> dict[str, Any]:
     return {package["package"]: package for package in packages}
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("case", ALL)
 def test_the_robot_stands_and_there_is_nothing_to_find(
     validated: dict[str, Any], case: str
 ) -> None:
@@ -55,13 +61,13 @@ def test_the_robot_stands_and_there_is_nothing_to_find(
     assert package["world"]["name"] == "empty_world"
     assert package["world"]["models"] == ["ground_plane"]
     (robot,) = package["robots"]
-    assert robot["entity"] == ENTITIES[CASES[case][0]]
+    assert robot["entity"] == ENTITIES.get(ALL[case][0], PACKAGES[case])
     assert robot["rest"]["settled_after"] is not None
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("case", ALL)
 def test_launch_plan(case: str, workspace: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    template, target = CASES[case]
+    template, target = ALL[case]
     plan = launch(capsys, workspace, PACKAGES[case])
     assert plan["unresolved"] == []
     assert plan["diagnostics"] == []
@@ -90,7 +96,7 @@ def test_launch_plan(case: str, workspace: Path, capsys: pytest.CaptureFixture[s
     flag = "-entity" if target.simulator == "classic" else "-name"
     assert spawner["arguments"][:6] == [
         *("-topic", "robot_description"),
-        *(flag, ENTITIES[template]),
+        *(flag, ENTITIES.get(template, PACKAGES[case])),
         *("-x", "0.0"),
     ]
     assert spawner["arguments"][6:9:2] == ["-y", "-z"]
@@ -127,7 +133,7 @@ def test_sourcing_the_workspace_tells_gazebo_where_models_are(workspace: Path) -
         assert sorted(folders) == [
             f"{workspace}/install/{package}/share"
             for case, package in sorted(PACKAGES.items())
-            if CASES[case][1].simulator == "gz"
+            if ALL[case][1].simulator == "gz"
         ]
 
 

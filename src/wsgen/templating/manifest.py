@@ -103,10 +103,9 @@ def load_template(given: str) -> Template:
 
 def read_template(folder: Path) -> tuple[Template, tuple[Diagnostic, ...]]:
     """The template of the user in a folder, as far as it can be read, and what is wrong with it."""
-    folder = folder.absolute()
+    folder = folder.resolve()  # so that `-t .` has a name as well
     manifest = ManifestFile(folder / MANIFEST)
-    # A name from the path, so that `-t .` has one as well.
-    name = folder.resolve().name
+    name = folder.name
     if not name.isprintable():  # it is written into wsgen.toml
         manifest.wrong("The folder's name has characters that do not print.", "Rename the folder.")
     template = _read(manifest, name, is_shipped=False)

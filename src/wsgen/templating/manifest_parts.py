@@ -132,7 +132,7 @@ def read_targets(manifest: ManifestFile) -> tuple[Target, ...]:
             )
     if "targets" not in manifest.document:
         return TARGETS
-    if not words:
+    if manifest.document["targets"] == []:
         manifest.wrong("`targets` names none.", "Leave it out for all of them.", "targets")
     return tuple(
         target for target in TARGETS if {target.name, target.distro, target.simulator} & set(words)
