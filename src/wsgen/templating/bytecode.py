@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 # Of one compiled template: the checksum of its source, and its code.
 Entry = tuple[str, "CodeType"]
 # Raise it when the options of the Jinja2 environment change: the code depends on them.
-FORMAT = 1
+FORMAT = 2
 
 
 class CodeFile:
