@@ -38,7 +38,7 @@ def files(folder: Path) -> set[str]:
 
 def test_new_workspace(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert new("gazebo_test") == 0
-    assert files(here / "ws_gazebo") == {
+    assert files(here / "ws_gazebo") == {".gitignore"} | {
         f"src/gazebo_test/{name}"
         for name in (
             "CMakeLists.txt",
@@ -46,6 +46,7 @@ def test_new_workspace(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
             "README.md",
             "launch/gazebo_model.launch.py",
             "model/empty_world.world",
+            "model/inertia.xacro",
             "model/robot.gazebo",
             "model/robot.xacro",
             "package.xml",
@@ -54,7 +55,8 @@ def test_new_workspace(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     }
     told = capsys.readouterr()
     assert told.out == (
-        "Wrote ws_gazebo/src/gazebo_test\nNext: cd ws_gazebo && wsgen build && wsgen validate\n"
+        "Wrote ws_gazebo/src/gazebo_test\nWrote ws_gazebo/.gitignore\n"
+        "Next: cd ws_gazebo && wsgen build && wsgen validate\n"
     )
     assert told.err == NOTE
 
@@ -114,6 +116,7 @@ def test_json(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
         "package": "gazebo_test",
         "path": str(here / "ws_gazebo" / "src" / "gazebo_test"),
         "workspace": str(here / "ws_gazebo"),
+        "workspace_files": [".gitignore"],
         "written": True,
     }
 
@@ -122,11 +125,13 @@ def test_dry_run(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert new("gazebo_test", "--dry-run") == 0
     assert not list(here.iterdir())
     told = capsys.readouterr()
-    assert len(told.out.splitlines()) == 9
-    assert str(here / "ws_gazebo/src/gazebo_test/package.xml") in told.out.splitlines()
     assert told.err == f"{NOTE}Nothing was written.\n"
     assert new("gazebo_test", "--dry-run", "--format", "json") == 0
     assert json.loads(capsys.readouterr().out)["written"] is False
+    assert new("gazebo_test") == 0
+    assert {str(here / "ws_gazebo" / name) for name in files(here / "ws_gazebo")} == set(
+        told.out.splitlines()
+    )
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,5 @@
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -13,7 +14,7 @@ EXAMPLE = Path(__file__).parents[2] / "examples" / "templates" / "pendulum"
 def test_list(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["templates"]) == 0
     told = capsys.readouterr()
-    assert "simple  The tutorial's robot: a green cylinder" in told.out
+    assert re.search("^simple +The tutorial's robot: a green cylinder", told.out, re.MULTILINE)
     assert "base" not in [line.split()[0] for line in told.out.splitlines()]
     assert told.err == ""
 

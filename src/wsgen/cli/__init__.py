@@ -40,6 +40,7 @@ COMMANDS = {
     "templates": "List the templates and their variables, or check one of yours.",
     "build": "Build the workspace with colcon and explain what fails.",
     "validate": "Play the installed launch file and see whether the robot stands.",
+    "doctor": "Say what this machine has and lacks for a target, and what mends it.",
     "launch": "Show what a launch file would start, without ROS and without starting it.",
 }
 

@@ -6,12 +6,17 @@ from typing import TYPE_CHECKING
 
 import click
 
-from wsgen.cli.options import format_option, output_options, workspace_option
+from wsgen.cli.options import (
+    chosen_target,
+    distro_option,
+    format_option,
+    output_options,
+    sim_option,
+    workspace_option,
+)
 from wsgen.errors import EXIT_PASSED, RequestError
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from wsgen.model.package import Maintainer, PackageSpec
     from wsgen.model.target import Target
     from wsgen.templating.manifest import Template
@@ -55,18 +60,8 @@ class NewCommand(click.Command):
     show_default=True,
     help="What kind of robot; a FOLDER is a template of yours.",
 )
-@click.option(
-    "--distro",
-    envvar="ROS_DISTRO",
-    default="iron",
-    metavar="NAME",
-    help="ROS 2 distribution that the package is for.  [default: $ROS_DISTRO, else iron]",
-)
-@click.option(
-    "--sim",
-    type=click.Choice(["classic", "gz"]),
-    help="Gazebo Classic or Gazebo Sim.  [default: classic on iron, gz elsewhere]",
-)
+@distro_option
+@sim_option
 @click.option(
     "--set", "settings", multiple=True, metavar="KEY=VALUE", help="A variable of the template."
 )
@@ -81,6 +76,11 @@ class NewCommand(click.Command):
 )
 @click.option("--maintainer-name", metavar="TEXT", help="[default: git's user.name]")
 @click.option("--maintainer-email", metavar="ADDRESS", help="[default: git's user.email]")
+@click.option(
+    "--ci",
+    type=click.Choice(["github", "gitlab"]),
+    help="Write a workflow for the workspace, too: wsgen without ROS, and the target's ROS.",
+)
 @click.option("--dry-run", is_flag=True, help="Only say which files would be written.")
 @click.option("--build", "then_build", is_flag=True, help="Build it at once.")
 @click.option("--validate", "then_validate", is_flag=True, help="Build and validate it at once.")
@@ -100,6 +100,7 @@ def command(
     license_name: str,
     maintainer_name: str | None,
     maintainer_email: str | None,
+    ci: str | None,
     dry_run: bool,
     then_build: bool,
     then_validate: bool,
@@ -108,17 +109,19 @@ def command(
     verbose: bool,
 ) -> int:
     """Write a package with a robot, and the workspace around it if there is none."""
+    from wsgen.cli.new_extras import ignore_files, note_repository, workflow_files
+    from wsgen.cli.new_report import tell_json, tell_text
     from wsgen.templating.manifest import load_template
     from wsgen.templating.spec import make_spec
-    from wsgen.templating.write import refuse_existing, write_package
-    from wsgen.workspace.paths import check_workspace_path
+    from wsgen.templating.workspace_files import adding_files, refuse_files
+    from wsgen.templating.write import write_package
 
     if output_format == "json" and (then_build or then_validate):
         raise RequestError(
             "--format json gives what was written, and nothing after it.",
             hint="Call `wsgen build` and `wsgen validate --format json` by themselves.",
         )
-    target = _choose_target(ctx, distro, sim)
+    target = chosen_target(ctx, distro, sim)
     chosen = load_template(template)
     spec = make_spec(
         name,
@@ -129,29 +132,23 @@ def command(
         settings=settings,
         description=description,
     )
-    place = choose_workspace(workspace)
-    check_workspace_path(place.root)
+    place = _choose_place(workspace, spec.name)
     folder = place.source / spec.name
-    refuse_existing(folder)
-    refuse_duplicate(spec.name, place)
+    workflow = workflow_files(ci, target)
+    refuse_files(workflow, place.root)
+    ignored = ignore_files(place, verbose=verbose)
     tree = _render(spec, chosen)
     if not dry_run:
-        write_package(tree, folder)
+        with adding_files(workflow, place.root, where_missing=ignored):
+            write_package(tree, folder)
     _note_end_of_life(target)
-    tell = _tell_json if output_format == "json" else _tell_text
-    tell(place, folder, list(tree), is_written=not dry_run)
+    if workflow:
+        note_repository(place.root)
+    tell = tell_json if output_format == "json" else tell_text
+    tell(place, folder, list(tree), [*ignored, *workflow], is_written=not dry_run)
     if dry_run or not (then_build or then_validate):
         return EXIT_PASSED
     return go_on(place, spec.name, validate=then_validate, quiet=quiet, verbose=verbose)
-
-
-def _choose_target(ctx: click.Context, distro: str, sim: str | None) -> Target:
-    from click.core import ParameterSource
-
-    from wsgen.model.target import choose_target
-
-    source = ctx.get_parameter_source("distro")
-    return choose_target(distro, sim, is_from_environment=source is ParameterSource.ENVIRONMENT)
 
 
 def _note_end_of_life(target: Target) -> None:
@@ -188,6 +185,18 @@ def go_on(workspace: Workspace, package: str, *, validate: bool, quiet: bool, ve
 
     request = ValidateRequest(packages=(package,))
     return validate_packages(request, workspace=root, quiet=quiet, verbose=verbose)
+
+
+def _choose_place(given: str | None, name: str) -> Workspace:
+    """The workspace, if a package of this name can be written into it."""
+    from wsgen.templating.write import refuse_existing
+    from wsgen.workspace.paths import check_workspace_path
+
+    place = choose_workspace(given)
+    check_workspace_path(place.root)
+    refuse_existing(place.source / name)
+    refuse_duplicate(name, place)
+    return place
 
 
 def choose_workspace(given: str | None) -> Workspace:
@@ -245,46 +254,3 @@ def _choose_maintainer(name: str | None, email: str | None) -> Maintainer:
             err=True,
         )
     return maintainer
-
-
-def _tell_text(workspace: Workspace, folder: Path, files: list[str], *, is_written: bool) -> None:
-    if not is_written:
-        click.echo("\n".join(click.format_filename(folder / file) for file in files))
-        click.echo("Nothing was written.", err=True)
-        return
-    click.echo(f"Wrote {_short(folder)}")
-    click.echo(f"Next: {_next_command(workspace)}")
-
-
-def _tell_json(workspace: Workspace, folder: Path, files: list[str], *, is_written: bool) -> None:
-    import json
-
-    result = {
-        "version": 1,
-        "package": folder.name,
-        "path": str(folder),
-        "workspace": str(workspace.root),
-        "files": files,
-        "written": is_written,
-    }
-    click.echo(json.dumps(result, indent=2))
-
-
-def _next_command(workspace: Workspace) -> str:
-    """What to type next, from the current folder."""
-    import shlex
-    from pathlib import Path
-
-    commands = ["wsgen build", "wsgen validate"]
-    here = Path.cwd()
-    if workspace.root != here and workspace.root not in here.parents:
-        commands.insert(0, f"cd {shlex.quote(_short(workspace.root))}")
-    return " && ".join(commands)
-
-
-def _short(path: Path) -> str:
-    """Relative to the current folder where that is below it."""
-    from pathlib import Path
-
-    here = Path.cwd()
-    return click.format_filename(path.relative_to(here) if here in path.parents else path)

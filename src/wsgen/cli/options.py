@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
+
+if TYPE_CHECKING:
+    from wsgen.model.target import Target
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -26,6 +29,19 @@ format_option = click.option(
     help="Form of the result on standard output.",
 )
 
+distro_option = click.option(
+    "--distro",
+    envvar="ROS_DISTRO",
+    default="iron",
+    metavar="NAME",
+    help="ROS 2 distribution that is aimed at.  [default: $ROS_DISTRO, else iron]",
+)
+
+sim_option = click.option(
+    "--sim",
+    type=click.Choice(["classic", "gz"]),
+    help="Gazebo Classic or Gazebo Sim.  [default: classic on iron, gz elsewhere]",
+)
 
 seconds_option = click.option(
     "--seconds",
@@ -45,6 +61,16 @@ engine_option = click.option(
 picture_option = click.option(
     "--picture", type=click.Path(), metavar="DIR", help="Write a PNG of the end there."
 )
+
+
+def chosen_target(ctx: click.Context, distro: str, sim: str | None) -> Target:
+    """The target that `distro_option` and `sim_option` mean."""
+    from click.core import ParameterSource
+
+    from wsgen.model.target import choose_target
+
+    source = ctx.get_parameter_source("distro")
+    return choose_target(distro, sim, is_from_environment=source is ParameterSource.ENVIRONMENT)
 
 
 def chosen_engines(engine: str | None) -> tuple[str, ...]:

@@ -39,17 +39,17 @@ def write_package(tree: Mapping[str, str], folder: Path) -> None:
     refuse_existing(folder)
     made: list[Path] = []
     try:
-        _make_parents(folder.parent, made)
-        _remove_leftovers(folder.parent)
-        with _unfinished_folder(folder.parent) as unfinished:
-            _write_files(tree, unfinished / folder.name)
+        make_parents(folder.parent, made)
+        remove_leftovers(folder.parent)
+        with unfinished_folder(folder.parent) as unfinished:
+            write_files(tree, unfinished / folder.name)
             _publish(unfinished / folder.name, folder)
     except BaseException as error:
         for parent in reversed(made):
             with contextlib.suppress(OSError):  # somebody else put something into it
                 parent.rmdir()
         if isinstance(error, OSError):
-            raise _explain(error, folder) from error
+            raise explain_failure(error, folder) from error
         raise
 
 
@@ -66,7 +66,8 @@ def refuse_existing(folder: Path) -> None:
         )
 
 
-def _make_parents(folder: Path, made: list[Path]) -> None:
+def make_parents(folder: Path, made: list[Path]) -> None:
+    """Make a folder and those around it that are missing; appends to `made` what it made."""
     missing = [path for path in (folder, *folder.parents) if not path.exists()]
     for path in reversed(missing):
         with contextlib.suppress(FileExistsError):  # two commands at once
@@ -77,7 +78,7 @@ def _make_parents(folder: Path, made: list[Path]) -> None:
 
 
 @contextlib.contextmanager
-def _unfinished_folder(parent: Path) -> Iterator[Path]:
+def unfinished_folder(parent: Path) -> Iterator[Path]:
     """A new hidden folder that this process has locked; it is gone at the end."""
     while True:
         folder = parent / f"{UNFINISHED_PREFIX}{os.getpid()}-{os.urandom(4).hex()}"
@@ -93,7 +94,8 @@ def _unfinished_folder(parent: Path) -> Iterator[Path]:
             return
 
 
-def _remove_leftovers(parent: Path) -> None:
+def remove_leftovers(parent: Path) -> None:
+    """Remove what commands that were killed have left in a folder."""
     for folder in parent.glob(f"{UNFINISHED_PREFIX}*"):
         with _lock(folder, wait=False) as locked:
             if locked:
@@ -119,7 +121,8 @@ def _lock(folder: Path, *, wait: bool) -> Iterator[bool]:
         os.close(descriptor)
 
 
-def _write_files(tree: Mapping[str, str], folder: Path) -> None:
+def write_files(tree: Mapping[str, str], folder: Path) -> None:
+    """Write the files of a tree into a new folder, and see them safely on the disk."""
     folder.mkdir()
     for name, text in tree.items():
         file = folder / name
@@ -142,7 +145,8 @@ def _publish(unfinished: Path, folder: Path) -> None:
         raise
 
 
-def _explain(error: OSError, folder: Path) -> NotReadableError:
+def explain_failure(error: OSError, folder: Path) -> NotReadableError:
+    """What keeps files from being written, and what to do about it."""
     hints = {
         errno.ENOSPC: "Make room on the disk, or give another --workspace.",
         errno.EDQUOT: "Make room in your quota, or give another --workspace.",

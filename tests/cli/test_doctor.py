@@ -1,0 +1,102 @@
+import json
+from pathlib import Path
+
+import pytest
+
+from wsgen.cli import run
+from wsgen.model.target import TARGETS, Target
+
+
+@pytest.fixture(autouse=True)
+def no_ros(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("ROS_DISTRO", "AMENT_PREFIX_PATH"):
+        monkeypatch.delenv(name, raising=False)
+
+
+def test_this_machine(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["doctor"]) == 0
+    told = capsys.readouterr()
+    lines = told.out.splitlines()
+    assert told.err == ""
+    assert lines[0] == "ROS 2 Iron with Gazebo Classic 11, on Ubuntu 22.04"
+    assert lines[1].startswith("note: ROS 2 Iron has had no updates since 2024-12-04")
+    assert lines.index("Without ROS: wsgen new, wsgen build, wsgen validate") < lines.index(
+        "With ROS: ros2 launch"
+    )
+    assert sum("apt install ros-iron-ros-core" in line for line in lines) >= 1
+    assert lines[-1] == "wsgen can work here."
+
+
+@pytest.mark.parametrize("target", TARGETS, ids=lambda target: target.name)
+def test_json(target: Target, capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["--distro", target.distro, "--sim", target.simulator, "--format", "json"]
+    assert run(["doctor", *arguments]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert list(told) == ["version", "passed", "target", "notes", "wsgen", "ros", "apt"]
+    assert told["passed"] is True
+    assert told["target"]["simulator"] == target.simulator
+    assert told["apt"].startswith(f"sudo apt install ros-{target.distro}-ros-core ")
+    assert {"name", "met", "needed", "text", "mend"} == set(told["wsgen"][0])
+    assert not any(found["needed"] for found in told["ros"])
+
+
+def test_every_key_is_documented(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["doctor", "--format", "json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    page = Path(__file__).parents[2].joinpath("docs", "doctor.md").read_text(encoding="utf-8")
+    keys = [f"{key}[]" if isinstance(value, list) else key for key, value in told.items()]
+    keys += [f"target.{key}" for key in told["target"]]
+    for key in (*keys, *told["wsgen"][0]):
+        assert f"| `{key}` |" in page
+
+
+def test_something_is_missing(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("CMAKE_COMMAND", "/gone/cmake")
+    assert run(["doctor", "-q", "--color", "never"]) == 1
+    told = capsys.readouterr().out
+    assert "  error  CMake  missing: CMAKE_COMMAND=/gone/cmake is no program\n" in told
+    assert "try: unset CMAKE_COMMAND\n" in told
+    assert "ninja" not in told
+    assert told.endswith("wsgen cannot work here until that is mended.\n")
+    assert run(["doctor", "--format", "json"]) == 1
+    assert json.loads(capsys.readouterr().out)["passed"] is False
+
+
+def test_no_path(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.delenv("PATH")
+    # The wheels bring what wsgen needs, wherever PATH leads.
+    assert run(["doctor"]) == 0
+    assert "note: PATH is empty" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--distro", "noetic"], "'noetic' is no ROS 2 distribution"),
+        (["--distro", "jazzy", "--sim", "classic"], "not released for ROS 2 jazzy"),
+        (["--distro", ""], "'' is no ROS 2 distribution"),
+        (["--sim", "gazebo"], "Invalid value for '--sim'"),
+        (["here"], "unexpected extra argument"),
+    ],
+)
+def test_wrong_request(
+    arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["doctor", *arguments]) == 2
+    told = capsys.readouterr()
+    assert told.out == ""
+    assert message in told.err
+
+
+def test_the_ros_of_the_environment(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("ROS_DISTRO", "lyrical")
+    assert run(["doctor"]) == 0
+    told = capsys.readouterr().out
+    assert told.startswith("ROS 2 Lyrical with Gazebo Jetty, on Ubuntu 26.04\n\n")
+    monkeypatch.setenv("ROS_DISTRO", "galactic")
+    assert run(["doctor"]) == 2
+    assert "ROS_DISTRO=galactic" in capsys.readouterr().err

@@ -1,0 +1,153 @@
+"""`[[behaviour]]` of `wsgen.toml`: what is read, and what is refused, with its place."""
+
+from pathlib import Path
+
+import pytest
+
+from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.model.behaviour import Behaviour, Drive, Reach
+from wsgen.workspace.settings import read_settings
+
+DRIVES = """[[behaviour]]
+name = "drives"
+drive = { linear = 0.5 }
+seconds = 2
+moved = { x = 1, yaw = 0.0 }
+"""
+REACHES = """[[behaviour]]
+name = "reaches"
+robot = "arm"
+seconds = 3.5
+within = 0.1
+[behaviour.joints]
+joint_1 = -0.5
+"a b" = 1
+"""
+
+
+def read(folder: Path, text: str) -> tuple[tuple[Behaviour, ...], tuple[Diagnostic, ...]]:
+    (folder / "wsgen.toml").write_text(text, encoding="utf-8")
+    settings, found = read_settings(folder)
+    return settings.behaviours, found
+
+
+def test_what_is_written_is_read(tmp_path: Path) -> None:
+    behaviours, found = read(tmp_path, f"schema = 1\n{DRIVES}\n{REACHES}")
+    assert found == ()
+    assert behaviours == (
+        Behaviour(
+            name="drives",
+            task=Drive(linear=0.5, x=1.0, yaw=0.0, tolerance=0.1),
+            seconds=2.0,
+            line=2,
+        ),
+        Behaviour(
+            name="reaches",
+            task=Reach(positions={"joint_1": -0.5, "a b": 1.0}, within=0.1),
+            seconds=3.5,
+            robot="arm",
+            line=8,
+        ),
+    )
+
+
+def test_none_are_none(tmp_path: Path) -> None:
+    assert read(tmp_path, "behaviour = []\n") == ((), ())
+    assert read(tmp_path, "schema = 1\n") == ((), ())
+
+
+@pytest.mark.parametrize(
+    ("instead_of", "text", "line", "element", "message"),
+    [
+        ('name = "drives"', "", 1, "0.name", "has no name"),
+        ('name = "drives"', "name = 3", 2, "0.name", "no text"),
+        ('name = "drives"', 'name = " "', 2, "0.name", "no text"),
+        ('name = "drives"', 'name = "a\\nb"', 2, "0.name", "no text"),
+        ('name = "drives"', f'name = "{"a" * 81}"', 2, "0.name", "more than 80"),
+        ("seconds = 2", "", 1, "0.seconds", "no `seconds`"),
+        ("seconds = 2", 'seconds = "2"', 4, "0.seconds", "is no number"),
+        ("seconds = 2", "seconds = true", 4, "0.seconds", "is no number"),
+        ("seconds = 2", "seconds = 0", 4, "0.seconds", "is 0"),
+        ("seconds = 2", "seconds = -1", 4, "0.seconds", "is -1"),
+        ("seconds = 2", "seconds = 61", 4, "0.seconds", "is 61"),
+        ("seconds = 2", "seconds = nan", 4, "0.seconds", "is nan"),
+        ("seconds = 2", "seconds = inf", 4, "0.seconds", "is inf"),
+        ("{ linear = 0.5 }", "0.5", 3, "0.drive", "no table of numbers"),
+        ("{ linear = 0.5 }", "{}", 3, "0.drive", "no table of numbers"),
+        ("{ linear = 0.5 }", "{ linear = 1e9 }", 3, "0.drive.linear", "is 1e+09"),
+        ("{ linear = 0.5 }", '{ linear = "a" }', 3, "0.drive.linear", "no number"),
+        ("{ linear = 0.5 }", "{ x = 0.5 }", 3, "0.drive.x", "`drive` knows no key `x`"),
+        ("moved = { x = 1, yaw = 0.0 }", "", 1, "0.moved", "no `moved`"),
+        ("moved = { x = 1, yaw = 0.0 }", "moved = [1]", 5, "0.moved", "no table of numbers"),
+        ("yaw = 0.0", "z = 0.0", 5, "0.moved.z", "`moved` knows no key `z`"),
+        ("seconds = 2", "seconds = 2\ntolerance = 0", 5, "0.tolerance", "is 0"),
+        ("seconds = 2", "seconds = 2\ntolerance = 2", 5, "0.tolerance", "is 2"),
+        ("seconds = 2", "seconds = 2\nwithin = 1", 5, "0.within", "no key `within` here"),
+        ("seconds = 2", "seconds = 2\nsecond = 1", 5, "0.second", "no key `second`."),
+        ("seconds = 2", "seconds = 2\nrobot = 1", 5, "0.robot", "not the name of one"),
+        ("seconds = 2", 'seconds = 2\nrobot = ""', 5, "0.robot", "not the name of one"),
+        ("seconds = 2", "seconds = 2\njoints = { a = 1 }", 1, "0", "both `drive` and `joints`"),
+        ("drive = { linear = 0.5 }", "", 1, "0", "neither `drive` nor `joints`"),
+    ],
+)
+def test_what_is_wrong_is_named_with_its_line(
+    tmp_path: Path, instead_of: str, text: str, *, line: int, element: str, message: str
+) -> None:
+    written = DRIVES.replace(instead_of, text)
+    assert written != DRIVES
+    behaviours, found = read(tmp_path, written)
+    assert behaviours == ()
+    assert [(one.code, one.severity) for one in found] == [("PKG060", Severity.ERROR)]
+    assert (found[0].line, found[0].element) == (line, f"behaviour.{element}")
+    assert message in found[0].message
+    assert found[0].hint
+
+
+def test_two_of_one_name(tmp_path: Path) -> None:
+    behaviours, found = read(tmp_path, f"{DRIVES}\n{DRIVES}")
+    assert [behaviour.name for behaviour in behaviours] == ["drives"]
+    assert [(one.message, one.line) for one in found] == [
+        ("Two behaviours are called `drives`.", 8)
+    ]
+
+
+def test_wrong_values_of_joints(tmp_path: Path) -> None:
+    behaviours, found = read(tmp_path, REACHES.replace("-0.5", "nan").replace("0.1", "0"))
+    assert behaviours == ()
+    assert [(one.element, one.line) for one in found] == [
+        ("behaviour.0.joints.joint_1", 7),
+        ("behaviour.0.within", 5),
+    ]
+
+
+def test_what_is_right_counts_beside_what_is_wrong(tmp_path: Path) -> None:
+    behaviours, found = read(tmp_path, DRIVES.replace("seconds = 2", "") + REACHES)
+    assert [behaviour.name for behaviour in behaviours] == ["reaches"]
+    assert len(found) == 1
+
+
+@pytest.mark.parametrize("text", ["behaviour = 3", "behaviour = [1]", "[behaviour]\nname = 'a'"])
+def test_no_list_of_tables(tmp_path: Path, text: str) -> None:
+    behaviours, found = read(tmp_path, text)
+    assert behaviours == ()
+    assert [(one.code, one.line) for one in found] == [("PKG060", 1)]
+
+
+def test_too_many(tmp_path: Path) -> None:
+    tables = "".join(DRIVES.replace("drives", f"d{number}") for number in range(51))
+    behaviours, found = read(tmp_path, tables)
+    assert behaviours == ()
+    assert "51 behaviours" in found[0].message
+
+
+@pytest.mark.parametrize("key", ["behaviours", "behavior"])
+def test_a_key_that_is_nearly_right(tmp_path: Path, key: str) -> None:
+    behaviours, found = read(tmp_path, DRIVES.replace("[[behaviour]]", f"[[{key}]]"))
+    assert behaviours == ()
+    assert f"no key `{key}`" in found[0].message
+
+
+def test_what_is_allowed_is_read_beside_it(tmp_path: Path) -> None:
+    (tmp_path / "wsgen.toml").write_text(f'{DRIVES}[validate]\nallow = ["massless-root"]\n')
+    settings, found = read_settings(tmp_path)
+    assert (len(settings.behaviours), settings.allow, found) == (1, ("massless-root",), ())
