@@ -117,3 +117,12 @@ def child_text(element: Element, tag: str) -> str | None:
     for child in children(element, tag):
         return (child.text or "").strip()
     return None
+
+
+def child_texts(element: Element) -> dict[str, tuple[str, ...]]:
+    """The stripped texts of all child elements by their names, each in document order."""
+    texts: dict[str, tuple[str, ...]] = {}
+    for child in element:
+        if isinstance(child.tag, str):
+            texts[child.tag] = (*texts.get(child.tag, ()), (child.text or "").strip())
+    return texts

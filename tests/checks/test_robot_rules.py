@@ -29,6 +29,7 @@ from wsgen.model.robot import (
     JointType,
     Link,
     Mesh,
+    Plugin,
     Sphere,
     Visual,
 )
@@ -110,13 +111,14 @@ def test_roots_that_are_fine() -> None:
     "name", ["libgazebo_ros_control.so", "gazebo_ros_control", "/opt/lib/libgazebo_ros_laser.so"]
 )
 def test_ros_1_plugin(name: str) -> None:
-    (found,) = ros_1_plugin([GazeboTag(reference=None, plugins=(name,), line=3)], FILE)
+    (found,) = ros_1_plugin([GazeboTag(reference=None, plugins=(Plugin(name, {}),), line=3)], FILE)
     assert (found.code, found.severity, found.line) == ("ROB052", Severity.WARNING, 3)
 
 
 def test_plugins_of_ros_2() -> None:
     names = ("libgazebo_ros_diff_drive.so", "libgazebo_ros2_control.so", "libmine.so")
-    assert list(ros_1_plugin([GazeboTag(reference=None, plugins=names)], None)) == []
+    plugins = tuple(Plugin(name, {}) for name in names)
+    assert list(ros_1_plugin([GazeboTag(reference=None, plugins=plugins)], None)) == []
 
 
 def test_nothing_to_touch() -> None:

@@ -163,7 +163,8 @@ def test_gazebo_tags() -> None:
             "<collision><surface><friction><ode><mu>0.7</mu></ode></friction></surface></collision>"
             '<sensor name="eye" type="camera">'
             '<plugin name="p" filename="libeye.so"/></sensor></gazebo>\n'
-            '<gazebo><plugin name="q" filename="libdrive.so"/></gazebo>'
+            '<gazebo><plugin name="q" filename="libdrive.so">'
+            "<joint> l </joint><rate>30</rate><joint>r</joint></plugin></gazebo>"
             '<gazebo reference=""><static>true</static></gazebo>'
         ),
         file=None,
@@ -175,8 +176,8 @@ def test_gazebo_tags() -> None:
     assert values["collision/surface/friction/ode/mu"] == "0.7"
     assert "sensor" not in values
     assert [(tag.reference, tag.plugins, tag.sensors) for tag in model.gazebo] == [
-        ("a", ("libeye.so",), ("eye",)),
-        (None, ("libdrive.so",), ()),
+        ("a", (("libeye.so", {}),), ("eye",)),
+        (None, (("libdrive.so", {"joint": ("l", "r"), "rate": ("30",)}),), ()),
         (None, (), ()),
     ]
 

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
 from wsgen.isolation.outcome import Answered, Died
+from wsgen.model.behaviour import Behaviour, Reach
 from wsgen.model.pose import Pose
-from wsgen.model.robot import Inertial, Link, Robot
+from wsgen.model.robot import Inertial, Joint, JointType, Link, Robot
 from wsgen.model.world import World
+from wsgen.pipeline.behaviours import make_programme
 from wsgen.pipeline.described import Described
 from wsgen.pipeline.request import ValidateRequest
 from wsgen.pipeline.trial import Tried, try_robots
 from wsgen.simulation.scene import DRAWING, LOADING, RobotTrial, Scene, trial_to_json
-
-if TYPE_CHECKING:
-    from pathlib import Path
+from wsgen.workspace.settings import Settings
 
 BODY = Inertial(mass=1.0, inertia=(0.1, 0.0, 0.0, 0.1, 0.0, 0.1))
 WORLD = World(name="w", has_ground_plane=True)
@@ -137,3 +139,66 @@ def test_an_engine_that_dies_in_one_of_two_is_no_pass() -> None:
     outcome = tried(OnlyDartDies(), "a", both=True)
     assert [robot.passed for robot in outcome.robots] == [False]
     assert [found.code for found in outcome.diagnostics] == ["SPN031"]
+
+
+def test_behaviours_are_given_to_their_robots_and_judged() -> None:
+    """Of two robots one moves as it should; what cannot be tried fails its robot too."""
+    arm = Joint(name="elbow", type=JointType.CONTINUOUS, parent="base", child="arm")
+    robots = [
+        replace(
+            described(entity),
+            lumped=Robot(
+                name="r",
+                root="base",
+                links=tuple(Link(name=name, inertial=BODY) for name in ("base", "arm")),
+                joints=(arm,),
+            ),
+        )
+        for entity in ("a", "b", "c")
+    ]
+
+    def behaviour(name: str, robot: str, joint: str = "elbow") -> Behaviour:
+        task = Reach(positions={joint: 0.5})
+        return Behaviour(name=name, task=task, seconds=1.0, robot=robot)
+
+    settings = Settings(
+        file=Path("wsgen.toml"),
+        behaviours=(
+            behaviour("reaches", "a"),
+            behaviour("misses", "b"),
+            behaviour("has not", "c", "knee"),
+            behaviour("is not", "d"),
+        ),
+    )
+    programme = make_programme(settings, robots, generation=None)
+    assert [attempt.entity for attempt in programme.attempts] == ["a", "b"]
+
+    class Moves(Engines):
+        def __call__(self, task: str, *arguments: Any, **more: Any) -> Answered | Died:
+            answered = super().__call__(task, *arguments, **more)
+            assert isinstance(answered, Answered)
+            for trial, (name, position) in zip(
+                answered.value["trials"], (("reaches", 0.5), ("misses", 0.1)), strict=False
+            ):
+                trial["behaviours"] = [[name, [0.0, 0.0, 0.0], {"elbow": position}, True]]
+            return answered
+
+    engines = Moves(mass=2.0, movable_joints=1)
+    outcome = try_robots(
+        WORLD, robots, ValidateRequest(engines=("dart",)), "n", run=engines, programme=programme
+    )
+    assert [(one.entity, one.passed) for one in outcome.robots] == [
+        ("a", True),
+        ("b", False),
+        ("c", False),
+    ]
+    assert [found.code for found in outcome.diagnostics] == ["SPN083", "SPN080", "SPN087"]
+    assert [
+        [(one.name, one.passed, one.positions) for one in robot.behaviours]
+        for robot in outcome.robots
+    ] == [
+        [("reaches", True, {"elbow": 0.5})],
+        [("misses", False, {"elbow": 0.1})],
+        [("has not", False, None)],
+    ]
+    assert engines.scenes[0].attempts == programme.attempts

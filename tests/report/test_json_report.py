@@ -5,6 +5,7 @@ import math
 from pathlib import Path
 
 from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.model.behaviour import BehaviourOutcome, Drive, Reach
 from wsgen.model.outcome import Outcome, PackageOutcome, Rest, RobotOutcome, Simulated
 from wsgen.model.pose import Pose
 from wsgen.model.world import PlacedModel, World
@@ -23,6 +24,18 @@ ROBOT = RobotOutcome(
         settled_after=0.5,
         speed=0.0,
         joint_positions={"elbow": 0.5},
+    ),
+    behaviours=(
+        BehaviourOutcome(
+            name="drives", task=Drive(x=1.0, yaw=0.0), passed=True, moved=(0.98, 0.0, math.inf)
+        ),
+        BehaviourOutcome(
+            name="reaches",
+            task=Reach(positions={"elbow": 0.5}),
+            passed=False,
+            positions={"elbow": 0.3},
+        ),
+        BehaviourOutcome(name="untried", task=Drive(y=0.5), passed=False),
     ),
 )
 FINDING = Diagnostic(code="SPN053", severity=Severity.WARNING, message="m", file=Path("f"), line=3)
@@ -81,6 +94,29 @@ def test_every_key_of_the_contract() -> None:
                             "speed": 0.0,
                             "joint_positions": {"elbow": 0.5},
                         },
+                        "behaviours": [
+                            {
+                                "name": "drives",
+                                "passed": True,
+                                "moved": {"x": 0.98, "y": 0.0, "yaw": None},
+                                "joints": None,
+                                "expected": {"x": 1.0, "y": None, "yaw": 0.0},
+                            },
+                            {
+                                "name": "reaches",
+                                "passed": False,
+                                "moved": None,
+                                "joints": {"elbow": 0.3},
+                                "expected": {"elbow": 0.5},
+                            },
+                            {
+                                "name": "untried",
+                                "passed": False,
+                                "moved": None,
+                                "joints": None,
+                                "expected": {"x": None, "y": 0.5, "yaw": None},
+                            },
+                        ],
                     }
                 ],
                 "diagnostics": [
@@ -122,6 +158,7 @@ def test_the_documentation_lists_every_key() -> None:
     document = json.loads(render_outcome(outcome(seconds=stages)))
     text = (Path(__file__).parents[2] / "docs" / "json.md").read_text(encoding="utf-8")
     document["packages"][0]["robots"][0]["rest"]["joint_positions"] = None  # its keys are names
+    document["packages"][0]["robots"][0]["behaviours"][0]["expected"] = None  # so may be its
     listed = {line.split("`")[1] for line in text.splitlines() if line.startswith("| `")}
     assert listed == keys(document)
 

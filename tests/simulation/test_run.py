@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 from PIL import Image
 
+from simulation.movers import AT, drive, two_wheeled
 from wsgen.diagnostics import Severity
+from wsgen.isolation import parent
+from wsgen.isolation.outcome import Answered, Died
 from wsgen.isolation.parent import Limits
 from wsgen.model.pose import Pose
 from wsgen.model.robot import Collision, Cylinder, Inertial, Link, Mesh, Robot, Visual
 from wsgen.model.world import World
 from wsgen.simulation import run
 from wsgen.simulation.run import default_engine, missing_engines, run_trial
-from wsgen.simulation.scene import Scene, SpawnedRobot
+from wsgen.simulation.scene import TRYING, Scene, SpawnedRobot
 
 CYLINDER = Cylinder(radius=0.4, length=0.5)
 HERE = Path(__file__).parent
@@ -188,3 +193,42 @@ def test_nothing_is_left_behind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     run_trial(scene(robot()))
     assert list(tmp_path.iterdir()) == []
+
+
+def test_behaviours_are_tried_in_the_same_child() -> None:
+    spawned = SpawnedRobot(entity="e", robot=two_wheeled(), pose_in_world=AT)
+    played = replace(scene(robot()), robots=(spawned,), attempts=(drive(linear=0.5),))
+    outcome = run_trial(played)
+    (trial,) = outcome.trials
+    (behaved,) = trial.behaviours
+    assert behaved.moved[0] == pytest.approx(1.0, abs=0.05)
+    assert math.dist(trial.rest_pose.xyz[:2], AT.xyz[:2]) < 0.1  # of the standing
+
+
+def test_a_film_shows_behaviours(tmp_path: Path) -> None:
+    spawned = SpawnedRobot(entity="e", robot=two_wheeled(), pose_in_world=AT)
+    played = replace(scene(robot()), robots=(spawned,), attempts=(drive(linear=0.5),), seconds=0.5)
+    film = run_trial(replace(played, record=tmp_path / "f.gif")).film
+    assert film is not None
+    assert film.frames > film.frames_per_second * 2.5
+
+
+def test_an_engine_that_dies_of_a_behaviour_tries_the_others() -> None:
+    attempts = (drive(linear=0.5), drive(linear=0.7))
+    played = replace(scene(robot()), attempts=attempts)
+    seen: list[Scene] = []
+
+    def dies(task: str, *arguments: Any, **more: Any) -> Answered | Died:
+        (now,) = arguments
+        seen.append(now)
+        if attempts[0] in now.attempts:
+            step = TRYING.format(entity="e", name=attempts[0].behaviour.name)
+            return Died(reason="crashed (SIGSEGV)", step=step, output="")
+        return parent.run(task, replace(now, attempts=()), **more)
+
+    outcome = run_trial(played, run=dies)
+    assert [one.attempts for one in seen] == [attempts, attempts[1:]]
+    assert len(outcome.trials) == 1
+    (found,) = outcome.diagnostics
+    assert (found.code, found.element) == ("SPN031", "e")
+    assert "while trying the behaviour `d{'linear': 0.5}` of `e`" in found.message

@@ -185,7 +185,7 @@ def test_flags_and_tags(read: Read) -> None:
     robot = robot_of(
         read(
             '<model name="m"><self_collide>true</self_collide>'
-            '<plugin filename="libdrive.so" name="p"/>'
+            '<plugin filename="libdrive.so" name="p"><left> l </left></plugin>'
             '<link name="a"><gravity>0</gravity><self_collide>0</self_collide>'
             f"{MASS}<velocity_decay><linear>0.1</linear></velocity_decay>"
             '<sensor name="eye" type="camera"/></link>' + link("b") + "</model>"
@@ -194,7 +194,7 @@ def test_flags_and_tags(read: Read) -> None:
     a, b = robot.links
     assert (a.gravity, a.self_collide, a.velocity_decay) == (False, False, 0.1)
     assert (b.gravity, b.self_collide, b.velocity_decay) == (True, True, 0.0)
-    assert [tag.plugins for tag in robot.gazebo] == [("libdrive.so",), ()]
+    assert [tag.plugins for tag in robot.gazebo] == [(("libdrive.so", {"left": ("l",)}),), ()]
     assert [(tag.reference, tag.sensors) for tag in robot.gazebo[1:]] == [("a", ("eye",))]
 
 

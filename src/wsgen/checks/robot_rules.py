@@ -138,7 +138,7 @@ def ros_1_plugin(tags: Iterable[GazeboTag], file: Path | None) -> Iterator[Diagn
     The plugin that took its place, which the hint names; or none.
     """
     for tag in tags:
-        for plugin in tag.plugins:
+        for plugin in (one.filename for one in tag.plugins):
             name = plugin.rpartition("/")[2].removeprefix("lib").removesuffix(".so")
             if name in ROS_1_PLUGINS:
                 yield Diagnostic(

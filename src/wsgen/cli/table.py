@@ -11,6 +11,7 @@ from wsgen.cli.findings import render_findings
 from wsgen.cli.words import short_path
 
 if TYPE_CHECKING:
+    from wsgen.model.behaviour import BehaviourOutcome
     from wsgen.model.outcome import Outcome, PackageOutcome, RobotOutcome
 
 # Lengths in metres; the whole fits into 80 columns.
@@ -56,6 +57,7 @@ def _package(package: PackageOutcome, *, verbose: bool) -> list[str]:
     if package.robots:
         rows = [_robot(robot, package) for robot in package.robots]
         lines += ["", *_table([HEADINGS, *rows])]
+        lines += _behaviours(package)
     findings = render_findings(package.diagnostics, most_alike=None if verbose else MOST_ALIKE)
     if findings:
         lines += ["", *(f"  {line}" for line in findings)]
@@ -67,6 +69,31 @@ def _package(package: PackageOutcome, *, verbose: bool) -> list[str]:
     if package.film is not None:
         lines += [f"  film         {package.film}"]
     return lines
+
+
+def _behaviours(package: PackageOutcome) -> list[str]:
+    """A line for each: its name, and what the robot did."""
+    tried = [(robot, one) for robot in package.robots for one in robot.behaviours]
+    several = len({robot.entity for robot, _ in tried}) > 1
+    lines = []
+    for robot, one in tried:
+        mark = click.style("  ok  ", fg="green") if one.passed else click.style("failed", fg="red")
+        name = f"{robot.entity}: {one.name}" if several else one.name
+        lines.append(f"  {mark}  {name}: {_did(one)}")
+    return ["", *lines] if lines else []
+
+
+def _did(behaviour: BehaviourOutcome) -> str:
+    if behaviour.moved is not None:
+        x, y, yaw = (_plain(value) for value in behaviour.moved)
+        return f"{x} m ahead, {y} m to the left, turned by {yaw} rad"
+    if behaviour.positions is not None:
+        return ", ".join(f"{name} {_plain(value)}" for name, value in behaviour.positions.items())
+    return "not tried"
+
+
+def _plain(value: float) -> str:
+    return f"{round(value, 2) + 0.0:.2f}" if math.isfinite(value) else str(value)
 
 
 def _name(package: PackageOutcome) -> str:

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 from wsgen.description.findings import line_of
 from wsgen.description.gazebo_values import check_placement, check_value
 from wsgen.description.spelling import nearest
-from wsgen.model.robot import GazeboTag
-from wsgen.xmltree import children
+from wsgen.model.robot import GazeboTag, Plugin
+from wsgen.xmltree import child_texts, children
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -66,7 +66,10 @@ def _read_tag(
     return GazeboTag(
         reference=reference,
         values=values,
-        plugins=tuple(plugin.get("filename") or "" for plugin in _descendants(element, "plugin")),
+        plugins=tuple(
+            Plugin(plugin.get("filename") or "", child_texts(plugin))
+            for plugin in _descendants(element, "plugin")
+        ),
         sensors=tuple(sensor.get("name") or "" for sensor in _descendants(element, "sensor")),
         line=line_of(element),
     )

@@ -16,6 +16,7 @@ SOURCES = {
     "GZC": "ros2-gbp/ign_ros2_control-release, gz_ros2_control",
     "GZIDX": "gazebosim/docs, index.yaml",
     "GZROS": "gazebosim/docs, common/ros_installation.md",
+    "GZSENS": "gazebosim/gz-sensors#306 and #444",
     "GZS": "gazebosim/gz-sim, src/SystemLoader.cc and src/systems",
     "REP2000": "ros-infrastructure/rep, rep-2000.rst; for Lyrical ros2/ros2_documentation, "
     "source/Releases/lyrical/supported-platforms.rst",
@@ -45,6 +46,9 @@ OF_DISTROS: dict[str, tuple[str | None, ...]] = {
     "gz_version": ("GZROS", "6", "6", "8", "9", "10", "10"),
     "gz_end_of_life": ("GZIDX", "2027-05", None, "2029-05", "2026-12", "2031-05", None),
     "gz_sdf_version": ("SDF", "1.9", "1.9", "1.11", "1.12", "1.12", "1.12"),
+    # Element of a <sensor> that says in which frame its messages are.
+    "gz_frame_tag":
+        ("GZSENS", "gz_frame_id", "gz_frame_id", "gz_frame_id", "frame_id", "frame_id", "frame_id"),
 }
 # fmt: on
 

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
+    from wsgen.model.behaviour import BehaviourOutcome
     from wsgen.model.pose import Pose
     from wsgen.model.world import World
 
@@ -48,6 +49,7 @@ class RobotOutcome:
     mass: float  # kg
     simulated: Simulated | None = None  # None: it did not come into the engine
     rest: Rest | None = None
+    behaviours: tuple[BehaviourOutcome, ...] = ()  # what it must do beyond standing
     passed: bool = False  # no error was found about this robot
 
 

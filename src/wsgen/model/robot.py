@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.model.pose import IDENTITY, Pose
 
@@ -222,13 +222,20 @@ class Joint:
         return limit is not None and not limit.lower <= 0 <= limit.upper
 
 
+class Plugin(NamedTuple):
+    """A `<plugin>`, as it is written."""
+
+    filename: str
+    values: Mapping[str, tuple[str, ...]]  # child element -> its texts, one for each such child
+
+
 @dataclass(frozen=True, kw_only=True)
 class GazeboTag:
     """One `<gazebo>` element, as far as wsgen only records it."""
 
     reference: str | None  # link or joint; None: the whole robot
     values: Mapping[str, str] = field(default_factory=dict)  # child element -> its text
-    plugins: tuple[str, ...] = ()  # file names of the plugin libraries
+    plugins: tuple[Plugin, ...] = ()
     sensors: tuple[str, ...] = ()  # names of the sensors
     line: int | None = None
 

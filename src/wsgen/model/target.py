@@ -85,6 +85,11 @@ class Target:
         return self.fact("gz_sdf_version")
 
     @property
+    def frame_tag(self) -> str:
+        """Element of a sensor that says in which frame its messages are."""
+        return "frame_name" if self.simulator == "classic" else self.fact("gz_frame_tag")
+
+    @property
     def programs(self) -> Mapping[str, str]:
         """What starts the simulator and puts a robot into it, by role (`facts.PROGRAMS`)."""
         return {role: value for role, (_, value) in PROGRAMS[self.simulator].items()}

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
     from wsgen.isolation.protocol import Run
     from wsgen.model.world import World
+    from wsgen.pipeline.behaviours import Programme
     from wsgen.pipeline.described import Described
     from wsgen.pipeline.request import ValidateRequest
     from wsgen.simulation.scene import RobotTrial, TrialOutcome
@@ -41,24 +42,38 @@ class Tried:
     seconds: Mapping[str, float] | None = None  # wall-clock: load, simulate, draw
 
 
-def try_robots(
-    world: World, described: Sequence[Described], request: ValidateRequest, name: str, *, run: Run
+def try_robots(  # noqa: PLR0913  what is tried, and how
+    world: World,
+    described: Sequence[Described],
+    request: ValidateRequest,
+    name: str,
+    *,
+    run: Run,
+    programme: Programme | None = None,
 ) -> Tried:
-    """Simulate the sound robots, if there are any, and judge all; `name` is the picture's."""
+    """Simulate the sound robots, if there are any, and judge all; `name` is the picture's.
+
+    `programme` is what they must do beyond standing.
+    """
     sound = [robot for robot in described if robot.is_sound]
     robots = [robot for robot in described if not robot.is_scenery]
+    untried = () if programme is None else programme.diagnostics
+    nothing = tuple(_outcome(robot, None, programme=programme) for robot in robots)
     if all(robot.is_scenery for robot in sound):
-        return Tried(robots=tuple(_outcome(robot, None) for robot in robots))
-    # Large robots are slower than their own time; this is about hanging, not about slow.
-    limits = Limits(seconds=60.0 + 20.0 * request.seconds)
+        return Tried(robots=nothing, diagnostics=untried)
+    limits = _limits(request, programme)
     outcomes = [
-        run_trial(_scene(world, sound, request, name, engine), limits=limits, run=run)
+        run_trial(
+            _scene(world, sound, request, name, engine=engine, programme=programme),
+            limits=limits,
+            run=run,
+        )
         for engine in request.engines
     ]
-    found: list[Diagnostic] = []
+    found: list[Diagnostic] = [*untried]
     failed: set[str] = set()
     for engine, outcome in zip(request.engines, outcomes, strict=True):
-        judged, failed_here = _judge(world, sound, outcome)
+        judged, failed_here = _judge(world, sound, outcome, programme)
         found += judged if engine == request.engines[0] else _others(judged, found, engine)
         failed |= failed_here
     first, *others = outcomes
@@ -72,6 +87,8 @@ def try_robots(
                 measured.get(robot.entity),
                 engine=request.engines[0],
                 passed=robot.is_sound and robot.entity not in failed,
+                programme=programme,
+                found=found,
             )
             for robot in robots
         ),
@@ -84,8 +101,22 @@ def try_robots(
     )
 
 
+def _limits(request: ValidateRequest, programme: Programme | None) -> Limits:
+    """How long a trial may take.
+
+    Large robots are slower than their own time; this is about hanging, not about slow.
+    """
+    seconds = request.seconds
+    if programme is not None:  # before each it stands again
+        seconds += programme.seconds + request.seconds * len(programme.attempts)
+    return Limits(seconds=60.0 + 20.0 * seconds)
+
+
 def _judge(
-    world: World, sound: Sequence[Described], outcome: TrialOutcome
+    world: World,
+    sound: Sequence[Described],
+    outcome: TrialOutcome,
+    programme: Programme | None,
 ) -> tuple[list[Diagnostic], set[str]]:
     """What is found in the trial of one engine, and the entities that do not pass it."""
     failed: set[str] = set()
@@ -104,6 +135,10 @@ def _judge(
             judged = tuple(map(_soften, judged))
         elif robot.may_move:
             judged = tuple(_soften(one) if one.code in MOVES else one for one in judged)
+        elif programme is not None:
+            judged = (*judged, *(programme.judge(trial) if trial else ()))
+            if programme.fails(robot.entity):
+                failed.add(robot.entity)
         if trial is None or has_errors(judged):
             failed.add(robot.entity)
         found += judged
@@ -135,8 +170,14 @@ def _compared(first: TrialOutcome, other: TrialOutcome) -> Iterator[Diagnostic]:
             yield from engines_disagree(trial, measured[trial.entity])
 
 
-def _scene(
-    world: World, sound: Sequence[Described], request: ValidateRequest, name: str, engine: str
+def _scene(  # noqa: PLR0913  what is in it, and how it is played
+    world: World,
+    sound: Sequence[Described],
+    request: ValidateRequest,
+    name: str,
+    *,
+    engine: str,
+    programme: Programme | None,
 ) -> Scene:
     is_first = engine == request.engines[0]
     folder = request.picture_folder.absolute() if request.picture_folder and is_first else None
@@ -153,6 +194,7 @@ def _scene(
             for robot in sound
         ),
         seconds=request.seconds,
+        attempts=() if programme is None else programme.attempts,
         engine=engine,
         picture=folder / f"{name}.png" if folder else None,
         world_picture=folder / f"{name}-world.png" if folder else None,
@@ -160,8 +202,14 @@ def _scene(
     )
 
 
-def _outcome(
-    described: Described, trial: RobotTrial | None, *, engine: str = "", passed: bool = False
+def _outcome(  # noqa: PLR0913  what is known of it; most have defaults
+    described: Described,
+    trial: RobotTrial | None,
+    *,
+    engine: str = "",
+    passed: bool = False,
+    programme: Programme | None = None,
+    found: Sequence[Diagnostic] = (),
 ) -> RobotOutcome:
     written = described.written
     return RobotOutcome(
@@ -187,5 +235,6 @@ def _outcome(
             speed=trial.speed,
             joint_positions=trial.joint_positions,
         ),
+        behaviours=() if programme is None else programme.outcomes(described.entity, trial, found),
         passed=passed,
     )

@@ -37,9 +37,11 @@ if TYPE_CHECKING:
     from wsgen.isolation.protocol import Run
     from wsgen.model.plan import LaunchPlan, Spawn
     from wsgen.model.world import World
+    from wsgen.pipeline.behaviours import Programme
     from wsgen.pipeline.request import ValidateRequest
     from wsgen.pipeline.selection import Chosen
     from wsgen.workspace.overlay import Overlay
+    from wsgen.workspace.settings import Settings
 
 
 class Validation:
@@ -61,6 +63,10 @@ class Validation:
         self.clock = Clock(chosen.name, listener)
         self.generation: str | None = None  # of the simulator: "classic" or "gz"
         self.diagnostics: list[Diagnostic] = []
+        self.settings: Settings | None = None
+        self.wrong_settings: tuple[Diagnostic, ...] = ()
+        if chosen.source is not None:
+            self.settings, self.wrong_settings = read_settings(chosen.source)
 
     def run(self) -> PackageOutcome:
         """All stages, as far as they go."""
@@ -113,13 +119,13 @@ class Validation:
     def _told(self) -> tuple[Diagnostic, ...]:
         """The findings as the package's source has them, without what it has on purpose."""
         source, share = self.chosen.source, self.chosen.share
-        if source is None or share is None:
+        settings = self.settings
+        if source is None or share is None or settings is None:
             return tuple(self.diagnostics)
-        settings, wrong = read_settings(source)
         told = (
             *changed_since_build(share, source),
             *name_sources(self.diagnostics, share, source),
-            *wrong,
+            *self.wrong_settings,
             *unknown_rule_allowed(settings.allow, settings.file),
         )
         return without_allowed(told, settings.allow)
@@ -205,9 +211,24 @@ class Validation:
         self.diagnostics += diagnostics
         return described
 
+    def _programme(self, described: list[Described]) -> Programme | None:
+        """What the robots must do beyond standing; most packages load nothing for it."""
+        if self.settings is None or not self.settings.behaviours:
+            return None
+        from wsgen.pipeline.behaviours import make_programme  # noqa: PLC0415
+
+        return make_programme(self.settings, described, generation=self.generation)
+
     def _try(self, world: World, described: list[Described]) -> Tried:
         with self.clock.step("simulate", name_some(described)) as step:
-            tried = try_robots(world, described, self.request, self.package, run=self.run_task)
+            tried = try_robots(
+                world,
+                described,
+                self.request,
+                self.package,
+                run=self.run_task,
+                programme=self._programme(described),
+            )
             step.succeeded = all(robot.passed for robot in tried.robots)
         self.diagnostics += tried.diagnostics
         self.clock.take(tried.seconds or {})

@@ -7,9 +7,11 @@ import math
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
+    from wsgen.model.behaviour import BehaviourOutcome
     from wsgen.model.outcome import Outcome, PackageOutcome, RobotOutcome
     from wsgen.model.pose import Pose
 
@@ -87,11 +89,27 @@ def _robot(robot: RobotOutcome) -> dict[str, Any]:
             **_pose(rest.pose_in_world),
             "settled_after": rest.settled_after,
             "speed": _number(rest.speed),
-            "joint_positions": {
-                name: _number(position) for name, position in rest.joint_positions.items()
-            },
+            "joint_positions": _numbers(dict(rest.joint_positions)),
         },
+        "behaviours": [_behaviour(behaviour) for behaviour in robot.behaviours],
     }
+
+
+def _behaviour(behaviour: BehaviourOutcome) -> dict[str, Any]:
+    moved, positions = behaviour.moved, behaviour.positions
+    return {
+        "name": behaviour.name,
+        "passed": behaviour.passed,
+        "moved": None
+        if moved is None
+        else _numbers(dict(zip(("x", "y", "yaw"), moved, strict=True))),
+        "joints": None if positions is None else _numbers(dict(positions)),
+        "expected": _numbers(behaviour.task.expected),
+    }
+
+
+def _numbers(values: Mapping[str, float | None]) -> dict[str, float | None]:
+    return {name: None if value is None else _number(value) for name, value in values.items()}
 
 
 def _pose(pose: Pose) -> dict[str, Any]:

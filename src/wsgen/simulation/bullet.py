@@ -15,11 +15,12 @@ from wsgen.simulation.engine import GROUND_FRICTION, HullGap, Loaded, Overlap, R
 from wsgen.simulation.pairs import deepest_overlaps
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Mapping
 
     from wsgen.model.pose import Pose
     from wsgen.model.robot import Robot
     from wsgen.model.world import World
+    from wsgen.simulation.engine import Motor
     from wsgen.simulation.pairs import Place
     from wsgen.simulation.scene import SpawnedRobot
 
@@ -131,6 +132,16 @@ class BulletEngine:
         for body, pose_in_robot in self._bodies[entity]:
             body.place(compose(pose_in_world, pose_in_robot))
         self._separating = True
+
+    def drive(self, entity: str, motors: Mapping[str, Motor]) -> None:
+        """Put motors into joints of a robot; those that are not named keep theirs."""
+        for body, _ in self._bodies[entity]:
+            body.drive(motors)
+
+    def release(self, entity: str) -> None:
+        """Take all motors out of a robot: its joints are passive again."""
+        for body, _ in self._bodies[entity]:
+            body.release()
 
     def state(self, entity: str) -> State:
         """Where the robot is and how it moves."""

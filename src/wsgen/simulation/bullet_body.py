@@ -24,13 +24,17 @@ from wsgen.model.transform import (
 from wsgen.simulation.bullet_client import error
 from wsgen.simulation.bullet_damper import Dampers, is_stiff, stiffness_to_simulate, undamped
 from wsgen.simulation.bullet_meshes import unread_mesh, without_missing_meshes
+from wsgen.simulation.bullet_motors import set_motor
 from wsgen.simulation.bullet_properties import ROOT, keep_apart, release_joints, set_links
 from wsgen.simulation.surfaces import one_friction_a_link
 from wsgen.simulation.urdf_writer import write_urdf
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from wsgen.model.robot import Robot
     from wsgen.simulation.bullet_client import Client
+    from wsgen.simulation.engine import Motor
 
 PartBounds = tuple[str, int, Vector, Vector]  # see `BulletBody.boxes`
 
@@ -68,7 +72,7 @@ class BulletBody:
         self._dynamics = {
             index: client.getDynamicsInfo(self.number, index) for index in self._index_of.values()
         }
-        self.dampers = Dampers(
+        self._dampers = self.dampers = Dampers(
             indices=[self.movable[joint.name] for joint in stiff],
             damping=[joint.damping for joint in stiff],
             friction=[joint.friction for joint in stiff],
@@ -153,9 +157,26 @@ class BulletBody:
         """Whether `pull` must be called before every step."""
         return bool(self._springs or self._weightless)
 
+    def drive(self, motors: Mapping[str, Motor]) -> None:
+        """Put motors into those of the joints that are in this tree."""
+        for joint in self.tree.movable_joints:
+            if joint.name in motors:
+                index = self.movable[joint.name]
+                is_stiff = index in self._dampers.indices
+                rest = joint if is_stiff else replace(joint, damping=0.0)
+                set_motor(self._client, self.number, index, rest, motors[joint.name])
+        driven = {self.movable[name] for name in motors if name in self.movable}
+        self.dampers = self.dampers.without(driven)
+
+    def release(self) -> None:
+        """Take all motors away."""
+        release_joints(self._client, self.number, self.tree, self.movable)
+        self.dampers = self._dampers
+
     def damp(self) -> None:
         """For the next steps, set what its stiff dampers do."""
-        self.dampers.apply(self._client, self.number)
+        if self.dampers.indices:
+            self.dampers.apply(self._client, self.number)
 
     def pull(self, gravity: Vector) -> None:
         """For the next step, apply what PyBullet has no notion of: springs, missing gravity."""

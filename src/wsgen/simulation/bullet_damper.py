@@ -19,6 +19,8 @@ from wsgen.model.inertia import about_link_axes, moved
 from wsgen.model.robot import JointType
 
 if TYPE_CHECKING:
+    from collections.abc import Collection
+
     from wsgen.model.robot import Inertial, Joint, Robot
     from wsgen.simulation.bullet_client import Client
 
@@ -36,6 +38,16 @@ class Dampers:
     damping: list[float]  # N m s/rad or N s/m
     friction: list[float]  # N m or N
     speeds: list[float]  # rad/s or m/s, smoothed
+
+    def without(self, driven: Collection[int]) -> Dampers:
+        """Those of the other joints: one that has a motor cannot have a second one."""
+        left = [place for place, index in enumerate(self.indices) if index not in driven]
+        return Dampers(
+            indices=[self.indices[place] for place in left],
+            damping=[self.damping[place] for place in left],
+            friction=[self.friction[place] for place in left],
+            speeds=[self.speeds[place] for place in left],
+        )
 
     def apply(self, client: Client, body: int) -> None:
         """Make the motors as strong as dampers and friction are at this speed."""

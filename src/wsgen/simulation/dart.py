@@ -15,8 +15,11 @@ from wsgen.simulation.extents import lowest_point
 from wsgen.simulation.pairs import deepest_overlaps, may_touch
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from wsgen.model.transform import Vector
     from wsgen.model.world import World
+    from wsgen.simulation.engine import Motor
     from wsgen.simulation.scene import SpawnedRobot
 
 # A large box, as Gazebo makes of a plane.
@@ -32,6 +35,7 @@ class DartEngine:
     def __init__(self, world: World) -> None:
         self.step_seconds = world.step
         self._robots: dict[str, DartBody] = {}
+        self._driven: dict[str, DartBody] = {}  # those with motors
         self._world = simulation.World()
         self._world.setTimeStep(world.step)
         self._world.setGravity(world.gravity)
@@ -79,6 +83,16 @@ class DartEngine:
     def place(self, entity: str, pose_in_world: Pose) -> None:
         """Put a robot elsewhere, as if it had been spawned there."""
         self._robots[entity].place(pose_in_world)
+
+    def drive(self, entity: str, motors: Mapping[str, Motor]) -> None:
+        """Put motors into joints of a robot; those that are not named keep theirs."""
+        self._driven[entity] = self._robots[entity]
+        self._driven[entity].drive(motors)
+
+    def release(self, entity: str) -> None:
+        """Take all motors out of a robot: its joints are passive again."""
+        self._robots[entity].release()
+        self._driven.pop(entity, None)
 
     def state(self, entity: str) -> State:
         """Where the robot is and how it moves."""
@@ -182,6 +196,8 @@ class DartEngine:
     def advance(self, steps: int) -> None:
         """Let time pass."""
         for _ in range(steps):
+            for body in self._driven.values():
+                body.command()
             self._world.step()
 
     def close(self) -> None:

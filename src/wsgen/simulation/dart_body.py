@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
@@ -14,8 +15,11 @@ from wsgen.simulation.dart_library import Isometry3, dynamics, utils
 from wsgen.simulation.urdf_writer import quoted
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from wsgen.model.robot import Geometry, Inertial, Joint, Link, Robot
     from wsgen.model.transform import Vector
+    from wsgen.simulation.engine import Motor
 
 # DART makes shapes of mesh files only where it reads a robot from text.
 MESH_ROBOT = (
@@ -39,6 +43,7 @@ class DartBody:
         self.loose_nodes: list[Any] = []  # the root of every tree that is not fixed
         self._bases: list[tuple[Any, Pose]] = []  # of what is not fixed, with its pose in the robot
         self._pose_of_world = IDENTITY  # seen from the world, of a root that is the world
+        self._speeds: dict[str, float] = {}  # rad/s or m/s, of the motors, by joint
         self._fixed: list[tuple[Any, Pose]] = []  # of what is fixed to the world, likewise
         for tree, pose_in_robot in split_trees(robot):
             self._add_tree(tree, pose_in_robot)
@@ -121,6 +126,29 @@ class DartBody:
             place = matrix_of(compose(pose_in_world, pose))
             base.setPositions(dynamics.FreeJoint.convertToPositions(place))
         self._pose_of_world = pose_in_world
+
+    def drive(self, motors: Mapping[str, Motor]) -> None:
+        """Put motors into joints, as Gazebo Sim does for a velocity command."""
+        for name, motor in motors.items():
+            joint = self.joints[name]
+            joint.setActuatorType(dynamics.ActuatorType.SERVO)
+            joint.setForceLowerLimit(0, -motor.effort)
+            joint.setForceUpperLimit(0, motor.effort)
+            self._speeds[name] = motor.speed
+
+    def release(self) -> None:
+        """Take all motors away."""
+        for name in self._speeds:
+            joint = self.joints[name]
+            joint.setActuatorType(dynamics.ActuatorType.FORCE)
+            joint.setForceLowerLimit(0, -math.inf)
+            joint.setForceUpperLimit(0, math.inf)
+        self._speeds.clear()
+
+    def command(self) -> None:
+        """Tell the motors their speeds for the next step; DART forgets commands."""
+        for name, speed in self._speeds.items():
+            self.joints[name].setCommand(0, speed)
 
     def link_pose(self, link: str) -> Pose:
         """The frame of a link, seen from the world."""

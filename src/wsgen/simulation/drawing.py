@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wsgen.isolation.child import announce
 from wsgen.simulation.recording import Recorder, why_no_film
@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Container
     from pathlib import Path
 
+    from wsgen.model.transform import Vector
     from wsgen.simulation.engine import Engine
     from wsgen.simulation.exhibits import Poses
     from wsgen.simulation.gallery import Gallery
@@ -21,18 +22,42 @@ if TYPE_CHECKING:
 NO_RENDERER = "PyBullet draws it, and has no wheel for this Python"
 
 
+class Standing(NamedTuple):
+    """What pictures are about: where everything was at the end of the robots' standing."""
+
+    poses: Poses
+    corners: dict[str, list[Vector]]  # m, of boxes around what can touch, and the links' frames
+
+
+def remember(engine: Engine, scene: Scene, refused: Container[str]) -> Standing | None:
+    """Look at everything, if a picture or a film is wanted."""
+    if (scene.picture, scene.world_picture, scene.record) == (None, None, None):
+        return None
+    entities = [robot.entity for robot in scene.robots if robot.entity not in refused]
+    poses: Poses = {entity: engine.link_poses(entity) for entity in entities}
+    return Standing(
+        poses,
+        {
+            entity: [*engine.corners(entity), *(pose.xyz for pose in poses[entity].values())]
+            for entity in entities
+        },
+    )
+
+
 def recorder_for(engine: Engine, scene: Scene) -> Recorder | None:
     """Who is to watch the trial, if a film of it is wanted and can be written."""
     if scene.record is None or why_no_film(scene.record) is not None:
         return None
     static = [robot.entity for robot in scene.robots if robot.robot.is_static]
-    return Recorder(engine.link_poses, scene.seconds, immobile=static)
+    # A robot comes to rest before each behaviour, as before, or sooner.
+    behaving = sum(scene.seconds + attempt.behaviour.seconds for attempt in scene.attempts)
+    return Recorder(engine.link_poses, scene.seconds + behaving, immobile=static)
 
 
 def draw(
-    engine: Engine, scene: Scene, refused: Container[str], recorder: Recorder | None
+    scene: Scene, refused: Container[str], recorder: Recorder | None, standing: Standing | None
 ) -> dict[str, Any]:
-    """Draw what the scene wants, how it is now.
+    """Draw what the scene wants; `standing` is what was remembered of it.
 
     Returns:
         `picture_tile` and `world_picture_tile`, the edge of a square in the picture (m) or None;
@@ -48,11 +73,11 @@ def draw(
         "world_picture": scene.world_picture is not None and has_scenery,
         "film": recorder is not None,
     }
-    if not any(wanted.values()):
+    if standing is None or not any(wanted.values()):
         return told
     announce(DRAWING)
     try:
-        told |= _draw_all(engine, scene, refused, recorder, has_scenery=has_scenery)
+        told |= _draw_all(scene, refused, recorder, standing, has_scenery=has_scenery)
     except Exception as error:  # noqa: BLE001  whatever it is, the trial counts without pictures
         told |= {
             f"{kind}_problem": _reason(error) for kind, is_wanted in wanted.items() if is_wanted
@@ -61,10 +86,10 @@ def draw(
 
 
 def _draw_all(
-    engine: Engine,
     scene: Scene,
     refused: Container[str],
     recorder: Recorder | None,
+    standing: Standing,
     *,
     has_scenery: bool,
 ) -> dict[str, Any]:
@@ -72,13 +97,7 @@ def _draw_all(
     # PyBullet has no wheels there is no picture.
     from wsgen.simulation.gallery import Gallery  # noqa: PLC0415
 
-    entities = [robot.entity for robot in scene.robots if robot.entity not in refused]
-    poses: Poses = {entity: engine.link_poses(entity) for entity in entities}
-    corners = {
-        entity: [*engine.corners(entity), *(pose.xyz for pose in poses[entity].values())]
-        for entity in entities
-    }
-    gallery = Gallery(scene, poses, corners, refused)
+    gallery = Gallery(scene, standing.poses, standing.corners, refused)
     told: dict[str, Any] = {}
     if scene.picture is not None:
         file = scene.picture

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from wsgen.model.pose import Pose
     from wsgen.model.transform import Vector
@@ -63,6 +63,13 @@ class HullGap(NamedTuple):
     gap: float  # m, from where it touches to the nearest triangle
 
 
+class Motor(NamedTuple):
+    """What turns or slides a joint."""
+
+    speed: float  # rad/s or m/s, that it keeps as far as it is strong enough
+    effort: float  # N m or N, the most that it gives; may be infinite
+
+
 class Engine(Protocol):
     """A world in a physics engine; robots are addressed by their entity names.
 
@@ -104,6 +111,12 @@ class Engine(Protocol):
 
     def advance(self, steps: int) -> None:
         """Let time pass."""
+
+    def drive(self, entity: str, motors: Mapping[str, Motor]) -> None:
+        """Put motors into joints of a robot; those that are not named keep theirs."""
+
+    def release(self, entity: str) -> None:
+        """Take all motors out of a robot: its joints are passive again."""
 
     def link_poses(self, entity: str) -> dict[str, Pose]:
         """The frames of all links of a robot by name, seen from the world."""

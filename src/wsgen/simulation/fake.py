@@ -11,7 +11,7 @@ from wsgen.simulation.engine import Loaded, Refused, State
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from wsgen.simulation.engine import HullGap, Overlap
+    from wsgen.simulation.engine import HullGap, Motor, Overlap
     from wsgen.simulation.scene import SpawnedRobot
 
 
@@ -20,7 +20,7 @@ class FakeEngine:
 
     So do `positions` (of joints) and `energy`. Robots whose names are in `refuses` are refused;
     what touches lies `reach` below the root. A robot that is placed somewhere moves as if the
-    script had begun there.
+    script had begun there. `motors` are those that it has been given, by entity and joint.
     """
 
     def __init__(  # noqa: PLR0913  what a script can say
@@ -45,6 +45,7 @@ class FakeEngine:
         self.gaps = gaps or {}
         self.shift = 0.0
         self.steps = 0
+        self.motors: dict[str, dict[str, Motor]] = {}
         self.is_closed = False
 
     def spawn(self, robot: SpawnedRobot) -> Loaded | Refused:
@@ -73,6 +74,14 @@ class FakeEngine:
     def place(self, entity: str, pose_in_world: Pose) -> None:
         """Shift the script to that height."""
         self.shift += pose_in_world.xyz[2] - self.state(entity).xyz[2]
+
+    def drive(self, entity: str, motors: Mapping[str, Motor]) -> None:
+        """Remember them; what moves is up to the script."""
+        self.motors.setdefault(entity, {}).update(motors)
+
+    def release(self, entity: str) -> None:
+        """Forget them."""
+        self.motors.pop(entity, None)
 
     def joint_positions(self, entity: str) -> dict[str, float]:  # noqa: ARG002  as for `state`
         """What the script says for now."""

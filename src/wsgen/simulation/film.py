@@ -35,11 +35,11 @@ def draw_film(
 ) -> Film:
     """Write a film of what was recorded; `announce` is told how far it is.
 
-    The camera stands still and sees the robots as they were at first and at last. What takes long
-    to draw gets a smaller picture, then fewer frames.
+    The camera stands still and sees the robots as they were at first, at the end of each behaviour
+    and at last. What takes long to draw gets a smaller picture, then fewer frames.
     """
     poses = recorder.frames
-    stage, samples, cost = _set_up(gallery, poses)
+    stage, samples, cost = _set_up(gallery, poses, recorder.ends)
     stride = max(1, round(cost * len(poses) / BUDGET + 0.5)) if cost * len(poses) > BUDGET else 1
     shown = poses[::stride]
     rate = recorder.rate / stride
@@ -60,11 +60,13 @@ def draw_film(
     )
 
 
-def _set_up(gallery: Gallery, poses: Sequence[Poses]) -> tuple[Stage, list[Image], float]:
+def _set_up(
+    gallery: Gallery, poses: Sequence[Poses], ends: Sequence[int]
+) -> tuple[Stage, list[Image], float]:
     """The stage, the first, a middle and the last frame, and what a frame costs (s of CPU time)."""
     moments = [poses[0], poses[len(poses) // 2], poses[-1]]
     points = []
-    for moment in (moments[0], moments[-1]):
+    for moment in (moments[0], *(poses[end] for end in ends), moments[-1]):
         gallery.studio.arrange(moment)
         points.append(gallery.subject_points())
     for size in SIZES:

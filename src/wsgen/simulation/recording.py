@@ -53,8 +53,14 @@ class Recorder:
     ) -> None:
         self.rate = 100 / max(EVERY, math.ceil(100 * seconds / MOST_FRAMES))  # frames a second
         self.frames: list[Poses] = []
+        self.ends: list[int] = []  # frames after which the robots are put elsewhere
         self._link_poses = link_poses
         self._immobile = immobile
+
+    def mark(self) -> None:
+        """Say that the robots are put elsewhere now."""
+        if self.frames:
+            self.ends.append(len(self.frames) - 1)
 
     def __call__(self, seconds: float, entities: Sequence[str]) -> None:
         """Look, if it is time for the next frame."""

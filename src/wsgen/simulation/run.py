@@ -11,7 +11,15 @@ from typing import TYPE_CHECKING, Any
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.isolation import parent
 from wsgen.isolation.outcome import DEFAULT_LIMITS, Died
-from wsgen.simulation.scene import DRAWING, FILMING, LOADING, Film, TrialOutcome, trial_from_json
+from wsgen.simulation.scene import (
+    DRAWING,
+    FILMING,
+    LOADING,
+    TRYING,
+    Film,
+    TrialOutcome,
+    trial_from_json,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -81,12 +89,22 @@ def _blame(scene: Scene, death: Died) -> tuple[Diagnostic, Scene | None]:
     if death.step.startswith(FILMING):
         found = _no_film(f"the engine {death.reason} while it was {death.step}")
         return found, replace(scene, record=None)
+    for attempt in scene.attempts:
+        if death.step == TRYING.format(entity=attempt.entity, name=attempt.behaviour.name):
+            others = tuple(other for other in scene.attempts if other is not attempt)
+            (robot,) = (one for one in scene.robots if one.entity == attempt.entity)
+            return _death(replace(scene, robots=(robot,)), death), replace(scene, attempts=others)
     for robot in scene.robots:
         if death.step == LOADING.format(entity=robot.entity):
-            others = tuple(other for other in scene.robots if other is not robot)
             found = _death(replace(scene, robots=(robot,)), death)
-            return found, replace(scene, robots=others) if others else None
+            return found, _without(scene, robot.entity)
     return _death(scene, death), None
+
+
+def _without(scene: Scene, entity: str) -> Scene | None:
+    robots = tuple(robot for robot in scene.robots if robot.entity != entity)
+    attempts = tuple(attempt for attempt in scene.attempts if attempt.entity != entity)
+    return replace(scene, robots=robots, attempts=attempts) if robots else None
 
 
 def _death(scene: Scene, death: Died) -> Diagnostic:

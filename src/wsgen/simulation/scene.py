@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wsgen.model.pose import IDENTITY, Pose
 from wsgen.simulation.engine import HullGap
@@ -13,12 +13,14 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
+    from wsgen.model.behaviour import Attempt
     from wsgen.model.robot import Robot
     from wsgen.model.world import World
 
 
 # What the child process announces; by it the parent knows what the engine died of.
 LOADING = "loading the robot `{entity}`"
+TRYING = "trying the behaviour `{name}` of `{entity}`"
 DRAWING = "drawing the picture"
 FILMING = "drawing the film"  # goes on with how far it is
 
@@ -41,6 +43,7 @@ class Scene:
     world: World
     robots: tuple[SpawnedRobot, ...]
     seconds: float = 3.0  # simulated
+    attempts: tuple[Attempt, ...] = ()  # afterwards, one by one, from where all were spawned
     engine: str = "bullet"  # a key of `run.MODULES`
     picture: Path | None = None  # where to put a PNG of the end; its folder must exist
     world_picture: Path | None = None  # likewise of all around, if there is scenery
@@ -55,6 +58,17 @@ class Overlapping:
     other_entity: str | None  # None: of the same robot
     other_link: str
     depth: float  # m
+
+
+class Behaved(NamedTuple):
+    """What was measured of a behaviour, at its end."""
+
+    name: str
+    # m, m, rad: the root link's frame, along x and y of where it was when it began, and how far it
+    # has turned, whole turns included
+    moved: tuple[float, float, float]
+    positions: Mapping[str, float]  # rad or m, of the movable joints
+    is_finite: bool = True  # if not, the rest is what was measured before
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,6 +98,7 @@ class RobotTrial:
     joint_travel: Mapping[str, float]  # rad or m, the farthest that each was from its start
     is_falling: bool = False  # nothing holds it up: at the end it gets faster with gravity
     hull_gaps: tuple[HullGap, ...] = ()  # at the end
+    behaviours: tuple[Behaved, ...] = ()  # that were tried
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -124,4 +139,10 @@ def trial_from_json(value: Mapping[str, Any]) -> RobotTrial:
     }
     overlaps = tuple(Overlapping(**overlap) for overlap in value["overlaps"])
     gaps = tuple(HullGap(*gap) for gap in value["hull_gaps"])
-    return RobotTrial(**{**value, **poses, "overlaps": overlaps, "hull_gaps": gaps})
+    behaved = tuple(
+        Behaved(name, tuple(moved), positions, is_finite)
+        for name, moved, positions, is_finite in value["behaviours"]
+    )
+    return RobotTrial(
+        **{**value, **poses, "overlaps": overlaps, "hull_gaps": gaps, "behaviours": behaved}
+    )

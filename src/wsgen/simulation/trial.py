@@ -72,12 +72,7 @@ class _Watch:
 
     def look(self, seconds: float, state: State) -> None:
         """Take in the state after so many seconds."""
-        if not all(
-            map(
-                math.isfinite,
-                (*state.xyz, *state.xyzw, state.speed, state.turning, state.joint_speed),
-            )
-        ):
+        if not is_finite(state):
             self.is_finite = False
         if not self.is_finite:
             return  # the last finite state is what is told
@@ -85,11 +80,7 @@ class _Watch:
         self.heights = [*self.heights[-FALLING_LOOKS:], (seconds, state.xyz[2])]
         self.highest_speed = max(self.highest_speed, state.speed)
         self.highest_point = max(self.highest_point, state.xyz[2])
-        if (
-            state.speed > REST_SPEED
-            or state.turning > REST_TURNING
-            or state.joint_speed > REST_JOINT_SPEED
-        ):
+        if is_moving(state):
             self.moving_until = seconds
 
     def acceleration(self) -> float:
@@ -110,6 +101,21 @@ class _Watch:
         self.last_joints = joints
         for name, position in joints.items():
             self.travel[name] = max(self.travel[name], abs(position - self.joints[name]))
+
+
+def is_finite(state: State) -> bool:
+    """Whether no pose or speed of it is infinite or not-a-number."""
+    numbers = (*state.xyz, *state.xyzw, state.speed, state.turning, state.joint_speed)
+    return all(map(math.isfinite, numbers))
+
+
+def is_moving(state: State) -> bool:
+    """Whether a person would not call it standing still."""
+    return (
+        state.speed > REST_SPEED
+        or state.turning > REST_TURNING
+        or state.joint_speed > REST_JOINT_SPEED
+    )
 
 
 def play(

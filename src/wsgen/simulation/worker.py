@@ -9,7 +9,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 from wsgen.isolation.child import announce
-from wsgen.simulation.drawing import draw, recorder_for
+from wsgen.simulation.drawing import draw, recorder_for, remember
 from wsgen.simulation.scene import trial_to_json
 from wsgen.simulation.trial import play
 
@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 
     from wsgen.model.world import World
     from wsgen.simulation.engine import Engine
-    from wsgen.simulation.scene import Scene
+    from wsgen.simulation.recording import Recorder
+    from wsgen.simulation.scene import RobotTrial, Scene
 
 UNBUFFERED = 2  # _IONBF of C's stdio, on Linux and macOS
 
@@ -30,8 +31,11 @@ def simulate(scene: Scene, make_engine: Callable[[World], Engine]) -> dict[str, 
     recorder = recorder_for(engine, scene)
     started = time.perf_counter()
     trials, refused = play(engine, scene, announce, recorder)
+    standing = remember(engine, scene, refused)
+    if scene.attempts:
+        trials = _try(engine, scene, trials, recorder)
     simulated = time.perf_counter()
-    drawn = draw(engine, scene, refused, recorder) if trials else {}
+    drawn = draw(scene, refused, recorder, standing) if trials else {}
     return {
         "trials": [trial_to_json(trial) for trial in trials],
         "refused": {entity: [why.reason, why.hint] for entity, why in refused.items()},
@@ -41,6 +45,17 @@ def simulate(scene: Scene, make_engine: Callable[[World], Engine]) -> dict[str, 
             "draw": time.perf_counter() - simulated,
         },
     }
+
+
+def _try(
+    engine: Engine, scene: Scene, trials: list[RobotTrial], recorder: Recorder | None
+) -> list[RobotTrial]:
+    """The trials with what the robots did beyond standing; most scenes load nothing for it."""
+    from wsgen.simulation.behaving import try_behaviours  # noqa: PLC0415
+
+    if recorder is None:
+        return try_behaviours(engine, scene, trials, announce)
+    return try_behaviours(engine, scene, trials, announce, observe=recorder, ended=recorder.mark)
 
 
 def _let_last_words_out() -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from wsgen import tomlfile
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.templating.toml_place import find_line
+from wsgen.tomlfile import find_line
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

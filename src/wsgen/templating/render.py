@@ -57,6 +57,7 @@ def render_tree(
     environment = Environment(template.folder)
     context = {
         "package": spec,
+        "variables": template.variables,
         "files": sorted(sources),
         "folders": installed_folders(sources),
         "wsgen_version": __version__,

@@ -11,6 +11,8 @@ from wsgen.diagnostics import Diagnostic, Severity
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from wsgen.model.behaviour import Behaviour
+
 FILE = "wsgen.toml"
 
 
@@ -20,6 +22,7 @@ class Settings:
 
     file: Path
     allow: tuple[str, ...] = ()  # names of rules whose findings the package has on purpose
+    behaviours: tuple[Behaviour, ...] = ()  # what its robot must do beyond standing
 
 
 def read_settings(package: Path) -> tuple[Settings, tuple[Diagnostic, ...]]:
@@ -37,9 +40,11 @@ def read_settings(package: Path) -> tuple[Settings, tuple[Diagnostic, ...]]:
         return Settings(file=file), (
             _wrong(file, f"{FILE} is not TOML: {error}.", "Mend it, or remove it."),
         )
+    behaviours, found = _behaviours(document, file)
     allow = _allow(document)
     if allow is None:
-        return Settings(file=file), (
+        return Settings(file=file, behaviours=behaviours), (
+            *found,
             _wrong(
                 file,
                 "`allow` in [validate] is not a list of names.",
@@ -47,9 +52,28 @@ def read_settings(package: Path) -> tuple[Settings, tuple[Diagnostic, ...]]:
             ),
         )
     unknown = sorted(set(document.get("validate", {})) - {"allow"})
-    return Settings(file=file, allow=allow), tuple(
-        _wrong(file, f"[validate] knows no key `{key}`.", "It knows `allow`.") for key in unknown
+    return Settings(file=file, allow=allow, behaviours=behaviours), (
+        *found,
+        *(
+            _wrong(file, f"[validate] knows no key `{key}`.", "It knows `allow`.")
+            for key in unknown
+        ),
     )
+
+
+def _behaviours(
+    document: dict[str, Any], file: Path
+) -> tuple[tuple[Behaviour, ...], tuple[Diagnostic, ...]]:
+    """Most packages have none, and load nothing for them."""
+    misspelt = next((key for key in ("behaviours", "behavior", "behaviors") if key in document), "")
+    if misspelt:
+        hint = "Call it [[behaviour]]."
+        return (), (_wrong(file, f"wsgen.toml knows no key `{misspelt}`.", hint),)
+    if "behaviour" not in document:
+        return (), ()
+    from wsgen.workspace.behaviours import read_behaviours  # noqa: PLC0415
+
+    return read_behaviours(document, file, file.read_text(encoding="utf-8"))
 
 
 def _allow(document: dict[str, Any]) -> tuple[str, ...] | None:

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.model.pose import IDENTITY, Pose
-from wsgen.model.robot import GazeboTag
+from wsgen.model.robot import GazeboTag, Plugin
 from wsgen.world.bodies import read_body
 from wsgen.world.frames import resolve
 from wsgen.world.joints import read_edge
@@ -15,7 +15,7 @@ from wsgen.world.names import report_shared_names
 from wsgen.world.planes import read_planes
 from wsgen.world.source import line_of
 from wsgen.world.tree import Tree
-from wsgen.xmltree import children
+from wsgen.xmltree import child_texts, children
 
 if TYPE_CHECKING:
     from wsgen.model.robot import Link, Robot
@@ -110,9 +110,12 @@ def _is_of(edge: Edge, name_of: dict[int, str]) -> bool:
 def _plugins(model: Scope) -> list[GazeboTag]:
     tags = []
     for scope in model.below():
-        names = tuple(plugin.get("filename") or "" for plugin in children(scope.element, "plugin"))
-        if names:
-            tags.append(GazeboTag(reference=None, plugins=names, line=line_of(scope.element)))
+        plugins = tuple(
+            Plugin(plugin.get("filename") or "", child_texts(plugin))
+            for plugin in children(scope.element, "plugin")
+        )
+        if plugins:
+            tags.append(GazeboTag(reference=None, plugins=plugins, line=line_of(scope.element)))
     return tags
 
 
