@@ -7,10 +7,12 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 from typing import TYPE_CHECKING, Any
 
 import pytest
+import yaml
 
 from golden_support import CASES, EXAMPLES, LAUNCH_FILE, arguments, generate
 from workspace.building import outside, plain_colcon
@@ -28,6 +30,11 @@ ALL = {**CASES, **{f"pendulum-{target.name}": (PENDULUM, target) for target in T
 PACKAGES = {case: case.replace("-", "_") for case in ALL}
 # Template -> the name of its robot in the simulator, where it is not that of the package.
 ENTITIES = {"simple": "simple_robot"}
+# Template -> what its robot does beyond standing.
+BEHAVIOURS = {
+    "arm": ["holds its pose", "reaches another pose"],
+    "diff_drive": ["drives straight", "turns in place"],
+}
 
 
 @pytest.fixture(scope="module")
@@ -63,6 +70,15 @@ def test_the_robot_stands_and_there_is_nothing_to_find(
     (robot,) = package["robots"]
     assert robot["entity"] == ENTITIES.get(ALL[case][0], PACKAGES[case])
     assert robot["rest"]["settled_after"] is not None
+    tried = [behaviour["name"] for behaviour in robot["behaviours"] if behaviour["passed"]]
+    assert tried == BEHAVIOURS.get(ALL[case][0], [])
+
+
+def test_no_two_packages_call_their_robots_the_same(validated: dict[str, Any]) -> None:
+    """But for the tutorial's robot, which has the tutorial's name."""
+    entities = [robot["entity"] for one in validated.values() for robot in one["robots"]]
+    assert len(entities) == len(ALL)
+    assert {name for name in entities if entities.count(name) > 1} == {"simple_robot"}
 
 
 @pytest.mark.parametrize("case", ALL)
@@ -74,8 +90,8 @@ def test_launch_plan(case: str, workspace: Path, capsys: pytest.CaptureFixture[s
     share = workspace / "install" / PACKAGES[case] / "share" / PACKAGES[case]
     (include,) = plan["includes"]
     names = [argument["name"] for argument in plan["arguments"]]
-    publisher, spawner = (plan["processes"][index] for index in (-2, -1))
-    assert programs(plan) == expected_programs(target)
+    assert programs(plan) == expected_programs(template, target)
+    publisher, spawner = plan["processes"][target.simulator == "gz" :][:2]
     if target.simulator == "classic":
         assert names == ["world", "x", "y", "z", "gui", "use_sim_time"]
         assert include["package"] == "gazebo_ros"
@@ -102,11 +118,55 @@ def test_launch_plan(case: str, workspace: Path, capsys: pytest.CaptureFixture[s
     assert spawner["arguments"][6:9:2] == ["-y", "-z"]
 
 
-def expected_programs(target: Target) -> list[str]:
+def expected_programs(template: str, target: Target) -> list[str]:
     publisher = "robot_state_publisher/robot_state_publisher"
+    controllers = ["controller_manager/spawner"] * 2 if template == "arm" else []
     if target.simulator == "classic":
-        return [publisher, "gazebo_ros/spawn_entity.py"]
-    return ["ros_gz_bridge/parameter_bridge", publisher, "ros_gz_sim/create"]
+        return [publisher, "gazebo_ros/spawn_entity.py", *controllers]
+    return ["ros_gz_bridge/parameter_bridge", publisher, "ros_gz_sim/create", *controllers]
+
+
+@pytest.mark.parametrize("case", [case for case in ALL if case.startswith("arm-")])
+def test_controllers_start_one_after_the_other(
+    case: str, workspace: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    *_, robot, broadcaster, controller = launch(capsys, workspace, PACKAGES[case])["processes"]
+    assert broadcaster["arguments"] == ["joint_state_broadcaster"]
+    assert broadcaster["starts"] == f"exit of {robot['executable']}"
+    assert controller["arguments"] == ["joint_trajectory_controller"]
+    assert controller["starts"] == "exit of spawner"
+
+
+@pytest.mark.parametrize("case", [case for case in ALL if case.startswith(("arm-", "diff_drive-"))])
+def test_display(case: str, workspace: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    plan = launch(capsys, workspace, PACKAGES[case], file="display.launch.py")
+    assert plan["arguments"] == plan["includes"] == []
+    assert plan["unresolved"] == plan["diagnostics"] == []
+    assert programs(plan) == [
+        "robot_state_publisher/robot_state_publisher",
+        "joint_state_publisher_gui/joint_state_publisher_gui",
+        "rviz2/rviz2",
+    ]
+    publisher, _, rviz = plan["processes"]
+    assert "<robot" in publisher["parameters"]["robot_description"]
+    share = workspace / "install" / PACKAGES[case] / "share" / PACKAGES[case]
+    assert rviz["arguments"] == ["-d", f"{share}/config/robot.rviz"]
+    assert yaml.safe_load((share / "config" / "robot.rviz").read_text())["Visualization Manager"]
+
+
+@pytest.mark.parametrize("case", [case for case in ALL if case.startswith("arm-")])
+def test_controllers_control_the_joints_of_the_robot(case: str, workspace: Path) -> None:
+    share = workspace / "install" / PACKAGES[case] / "share" / PACKAGES[case]
+    controllers = yaml.safe_load((share / "config" / "controllers.yaml").read_text())
+    manager = controllers["controller_manager"]["ros__parameters"]
+    assert {name for name in manager if name.startswith("joint_")} == {
+        "joint_state_broadcaster",
+        "joint_trajectory_controller",
+    }
+    joints = controllers["joint_trajectory_controller"]["ros__parameters"]["joints"]
+    assert joints == [f"joint_{number}" for number in range(1, 7)]
+    control = (share / "model" / "robot.xacro").read_text().partition("<ros2_control")[2]
+    assert re.findall(r'<joint name="(\w+)">', control) == joints
 
 
 def test_headless(workspace: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -138,11 +198,15 @@ def test_sourcing_the_workspace_tells_gazebo_where_models_are(workspace: Path) -
 
 
 def launch(
-    capsys: pytest.CaptureFixture[str], workspace: Path, package: str, *words: str
+    capsys: pytest.CaptureFixture[str],
+    workspace: Path,
+    package: str,
+    *words: str,
+    file: str = LAUNCH_FILE,
 ) -> dict[str, Any]:
-    """The plan of a package's launch file."""
+    """The plan of a launch file of a package."""
     capsys.readouterr()
-    command = ["launch", package, LAUNCH_FILE, *words, "-w", str(workspace), "--format", "json"]
+    command = ["launch", package, file, *words, "-w", str(workspace), "--format", "json"]
     assert run(command) == 0
     plan: dict[str, Any] = json.loads(capsys.readouterr().out)
     return plan

@@ -87,6 +87,15 @@ def test_new_loads_what_it_renders_with(tmp_path: Path) -> None:
     }
 
 
+def test_doctor_looks_and_loads_nothing(tmp_path: Path) -> None:
+    modules = loaded(tmp_path, "doctor")
+    packages = {name.split(".")[1] for name in modules if name.startswith("wsgen.")}
+    assert packages <= {"cli", "diagnostics", "errors", "model", "workspace", "xmltree"}
+    assert not modules & (HEAVY | {"jinja2", "cmake", "dartpy", "av", "shapely", "trimesh"}) - (
+        of_libraries("click", "platform")
+    )
+
+
 def test_build_loads_no_simulator(tmp_path: Path) -> None:
     modules = loaded(tmp_path, "build", "--help")
     assert not modules & HEAVY - of_libraries("click")

@@ -9,7 +9,7 @@ from golden_support import CASES
 from wsgen.model import facts
 from wsgen.model.target import SIMULATORS, TARGETS, Target
 from wsgen.templating.location import templates_folder
-from wsgen.templating.manifest import KEYS
+from wsgen.templating.manifest import KEYS, template_names
 from wsgen.templating.manifest_parts import VARIABLE_KEYS
 from wsgen.templating.variables import TYPES
 
@@ -128,5 +128,18 @@ def test_what_the_page_says_of_targets_is_there() -> None:
             assert hasattr(Target, name) or name in Target.__dataclass_fields__, name
 
 
-def test_there_is_a_golden_of_simple_for_every_target() -> None:
-    assert {f"simple-{target.name}" for target in TARGETS} <= set(CASES)
+def test_sources_that_can_be_included_are_there() -> None:
+    page = (ROOT / "docs" / "templates.md").read_text(encoding="utf-8")
+    named = set(re.findall(r"`wsgen:base/([\w./]+\.j2)`", page))
+    assert named
+    assert not [name for name in named if not (templates_folder() / "base" / name).is_file()]
+
+
+@pytest.mark.parametrize("template", template_names())
+def test_the_readme_has_every_template(template: str) -> None:
+    assert f"\n| `{template}` | " in (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("template", ["simple", "diff_drive", "arm"])
+def test_there_is_a_golden_for_every_target(template: str) -> None:
+    assert {f"{template}-{target.name}" for target in TARGETS} <= set(CASES)

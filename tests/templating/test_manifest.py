@@ -16,6 +16,7 @@ CLASSIC_FILES = {
     "README.md",
     "launch/gazebo_model.launch.py",
     "model/empty_world.world",
+    "model/inertia.xacro",
     "model/robot.gazebo",
     "model/robot.xacro",
     "package.xml",
@@ -51,9 +52,16 @@ def test_every_source_of_a_template_is_there(name: str, target: Target) -> None:
         assert find_source(source, template.folder).is_file()
 
 
-def test_every_template_has_the_files_that_all_have(simple: Template) -> None:
+def test_the_files_of_simple(simple: Template) -> None:
     assert set(simple.sources(DEFAULT_TARGET, defaults(simple))) == CLASSIC_FILES
     assert set(simple.sources(choose_target("jazzy"), defaults(simple))) == GZ_FILES
+
+
+@pytest.mark.parametrize("name", template_names())
+def test_every_template_has_the_files_that_all_have(name: str) -> None:
+    template = load_template(name)
+    assert set(template.sources(DEFAULT_TARGET, defaults(template))) >= CLASSIC_FILES
+    assert set(template.sources(choose_target("jazzy"), defaults(template))) >= GZ_FILES
 
 
 def test_dependencies_are_those_of_all_parts_whose_condition_is_met(simple: Template) -> None:

@@ -10,6 +10,8 @@ import subprocess
 import sys
 import tokenize
 import warnings
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -42,6 +44,12 @@ MANIFEST_EMAIL = (
     r"[-a-zA-Z0-9_%+]+(\.[-a-zA-Z0-9_%+]+)*@[-a-zA-Z0-9%]+(\.[-a-zA-Z0-9%]+)*\.[a-zA-Z]{2,}"
 )
 
+# Import, file or plugin that a package uses -> the package that it needs for it; the longest first.
+PLUGIN_PACKAGES = {
+    "libgazebo_ros2_control": "gazebo_ros2_control",
+    "gz_ros2_control": "gz_ros2_control",
+    "libgazebo_ros_": "gazebo_plugins",
+}
 NEWEST_SDF = (1, 9)  # that the parser of Debian's package reads, Fortress's
 
 # The two models that Gazebo Classic brings, as far as a parser wants to see them.
@@ -70,33 +78,53 @@ def target(case: str) -> Target:
     return CASES[case][1]
 
 
-@pytest.fixture(scope="module", params=sorted(CASES))
-def urdf(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The robot of a golden as xacro expands it in an install space."""
-    folder = tmp_path_factory.mktemp(request.param)
-    share = folder / "install" / "share"
-    shutil.copytree(golden_package(request.param), share / PACKAGE)
-    index = share / "ament_index" / "resource_index" / "packages"
-    index.mkdir(parents=True)
-    (index / PACKAGE).touch()
-    file = folder / f"{CASES[request.param][0]}.urdf"
-    subprocess.run(
-        [
-            *(sys.executable, "-c", "import xacro; xacro.main()"),
-            *(share / PACKAGE / "model" / "robot.xacro", "-o", file),
-        ],
-        env=os.environ | {"AMENT_PREFIX_PATH": str(folder / "install")},
-        check=True,
-    )
-    return file
+def cases_of(template: str) -> list[str]:
+    """The goldens of one template."""
+    return sorted(case for case, (name, _) in CASES.items() if name == template)
+
+
+@pytest.fixture(scope="module")
+def expanded(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """Golden -> its robot as xacro expands it in an install space."""
+
+    @cache
+    def expand(case: str) -> Path:
+        folder = tmp_path_factory.mktemp(case)
+        share = folder / "install" / "share"
+        shutil.copytree(golden_package(case), share / PACKAGE)
+        index = share / "ament_index" / "resource_index" / "packages"
+        index.mkdir(parents=True)
+        (index / PACKAGE).touch()
+        file = folder / "robot.urdf"
+        subprocess.run(
+            [
+                *(sys.executable, "-c", "import xacro; xacro.main()"),
+                *(share / PACKAGE / "model" / "robot.xacro", "-o", file),
+            ],
+            env=os.environ | {"AMENT_PREFIX_PATH": str(folder / "install")},
+            check=True,
+        )
+        return file
+
+    return expand
 
 
 @pytest.fixture
-def cylinder(urdf: Path) -> Path:
+def urdf(case: str, expanded: Callable[[str], Path]) -> Path:
+    """The robot of a golden."""
+    return expanded(case)
+
+
+@pytest.fixture(params=cases_of("simple"))
+def cylinder(request: pytest.FixtureRequest, expanded: Callable[[str], Path]) -> Path:
     """The robot of the template `simple`."""
-    if urdf.stem != "simple":
-        pytest.skip("another robot")
-    return urdf
+    return expanded(request.param)
+
+
+@pytest.fixture(params=cases_of("diff_drive"))
+def vehicle(request: pytest.FixtureRequest, expanded: Callable[[str], Path]) -> Path:
+    """The robot of the template `diff_drive`."""
+    return expanded(request.param)
 
 
 def ask(name: str, *arguments: str | Path, folder: Path, **environment: str) -> str:
@@ -165,14 +193,40 @@ def test_package_format3(package: Path) -> None:
 def test_dependencies_are_what_the_files_use(case: str, package: Path) -> None:
     root = ET.parse(package / "package.xml").getroot()
     needed = {element.text for element in root.iter("exec_depend")}
-    launch = (package / "launch" / "gazebo_model.launch.py").read_text()
+    launch = "".join(file.read_text() for file in sorted((package / "launch").iterdir()))
     used = set(re.findall(r"^(?:from|import) (\w+)", launch, re.MULTILINE))
     used |= set(re.findall(r"package='(\w+)'", launch))
     used |= set(re.findall(r"FindPackageShare\('(\w+)'\)", launch)) - {PACKAGE}
     used |= {"ros2launch", "xacro"}  # without ros2launch nobody starts the file
+    for library in re.findall(r'filename="([^"]+)"', (package / "model/robot.gazebo").read_text()):
+        used |= {name for start, name in PLUGIN_PACKAGES.items() if library.startswith(start)}
+    if (package / "config" / "controllers.yaml").exists():
+        used |= {"ros2_controllers"}
     if case in {"simple-humble-classic", "simple-iron-classic"}:
         used |= {"joint_state_publisher"}  # as the tutorial has it
     assert needed == used
+
+
+def test_plugins_are_those_of_the_target(package: Path, target: Target) -> None:
+    known = {tuple(plugin) for plugin in target.plugins.values()}
+    files = (package / "model" / "robot.gazebo", package / "model" / "empty_world.world")
+    for file in files:
+        for plugin in re.findall(r'<plugin filename="([^"]+)" name="([^"]+)"', file.read_text()):
+            assert plugin in known, (file, plugin)
+    robot = (package / "model" / "robot.xacro").read_text()
+    for hardware in re.findall(r"<plugin>(.*)</plugin>", robot):
+        assert hardware == target.ros2_control_hardware
+
+
+def test_the_bridge_carries_what_the_robot_publishes_and_takes(package: Path) -> None:
+    """Each Gazebo topic that a plugin or a sensor is given is bridged once, and no other."""
+    bridge = package / "config" / "bridge.yaml"
+    if not bridge.exists():
+        pytest.skip("Gazebo Classic has no bridge")
+    bridged = re.findall(r"gz_topic_name: (\S+)", bridge.read_text())
+    robot = (package / "model" / "robot.gazebo").read_text()
+    given = re.findall(r"<(?:\w+_)?topic>(.*)</(?:\w+_)?topic>", robot)
+    assert sorted(bridged) == sorted(["/clock", *given])
 
 
 def test_launch_files_in_the_style_of_ament() -> None:
@@ -208,7 +262,9 @@ def test_launch_files_of_long_names_fit_into_the_line(package: Path) -> None:
         assert max(map(len, text.splitlines())) <= 99
 
 
-def test_world_is_valid_for_gazebo(package: Path, target: Target, tmp_path: Path) -> None:
+def test_world_is_valid_for_gazebo(
+    case: str, package: Path, target: Target, tmp_path: Path
+) -> None:
     if tuple(map(int, target.sdf_version.split("."))) > NEWEST_SDF:
         pytest.skip(f"the parser here does not read SDFormat {target.sdf_version}")
     for name, content in CLASSIC_MODELS.items():
@@ -225,17 +281,52 @@ def test_world_is_valid_for_gazebo(package: Path, target: Target, tmp_path: Path
     assert {element.get("name") for element in read.iter("model")} == {"ground_plane"}
     assert {element.get("name") for element in read.iter("light")} == {"sun"}
     plugins = {(one.get("filename"), one.get("name")) for one in read.iter("plugin")}
-    wanted = ("physics", "user_commands", "scene_broadcaster")
-    if target.simulator == "gz":
-        assert plugins >= {tuple(target.plugins[role]) for role in wanted}
-    else:
-        assert not plugins
+    wanted = ["physics", "user_commands", "scene_broadcaster"]
+    if case.startswith("diff_drive"):
+        wanted += ["sensors", "imu"]
+    if target.simulator == "classic":
+        wanted = []
+    assert plugins == {tuple(target.plugins[role]) for role in wanted}
 
 
 def test_urdfdom_and_gazebo_read_the_robot(urdf: Path) -> None:
     assert "Successfully Parsed XML" in ask("check_urdf", urdf, folder=urdf.parent)
+    assert "Valid." in ask("ign", "sdf", "-k", urdf, folder=urdf.parent)
     model = ET.fromstring(ask("ign", "sdf", "-p", urdf, folder=urdf.parent))
     assert len(list(model.iter("model"))) == 1
+
+
+def test_no_comment_of_the_robot_has_a_colon_and_a_blank(urdf: Path) -> None:
+    """gazebo_ros2_control passes the robot on as a parameter override, which that breaks."""
+    for comment in re.findall(r"<!--.*?-->", urdf.read_text(), re.DOTALL):
+        assert not re.search(r":\s", comment), comment
+
+
+def test_gazebo_reads_what_drives_the_vehicle(vehicle: Path) -> None:
+    model = ET.fromstring(ask("ign", "sdf", "-p", vehicle, folder=vehicle.parent)).find("model")
+    assert model is not None
+    assert [link.get("name") for link in model.findall("link")] == [
+        *("base_footprint", "left_wheel", "right_wheel")
+    ]
+    sensors = {one.get("name"): one.get("type") for one in model.iter("sensor")}
+    assert sensors.keys() == {"imu", "lidar"}
+    assert sensors["lidar"] in {"ray", "gpu_lidar"}
+    friction = {
+        str(one.get("name")): one.findtext("surface/friction/ode/mu")
+        for one in model.iter("collision")
+    }
+    (caster,) = (mu for name, mu in friction.items() if "caster" in name)
+    assert caster == "0"
+    assert friction["left_wheel_collision"] == friction["right_wheel_collision"] == "1"
+    drive = next(one for one in model.iter("plugin") if one.find("left_joint") is not None)
+    wheel = next(link for link in model.findall("link") if link.get("name") == "left_wheel")
+    radius = float(wheel.findtext("collision/geometry/cylinder/radius") or "nan")
+    (diameter,) = [
+        factor * float(drive.findtext(name) or "nan")
+        for name, factor in (("wheel_radius", 2.0), ("wheel_diameter", 1.0))
+        if drive.find(name) is not None
+    ]
+    assert diameter == pytest.approx(2 * radius)
 
 
 def test_urdfdom_reads_the_cylinder(cylinder: Path) -> None:

@@ -4,6 +4,7 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
+from golden_support import CASES
 from wsgen import __version__
 from wsgen.model.package import Maintainer
 from wsgen.model.target import DEFAULT_TARGET
@@ -20,8 +21,10 @@ else:
 ODD = '<a href="x"> & \'b\' ${x} {{x}} {% raw %} $(find y)\n# \\ 🤖 ]]> --> """'
 
 
-def render(name: str = "some_robot", **words: object) -> RenderedTree:
-    template = load_template("simple")
+def render(
+    name: str = "some_robot", *, template_name: str = "simple", **words: object
+) -> RenderedTree:
+    template = load_template(template_name)
     request: dict[str, object] = {
         "template": template,
         "target": DEFAULT_TARGET,
@@ -32,10 +35,13 @@ def render(name: str = "some_robot", **words: object) -> RenderedTree:
     return render_package(spec, template)
 
 
-def test_texts_end_with_one_line_end() -> None:
-    for path, text in render().items():
+@pytest.mark.parametrize("case", CASES)
+def test_texts_end_with_one_line_end(case: str) -> None:
+    template_name, target = CASES[case]
+    for path, text in render(template_name=template_name, target=target).items():
         assert text.endswith("\n"), path
         assert not text.endswith("\n\n"), path
+        assert "\n\n\n" not in text.replace("\n\n\ndef", "\n\ndef"), path
         assert not [line for line in text.split("\n") if line != line.rstrip()], path
 
 
@@ -116,8 +122,10 @@ def test_licence_text(name: str) -> None:
     assert len(tree["LICENSE"]) > 1000
 
 
-def test_the_readme_names_every_file_but_the_obvious_ones() -> None:
-    tree = render()
+@pytest.mark.parametrize("case", CASES)
+def test_the_readme_names_every_file_but_the_obvious_ones(case: str) -> None:
+    template_name, target = CASES[case]
+    tree = render(template_name=template_name, target=target)
     for path in set(tree) - {"README.md"}:
         assert f"`{path}`" in tree["README.md"]
 

@@ -32,7 +32,7 @@ def test_what_base_brings_and_what_is_written(tmp_path: Path) -> None:
     )
     template = load(folder)
     tree = render_package_apart(spec_for(template), template)
-    assert tree["model/robot.xacro"] == "<link/>\nsome_robot 8\n"
+    assert tree["model/robot.xacro"] == "<link/>\nsome_robot 9\n"
     assert 'template = "mine"' in tree["wsgen.toml"]
     assert "DIRECTORY launch model\n" in tree["CMakeLists.txt"]
     assert tree == render(folder)[0]
@@ -174,7 +174,7 @@ def test_source_that_is_no_text(tmp_path: Path) -> None:
         ('"../evil" = "robot.xacro.j2"', "The path '../evil' cannot be in a package"),
         ('"{{ nothing }}" = "robot.xacro.j2"', "is no name that a path may have"),
         ('"readme.MD" = "robot.xacro.j2"', "'README.md' and 'readme.MD' exclude each other"),
-        ('"model" = "robot.xacro.j2"', "'model/empty_world.world'"),
+        ('"model" = "robot.xacro.j2"', "'model' and 'model/"),
         ('"COLCON_IGNORE" = "robot.xacro.j2"', "colcon passes the package over"),
     ],
 )

@@ -22,37 +22,96 @@ def render_all() -> dict[str, RenderedTree]:
     return trees
 
 
+def every(_name: str, _target: Target) -> bool:
+    """The whole matrix."""
+    return True
+
+
+def none(_name: str, _target: Target) -> bool:
+    """No case of the matrix."""
+    return False
+
+
+def classic(_name: str, target: Target) -> bool:
+    """Every template for Gazebo Classic."""
+    return target.simulator == "classic"
+
+
+def gz(_name: str, target: Target) -> bool:
+    """Every template for Gazebo Sim."""
+    return target.simulator == "gz"
+
+
+def with_joints(name: str, _target: Target) -> bool:
+    """The templates whose robots move."""
+    return name in {"arm", "diff_drive"}
+
+
 @pytest.mark.parametrize(
-    ("source", "path", "concerns"),
+    ("source", "paths", "concerns"),
     [
-        ("package.xml.j2", "package.xml", lambda _: True),
-        ("gazebo_model.launch.py.j2", "launch/gazebo_model.launch.py", lambda _: True),
-        ("gz/start.py.j2", "launch/gazebo_model.launch.py", lambda one: one.simulator == "gz"),
-        (
-            "classic/start.py.j2",
-            "launch/gazebo_model.launch.py",
-            lambda one: one.simulator == "classic",
-        ),
-        ("gz/empty_world.world.j2", "model/empty_world.world", lambda one: one.simulator == "gz"),
-        ("gz/bridge.yaml.j2", "config/bridge.yaml", lambda one: one.simulator == "gz"),
-        ("run.md.j2", "README.md", lambda _: True),
-        ("licenses/Apache-2.0.txt.j2", "LICENSE", lambda _: False),  # rendered with MIT
+        ("base/package.xml.j2", ["package.xml"], every),
+        ("base/inertia.xacro.j2", ["model/inertia.xacro"], every),
+        ("base/robot.xacro.j2", ["model/robot.xacro"], every),
+        ("base/materials.xacro.j2", ["model/robot.xacro"], with_joints),
+        ("base/gazebo_model.launch.py.j2", ["launch/gazebo_model.launch.py"], every),
+        ("base/display.launch.py.j2", ["launch/display.launch.py"], with_joints),
+        ("base/robot.rviz.j2", ["config/robot.rviz"], with_joints),
+        ("base/gz/start.py.j2", ["launch/gazebo_model.launch.py"], gz),
+        ("base/classic/start.py.j2", ["launch/gazebo_model.launch.py"], classic),
+        ("base/classic/empty_world.world.j2", ["model/empty_world.world"], classic),
+        ("base/gz/empty_world.world.j2", ["model/empty_world.world"], gz),
+        ("base/gz/bridge.yaml.j2", ["config/bridge.yaml"], gz),
+        ("base/run.md.j2", ["README.md"], every),
+        ("base/parameters.md.j2", ["README.md"], every),
+        ("base/display.md.j2", ["README.md"], with_joints),
+        ("base/wsgen.toml.j2", ["wsgen.toml"], every),
+        ("base/licenses/Apache-2.0.txt.j2", ["LICENSE"], none),  # rendered with MIT
+        ("arm/robot.xacro.j2", ["model/robot.xacro"], lambda name, _: name == "arm"),
+        ("diff_drive/lidar.xml.j2", ["model/robot.gazebo"], lambda name, _: name == "diff_drive"),
     ],
 )
 def test_a_change_reaches_exactly_the_packages_that_it_concerns(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     source: str,
-    path: str,
-    concerns: Callable[[Target], bool],
+    paths: list[str],
+    concerns: Callable[[str, Target], bool],
 ) -> None:
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    changed = changed_by(source, tmp_path, monkeypatch)
+    assert changed == {
+        case: set(paths) if concerns(name, target) else set()
+        for case, (name, target) in CASES.items()
+    }
+
+
+def test_a_change_of_the_publisher_reaches_both_launch_files(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for case, paths in changed_by(
+        "base/robot_state_publisher.py.j2", tmp_path, monkeypatch
+    ).items():
+        both = {"launch/gazebo_model.launch.py", "launch/display.launch.py"}
+        assert paths == (both if with_joints(*CASES[case]) else {"launch/gazebo_model.launch.py"})
+
+
+def changed_by(source: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, set[str]]:
+    """Case -> the files that another first line in a source changes."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(folder / "cache"))
     before = render_all()
-    shutil.copytree(location.templates_folder(), tmp_path / "templates")
-    monkeypatch.setattr(location, "_PACKAGE", tmp_path / "src" / "wsgen")
-    file = tmp_path / "templates" / "base" / source
-    file.write_text("changed\n" + file.read_text(encoding="utf-8"), encoding="utf-8")
+    shutil.copytree(location.templates_folder(), folder / "templates")
+    monkeypatch.setattr(location, "_PACKAGE", folder / "src" / "wsgen")
+    file = folder / "templates" / source
+    file.write_text(changed_text(file.read_text(encoding="utf-8")), encoding="utf-8")
     after = render_all()
-    for case, (_, target) in CASES.items():
-        changed = {name for name in before[case] if before[case][name] != after[case][name]}
-        assert changed == ({path} if concerns(target) else set()), case
+    return {
+        case: {name for name in before[case] if before[case][name] != after[case][name]}
+        for case in CASES
+    }
+
+
+def changed_text(text: str) -> str:
+    """A text with another first line, within a block where one extends another."""
+    if "{% block robot %}\n" in text and "{% extends" in text:
+        return text.replace("{% block robot %}\n", "{% block robot %}\nchanged\n", 1)
+    return "changed\n" + text

@@ -1,0 +1,101 @@
+"""Start Gazebo Sim with a world and put the robot of this package into it."""
+
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription
+from launch.conditions import IfCondition, UnlessCondition
+from launch.launch_description_sources import PythonLaunchDescriptionSource
+from launch.substitutions import Command, LaunchConfiguration, PathJoinSubstitution
+from launch_ros.actions import Node
+from launch_ros.parameter_descriptions import ParameterValue
+from launch_ros.substitutions import FindPackageShare
+
+
+def generate_launch_description():
+    """Declare the arguments; start Gazebo, robot_state_publisher and the spawner."""
+    share = FindPackageShare('gazebo_test')
+    model = PathJoinSubstitution([share, 'model', 'robot.xacro'])
+    world = PathJoinSubstitution([share, 'model', 'empty_world.world'])
+
+    arguments = [
+        DeclareLaunchArgument(
+            'world', default_value=world, description='World file (SDF) that Gazebo loads'),
+        DeclareLaunchArgument(
+            'x', default_value='0.0', description='Where the robot appears, along x, in metres'),
+        DeclareLaunchArgument(
+            'y', default_value='0.0', description='Where the robot appears, along y, in metres'),
+        # The wheels touch the ground at z = 0; 1 cm more lets the robot fall a little.
+        DeclareLaunchArgument(
+            'z', default_value='0.01',
+            description='Where the robot appears, above the ground, in metres'),
+        DeclareLaunchArgument(
+            'headless', default_value='false',
+            description='Run Gazebo without a window: true or false'),
+        DeclareLaunchArgument(
+            'use_sim_time', default_value='true', description='Take the time from Gazebo'),
+    ]
+
+    # Two ways to start Gazebo, of which `headless` chooses one. It takes its options as one text;
+    # the quotes keep a path with spaces in one piece.
+    gz_sim = PythonLaunchDescriptionSource(
+        PathJoinSubstitution([FindPackageShare('ros_gz_sim'), 'launch', 'gz_sim.launch.py']))
+    gazebo = IncludeLaunchDescription(
+        gz_sim,
+        launch_arguments={
+            'gz_args': ['-r -v 4 "', LaunchConfiguration('world'), '"'],
+            'on_exit_shutdown': 'true',
+        }.items(),
+        condition=UnlessCondition(LaunchConfiguration('headless')),
+    )
+    gazebo_headless = IncludeLaunchDescription(
+        gz_sim,
+        launch_arguments={
+            'gz_args': ['-r -s -v 4 "', LaunchConfiguration('world'), '"'],
+            'on_exit_shutdown': 'true',
+        }.items(),
+        condition=IfCondition(LaunchConfiguration('headless')),
+    )
+
+    # Passes on between Gazebo and ROS what the file lists.
+    bridge_file = PathJoinSubstitution([share, 'config', 'bridge.yaml'])
+    bridge = Node(
+        package='ros_gz_bridge',
+        executable='parameter_bridge',
+        output='screen',
+        parameters=[{'config_file': ParameterValue(bridge_file, value_type=str)}],
+    )
+
+    # The quotes keep a path with spaces in one piece. Without ParameterValue the text would be
+    # read as YAML.
+    robot_description = ParameterValue(Command(['xacro "', model, '"']), value_type=str)
+    robot_state_publisher = Node(
+        package='robot_state_publisher',
+        executable='robot_state_publisher',
+        output='screen',
+        parameters=[{
+            'robot_description': robot_description,
+            'use_sim_time': LaunchConfiguration('use_sim_time'),
+        }],
+    )
+
+    # Takes the robot from the topic that robot_state_publisher publishes.
+    spawn_robot = Node(
+        package='ros_gz_sim',
+        executable='create',
+        output='screen',
+        arguments=[
+            '-topic', 'robot_description',
+            '-name', 'gazebo_test',
+            '-x', LaunchConfiguration('x'),
+            '-y', LaunchConfiguration('y'),
+            '-z', LaunchConfiguration('z'),
+        ],
+    )
+
+    return LaunchDescription([
+        *arguments,
+        gazebo,
+        gazebo_headless,
+        bridge,
+        robot_state_publisher,
+        spawn_robot,
+    ])
