@@ -28,8 +28,9 @@ PENDULUM = str(EXAMPLES / "templates" / "pendulum")
 ALL = {**CASES, **{f"pendulum-{target.name}": (PENDULUM, target) for target in TARGETS}}
 # Case -> the name of its package in the workspace.
 PACKAGES = {case: case.replace("-", "_") for case in ALL}
-# Template -> the name of its robot in the simulator, where it is not that of the package.
-ENTITIES = {"simple": "simple_robot"}
+# Case -> the name of its robot in the simulator, where it is not that of the package: the first of
+# the workspace has the tutorial's.
+ENTITIES = {next(case for case in ALL if ALL[case][0] == "simple"): "simple_robot"}
 # Template -> what its robot does beyond standing.
 BEHAVIOURS = {
     "arm": ["holds its pose", "reaches another pose"],
@@ -68,17 +69,16 @@ def test_the_robot_stands_and_there_is_nothing_to_find(
     assert package["world"]["name"] == "empty_world"
     assert package["world"]["models"] == ["ground_plane"]
     (robot,) = package["robots"]
-    assert robot["entity"] == ENTITIES.get(ALL[case][0], PACKAGES[case])
+    assert robot["entity"] == ENTITIES.get(case, PACKAGES[case])
     assert robot["rest"]["settled_after"] is not None
     tried = [behaviour["name"] for behaviour in robot["behaviours"] if behaviour["passed"]]
     assert tried == BEHAVIOURS.get(ALL[case][0], [])
 
 
 def test_no_two_packages_call_their_robots_the_same(validated: dict[str, Any]) -> None:
-    """But for the tutorial's robot, which has the tutorial's name."""
     entities = [robot["entity"] for one in validated.values() for robot in one["robots"]]
     assert len(entities) == len(ALL)
-    assert {name for name in entities if entities.count(name) > 1} == {"simple_robot"}
+    assert len(set(entities)) == len(entities)
 
 
 @pytest.mark.parametrize("case", ALL)
@@ -112,7 +112,7 @@ def test_launch_plan(case: str, workspace: Path, capsys: pytest.CaptureFixture[s
     flag = "-entity" if target.simulator == "classic" else "-name"
     assert spawner["arguments"][:6] == [
         *("-topic", "robot_description"),
-        *(flag, ENTITIES.get(template, PACKAGES[case])),
+        *(flag, ENTITIES.get(case, PACKAGES[case])),
         *("-x", "0.0"),
     ]
     assert spawner["arguments"][6:9:2] == ["-y", "-z"]

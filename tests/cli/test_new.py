@@ -68,7 +68,15 @@ def test_second_package_goes_into_the_workspace_around(
     monkeypatch.chdir(here / "ws_gazebo" / "src" / "gazebo_test" / "model")
     capsys.readouterr()
     assert new("second_robot") == 0
-    assert (here / "ws_gazebo" / "src" / "second_robot" / "package.xml").is_file()
+    source = here / "ws_gazebo" / "src"
+    assert (source / "second_robot" / "package.xml").is_file()
+    # In one simulator the two have two names.
+    spawned = {
+        name: (source / name / "launch" / "gazebo_model.launch.py").read_text()
+        for name in ("gazebo_test", "second_robot")
+    }
+    assert "'-entity', 'simple_robot'" in spawned["gazebo_test"]
+    assert "'-entity', 'second_robot'" in spawned["second_robot"]
     assert capsys.readouterr().out.endswith("\nNext: wsgen build && wsgen validate\n")
 
 

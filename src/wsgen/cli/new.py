@@ -109,12 +109,15 @@ def command(
     verbose: bool,
 ) -> int:
     """Write a package with a robot, and the workspace around it if there is none."""
+    from dataclasses import replace
+
     from wsgen.cli.new_extras import ignore_files, note_repository, workflow_files
     from wsgen.cli.new_report import tell_json, tell_text
     from wsgen.templating.manifest import load_template
     from wsgen.templating.spec import make_spec
     from wsgen.templating.workspace_files import adding_files, refuse_files
     from wsgen.templating.write import write_package
+    from wsgen.workspace.entities import spawned_entities
 
     if output_format == "json" and (then_build or then_validate):
         raise RequestError(
@@ -133,6 +136,7 @@ def command(
         description=description,
     )
     place = _choose_place(workspace, spec.name)
+    spec = replace(spec, taken_entities=spawned_entities(place))
     folder = place.source / spec.name
     workflow = workflow_files(ci, target)
     refuse_files(workflow, place.root)

@@ -35,3 +35,5 @@ class PackageSpec:
     answers: Mapping[str, Answer]  # the template's variables
     # Element of package.xml, for example "exec_depend" -> packages; both in the order of the file.
     dependencies: Mapping[str, tuple[str, ...]]
+    # Names in the simulator that robots of other packages of the workspace have.
+    taken_entities: frozenset[str] = frozenset()
