@@ -7,13 +7,17 @@ from typing import TYPE_CHECKING, Any
 
 from wsgen import tomlfile
 from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.workspace.suggest import suggest
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from pathlib import Path
 
     from wsgen.model.behaviour import Behaviour
 
 FILE = "wsgen.toml"
+# What `wsgen new` records, and what a person may wish.
+KNOWN = ("schema", "wsgen", "template", "target", "package", "answers", "validate", "behaviour")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,13 +38,14 @@ def read_settings(package: Path) -> tuple[Settings, tuple[Diagnostic, ...]]:
         return Settings(file=file), ()
     except OSError as error:
         return Settings(file=file), (
-            _wrong(file, f"{FILE} cannot be read: {error.strerror}.", "Make it readable."),
+            _lost(file, f"{FILE} cannot be read: {error.strerror}.", "Make it readable."),
         )
     except ValueError as error:
         return Settings(file=file), (
-            _wrong(file, f"{FILE} is not TOML: {error}.", "Mend it, or remove it."),
+            _lost(file, f"{FILE} is not TOML: {error}.", "Mend it, or remove it."),
         )
     behaviours, found = _behaviours(document, file)
+    found = (*_unknown(document, file), *found)
     allow = _allow(document)
     if allow is None:
         return Settings(file=file, behaviours=behaviours), (
@@ -65,15 +70,18 @@ def _behaviours(
     document: dict[str, Any], file: Path
 ) -> tuple[tuple[Behaviour, ...], tuple[Diagnostic, ...]]:
     """Most packages have none, and load nothing for them."""
-    misspelt = next((key for key in ("behaviours", "behavior", "behaviors") if key in document), "")
-    if misspelt:
-        hint = "Call it [[behaviour]]."
-        return (), (_wrong(file, f"wsgen.toml knows no key `{misspelt}`.", hint),)
     if "behaviour" not in document:
         return (), ()
     from wsgen.workspace.behaviours import read_behaviours  # noqa: PLC0415
 
     return read_behaviours(document, file, file.read_text(encoding="utf-8"))
+
+
+def _unknown(document: dict[str, Any], file: Path) -> Iterator[Diagnostic]:
+    """What nobody reads is a mistake: a behaviour that is misspelt would never be tried."""
+    for key in document:
+        if key not in KNOWN:
+            yield _lost(file, f"{FILE} knows no key `{key}`.", suggest(key.lower(), KNOWN))
 
 
 def _allow(document: dict[str, Any]) -> tuple[str, ...] | None:
@@ -82,6 +90,11 @@ def _allow(document: dict[str, Any]) -> tuple[str, ...] | None:
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
         return None
     return tuple(names)
+
+
+def _lost(file: Path, message: str, hint: str) -> Diagnostic:
+    """Something that the package wants and does not get."""
+    return Diagnostic(code="PKG060", severity=Severity.ERROR, message=message, file=file, hint=hint)
 
 
 def _wrong(file: Path, message: str, hint: str) -> Diagnostic:
