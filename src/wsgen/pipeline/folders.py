@@ -2,25 +2,19 @@
 
 from __future__ import annotations
 
-import os
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wsgen.world.lookup import MODEL_PATHS, is_folder
+from wsgen.world.lookup import is_folder, model_folders
 from wsgen.xmltree import Malformed, child_text, parse
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
+    from pathlib import Path
 
 
 def share_on_model_path(environment: Mapping[str, str]) -> Callable[[str], Path | None]:
     """Look a package or model up where the environment tells Gazebo to look for models."""
-    folders = [
-        Path(entry)
-        for variable in MODEL_PATHS
-        for entry in environment.get(variable, "").split(os.pathsep)
-        if entry
-    ]
+    folders = model_folders(environment)
 
     def share_of(package: str) -> Path | None:
         found = (folder / package for folder in folders if package)

@@ -44,7 +44,7 @@ def model_finder(file: Path, environment: Mapping[str, str]) -> Callable[[str], 
     above = list(file.absolute().parents)[:AROUND]
     home = environment.get("HOME")
     folders = [
-        *_entries(MODEL_PATHS, environment),
+        *model_folders(environment),
         *([Path(home) / ".gazebo" / "models"] if home else []),
         *(place for folder in above for place in (folder, folder / "models")),
     ]
@@ -67,6 +67,11 @@ def model_finder(file: Path, environment: Mapping[str, str]) -> Callable[[str], 
         )
 
     return find
+
+
+def model_folders(environment: Mapping[str, str]) -> list[Path]:
+    """Where the environment tells Gazebo to look for models."""
+    return _entries(MODEL_PATHS, environment)
 
 
 def is_file(path: Path) -> bool:
