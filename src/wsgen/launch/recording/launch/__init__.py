@@ -1,23 +1,26 @@
 """Recording stand-in for the `launch` package: evaluates launch files, starts nothing."""
 
+import sys
+
+from ._finder import Finder
 from ._lazy import finder
 
 _HOMES = {
-    "Action": "action",
-    "Condition": "condition",
-    "Event": "event",
-    "EventHandler": "event_handler",
-    "InvalidLaunchFileError": "invalid_launch_file_error",
+    "Action": "base",
+    "Condition": "base",
+    "Event": "base",
+    "EventHandler": "base",
+    "InvalidLaunchFileError": "base",
     "LaunchContext": "launch_context",
     "LaunchDescription": "launch_description",
-    "LaunchService": "launch_service",
-    "LaunchDescriptionEntity": "launch_description_entity",
+    "LaunchService": "launch_description",
+    "LaunchDescriptionEntity": "base",
     "LaunchDescriptionSource": "launch_description_source",
-    "SomeActionsType": "some_actions_type",
-    "SomeEntitiesType": "some_entities_type",
-    "SomeSubstitutionsType": "some_substitutions_type",
-    "SomeSubstitutionsType_types_tuple": "some_substitutions_type",
-    "Substitution": "substitution",
+    "SomeActionsType": "base",
+    "SomeEntitiesType": "base",
+    "SomeSubstitutionsType": "base",
+    "SomeSubstitutionsType_types_tuple": "base",
+    "Substitution": "base",
     "actions": "",
     "conditions": "",
     "event_handlers": "",
@@ -30,3 +33,6 @@ _HOMES = {
 }
 __all__ = list(_HOMES)
 __getattr__ = finder(__name__, _HOMES)
+
+if Finder not in sys.meta_path:
+    sys.meta_path.insert(0, Finder)

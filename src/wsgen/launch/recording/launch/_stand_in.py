@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING
 
-from launch.actions.declare_launch_argument import DeclareLaunchArgument
+from launch.actions import DeclareLaunchArgument
 from launch.launch_description import LaunchDescription
 
 if TYPE_CHECKING:

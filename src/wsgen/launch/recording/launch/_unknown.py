@@ -9,17 +9,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from launch.action import Action
-from launch.events.process.process_exited import ProcessExited
-from launch.events.process.process_started import ProcessStarted
-from launch.substitution import Substitution
+from launch.base import Action, Substitution
+from launch.process_events import ProcessExited, ProcessStarted
 from wsgen.launch.record import RECORD, caller
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from launch.base import LaunchDescriptionEntity
     from launch.launch_context import LaunchContext
-    from launch.launch_description_entity import LaunchDescriptionEntity
 
 WHY = "it comes from a Python module that is not here"
 

@@ -2,19 +2,53 @@
 
 from __future__ import annotations
 
+import heapq
+import itertools
 import os
 from collections import deque
 from typing import TYPE_CHECKING, Any
 
-from launch._timeline import Timeline
-from wsgen.launch.record import locate
+from wsgen.launch.record import RECORD, locate
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from _collections_abc import dict_items
+    from collections.abc import Iterable, Iterator, Mapping
 
-    from launch.event import Event
-    from launch.event_handler import BaseEventHandler
-    from launch.substitution import Substitution
+    from launch.base import BaseEventHandler, Event, Substitution
+
+
+PROCESS_TIME = 0.001  # s
+NEVER = float("inf")
+
+
+class Timeline:
+    """The events to come."""
+
+    def __init__(self) -> None:
+        self.now = 0.0  # s since the launch
+        self.cause = "launch"  # of what happens at this moment
+        self._order = itertools.count()
+        self._coming: list[tuple[float, int, Event]] = []
+
+    def post(self, event: Event, *, delay: float = 0.0) -> None:
+        """Let the event happen after a delay in seconds; `NEVER` means last of all."""
+        if event.wsgen_cause is None:
+            event.wsgen_cause = self.cause
+        heapq.heappush(self._coming, (self.now + max(0.0, delay), next(self._order), event))
+
+    def next(self) -> Event | None:
+        """Move on to the next event, if there is one."""
+        if not self._coming:
+            return None
+        time, _, event = heapq.heappop(self._coming)
+        if time != NEVER:
+            self.now = time
+        self.cause = event.wsgen_cause or "launch"
+        return event
+
+    def clear(self) -> None:
+        """Drop what was to come, as a shutdown does."""
+        self._coming.clear()
 
 
 class _Locals:
@@ -36,6 +70,34 @@ class _Locals:
         raise AttributeError(f"can't set attribute '{name}', locals are read-only")
 
 
+class _Configurations(dict[str, Any]):
+    """Launch configurations; notes which ones are read."""
+
+    def __getitem__(self, name: str) -> Any:
+        RECORD.argument_use.read.add(name)
+        return super().__getitem__(name)
+
+    def __contains__(self, name: object) -> bool:
+        RECORD.argument_use.read.add(str(name))
+        return super().__contains__(name)
+
+    def get(self, name: str, default: Any = None) -> Any:
+        RECORD.argument_use.read.add(name)
+        return super().get(name, default)
+
+    def __iter__(self) -> Iterator[str]:
+        RECORD.argument_use.read.update(super().__iter__())
+        return super().__iter__()
+
+    def items(self) -> dict_items[str, Any]:
+        RECORD.argument_use.read.update(super().__iter__())
+        return super().items()
+
+    def unread(self) -> dict[str, Any]:
+        """A copy, for what is none of the user's reading."""
+        return {name: super(_Configurations, self).__getitem__(name) for name in super().__iter__()}
+
+
 class LaunchContext:
     """What entities see of the launch while they are visited."""
 
@@ -49,13 +111,13 @@ class LaunchContext:
         self._globals: dict[str, Any] = {}
         self._locals: dict[str, Any] = {}
         self._locals_stack: list[dict[str, Any]] = []
-        self._configurations: dict[str, Any] = {}
-        self._configurations_stack: list[dict[str, Any]] = []
+        self._configurations = _Configurations()
+        self._configurations_stack: list[_Configurations] = []
         self._environment_stack: list[dict[str, str]] = []
         self._environment_at_start = dict(os.environ)
 
     @property
-    def launch_configurations(self) -> dict[str, Any]:
+    def launch_configurations(self) -> _Configurations:
         """Name to text; a few internal names hold lists, as in the original."""
         return self._configurations
 
@@ -143,7 +205,7 @@ class LaunchContext:
         self._locals = self._locals_stack.pop()
 
     def _push_launch_configurations(self) -> None:
-        self._configurations_stack.append(dict(self._configurations))
+        self._configurations_stack.append(_Configurations(self._configurations.unread()))
 
     def _pop_launch_configurations(self) -> None:
         if not self._configurations_stack:
@@ -168,3 +230,8 @@ class LaunchContext:
         for name, value in variables.items():
             if os.environ.get(name) != value:
                 os.environ[name] = value
+
+
+def local_of(name: str) -> str:
+    """The local that holds the value of a loop's variable."""
+    return f"for_each_{name}"

@@ -1,19 +1,22 @@
-"""A list of entities."""
+"""A launch description, and how it is played."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterable
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
-from launch.launch_description_entity import LaunchDescriptionEntity
+from launch.base import LaunchDescriptionEntity
+from launch.launch_context import LaunchContext
+from wsgen.launch.record import locate
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Callable, Iterator
 
-    from launch.actions.declare_launch_argument import DeclareLaunchArgument
-    from launch.actions.include_launch_description import IncludeLaunchDescription
-    from launch.launch_context import LaunchContext
+    from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription
 
     Declared = tuple[DeclareLaunchArgument, tuple[IncludeLaunchDescription, ...]]
+    from launch.base import Event
 
 
 class LaunchDescription(LaunchDescriptionEntity):
@@ -78,9 +81,11 @@ def _declared(
     includes: tuple[IncludeLaunchDescription, ...],
     conditional: bool,  # noqa: FBT001  handed through
 ) -> Iterator[Declared]:
-    from launch.actions.declare_launch_argument import DeclareLaunchArgument
-    from launch.actions.include_launch_description import IncludeLaunchDescription
-    from launch.actions.reset_launch_configurations import ResetLaunchConfigurations
+    from launch.actions import (
+        DeclareLaunchArgument,
+        IncludeLaunchDescription,
+        ResetLaunchConfigurations,
+    )
 
     for entity in entities:
         if isinstance(entity, DeclareLaunchArgument):
@@ -92,3 +97,98 @@ def _declared(
         yield from _declared(entity.describe_sub_entities(), path, conditional)
         for _, group in entity.describe_conditional_sub_entities():
             yield from _declared(group, path, conditional=True)
+
+
+class LaunchService:
+    """Plays the descriptions it was given when it is run, and comes back at once."""
+
+    def __init__(
+        self,
+        *,
+        argv: Iterable[str] | None = None,
+        noninteractive: bool = False,
+        debug: bool = False,
+    ) -> None:
+        del debug
+        self.__context = LaunchContext(argv=argv, noninteractive=noninteractive)
+        self.__descriptions: list[LaunchDescription] = []
+
+    @property
+    def context(self) -> LaunchContext:
+        """The state of its launch."""
+        return self.__context
+
+    def include_launch_description(self, launch_description: LaunchDescription) -> None:
+        """Play the description too."""
+        self.__descriptions.append(launch_description)
+
+    def emit_event(self, event: Event) -> None:
+        """Let the event happen."""
+        self.__context.emit_event_sync(event)
+
+    def shutdown(self, force_sync: bool = False) -> None:  # noqa: FBT001, FBT002  as the original
+        """It has come to its end already."""
+
+    def run(self, *, shutdown_when_idle: bool = True) -> int:
+        """Play them; the exit code of a launch that went well."""
+        del shutdown_when_idle
+        descriptions, self.__descriptions = self.__descriptions, []
+        play(LaunchDescription(descriptions), self.__context)
+        return 0
+
+    async def run_async(self, *, shutdown_when_idle: bool = True) -> int:
+        """Same, for coroutines."""
+        return self.run(shutdown_when_idle=shutdown_when_idle)
+
+
+# More than any launch needs; a handler that starts what it waits for would go on for ever.
+MOST_EVENTS = 20_000
+
+
+def play(entity: LaunchDescriptionEntity, context: LaunchContext) -> None:
+    """Visit the entity and everything that events, timers and exits bring about."""
+    visit(entity, context)
+    for _ in range(MOST_EVENTS):
+        event = context.timeline.next()
+        if event is None:
+            return
+        _handle(event, context)
+    raise RuntimeError(f"the launch does not come to an end: more than {MOST_EVENTS} events")
+
+
+def visit(entity: LaunchDescriptionEntity, context: LaunchContext) -> None:
+    """Visit an entity and, depth first, what comes of it."""
+    try:
+        following = entity.visit(context)
+        if following is not None:
+            for sub_entity in following:
+                visit(sub_entity, context)
+    except Exception as error:
+        locate(error, getattr(entity, "wsgen_location", None))
+        raise
+
+
+def _handle(event: Event, context: LaunchContext) -> None:
+    handlers = context.event_handlers_matching(event)
+    _within_locals(event.wsgen_happen, event, context)
+    for handler in handlers:
+        try:
+            _within_locals(partial(handler.handle, event), event, context)
+        except Exception as error:  # noqa: PERF203  says which handler it was
+            locate(error, getattr(handler, "wsgen_location", None))
+            raise
+
+
+def _within_locals(
+    give_entities: Callable[[LaunchContext], Any], event: Event, context: LaunchContext
+) -> None:
+    """Visit what the function gives; locals that are set meanwhile end with it."""
+    context._push_locals()  # noqa: SLF001  the launch service is a friend of the context
+    context.extend_locals({"event": event})
+    try:
+        entities = give_entities(context)
+        if entities is not None:
+            for entity in entities if isinstance(entities, Iterable) else [entities]:
+                visit(entity, context)
+    finally:
+        context._pop_locals()  # noqa: SLF001  same

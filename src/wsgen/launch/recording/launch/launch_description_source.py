@@ -6,17 +6,13 @@ import os
 from typing import TYPE_CHECKING
 
 from launch.launch_context import LaunchContext
-from launch.utilities.normalize_to_list_of_substitutions_impl import (
-    normalize_to_list_of_substitutions,
-)
-from launch.utilities.perform_substitutions_impl import perform_substitutions
+from launch.utilities import normalize_to_list_of_substitutions, perform_substitutions
 from wsgen.launch import known_packages
 from wsgen.launch.record import RECORD
 
 if TYPE_CHECKING:
+    from launch.base import SomeSubstitutionsType, Substitution
     from launch.launch_description import LaunchDescription
-    from launch.some_substitutions_type import SomeSubstitutionsType
-    from launch.substitution import Substitution
 
 
 class LaunchDescriptionSource:
@@ -32,6 +28,8 @@ class LaunchDescriptionSource:
         self.__location: list[Substitution] = normalize_to_list_of_substitutions(location)
         self.__expanded_location: str | None = None
         self.__method = method
+        if launch_description is None:
+            RECORD.argument_use.not_run.add(self)
 
     def try_get_launch_description_without_context(self) -> LaunchDescription | None:
         """The description, where finding it takes no configuration of the launch."""
@@ -65,14 +63,17 @@ class LaunchDescriptionSource:
         return self.__method
 
     def _load(self, location: str) -> LaunchDescription:
+        RECORD.argument_use.not_run.discard(self)
         stand_in = known_packages.stand_in_of(os.path.normpath(location))
         if stand_in is not None:
             from launch._stand_in import describe
 
+            RECORD.argument_use.is_unknown |= not stand_in.has_known_arguments
             return describe(stand_in)
         if RECORD.is_unknown(location):
             from launch.launch_description import LaunchDescription
 
+            RECORD.argument_use.is_unknown = True
             return LaunchDescription()
         return self._get_launch_description(location)
 

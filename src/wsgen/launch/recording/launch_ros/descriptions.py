@@ -4,18 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from launch.utilities.normalize_to_list_of_substitutions_impl import (
-    normalize_to_list_of_substitutions,
-)
+from launch.utilities import normalize_to_list_of_substitutions
 from launch_ros.parameter_descriptions import Parameter, ParameterFile, ParameterValue
-from launch_ros.utilities.parameters import normalize_parameters
-from launch_ros.utilities.remappings import normalize_remap_rules
+from launch_ros.utilities import normalize_parameters, normalize_remap_rules
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from launch.condition import Condition
-    from launch.some_substitutions_type import SomeSubstitutionsType
+    from launch.base import Condition, SomeSubstitutionsType
 
 __all__ = ["ComposableNode", "Parameter", "ParameterFile", "ParameterValue"]
 

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from launch.base import TextSubstitution
 from launch.frontend.actions import build_all, command_line, pairs, process, texts, values
 from launch.frontend.template import parse_substitution
-from launch.substitutions.text_substitution import TextSubstitution
 from launch_ros.parameter_descriptions import ParameterFile, ParameterValue
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from launch.frontend.entity import Entity
+    from launch.frontend.parser import Entity
     from launch_ros.descriptions import ComposableNode
 
     Keywords = dict[str, Any]

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping, Sequence
+from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from launch.utilities.normalize_to_list_of_substitutions_impl import (
-    normalize_to_list_of_substitutions,
-)
-from launch.utilities.perform_substitutions_impl import perform_substitutions
-from launch.utilities.type_utils import normalize_typed_substitution, perform_typed_substitution
+from launch.type_utils import normalize_typed_substitution, perform_typed_substitution
+from launch.utilities import normalize_to_list_of_substitutions, perform_substitutions
 
 if TYPE_CHECKING:
+    from launch.base import SomeSubstitutionsType
     from launch.launch_context import LaunchContext
-    from launch.some_substitutions_type import SomeSubstitutionsType
 
 
 class ParameterValue:
@@ -64,3 +63,20 @@ class ParameterFile:
     def may_have_substitutions(self, context: LaunchContext) -> bool:
         """Whether `$(...)` in the file is to be performed."""
         return bool(perform_typed_substitution(context, self.__allow_substs, bool))
+
+
+SomeParameterName = Sequence[Any] | str
+SomeParameterValue = Any
+SomeParameterFile = str | PathLike[str] | Any
+SomeParametersDict = Mapping[Any, Any]
+SomeParameters = Sequence[Any]
+ParameterName = Sequence[Any]
+ParametersDict = dict[Any, Any]
+Parameters = Sequence[Any]
+EvaluatedParameterValue = Any
+EvaluatedParameters = Sequence[Any]
+
+
+SomeRemapRule = tuple[Any, Any]
+SomeRemapRules = Iterable[SomeRemapRule]
+RemapRules = Iterable[tuple[Any, Any]]

@@ -1,8 +1,6 @@
 """Launch files in XML."""
 
-from launch.launch_description_sources.frontend_launch_description_source import (
-    FrontendLaunchDescriptionSource,
-)
+from launch.launch_description_sources import FrontendLaunchDescriptionSource
 
 
 class XMLLaunchDescriptionSource(FrontendLaunchDescriptionSource):

@@ -3,9 +3,9 @@
 from launch._lazy import finder
 
 _HOMES = {
-    "Entity": "entity",
-    "InvalidFrontendLaunchFileError": "file",
-    "get_launch_description_from_frontend_launch_file": "file",
+    "Entity": "parser",
+    "InvalidFrontendLaunchFileError": "parser",
+    "get_launch_description_from_frontend_launch_file": "parser",
 }
 __all__ = list(_HOMES)
 __getattr__ = finder(__name__, _HOMES)

@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
+import copy
 import importlib
 import shlex
 from typing import TYPE_CHECKING, Any
 
+from launch.actions import ForEach, ForLoop, OpaqueFunction
+from launch.base import TextSubstitution
 from launch.frontend.template import parse_substitution, unescape
-from launch.substitutions.text_substitution import TextSubstitution
+from launch.launch_context import local_of
 from wsgen.launch.record import RECORD, locate
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
-    from launch.action import Action
-    from launch.frontend.entity import Entity
-    from launch.substitution import Substitution
+    from launch.base import Action, LaunchDescriptionEntity, SomeSubstitutionsType, Substitution
+    from launch.frontend.parser import Entity
 
     Keywords = dict[str, Any]
+    from launch.launch_context import LaunchContext
 
 
 def build(entity: Entity) -> Action:
@@ -49,11 +52,11 @@ def condition(entity: Entity) -> Keywords:
     if holds is not None and holds_not is not None:
         raise RuntimeError("if and unless conditions can't be used simultaneously")
     if holds is not None:
-        from launch.conditions.if_condition import IfCondition
+        from launch.conditions import IfCondition
 
         return {"condition": IfCondition(parse_substitution(str(holds)))}
     if holds_not is not None:
-        from launch.conditions.unless_condition import UnlessCondition
+        from launch.conditions import UnlessCondition
 
         return {"condition": UnlessCondition(parse_substitution(str(holds_not)))}
     return {}
@@ -125,7 +128,7 @@ def process(entity: Entity) -> Keywords:
                 "Attribute on_exit of Entity node expected to be shutdown but got "
                 f"`{on_exit}`Other on_exit actions not yet supported"
             )
-        from launch.actions.shutdown_action import Shutdown
+        from launch.actions import Shutdown
 
         found["on_exit"] = [Shutdown()]
     environment = pairs(entity, "env", "name", "value")
@@ -219,8 +222,8 @@ _FORMS: dict[str, tuple[str, Callable[[Entity], Keywords]]] = {
     "append_env": (f"{_ACTIONS}AppendEnvironmentVariable", _append),
     "arg": (f"{_ACTIONS}DeclareLaunchArgument", _arg),
     "executable": (f"{_ACTIONS}ExecuteProcess", _executable),
-    "for": ("launch.actions.for_loop:ForLoopOfEntities", _for),
-    "for_each": ("launch.actions.for_loop:ForEachOfEntities", _for_each),
+    "for": ("launch.frontend.actions:ForLoopOfEntities", _for),
+    "for_each": ("launch.frontend.actions:ForEachOfEntities", _for_each),
     "group": (f"{_ACTIONS}GroupAction", _group),
     "include": (f"{_ACTIONS}IncludeLaunchDescription", _include),
     "let": (f"{_ACTIONS}SetLaunchConfiguration", _name_and_value),
@@ -254,3 +257,45 @@ def known_tags() -> list[str]:
     from launch_ros.frontend import FORMS
 
     return sorted({*_FORMS, *FORMS})
+
+
+class ForEachOfEntities(ForEach):
+    """The same from XML or YAML: nested entities, made anew for each."""
+
+    def __init__(
+        self, input_values: SomeSubstitutionsType, *, entities: list[Action], **kwargs: Any
+    ) -> None:
+        super().__init__(
+            input_values, function=lambda **values: _with_locals(entities, values), **kwargs
+        )
+
+
+class ForLoopOfEntities(ForLoop):
+    """The same from XML or YAML: nested entities, made anew for each."""
+
+    def __init__(
+        self, length: SomeSubstitutionsType, *, name: str, entities: list[Action], **kwargs: Any
+    ) -> None:
+        super().__init__(
+            length, function=lambda i: _with_locals(entities, {name: i}), name=name, **kwargs
+        )
+
+
+def _with_locals(
+    entities: list[Action], values: Mapping[str, Any]
+) -> list[LaunchDescriptionEntity]:
+    """Copies of the entities, between setting the variables and unsetting them."""
+    locals_of_loop = {local_of(name): str(value) for name, value in values.items()}
+
+    def begin(context: LaunchContext) -> None:
+        context._push_locals()  # noqa: SLF001  a friend of the context
+        context.extend_locals(locals_of_loop)
+
+    def end(context: LaunchContext) -> None:
+        context._pop_locals()  # noqa: SLF001  same
+
+    return [
+        OpaqueFunction(function=begin),
+        *copy.deepcopy(entities),
+        OpaqueFunction(function=end),
+    ]

@@ -1,0 +1,91 @@
+"""The modules of the real packages that have no file of their own here.
+
+The real `launch` has a file a class, `launch.actions.timer_action` and eighty more, and users
+import from them. Here a package's classes are in one module. What `import launch.actions` shows is
+what the original shows, not what the module needs for itself: a name that is missing there is
+missing here, too.
+"""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from importlib.abc import Loader
+from importlib.machinery import ModuleSpec
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+from launch._public import HOMES, NAMES
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+
+def show_public_names(module: str) -> None:
+    """Let a module show its public names alone; its functions see all of it."""
+    sys.modules[module].__class__ = _Shown
+    vars(sys.modules[module]).update(__path__=[], __all__=[*NAMES[module]])
+
+
+class Finder:
+    """A meta path finder for what `HOMES` and `NAMES` list."""
+
+    @staticmethod
+    def find_spec(
+        name: str, _path: Sequence[str] | None = None, _target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        """The spec of a module that is defined elsewhere; None for all others."""
+        home = _home(name) if name.startswith(("launch.", "launch_ros.")) else None
+        if home is None:
+            return None
+        return ModuleSpec(name, _Loader(home), is_package=name in NAMES)
+
+
+class _Loader(Loader):
+    def __init__(self, home: str) -> None:
+        self._home = home
+
+    @staticmethod
+    def create_module(_spec: ModuleSpec) -> None:
+        """Take an ordinary module."""
+
+    def exec_module(self, module: ModuleType) -> None:
+        """Show in it what its home defines."""
+        public = NAMES.get(module.__name__)
+        namespace = vars(importlib.import_module(self._home))
+
+        def find(name: str) -> Any:
+            if name not in namespace or not (public is None or name in public):
+                raise _missing(module.__name__, name)
+            return namespace[name]
+
+        vars(module)["__getattr__"] = find
+        if public is not None:
+            vars(module)["__all__"] = [*public]
+
+
+class _Shown(ModuleType):
+    def __getattribute__(self, name: str) -> Any:
+        if name.startswith("__"):
+            return super().__getattribute__(name)
+        module = super().__getattribute__("__name__")
+        home = NAMES[module].get(name)
+        if home == "":
+            return importlib.import_module(f"{module}.{name}")
+        if home or f"{module}.{name}" in sys.modules:
+            return super().__getattribute__(name)
+        raise _missing(module, name)
+
+
+def _home(name: str) -> str | None:
+    """The module that has what the module of that name has in the original."""
+    if name in HOMES:
+        return HOMES[name]
+    package, _, module = name.rpartition(".")
+    if module in NAMES.get(package, {}).values():
+        return HOMES.get(package, package)
+    return None
+
+
+def _missing(module: str, name: str) -> AttributeError:
+    return AttributeError(f"module {module!r} has no attribute {name!r}")

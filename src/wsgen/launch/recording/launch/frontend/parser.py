@@ -1,0 +1,278 @@
+"""Launch files in XML and YAML: their entities."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, get_args, get_origin
+from xml.parsers import expat
+
+import yaml
+
+from launch.base import InvalidLaunchFileError
+from launch.frontend.actions import build
+from launch.launch_description import LaunchDescription
+from launch.type_utils import SCALAR_TYPES, read_as
+from wsgen.launch.record import RECORD, locate, refuse_pipe
+from wsgen.xmlsyntax import find_mistake
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from wsgen.launch.record import Location
+
+
+class InvalidFrontendLaunchFileError(InvalidLaunchFileError):
+    """A launch file that cannot be read as what its name says."""
+
+
+def get_launch_description_from_frontend_launch_file(launch_file_path: str) -> LaunchDescription:
+    """The actions of its elements."""
+    path = os.fspath(launch_file_path)
+    refuse_pipe(path)
+    text = Path(path).read_bytes()
+    RECORD.launch_files.append(path)
+    try:
+        root = _read(text, path)
+    except ValueError as wrong:
+        message, *line = wrong.args
+        error = InvalidFrontendLaunchFileError(str(message))
+        locate(error, (path, line[0] if line else 1))
+        raise error from None
+    if root.type_name != "launch":
+        error_root = RuntimeError("Expected 'launch' as root tag")
+        locate(error_root, root.location)
+        raise error_root
+    reason = root.get("deprecated", optional=True)
+    return LaunchDescription([build(child) for child in root.children()], deprecated_reason=reason)
+
+
+def _read(text: bytes, path: str) -> Entity:
+    if path.lower().endswith(".xml"):
+        return read_xml(text, path)
+
+    return read_yaml(text, path)
+
+
+class Entity:
+    """A tag with attributes and nested entities; knows which of them nobody asked for."""
+
+    def __init__(self, type_name: str, location: Location) -> None:
+        self.type_name = type_name
+        self.location = location
+        self._read: set[str] = set()
+
+    def get(self, name: str, kind: Any = str, *, optional: bool = False) -> Any:
+        """An attribute as that type; the text itself where it may hold substitutions.
+
+        Raises:
+            AttributeError: it is not there, and not optional.
+            TypeError: it is of another type.
+        """
+        raise NotImplementedError
+
+    def nested(self, name: str) -> list[Entity]:
+        """The entities of that name which describe this one."""
+        raise NotImplementedError
+
+    def children(self) -> list[Entity]:
+        """All nested entities, which are actions of their own."""
+        raise NotImplementedError
+
+    def require_all_read(self) -> None:
+        """Refuse what nobody asked for, which is what nobody knows; ValueError."""
+        raise NotImplementedError
+
+    def missing(self, name: str, kind: Any) -> AttributeError:
+        """The error of a missing attribute, in the words of the original."""
+        return AttributeError(
+            f"Attribute '{name}' of type '{kind}' not found in Entity '{self.type_name}'"
+        )
+
+
+class XmlEntity(Entity):
+    """An element; its attributes are texts, which are read as the type that is asked for."""
+
+    def __init__(self, type_name: str, location: Location, attributes: Mapping[str, str]) -> None:
+        super().__init__(type_name, location)
+        self.attributes = attributes
+        self.elements: list[XmlEntity] = []
+        self._known_elements: set[str] = set()
+
+    def get(self, name: str, kind: Any = str, *, optional: bool = False) -> Any:
+        """See `Entity`; `name-sep` beside `name` makes a list of it."""
+        if name not in self.attributes:
+            if optional:
+                return None
+            raise self.missing(name, kind)
+        self._read.add(name)
+        text = self.attributes[name]
+        separator = self.attributes.get(f"{name}-sep")
+        if separator is None:
+            return _typed(text, kind)
+        self._read.add(f"{name}-sep")
+        return [_typed(item, None if kind is None else kind) for item in text.split(separator)]
+
+    def nested(self, name: str) -> list[Entity]:
+        """See `Entity`."""
+        self._known_elements.add(name)
+        return [element for element in self.elements if element.type_name == name]
+
+    def children(self) -> list[Entity]:
+        """See `Entity`."""
+        self._known_elements.update(element.type_name for element in self.elements)
+        return list(self.elements)
+
+    def require_all_read(self) -> None:
+        """See `Entity`."""
+        tags = {element.type_name for element in self.elements} - self._known_elements
+        if tags:
+            raise ValueError(f"Unexpected nested tag(s) found in `{self.type_name}`: {tags}")
+        names = set(self.attributes) - self._read
+        if names:
+            raise ValueError(f"Unexpected attribute(s) found in `{self.type_name}`: {names}")
+
+
+def _typed(text: str, kind: Any) -> Any:
+    """The value that a text stands for; the text itself, which may hold substitutions, if none."""
+    try:
+        return read_as(text, kind)
+    except ValueError:
+        return text
+
+
+def read_xml(text: bytes, file: str) -> XmlEntity:
+    """The root element of a launch file; ValueError with the line where it is not XML."""
+    parser = expat.ParserCreate()
+    root: list[XmlEntity] = []
+    ancestors: list[XmlEntity] = []
+
+    def begin(tag: str, attributes: dict[str, str]) -> None:
+        entity = XmlEntity(tag, (file, parser.CurrentLineNumber), attributes)
+        (ancestors[-1].elements if ancestors else root).append(entity)
+        ancestors.append(entity)
+
+    parser.StartElementHandler = begin
+    parser.EndElementHandler = lambda _tag: ancestors.pop()
+    try:
+        parser.Parse(text, True)
+    except expat.ExpatError as error:
+        mistake = find_mistake(text)
+        what, line = (mistake.message, mistake.line) if mistake else (error, error.lineno)
+        raise ValueError(f"not well-formed XML: {what}", line) from None
+    except ValueError as error:  # an encoding that is not known, entities that multiply
+        raise ValueError(f"not well-formed XML: {error}", parser.CurrentLineNumber) from None
+    return root[0]
+
+
+class _Mapping(dict[Any, Any]):
+    """A mapping that remembers its line."""
+
+    line = 1
+
+
+class _Loader(yaml.SafeLoader):
+    """The safe loader, with lines."""
+
+
+def _construct_mapping(loader: _Loader, node: yaml.MappingNode) -> _Mapping:
+    mapping = _Mapping(loader.construct_mapping(node, deep=True))
+    mapping.line = node.start_mark.line + 1
+    return mapping
+
+
+_Loader.add_constructor("tag:yaml.org,2002:map", _construct_mapping)
+
+
+class YamlEntity(Entity):
+    """A name with a mapping or a list; its values have types of their own."""
+
+    def __init__(self, type_name: str, location: Location, content: Any) -> None:
+        super().__init__(type_name, location)
+        self.content = content
+
+    def get(self, name: str, kind: Any = str, *, optional: bool = False) -> Any:
+        """See `Entity`."""
+        if not isinstance(self.content, dict) or name not in self.content:
+            if optional:
+                return None
+            raise self.missing(name, kind)
+        self._read.add(name)
+        value = self.content[name]
+        if not (isinstance(value, str) or _is_a(value, kind)):
+            raise TypeError(
+                f"Attribute '{name}' of Entity '{self.type_name}' expected to be of type "
+                f"'{kind}', got '{type(value)}'"
+            )
+        return value
+
+    def nested(self, name: str) -> list[Entity]:
+        """See `Entity`."""
+        if not isinstance(self.content, dict) or name not in self.content:
+            return []
+        self._read.add(name)
+        content = self.content[name]
+        if not isinstance(content, list) or not all(isinstance(one, dict) for one in content):
+            raise TypeError(
+                f"Attribute '{name}' of Entity '{self.type_name}' expected to be a list of mappings"
+            )
+        return [self._entity(name, one, one) for one in content]
+
+    def children(self) -> list[Entity]:
+        """See `Entity`; either the entity is the list, or it has it as `children`."""
+        content = self.content
+        if isinstance(content, dict):
+            if "children" not in content:
+                raise ValueError(f"Expected entity `{self.type_name}` to have children entities.")
+            self._read.add("children")
+            content = content["children"]
+        if not isinstance(content, list):
+            raise TypeError(f"Expected the children of `{self.type_name}` to be a list")
+        return list(self._only(content))
+
+    def _only(self, content: Iterable[Any]) -> Iterable[Entity]:
+        for child in content:
+            if not isinstance(child, dict) or len(child) != 1:
+                raise RuntimeError("Subentities should only have one root")
+            ((name, inside),) = child.items()
+            yield self._entity(str(name), inside, child)
+
+    def _entity(self, name: str, content: Any, mapping: Any) -> YamlEntity:
+        return YamlEntity(name, (self.location[0], getattr(mapping, "line", 1)), content)
+
+    def require_all_read(self) -> None:
+        """See `Entity`."""
+        names = set(self.content) - self._read if isinstance(self.content, dict) else set()
+        if names:
+            raise ValueError(f"Unexpected key(s) found in `{self.type_name}`: {names}")
+
+
+def _is_a(value: Any, kind: Any) -> bool:
+    """Whether a value has the type; with None, any that a parameter may have."""
+    if get_origin(kind) is list:
+        (item_kind,) = get_args(kind)
+        return isinstance(value, list) and all(isinstance(item, item_kind) for item in value)
+    if kind is None:
+        return isinstance(value, (*SCALAR_TYPES, list))
+    if kind is float:
+        return isinstance(value, (int, float)) and not isinstance(value, bool)
+    return isinstance(value, kind) and not (kind is int and isinstance(value, bool))
+
+
+def read_yaml(text: bytes, file: str) -> YamlEntity:
+    """The root of a launch file; ValueError with the line where it is not YAML."""
+    loader = _Loader(text)
+    try:
+        content = loader.get_single_data()
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        line = 1 if mark is None else mark.line + 1
+        raise ValueError(f"not YAML: {error.problem}", line) from None
+    except yaml.YAMLError as error:
+        raise ValueError(f"not YAML: {error}", 1) from None
+    finally:
+        loader.dispose()
+    if not isinstance(content, dict) or len(content) != 1:
+        raise ValueError("not a launch file: it must have the one key 'launch'", 1)
+    ((name, inside),) = content.items()
+    return YamlEntity(str(name), (file, getattr(content, "line", 1)), inside)

@@ -1,0 +1,133 @@
+"""Things that happen to processes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from launch.base import Event
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from launch.actions import ExecuteLocal
+    from launch.launch_context import LaunchContext
+
+
+class RunningProcessEvent(Event):
+    """An event of one process; the process number is invented, because nothing runs."""
+
+    name = "launch.events.process.RunningProcessEvent"
+
+    def __init__(  # noqa: PLR0913  as the original
+        self,
+        *,
+        action: ExecuteLocal,
+        name: str,
+        cmd: Sequence[str],
+        cwd: str | None = None,
+        env: Mapping[str, str] | None = None,
+        pid: int = 0,
+    ) -> None:
+        self.action = action
+        self.execute_process_action = action
+        self.process_name = name
+        self.cmd = cmd
+        self.cwd = cwd
+        self.env = env
+        self.pid = pid
+
+
+class ProcessExited(RunningProcessEvent):
+    """A process ended; here always well."""
+
+    name = "launch.events.process.ProcessExited"
+
+    def __init__(self, *, returncode: int = 0, **keywords: Any) -> None:
+        super().__init__(**keywords)
+        self.returncode = returncode
+
+    def wsgen_happen(self, context: LaunchContext) -> None:
+        """Its action is complete now."""
+        self.action.announce_completion(context)
+
+
+class ProcessIO(RunningProcessEvent):
+    """A process reads or writes."""
+
+    name = "launch.events.process.ProcessIO"
+
+    def __init__(self, *, text: bytes, fd: int, **keywords: Any) -> None:
+        super().__init__(**keywords)
+        self.text = text
+        self.fd = fd
+
+    @property
+    def from_stdin(self) -> bool:
+        """Whether it is input."""
+        return self.fd == 0
+
+    @property
+    def from_stdout(self) -> bool:
+        """Whether it is standard output."""
+        return self.fd == 1
+
+    @property
+    def from_stderr(self) -> bool:
+        """Whether it is standard error."""
+        return self.fd == 2  # noqa: PLR2004  the number of the stream
+
+
+class ProcessStdin(ProcessIO):
+    """Input."""
+
+
+class ProcessStdout(ProcessIO):
+    """Standard output."""
+
+
+class ProcessStderr(ProcessIO):
+    """Standard error."""
+
+
+def matches_name(name: str) -> Callable[[ExecuteLocal], bool]:
+    """Whether a process has this name."""
+    return lambda action: action.process_name == name
+
+
+def matches_pid(pid: int) -> Callable[[ExecuteLocal], bool]:
+    """No process has a number here."""
+    del pid
+    return lambda _action: False
+
+
+class ProcessStarted(RunningProcessEvent):
+    """A process was started."""
+
+    name = "launch.events.process.ProcessStarted"
+
+
+class ProcessTargetedEvent(Event):
+    """Meant for the processes that the matcher accepts."""
+
+    name = "launch.events.process.ProcessTargetedEvent"
+
+    def __init__(self, *, process_matcher: Callable[[ExecuteLocal], bool]) -> None:
+        self.process_matcher = process_matcher
+
+
+class ShutdownProcess(ProcessTargetedEvent):
+    """End a process."""
+
+    name = "launch.events.process.ShutdownProcess"
+
+
+class SignalProcess(ProcessTargetedEvent):
+    """Send a signal to a process."""
+
+    name = "launch.events.process.SignalProcess"
+
+    def __init__(
+        self, *, signal_number: str | int, process_matcher: Callable[[ExecuteLocal], bool]
+    ) -> None:
+        super().__init__(process_matcher=process_matcher)
+        self.signal = signal_number

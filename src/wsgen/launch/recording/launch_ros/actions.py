@@ -1,0 +1,387 @@
+"""All actions of ROS."""
+
+from __future__ import annotations
+
+import itertools
+from typing import TYPE_CHECKING, Any
+
+from launch._finder import show_public_names
+from launch.actions import ExecuteProcess, SetEnvironmentVariable, TimerAction
+from launch.base import Action, EventHandler
+from launch.substitutions import LaunchConfiguration
+from launch.type_utils import normalize_typed_substitution, perform_typed_substitution
+from launch.utilities import (
+    ensure_argument_type,
+    normalize_to_list_of_substitutions,
+    perform_substitutions,
+)
+from launch_ros.events import matches_node_name
+from launch_ros.lifecycle_events import ChangeState, StateTransition
+from launch_ros.substitutions import ExecutableInPackage
+from launch_ros.utilities import (
+    add_global_parameters,
+    evaluate_parameters,
+    global_parameters,
+    join_namespaces,
+    normalize_parameters,
+    normalize_remap_rules,
+    note_composable_node,
+    perform_remap_rules,
+    validate_name,
+    validate_namespace,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from launch.base import Event, LaunchDescriptionEntity, SomeSubstitutionsType, Substitution
+    from launch.launch_context import LaunchContext
+    from launch_ros.descriptions import ComposableNode
+
+
+UNSPECIFIED_NAME = "<node_name_unspecified>"
+UNSPECIFIED_NAMESPACE = "<node_namespace_unspecified>"
+
+
+class Node(ExecuteProcess):
+    """A program of a package, with a name, a namespace, parameters and remappings."""
+
+    def __init__(  # noqa: PLR0913  as the original
+        self,
+        *,
+        executable: SomeSubstitutionsType,
+        package: SomeSubstitutionsType | None = None,
+        name: SomeSubstitutionsType | None = None,
+        namespace: SomeSubstitutionsType | None = None,
+        exec_name: SomeSubstitutionsType | None = None,
+        parameters: list[Any] | None = None,
+        remappings: Iterable[Any] | None = None,
+        ros_arguments: Iterable[SomeSubstitutionsType] | None = None,
+        arguments: Iterable[SomeSubstitutionsType] | None = None,
+        **kwargs: Any,
+    ) -> None:
+        words = [] if arguments is None else list(arguments)
+        if parameters is not None:
+            ensure_argument_type(parameters, [list], "parameters", "Node")
+        super().__init__(cmd=words, name=exec_name, **kwargs)
+        self.__executable = normalize_to_list_of_substitutions(executable)
+        self.__package = None if package is None else normalize_to_list_of_substitutions(package)
+        self.__name = None if name is None else normalize_to_list_of_substitutions(name)
+        self.__namespace = (
+            None if namespace is None else normalize_to_list_of_substitutions(namespace)
+        )
+        self.__parameters = normalize_parameters(parameters or [])
+        self.__remappings = normalize_remap_rules(remappings or [])
+        self.__ros_arguments = [
+            normalize_to_list_of_substitutions(word) for word in ros_arguments or []
+        ]
+        self.__full_name: str | None = None
+
+    @property
+    def node_name(self) -> str:
+        """The full name, once the node was executed."""
+        if self.__full_name is None:
+            raise RuntimeError("cannot access 'node_name' before executing action")
+        return self.__full_name
+
+    def prepare(self, context: LaunchContext) -> dict[str, Any]:
+        """Perform everything, in the order of the original, so that the same mistake is met."""
+        name = None if self.__name is None else perform_substitutions(context, self.__name)
+        if name is not None:
+            validate_name(name)
+        namespace = join_namespaces(
+            context.launch_configurations.get("ros_namespace"),
+            None if self.__namespace is None else perform_substitutions(context, self.__namespace),
+        )
+        if namespace is not None:
+            validate_namespace(namespace)
+        self.__full_name = f"{(namespace or '').rstrip('/')}/{name or UNSPECIFIED_NAME}"
+        parameters = {
+            **global_parameters(context, node=self.__full_name, location=self.wsgen_location),
+            **evaluate_parameters(
+                context, self.__parameters, node=self.__full_name, location=self.wsgen_location
+            ),
+        }
+        remappings = perform_remap_rules(context, self.__remappings)
+        for word in self.__ros_arguments:
+            perform_substitutions(context, word)
+        executable = perform_substitutions(context, self.__executable)
+        package = None
+        if self.__package is not None:
+            package = perform_substitutions(context, self.__package)
+            context.perform_substitution(ExecutableInPackage(executable, package))
+        process = super().prepare(context)
+        words = process["command"]  # a prefix and the arguments
+        return {
+            **process,
+            "package": package,
+            "executable": executable,
+            "name": name,
+            "namespace": namespace or "",
+            "parameters": parameters,
+            "arguments": words[len(words) - len(self.cmd) :],
+            "configurations": [_configuration(context, word) for word in self.cmd],
+            "remappings": remappings,
+            "command": None,
+        }
+
+
+def _configuration(context: LaunchContext, word: list[Substitution]) -> str | None:
+    """The launch configuration whose value is all of the word."""
+    if len(word) != 1 or not isinstance(word[0], LaunchConfiguration):
+        return None
+    return perform_substitutions(context, word[0].variable_name)
+
+
+class ComposableNodeContainer(Node):
+    """A container, with nodes that are loaded when it has started."""
+
+    def __init__(
+        self,
+        *,
+        name: SomeSubstitutionsType,
+        namespace: SomeSubstitutionsType,
+        composable_node_descriptions: Iterable[ComposableNode] | None = None,
+        **kwargs: Any,
+    ) -> None:
+        super().__init__(name=name, namespace=namespace, **kwargs)
+        self.__descriptions = list(composable_node_descriptions or [])
+
+    def execute(self, context: LaunchContext) -> Iterable[LaunchDescriptionEntity] | None:
+        """Start the container, then load the nodes."""
+        super().execute(context)
+        if not self.__descriptions:
+            return None
+
+        return [
+            LoadComposableNodes(
+                composable_node_descriptions=self.__descriptions, target_container=self
+            )
+        ]
+
+
+# Transition -> the state before, the one on the way, and the one after it.
+_STATES = {
+    1: ("unconfigured", "configuring", "inactive"),
+    2: ("inactive", "cleaningup", "unconfigured"),
+    3: ("inactive", "activating", "active"),
+    4: ("active", "deactivating", "inactive"),
+    5: ("unconfigured", "shuttingdown", "finalized"),
+    6: ("inactive", "shuttingdown", "finalized"),
+    7: ("active", "shuttingdown", "finalized"),
+}
+_CONFIGURE, _ACTIVATE = 1, 3
+
+
+class LifecycleNode(Node):
+    """A node that must have a name and a namespace; its transitions always succeed here."""
+
+    def __init__(
+        self,
+        *,
+        name: SomeSubstitutionsType,
+        namespace: SomeSubstitutionsType,
+        autostart: Any = False,
+        **kwargs: Any,
+    ) -> None:
+        super().__init__(name=name, namespace=namespace, **kwargs)
+        self.__autostart = normalize_typed_substitution(autostart, bool)
+        self.__state = "unconfigured"
+
+    @property
+    def is_lifecycle_node(self) -> bool:
+        """Whether it has states."""
+        return True
+
+    def execute(self, context: LaunchContext) -> Iterable[LaunchDescriptionEntity] | None:
+        """Start it, and listen to what it is asked."""
+        super().execute(context)
+        context.register_event_handler(_Listener(self))
+        if perform_typed_substitution(context, self.__autostart, bool):
+            for transition in (_CONFIGURE, _ACTIVATE):
+                context.emit_event_sync(
+                    ChangeState(
+                        lifecycle_node_matcher=lambda node: node is self,
+                        transition_id=transition,
+                    )
+                )
+        return None
+
+    def change_state(self, transition: int, context: LaunchContext) -> None:
+        """Make a transition if its first state is the node's, and tell who waits for it."""
+        states = _STATES.get(transition)
+        if states is None or states[0] != self.__state:
+            return
+        for start, goal in itertools.pairwise(states):
+            event = StateTransition(action=self, start_state=start, goal_state=goal)
+            event.wsgen_cause = f"state {goal} of {self.process_name}"
+            context.emit_event_sync(event)
+        self.__state = states[-1]
+
+
+class _Listener(EventHandler):
+    """What a node does when it is asked to change its state."""
+
+    def __init__(self, node: LifecycleNode) -> None:
+        super().__init__(
+            matcher=lambda event: (
+                isinstance(event, ChangeState) and event.lifecycle_node_matcher(node)
+            )
+        )
+        self.__node = node
+
+    def handle(self, event: Event, context: LaunchContext) -> None:
+        """Change it."""
+        super().handle(event, context)
+        if isinstance(event, ChangeState):
+            self.__node.change_state(event.transition_id, context)
+
+
+class LifecycleTransition(Action):
+    """Asks each of the nodes for each of the transitions, one after the other."""
+
+    def __init__(
+        self,
+        *,
+        lifecycle_node_names: Iterable[Any],
+        transition_ids: Iterable[Any],
+        **kwargs: Any,
+    ) -> None:
+        super().__init__(**kwargs)
+        self.__names = [normalize_to_list_of_substitutions(name) for name in lifecycle_node_names]
+        self.__transitions = [
+            normalize_to_list_of_substitutions(str(one) if isinstance(one, int) else one)
+            for one in transition_ids
+        ]
+        if not self.__names or not self.__transitions:
+            raise RuntimeError("lifecycle_node_names and transition_ids must not be empty")
+
+    def execute(self, context: LaunchContext) -> None:
+        """Ask them."""
+        for name in self.__names:
+            matcher = matches_node_name(perform_substitutions(context, name))
+            for transition in self.__transitions:
+                number = int(perform_substitutions(context, transition))
+                context.emit_event_sync(
+                    ChangeState(lifecycle_node_matcher=matcher, transition_id=number)
+                )
+
+
+class LoadComposableNodes(Action):
+    """Asks a container, given itself or by its name, to load nodes."""
+
+    def __init__(
+        self,
+        *,
+        composable_node_descriptions: Iterable[ComposableNode],
+        target_container: Any,
+        **kwargs: Any,
+    ) -> None:
+        super().__init__(**kwargs)
+        self.__descriptions = list(composable_node_descriptions)
+        self.__target = target_container
+
+    def execute(self, context: LaunchContext) -> None:
+        """Note the nodes."""
+        if hasattr(self.__target, "node_name"):
+            container = self.__target.node_name
+        else:
+            container = perform_substitutions(
+                context, normalize_to_list_of_substitutions(self.__target)
+            )
+        for description in self.__descriptions:
+            note_composable_node(context, description, container, self.wsgen_location)
+
+
+class PushROSNamespace(Action):
+    """Goes on from the namespace there is, or begins anew where it is absolute."""
+
+    def __init__(self, namespace: SomeSubstitutionsType, **kwargs: Any) -> None:
+        super().__init__(**kwargs)
+        self.__namespace = normalize_to_list_of_substitutions(namespace)
+
+    def execute(self, context: LaunchContext) -> None:
+        """Set the namespace."""
+        joined = join_namespaces(
+            context.launch_configurations.get("ros_namespace"),
+            perform_substitutions(context, self.__namespace),
+        )
+        if joined is not None:
+            validate_namespace(joined)
+            context.launch_configurations["ros_namespace"] = joined
+
+
+PushRosNamespace = PushROSNamespace
+
+
+class RosTimer(TimerAction):
+    """Its actions, after a period; the time of ROS passes as virtual time does."""
+
+
+ROSTimer = RosTimer
+
+
+class SetParameter(Action):
+    """A parameter of all nodes that come next; their own come after it."""
+
+    def __init__(self, name: SomeSubstitutionsType, value: Any, **kwargs: Any) -> None:
+        super().__init__(**kwargs)
+        key = tuple(name) if isinstance(name, list) else name
+        self.__parameters = normalize_parameters([{key: value}])
+
+    def execute(self, context: LaunchContext) -> None:
+        """Add it to those that are set."""
+        evaluated = evaluate_parameters(
+            context, self.__parameters, node="", location=self.wsgen_location
+        )
+        add_global_parameters(context, evaluated.items())
+
+
+class SetParametersFromFile(Action):
+    """A file that all nodes which come next read before their own parameters."""
+
+    def __init__(self, filename: Any, *, node_name: Any = None, **kwargs: Any) -> None:
+        super().__init__(**kwargs)
+        del node_name  # the sections of the file say which nodes they are for
+        self.__parameters = normalize_parameters([filename])
+
+    def execute(self, context: LaunchContext) -> None:
+        """Add it to what is set."""
+        add_global_parameters(context, self.__parameters)
+
+
+class SetRemap(Action):
+    """A remapping of all nodes that come next; their own come after it."""
+
+    def __init__(
+        self, src: SomeSubstitutionsType, dst: SomeSubstitutionsType, **kwargs: Any
+    ) -> None:
+        super().__init__(**kwargs)
+        self.__src = normalize_to_list_of_substitutions(src)
+        self.__dst = normalize_to_list_of_substitutions(dst)
+
+    def execute(self, context: LaunchContext) -> None:
+        """Add it to those that are set."""
+        rule = (
+            perform_substitutions(context, self.__src),
+            perform_substitutions(context, self.__dst),
+        )
+        earlier = context.launch_configurations.get("ros_remaps", [])
+        context.launch_configurations["ros_remaps"] = [*earlier, rule]
+
+
+class SetROSLogDir(SetEnvironmentVariable):
+    """Sets the variable that nodes read it from."""
+
+    def __init__(self, new_log_dir: SomeSubstitutionsType, **kwargs: Any) -> None:
+        super().__init__("ROS_LOG_DIR", new_log_dir, **kwargs)
+
+
+class SetUseSimTime(SetParameter):
+    """The parameter `use_sim_time` of all nodes that come next."""
+
+    def __init__(self, value: Any, **kwargs: Any) -> None:
+        super().__init__(name="use_sim_time", value=value, **kwargs)
+
+
+show_public_names(__name__)

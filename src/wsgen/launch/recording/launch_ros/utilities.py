@@ -1,0 +1,412 @@
+"""How nodes get names, parameters and remappings."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from launch.base import Substitution
+from launch.utilities import normalize_to_list_of_substitutions, perform_substitutions
+from launch_ros.parameter_descriptions import Parameter, ParameterFile, ParameterValue
+from wsgen.launch import codes
+from wsgen.launch.record import RECORD, refuse_pipe
+
+if TYPE_CHECKING:
+    from launch.launch_context import LaunchContext
+
+    Pair = tuple[list[Substitution], Any]
+    Normalized = list[list[Pair] | Parameter | ParameterFile]
+    Location = tuple[str, int]
+    Rules = list[tuple[list[Substitution], list[Substitution]]]
+    from launch_ros.descriptions import ComposableNode
+
+
+class InvalidNameError(ValueError):
+    """A name that ROS does not allow."""
+
+
+def join_namespaces(base: str | None, namespace: str | None) -> str | None:
+    """A namespace seen from another one; an absolute one stays as it is, None means none."""
+    if namespace is None:
+        joined = base
+    elif base is None or namespace.startswith("/"):
+        joined = namespace
+    elif namespace:
+        joined = f"{base.rstrip('/')}/{namespace}"
+    else:
+        joined = base
+    if joined is None:
+        return None
+    joined = "/" + joined.lstrip("/")
+    return joined.rstrip("/") or "/"
+
+
+def validate_name(name: str) -> None:
+    """Refuse what is no name of a node."""
+    if RECORD.is_unknown(name):
+        return
+    if re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name, re.ASCII) is None:
+        raise InvalidNameError(
+            f"Invalid node name: '{name}' must consist of letters, digits and underscores, and "
+            "not start with a digit"
+        )
+
+
+def validate_namespace(namespace: str) -> None:
+    """Refuse what is no absolute namespace."""
+    if RECORD.is_unknown(namespace):
+        return
+    pattern = r"/|(/[A-Za-z_][A-Za-z0-9_]*)+"
+    if re.fullmatch(pattern, namespace, re.ASCII) is None:
+        raise InvalidNameError(
+            f"Invalid namespace: the parts of '{namespace}' must consist of letters, digits and "
+            "underscores, and not start with a digit"
+        )
+
+
+_SCALARS = (bool, int, float, str, bytes)
+
+
+class _Texts:
+    """A list of texts, each of which substitutions give."""
+
+    def __init__(self, items: list[list[Substitution]]) -> None:
+        self.items = items
+
+
+def normalize_parameters(parameters: Sequence[Any]) -> Normalized:
+    """Check what was written; TypeError for what can be no parameter."""
+    if isinstance(parameters, str) or not isinstance(parameters, Sequence):
+        raise TypeError(f"Expecting list of parameters, got {parameters}")
+    normalized: Normalized = []
+    for parameter in parameters:
+        if isinstance(parameter, Mapping):
+            normalized.append(_normalize_dict(parameter, ()))
+        elif isinstance(parameter, (Parameter, ParameterFile)):
+            normalized.append(parameter)
+        elif isinstance(parameter, (str, os.PathLike, Substitution, Iterable)):
+            normalized.append(ParameterFile(parameter))
+        else:
+            raise TypeError(
+                "expected 'parameters' to be a path, a substitution or a dict, but got "
+                f"'{parameter}' of type '{type(parameter)}'"
+            )
+    return normalized
+
+
+def _normalize_dict(values: Mapping[Any, Any], prefix: tuple[Substitution, ...]) -> list[Pair]:
+    pairs: list[Pair] = []
+    for name, value in values.items():
+        full_name = [*prefix, *normalize_to_list_of_substitutions(name)]
+        if isinstance(value, Mapping):
+            dot = normalize_to_list_of_substitutions(".")
+            pairs += _normalize_dict(value, (*full_name, *dot))
+        else:
+            pairs.append((full_name, _normalize_value(value)))
+    return pairs
+
+
+def _normalize_value(value: Any) -> Any:
+    """A plain value, a list of substitutions, `_Texts` or a `ParameterValue`."""
+    if isinstance(value, (*_SCALARS, ParameterValue)):
+        return value
+    if isinstance(value, Substitution):
+        return [value]
+    if isinstance(value, Sequence):
+        return _normalize_list(value)
+    raise TypeError(f"Unexpected type for parameter value {value!r}")
+
+
+def _normalize_list(values: Sequence[Any]) -> Any:
+    kinds = {_kind(value) for value in values}
+    if kinds in ({int}, {bool}, {str}):
+        return tuple(values)
+    if kinds and kinds <= {int, float}:
+        return tuple(float(value) for value in values)
+    if Substitution in kinds and kinds <= {str, Substitution, tuple}:
+        return normalize_to_list_of_substitutions(values)
+    return _Texts(
+        [
+            normalize_to_list_of_substitutions(
+                _as_yaml(value) if isinstance(value, _SCALARS) else value
+            )
+            for value in values
+        ]
+    )
+
+
+def _kind(value: Any) -> type:
+    for kind in (Substitution, str, bool, int, float):
+        if isinstance(value, kind):
+            return kind
+    if isinstance(value, Sequence):
+        return tuple
+    raise TypeError(
+        "expected 'subvalue' to be one of [float, int, str, bool, Substitution, Iterable], but "
+        f"got '{value}' of type '{type(value)}'"
+    )
+
+
+def _as_yaml(value: Any) -> str:
+    import yaml  # see launch.utilities.type_utils
+
+    return str(yaml.dump(value))
+
+
+def evaluate_parameters(
+    context: LaunchContext,
+    parameters: Normalized,
+    *,
+    node: str,
+    location: Location | None,
+) -> dict[str, Any]:
+    """The parameters that the node has, in the order in which they are given, as JSON values."""
+    evaluated: dict[str, Any] = {}
+    for parameter in parameters:
+        if isinstance(parameter, Parameter):
+            name, value = parameter.evaluate(context)
+            evaluated[name] = _as_json(value)
+        elif isinstance(parameter, ParameterFile):
+            evaluated.update(read(context, parameter, node=node, location=location))
+        else:
+            for name_parts, value in parameter:
+                name = perform_substitutions(context, name_parts)
+                evaluated[name] = _as_json(_evaluate(context, name, value, location))
+    return evaluated
+
+
+def global_parameters(
+    context: LaunchContext, *, node: str, location: Location | None
+) -> dict[str, Any]:
+    """The parameters that were set for all nodes, as this node has them."""
+    found: dict[str, Any] = {}
+    for entry in context.launch_configurations.get("global_params", ()):
+        if isinstance(entry, ParameterFile):
+            found.update(evaluate_parameters(context, [entry], node=node, location=location))
+        else:
+            found.update([entry])
+    return found
+
+
+def add_global_parameters(context: LaunchContext, entries: Iterable[Any]) -> None:
+    """Set names with values, or files, for all nodes that come next in this scope."""
+    earlier = context.launch_configurations.get("global_params", [])
+    context.launch_configurations["global_params"] = [*earlier, *entries]
+
+
+def _evaluate(context: LaunchContext, name: str, value: Any, location: Location | None) -> Any:
+    if isinstance(value, ParameterValue):
+        read = value.evaluate(context)
+        if (
+            value.value_type is None
+            and isinstance(value.value, list)
+            and _is_description(name, read)
+        ):
+            _warn_of_yaml(location)
+        return read
+    if isinstance(value, _Texts):
+        values = [_read_yaml(name, perform_substitutions(context, item)) for item in value.items]
+        return _require_uniform(values)
+    if isinstance(value, list):
+        text = perform_substitutions(context, value)
+        read = _read_yaml(name, text)
+        if _is_description(name, text):
+            _warn_of_yaml(location)
+        if read is None:
+            return ""
+        if isinstance(read, _SCALARS):
+            return read
+        if isinstance(read, list):
+            return _require_uniform(read)
+        # What would be needed to mend it is the same as where YAML cannot read it at all.
+        raise _not_yaml(name)
+    return value
+
+
+def _read_yaml(name: str, text: str) -> Any:
+    import yaml  # see launch.utilities.type_utils
+
+    try:
+        return yaml.safe_load(text)
+    except yaml.YAMLError as error:
+        raise _not_yaml(name) from error
+
+
+def _not_yaml(name: str) -> TypeError:
+    return TypeError(
+        f"Unable to parse the value of parameter {name} as yaml. If the parameter is meant to be "
+        "a string, try wrapping it in "
+        "launch_ros.parameter_descriptions.ParameterValue(value, value_type=str)"
+    )
+
+
+def _require_uniform(values: list[Any]) -> list[Any]:
+    kinds = {type(value) for value in values}
+    if len(kinds) != 1 or not kinds <= {bool, int, float, str}:
+        raise TypeError(
+            "Expected a non-empty sequence, with items of uniform type. Allowed sequence item "
+            "types are bool, int, float, str."
+        )
+    return values
+
+
+def _is_description(name: str, value: Any) -> bool:
+    return (
+        name.rpartition(".")[2] == "robot_description"
+        and isinstance(value, str)
+        and value.lstrip().startswith("<")
+    )
+
+
+def _warn_of_yaml(location: Location | None) -> None:
+    RECORD.note_diagnostic(
+        codes.DESCRIPTION_AS_YAML,
+        "warning",
+        "robot_description is read as YAML: its line breaks are folded, and a ': ' or ' #' in "
+        "the robot, in a comment for example, stops the launch.",
+        location,
+        element="robot_description",
+        hint="Wrap it: ParameterValue(Command([...]), value_type=str), from "
+        "launch_ros.parameter_descriptions.",
+    )
+
+
+def _as_json(value: Any) -> Any:
+    if isinstance(value, tuple):
+        return list(value)
+    if isinstance(value, bytes):
+        return list(value)
+    return value
+
+
+def normalize_remap_rules(rules: Iterable[Any]) -> Rules:
+    """Pairs of what is remapped and what to."""
+    normalized = []
+    for rule in rules:
+        pair = tuple(rule)
+        if len(pair) != 2:  # noqa: PLR2004  a pair
+            raise TypeError(f"remap rule must be a pair of substitutions, got '{rule}'")
+        normalized.append(
+            (
+                normalize_to_list_of_substitutions(pair[0]),
+                normalize_to_list_of_substitutions(pair[1]),
+            )
+        )
+    return normalized
+
+
+def perform_remap_rules(context: LaunchContext, rules: Rules) -> list[tuple[str, str]]:
+    """The pairs as texts; those of `SetRemap` come first."""
+    return [
+        *context.launch_configurations.get("ros_remaps", ()),
+        *(
+            (perform_substitutions(context, source), perform_substitutions(context, target))
+            for source, target in rules
+        ),
+    ]
+
+
+def note_composable_node(
+    context: LaunchContext,
+    node: ComposableNode,
+    container: str,
+    location: tuple[str, int] | None,
+) -> None:
+    """Note a node as something that starts in its container; its executable is its plugin."""
+    if node.condition is not None and not node.condition.evaluate(context):
+        return
+    namespace = join_namespaces(
+        context.launch_configurations.get("ros_namespace"),
+        None if node.namespace is None else perform_substitutions(context, node.namespace),
+    )
+    name = None if node.name is None else perform_substitutions(context, node.name)
+    full_name = f"{(namespace or '').rstrip('/')}/{name or ''}"
+    file, line = location or (None, None)
+    RECORD.processes.append(
+        {
+            "package": perform_substitutions(context, node.package),
+            "executable": perform_substitutions(context, node.plugin),
+            "name": name,
+            "namespace": namespace or "",
+            "parameters": {
+                **global_parameters(context, node=full_name, location=location),
+                **evaluate_parameters(context, node.parameters, node=full_name, location=location),
+            },
+            "arguments": [],
+            "remappings": perform_remap_rules(context, node.remappings),
+            "command": None,
+            "environment": {},
+            "container": container,
+            "starts": context.timeline.cause,
+            "start_time": round(context.timeline.now, 6),
+            "file": file,
+            "line": line,
+        }
+    )
+
+
+def read(
+    context: LaunchContext,
+    parameter_file: ParameterFile,
+    *,
+    node: str,
+    location: tuple[str, int] | None,
+) -> dict[str, Any]:
+    """What a file says for a node, given by its full name; nothing where there is no file."""
+    path = parameter_file.evaluate(context)
+    if RECORD.is_unknown(str(path)):
+        return {}
+    try:
+        refuse_pipe(path)
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError):
+        RECORD.note_diagnostic(
+            codes.PARAMETER_FILE_MISSING,
+            "warning",
+            f"The parameter file '{path}' cannot be read; the node starts without it.",
+            location,
+            hint="Check the path, and that CMakeLists.txt installs the folder: "
+            "install(DIRECTORY config DESTINATION share/${PROJECT_NAME}).",
+        )
+        return {}
+    if parameter_file.may_have_substitutions(context):
+        from launch.frontend.template import parse_substitution
+
+        text = perform_substitutions(context, parse_substitution(text))
+    import yaml  # see launch.utilities.type_utils
+
+    try:
+        content = yaml.safe_load(text)
+    except yaml.YAMLError as error:
+        RECORD.note_unresolved(str(path), f"it is no YAML: {error}", location)
+        return {}
+    found: dict[str, Any] = {}
+    for name, section in (content or {}).items() if isinstance(content, dict) else ():
+        if _is_meant(str(name), node) and isinstance(section, dict):
+            found.update(_flatten(section.get("ros__parameters") or {}, ""))
+    return found
+
+
+def _is_meant(pattern: str, node: str) -> bool:
+    """Whether a section is for the node; `*` stands for one part of a name, `**` for several."""
+    wanted = "/" + pattern.strip("/")
+    return wanted in {"/**", node} or (wanted == "/*" and node.count("/") == 1)
+
+
+def _flatten(values: dict[Any, Any], prefix: str) -> dict[str, Any]:
+    flat: dict[str, Any] = {}
+    for name, value in values.items():
+        if isinstance(value, dict):
+            flat.update(_flatten(value, f"{prefix}{name}."))
+        else:
+            flat[f"{prefix}{name}"] = _plain(value)
+    return flat
+
+
+def _plain(value: Any) -> Any:
+    """The value as the node sees it: what is a date to Python is a text to it."""
+    if isinstance(value, list):
+        return [_plain(item) for item in value]
+    return value if isinstance(value, (str, int, float, bool, type(None))) else str(value)
