@@ -80,11 +80,11 @@ LAUGHS = "".join(f'<!ENTITY lol{level} "{f"&lol{level - 1};" * 10}">' for level 
 
 MODELS = {
     # masses and moments
-    "mass not a number": broken(mass("nan"), "ROB016", "ROB040"),
-    "infinite mass": broken(mass("inf"), "ROB016", "ROB040"),
-    "mass in words": broken(mass("heavy"), "ROB016", "ROB040"),
-    "mass with unit": broken(mass("1kg"), "ROB016", "ROB040"),
-    "mass too large for a number": broken(mass("1e400"), "ROB016", "ROB040"),
+    "mass not a number": broken(mass("nan"), "ROB016"),
+    "infinite mass": broken(mass("inf"), "ROB016"),
+    "mass in words": broken(mass("heavy"), "ROB016"),
+    "mass with unit": broken(mass("1kg"), "ROB016"),
+    "mass too large for a number": broken(mass("1e400"), "ROB016"),
     "mass of 1e308 kg": broken(mass("1e308"), "ROB056"),
     "two masses of 1e308 kg": broken(
         robot(
@@ -97,7 +97,7 @@ MODELS = {
     "mass of 1e-400 kg": broken(mass("1e-400"), "ROB040"),
     "mass of a microgram": odd(mass("1e-9"), "ROB049"),
     "mass of a mountain": odd(mass("1e9"), "ROB049"),
-    "negative mass": broken(mass("-1"), "ROB022", "ROB040"),
+    "negative mass": broken(mass("-1"), "ROB022"),
     "mass of 0": broken(mass("0"), "ROB040"),
     "mass of -0": broken(mass("-0"), "ROB040"),
     "no mass anywhere": broken(chain(3, body=TOUCH), "ROB040"),

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 Default = TypeVar("Default", float, None)
 
 IGN = shutil.which("ign")
-SECONDS = 60.0
+SECONDS = 600.0
 OUTPUT_BLOCKS = 2**16  # of 512 bytes; on a circle of links it prints without end
 # Where pitch is 90 degrees, sdformat cannot tell roll from yaw; it takes pitches nearby for 90.
 NEAR_GIMBAL_LOCK = 1.5e-3  # rad; the sine differs from 1 by a millionth

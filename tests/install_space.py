@@ -63,6 +63,7 @@ class InstallSpace:
         arguments: Mapping[str, str] | None = None,
         environment: Mapping[str, str] | None = None,
         seconds: float = 20.0,
+        wall_clock: float | None = None,
     ) -> LaunchPlan:
         """The plan of a launch file, with this prefix sourced."""
         variables = {
@@ -77,7 +78,7 @@ class InstallSpace:
             environment=variables
             | {"AMENT_PREFIX_PATH": str(self.prefix)}
             | dict(environment or {}),
-            limits=Limits(seconds=seconds, memory=2**30),
+            limits=Limits(seconds=seconds, wall_clock=wall_clock, memory=2**30),
         )
 
     def play(

@@ -158,7 +158,7 @@ BROKEN: dict[str, tuple[bytes | str, str]] = {
         "far too many",
     ),
     "laughs.dae": (laughs(), "document type"),
-    "cut_off.glb": (b"glTF\2\0\0\0\377\377\377\377\377\377\377\177JSON{", "as GLB"),
+    "cut_off.glb": (b"glTF\2\0\0\0\377\377\377\377\377\377\377\177JSON{", "is cut short"),
     "cut_off.ply": (
         (
             b"ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\n"
@@ -167,7 +167,7 @@ BROKEN: dict[str, tuple[bytes | str, str]] = {
         ),
         "no triangle",
     ),
-    "prose.ply": (b"hello world\n" * 20, "as PLY"),
+    "prose.ply": (b"hello world\n" * 20, "not a valid PLY file"),
     "mesh.fbx": (b"Kaydara", "a format that is not read"),
     "mesh": (binary_stl(), "no extension"),
 }

@@ -4,10 +4,12 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
+from PIL import Image
 
 ROOT = Path(__file__).parents[1]
 SUPPORTED = ((3, 10), (3, 11), (3, 12), (3, 13))
@@ -75,3 +77,33 @@ def test_new_build_validate(version: str, tmp_path: Path) -> None:
             "mass": 1.0,
         }
         assert robot["rest"]["xyz"][2] == pytest.approx(0.25, abs=0.002)
+    draw(call, scripts, tmp_path / "wsgen")
+
+
+def draw(call: Callable[..., str], scripts: Path, workspace: Path) -> None:
+    """A picture and a video of it: PyBullet's builds for newer Pythons give images otherwise."""
+    said = call(scripts / "wsgen", "doctor", "--format", "json", folder=workspace)
+    met = {found["name"]: found["met"] for found in json.loads(said)["wsgen"]}
+    assert met["pictures"]
+    made = call(
+        *(scripts / "wsgen", "launch", "gazebo_test", "gazebo_model.launch.py", "--play"),
+        *("--picture", ".", "--record", "video.gif", "--seconds", "0.2", "--format", "json"),
+        folder=workspace,
+    )
+    (package,) = json.loads(made)["packages"]
+    assert package["diagnostics"] == []
+    with Image.open(workspace / "gazebo_test.png") as picture:
+        assert is_drawn(picture, (960, 720))
+    with Image.open(workspace / "video.gif") as video:
+        assert video.n_frames == 5
+        assert is_drawn(video, (480, 360))
+
+
+def is_drawn(image: Image.Image, size: tuple[int, int]) -> bool:
+    """Whether the robot is in the middle, and nothing of it at the top."""
+    rows = np.asarray(image.convert("HSV"))[..., 1]
+    height, width = rows.shape
+    is_colored = rows > 120
+    return bool(
+        image.size == size and is_colored[height // 2, width // 2] and not is_colored[:9].any()
+    )

@@ -32,7 +32,6 @@ WHY = {
     "ROB037": "Gazebo refuses the inertia (Error 18)",
     "ROB040": "a link without mass: Gazebo refuses the robot, or cuts the link off with all below",
     "ROB041": "Gazebo computes a centre of mass as 0/0 and refuses the robot",
-    "ROB044": "Gazebo's parser drops the rest of a link without a word",
 }
 # What only the trial shows, and why it is right.
 NO_COLLISION = {"SPN056"}, "it has no <collision>, and falls through the ground in Gazebo as well"

@@ -24,6 +24,13 @@ EXIT_BUG = 70
 EXIT_SIGNALLED = 128  # and the number of the signal
 EXIT_INTERRUPTED = 130
 
+# What is reported when one of the signals that end wsgen comes.
+SIGNAL_MESSAGES = {
+    "SIGINT": "wsgen: interrupted",  # Ctrl-C
+    "SIGTERM": "wsgen: terminated",  # CI cancels
+    "SIGHUP": "wsgen: the terminal was closed",
+}
+
 
 class WsgenError(Exception):
     """Base of all errors that are told to the user without a traceback."""

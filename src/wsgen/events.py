@@ -52,15 +52,22 @@ Event = StepStarted | StepProgressed | OutputLine | StepEnded
 Listener = Callable[[Event], None]
 
 
-def one_at_a_time(listener: Listener) -> Listener:
-    """A listener for several threads, which hears one event after the other."""
-    lock = threading.Lock()
+class OneAtATime:
+    """A listener for several threads: it hears one event after the other, until it is closed."""
 
-    def hear(event: Event) -> None:
-        with lock:
-            listener(event)
+    def __init__(self, listener: Listener | None) -> None:
+        self._listener = listener
+        self._lock = threading.Lock()
 
-    return hear
+    def __call__(self, event: Event) -> None:
+        """Hand the event on."""
+        with self._lock:
+            if self._listener is not None:
+                self._listener(event)
+
+    def close(self) -> None:
+        """Hear no more; what is interrupted is not told as what fails."""
+        self._listener = None
 
 
 def post(listener: Listener | None, event: Event) -> None:

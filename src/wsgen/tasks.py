@@ -22,7 +22,7 @@ def evaluate_launch(
     only_arguments: bool,  # noqa: FBT001  tasks are called by position
 ) -> dict[str, Any]:
     """Evaluate a launch file, with the real xacro for its xacro commands."""
-    watch = expand.Watch(RECORD.note_text)
+    watch = expand.Watch(RECORD.note_text, RECORD.note_unused_xacro_arguments)
     plan = worker.evaluate(
         launch_file,
         package,
@@ -36,4 +36,4 @@ def evaluate_launch(
 
 def _run_xacro(words: Sequence[str]) -> CommandOutcome:
     result = expand.run_command(words)
-    return CommandOutcome(result.stdout, result.stderr, result.code, result.fault)
+    return CommandOutcome(result.stdout, result.stderr, result.code, result.fault, result.unused)

@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING
 
 from lxml import etree
 
+from wsgen.xmlsyntax import find_mistake
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -38,6 +40,7 @@ class Malformed:
 
     message: str
     line: int  # 1-based
+    hint: str = "Close every element and quote every attribute; & is written &amp;."
 
 
 def parse(content: str | bytes) -> Element | Malformed:
@@ -46,11 +49,13 @@ def parse(content: str | bytes) -> Element | Malformed:
     A text may carry an encoding declaration: it is read as the text it is.
     """
     data = content.encode("utf-8") if isinstance(content, str) else content
-    if not data.strip():
-        return Malformed(message="the document is empty", line=1)
+    encoding = "utf-8" if isinstance(content, str) else None
     try:
-        return etree.fromstring(data, _parser("utf-8" if isinstance(content, str) else None))
+        return etree.fromstring(data, _parser(encoding))
     except etree.XMLSyntaxError as error:
+        mistake = find_mistake(data, encoding)
+        if mistake is not None:
+            return Malformed(message=mistake.message, line=mistake.line, hint=mistake.hint)
         return Malformed(message=error.msg or "not well-formed", line=error.lineno or 1)
 
 

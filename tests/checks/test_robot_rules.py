@@ -96,6 +96,7 @@ def test_massless_root() -> None:
     assert (found.code, found.severity) == ("ROB051", Severity.WARNING)
     assert "`dummy`" in found.message
     assert "`base`" in found.message
+    assert "Keep `dummy` if it is there for robot_state_publisher" in (found.hint or "")
 
 
 def test_roots_that_are_fine() -> None:

@@ -1,10 +1,15 @@
 """`wsgen build`: what it prints of the programs' own words."""
 
+import json
+import shlex
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+
+from cli.packages import wsgen
 
 PACKAGE_XML = """\
 <package format="3">
@@ -46,6 +51,45 @@ def build(package: Path, *options: str) -> tuple[int, str]:
     return run.returncode, run.stderr
 
 
+def test_the_next_step(package: Path) -> None:
+    assert build(package)[1].endswith("\nNext: wsgen validate\n")
+    assert build(package, "demo")[1].endswith("\nNext: wsgen validate demo\n")
+    assert "Next:" not in build(package, "-q")[1]
+    (package / "CMakeLists.txt").write_text(CMAKE + "message(FATAL_ERROR no)\n")
+    assert "Next:" not in build(package)[1]
+
+
+def test_json(package: Path) -> None:
+    old = CMAKE.replace("VERSION 3.20", "VERSION 3.8") + "message(WARNING strange)\n"
+    (package / "CMakeLists.txt").write_text(old)
+    run = wsgen(package, "build", "--format", "json")
+    document = json.loads(run.stdout)
+    assert run.returncode == 0
+    assert (document["version"], document["passed"]) == (1, True)
+    assert [(one["package"], one["state"]) for one in document["packages"]] == [("demo", "built")]
+    assert Path(document["log"], "demo", "stdout_stderr.log").is_file()
+    (note,) = document["diagnostics"]
+    assert (note["code"], note["severity"], note["line"]) == ("BLD030", "info", 1)
+    assert note["file"] == str(package / "CMakeLists.txt")
+    assert "strange" in run.stderr  # no diagnostic says it
+    assert "BLD030" not in run.stderr
+    assert "Next:" not in run.stderr
+
+
+def test_json_of_a_failure(package: Path) -> None:
+    (package / "CMakeLists.txt").write_text(CMAKE + "message(FATAL_ERROR strange)\n")
+    run = wsgen(package, "build", "--format", "json", "-q")
+    document = json.loads(run.stdout)
+    assert (run.returncode, document["passed"], run.stderr) == (1, False, "")
+    assert document["packages"][0]["state"] == "failed"
+    assert [found["code"] for found in document["diagnostics"]] == ["BLD015"]
+
+
+def test_json_is_empty_where_there_is_no_result(tmp_path: Path) -> None:
+    run = wsgen(tmp_path, "build", "--format", "json")
+    assert (run.returncode, run.stdout) == (4, "")
+
+
 def test_a_traceback_that_is_explained_is_for_verbose(package: Path) -> None:
     (package / "package.xml").write_text(PACKAGE_XML.replace("<license>Apache-2.0</license>", ""))
     code, printed = build(package)
@@ -53,6 +97,22 @@ def test_a_traceback_that_is_explained_is_for_verbose(package: Path) -> None:
     assert "Traceback" not in printed
     assert "try: Add: <license>Apache-2.0</license>" in printed
     assert "Traceback" in build(package, "-v")[1]
+
+
+def test_packages_that_are_not_built_after_a_failure(package: Path) -> None:
+    (package / "CMakeLists.txt").write_text("message(FATAL_ERROR no)\n")
+    for name in ("zlast", "zmore"):
+        shutil.copytree(package, package.with_name(name))
+        manifest = PACKAGE_XML.replace("<name>demo", f"<name>{name}")
+        (package.with_name(name) / "package.xml").write_text(manifest)
+        (package.with_name(name) / "CMakeLists.txt").write_text(CMAKE.replace("demo", name))
+    code, words = build(package, "--", "--executor", "sequential")
+    assert code == 1
+    assert "0 built, 1 failed, 2 not built (zlast, zmore)" in words
+    assert "wsgen build -- --executor sequential --continue-on-error" in words
+    code, words = build(package, "--", "--continue-on-error")
+    assert "2 built, 1 failed  " in words
+    assert "Next:" not in words
 
 
 def test_the_output_of_an_unknown_failure_is_printed_once(package: Path) -> None:
@@ -76,3 +136,30 @@ def test_a_workspace_that_cannot_be_written(package: Path) -> None:
     code, printed = build(package)
     assert code == 4
     assert "cannot write" in printed
+
+
+def test_a_small_disk_is_told_in_one_line(package: Path) -> None:
+    """The real thing: a file system of 200 kB, too small for what CMake makes of a package."""
+    root = package.parents[1]
+    small = root / "small"
+    small.mkdir()
+    script = f"""
+        mount -t tmpfs -o size=200k tmpfs '{small}' && cp -r '{root}/src' '{small}' || exit 99
+        cd '{small}' && {shlex.quote(sys.executable)} -m wsgen build
+    """
+    try:
+        run = subprocess.run(
+            ["unshare", "--user", "--map-root-user", "--mount", "sh", "-c", script],
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+    except OSError:
+        pytest.skip("there is no unshare")
+    if run.returncode == 99 or "unshare:" in run.stderr:
+        pytest.skip("this machine lets nobody mount")
+    assert run.returncode == 4, run.stderr
+    assert run.stderr.count("the disk is full") == 1
+    assert f"({small})" in run.stderr
+    assert "Traceback" not in run.stderr
+    assert len(run.stderr.splitlines()) <= 3

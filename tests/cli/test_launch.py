@@ -147,8 +147,10 @@ def test_conditional_arguments_and_none(share: Path, capsys: pytest.CaptureFixtu
 def test_a_launch_file_with_an_error(share: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = share / "launch" / "bad.launch.py"
     file.write_text("import os\n1 / 0\n")
-    code, out, _ = launch(capsys, str(file))
+    code, out, err = launch(capsys, str(file))
     assert code == 1
+    assert "failed" in err
+    assert " ok " not in err
     assert "LCH004" in out
     assert "bad.launch.py:2" in out
     assert launch(capsys, str(file), "--show-args")[0] == 1
@@ -159,7 +161,9 @@ def test_a_launch_file_with_an_error(share: Path, capsys: pytest.CaptureFixture[
     [
         (("my_robot", "no.launch.py"), "Installed: r.launch.py"),
         (("my_robt", "r.launch.py"), "Did you mean my_robot?"),
-        (("my_robot",), "no launch file 'my_robot'"),
+        (("my_robot",), "wsgen launch my_robot r.launch.py"),
+        (("my_robot", "height:=2"), "the name of the launch file is missing"),
+        (("my_robt",), "no launch file 'my_robt'"),
         (("no.launch.py", "a:=b"), "no launch file 'no.launch.py'"),
         (("my_robot", "r.launch.py", "height=2"), "'height=2' is not of the form name:=value"),
         (("my_robot", "r.launch.py", "height:="), "'height:=' is not of the form name:=value"),
@@ -179,6 +183,22 @@ def test_wrong_words(
     assert message in err
 
 
+def test_neither_workspace_nor_package(
+    share: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("AMENT_PREFIX_PATH")
+    code, _, err = launch(capsys, "my_robot", "r.launch.py")
+    assert code == 4
+    assert "no colcon workspace" in err
+
+
+def test_an_argument_that_nobody_uses(share: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, _ = launch(capsys, "my_robot", "r.launch.py", "heigth:=2")
+    assert code == 0
+    assert "LCH033" in out
+    assert "Did you mean `height`?" in out
+
+
 def test_a_file_that_is_installed_twice(share: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (share / "r.launch.py").touch()
     code, _, err = launch(capsys, "my_robot", "r.launch.py")
@@ -191,6 +211,16 @@ def test_a_workspace_that_is_not_built(tmp_path: Path, capsys: pytest.CaptureFix
     code, _, err = launch(capsys, "-w", str(tmp_path), "my_robot", "r.launch.py")
     assert code == 4
     assert "wsgen build" in err
+
+
+def test_what_is_wrong_is_named_in_the_source(
+    built: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(built)
+    words = ("gazebo_test", "gazebo_model.launch.py", "hieght:=2", "--format", "json")
+    (found,) = json.loads(launch(capsys, *words)[1])["diagnostics"]
+    assert found["code"] == "LCH033"
+    assert found["file"].startswith(str(built / "src"))
 
 
 def test_play_is_what_validate_says(
@@ -215,7 +245,9 @@ def test_play_makes_a_film(
     monkeypatch.chdir(built)
     words = ("gazebo_test", "gazebo_model.launch.py", "--play", "--seconds", "0.5")
     file = tmp_path / "film.gif"
-    code, out, _ = launch(capsys, *words, "--record", str(file), "--format", "json")
+    code, out, err = launch(capsys, *words, "--record", str(file), "--format", "json")
+    steps = [line.split()[2:4] for line in err.splitlines() if line.startswith("  ok")]
+    assert steps[-2:] == [["simulate", "simple_robot"], ["draw", "film.gif"]]
     assert (code, json.loads(out)["packages"][0]["film"]) == (0, str(file))
     with Image.open(file) as film:
         assert (film.n_frames, film.info["duration"]) == (11, 50)  # every 50 ms, both ends
@@ -237,6 +269,23 @@ def test_a_film_that_cannot_be_is_refused_before_the_trial(
     code, out, err = launch(capsys, *words)
     assert (code, out) == (2, "")
     assert told in err
+
+
+def test_a_film_without_its_encoder_and_a_trial_without_its_engine(
+    built: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(built)
+    monkeypatch.setattr("wsgen.simulation.recording.find_spec", lambda _: None)
+    monkeypatch.setattr("wsgen.simulation.run.find_spec", lambda _: None)
+    words = ("gazebo_test", "gazebo_model.launch.py", "--play")
+    code, _, err = launch(capsys, *words, "--engine", "bullet", "--record", "film.mp4")
+    assert (code, "is not installed" in err) == (4, True)
+    monkeypatch.setattr("wsgen.simulation.run.find_spec", lambda _: True)
+    code, _, err = launch(capsys, *words, "--record", "film.mp4")
+    assert (code, "pip install 'wsgen[video]'" in err) == (4, True)
+    monkeypatch.setattr("wsgen.simulation.run.find_spec", lambda _: None)
+    code, _, err = launch(capsys, *words, "--engine", "dart")
+    assert (code, "pip install 'wsgen[dart]'" in err) == (4, True)
 
 
 def test_play_a_launch_file_of_no_package(

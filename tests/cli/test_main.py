@@ -1,6 +1,8 @@
 """How errors become words and exit codes."""
 
+import errno
 import os
+import shlex
 import signal
 import subprocess
 import sys
@@ -141,7 +143,7 @@ def test_colours_on_a_terminal(
         stdout=terminal,
         stderr=terminal,
     )
-    child.wait(timeout=30)
+    child.wait(timeout=300)
     os.close(terminal)
     printed = os.read(controller, 4000)
     os.close(controller)
@@ -190,7 +192,7 @@ def test_an_interrupt_ends_with_130(tmp_path: Path) -> None:
     (package / "CMakeLists.txt").write_text(
         "cmake_minimum_required(VERSION 3.20)\nproject(slow LANGUAGES NONE)\n"
         f'file(TOUCH "{tmp_path}/configuring")\n'
-        "execute_process(COMMAND sleep 60)\n"
+        "execute_process(COMMAND sleep 600)\n"
     )
     child = subprocess.Popen(
         [sys.executable, "-m", "wsgen", "build"],
@@ -199,13 +201,77 @@ def test_an_interrupt_ends_with_130(tmp_path: Path) -> None:
         text=True,
         start_new_session=True,
     )
-    deadline = time.monotonic() + 30
+    deadline = time.monotonic() + 300
     while not (tmp_path / "configuring").exists():
         assert time.monotonic() < deadline
         assert child.poll() is None
         time.sleep(0.05)
     # A terminal sends it to the whole foreground group.
     os.killpg(child.pid, signal.SIGINT)
-    _, words = child.communicate(timeout=20)
+    _, words = child.communicate(timeout=300)
     assert child.returncode == 130
     assert "Traceback" not in words
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message", "hint"),
+    [
+        (["new"], "Missing argument 'PACKAGE'.", "wsgen new [OPTIONS] PACKAGE"),
+        (["new", "a", "b"], "unexpected extra argument (b).", "wsgen new --help"),
+        (["new", "a", "--simm", "gz"], "wsgen new has no option --simm.", "Did you mean --sim?"),
+        (["new", "a", "--sim", "gazebo"], "'gazebo' is not one of 'classic', 'gz'.", "wsgen new"),
+        (["validate", "--seconds", "many"], "'many' is not a valid", "wsgen validate --help"),
+        (["validate", "--seconds"], "Option '--seconds' requires an argument.", "wsgen"),
+        (["validate", "--verbos"], "wsgen validate has no option --verbos.", "--verbose?"),
+        (["launch"], "Missing argument", "wsgen launch [OPTIONS]"),
+        (["--bogus"], "wsgen has no option --bogus.", "wsgen --help"),
+    ],
+)
+def test_what_click_refuses_is_told_as_all_errors_are(
+    arguments: list[str], message: str, hint: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert wsgen.cli.run(arguments) == 2
+    told = capsys.readouterr()
+    assert told.out == ""
+    said, tried = told.err.splitlines()
+    assert said.startswith("error: ")
+    assert message in said
+    assert tried.startswith("  try: ")
+    assert hint in tried
+
+
+@pytest.mark.parametrize("name", wsgen.cli.COMMANDS)
+def test_the_help_ends_with_two_examples_that_parse(
+    name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert wsgen.cli.run([name, "--help"]) == 0
+    lines = capsys.readouterr().out.rstrip().splitlines()
+    assert lines[-3] == "Examples:"
+    for line in lines[-2:]:
+        program, called, *words = shlex.split(line)
+        assert (program, called) == ("wsgen", name)
+        command = wsgen.cli.wsgen.get_command(click.Context(wsgen.cli.wsgen), name)
+        assert command is not None
+        assert command.make_context(name, words).params
+
+
+@pytest.mark.parametrize(
+    ("error", "words"),
+    [
+        (OSError(errno.ENOSPC, "No space left on device", "/dev/x"), "/dev/x: the disk is full"),
+        (OSError(errno.EROFS, "Read-only file system", "/dev/x"), "/dev/x: the file system is"),
+        (OSError(errno.ENOSPC, "No space left on device"), "TMPDIR="),
+        (FileNotFoundError(2, "No usable temporary directory found in ['/tmp']"), "TMPDIR="),
+    ],
+)
+def test_a_disk_that_takes_nothing_is_no_bug(
+    error: OSError, words: str, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(
+        wsgen.cli.CommandTable, "get_command", lambda *_: command_that(raises=error)
+    )
+    monkeypatch.setattr(wsgen.cli, "_drop_standard_output", lambda: None)
+    assert wsgen.cli.run(["new"]) == 4
+    told = capfd.readouterr().err
+    assert words in told
+    assert len(told.splitlines()) == 2

@@ -80,6 +80,40 @@ def test_second_package_goes_into_the_workspace_around(
     assert capsys.readouterr().out.endswith("\nNext: wsgen build && wsgen validate\n")
 
 
+@pytest.mark.parametrize("inside", [".", "src", "src/drivers", "src/drivers/lidar"])
+@pytest.mark.parametrize(
+    "content", ["src/drivers/notes.txt", "src/robots.repos", "src/vendor/src/main.cpp"]
+)
+def test_a_source_folder_without_packages(
+    here: Path, monkeypatch: pytest.MonkeyPatch, content: str, inside: str
+) -> None:
+    for folder in (inside, Path(content).parent):
+        (here / "ws" / folder).mkdir(parents=True, exist_ok=True)
+    (here / "ws" / content).touch()
+    monkeypatch.chdir(here / "ws" / inside)
+    assert new("gazebo_test") == 0
+    assert (here / "ws" / "src" / "gazebo_test" / "package.xml").is_file()
+    assert not list(here.rglob("ws_gazebo"))
+    assert new("other", "-w", str(here / "ws" / "src")) == 2
+
+
+def test_what_colcon_left_is_a_workspace_without_a_source_folder(
+    here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (here / "ws" / "build").mkdir(parents=True)
+    (here / "ws" / "build" / ".built_by").write_text("colcon\n")
+    monkeypatch.chdir(here / "ws")
+    assert new("gazebo_test") == 0
+    assert (here / "ws" / "src" / "gazebo_test" / "package.xml").is_file()
+
+
+def test_the_source_folder_of_a_python_project(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (here / "src" / "tool").mkdir(parents=True)
+    (here / "pyproject.toml").touch()
+    assert new("gazebo_test") == 0
+    assert (here / "ws_gazebo" / "src" / "gazebo_test").is_dir()
+
+
 def test_existing_folder(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert new("gazebo_test") == 0
     package = here / "ws_gazebo" / "src" / "gazebo_test"
@@ -259,3 +293,21 @@ def test_leftovers_of_a_killed_command_are_no_packages(here: Path) -> None:
 def test_a_workspace_that_cmake_could_not_build(tmp_path: Path, folder: str) -> None:
     assert run(["new", "some_robot", "-w", str(tmp_path / folder)]) == 2
     assert not (tmp_path / folder).exists()
+
+
+@pytest.mark.parametrize(
+    ("option", "next_step"),
+    [
+        ("--build", "Next: cd ws_gazebo && wsgen validate gazebo_test"),
+        ("--validate", "Next: wsgen validate gazebo_test --picture ."),
+    ],
+)
+@pytest.mark.usefixtures("here")
+def test_a_step_that_is_taken_is_not_the_next(
+    option: str, next_step: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert new("gazebo_test", option) == 0
+    told = capsys.readouterr()
+    assert "Next:" not in told.out
+    assert "wsgen build" not in told.err
+    assert [line for line in told.err.splitlines() if line.startswith("Next:")] == [next_step]

@@ -1,5 +1,6 @@
-"""What a supervisor's signals leave behind of `wsgen build` and `wsgen validate`: nothing."""
+"""What signals leave behind of a command: one line, its exit code, and nothing else."""
 
+import json
 import os
 import signal
 import subprocess
@@ -25,7 +26,7 @@ cmake_minimum_required(VERSION 3.20)
 project(demo LANGUAGES NONE)
 find_package(ament_cmake REQUIRED)
 if(SLOW)
-  execute_process(COMMAND sh -c "echo $$ > ${SLOW}; exec sleep 60")
+  execute_process(COMMAND sh -c "echo $$ > ${SLOW}; exec sleep 600")
 endif()
 install(DIRECTORY launch DESTINATION share/${PROJECT_NAME})
 ament_package()
@@ -39,7 +40,7 @@ while True:
 """
 
 
-def wait_until(condition: Callable[[], bool], seconds: float = 30.0) -> None:
+def wait_until(condition: Callable[[], bool], seconds: float = 300.0) -> None:
     end = time.monotonic() + seconds
     while not condition():
         assert time.monotonic() < end, "waited too long"
@@ -81,7 +82,7 @@ class Scene:
         with process:
             wait_until(lambda: self.pid_file.exists() and bool(self.pid_file.read_text().strip()))
             process.send_signal(number)
-            returncode = process.wait(30)
+            returncode = process.wait(120)
         worker = int(self.pid_file.read_text())
         wait_until(lambda: not is_alive(worker))
         return returncode
@@ -92,6 +93,130 @@ def scene(tmp_path: Path) -> Scene:
     return Scene(tmp_path)
 
 
+ENDINGS = {
+    signal.SIGINT: "wsgen: interrupted",
+    signal.SIGTERM: "wsgen: terminated",
+    signal.SIGHUP: "wsgen: the terminal was closed",
+}
+
+# Sends itself a signal as it imports a module for the nth time since the command began to load.
+SITE = """
+import os, sys
+class Finder:
+    left = int(os.environ["IMPORTS"])
+    has_begun = False
+    def find_spec(self, name, path=None, target=None):
+        self.has_begun |= name == "wsgen.cli"
+        if self.has_begun:
+            self.left -= 1
+            if self.left == 0:
+                os.kill(os.getpid(), int(os.environ["SIGNAL"]))
+sys.meta_path.insert(0, Finder())
+"""
+
+
+@pytest.mark.parametrize("number", ENDINGS)
+@pytest.mark.parametrize("imports", [1, 2, 20, 45, 60, 90, 120])
+def test_while_the_command_is_loaded(tmp_path: Path, imports: int, number: signal.Signals) -> None:
+    (tmp_path / "site").mkdir()
+    (tmp_path / "site" / "sitecustomize.py").write_text(SITE)
+    (tmp_path / "tmp").mkdir()
+    ended = subprocess.run(
+        [sys.executable, "-m", "wsgen", "new", "demo", "--maintainer-name", "A"],
+        cwd=tmp_path,
+        env={
+            **os.environ,
+            "PYTHONPATH": str(tmp_path / "site"),
+            "IMPORTS": str(imports),
+            "SIGNAL": str(int(number)),
+            "TMPDIR": str(tmp_path / "tmp"),
+        },
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert ended.stderr.strip() == ENDINGS[number]
+    assert ended.returncode == 128 + number
+    assert ended.stdout == ""
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["site", "tmp"]
+    assert list((tmp_path / "tmp").iterdir()) == []
+
+
+ROBOT = """\
+<robot name="r"><link name="a"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0"
+ixz="0" iyz="0"/></inertial><collision><geometry><box size="1 1 1"/></geometry></collision><visual>
+<geometry><box size="1 1 1"/></geometry></visual></link></robot>
+"""
+ENDLESS = '<robot name="r" xmlns:xacro="http://ros.org/wiki/xacro" a="${fsum(range(10**15))}"/>'
+
+
+def stop(
+    folder: Path, number: signal.Signals, step: str, *arguments: str
+) -> tuple[int, str, list[str]]:
+    """Signal `wsgen validate` when it has begun a step; exit code, output, errors from then on."""
+    scratch = folder / "tmp"
+    scratch.mkdir()
+    with subprocess.Popen(
+        [sys.executable, "-m", "wsgen", "validate", "--verbose", *arguments],
+        cwd=folder,
+        env={**os.environ, "TMPDIR": str(scratch)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as process:
+        assert process.stderr is not None
+        while step not in (line := process.stderr.readline()):
+            assert line, f"{step} did not begin"
+        process.send_signal(number)
+        words, complaints = process.communicate()
+    assert list(scratch.iterdir()) == []
+    return process.returncode, words, complaints.split("\n")
+
+
+@pytest.mark.parametrize("number", ENDINGS)
+def test_in_the_middle_of_a_simulation(tmp_path: Path, number: signal.Signals) -> None:
+    (tmp_path / "r.urdf").write_text(ROBOT)
+    code, words, complaints = stop(
+        tmp_path, number, "...  r simulate", "r.urdf", "--seconds", "600"
+    )
+    assert (code, words) == (128 + number, "")
+    assert [line for line in complaints if line] == [ENDINGS[number]]
+
+
+@pytest.mark.parametrize("jobs", ["1", "2"])
+@pytest.mark.parametrize("number", ENDINGS)
+def test_a_batch_keeps_what_has_ended(tmp_path: Path, number: signal.Signals, jobs: str) -> None:
+    (tmp_path / "r.urdf").write_text(ROBOT)
+    (tmp_path / "endless.xacro").write_text(ENDLESS)
+    (tmp_path / "last.urdf").write_text(ROBOT)
+    files = ["r.urdf", "endless.xacro", "last.urdf"]
+    step = "...  endless expand" if jobs == "1" else "...  last expand"  # what comes after r.urdf
+    code, words, complaints = stop(
+        tmp_path, number, step, *files, "--jobs", jobs, "--json", "r.json", "--format", "json"
+    )
+    assert code == 128 + number
+    assert ENDINGS[number] in complaints
+    assert not any("failed" in line for line in complaints)
+    assert (tmp_path / "r.json").read_text() == words
+    document = json.loads(words)
+    assert not document["complete"]
+    assert not document["passed"]
+    assert [package["file"] for package in document["packages"]] == ["r.urdf"]
+    assert document["packages"][0]["passed"]
+
+
+def test_a_person_reads_of_what_has_ended(tmp_path: Path) -> None:
+    (tmp_path / "r.urdf").write_text(ROBOT)
+    (tmp_path / "endless.xacro").write_text(ENDLESS)
+    (tmp_path / "last.urdf").write_text(ROBOT)
+    files = ["r.urdf", "endless.xacro", "last.urdf"]
+    code, words, _ = stop(tmp_path, signal.SIGINT, "...  last expand", *files, "--jobs", "2")
+    assert code == 128 + signal.SIGINT
+    assert "r.urdf: passed" in words
+    assert "interrupted" in words
+    assert "endless" not in words
+
+
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
 def test_build(scene: Scene, number: signal.Signals) -> None:
     process = scene.start("build", "--", "--cmake-args", f"-DSLOW={scene.pid_file}")
@@ -100,7 +225,7 @@ def test_build(scene: Scene, number: signal.Signals) -> None:
 
 
 def test_validate(scene: Scene) -> None:
-    assert scene.start("build").wait(60) == 0
+    assert scene.start("build").wait(300) == 0
     for number in (signal.SIGTERM, signal.SIGHUP):
         scene.pid_file.unlink(missing_ok=True)
         assert scene.end(scene.start("validate"), number) == 128 + number

@@ -94,11 +94,16 @@ def test_launch_arguments_reach_the_robot(built: Path) -> None:
     assert robot["rest"]["xyz"] == pytest.approx([1.5, 0.0, 0.25], abs=0.002)
 
 
-@pytest.mark.parametrize(("z", "code"), [("-3", "SPN055"), ("-0.25", "SPN055")])
-def test_a_robot_that_cannot_get_out_of_the_ground_fails(built: Path, z: str, code: str) -> None:
-    exit_code, document, _ = validate(built, "--arg", f"z:={z}", "--seconds", "0.5")
+def test_a_robot_that_cannot_get_out_of_the_ground_fails(built: Path) -> None:
+    exit_code, document, _ = validate(built, "--arg", "z:=-3", "--seconds", "0.5")
     assert exit_code == 1
-    assert code in [error["code"] for error in errors(document)]
+    assert "SPN055" in [error["code"] for error in errors(document)]
+
+
+def test_a_robot_that_still_rises_out_of_the_ground_passes(built: Path) -> None:
+    exit_code, document, _ = validate(built, "--arg", "z:=-0.25", "--seconds", "0.5")
+    assert exit_code == 0
+    assert errors(document) == []
 
 
 def test_a_world_that_no_file_is_called(built: Path) -> None:
@@ -136,6 +141,11 @@ def test_not_built(workspace: Path) -> None:
     code, _, words = validate(workspace)
     assert code == 4
     assert "wsgen build" in words
+    for name in ("../nope.txt", "nope.txt", "folder/nope"):
+        code, _, words = validate(workspace, name)
+        assert (code, f"There is no file {name}." in words) == (4, True)
+    shutil.rmtree(workspace / "src" / PACKAGE)
+    assert "There is no package in" in validate(workspace)[2]
 
 
 def test_model_is_not_installed(workspace: Path) -> None:
@@ -153,7 +163,39 @@ def test_launch_is_not_installed(workspace: Path) -> None:
     assert code == 1
     (error,) = errors(document)
     assert error["code"] == "PKG050"
-    assert "CMakeLists.txt" in error["hint"]
+    assert "launch/gazebo_model.launch.py" in error["message"]
+    assert "Run `wsgen build`" in error["hint"]
+    cmake = workspace / "src" / PACKAGE / "CMakeLists.txt"
+    text = cmake.read_text()
+    lines = text.splitlines()
+    line = 1 + next(number for number, words in enumerate(lines) if "DESTINATION" in words)
+    assert error["line"] == line
+    cmake.write_text(text.replace("launch model", "model"))
+    (error,) = errors(validate(workspace, PACKAGE)[1])
+    assert "install(DIRECTORY launch " in error["hint"]
+
+
+@pytest.mark.parametrize(
+    ("place", "words"),
+    [
+        ("share/{PROJECT_NAME}", "a $ is missing"),
+        ("shared/${PROJECT_NAME}", "Write: DESTINATION share/${PROJECT_NAME};"),
+        ("share/${PROJECTNAME}", "Write: DESTINATION share/${PROJECT_NAME};"),
+    ],
+)
+def test_launch_is_installed_elsewhere(workspace: Path, place: str, words: str) -> None:
+    shutil.rmtree(workspace / SHARE / "launch")
+    cmake = workspace / "src" / PACKAGE / "CMakeLists.txt"
+    text = cmake.read_text().replace("share/${PROJECT_NAME}", place)
+    cmake.write_text(text)
+    (error,) = errors(validate(workspace, PACKAGE)[1])
+    lines = text.splitlines()
+    assert (error["code"], error["line"]) == (
+        "PKG050",
+        1 + next(number for number, words in enumerate(lines) if place in words),
+    )
+    assert f"installed to {place}," in error["message"]
+    assert words in error["hint"]
 
 
 def test_a_package_without_a_launch_file(workspace: Path) -> None:
@@ -162,6 +204,33 @@ def test_a_package_without_a_launch_file(workspace: Path) -> None:
     code, document, _ = validate(workspace)
     assert code == 1
     assert [error["code"] for error in errors(document)] == ["PKG051"]
+
+
+@pytest.mark.parametrize(
+    ("name", "meant"),
+    [
+        ("gazebo_model.py", "gazebo_model.launch.py"),
+        ("gazebo_model.launch.py.txt", "gazebo_model.launch.py"),
+        ("gazebo_model.launch", "gazebo_model.launch.py"),
+    ],
+)
+def test_a_launch_file_that_is_not_named_as_one(workspace: Path, name: str, meant: str) -> None:
+    for folder in (workspace / SHARE / "launch", workspace / "src" / PACKAGE / "launch"):
+        (folder / "gazebo_model.launch.py").rename(folder / name)
+    code, document, _ = validate(workspace, PACKAGE)
+    (error,) = errors(document)
+    assert (code, error["code"]) == (1, "PKG051")
+    assert error["file"].endswith(f"src/{PACKAGE}/launch/{name}")
+    assert f"Rename it to {meant}," in error["hint"]
+    # `ros2 launch` takes it by this name, and so does --launch.
+    if name.endswith(".py"):
+        assert validate(workspace, PACKAGE, "--launch", name)[0] == 0
+
+
+def test_a_misspelt_launch_file(built: Path) -> None:
+    code, _, words = validate(built, PACKAGE, "--launch", "gazebo_modle.launch.py")
+    assert code == 2
+    assert "Did you mean gazebo_model.launch.py?" in words
 
 
 def test_every_package_of_a_workspace_is_judged_or_named(workspace: Path) -> None:
@@ -269,3 +338,28 @@ def test_a_json_file_that_cannot_be_written(built: Path, tmp_path: Path) -> None
     run = wsgen(built, "validate", "--json", str(tmp_path / "no" / "report.json"))
     assert run.returncode == 4
     assert "report.json" in run.stderr
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="only Linux has a full device")
+def test_a_full_disk_behind_the_json_file(built: Path) -> None:
+    run = wsgen(built, "validate", "--json", "/dev/full")
+    assert run.returncode == 4
+    assert run.stderr.count("Cannot write /dev/full: the disk is full (/") == 1
+
+
+def test_the_next_steps(built: Path, tmp_path: Path) -> None:
+    run = wsgen(built, "validate", "--arg", "z:=0.4")
+    said = run.stderr.splitlines()[-2:]
+    assert said[0] == "Next: wsgen validate --arg z:=0.4 --picture ."
+    launch = said[1].strip().partition("  (")[0]
+    assert launch == f"ros2 launch {PACKAGE} gazebo_model.launch.py z:=0.4"
+    run = wsgen(built, "validate", PACKAGE, "--picture", str(tmp_path))
+    assert "--picture" not in run.stderr
+    assert run.stderr.splitlines()[-1].startswith("Next: ros2 launch")
+    for options in (("-q",), ("--format", "json"), ("--arg", "z:=-3")):
+        assert "Next:" not in wsgen(built, "validate", *options).stderr
+
+
+def test_the_next_steps_from_elsewhere(built: Path, tmp_path: Path) -> None:
+    run = wsgen(tmp_path, "validate", "-w", str(built), PACKAGE)
+    assert f"Next: wsgen validate {PACKAGE} -w {built} --picture .\n" in run.stderr

@@ -21,6 +21,7 @@ LINK = """
     <visual><geometry>{shape}</geometry></visual>
     <collision><geometry>{shape}</geometry></collision>
   </link>"""
+XACRO = "http://www.ros.org/wiki/xacro"
 BOX = '<box size="0.4 0.4 0.2"/>'
 
 
@@ -388,3 +389,43 @@ def test_a_thing_of_a_world_may_roll(tmp_path: Path) -> None:
     assert ("SPN058", "warning") in [(item["code"], item["severity"]) for item in moves]
     (tmp_path / "ball.sdf").write_text(f'<sdf version="1.7">{ball}</sdf>')
     assert judged(tmp_path, "ball.sdf")[0] == 0  # on level ground it lies still
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "named"),
+    [
+        ("44dir.urdf", "44dir.urdf/robot.xacro", "wsgen validate 44dir.urdf/robot.xacro"),
+        ("44dir.urdf", "44dir.urdf/notes.txt", "Name a file in it"),
+        ("src/rover/", "src/rover/package.xml", "wsgen validate rover"),
+        ("./src", "src/rover/package.xml", "wsgen validate rover"),
+    ],
+)
+def test_a_folder_is_no_file(tmp_path: Path, name: str, content: str, named: str) -> None:
+    (tmp_path / content).parent.mkdir(parents=True)
+    (tmp_path / content).write_text("<package><name>rover</name></package>")
+    done = run(tmp_path, name)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "is a folder" in done.stderr
+    assert named in done.stderr
+
+
+def test_an_argument_that_no_xacro_file_has(tmp_path: Path) -> None:
+    has_size = '<xacro:arg name="size" default="1"/>'
+    for name, part in (("one", has_size), ("two", "")):
+        text = urdf(part, link()).replace("<robot ", f'<robot xmlns:xacro="{XACRO}" ')
+        (tmp_path / f"{name}.urdf.xacro").write_text(text)
+    code, (package,) = judged(tmp_path, "one.urdf.xacro", "--arg", "sise:=1")
+    assert (code, codes(package, "warning")) == (0, ["LCH035"])
+    assert "`size`" in package["diagnostics"][0]["hint"]
+    # Of several files one may be meant.
+    _, packages = judged(tmp_path, "one.urdf.xacro", "two.urdf.xacro", "--arg", "size:=1")
+    assert [codes(package, "warning") for package in packages] == [[], []]
+    _, packages = judged(tmp_path, "one.urdf.xacro", "two.urdf.xacro", "--arg", "nope:=1")
+    assert [codes(package, "warning") for package in packages] == [["LCH035"], ["LCH035"]]
+
+
+def test_no_mass_is_printed_of_a_robot_that_is_not_simulated(tmp_path: Path) -> None:
+    """What Gazebo refuses is left out of the sum."""
+    (tmp_path / "r.urdf").write_text(urdf(link(mass="2 kg")))
+    (row,) = [line for line in run(tmp_path, "r.urdf").stdout.splitlines() if "crate" in line]
+    assert row.split()[:2] == ["crate", "-"]

@@ -69,7 +69,7 @@ def test_a_failure_leaves_nothing_for_the_next(tmp_path: Path) -> None:
     [
         ('<link name="${no}"/>', 2, "'no' is not defined"),
         ('<link name="$(arg no)"/>', 2, "no"),
-        ("<link>", 3, "not well-formed"),
+        ("<link>", 2, "<link> is not closed"),
         ("<xacro:no/>", 2, "unknown macro"),
     ],
 )

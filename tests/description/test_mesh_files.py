@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import shutil
 import tempfile
-import time
 from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, files
 from pathlib import Path
@@ -28,6 +27,9 @@ PACKAGES = (
     *("pybullet", "example-robot-data", "icub-models", "jvrc-description"),
     *("gym-ignition-models", "rtb-data", "upkie_description"),
 )
+
+
+IN_TEN_SECONDS = Limits(seconds=10.0, memory=2 * 2**30)
 
 
 @pytest.fixture(scope="module")
@@ -152,17 +154,20 @@ def test_a_broken_collision_is_an_error_and_a_broken_visual_a_warning(
 
 @pytest.mark.parametrize("with_colours", [False, True])
 def test_every_broken_file_is_told_soon(
-    tmp_path: Path, run: Callable[..., Any], *, with_colours: bool
+    tmp_path: Path,
+    run: Callable[..., Any],
+    monkeypatch: pytest.MonkeyPatch,
+    *,
+    with_colours: bool,
 ) -> None:
+    monkeypatch.setattr("wsgen.description.mesh_files.LIMITS", IN_TEN_SECONDS)
     broken = [
         mesh(write(tmp_path, name, content)) for name, (content, _) in mesh_samples.BROKEN.items()
     ]
     model = robot(visuals=tuple(broken)) if with_colours else robot(*broken)
-    started = time.monotonic()
     _, found = inspect_meshes(
         model, file=ROBOT_FILE, folder=tmp_path, run=run, with_colours=with_colours
     )
-    assert time.monotonic() - started < 10
     kind = ("ROB063", Severity.WARNING) if with_colours else ("ROB062", Severity.ERROR)
     assert kinds(found) == [kind] * len(broken)
     for one, (_, words) in zip(found, mesh_samples.BROKEN.values(), strict=True):
@@ -259,12 +264,13 @@ def test_it_gives_up_after_some_deaths(tmp_path: Path) -> None:
 
     def run(*_: Any, **__: Any) -> Died:
         starts.append(1)
-        return Died(reason="took longer than 30 s", step="0", output="")
+        return Died(reason="did not end", step="0", output="", cause="wall-clock time")
 
     _, found = inspect_meshes(robot(*map(mesh, files)), file=None, folder=tmp_path, run=run)
     assert len(starts) == DEATHS
     assert kinds(found) == [("ROB062", Severity.ERROR)] * 5
     assert "was not read" in found[-1].message
+    assert "machine is less busy" in (found[0].hint or "")
 
 
 def test_a_reader_that_does_not_start_blames_no_mesh(tmp_path: Path) -> None:
@@ -278,12 +284,13 @@ def test_a_reader_that_does_not_start_blames_no_mesh(tmp_path: Path) -> None:
     assert "was not read, as the reader crashed" in found[0].message
 
 
-def test_a_file_of_many_short_lines(tmp_path: Path, run: Callable[..., Any]) -> None:
+def test_a_file_of_many_short_lines(
+    tmp_path: Path, run: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
     """As lines of a text they would need 6 GiB."""
+    monkeypatch.setattr("wsgen.description.mesh_files.LIMITS", IN_TEN_SECONDS)
     file = write(tmp_path, "large.obj", b"v 0 0 0\n" * 12_000_000 + b"f 1 2 3\n")
-    started = time.monotonic()
     _, found = inspect_meshes(robot(mesh(file)), file=None, folder=tmp_path, run=run)
-    assert time.monotonic() - started < 10
     assert kinds(found) == [("ROB065", Severity.ERROR)]
     assert "words" in found[0].message
 

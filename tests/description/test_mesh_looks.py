@@ -257,13 +257,13 @@ def claimed(width: int, height: int) -> bytes:
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        (b"", "cannot be read"),
-        (b"hello world", "cannot be read"),
+        (b"", "is not a valid image"),
+        (b"hello world", "is not a valid image"),
         (claimed(60_000, 60_000), "pixels"),
         (claimed(13_000, 13_000), "13000 by 13000 pixels"),
-        (claimed(8000, 8000)[:-20], "cannot be read"),
-        ("folder", "is no file"),
-        ("pipe", "is no file"),
+        (claimed(8000, 8000)[:-20], "is not a valid image"),
+        ("folder", "is a folder"),
+        ("pipe", "is a named pipe"),
         ("huge", "1000000 MB"),
     ],
 )
@@ -279,9 +279,9 @@ def test_a_texture_that_cannot_be_shown(tmp_path: Path, content: bytes | str, wo
         with image.open("wb") as stream:
             stream.truncate(10**12)
     text = mesh_samples.coloured_dae(mesh_samples.TEXTURED)
-    started = time.monotonic()
+    started = time.process_time()
     visual, (found,) = only(write(tmp_path, "a.dae", text))
-    assert time.monotonic() - started < 5
+    assert time.process_time() - started < 5
     assert (visual.rgba, visual.texture) == (WHITE, None)
     assert (found.code, found.severity) == ("ROB074", Severity.WARNING)
     assert words in found.message
@@ -485,7 +485,7 @@ def test_dense_meshes_are_reduced_together(tmp_path: Path) -> None:
         str(tmp_path),
     )
     assert answer["triangles"] == 180_000
-    ((path, _, _, low, high),) = answer["looks"][0]
+    ((path, _, _, low, high, _),) = answer["looks"][0]
     assert np.allclose((low, high), ((-1, -1, -1), (1, 1, 1)), atol=1e-3)
     content = read_mesh(Path(path), with_look=True)
     assert 10_000 < len(content.corners) <= 55_000  # it is shown twice

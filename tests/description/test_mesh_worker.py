@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import json
 import os
+import random
+import re
 import subprocess
 import sys
 import time
+import warnings
+from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -15,8 +20,11 @@ import pytest
 import mesh_samples
 from wsgen.description import mesh_worker
 from wsgen.description.mesh_content import BrokenMeshError, EnormousMeshError
-from wsgen.description.mesh_reader import read_mesh
+from wsgen.description.mesh_reader import READ, read_mesh
 from wsgen.description.mesh_stl import write_stl
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 QUADS_OBJ = mesh_samples.obj(
     "f 1 2 4 3", "f 5 7 8 6", "f 1 5 6 2", "f 3 4 8 7", "f 1 3 7 5", "f 2 6 8 4"
@@ -153,7 +161,7 @@ def test_what_is_no_file(tmp_path: Path) -> None:
         for name in ("pipe.stl", "folder.stl", "missing.stl")
     ]
     assert problems == [
-        "is neither a file nor a folder",
+        "is a named pipe",
         "is a folder",
         "cannot be read (No such file or directory)",
     ]
@@ -192,6 +200,108 @@ def test_the_reader_is_loaded_without_the_library() -> None:
     script = "import sys, wsgen.description.mesh_worker as _; print('trimesh' in sys.modules)"
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, check=True)
     assert run.stdout == b"False\n"
+
+
+def damaged(content: bytes) -> Iterator[bytes]:
+    """The content cut short at many places, and with some bytes changed."""
+    yield from (content[:size] for size in range(0, len(content), max(1, len(content) // 25)))
+    chance = random.Random(len(content))  # noqa: S311  the same changes in each run
+    for changes in (1, 1, 3, 10) * 15:
+        changed = bytearray(content)
+        for _ in range(changes):
+            changed[chance.randrange(len(changed))] = chance.randrange(256)
+        yield bytes(changed)
+
+
+def samples() -> dict[str, bytes]:
+    """A whole file of each format."""
+    trimesh = pytest.importorskip("trimesh")
+    box = trimesh.creation.box((0.5, 2.0, 3.0))
+    text_ply = box.export(file_type="ply", encoding="ascii")
+    return {
+        "binary.stl": mesh_samples.binary_stl(),
+        "text.stl": mesh_samples.text_stl(),
+        "square.obj": mesh_samples.square_obj(head="mtllib square.mtl\n").encode(),
+        "quads.obj": QUADS_OBJ,
+        "triangles.dae": mesh_samples.coloured_dae(mesh_samples.RED).encode(),
+        "quads.dae": mesh_samples.dae(mesh_samples.QUADS).encode(),
+        "box.glb": trimesh.Scene(box).export(file_type="glb"),
+        "box.gltf": trimesh.Scene(box).export(file_type="gltf")["model.gltf"],
+        "binary.ply": box.export(file_type="ply"),
+        "text.ply": text_ply if isinstance(text_ply, bytes) else text_ply.encode(),
+    }
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "binary.ply",
+        "text.ply",
+        "box.glb",
+        "box.gltf",
+        *("binary.stl", "text.stl", "square.obj", "quads.obj", "triangles.dae", "quads.dae"),
+    ],
+)
+def test_damaged_files_are_told_in_words(tmp_path: Path, name: str) -> None:
+    """No exception of a library, and none of Python's, is told by its name."""
+    content = samples()[name]
+    file = write(tmp_path, name, content)
+    problems = set()
+    for changed in damaged(content):
+        write(tmp_path, name, changed)
+        asked = (str(file), True, False, [(False, (1.0, 1.0, 1.0), 1)])
+        (answer,) = mesh_worker.inspect([asked], str(tmp_path))
+        problems.add(answer["problem"])
+        told = f"{answer['problem']} {answer.get('complaints')}"
+        assert not re.search(r"Error|Exception|\b(object|index|array)\b|Traceback", told), told
+    assert problems - {None, "is empty (0 bytes)"}
+
+
+@pytest.mark.parametrize("kind", ["stl", "obj", "dae"])
+def test_our_own_readers_raise_nothing_else(tmp_path: Path, kind: str) -> None:
+    for name, content in samples().items():
+        for changed in damaged(content) if name.endswith(kind) else ():
+            with suppress(BrokenMeshError), warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                READ[kind](changed, tmp_path)
+
+
+@pytest.mark.parametrize("kind", ["glb", "ply"])
+def test_files_cut_short(tmp_path: Path, kind: str) -> None:
+    content = samples()["box.glb" if kind == "glb" else "binary.ply"]
+    answer = inspect(write(tmp_path, f"cut.{kind}", content[: len(content) // 2]), tmp_path)
+    assert "it is cut short" in answer["problem"]
+
+
+@pytest.mark.parametrize("target", ["/dev/zero", "pipe", "missing.bin", "large.bin", "folder"])
+def test_files_that_a_mesh_names(tmp_path: Path, target: str) -> None:
+    """A device, a pipe and a huge file are never read, whichever format names them."""
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "folder").mkdir()
+    with (tmp_path / "large.bin").open("wb") as stream:
+        stream.truncate(10**12)
+    gltf = json.loads(samples()["box.gltf"])
+    gltf["buffers"] = [{**buffer, "uri": target} for buffer in gltf["buffers"]]
+    answer = inspect(write(tmp_path, "box.gltf", json.dumps(gltf)), tmp_path)
+    assert f"needs the file `{target}`, which " in answer["problem"]
+    content = mesh_samples.square_obj(head=f"mtllib {target}\n")
+    file = write(tmp_path, "square.obj", content)
+    asked = (str(file), True, False, [(False, (1.0, 1.0, 1.0), 1)])
+    (answer,) = mesh_worker.inspect([asked], str(tmp_path))
+    (complaint,) = answer["complaints"]
+    assert f"its material library `{target}`" in complaint.what
+
+
+@pytest.mark.parametrize("keyword", ["mtllib", "  mtllib", "\tmtllib"])
+def test_no_engine_gets_the_name_of_a_material_library(tmp_path: Path, keyword: str) -> None:
+    """Engines open it, whatever it is, where they load the OBJ."""
+    content = mesh_samples.obj().decode()
+    file = write(tmp_path, "box.obj", f"o box\n{keyword} /dev/zero\n{content}")
+    answer = inspect(file, tmp_path)
+    for used in ("collision", "visual"):
+        assert Path(answer[used]).suffix == ".obj"  # which engines cut into its objects
+        assert b"mtllib" not in Path(answer[used]).read_bytes()
+        assert box_of(answer[used]) == (answer["low"], answer["high"])
 
 
 @pytest.mark.parametrize("kind", ["glb", "gltf", "ply"])

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from wsgen.description.meshes import find_meshes
 from wsgen.diagnostics import Severity
 from wsgen.model.robot import Collision, Link, Mesh, Robot, Visual
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 def robot(uri: str) -> Robot:
@@ -67,8 +64,8 @@ def test_found(share: Path, uri: str) -> None:
         ("file://{share}/meshes/Part%20one.STL", "/part one.STL` is", "same capitals"),
         ("package://arm/meshes", "is a folder", "Name a mesh file"),
         ("package://arm", "is a folder", "Name a mesh file"),
-        ("package://arm/meshes/pipe.stl", "neither a file nor a folder", "Name a mesh file"),
-        ("package://arm/meshes/gone.stl", "a link to nothing", "Name a mesh file"),
+        ("package://arm/meshes/pipe.stl", "is a named pipe", "Name a mesh file"),
+        ("package://arm/meshes/gone.stl", "a link to ", "Name a mesh file"),
         ("package://leg/meshes/part.stl", "package `leg`", "Build and source"),
         ("package://arm/meshes/part.step", "format", "Convert it"),
         ("package:///meshes/part.stl", "names no package", "package://PACKAGE/meshes/part.stl"),
@@ -99,6 +96,16 @@ def test_not_found(share: Path, uri: str, words: str, hint: str) -> None:
     for one in found:
         assert words in one.message
         assert hint in (one.hint or "")
+
+
+def test_paths_are_absolute(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "part.stl").write_bytes(b"")
+    monkeypatch.chdir(tmp_path)
+    for uri in ("part.stl", "package://arm/part.stl"):
+        located, _ = find_meshes(robot(uri), share_of={"arm": Path()}.get, folder=Path())
+        (shape,) = located.links[0].collisions
+        assert isinstance(shape.geometry, Mesh)
+        assert shape.geometry.path == str(tmp_path / "part.stl")
 
 
 def test_relative_to_nothing() -> None:

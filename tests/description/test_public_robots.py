@@ -28,8 +28,8 @@ NO_EXTENT = (
     "(DART) ends the program on them; they are left out with an error, visuals with a warning"
 )
 ONE_SPACE_OF_NAMES = (
-    "a joint and a link of one name: the oracle refuses the robot, sdformat 13 and later rename "
-    "one with a warning, and so ROB034 is one"
+    "a joint and a link of one name: Gazebo Sim refuses the robot; nobody knows which simulator a "
+    "bare file is for, and so ROB034 is a warning that names it"
 )
 # Robot -> the kinds of differences, how many there are, and why.
 DIFFERENT = {

@@ -92,6 +92,33 @@ def test_what_gazebo_reads_in_its_own_element(wrong: str, meant: str) -> None:
     assert found.hint == f"Did you mean <{meant}>?"
 
 
+@pytest.mark.parametrize(
+    ("written", "wrong", "line"),
+    [
+        ("link name='b'", "Link name='b'", 3),
+        ("joint", "Joint", 4),
+        ("link name='b'", "lnik name='b'", 3),
+    ],
+)
+def test_what_lacks_a_misspelt_link_or_joint_is_not_told(
+    written: str, wrong: str, line: int
+) -> None:
+    tag, meant = wrong.split(maxsplit=1)[0], written.split(maxsplit=1)[0]
+    text = (
+        "<robot name='r'>\n<link name='a'></link>\n<link name='b'></link>\n"
+        "<joint name='j' type='fixed'><parent link='a'/><child link='b'/></joint>\n"
+        "<gazebo reference='b'><mu1>1</mu1></gazebo></robot>"
+    )
+    start, _, rest = text.partition(f"<{written}")
+    text = f"{start}<{wrong}{rest.replace(f'</{meant}>', f'</{tag}>', 1)}"
+    robot, found = read_urdf(text, file=None)
+    assert robot is None
+    assert [(one.code, one.severity, one.line) for one in found] == [
+        ("ROB038", Severity.ERROR, line)
+    ]
+    assert found[0].hint == f"Did you mean <{meant}>?"
+
+
 def test_an_attribute_that_is_nearly_reference() -> None:
     (found,) = misspelt("robot", '<gazebo ref="a"><plugin name="p" filename="f"/></gazebo>')
     assert found.hint == "Did you mean `reference`?"

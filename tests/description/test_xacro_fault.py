@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import socket
 import sys
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
@@ -109,8 +110,31 @@ def model(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
             "a.yml",
             "spelling",
         ),
-        ("</visual>", "</visul>", 23, "not well-formed", "this line"),
+        ("</visual>", "</visul>", 23, "<visual> is closed by </visul>", "Write </visual>"),
+        ("</visual>", "", 21, "<visual> is not closed", "Add </visual>"),
         ("give", "\ngive \udcff", 4, "0xff is no UTF-8", "UTF-8"),
+        (
+            ' xmlns:xacro="http://www.ros.org/wiki/xacro"',
+            "",
+            2,
+            "line 4 uses the prefix `xacro:`",
+            'Write line 2 as <robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="r">',
+        ),
+        ("<visual>", '<visual a:b="1">', 2, "line 21 uses the prefix `a:`", 'xmlns:a="ADDRESS"'),
+        ("<xacro:include", "<xacro:inclde", 7, "xacro:inclde", "mean `include`?"),
+        ("<xacro:property", "<xacro:propery", 5, "xacro:propery", "mean `property`?"),
+        ("filename", "filname", 7, "none called `filname`", "mean `filename`?"),
+        ("property name", "property nmae", 5, "none called `nmae`", "mean `name`?"),
+        (
+            'property name="mass"',
+            "property",
+            5,
+            "has no attribute `name`",
+            '<xacro:property name="..."',
+        ),
+        ('"length" value', '"length" vlaue', 6, "no attribute `vlaue`", "mean `value`?"),
+        ("<xacro:property name", "<property name", 17, "'mass' is not", "<xacro:property>"),
+        ("$(find", "$(fnd", 7, "knows no command `fnd`", "mean `find`?"),
     ],
 )
 def test_the_line_and_the_hint(  # noqa: PLR0917  cases
@@ -148,6 +172,48 @@ def test_what_is_defined_too_late(model: Path, use: str, definition: str, hint: 
     fault = fault_of(model, body(use, definition))
     assert fault["line"] == 2
     assert hint in fault["hint"]
+
+
+@pytest.mark.parametrize("encoding", ["utf-16", "utf-16-be"])
+def test_utf_16(model: Path, encoding: str) -> None:
+    """In the file, and in one that it includes."""
+    file = model / "robot.xacro"
+    file.write_bytes(body('<link name="a"/>').encode(encoding))
+    found = expand(file, {})
+    if found.code:  # without a mark of the byte order, expat finds the encoding
+        assert found.fault is not None
+        assert "UTF-16" in found.fault["message"]
+        assert "iconv -f UTF-16 -t UTF-8" in found.fault["hint"]
+    (model / "parts.xacro").write_bytes(body('<link name="a"/>').encode("utf-16"))
+    fault = fault_of(model, body('<xacro:include filename="parts.xacro"/>'))
+    assert fault["file"] == str(model / "parts.xacro")
+    assert "UTF-16" in fault["message"]
+
+
+@pytest.mark.parametrize(
+    "use",
+    [
+        '<xacro:include filename="FILE"/>',
+        '<xacro:property name="p" value="${xacro.load_yaml(\'FILE\')}"/><link name="${p}"/>',
+    ],
+)
+def test_what_is_no_regular_file(model: Path, use: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is never opened: that could wait for ever."""
+    os.mkfifo(model / "pipe")
+    (model / "link").symlink_to("/dev/zero")
+    for name, kind in (
+        ("pipe", "a named pipe"),
+        ("/dev/zero", "a device"),
+        ("link", "a link to a device (/dev/zero)"),
+        (str(model), "a folder"),
+    ):
+        fault = fault_of(model, body(use.replace("FILE", name)))
+        assert fault["message"].endswith(f"is {kind}, not a regular file")
+        assert fault["line"] == 2
+    with socket.socket(socket.AF_UNIX) as end:
+        monkeypatch.chdir(model)  # an address of a socket has few characters
+        end.bind("s")
+        assert "is a socket" in fault_of(model, body(use.replace("FILE", "s")))["message"]
 
 
 def test_faults_in_an_included_file(model: Path) -> None:
@@ -207,9 +273,9 @@ def test_a_document_that_the_caller_opened(model: Path, monkeypatch: pytest.Monk
     """xacro is not told its name."""
     monkeypatch.setattr(xacro, "parse", xacro.parse)  # set back afterwards
     monkeypatch.setattr(xacro, "process_doc", xacro.process_doc)
-    Watch(lambda *_: None)
+    Watch(lambda *_: None, lambda *_: None)
     file = model / "robot.xacro"
-    for content, line in ((body('<link name="${no}"/>'), 2), (body("", "<link>"), 4)):
+    for content, line in ((body('<link name="${no}"/>'), 2), (body("", "<link>"), 3)):
         file.write_text(content)
         with file.open() as stream, pytest.raises(Exception) as caught:  # noqa: PT011  any
             xacro.process_doc(xacro.parse(stream))

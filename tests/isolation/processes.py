@@ -13,7 +13,12 @@ def is_alive(pid: int) -> bool:
         return False
 
 
-def wait_while(condition: Callable[[], bool], seconds: float = 20.0) -> None:
+def parent_of(pid: int) -> int:
+    """The process id of the parent."""
+    return int(Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[1])
+
+
+def wait_while(condition: Callable[[], bool], seconds: float = 300.0) -> None:
     end = time.monotonic() + seconds
     while condition():
         assert time.monotonic() < end, "waited too long"

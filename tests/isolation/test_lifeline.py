@@ -17,7 +17,7 @@ from wsgen.isolation.outcome import Answered, Limits
 TASK = """
 import os, subprocess
 def spin(file):
-    child = subprocess.Popen(["sleep", "60"])
+    child = subprocess.Popen(["sleep", "600"])
     with open(file + ".part", "w") as stream:
         stream.write(f"{os.getppid()} {os.getpid()} {child.pid}")
     os.rename(file + ".part", file)
@@ -32,13 +32,13 @@ tempfile.tempdir = sys.argv[2]
 from wsgen.isolation.parent import Limits, run
 signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))
 """
-ONE = "run('foreign_spin:spin', sys.argv[3], limits=Limits(seconds=60))"
+ONE = "run('foreign_spin:spin', sys.argv[3], limits=Limits(seconds=600))"
 SEVERAL = """
 from concurrent.futures import ThreadPoolExecutor
 from wsgen.isolation.nursery import Nursery
 with ThreadPoolExecutor(2) as pool, Nursery() as nursery:
     calls = [
-        pool.submit(nursery.run, "foreign_spin:spin", file, limits=Limits(seconds=60))
+        pool.submit(nursery.run, "foreign_spin:spin", file, limits=Limits(seconds=600))
         for file in sys.argv[3:]
     ]
     for call in calls:
@@ -65,7 +65,7 @@ def test_the_end_of_the_parent(
         family = [int(pid) for file in files for pid in file.read_text().split()]
         assert all(map(is_alive, family))
         parent.send_signal(number)
-        assert parent.wait(20) == returncode
+        assert parent.wait(120) == returncode
     wait_while(lambda: any(map(is_alive, family)))
     # Nobody can clean up after kill -9.
     assert bool(list(scratch.iterdir())) == is_left_behind
@@ -77,7 +77,7 @@ from pathlib import Path
 file = Path(os.environ["PID_FILE"])
 file.with_suffix(".part").write_text(str(os.getpid()))
 file.with_suffix(".part").rename(file)
-time.sleep(60)
+time.sleep(600)
 """
 
 
@@ -112,7 +112,7 @@ def test_a_parent_that_ended_before(tmp_path: Path) -> None:
     assert ended.returncode == -signal.SIGTERM
 
 
-def test_a_child_has_not_much_more_cpu_time_than_time(
+def test_the_system_limits_the_cpu_time_too(
     run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "foreign_limit.py").write_text(
@@ -121,5 +121,5 @@ def test_a_child_has_not_much_more_cpu_time_than_time(
     monkeypatch.syspath_prepend(str(tmp_path))
     answer = run("foreign_limit:limit", limits=Limits(seconds=2.5))
     assert isinstance(answer, Answered)
-    assert answer.value == [8, 8]
-    assert resource.getrlimit(resource.RLIMIT_CPU) != (8, 8)
+    assert answer.value == [3, 8]
+    assert resource.getrlimit(resource.RLIMIT_CPU) != (3, 8)

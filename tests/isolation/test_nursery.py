@@ -5,14 +5,13 @@ import signal
 import socket
 import subprocess
 import threading
-import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 
 from isolation.conftest import Task
-from isolation.processes import is_alive, wait_while
+from isolation.processes import is_alive, parent_of, wait_while
 from wsgen.isolation.nursery import Nursery
 from wsgen.isolation.outcome import Answered, Died, Limits
 from wsgen.isolation.server import Server
@@ -22,9 +21,9 @@ pytestmark = pytest.mark.skipif("sys.platform != 'linux'", reason="nothing is fo
 # Tells who it is and waits for ever.
 WAIT = """
 import os, time
-open(arguments[0] + ".part", "w").write(f"{os.getppid()} {os.getpid()}")
+open(arguments[0] + ".part", "w").write(str(os.getpid()))
 os.rename(arguments[0] + ".part", arguments[0])
-time.sleep(60)
+time.sleep(600)
 """
 
 
@@ -33,25 +32,34 @@ def value(outcome: Answered | Died) -> object:
     return outcome.value
 
 
+# The parent of a child is its guard, the guard's is the server.
+SERVER = """
+import os
+status = open(f"/proc/{os.getppid()}/stat").read()
+return int(status.rpartition(")")[2].split()[1])
+"""
+
+
 def read_family(file: Path) -> tuple[int, int]:
     """The process ids of a server and its child, when the child has written them."""
     wait_while(lambda: not file.exists())
-    server, child = file.read_text().split()
-    return int(server), int(child)
+    child = int(file.read_text())
+    return parent_of(parent_of(child)), child
 
 
 def test_the_module_is_imported_once(nursery: Nursery, task: Task, tmp_path: Path) -> None:
     log = tmp_path / "log"
     name = task(
-        "global count\ncount += 1\nreturn [count, os.getpid(), os.getppid()]",
-        before=f"import os\ncount = 0\nopen({str(log)!r}, 'a').write('imported ')",
+        SERVER.replace("return", "server =")
+        + "global count\ncount += 1\nreturn [count, os.getpid(), server]",
+        before=f"count = 0\nopen({str(log)!r}, 'a').write('imported ')",
     )
-    counts, pids, parents = zip(*(value(nursery.run(name)) for _ in range(3)), strict=True)
+    counts, pids, servers = zip(*(value(nursery.run(name)) for _ in range(3)), strict=True)
     assert log.read_text() == "imported "
     assert counts == (1, 1, 1)
     assert len(set(pids)) == 3
-    assert len(set(parents)) == 1
-    assert os.getpid() not in parents
+    assert len(set(servers)) == 1
+    assert os.getpid() not in servers
 
 
 def test_what_one_module_imports_is_not_in_the_others_children(
@@ -139,29 +147,31 @@ def test_a_call_without_time_left_does_not_disturb_the_others(
     name = task("import time\ntime.sleep(arguments[0])\nreturn arguments[0]")
     nursery.run(name, 0)
     with ThreadPoolExecutor() as pool:
-        late = pool.submit(nursery.run, name, 60, limits=Limits(seconds=0.2))
+        late = pool.submit(nursery.run, name, 600, limits=Limits(wall_clock=0.2))
         calm = pool.submit(nursery.run, name, 0.6)
-        assert late.result() == Died(reason="took longer than 0.2 s", step="", output="")
+        death = late.result()
+        assert isinstance(death, Died)
+        assert death.cause == "wall-clock time"
         assert value(calm.result()) == 0.6
 
 
 def test_a_server_that_is_killed(nursery: Nursery, task: Task, tmp_path: Path) -> None:
-    name = task(f"if arguments:{WAIT}".replace("\n", "\n    ") + "\nimport os\nreturn os.getppid()")
+    name = task(f"if arguments:{WAIT}".replace("\n", "\n    ") + SERVER)
     first = value(nursery.run(name))
     with ThreadPoolExecutor() as pool:
         call = pool.submit(nursery.run, name, str(tmp_path / "family"))
         server, child = read_family(tmp_path / "family")
         assert server == first
         os.kill(server, signal.SIGKILL)
-        died = call.result(10)
+        died = call.result(120)
     assert isinstance(died, Died)
     assert died.reason == "was lost with the process that had started it, which crashed (SIGKILL)"
-    wait_while(lambda: is_alive(child), 2)
+    wait_while(lambda: is_alive(child))
     assert value(nursery.run(name)) not in (first, os.getpid())
 
 
 def test_a_server_that_is_killed_between_calls(nursery: Nursery, task: Task) -> None:
-    name = task("import os\nreturn os.getppid()")
+    name = task(SERVER)
     first = value(nursery.run(name))
     assert isinstance(first, int)
     os.kill(first, signal.SIGKILL)
@@ -172,7 +182,7 @@ def test_a_server_that_is_killed_between_calls(nursery: Nursery, task: Task) -> 
 def test_a_server_that_dies_as_it_is_asked(
     nursery: Nursery, task: Task, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    name = task("import os\nreturn os.getppid()")
+    name = task(SERVER)
     server = value(nursery.run(name))
     assert isinstance(server, int)
     os.kill(server, signal.SIGKILL)
@@ -188,7 +198,7 @@ def test_a_server_that_dies_as_it_is_asked(
 def test_a_child_that_was_reaped_meanwhile_is_not_killed() -> None:
     # By then its process id may be that of another process.
     control, report = socket.socketpair()
-    with subprocess.Popen(["sleep", "60"]) as another, control, report:
+    with subprocess.Popen(["sleep", "600"]) as another, control, report:
         server = Server(control)
         with server.bell, server.clapper:
             server._give_up(another.pid, report)
@@ -207,24 +217,24 @@ def test_a_module_that_crashes_when_it_is_imported(nursery: Nursery, task: Task)
 
 def test_a_module_that_is_never_imported(nursery: Nursery, task: Task) -> None:
     name = task("return 1", before="import time\ntime.sleep(1)")
-    died = nursery.run(name, limits=Limits(seconds=0.2))
+    died = nursery.run(name, limits=Limits(wall_clock=0.2))
     assert isinstance(died, Died)
-    assert died.reason == "took longer than 0.2 s"
+    assert died.cause == "wall-clock time"
     assert value(nursery.run(name)) == 1
 
 
 def test_a_module_that_starts_threads_is_not_forked(nursery: Nursery, task: Task) -> None:
     before = """
         import os, threading, time
-        threading.Thread(target=time.sleep, args=(60,), daemon=True).start()
+        threading.Thread(target=time.sleep, args=(600,), daemon=True).start()
         """
-    name = task("return os.getppid()", before=before)
+    name = task(SERVER, before=before)
     assert value(nursery.run(name)) == os.getpid()
 
 
 def test_the_modules_of_wsgen_start_no_threads(nursery: Nursery, task: Task) -> None:
     for module in ("wsgen.simulation.bullet_worker", "wsgen.tasks", "numpy", "lxml.etree"):
-        name = task("import os\nreturn os.getppid()", before=f"import {module}")
+        name = task(SERVER, before=f"import {module}")
         assert value(nursery.run(name)) != os.getpid(), module
 
 
@@ -232,7 +242,7 @@ def test_nothing_is_forked_elsewhere(
     nursery: Nursery, task: Task, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("sys.platform", "darwin")
-    assert value(nursery.run(task("import os\nreturn os.getppid()"))) == os.getpid()
+    assert value(nursery.run(task(SERVER))) == os.getpid()
 
 
 def test_the_end_of_a_nursery(task: Task, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -244,11 +254,9 @@ def test_the_end_of_a_nursery(task: Task, tmp_path: Path, monkeypatch: pytest.Mo
         thread = threading.Thread(target=lambda: outcomes.append(nursery.run(name, str(file))))
         thread.start()
         server, child = read_family(file)
-        started = time.monotonic()
-    thread.join(10)
-    assert time.monotonic() - started < 5
+    thread.join(120)
     assert isinstance(outcomes[0], Died)
-    wait_while(lambda: is_alive(server) or is_alive(child), 2)
+    wait_while(lambda: is_alive(server) or is_alive(child))
     assert list((tmp_path / "scratch").iterdir()) == []
     with pytest.raises(RuntimeError, match="closed"):
         nursery.run(name)
@@ -267,5 +275,5 @@ def test_an_interrupted_call_leaves_nothing(nursery: Nursery, task: Task, tmp_pa
         nursery.run(name, str(tmp_path / "family"))
     thread.join()
     server, child = family
-    wait_while(lambda: is_alive(child), 2)
+    wait_while(lambda: is_alive(child))
     assert is_alive(server)

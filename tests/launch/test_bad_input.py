@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import TYPE_CHECKING
 
 import pytest
@@ -38,7 +39,7 @@ def test_bytes_that_are_no_text(space: InstallSpace) -> None:
     file = share / "bad.launch.py"
     file.write_bytes(b"x = '\xff'\n")
     plan = space.evaluate(file)
-    only_message(plan, "LCH001")
+    assert "UTF-8" in only_message(plan, "LCH032")
 
 
 def test_import_of_what_is_not_there(space: InstallSpace) -> None:
@@ -187,7 +188,7 @@ ROBOT = """\
         ('<link name="${size}"/>', "name 'size' is not defined", 3),
         ('<link name="$(arg size)"/>', "size:=VALUE", 3),
         ("<xacro:wheel/>", "Include the file that defines the macro", 3),
-        ("<link>", "not well-formed XML", 4),
+        ("<link>", "not well-formed XML: <link> is not closed", 3),
         ('<link name="${1/0}"/>', "division by zero", 3),
     ],
 )
@@ -239,7 +240,25 @@ def test_fork(space: InstallSpace, call: str) -> None:
 
 def test_loop_without_end(space: InstallSpace) -> None:
     plan = evaluate(space, "while True:\n    pass\n", seconds=1.0)
-    assert "took longer than 1 s" in only_message(plan, "LCH012")
+    assert "used more than 1 s of CPU time" in only_message(plan, "LCH012")
+    assert "a loop" in (plan.diagnostics[0].hint or "")
+
+
+def test_sleep_without_end(space: InstallSpace) -> None:
+    plan = evaluate(space, "import time\ntime.sleep(600)\n", wall_clock=3.0)
+    assert "did not end within 3 s" in only_message(plan, "LCH012")
+    assert "machine is less busy" in (plan.diagnostics[0].hint or "")
+
+
+def test_print_without_end(space: InstallSpace) -> None:
+    plan = evaluate(space, "while True:\n    print('no end ' * 10_000)\n")
+    assert "wrote more than 64 MB" in only_message(plan, "LCH013")
+    assert "prints" in (plan.diagnostics[0].hint or "")
+
+
+def test_end_of_the_parent(space: InstallSpace) -> None:
+    text = "import os, time\nos.kill(os.getppid(), 9)\ntime.sleep(600)"
+    assert "crashed (SIGKILL)" in only_message(evaluate(space, text), "LCH013")
 
 
 def test_crash(space: InstallSpace) -> None:
@@ -255,6 +274,21 @@ def test_too_much_memory(space: InstallSpace) -> None:
 @pytest.mark.parametrize("call", ["import sys; sys.exit(3)", "raise KeyboardInterrupt", "exit()"])
 def test_exit(space: InstallSpace, call: str) -> None:
     only_message(evaluate(space, call), "LCH014")
+
+
+@pytest.mark.parametrize("name", ["GeneratorExit", "Own"])
+def test_what_is_no_exception(space: InstallSpace, name: str) -> None:
+    plan = evaluate(space, f"class Own(BaseException): pass\nraise {name}('no')\n")
+    assert f"{name}: no" in only_message(plan, "LCH004")
+    assert place(plan) == ("bad.launch.py", 2)
+
+
+def test_what_is_no_exception_inside_of_an_action(space: InstallSpace) -> None:
+    plan = space.play(
+        "OpaqueFunction(function=leave)", before="def leave(context):\n    raise GeneratorExit"
+    )
+    assert "GeneratorExit" in only_message(plan, "LCH004")
+    assert place(plan)[0] == "test.launch.py"
 
 
 def test_exit_without_goodbye(space: InstallSpace) -> None:
@@ -313,6 +347,28 @@ def test_launch_file_that_is_not_there(space: InstallSpace, tmp_path: Path) -> N
     space.add("my_robot")
     only_message(space.evaluate(tmp_path / "no.launch.py"), "LCH005")
     only_message(space.evaluate(tmp_path / "no" / "no.launch.py"), "LCH005")
+
+
+@pytest.mark.parametrize("suffix", [".py", ".xml", ".yaml"])
+def test_launch_file_that_is_a_pipe(space: InstallSpace, tmp_path: Path, suffix: str) -> None:
+    space.add("my_robot")
+    os.mkfifo(tmp_path / f"a.launch{suffix}")
+    words = only_message(space.evaluate(tmp_path / f"a.launch{suffix}"), "LCH018")
+    assert "a pipe or a device" in words
+    (tmp_path / f"b.launch{suffix}").symlink_to("/dev/zero")
+    only_message(space.evaluate(tmp_path / f"b.launch{suffix}"), "LCH018")
+
+
+def test_other_files_that_are_pipes(space: InstallSpace, tmp_path: Path) -> None:
+    pipe = tmp_path / "a.yaml"
+    os.mkfifo(pipe)
+    plan = space.play(f"Node(package='rviz2', executable='e', parameters=[{str(pipe)!r}])")
+    only_message(plan, "LCH019")
+    plan = space.play(f"IncludeLaunchDescription({str(pipe)!r})")
+    only_message(plan, "LCH018")
+    before = "from launch.substitutions import FileContent"
+    plan = space.play(f"LogInfo(msg=FileContent({str(pipe)!r}))", before=before)
+    assert "a pipe or a device" in plan.diagnostics[0].message
 
 
 def test_launch_file_that_is_a_folder(space: InstallSpace, tmp_path: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import json
 import re
+import runpy
 import subprocess
 import sys
 from pathlib import Path
@@ -62,6 +63,11 @@ def names() -> dict[str, list[str]]:
                     found[package] = [name for name, home in homes.items() if home]
                 elif target == "__all__" and isinstance(node.value, ast.List):
                     found[package] = ast.literal_eval(node.value)
+    shown: dict[str, dict[str, str]] = runpy.run_path(str(RECORDING / "launch" / "_public.py"))[
+        "NAMES"
+    ]
+    for package, homes in shown.items():
+        found[package] = [name for name, home in homes.items() if home]
     for module in ("launch_ros.descriptions", "launch_ros.parameter_descriptions"):
         tree = ast.parse((RECORDING / f"{module.replace('.', '/')}.py").read_text(encoding="utf-8"))
         found[module] = [node.name for node in tree.body if isinstance(node, ast.ClassDef)]
@@ -92,7 +98,7 @@ def tags() -> str:
     code = (
         "import json, sys; sys.path.insert(0, sys.argv[1]); "
         "from launch.frontend.actions import known_tags; "
-        "from launch.frontend.substitutions import FORMS; "
+        "from launch.frontend.template import FORMS; "
         "print(json.dumps([known_tags(), sorted(FORMS)]))"
     )
     found = subprocess.check_output([sys.executable, "-c", code, str(RECORDING)], text=True)

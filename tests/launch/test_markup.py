@@ -409,8 +409,8 @@ def test_templates(space: InstallSpace, text: str, found: list[str]) -> None:
 @pytest.mark.parametrize(
     ("text", "code", "message", "line"),
     [
-        ("<launch>\n<node>\n</launch>", "LCH023", "mismatched tag", 3),
-        ("", "LCH023", "no element found", 1),
+        ("<launch>\n<node>\n</launch>", "LCH023", "<node> is not closed", 2),
+        ("", "LCH023", "the file is empty", 1),
         ("<launch>\n<nod pkg='a'/></launch>", "LCH010", "Unrecognized entity of the type: nod", 2),
         ("<robot/>", "LCH010", "Expected 'launch' as root tag", 1),
         ("<launch><let name='a' valu='b'/></launch>", "LCH010", "'value' of type", 1),

@@ -7,8 +7,9 @@ from typing import Any
 
 import pytest
 
+from install_space import HEAD, InstallSpace
 from wsgen.launch.spawning import find_simulator, find_spawns
-from wsgen.model.plan import Include, LaunchPlan, Process, Spawn
+from wsgen.model.plan import Include, LaunchPlan, Process, Spawn, SpawnHeight
 
 URDF = "<robot name='r'/>"
 
@@ -83,6 +84,55 @@ def test_topic_and_pose() -> None:
     assert spawn.pose_in_world.rpy == (0.1, 0.2, -3.0)
     assert spawn.process is not None
     assert spawn.process.line == 7
+
+
+@pytest.mark.parametrize(
+    ("node", "is_given", "launch_argument"),
+    [
+        ("arguments=['-topic', 'd', '-entity', 'e']", False, None),
+        ("arguments=['-topic', 'd', '-entity', 'e', '-z', '0.0']", True, None),
+        (
+            "arguments=['-topic', 'd', '-entity', 'e', '-z', LaunchConfiguration('up')]",
+            True,
+            "up",
+        ),
+    ],
+)
+def test_where_the_height_is_given(
+    space: InstallSpace, node: str, *, is_given: bool, launch_argument: str | None
+) -> None:
+    text = f"""{HEAD}
+def generate_launch_description():
+    return LaunchDescription([
+        DeclareLaunchArgument('x', default_value='0.0'),
+        DeclareLaunchArgument('up', default_value='0.0'),
+        Node(package='robot_state_publisher', executable='robot_state_publisher',
+             parameters=[{{'robot_description': '<robot/>'}}],
+             remappings=[('robot_description', 'd')]),
+        Node(package='gazebo_ros', executable='spawn_entity.py', {node}),
+    ])
+"""
+    file = space.add("my_robot", {"launch/r.launch.py": text}) / "launch/r.launch.py"
+    evaluated = space.evaluate(file)
+    assert evaluated.diagnostics == ()
+    (spawn,), wrong = find_spawns(evaluated)
+    assert not wrong
+    assert spawn.height == SpawnHeight(
+        file=file,
+        line=text[: text.index("spawn_entity")].count("\n") + 1,
+        option="-z",
+        holder="the arguments of spawn_entity.py",
+        is_given=is_given,
+        launch_argument=launch_argument,
+    )
+
+
+def test_where_the_height_is_given_that_is_a_parameter() -> None:
+    source = {"topic": "robot_description"}
+    spawn = only_spawn(create(parameters=source, line=3), publisher())
+    assert spawn.height is not None
+    assert (spawn.height.option, spawn.height.is_given) == ("z", False)
+    assert spawn.height.holder == "the parameters of create"
 
 
 def test_namespaces() -> None:
@@ -269,3 +319,34 @@ def test_no_simulator(started: LaunchPlan) -> None:
     found, (diagnostic,) = find_simulator(started)
     assert found is None
     assert diagnostic.code == "SPN001"
+
+
+def test_misspelt_option_is_one_fault() -> None:
+    process = spawner("-topic", "robot_description", "-enity", "r")
+    _, (found,) = find_spawns(plan(publisher(), process))
+    assert "'-enity'" in found.message
+    assert "Did you mean `-entity`?" in (found.hint or "")
+
+
+def test_option_without_value_is_one_fault() -> None:
+    assert (
+        "-entity" in only_fault(publisher(), spawner("-topic", "robot_description", "-entity"))[1]
+    )
+
+
+def test_misspelt_topic() -> None:
+    process = spawner("-topic", "robot_descripton", "-entity", "r")
+    _, (found,) = find_spawns(plan(publisher(), process))
+    assert found.code == "SPN008"
+    assert "Did you mean `/robot_description`?" in (found.hint or "")
+
+
+def test_misspelt_parameter() -> None:
+    wrong = Process(
+        package="robot_state_publisher",
+        executable="robot_state_publisher",
+        parameters={"robot_descripton": URDF},
+    )
+    _, (found,) = find_spawns(plan(wrong, spawner("-topic", "robot_description", "-entity", "r")))
+    assert found.code == "SPN009"
+    assert found.hint == "Rename `robot_descripton` to `robot_description`."

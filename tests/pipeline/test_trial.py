@@ -6,16 +6,21 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import pytest
+
+from wsgen.diagnostics import Severity
 from wsgen.isolation.outcome import Answered, Died
 from wsgen.model.behaviour import Behaviour, Reach
 from wsgen.model.pose import Pose
 from wsgen.model.robot import Inertial, Joint, JointType, Link, Robot
 from wsgen.model.world import World
+from wsgen.pipeline import trial as trials
 from wsgen.pipeline.behaviours import make_programme
 from wsgen.pipeline.described import Described
 from wsgen.pipeline.request import ValidateRequest
 from wsgen.pipeline.trial import Tried, try_robots
 from wsgen.simulation.scene import DRAWING, LOADING, RobotTrial, Scene, trial_to_json
+from wsgen.simulation.surfaces import MOST_LINKS
 from wsgen.workspace.settings import Settings
 
 BODY = Inertial(mass=1.0, inertia=(0.1, 0.0, 0.0, 0.1, 0.0, 0.1))
@@ -110,7 +115,9 @@ def test_an_engine_that_dies_while_it_draws_costs_the_picture_alone(tmp_path: Pa
     request = ValidateRequest(picture_folder=tmp_path)
     outcome = try_robots(WORLD, [described("a")], request, "name", run=DiesDrawing())
     assert [robot.passed for robot in outcome.robots] == [True]
-    assert [found.code for found in outcome.diagnostics] == ["SPN034"]
+    assert [(found.code, found.severity) for found in outcome.diagnostics] == [
+        ("SPN034", Severity.ERROR)
+    ]
     assert outcome.picture is None
 
 
@@ -119,6 +126,27 @@ def test_both_engines_must_pass_a_robot() -> None:
     assert [robot.passed for robot in outcome.robots] == [False]
     (found,) = [finding for finding in outcome.diagnostics if finding.code == "SPN055"]
     assert found.message.startswith("In DART: ")
+
+
+@pytest.mark.parametrize("both", [True, False])
+def test_more_links_than_pybullet_can_do_go_to_dart(
+    monkeypatch: pytest.MonkeyPatch, *, both: bool
+) -> None:
+    links = tuple(Link(name=f"l{n}", inertial=BODY) for n in range(MOST_LINKS + 1))
+    joints = tuple(
+        Joint(name=link.name, type=JointType.CONTINUOUS, parent="l0", child=link.name)
+        for link in links[1:]
+    )
+    robot = Robot(name="r", root="l0", links=links, joints=joints)
+    large = Described(entity="large", written=robot, lumped=robot)
+    request = ValidateRequest(engines=("bullet", "dart") if both else ("bullet",))
+    for missing, tried_in, codes in (([], ["dart"], ["SPN089"]), (["dart"], request.engines, [])):
+        monkeypatch.setattr(trials, "missing_engines", lambda _, missing=missing: missing)
+        engines = Engines()
+        outcome = try_robots(WORLD, [large, described("a")], request, "name", run=engines)
+        assert [scene.engine for scene in engines.scenes] == list(tried_in)
+        found = [one for one in outcome.diagnostics if one.code == "SPN089"]
+        assert [(one.code, one.element) for one in found] == [(code, "large") for code in codes]
 
 
 def test_what_both_engines_find_is_told_once() -> None:

@@ -9,7 +9,9 @@ from wsgen.model.behaviour import BehaviourOutcome, Drive, Reach
 from wsgen.model.outcome import Outcome, PackageOutcome, Rest, RobotOutcome, Simulated
 from wsgen.model.pose import Pose
 from wsgen.model.world import PlacedModel, World
-from wsgen.report.json_report import render_outcome
+from wsgen.report.json_report import render_build, render_outcome
+from wsgen.workspace.build import BuildResult
+from wsgen.workspace.progress import PackageResult
 
 ROBOT = RobotOutcome(
     entity="r",
@@ -59,6 +61,7 @@ def test_every_key_of_the_contract() -> None:
     document = json.loads(render_outcome(outcome()))
     assert document == {
         "version": 1,
+        "complete": True,
         "passed": True,
         "packages": [
             {
@@ -153,14 +156,51 @@ def keys(value: object, path: str = "") -> set[str]:
     return found
 
 
+def documented_keys(command: str) -> set[str]:
+    """The keys that docs/json.md lists for a command."""
+    text = (Path(__file__).parents[2] / "docs" / "json.md").read_text(encoding="utf-8")
+    (section,) = (part for part in text.split("# The JSON of ") if part.startswith(f"`{command}`"))
+    return {line.split("`")[1] for line in section.splitlines() if line.startswith("| `")}
+
+
 def test_the_documentation_lists_every_key() -> None:
     stages = dict.fromkeys(("launch", "expand", "load", "simulate", "total"), 1.0)
     document = json.loads(render_outcome(outcome(seconds=stages)))
-    text = (Path(__file__).parents[2] / "docs" / "json.md").read_text(encoding="utf-8")
     document["packages"][0]["robots"][0]["rest"]["joint_positions"] = None  # its keys are names
     document["packages"][0]["robots"][0]["behaviours"][0]["expected"] = None  # so may be its
-    listed = {line.split("`")[1] for line in text.splitlines() if line.startswith("| `")}
-    assert listed == keys(document)
+    assert documented_keys("wsgen validate") == keys(document)
+
+
+BUILD = BuildResult(
+    succeeded=True,
+    packages=(PackageResult(name="p", outcome="built", seconds=1.23456),),
+    seconds=2.0,
+    diagnostics=(FINDING,),
+    log_folder=Path("/ws/log"),
+)
+
+
+def test_every_key_of_a_build() -> None:
+    document = json.loads(render_build(BUILD))
+    assert document == {
+        "version": 1,
+        "passed": True,
+        "packages": [{"package": "p", "state": "built", "seconds": 1.2346}],
+        "diagnostics": [
+            {
+                "code": "SPN053",
+                "severity": "warning",
+                "message": "m",
+                "file": "f",
+                "line": 3,
+                "element": None,
+                "hint": None,
+            }
+        ],
+        "log": "/ws/log",
+        "seconds": 2.0,
+    }
+    assert documented_keys("wsgen build") == keys(document)
 
 
 def test_no_robot_is_no_pass() -> None:

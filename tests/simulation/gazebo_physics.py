@@ -27,7 +27,7 @@ PACKAGES = (
 )
 DEBIAN = "libignition-physics-dev ignition-tools g++ pkg-config"
 PLUGIN = "libignition-physics5-dartsim-plugin.so"
-SECONDS = 120.0
+SECONDS = 1200.0
 
 WORLD = """\
 <sdf version="1.9"><world name="drop">

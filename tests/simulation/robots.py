@@ -96,6 +96,21 @@ def joint(parent: str, child: str, kind: JointType, at: Pose = IDENTITY, **more:
     return replace(made, **more)  # type: ignore[arg-type]
 
 
+def lattice(*cells: tuple[int, int, int], edge: float = 0.1, mu: float = 1.0) -> Robot:
+    """One body of cubes in these cells, evenly filled as the box around all of them."""
+    sides = [max(places) - min(places) + 1 for places in zip(*cells, strict=True)]
+    low = [min(places) for places in zip(*cells, strict=True)]
+    a, b, c = (edge * side for side in sides)
+    cubes = []
+    for cell in cells:
+        x, y, z = (
+            edge * (place - least - (side - 1) / 2)
+            for place, least, side in zip(cell, low, sides, strict=True)
+        )
+        cubes.append(shape(Box(size=(edge, edge, edge)), mu=mu, at=Pose((x, y, z))))
+    return single(replace(body(Box(size=(a, b, c)), mass=5.0), collisions=tuple(cubes)))
+
+
 BAR = body(Box(size=(1.0, 0.1, 0.1)), name="bar", at=Pose((0.5, 0.0, 0.0)))
 BAR_MOMENT = 1.01 / 12 + 0.25  # kg m², about the joint it hangs on
 

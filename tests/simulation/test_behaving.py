@@ -111,7 +111,7 @@ def test_time_goes_on_for_who_watches() -> None:
     scene = Scene(world=GROUND, robots=(spawned,), seconds=1.0, attempts=attempts)
     seen: list[float] = []
     steps: list[str] = []
-    ends: list[int] = []
+    begun: list[tuple[str, float]] = []
     trials, _ = play(engine, scene, lambda _: None)
     try_behaviours(
         engine,
@@ -119,10 +119,12 @@ def test_time_goes_on_for_who_watches() -> None:
         trials,
         steps.append,
         observe=lambda seconds, _: seen.append(seconds),
-        ended=lambda: ends.append(len(seen)),
+        begun=lambda name, seconds: begun.append((name, round(seconds, 6))),
     )
-    assert seen == pytest.approx([1.0 + 0.01 * number for number in range(1, 41)])
-    assert ends == [0, 20]
+    # Each comes to rest for 0.1 s, and is seen from then on.
+    moments = [*range(110, 121), *range(130, 141)]
+    assert seen == pytest.approx([moment / 100 for moment in moments])
+    assert begun == [("d{'linear': 0.5}", 1.1), ("d{'linear': 0.6}", 1.3)]
     assert steps[0] == "trying the behaviour `d{'linear': 0.5}` of `e`"
 
 

@@ -27,10 +27,11 @@ from simulation.robots import (
 from wsgen.model.pose import Pose
 from wsgen.model.robot import Capsule, Cylinder, Geometry, JointType, Robot, Sphere
 from wsgen.simulation.bullet import SEPARATION_SPEED, BulletEngine
-from wsgen.simulation.bullet_body import MOST_LINKS
+from wsgen.simulation.bullet_client import Client
 from wsgen.simulation.bullet_properties import ROLLING_RESISTANCE, ROOT
 from wsgen.simulation.engine import Loaded, Refused
 from wsgen.simulation.scene import SpawnedRobot
+from wsgen.simulation.surfaces import MOST_LINKS
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -63,6 +64,7 @@ def test_more_links_than_the_engine_can_do() -> None:
         refused = engine.spawn(SpawnedRobot(entity="e", robot=robot))
     assert isinstance(refused, Refused)
     assert "129 links" in refused.reason
+    assert "pip install 'wsgen[dart]'" in refused.hint
 
 
 def test_as_many_links_as_the_engine_can_do() -> None:
@@ -133,3 +135,15 @@ def test_what_it_was_loaded_from_is_gone(tmp_path: Path, monkeypatch: pytest.Mon
     with spawned(BulletEngine, pendulum()) as engine:
         engine.advance(1)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_world_that_nobody_closes_is_given_back() -> None:
+    """One that has been drawn holds 100 MB."""
+    client = Client()
+    number = client.number
+    client.resetSimulation()
+    del client
+    again = Client()
+    assert again.number == number
+    again.close()
+    again.close()

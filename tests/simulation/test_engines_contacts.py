@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
+import time
 from dataclasses import replace
+from itertools import product
+from typing import TYPE_CHECKING
 
 import pytest
 
@@ -15,7 +18,9 @@ from simulation.robots import (
     G,
     NewEngine,
     body,
+    cube_mesh,
     joint,
+    lattice,
     shape,
     single,
     slope,
@@ -30,10 +35,33 @@ from wsgen.model.robot import (
     JointType,
     Robot,
 )
+from wsgen.simulation import surfaces
 from wsgen.simulation.engine import Engine, Overlap
 from wsgen.simulation.scene import SpawnedRobot
 
+if TYPE_CHECKING:
+    from pathlib import Path
+
 SLOPE = slope(20.0)
+
+
+@pytest.mark.parametrize("is_mesh", [True, False])
+@pytest.mark.parametrize("mu", [0.2, 1.0])
+def test_a_rover_with_a_flat_bottom_stays_where_it_lands(
+    new_engine: NewEngine, tmp_path: Path, mu: float, *, is_mesh: bool
+) -> None:
+    mesh = replace(cube_mesh(tmp_path), scale=(0.2, 0.15, 0.05))
+    base = body(mesh if is_mesh else Box(size=(0.4, 0.3, 0.1)), mass=5.0, moment=0.05, mu=mu)
+    wheels = [
+        (
+            joint("base", name, JointType.CONTINUOUS, Pose((-0.1, y, 0.0), (math.pi / 2, 0, 0))),
+            body(Cylinder(radius=0.05, length=0.03), name=name, mass=0.5, mu=mu),
+        )
+        for name, y in (("left", 0.17), ("right", -0.17))
+    ]
+    x, y, z = trial_of(new_engine, tree(base, *wheels), 0.1).rest_pose.xyz
+    assert math.hypot(x, y) < 0.001
+    assert z == pytest.approx(0.05, abs=0.0001)
 
 
 def sliding(friction: float, degrees: float = 20.0) -> float:
@@ -237,3 +265,50 @@ def test_neighbours_do_not_collide_with_each_other(new_engine: NewEngine) -> Non
     with spawned(new_engine, tree(links[0], (slide, links[1])), world=SPACE) as engine:
         engine.advance(500)
         assert engine.joint_positions("e")["a"] == pytest.approx(0.0, abs=1e-6)
+
+
+FLAT = list(product(range(5), range(5), [0]))
+RAISED = [(x, y, 1) for x, y, _ in FLAT if {x, y} & {0, 4}]  # a rim on it
+WALL = list(product(range(10), [0], range(3)))
+
+
+@pytest.mark.parametrize("cells", [FLAT, FLAT + RAISED[:2], WALL])
+def test_of_many_shapes_those_that_span_the_hull_hold_it_as_all_do(
+    new_engine: NewEngine, monkeypatch: pytest.MonkeyPatch, cells: list[tuple[int, int, int]]
+) -> None:
+    robot = lattice(*cells)
+    few = trial_of(new_engine, robot, on_the_ground=True, seconds=0.4)
+    monkeypatch.setattr(surfaces, "MOST_STANDING", len(cells))
+    all_of_them = trial_of(new_engine, robot, on_the_ground=True, seconds=0.4)
+    assert few.mass == all_of_them.mass == 5.0
+    assert few.rest_pose.xyz == pytest.approx(all_of_them.rest_pose.xyz, abs=1e-4)
+    assert few.tilt == pytest.approx(all_of_them.tilt, abs=1e-3)
+    assert few.lowest_point == all_of_them.lowest_point
+    assert few.settled_after is not None
+
+
+def test_a_block_of_many_shapes_slides_with_its_friction(new_engine: NewEngine) -> None:
+    trial = trial_of(new_engine, lattice(*FLAT, mu=0.2), 0.05, world=SLOPE, seconds=0.5)
+    assert trial.speed == pytest.approx(sliding(0.2) * 0.5, rel=0.05)
+
+
+def test_inside_of_the_hull_other_robots_are_touched(new_engine: NewEngine) -> None:
+    bowl, cube = lattice(*FLAT, *RAISED), single(body(Box(size=(0.1, 0.1, 0.1))))
+    at = Pose((0.0, 0.0, 0.1505))  # in the bowl
+    other = SpawnedRobot(entity="cube", robot=cube, pose_in_world=at)
+    pose = Pose((0.0, 0.0, 0.1))
+    with spawned(new_engine, bowl, pose, other, world=GROUND) as engine:
+        assert engine.overlaps() == []
+        engine.advance(100)
+        assert engine.state("cube").xyz == pytest.approx((0.0, 0.0, 0.15), abs=5e-4)
+        engine.place("cube", Pose((0.0, 0.0, 0.12)))
+        (overlap,) = engine.overlaps()
+    assert overlap.depth == pytest.approx(0.03, abs=2e-3)
+
+
+def test_a_thousand_boxes_do_not_take_long(new_engine: NewEngine) -> None:
+    robot = lattice(*product(range(40), range(25), [0]))
+    started = time.process_time()
+    trial = trial_of(new_engine, robot, on_the_ground=True, seconds=1.0)
+    assert time.process_time() - started < 6  # 13 s and more where the ground touches all
+    assert trial.rest_pose.xyz[2] == pytest.approx(0.05, abs=1e-4)

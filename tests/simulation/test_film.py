@@ -13,14 +13,14 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from simulation.showpieces import BLUE, GROUND, is_blue
+from simulation.showpieces import BLUE, GROUND, gallery_of, is_blue, piece
 from wsgen.diagnostics import Severity
 from wsgen.isolation.outcome import DEFAULT_LIMITS, Answered, Died, Limits
 from wsgen.model.pose import Pose
-from wsgen.model.robot import Box, Collision, Inertial, Link, Robot, Visual
+from wsgen.model.robot import Box, Collision, Inertial, Link, Mesh, Robot, Visual
 from wsgen.simulation import film, recording
 from wsgen.simulation.gallery import Gallery
-from wsgen.simulation.recording import Recorder, why_no_film
+from wsgen.simulation.recording import Clip, Recorder, why_no_film
 from wsgen.simulation.run import run_trial
 from wsgen.simulation.scene import FILMING, Film, Scene, SpawnedRobot
 
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
     from simulation.showpieces import Pixels
     from wsgen.simulation.exhibits import Poses
+    from wsgen.simulation.framing import Size
 
 SIZE = (0.1, 0.1, 1.0)
 
@@ -70,9 +71,11 @@ def upright(pixels: Pixels) -> float:
 
 def test_a_film_shows_the_robot_from_the_start_to_the_end(tmp_path: Path) -> None:
     file = tmp_path / "film.gif"
-    outcome = run_trial(scene(file))
+    progress = tmp_path / "progress"
+    outcome = run_trial(replace(scene(file), progress=progress))
     assert outcome.diagnostics == ()
     assert len(outcome.trials) == 1
+    assert progress.read_text() == "drawing the video: frame 31 of 31"
     made = outcome.film
     assert made is not None
     assert (made.file, made.frames, made.frames_per_second) == (file, 31, 20.0)
@@ -140,10 +143,22 @@ def test_frames_are_taken_at_a_fixed_rate() -> None:
     for look in range(101):
         recorder(look / 100, ["robot", "wall"])
     assert recorder.rate == 20.0
-    assert len(recorder.frames) == 21
+    (clip,) = recorder.shown
+    assert len(clip.frames) == 21
     assert asked.count("robot") == 21
     assert asked.count("wall") == 1
-    assert all(set(frame) == {"robot", "wall"} for frame in recorder.frames)
+    assert all(set(frame) == {"robot", "wall"} for frame in clip.frames)
+
+
+def test_a_behavior_is_a_clip_and_the_standing_before_it_is_left_out() -> None:
+    recorder = Recorder(lambda _: {}, 2.0)
+    for look in range(101):
+        recorder(look / 100, ["robot"])
+    recorder.begin("forward", 1.3)  # after it has come to rest again
+    for look in range(130, 231):
+        recorder(look / 100, ["robot"])
+    recorder.begin("nothing", 2.5)
+    assert [(clip.name, len(clip.frames)) for clip in recorder.shown] == [("forward", 21)]
 
 
 @pytest.mark.parametrize(("seconds", "rate"), [(3, 20.0), (30, 20.0), (60, 10.0), (1e4, 0.06)])
@@ -157,7 +172,7 @@ def made_of(file: Path, frames: list[Poses], told: list[str]) -> Film:
     robot = pole()
     gallery = Gallery(Scene(world=GROUND, robots=(robot,)), frames[0], {"e": [(0, 0, 0)]})
     recorder = Recorder(lambda _: {}, 1.0)
-    recorder.frames = frames
+    recorder.clips = [Clip(frames=frames)]
     return film.draw_film(gallery, recorder, file, told.append)
 
 
@@ -179,6 +194,62 @@ def test_what_takes_long_to_draw_gets_fewer_and_smaller_frames(
     assert times[0] == pytest.approx(1000 / coarse.frames_per_second, abs=10)
 
 
+def test_what_a_video_is_like_depends_on_what_is_drawn_alone() -> None:
+    def quality(triangles: int, frames: int) -> tuple[Size, float]:
+        mesh = Mesh(uri="m", path=None, triangles=triangles)
+        gallery = gallery_of(piece(Box(size=SIZE)))
+        exhibit = replace(gallery.exhibits[0], geometry=mesh)
+        gallery.studio._bodies = [(exhibit, 0)]
+        return film._quality(gallery, frames)[:2]
+
+    assert quality(12, 61) == (film.LARGE, 1.5)
+    assert quality(12, 601)[0] == film.SMALL
+    assert quality(500_000, 61) == (film.SMALL, 0.75)
+    assert quality(20_000, 121) != quality(12, 121)
+
+
+@pytest.mark.parametrize(("triangles", "word"), [(12, "seconds"), (90_000, "meshes")])
+def test_a_coarse_video_says_what_made_it_so(tmp_path: Path, triangles: int, word: str) -> None:
+    made = {
+        "frames": 600,
+        "frames_per_second": 20.0,
+        "width": 320,
+        "height": 240,
+        "triangles": triangles,
+        "is_coarse": True,
+    }
+
+    def run(*_: object, **__: object) -> Answered:
+        return Answered(value={"trials": [], "refused": {}, "film": made, "seconds": {}}, output="")
+
+    (found,) = run_trial(scene(tmp_path / "film.gif"), run=run).diagnostics
+    assert (found.code, found.severity) == ("SPN071", Severity.INFO)
+    assert f"600 frames of {triangles:,} triangles" in found.message
+    assert word in (found.hint or "")
+
+
+def test_a_video_of_behaviors_names_each_on_a_card(tmp_path: Path) -> None:
+    robot = pole()
+    moments: list[Poses] = [{"e": {"base": Pose((x, 0.0, 0.5))}} for x in (0.0, 1.0)]
+    begin, end = moments
+    gallery = Gallery(Scene(world=GROUND, robots=(robot,)), begin, {"e": [(0, 0, 0)]})
+    recorder = Recorder(lambda _: {}, 1.0)
+    recorder.clips += [Clip("there", [begin, end]), Clip("and back again " * 9, [begin, end])]
+    told: list[str] = []
+    made = film.draw_film(gallery, recorder, tmp_path / "film.gif", told.append)
+    assert told == [f"frame {number} of 4" for number in (1, 2, 3, 4)]
+    assert made.frames == 4 + 2 * 16  # a card of 0.8 s before each
+    pictures, times = frames_of(tmp_path / "film.gif")
+    cards = [not (is_blue(one) & (one[..., 0] < 100)).any() for one in pictures]  # pale
+    assert cards == [True, False, False, True, False, False]  # equal ones are one picture
+    assert times == [800, 50, 50, 800, 50, 50]
+    for card in (pictures[0], pictures[3]):
+        dark = card.max(axis=2) < 90
+        assert dark[150:210].any()
+        assert not dark[:, :10].any()
+        assert not dark[:, -10:].any()
+
+
 def test_a_robot_that_is_nowhere_at_the_end_stays_where_it_was(tmp_path: Path) -> None:
     there, nowhere = Pose((0.0, 0.0, 0.5)), Pose((float("nan"), 0.0, 0.0))
     frames: list[Poses] = [{"e": {"base": pose}} for pose in (there, there, nowhere)]
@@ -192,12 +263,12 @@ def test_a_robot_that_is_nowhere_at_the_end_stays_where_it_was(tmp_path: Path) -
 
 
 def refused(outcome_of: Scene) -> str:
-    """The trial counts, and the film's problem is a warning."""
+    """The trial counts, and the video's problem is an error."""
     outcome = run_trial(outcome_of)
     assert len(outcome.trials) == 1
     assert outcome.film is None
     (found,) = outcome.diagnostics
-    assert (found.code, found.severity) == ("SPN070", Severity.WARNING)
+    assert (found.code, found.severity) == ("SPN070", Severity.ERROR)
     return found.message
 
 
@@ -229,7 +300,8 @@ def test_a_folder_that_may_not_be_written_to(tmp_path: Path) -> None:
 
 def test_a_disk_that_is_full(tmp_path: Path) -> None:
     (tmp_path / "film.gif").symlink_to("/dev/full")
-    assert "No space left" in refused(scene(tmp_path / "film.gif", 0.1))
+    assert "the disk is full" in refused(scene(tmp_path / "film.gif", 0.1))
+    assert (tmp_path / "film.gif").is_char_device()  # it is written to, not replaced
 
 
 def test_without_the_encoder_an_mp4_is_refused_with_what_to_do(
@@ -264,7 +336,7 @@ def test_an_engine_that_dies_while_it_films_costs_the_film_alone(tmp_path: Path)
     assert outcome.picture == wanted.picture
     (found,) = outcome.diagnostics
     assert found.code == "SPN070"
-    assert "crashed (SIGSEGV) while it was drawing the film: frame 2 of 3" in found.message
+    assert "crashed (SIGSEGV) while it was drawing the video: frame 2 of 3" in found.message
 
 
 def test_a_trial_without_a_film_loads_nothing_for_it() -> None:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pybullet
 import pytest
 from PIL import Image
 
@@ -383,3 +384,27 @@ def test_a_light_from_straight_above(tmp_path: Path) -> None:
         world=replace(GROUND, sun_direction=(0, 0, -1)),
     )
     assert is_blue(pixels).mean() > 0.1
+
+
+# PyBullet as other people build it
+
+
+def test_the_picture_is_the_same_where_pybullet_knows_no_numpy(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As `pybullet-arm64` is built: it gives a tuple of all numbers of an image."""
+    parts = (
+        piece(CUBE, rgba=(1.0, 0.0, 0.0, 0.5), at=STANDING),  # see-through, and half in the ground
+        piece(Sphere(radius=0.4), rgba=BLUE, at=Pose((1.0, 0.3, 0.1)), name="other"),
+    )
+    usual, usual_tile = photograph(tmp_path, *parts)
+    draw = pybullet.getCameraImage
+
+    def draw_without_numpy(*arguments: Any, **options: Any) -> tuple[Any, ...]:
+        width, height, *images = draw(*arguments, **options)
+        return (width, height, *(tuple(image.ravel().tolist()) for image in images))
+
+    monkeypatch.setattr(pybullet, "getCameraImage", draw_without_numpy)
+    pixels, tile = photograph(tmp_path, *parts)
+    assert tile == usual_tile
+    assert (pixels == usual).all()

@@ -94,9 +94,7 @@ def test_a_picture_that_cannot_be_written_is_no_reason_to_lose_the_trial(tmp_pat
     outcome = run_trial(scene(robot(), picture=tmp_path / "none" / "robot.png"))
     assert len(outcome.trials) == 1
     assert (outcome.picture, outcome.picture_tile) == (None, None)
-    assert [(one.code, one.severity) for one in outcome.diagnostics] == [
-        ("SPN034", Severity.WARNING)
-    ]
+    assert [(one.code, one.severity) for one in outcome.diagnostics] == [("SPN034", Severity.ERROR)]
 
 
 def test_the_world_has_a_picture_if_it_holds_more_than_the_robots(tmp_path: Path) -> None:
@@ -121,7 +119,7 @@ def test_the_world_has_a_picture_if_it_holds_more_than_the_robots(tmp_path: Path
     outcome = run_trial(lost)
     assert (outcome.picture, outcome.world_picture) == (alone.picture, None)
     (found,) = outcome.diagnostics
-    assert (found.code, found.severity) == ("SPN034", Severity.WARNING)
+    assert (found.code, found.severity) == ("SPN034", Severity.ERROR)
     assert "picture of the world" in found.message
 
 
@@ -157,8 +155,15 @@ def test_a_mesh_that_is_nothing_is_complained_about(tmp_path: Path) -> None:
 
 
 def test_out_of_time() -> None:
-    outcome = run_trial(scene(robot()), limits=Limits(seconds=0.01))
-    assert "took longer than" in outcome.diagnostics[0].message
+    outcome = run_trial(scene(robot()), limits=Limits(seconds=0.01, wall_clock=600))
+    assert "used more than 0.01 s of CPU time" in outcome.diagnostics[0].message
+    assert "too much for the engine" in (outcome.diagnostics[0].hint or "")
+
+
+def test_a_busy_machine_is_not_the_robots_fault() -> None:
+    outcome = run_trial(scene(robot()), limits=Limits(wall_clock=0.01))
+    assert "did not end within 0.01 s" in outcome.diagnostics[0].message
+    assert "less busy" in (outcome.diagnostics[0].hint or "")
 
 
 def test_last_words_are_told(monkeypatch: pytest.MonkeyPatch) -> None:

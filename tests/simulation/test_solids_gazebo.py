@@ -39,7 +39,7 @@ PACKAGES = (
     "ignition-math6-eigen3",
     "sdformat12",
 )
-SECONDS = 120.0
+SECONDS = 1200.0
 RADIUS = 0.01  # m
 TOP = 3.0  # m, where the balls start
 STEPS = 3000

@@ -141,6 +141,26 @@ def test_what_is_not_finite_any_more_ends_the_trial() -> None:
     assert engine.steps * engine.step_seconds == pytest.approx(0.51)
 
 
+def test_one_state_that_is_not_finite_ends_the_trial_of_all() -> None:
+    engine = FakeEngine(lambda _: still(1.0))
+    state = engine.state
+    engine.state = lambda entity: (  # type: ignore[method-assign]
+        still(math.nan) if entity == "b" and engine.steps > 500 else state(entity)
+    )
+    robots = tuple(SpawnedRobot(entity=entity, robot=BALL) for entity in "ab")
+    trials, _ = play(engine, Scene(world=World(name="w"), robots=robots), lambda _: None)
+    assert engine.steps * engine.step_seconds == pytest.approx(0.51)
+    assert [(trial.is_finite, trial.is_cut_short) for trial in trials] == [
+        (True, True),
+        (False, False),
+    ]
+
+
+def test_how_fast_it_rises_at_the_end() -> None:
+    assert trial_of(lambda seconds: still(-1.0 + 0.25 * seconds)).climb == pytest.approx(0.25)
+    assert trial_of(lambda _: still(1.0)).climb == 0.0
+
+
 def test_the_most_energy_that_was_gained() -> None:
     trial = trial_of(lambda _: still(1.0), energy=lambda t: 5.0 + (2.0 if 1 < t < 2 else -1.0 * t))
     assert trial.energy_gain == 2.0

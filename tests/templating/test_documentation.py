@@ -1,4 +1,4 @@
-"""The lists of docs/templates.md, docs/targets.md and the README are those of the code."""
+"""The lists of docs/templates.md, docs/targets.md and docs/new.md are those of the code."""
 
 import re
 from pathlib import Path
@@ -77,7 +77,7 @@ def targets_page() -> str:
 
 
 def target_table() -> str:
-    """The table in the README."""
+    """The table in docs/new.md."""
 
     def row(target: Target) -> str:
         until = target.end_of_life or "-"
@@ -103,8 +103,8 @@ def test_blocks(*, regenerate: bool) -> None:
     between(ROOT / "docs/templates.md", "blocks", blocks_of_base(), regenerate=regenerate)
 
 
-def test_targets_in_the_readme(*, regenerate: bool) -> None:
-    between(ROOT / "README.md", "targets", target_table(), regenerate=regenerate)
+def test_targets_of_new(*, regenerate: bool) -> None:
+    between(ROOT / "docs/new.md", "targets", target_table(), regenerate=regenerate)
 
 
 def test_targets_page(*, regenerate: bool) -> None:
@@ -136,10 +136,16 @@ def test_sources_that_can_be_included_are_there() -> None:
 
 
 @pytest.mark.parametrize("template", template_names())
-def test_the_readme_has_every_template(template: str) -> None:
-    assert f"\n| `{template}` | " in (ROOT / "README.md").read_text(encoding="utf-8")
+def test_the_page_of_new_has_every_template(template: str) -> None:
+    assert f"\n| `{template}` | " in (ROOT / "docs/new.md").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("template", ["simple", "diff_drive", "arm"])
 def test_there_is_a_golden_for_every_target(template: str) -> None:
     assert {f"{template}-{target.name}" for target in TARGETS} <= set(CASES)
+
+
+def test_the_index_has_every_page() -> None:
+    index = (ROOT / "docs" / "README.md").read_text(encoding="utf-8")
+    pages = {file.name for file in (ROOT / "docs").glob("*.md")} - {"README.md"}
+    assert {name for name in pages if f"[{name}]({name})" not in index} == set()

@@ -139,7 +139,7 @@ def ask(name: str, *arguments: str | Path, folder: Path, **environment: str) -> 
         capture_output=True,
         text=True,
         check=False,
-        timeout=60,
+        timeout=600,
     )
     if "is not a" in answer.stderr and "command" in answer.stderr:
         pytest.skip(f"{name} has no command {arguments[0]}")

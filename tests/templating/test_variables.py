@@ -98,3 +98,17 @@ def test_a_template_without_variables() -> None:
 )
 def test_values_are_shown_as_they_are_typed(value: Answer, text: str) -> None:
     assert show(value) == text
+
+
+@pytest.mark.parametrize(
+    ("setting", "hint"),
+    [
+        ("mas=1", "Did you mean mass? "),
+        ("mass=1,5", "Write a point in place of the comma. "),
+        ("joints=1,5", "Write a point in place of the comma. "),
+    ],
+)
+def test_what_was_meant(setting: str, hint: str) -> None:
+    with pytest.raises(RequestError) as caught:
+        resolve_answers(VARIABLES, [setting], "t")
+    assert (caught.value.hint or "").startswith(hint)

@@ -38,8 +38,14 @@ def start(folder: Path, preparation: str = "") -> subprocess.Popen[str]:
 
 
 def finish(process: subprocess.Popen[str]) -> int:
-    process.communicate(timeout=30)
+    process.communicate(timeout=300)
     return process.returncode
+
+
+def identity(file: Path) -> tuple[int, ...]:
+    """What changes when it is written or replaced; the time of access does with each reading."""
+    status = file.lstat()
+    return (status.st_mode, status.st_ino, status.st_size, status.st_mtime_ns)
 
 
 def read(folder: Path) -> dict[str, str]:
@@ -87,10 +93,10 @@ def test_nothing_is_overwritten(folder: Path, tmp_path: Path, kind: str) -> None
         folder.write_text("mine")
     else:
         folder.symlink_to(tmp_path if kind == "link" else tmp_path / "nowhere")
-    before = (folder.lstat(), read(tmp_path))
+    before = (identity(folder), read(tmp_path))
     with pytest.raises(WouldOverwriteError, match="exists already"):
         write_package(TREE, folder)
-    assert (folder.lstat(), read(tmp_path)) == before
+    assert (identity(folder), read(tmp_path)) == before
     assert names(folder.parent) == ["robot"]
 
 
@@ -150,7 +156,7 @@ def test_work_of_others_is_no_leftover(folder: Path) -> None:
     process = start(
         folder.with_name("slow"),
         """
-        os.fsync = lambda _file: (print("here", flush=True), time.sleep(30))
+        os.fsync = lambda _file: (print("here", flush=True), time.sleep(600))
         """,
     )
     assert process.stdout is not None

@@ -191,6 +191,28 @@ def test_who_asks_for_tests_gets_them(tmp_path: Path) -> None:
     assert [finding.code for finding in result.diagnostics] == ["BLD008"]
 
 
+def test_a_deprecated_minimum_is_told_once(tmp_path: Path) -> None:
+    """As `ros2 pkg create` of Humble to Jazzy writes it."""
+    old = CMAKE.replace("VERSION 3.20", "VERSION 3.8") + 'message(WARNING "mine")\n'
+    folders = [write_package(tmp_path, name, cmake=old) for name in ("one", "two")]
+    result = build_here(tmp_path)
+    assert result.succeeded
+    (note,) = result.diagnostics
+    assert (note.code, note.severity, note.line) == ("BLD030", Severity.INFO, 1)
+    assert note.file in {folder / "CMakeLists.txt" for folder in folders}
+    assert {"one", "two"} <= set(note.message.replace(",", "").rstrip(".").split())
+    assert "VERSION 3.8...3.31" in (note.hint or "")
+    printed = "\n".join(result.unexplained_output)
+    assert printed.count("mine") == 2
+    assert "Deprecation" not in printed
+    assert "<max>" not in printed
+
+
+def test_the_version_in_the_hint_is_not_deprecated(tmp_path: Path) -> None:
+    write_package(tmp_path, cmake=CMAKE.replace("VERSION 3.20", "VERSION 3.8...3.31"))
+    assert build_here(tmp_path).diagnostics == ()
+
+
 def test_a_workspace_with_a_python_package(tmp_path: Path) -> None:
     write_package(tmp_path)
     package = tmp_path / "src" / "scripts"
@@ -259,10 +281,10 @@ def test_a_name_that_only_colcon_could_know(tmp_path: Path) -> None:
 
 
 # A CMakeLists.txt that works for a minute, silently or not, and leaves its process id in a file.
-SLEEP = 'execute_process(COMMAND sh -c "echo $$ > {pid_file}; exec sleep 60")\n'
+SLEEP = 'execute_process(COMMAND sh -c "echo $$ > {pid_file}; exec sleep 600")\n'
 TICK = (
     'execute_process(COMMAND sh -c "echo $$ > {pid_file}; '
-    'for i in $(seq 600); do echo $i; sleep 0.1; done")\n'
+    'for i in $(seq 6000); do echo $i; sleep 0.1; done")\n'
 )
 
 BUILD_SCRIPT = """
@@ -296,12 +318,12 @@ def test_who_ends_wsgen_ends_the_build(
     with subprocess.Popen([sys.executable, "-c", script]) as process:
         wait_for(lambda: pid_file.exists() and bool(pid_file.read_text().strip()))
         process.send_signal(number)
-        assert process.wait(20) == returncode
+        assert process.wait(300) == returncode
     worker = int(pid_file.read_text())
     wait_for(lambda: not is_alive(worker))
 
 
-def wait_for(condition: Callable[[], bool], seconds: float = 20.0) -> None:
+def wait_for(condition: Callable[[], bool], seconds: float = 300.0) -> None:
     end = time.monotonic() + seconds
     while not condition():
         assert time.monotonic() < end, "waited too long"

@@ -2,7 +2,9 @@
 
 from pathlib import Path
 
-from wsgen.workspace.cmake_output import read_errors
+import pytest
+
+from wsgen.workspace.cmake_output import read_errors, split_deprecations
 from wsgen.workspace.cmake_text import read_calls
 
 TEXT = """\
@@ -73,3 +75,33 @@ def test_the_innermost_place_in_the_package_counts(tmp_path: Path) -> None:
     (tmp_path / "cmake" / "more.cmake").touch()
     first, _ = read_errors(PRINTED.format(folder=tmp_path))
     assert first.locate(tmp_path) == (tmp_path / "cmake" / "more.cmake", 3)
+
+
+TEXT_OF_DEPRECATION = """\
+  Compatibility with CMake < 3.10 will be removed from a future version of
+  CMake.
+
+  Update the VERSION argument <min> value.  Or, use the <min>...<max> syntax
+  to tell CMake that the project requires at least <min>.
+"""
+
+
+@pytest.mark.parametrize(
+    ("heading", "ending"),
+    [
+        ("CMake Deprecation Warning at CMakeLists.txt:1 (cmake_minimum_required):", "\n\n"),
+        (
+            "CMake Warning (deprecated) at CMakeLists.txt:1 (cmake_minimum_required):",
+            (
+                "This warning is for project developers.  Use -Wno-author or -Wno-deprecated\n"
+                "to suppress it.\n\n"
+            ),
+        ),
+    ],
+)
+def test_deprecated_minimum_versions(heading: str, ending: str) -> None:
+    other = "CMake Deprecation Warning at CMakeLists.txt:7 (cmake_policy):\n  The OLD behavior"
+    text = f"before\n{heading}\n{TEXT_OF_DEPRECATION}{ending}{other}\nafter"
+    lines, places = split_deprecations(text.splitlines())
+    assert places == (("CMakeLists.txt", 1),)
+    assert "\n".join(lines) == f"before\n{other}\nafter"

@@ -1,5 +1,6 @@
 """Each failure that is known, made by a real build, and what is said about it."""
 
+import os
 import sys
 from pathlib import Path
 
@@ -7,6 +8,7 @@ import pytest
 
 from workspace.building import (
     CMAKE,
+    LINTED,
     PACKAGE_XML,
     SHELL_PROGRAMS,
     build_here,
@@ -22,6 +24,7 @@ from wsgen.workspace.build import BuildResult
 from wsgen.workspace.colcon_process import Finished
 from wsgen.workspace.explain_colcon import explain_colcon
 from wsgen.workspace.layout import Workspace
+from wsgen.workspace.verdict import refuse_full_disk
 
 # The code, the line of CMakeLists.txt, words of the message and of the hint, by what is written.
 CMAKE_CASES = {
@@ -68,6 +71,18 @@ CMAKE_CASES = {
     "does not close one of several quotation marks": (
         CMAKE.replace("find_package(", 'message("hello)\nmessage("bye")\nfind_package('),
         ("BLD011", 3, "opened here", "Close it"),
+    ),
+    "does not end an if()": (
+        CMAKE.replace("install(", "if(UNIX)\nif(TRUE)\nendif()\ninstall("),
+        ("BLD011", 4, "if() in line 4 has no endif()", "Add endif()"),
+    ),
+    "does not end a loop in an if()": (
+        CMAKE.replace("install(", "if(UNIX)\nforeach(x 1 2)\nendif()\ninstall("),
+        ("BLD011", 5, "has no endforeach() before endif() in line 6", "Add endforeach()"),
+    ),
+    "ends an if() twice": (
+        CMAKE.replace("install(", "if(UNIX)\nendif()\nendif()\ninstall("),
+        ("BLD011", 6, "endif() in line 6 ends no if()", "Remove endif()"),
     ),
     "calls ament_package twice": (
         CMAKE + "ament_package()\n",
@@ -210,9 +225,13 @@ def test_a_build_type_that_colcon_does_not_know(
         ("<export/>", 9, "Add below <export>: <build_type>ament_cmake</build_type>"),
     ],
 )
-def test_no_build_type(export: str, line: int | None, hint: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("cmake", [CMAKE, LINTED], ids=["plain", "linted"])
+def test_no_build_type(
+    export: str, line: int | None, hint: str, cmake: str, tmp_path: Path
+) -> None:
     given = "<export><build_type>ament_cmake</build_type></export>"
-    package = write_package(tmp_path, package_xml=PACKAGE_XML.replace(given, export))
+    text = PACKAGE_XML.replace(given, export)
+    package = write_package(tmp_path, package_xml=text, cmake=cmake)
     finding = only(build_here(tmp_path))
     assert (finding.code, finding.file, finding.line) == ("PKG009", package / "package.xml", line)
     assert finding.hint == hint
@@ -244,19 +263,25 @@ MANIFEST_CASES = {
     ),
     "has no version": (
         PACKAGE_XML.replace("<version>0.0.0</version>", ""),
-        ("PKG005", None, '"version"'),
+        ("PKG005", 2, '"version"'),
     ),
     "needs itself": (
         PACKAGE_XML.replace("<export>", "<depend>demo</depend><export>"),
         ("PKG005", 3, "same name"),
     ),
+    "misspells an element": (
+        PACKAGE_XML.replace("<export>", "<exec_depends>xacro</exec_depends><export>"),
+        ("PKG005", 9, "exec_depends"),
+    ),
 }
 
 
+@pytest.mark.parametrize("cmake", [CMAKE, LINTED], ids=["plain", "linted"])
 @pytest.mark.parametrize("case", MANIFEST_CASES)
-def test_package_xml(case: str, tmp_path: Path) -> None:
+def test_package_xml(case: str, cmake: str, tmp_path: Path) -> None:
+    """colcon takes the package for one of plain CMake, and its failure is not told."""
     text, (code, line, message) = MANIFEST_CASES[case]
-    package = write_package(tmp_path)
+    package = write_package(tmp_path, cmake=cmake)
     (package / "package.xml").write_text(text)
     result = build_here(tmp_path)
     assert not result.succeeded
@@ -264,6 +289,25 @@ def test_package_xml(case: str, tmp_path: Path) -> None:
     assert {found.code for found in result.diagnostics} == {code}
     assert (finding.file, finding.line) == (package / "package.xml", line)
     assert message in finding.message
+
+
+def test_package_xml_in_another_encoding(tmp_path: Path) -> None:
+    package = write_package(tmp_path, cmake=LINTED)
+    text = PACKAGE_XML.replace("A robot", "A r\u00f6bot")
+    for encoding, line in (("utf-16", 1), ("iso-8859-1", 5)):
+        declared = text.replace('"1.0"?', f'"1.0" encoding="{encoding}"?')
+        (package / "package.xml").write_bytes(declared.encode(encoding))
+        finding = only(build_here(tmp_path))
+        assert (finding.code, finding.line) == ("PKG002", line)
+        assert "not UTF-8" in finding.message
+
+
+def test_a_misspelt_element_of_package_xml(tmp_path: Path) -> None:
+    write_package(
+        tmp_path,
+        package_xml=PACKAGE_XML.replace("<export>", "<exec_depends>a</exec_depends><export>"),
+    )
+    assert "Did you mean `exec_depend`?" in (only(build_here(tmp_path)).hint or "")
 
 
 def test_a_broken_manifest_of_the_package_that_is_asked_for(tmp_path: Path) -> None:
@@ -422,3 +466,31 @@ def test_colcon_fails_for_an_unknown_reason(finished: Finished, words: str) -> N
     (finding,) = explain_colcon(finished.output, finished.returncode, workspace)
     assert finding.code == "BLD020"
     assert words in finding.message
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="only Linux has a full device")
+def test_a_full_disk_is_told_once(tmp_path: Path) -> None:
+    copy = "COMMAND cp ${CMAKE_CURRENT_SOURCE_DIR}/package.xml /dev/full"
+    full = f"execute_process({copy} COMMAND_ERROR_IS_FATAL ANY)\n"
+    write_package(tmp_path, cmake=CMAKE + full)
+    write_package(tmp_path, "other", cmake=CMAKE + full)
+    with pytest.raises(NotReadableError, match="the disk is full") as raised:
+        build_here(tmp_path, colcon_arguments=("--continue-on-error",))
+    assert str(tmp_path) in raised.value.message
+    assert len(str(raised.value).splitlines()) == 2
+
+
+def test_a_log_that_found_no_room(tmp_path: Path) -> None:
+    """colcon goes on where its log cannot be written, with a traceback for each line of it."""
+    output = "--- Logging error ---\nTraceback\nOSError: [Errno 28] No space left on device\n" * 99
+    with pytest.raises(NotReadableError, match="the disk is full"):
+        refuse_full_disk(output, Workspace(root=tmp_path))
+    refuse_full_disk("WARNING: something else", Workspace(root=tmp_path))
+
+
+def test_a_disk_too_full_to_say_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write_package(tmp_path, cmake=CMAKE + "message(FATAL_ERROR strange)\n")
+    full = os.statvfs_result((4096, 4096, 1000, 1, 1, 1000, 500, 500, 0, 255))
+    monkeypatch.setattr(os, "statvfs", lambda _folder: full)
+    with pytest.raises(NotReadableError, match="the disk is full"):
+        build_here(tmp_path)

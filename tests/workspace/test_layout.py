@@ -12,6 +12,7 @@ from wsgen.workspace.layout import (
     find_workspace,
     open_workspace,
     take_inventory,
+    workspace_of_source_folder,
 )
 
 
@@ -52,6 +53,39 @@ def test_an_empty_source_folder_is_a_beginning(tmp_path: Path) -> None:
 def test_the_source_folder_of_something_else_is_not(tmp_path: Path) -> None:
     (tmp_path / "project" / "src" / "project").mkdir(parents=True)
     assert find_workspace(tmp_path / "project" / "src") is None
+
+
+@pytest.mark.parametrize("inside", [".", "src", "src/notes", "src/group/repository/src/code"])
+def test_a_source_folder_without_packages_belongs_to_a_workspace(
+    inside: str, tmp_path: Path
+) -> None:
+    root = tmp_path / "ws"
+    (root / inside).mkdir(parents=True)
+    (root / "src").mkdir(exist_ok=True)
+    (root / "src" / "README.md").touch()
+    assert workspace_of_source_folder(root / inside) == Workspace(root=root)
+
+
+def test_a_folder_beside_the_source_folder_is_in_no_workspace(tmp_path: Path) -> None:
+    for name in ("src", "docs"):
+        (tmp_path / "ws" / name).mkdir(parents=True)
+    assert workspace_of_source_folder(tmp_path / "ws" / "docs") is None
+
+
+@pytest.mark.parametrize(
+    "marker", ["pyproject.toml", "Cargo.toml", "CMakeLists.txt", "package.xml"]
+)
+def test_the_source_folder_of_another_project(marker: str, tmp_path: Path) -> None:
+    (tmp_path / "project" / "src" / "project").mkdir(parents=True)
+    (tmp_path / "project" / marker).touch()
+    assert workspace_of_source_folder(tmp_path / "project" / "src") is None
+    assert workspace_of_source_folder(tmp_path / "project") is None
+
+
+def test_the_source_folder_at_home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    (tmp_path / "src" / "linux").mkdir(parents=True)
+    assert workspace_of_source_folder(tmp_path / "src" / "linux") is None
 
 
 def test_a_package_is_no_workspace(root: Path) -> None:

@@ -12,6 +12,7 @@ import pytest
 from wsgen.model.target import TARGETS, Target, choose_target
 from wsgen.simulation.run import MODULES
 from wsgen.tomlfile import load
+from wsgen.workspace import machine as machine_module
 from wsgen.workspace import own_needs
 from wsgen.workspace.examination import Examination, examine
 from wsgen.workspace.machine import Finding, Machine, here, read_os_release
@@ -43,6 +44,7 @@ def machine(
     architecture: str = "x86_64",
     python: tuple[int, int] = (3, 10),
     toolchain: SourcedRos | Wheels | None = Wheels(prefix=Path("/venv")),  # noqa: B008  it is frozen
+    why_no_picture: str | None = None,
 ) -> Machine:
     variables = {"PATH": "/bin"} if environment is None else environment
     return Machine(
@@ -56,6 +58,7 @@ def machine(
         interpreter="/venv/bin/python",
         which=lambda name, path: programs.get(name) if path else None,
         has_module=lambda name: name not in lacking,
+        why_no_picture=lambda: why_no_picture,
     )
 
 
@@ -129,6 +132,31 @@ def test_one_engine_is_enough(tmp_path: Path) -> None:
     one = machine(tmp_path, lacking=["pybullet"])
     assert check(one).passed
     assert own(one)["physics engine"].text == "DART"
+
+
+def test_pictures_are_drawn_or_it_is_said_what_keeps_them_from_it(tmp_path: Path) -> None:
+    assert own(machine(tmp_path))["pictures"].text == "drawn by PyBullet"
+    broken = check(machine(tmp_path, python=(3, 12), why_no_picture="crashed (SIGSEGV)"))
+    (found,) = (one for one in broken.own if one.name == "pictures")
+    assert (found.is_met, found.is_needed) == (False, False)
+    assert found.text == "cannot be drawn: PyBullet crashed (SIGSEGV)"
+    assert found.mend == "/venv/bin/python -m pip install --force-reinstall pybullet-arm64"
+    assert broken.passed  # all else can be done
+    dart_alone = machine(tmp_path, python=(3, 14), lacking=["pybullet"])
+    found = own(dart_alone)["pictures"]
+    assert found.text.endswith("has no wheel for this Python")
+    assert (found.is_met, found.mend) == (False, "")
+
+
+def test_this_machine_draws_in_a_child_whose_death_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    one = here(os.environ)
+    assert one.why_no_picture() is None
+    tmp_path.joinpath("deadly.py").write_text("import os\ndef die():\n    os.abort()\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(machine_module, "DRAWING_TASK", "deadly:die")
+    assert one.why_no_picture() == "crashed (SIGABRT)"
 
 
 @pytest.mark.parametrize("lacking", [["av"], ["dartpy"]])

@@ -8,7 +8,10 @@ from pathlib import Path
 import pytest
 
 from workspace.building import (
+    CMAKE,
     COLCON,
+    LINTED,
+    PACKAGE_XML,
     SHELL_PROGRAMS,
     build_here,
     cache_entry,
@@ -42,6 +45,51 @@ def test_not_activated(tmp_path: Path) -> None:
     write_package(tmp_path)
     plain_colcon(tmp_path, outside())
     check_wheels_were_used(tmp_path)
+
+
+def test_without_linters(tmp_path: Path) -> None:
+    """As `ros2 pkg create` leaves a package; `wsgen build` does the same."""
+    write_package(tmp_path, cmake=LINTED)
+    plain_colcon(tmp_path, outside(), warning="demo requires ament_lint_auto for them, which is")
+    assert cache_entry(tmp_path, "BUILD_TESTING") == "OFF"
+
+
+@pytest.mark.parametrize("arguments", [("--paths", "../src/*"), ("--base-paths", "../src")])
+def test_without_linters_from_elsewhere(tmp_path: Path, arguments: tuple[str, ...]) -> None:
+    write_package(tmp_path, cmake=LINTED)
+    root = tmp_path / "elsewhere"
+    root.mkdir()
+    plain_colcon(root, outside(), *arguments, warning="demo requires ament_lint_auto for them")
+    assert cache_entry(root, "BUILD_TESTING") == "OFF"
+
+
+@pytest.mark.parametrize("option", ["--cmake-args", "--ament-cmake-args"])
+def test_tests_that_are_asked_for(tmp_path: Path, option: str) -> None:
+    write_package(tmp_path, cmake=LINTED)
+    run = subprocess.run(
+        [COLCON, "build", option, "-DBUILD_TESTING=ON"],
+        cwd=tmp_path,
+        env=outside(),
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert run.returncode != 0
+    assert "ament_lint_auto" in run.stderr
+
+
+def test_linters_that_are_built_here(tmp_path: Path) -> None:
+    write_package(tmp_path, cmake=LINTED)
+    linter = CMAKE.replace("project(demo", "project(ament_lint_auto").replace(
+        "ament_package()",
+        "ament_package(CONFIG_EXTRAS extras.cmake)",
+    )
+    extras = write_package(tmp_path, "ament_lint_auto", cmake=linter) / "extras.cmake"
+    extras.write_text("macro(ament_lint_auto_find_test_dependencies)\nendmacro()\n")
+    needs = PACKAGE_XML.replace("<export>", "<test_depend>ament_lint_auto</test_depend><export>")
+    (tmp_path / "src" / "demo" / "package.xml").write_text(needs)
+    plain_colcon(tmp_path, outside())
+    assert cache_entry(tmp_path, "BUILD_TESTING") == "ON"
 
 
 def test_not_activated_and_no_cmake_on_the_machine(tmp_path: Path) -> None:

@@ -140,6 +140,29 @@ def test_files_that_are_none(tmp_path: Path) -> None:
         assert (found.world, found.models) == (None, ())
 
 
+def test_what_is_there_instead_of_a_file(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.sdf")
+    (tmp_path / "link.sdf").symlink_to("/dev/zero")
+    (tmp_path / "dead.sdf").symlink_to("nowhere")
+    for name, told in (
+        ("pipe.sdf", "it is a named pipe."),
+        ("link.sdf", "it is a link to a device (/dev/zero)."),
+        ("dead.sdf", "it is a link to nowhere, which is not there."),
+        ("", "it is a folder."),
+    ):
+        (found,) = read_sdf(tmp_path / name, find_model=lambda _: None).diagnostics
+        assert found.message.endswith(told)
+
+
+def test_utf_16(tmp_path: Path) -> None:
+    file = tmp_path / "wide.sdf"
+    for encoding in ("utf-16", "utf-16-le", "utf-16-be"):
+        file.write_bytes("<sdf version='1.7'/>".encode(encoding))
+        (found,) = read_sdf(file, find_model=lambda _: None).diagnostics
+        assert (found.code, "UTF-16" in found.message) == ("WLD047", True)
+        assert "iconv -f UTF-16 -t UTF-8" in (found.hint or "")
+
+
 def test_ten_thousand_models(read: Read) -> None:
     models = "".join(f'<model name="m{i}">{LINK}</model>' for i in range(10_000))
     file = read(f'<world name="w">{models}</world>')

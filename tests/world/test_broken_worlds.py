@@ -13,7 +13,7 @@ from wsgen.isolation.parent import run
 if TYPE_CHECKING:
     from pathlib import Path
 
-LIMITS = Limits(seconds=10, memory=2 * 2**30)
+LIMITS = Limits(seconds=30, memory=2 * 2**30)
 
 
 @pytest.mark.parametrize("case", CASES)

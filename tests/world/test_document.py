@@ -92,7 +92,7 @@ def test_gazebo_agrees(tmp_path: Path, case: str) -> None:
     file = tmp_path / "m.sdf"
     file.write_bytes((CASES | REFUSED)[case][0])
     answer = subprocess.run(
-        [str(IGN), "sdf", "-k", str(file)], capture_output=True, timeout=60, check=False
+        [str(IGN), "sdf", "-k", str(file)], capture_output=True, timeout=600, check=False
     )
     assert (b"Valid." in answer.stdout) == (case in CASES)
 

@@ -176,6 +176,11 @@ def test_a_special_file_is_not_read(read: Read, models: Path) -> None:
     os.mkfifo(models / "m" / "model.sdf")
     file = read(world("<include><uri>model://m/model.sdf</uri></include>"))
     assert [found.code for found in file.diagnostics] == ["WLD004"]
+    assert "model.sdf is a named pipe" in file.diagnostics[0].message
+    (models / "n").mkdir()
+    os.mkfifo(models / "n" / "model.config")
+    file = read(world("<include><uri>model://n</uri></include>"))
+    assert "model.config is a named pipe" in file.diagnostics[0].message
 
 
 def test_lights_and_actors_are_nothing_to_touch(read: Read, models: Path) -> None:
@@ -188,7 +193,7 @@ def test_a_broken_model_is_reported_with_its_own_file(read: Read, models: Path) 
     (models / "m" / "model.sdf").write_text("<sdf>\n<model>\n</sdf>")
     file = read(world("<include><uri>model://m</uri></include>"))
     assert [(found.code, found.file, found.line) for found in file.diagnostics] == [
-        ("WLD002", models / "m" / "model.sdf", 3),
+        ("WLD002", models / "m" / "model.sdf", 2),
         ("WLD004", models.parent / "scene.sdf", 3),
     ]
 
@@ -312,3 +317,30 @@ def test_a_name_that_no_folder_can_have(tmp_path: Path) -> None:
 
     found = read_sdf(file, find_model=find_model)
     assert [one.code for one in found.diagnostics] == ["WLD004"]
+
+
+@pytest.mark.parametrize(
+    ("name", "meant"),
+    [
+        ("groundplane", "ground_plane"),
+        ("sn", "sun"),
+        ("caffe_table", "cafe_table"),
+        ("crat", "crate"),
+    ],
+)
+def test_a_misspelt_model(read: Read, models: Path, name: str, meant: str) -> None:
+    write_model(models / "crate", f'<model name="crate">{LINK}</model>')
+    (models / "crate" / "model.config").write_text("<model><sdf>model.sdf</sdf></model>")
+    (found,) = read(world(f"<include><uri>model://{name}</uri></include>")).diagnostics
+    assert (found.code, found.severity, found.line) == ("WLD004", Severity.WARNING, 3)
+    assert found.hint == f"Did you mean model://{meant}?"
+
+
+def test_a_misspelt_ground_is_the_one_error_of_a_world_without_ground(read: Read) -> None:
+    file = read('<world name="w">\n<include><uri>model://groundplane</uri></include></world>')
+    (found,) = file.diagnostics
+    assert (found.code, found.severity, found.line) == ("WLD004", Severity.ERROR, 3)
+    assert found.hint == "Did you mean model://ground_plane?"
+    assert "no ground; this trial uses the ground that was meant" in found.message
+    assert file.world is not None
+    assert file.world.has_ground_plane  # so that what is spawned is not said to fall as well

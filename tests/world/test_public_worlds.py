@@ -76,7 +76,7 @@ def ign(option: str, file: Path, answer: Path) -> str:
             ["sh", "-c", limited],
             stdout=output,
             stderr=subprocess.STDOUT,
-            timeout=60,
+            timeout=600,
             check=False,
             cwd=file.parent,
             env={**os.environ, "SDF_PATH": str(answer.parent / "built_in")},

@@ -76,7 +76,7 @@ def test_gravity_was_part_of_physics_until_sdf_1_5(tmp_path: Path) -> None:
     ("text", "expected"),
     [
         ("", [("WLD002", 1)]),
-        ("<sdf>\n<world>\n</sdf>", [("WLD002", 3)]),
+        ("<sdf>\n<world>\n</sdf>", [("WLD002", 2)]),
         ("<robot name='r'/>", [("WLD003", 1)]),
         (world(""), [("WLD006", 1)]),
         (world("<gravity>0 0</gravity>"), [("WLD005", 2), ("WLD006", 1)]),

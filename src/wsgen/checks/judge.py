@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
+    from wsgen.model.plan import SpawnHeight
     from wsgen.model.robot import Robot
     from wsgen.model.world import World
     from wsgen.simulation.scene import RobotTrial
@@ -48,18 +49,20 @@ def judge_robot(
     )
 
 
-def judge_trial(
+def judge_trial(  # noqa: PLR0913  most have defaults
     robot: Robot,
     world: World,
     trial: RobotTrial,
     *,
+    height: SpawnHeight | None = None,
     is_alone: bool = True,
     scenery: Collection[str] = (),
 ) -> tuple[Diagnostic, ...]:
     """Judge what was measured of a robot; `robot` is the one Gazebo would build (lumped).
 
-    `is_alone` says that no other robot of the scene can push it; `scenery` are the models of the
-    world among the entities of the scene.
+    `height` is where a launch file says how high it is spawned, if one does; `is_alone` says that
+    no other robot of the scene can push it; `scenery` are the models of the world among the
+    entities of the scene.
     """
     entity = trial.entity
     collide = [link.name for link in robot.links if link.self_collide]
@@ -68,6 +71,7 @@ def judge_trial(
         *trial_rules.mass_differs_from_description(entity, robot.mass, trial.mass),
         *trial_rules.joints_differ_from_description(entity, movable, trial.movable_joints),
         *trial_rules.state_not_finite(entity, is_finite=trial.is_finite),
+        *trial_rules.trial_cut_short(entity, is_cut_short=trial.is_cut_short),
         *scene_rules.robots_in_each_other(entity, trial.overlaps, scenery),
         *scene_rules.links_in_each_other(entity, trial.overlaps, collide),
     ]
@@ -75,13 +79,19 @@ def judge_trial(
         return tuple(found)
     if world.has_ground_plane:
         found += trial_rules.born_inside_the_ground(
-            entity, trial.penetration, trial.spawn_pose.xyz[2], is_bolted=robot.fixed_to_world
+            entity,
+            trial.penetration,
+            trial.spawn_pose.xyz[2],
+            height,
+            is_bolted=robot.fixed_to_world,
         )
     if world.has_ground_plane and not robot.fixed_to_world:
         # What stands on a platform of the world is high up, and falls from no height.
         fall = min(trial.lowest_point, trial.lowest_point - trial.lowest_point_at_end)
-        found += trial_rules.spawned_high_above_the_ground(entity, fall, trial.spawn_pose.xyz[2])
-    if trial.is_finite:
+        found += trial_rules.spawned_high_above_the_ground(
+            entity, fall, trial.spawn_pose.xyz[2], height
+        )
+    if trial.is_finite and not trial.is_cut_short:
         is_pushed = any(overlap.other_entity is not None for overlap in trial.overlaps)
         motion = _judge_motion(robot, world, trial, is_alone=is_alone and not is_pushed)
         if scenery and not _is_on_the_ground(world, trial):
@@ -142,8 +152,9 @@ def _judge_place(world: World, trial: RobotTrial, *, gave_way: bool) -> list[Dia
     if falls:
         return falls
     depth = -trial.lowest_point_at_end if world.has_ground_plane else 0.0
-    found = list(trial_rules.stuck_in_the_ground(entity, depth))
-    is_stuck = bool(found)  # and still being pushed out: it moves for that alone
+    found = list(trial_rules.stuck_in_the_ground(entity, depth, trial.climb))
+    # Or still being pushed out: it moves for that alone.
+    is_stuck = bool(found) or (depth > 0 and trial_rules.is_on_its_way_out(depth, trial.climb))
     found += motion_rules.thrown_into_the_air(
         entity, trial.highest_point - trial.spawn_pose.xyz[2] - trial.penetration
     )

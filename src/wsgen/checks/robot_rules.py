@@ -7,8 +7,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from wsgen.checks.extent_rules import HEAVIEST
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.model.inertia import of_solid, principal_moments
+from wsgen.model.inertia import as_attributes, if_filled, principal_moments
 from wsgen.model.robot import Box, Cylinder, Primitive, Sphere
 
 if TYPE_CHECKING:
@@ -21,6 +22,12 @@ if TYPE_CHECKING:
 # more, and a collision shape may be a good deal larger or smaller than the part.
 IMPLAUSIBLE = 30.0  # times the solid's largest moment, or that part of it
 
+# What becomes of the child of a joint that is left out, by generation of the simulator.
+LOOSE = {
+    None: "in Gazebo Classic `{}` is loose, Gazebo Sim refuses the robot",
+    "classic": "`{}` is loose",
+    "gz": "Gazebo Sim refuses the robot, where `{}` is placed on it",
+}
 # Plugin libraries that no ROS 2 release has, with what took their place.
 ROS_1_PLUGINS = {
     "gazebo_ros_control": "libgazebo_ros2_control.so with <ros2_control> tags",
@@ -63,20 +70,17 @@ def implausible_inertia(links: Iterable[Link], file: Path | None) -> Iterator[Di
     for link in links:
         shapes = [collision.geometry for collision in link.collisions]
         shapes = shapes or [visual.geometry for visual in link.visuals]
-        if link.inertial is None or link.inertial.mass <= 0 or len(shapes) != 1:
+        has_mass = link.inertial is not None and 0 < link.inertial.mass <= HEAVIEST
+        if link.inertial is None or not has_mass or len(shapes) != 1 or not link.is_as_meant:
             continue
         shape = shapes[0]
-        solid = of_solid(shape, link.inertial.mass)
+        solid = if_filled(link)
         if solid is None or not isinstance(shape, Primitive):
             continue
         largest = principal_moments(link.inertial.inertia)[2]
         times = largest / max(solid)
         if 1 / IMPLAUSIBLE <= times <= IMPLAUSIBLE:
             continue
-        told = " ".join(
-            f'{name}="{moment:.4g}"'
-            for name, moment in zip(("ixx", "iyy", "izz"), solid, strict=True)
-        )
         yield Diagnostic(
             code="ROB050",
             severity=Severity.WARNING,
@@ -85,7 +89,7 @@ def implausible_inertia(links: Iterable[Link], file: Path | None) -> Iterator[Di
             file=file,
             line=link.line,
             element=f"link[@name='{link.name}']/inertial/inertia",
-            hint=f"If it is evenly filled: {told} (kg m², the products 0).",
+            hint=f"If it is evenly filled: {as_attributes(solid)} (kg m², the products 0).",
         )
 
 
@@ -109,7 +113,7 @@ def massless_root(
     """
     fixed = [joint for joint in joints if joint.parent == root.name and not joint.is_movable]
     is_massless = root.inertial is None or root.inertial.mass == 0
-    if is_massless and root.name != "world" and fixed and robot_mass > 0:
+    if is_massless and root.is_as_meant and root.name != "world" and fixed and robot_mass > 0:
         yield Diagnostic(
             code="ROB051",
             severity=Severity.WARNING,
@@ -118,7 +122,9 @@ def massless_root(
             file=file,
             line=root.line,
             element=f"link[@name='{root.name}']",
-            hint=f"Remove `{root.name}` and its joint, unless something needs this frame.",
+            hint=f"Keep `{root.name}` if it is there for robot_state_publisher, whose KDL ignores "
+            f"the inertia of a root link; Gazebo plugins then call the body `{root.name}`. "
+            f"Otherwise remove `{root.name}` and its joint.",
         )
 
 
@@ -165,7 +171,8 @@ def nothing_to_touch(links: Iterable[Link], file: Path | None) -> Iterator[Diagn
     A <collision> with a simple shape in every link that can touch something.
     """
     links = list(links)
-    if links and not any(link.collisions for link in links):
+    is_as_meant = all(link.is_as_meant for link in links)
+    if links and is_as_meant and not any(link.collisions for link in links):
         yield Diagnostic(
             code="ROB053",
             severity=Severity.WARNING,
@@ -190,7 +197,8 @@ def nothing_to_see(links: Iterable[Link], file: Path | None) -> Iterator[Diagnos
     A <visual> of the same shape.
     """
     for link in links:
-        if link.inertial is not None and link.collisions and not link.visuals:
+        is_hidden = link.is_as_meant and not link.visuals
+        if link.inertial is not None and link.collisions and is_hidden:
             yield Diagnostic(
                 code="ROB054",
                 severity=Severity.INFO,
@@ -225,7 +233,7 @@ def loose_joint(
                 code="ROB055",
                 severity=Severity.ERROR if generation == "gz" else Severity.WARNING,
                 message=f"Gazebo has no {joint.type.value} joints and leaves `{joint.name}` out: "
-                f"in Gazebo Classic `{joint.child}` is loose, Gazebo Sim refuses the robot.",
+                f"{LOOSE[generation].format(joint.child)}.",
                 file=file,
                 line=joint.line,
                 element=f"joint[@name='{joint.name}']",

@@ -13,8 +13,12 @@ from wsgen.diagnostics import Diagnostic, Severity
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from wsgen.model.plan import SpawnHeight
+
 MASS_TOLERANCE = 1e-6  # relative; the engine computes in double precision
 CONTACT_SLACK = 0.005  # m; collision margins and contact softness stay below this
+RISING = 0.01  # m/s; slower is no way out: DART lifts what is in the ground by 1 mm/s
+WAY_OUT = 3.0  # s; what rises so fast that it is out by then, as long as a trial is, is not stuck
 HIGH_SPAWN = 1.0  # m; a fall from here hurts a real robot
 
 
@@ -90,8 +94,36 @@ def state_not_finite(entity: str, *, is_finite: bool) -> Iterator[Diagnostic]:
         )
 
 
+def trial_cut_short(entity: str, *, is_cut_short: bool) -> Iterator[Diagnostic]:
+    """The simulation ended early, because another robot's state was not finite.
+
+    ## What it does
+    Looks whether the robot was simulated to the end.
+
+    ## Why is this bad?
+    Nobody knows what this robot would have done.
+
+    ## Use instead
+    What the finding about the other robot says.
+    """
+    if is_cut_short:
+        yield Diagnostic(
+            code="SPN090",
+            severity=Severity.ERROR,
+            message="The robot was not simulated to the end: the pose of another robot became "
+            "infinite or not-a-number.",
+            element=entity,
+            hint="Fix the other robot first.",
+        )
+
+
 def born_inside_the_ground(
-    entity: str, penetration: float, spawn_z: float, *, is_bolted: bool = False
+    entity: str,
+    penetration: float,
+    spawn_z: float,
+    height: SpawnHeight | None = None,
+    *,
+    is_bolted: bool = False,
 ) -> Iterator[Diagnostic]:
     """The spawn pose puts part of the robot into the ground.
 
@@ -110,16 +142,18 @@ def born_inside_the_ground(
             severity=Severity.WARNING,
             message=f"The robot is spawned {penetration:.3f} m deep in the ground "
             f"(spawn height z = {spawn_z:g} m).",
+            file=height.file if height else None,
+            line=height.line if height else None,
             element=entity,
             hint=f"Raise the <origin> of the joint to `world` by {penetration:.3f} m, or spawn it "
             "higher."
             if is_bolted
-            else _spawn_at(spawn_z, penetration + CONTACT_SLACK, "or higher"),
+            else _spawn_at(spawn_z, penetration + CONTACT_SLACK, "or higher", height),
         )
 
 
 def spawned_high_above_the_ground(
-    entity: str, clearance: float, spawn_z: float
+    entity: str, clearance: float, spawn_z: float, height: SpawnHeight | None = None
 ) -> Iterator[Diagnostic]:
     """The robot is dropped from more than a metre.
 
@@ -138,16 +172,24 @@ def spawned_high_above_the_ground(
             severity=Severity.WARNING,
             message=f"The robot is spawned {clearance:.2f} m above the ground and falls "
             f"(spawn height z = {spawn_z:g} m).",
+            file=height.file if height else None,
+            line=height.line if height else None,
             element=entity,
-            hint=_spawn_at(spawn_z, CONTACT_SLACK - clearance, "to let it stand at once"),
+            hint=_spawn_at(spawn_z, CONTACT_SLACK - clearance, "to let it stand at once", height),
         )
 
 
-def stuck_in_the_ground(entity: str, depth_at_end: float) -> Iterator[Diagnostic]:
+def is_on_its_way_out(depth_at_end: float, climb: float) -> bool:
+    """Whether a robot that is in the ground (m) rises (m/s) fast enough to get out."""
+    return climb > RISING and depth_at_end < climb * WAY_OUT
+
+
+def stuck_in_the_ground(entity: str, depth_at_end: float, climb: float) -> Iterator[Diagnostic]:
     """At the end the robot is still in the ground.
 
     ## What it does
-    Measures the lowest point of the robot's collision shapes at the end of the trial.
+    Measures the lowest point of the robot's collision shapes at the end of the trial. A robot that
+    is still rising, and would be out within 3 s, is not judged.
 
     ## Why is this bad?
     It sinks in or cannot get out: contacts are too soft, or shapes lock each other.
@@ -155,7 +197,7 @@ def stuck_in_the_ground(entity: str, depth_at_end: float) -> Iterator[Diagnostic
     ## Use instead
     A spawn pose above the ground; collision shapes without zero sizes; usual kp and kd.
     """
-    if depth_at_end > CONTACT_SLACK:
+    if depth_at_end > CONTACT_SLACK and not is_on_its_way_out(depth_at_end, climb):
         yield Diagnostic(
             code="SPN055",
             severity=Severity.ERROR,
@@ -165,11 +207,18 @@ def stuck_in_the_ground(entity: str, depth_at_end: float) -> Iterator[Diagnostic
         )
 
 
-def _spawn_at(spawn_z: float, rise: float, why: str) -> str:
+def _spawn_at(spawn_z: float, rise: float, why: str, height: SpawnHeight | None) -> str:
     """How to spawn a robot higher, or lower by a negative rise (m)."""
-    height = f"{spawn_z + rise + 0.0:.3f}"
-    return (
-        f"{'Raise' if rise > 0 else 'Lower'} it by {abs(rise):.3f} m {why}: from a launch file to "
-        f"z = {height} m (give z:={height}, or change that argument's default or the -z of the "
-        "spawner), in an SDF file the <pose> of the model."
-    )
+    z = f"{spawn_z + rise + 0.0:.3f}"
+    if height is None:
+        how = f"set z = {z} m in the <pose> of the model"
+    elif height.launch_argument is not None:
+        name = height.launch_argument
+        how = f"give {name}:={z}, or make that the default of the launch argument `{name}`"
+    elif height.is_given:
+        how = f"change {height.option} to '{z}' in {height.holder}"
+    elif height.option.startswith("-"):
+        how = f"add '{height.option}', '{z}' to {height.holder}"
+    else:
+        how = f"add '{height.option}': '{z}' to {height.holder}"
+    return f"{'Raise' if rise > 0 else 'Lower'} it by {abs(rise):.3f} m {why}: {how}."

@@ -19,10 +19,10 @@ from wsgen import __version__
 from wsgen.errors import (
     EXIT_BUG,
     EXIT_INTERRUPTED,
-    EXIT_MISSING,
     EXIT_PASSED,
     EXIT_REQUEST,
     EXIT_SIGNALLED,
+    SIGNAL_MESSAGES,
     NotFoundError,
     RequestError,
     WsgenError,
@@ -31,7 +31,7 @@ from wsgen.errors import (
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-ENDING_SIGNALS = ("SIGTERM", "SIGHUP")  # CI cancels, the terminal is closed
+COMPLETION = "_WSGEN_COMPLETE"  # the variable by which click's scripts for shells ask
 GARBAGE_THRESHOLD = 100_000  # objects more than are freed, until the collector looks
 
 # name -> one line of help; `wsgen.cli.NAME` holds the command as `command`.
@@ -56,8 +56,11 @@ class CommandTable(click.Group):
         """Import the one command that is asked for."""
         if cmd_name not in COMMANDS:
             return None
-        if ctx.resilient_parsing:  # completion needs no more than names
+        if ctx.resilient_parsing:  # the completion of names needs no more than names
             return click.Command(cmd_name, help=COMMANDS[cmd_name])
+        return self._import_command(cmd_name)
+
+    def _import_command(self, cmd_name: str) -> click.Command:
         module = importlib.import_module(f"wsgen.cli.{cmd_name}")
         command: click.Command = module.command
         return command
@@ -67,6 +70,9 @@ class CommandTable(click.Group):
     ) -> tuple[str | None, click.Command | None, list[str]]:
         """Find the command; a misspelt one is answered with its neighbour."""
         name = args[0]
+        if ctx.resilient_parsing:  # the completion of what follows a name, or of a misspelt one
+            command = self._import_command(name) if name in COMMANDS else None
+            return name if command else None, command, args[1:]
         if name not in COMMANDS and not name.startswith("-"):
             import difflib
 
@@ -96,8 +102,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
     # at the end, is an eighth of the time of `wsgen new`.
     gc.set_threshold(GARBAGE_THRESHOLD)
     _put_overlays_last()
-    _unwind_at_signals()
-    code = run(sys.argv[1:] if arguments is None else arguments)
+    try:
+        _unwind_at_signals()
+        code = run(sys.argv[1:] if arguments is None else arguments)
+        _ignore_signals()
+    except (KeyboardInterrupt, SystemExit) as end:  # outside of what `run` catches
+        code = _report_end(end)
     gc.freeze()
     sys.exit(code)
 
@@ -114,7 +124,8 @@ def run(arguments: Sequence[str]) -> int:
     code = EXIT_PASSED
     colors = _Colors()
     try:
-        _check_current_folder()
+        if COMPLETION not in os.environ:  # a shell that completes words is told nothing else
+            _check_current_folder()
         returned = wsgen.main(
             args=list(arguments),
             prog_name="wsgen",
@@ -127,21 +138,16 @@ def run(arguments: Sequence[str]) -> int:
         _tell(error.message, error.hint, color=colors.wanted)
         code = error.exit_code
     except click.ClickException as error:
-        error.show()
+        _tell_usage(error, color=colors.wanted)
         code = EXIT_REQUEST
-    except SystemExit as end:
-        if end.code != 1:
-            raise
-        # So click leaves when whoever read our output has gone: nothing of ours has failed.
-        code = EXIT_PASSED
-    except (KeyboardInterrupt, click.Abort):
-        click.echo("\nwsgen: interrupted", err=True)
-        code = EXIT_INTERRUPTED
+    except (KeyboardInterrupt, SystemExit, click.Abort) as end:
+        code = _report_end(end)
     except Exception as error:  # noqa: BLE001  the last resort: no traceback reaches a beginner
-        if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT):
+        disk = _explain_disk(error) if isinstance(error, OSError) else None
+        if disk is not None:
             _drop_standard_output()
-            _tell(f"{error.strerror}.", "Make room on the disk and try again.")
-            code = EXIT_MISSING
+            _tell(disk.message, disk.hint, color=colors.wanted)
+            code = disk.exit_code
         else:
             _tell_bug(error)
             code = EXIT_BUG
@@ -149,19 +155,47 @@ def run(arguments: Sequence[str]) -> int:
 
 
 def _unwind_at_signals() -> None:
-    """Let a supervisor's signals raise, so that children are ended and folders removed."""
+    """Let the ending signals raise, so that children are ended and folders removed."""
     import signal
 
-    numbers = [getattr(signal, name) for name in ENDING_SIGNALS if hasattr(signal, name)]
-
     def leave(number: int, _frame: object) -> None:
-        for other in numbers:
-            signal.signal(other, signal.SIG_IGN)  # a second one must not disturb the cleaning up
+        _ignore_signals()  # a second one must not disturb the cleaning up
+        if number == signal.SIGINT:
+            raise KeyboardInterrupt
         raise SystemExit(EXIT_SIGNALLED + number)
 
-    for number in numbers:
-        if signal.getsignal(number) is signal.SIG_DFL:  # nohup has us ignore SIGHUP
-            signal.signal(number, leave)
+    for number in _ending_signals():
+        signal.signal(number, leave)
+
+
+def _ignore_signals() -> None:
+    import signal
+
+    for number in _ending_signals():
+        signal.signal(number, signal.SIG_IGN)
+
+
+def _ending_signals() -> list[int]:
+    """The signals that end wsgen; nohup has us ignore SIGHUP."""
+    import signal
+
+    numbers = [getattr(signal, name) for name in SIGNAL_MESSAGES if hasattr(signal, name)]
+    return [number for number in numbers if signal.getsignal(number) is not signal.SIG_IGN]
+
+
+def _report_end(end: BaseException) -> int:
+    """Report the signal that ended the command; gives the exit code."""
+    import signal
+
+    code = end.code if isinstance(end, SystemExit) else EXIT_INTERRUPTED
+    if code == 1:
+        # So click leaves when whoever read our output has gone: nothing of ours has failed.
+        return EXIT_PASSED
+    if not isinstance(code, int) or code <= EXIT_SIGNALLED:
+        raise end
+    with contextlib.suppress(OSError):  # the terminal may be gone
+        click.echo(SIGNAL_MESSAGES[signal.Signals(code - EXIT_SIGNALLED).name], err=True)
+    return code
 
 
 class _Colors:
@@ -191,6 +225,45 @@ def _tell(message: str, hint: str, *, color: bool | None = None) -> None:
     click.echo(f"{click.style('error:', fg='red', bold=True)} {message}", err=True, color=color)
     if hint:
         click.echo(f"{click.style('  try:', fg='green')} {hint}", err=True, color=color)
+
+
+def _tell_usage(error: click.ClickException, *, color: bool | None) -> None:
+    """Tell what click has refused, as all errors are told."""
+    ctx = getattr(error, "ctx", None)
+    if ctx is None:
+        _tell(f"{error.format_message().rstrip('.')}.", "wsgen --help", color=color)
+        return
+    if error.message.startswith("Usage: "):  # click gives the help to whom gives no words
+        error.show()
+        return
+    message, near = error.format_message(), None
+    if isinstance(error, click.NoSuchOption):
+        message, near = f"{ctx.command_path} has no option {error.option_name}", error.possibilities
+    usage = " ".join(ctx.get_usage().partition(" ")[2].split())
+    hint = f"Did you mean {near[0]}?" if near else f"{usage} (options: {ctx.command_path} --help)"
+    _tell(f"{message.rstrip('.')}.", hint, color=color)
+
+
+def _explain_disk(error: OSError) -> WsgenError | None:
+    """What to say of a disk that does not take what has no name for the user; None if it does."""
+    from pathlib import Path
+
+    from wsgen.errors import NotReadableError
+    from wsgen.files import FULL, explain_write_error
+
+    if error.errno in {*FULL, errno.EROFS} and isinstance(error.filename, str):
+        return explain_write_error(error, Path(error.filename))
+    if error.errno in FULL:
+        return NotReadableError(
+            f"Cannot write the output or a temporary file: {error.strerror}.",
+            hint="Free some space, or name a folder on another disk: TMPDIR=DIR wsgen ...",
+        )
+    if "No usable temporary directory" in str(error):  # so Python calls them if all are full
+        return NotReadableError(
+            "No folder for temporary files takes any: they are full, or not writable.",
+            hint="Free some space in /tmp, or name another folder: TMPDIR=DIR wsgen ...",
+        )
+    return None
 
 
 def _tell_bug(error: Exception) -> None:

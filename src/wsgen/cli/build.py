@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import click
 
-from wsgen.cli.options import output_options, workspace_option
+from wsgen.cli.completion import complete_packages
+from wsgen.cli.options import ExampleCommand, format_option, output_options, workspace_option
 from wsgen.errors import EXIT_FAILED, EXIT_PASSED
 
 COLCON_ARGUMENTS = "wsgen.colcon_arguments"
 
 
-class BuildCommand(click.Command):
+class BuildCommand(ExampleCommand):
     """A command that keeps what follows `--` apart: click would add it to the packages."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
@@ -25,10 +26,17 @@ class BuildCommand(click.Command):
 @click.command(
     cls=BuildCommand,
     options_metavar="[OPTIONS]",
-    epilog="What follows -- goes to colcon:  wsgen build -- --cmake-clean-cache",
+    epilog="What follows -- goes to colcon.",
+    examples=("wsgen build my_robot", "wsgen build -- --cmake-clean-cache"),
 )
-@click.argument("packages", nargs=-1, metavar="[PACKAGE]... [-- COLCON ARGUMENT...]")
+@click.argument(
+    "packages",
+    nargs=-1,
+    metavar="[PACKAGE]... [-- COLCON ARGUMENT...]",
+    shell_complete=complete_packages,
+)
 @workspace_option
+@format_option
 @output_options
 @click.pass_context
 def command(
@@ -36,6 +44,7 @@ def command(
     packages: tuple[str, ...],
     *,
     workspace: str | None,
+    output_format: str,
     quiet: bool,
     verbose: bool,
 ) -> int:
@@ -44,6 +53,7 @@ def command(
         packages,
         colcon_arguments=ctx.meta.get(COLCON_ARGUMENTS, ()),
         workspace=workspace,
+        output_format=output_format,
         quiet=quiet,
         verbose=verbose,
     )
@@ -54,20 +64,28 @@ def build_workspace(
     *,
     colcon_arguments: tuple[str, ...] = (),
     workspace: str | None,
+    output_format: str = "text",
     quiet: bool,
     verbose: bool,
+    goes_on: bool = False,
 ) -> int:
-    """Build, tell what was found, and return the exit code."""
+    """Build, tell what was found, and return the exit code.
+
+    The next step is not told to those for whom wsgen `goes_on` to take it.
+    """
     import os
+    import shlex
 
     from wsgen.cli.findings import render_findings
     from wsgen.cli.progress import listening
+    from wsgen.cli.words import next_command
     from wsgen.workspace.build import build
     from wsgen.workspace.layout import open_workspace
 
+    place = open_workspace(workspace)
     with listening(quiet=quiet, verbose=verbose) as listener:
         result = build(
-            open_workspace(workspace),
+            place,
             packages=packages,
             colcon_arguments=colcon_arguments,
             environment=os.environ,
@@ -76,6 +94,18 @@ def build_workspace(
     if not (quiet or verbose):
         for text in result.unexplained_output:
             click.echo(f"       {text}", err=True)
-    for line in render_findings(result.diagnostics):
-        click.echo(line, err=True)
+    if output_format == "json":
+        from wsgen.report.json_report import render_build
+
+        click.echo(render_build(result), nl=False)
+    else:
+        for line in render_findings(result.diagnostics):
+            click.echo(line, err=True)
+        if result.not_built and "--continue-on-error" not in colcon_arguments and not quiet:
+            words = [*packages, "--", *colcon_arguments, "--continue-on-error"]
+            build_all = next_command(place, shlex.join(["wsgen", "build", *words]))
+            click.echo(f"Next: {build_all}  (builds what does not need what failed)", err=True)
+        if result.succeeded and not (quiet or goes_on):
+            validate = " ".join(["wsgen validate", *packages])
+            click.echo(f"Next: {next_command(place, validate)}", err=True)
     return EXIT_PASSED if result.succeeded else EXIT_FAILED

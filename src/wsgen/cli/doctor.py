@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from wsgen.cli.options import (
+    ExampleCommand,
     chosen_target,
     distro_option,
     format_option,
@@ -24,7 +25,11 @@ if TYPE_CHECKING:
 MARK_WIDTH = 7  # with the blanks behind it
 
 
-@click.command(epilog="Exit code 0: wsgen's own commands can work here, whatever ROS lacks.")
+@click.command(
+    cls=ExampleCommand,
+    epilog="Exit code 0: wsgen's own commands can work here, whatever ROS lacks.",
+    examples=("wsgen doctor --distro jazzy", "wsgen doctor --format json"),
+)
 @distro_option
 @sim_option
 @format_option

@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING
 
 import click
 
+from wsgen.cli.completion import complete_launch_words
 from wsgen.cli.options import (
+    ExampleCommand,
     chosen_engines,
     engine_option,
     format_option,
@@ -28,10 +30,21 @@ if TYPE_CHECKING:
 
 
 @click.command(
+    cls=ExampleCommand,
     epilog="A launch file is a program, and evaluating it runs it: in a process of its own, with "
-    "limits on time and memory. What it describes is not started."
+    "limits on time and memory. What it describes is not started.",
+    examples=(
+        "wsgen launch my_robot gazebo_model.launch.py z:=0.5",
+        "wsgen launch launch/gazebo_model.launch.py --play --record fall.gif",
+    ),
 )
-@click.argument("words", nargs=-1, required=True, metavar="(PACKAGE FILE | PATH) [NAME:=VALUE]...")
+@click.argument(
+    "words",
+    nargs=-1,
+    required=True,
+    metavar="(PACKAGE FILE | PATH) [NAME:=VALUE]...",
+    shell_complete=complete_launch_words,
+)
 @workspace_option
 @click.option(
     "-s",
@@ -109,7 +122,7 @@ def command(
         )
     with (
         listening(quiet=quiet, verbose=verbose) as listener,
-        Clock(package or file.stem, listener).step("launch", file.name),
+        Clock(package or file.stem, listener).step("launch", file.name) as step,
     ):
         plan = evaluate(
             file,
@@ -118,8 +131,29 @@ def command(
             environment=overlay.environment,
             only_arguments=show_arguments,
         )
+        step.succeeded = not has_errors(plan.diagnostics)
+    plan = _with_sources_named(plan, place, overlay)
     _write(plan, output_format=output_format, show_arguments=show_arguments)
     return EXIT_FAILED if has_errors(plan.diagnostics) else EXIT_PASSED
+
+
+def _with_sources_named(
+    plan: LaunchPlan, workspace: Workspace | None, overlay: Overlay
+) -> LaunchPlan:
+    """The plan whose diagnostics name the package's source, where the workspace has it."""
+    share = overlay.share(plan.package) if plan.package else None
+    if workspace is None or share is None or not plan.diagnostics:
+        return plan
+    from dataclasses import replace
+
+    from wsgen.pipeline.sources import name_sources
+    from wsgen.workspace.layout import find_packages
+
+    told = plan.diagnostics
+    for package in find_packages(workspace):
+        if package.name == plan.package:
+            told = tuple(name_sources(told, share, package.path))
+    return replace(plan, diagnostics=told)
 
 
 def _request(
@@ -205,6 +239,7 @@ def _choose(
     """The package, the launch file and the launch arguments that the words mean."""
     from pathlib import Path
 
+    from wsgen.workspace.layout import open_workspace
     from wsgen.workspace.overlay import require_share
 
     first, rest = words[0], words[1:]
@@ -217,19 +252,40 @@ def _choose(
                 hint="After the path of a launch file come arguments: name:=value.",
             )
         return _package_of(path), path, rest
+    if not names_file and overlay.share(first) is not None:
+        raise _no_file_named(first, require_share(overlay, workspace, first))
     if not names_file:
         raise RequestError(
             f"There is no launch file {first!r}.",
             hint="Give its path, or a package and the name of a launch file: "
             "wsgen launch PACKAGE FILE",
         )
+    if workspace is None and overlay.share(first) is None and not overlay.packages():
+        open_workspace(None)  # raises: says that there is none, or which ones there are
     share = require_share(overlay, workspace, first)
     return first, _find_file(first, share, rest[0]), rest[1:]
+
+
+def _no_file_named(package: str, share: Path) -> RequestError:
+    """The error for a package without the name of one of its launch files."""
+    from wsgen.pipeline.launch_files import find_launch_files
+
+    names = [file.name for file in find_launch_files(share)]
+    if not names:
+        return RequestError(
+            f"{package} is a package, and has not installed a launch file.",
+            hint="Install one from its CMakeLists.txt, then build again.",
+        )
+    return RequestError(
+        f"{package} is a package: the name of the launch file is missing.",
+        hint=f"wsgen launch {package} {' | '.join(names)}",
+    )
 
 
 def _find_file(package: str, share: Path, name: str) -> Path:
     """The file of that name anywhere in the share folder, as `ros2 launch` looks for it."""
     from wsgen.pipeline.launch_files import find_launch_files
+    from wsgen.pipeline.selection import no_such_launch_file
 
     found = sorted(file for file in share.rglob("*") if file.name == name and file.is_file())
     if len(found) == 1:
@@ -239,10 +295,7 @@ def _find_file(package: str, share: Path, name: str) -> Path:
             f"{package} has installed {name} more than once.",
             hint=f"Give the path of one: {', '.join(str(file) for file in found)}",
         )
-    names = ", ".join(file.name for file in find_launch_files(share)) or "none"
-    raise RequestError(
-        f"{package} has not installed a launch file {name}.", hint=f"Installed: {names}."
-    )
+    raise no_such_launch_file(package, name, find_launch_files(share))
 
 
 def _package_of(file: Path) -> str | None:

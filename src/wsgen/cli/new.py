@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING
 
 import click
 
+from wsgen.cli.completion import complete_templates
 from wsgen.cli.options import (
+    ExampleCommand,
     chosen_target,
     distro_option,
     format_option,
@@ -26,7 +28,7 @@ if TYPE_CHECKING:
 DEFAULT_WORKSPACE = "ws_gazebo"
 
 
-class NewCommand(click.Command):
+class NewCommand(ExampleCommand):
     """A command whose help ends with what the templates and the licences are."""
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
@@ -48,7 +50,11 @@ class NewCommand(click.Command):
 
 
 @click.command(
-    cls=NewCommand, epilog="For example:  wsgen new my_robot --set length=0.8 --license MIT"
+    cls=NewCommand,
+    examples=(
+        "wsgen new my_robot --set length=0.8 --license MIT",
+        "wsgen new rover -t diff_drive --distro jazzy --validate",
+    ),
 )
 @click.argument("name", metavar="PACKAGE")
 @workspace_option
@@ -58,6 +64,7 @@ class NewCommand(click.Command):
     default="simple",
     metavar="NAME|FOLDER",
     show_default=True,
+    shell_complete=complete_templates,
     help="What kind of robot; a FOLDER is a template of yours.",
 )
 @distro_option
@@ -149,8 +156,9 @@ def command(
     if workflow:
         note_repository(place.root)
     tell = tell_json if output_format == "json" else tell_text
-    tell(place, folder, list(tree), [*ignored, *workflow], is_written=not dry_run)
-    if dry_run or not (then_build or then_validate):
+    goes_on = then_build or then_validate
+    tell(place, folder, list(tree), [*ignored, *workflow], is_written=not dry_run, goes_on=goes_on)
+    if dry_run or not goes_on:
         return EXIT_PASSED
     return go_on(place, spec.name, validate=then_validate, quiet=quiet, verbose=verbose)
 
@@ -181,7 +189,9 @@ def go_on(workspace: Workspace, package: str, *, validate: bool, quiet: bool, ve
     from wsgen.cli.build import build_workspace
 
     root = str(workspace.root)
-    code = build_workspace((package,), workspace=root, quiet=quiet, verbose=verbose)
+    code = build_workspace(
+        (package,), workspace=root, quiet=quiet, verbose=verbose, goes_on=validate
+    )
     if code != EXIT_PASSED or not validate:
         return code
     from wsgen.cli.validate import validate_packages
@@ -207,16 +217,24 @@ def choose_workspace(given: str | None) -> Workspace:
     """The given folder, else the workspace around the current one, else ./ws_gazebo.
 
     Raises:
-        RequestError: the given folder is among the packages of another workspace.
+        RequestError: the given folder is the source folder of another workspace, or is among its
+            packages.
     """
     from pathlib import Path
 
-    from wsgen.workspace.layout import Workspace, find_workspace
+    from wsgen.workspace.layout import Workspace, find_workspace, workspace_of_source_folder
 
     if given is None:
-        return find_workspace(Path.cwd()) or Workspace(root=Path.cwd() / DEFAULT_WORKSPACE)
+        here = Path.cwd()
+        return (
+            find_workspace(here)
+            or workspace_of_source_folder(here)
+            or Workspace(root=here / DEFAULT_WORKSPACE)
+        )
     root = Path(given).expanduser().absolute()
     around = find_workspace(root)
+    if around is None and root.name == "src":
+        around = workspace_of_source_folder(root)
     if around is not None and (root == around.source or around.source in root.parents):
         raise RequestError(
             f"{root} lies among the packages of the workspace {around.root}.",

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from wsgen.cli.new_report import short
+from wsgen.cli.words import short_name
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -35,7 +35,7 @@ def ignore_files(workspace: Workspace, *, verbose: bool) -> RenderedTree:
     there = [workspace.root / name for name in IGNORE_FILE]
     there = [path for path in there if os.path.lexists(path)]
     if there and verbose:
-        click.echo(f"note: {short(there[0])} is there already and stays as it is.", err=True)
+        click.echo(f"note: {short_name(there[0])} is there already and stays as it is.", err=True)
     return {} if there else dict(IGNORE_FILE)
 
 

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from wsgen.cli.words import next_command, short_name
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
@@ -20,8 +22,12 @@ def tell_text(
     extras: Sequence[str],
     *,
     is_written: bool,
+    goes_on: bool,
 ) -> None:
-    """`files` are in the folder of the package, `extras` in that of the workspace."""
+    """`files` are in the folder of the package, `extras` in that of the workspace.
+
+    The next step is not told to those for whom wsgen `goes_on` to take it.
+    """
     beside = [workspace.root / name for name in extras]
     if not is_written:
         for path in (*(folder / name for name in files), *beside):
@@ -29,8 +35,9 @@ def tell_text(
         click.echo("Nothing was written.", err=True)
         return
     for path in (folder, *beside):
-        click.echo(f"Wrote {short(path)}")
-    click.echo(f"Next: {_next_command(workspace)}")
+        click.echo(f"Wrote {short_name(path)}")
+    if not goes_on:
+        click.echo(f"Next: {next_command(workspace, 'wsgen build', 'wsgen validate')}")
 
 
 def tell_json(
@@ -40,6 +47,7 @@ def tell_json(
     extras: Sequence[str],
     *,
     is_written: bool,
+    goes_on: bool,  # noqa: ARG001  programs are told no next step
 ) -> None:
     """The same for programs."""
     import json
@@ -54,23 +62,3 @@ def tell_json(
         "written": is_written,
     }
     click.echo(json.dumps(result, indent=2))
-
-
-def short(path: Path) -> str:
-    """Relative to the current folder where that is below it."""
-    from pathlib import Path
-
-    here = Path.cwd()
-    return click.format_filename(path.relative_to(here) if here in path.parents else path)
-
-
-def _next_command(workspace: Workspace) -> str:
-    """What to type next, from the current folder."""
-    import shlex
-    from pathlib import Path
-
-    commands = ["wsgen build", "wsgen validate"]
-    here = Path.cwd()
-    if workspace.root != here and workspace.root not in here.parents:
-        commands.insert(0, f"cd {shlex.quote(short(workspace.root))}")
-    return " && ".join(commands)

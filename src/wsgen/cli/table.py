@@ -28,6 +28,8 @@ def render_outcome_table(outcome: Outcome, *, verbose: bool = False) -> list[str
         lines += [*_package(package, verbose=verbose), ""]
     if len(outcome.packages) > 1:
         lines += [*_summary(outcome), ""]
+    if not outcome.is_complete:
+        lines += ["interrupted: what is not named above was not judged", ""]
     if outcome.left_out:
         lines += [f"not judged, as they spawn no robot: {', '.join(outcome.left_out)}", ""]
     return lines[:-1]
@@ -105,7 +107,7 @@ def _robot(robot: RobotOutcome, package: PackageOutcome) -> tuple[str, ...]:
     rest, simulated = robot.rest, robot.simulated
     return (
         robot.entity,
-        f"{simulated.mass if simulated else robot.mass:.3f}",
+        f"{simulated.mass:.3f}" if simulated else "-",  # what was read may lack refused links
         f"{robot.movable_joints} of {robot.joints}",
         _xyz(robot.spawn_pose.xyz),
         _xyz(rest.pose_in_world.xyz) if rest else "-",

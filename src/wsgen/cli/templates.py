@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from wsgen.cli.options import format_option, output_options
+from wsgen.cli.completion import complete_templates
+from wsgen.cli.options import ExampleCommand, format_option, output_options
 from wsgen.errors import EXIT_FAILED, EXIT_PASSED, RequestError
 
 if TYPE_CHECKING:
@@ -17,8 +18,11 @@ if TYPE_CHECKING:
     from wsgen.templating.variables import Variable
 
 
-@click.command(epilog="For example:  wsgen templates simple")
-@click.argument("name", metavar="[NAME|FOLDER]", required=False)
+@click.command(
+    cls=ExampleCommand,
+    examples=("wsgen templates simple", "wsgen templates --check my_templates/crane"),
+)
+@click.argument("name", metavar="[NAME|FOLDER]", required=False, shell_complete=complete_templates)
 @click.option(
     "--check",
     "is_check",

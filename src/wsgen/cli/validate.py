@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING
 
 import click
 
+from wsgen.cli.completion import complete_launch_files, complete_packages_and_files
 from wsgen.cli.options import (
+    ExampleCommand,
     chosen_engines,
     engine_option,
     format_option,
@@ -18,20 +20,33 @@ from wsgen.cli.options import (
 from wsgen.errors import EXIT_FAILED, EXIT_PASSED, NotFoundError, RequestError
 
 if TYPE_CHECKING:
-    from wsgen.model.outcome import Outcome
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from wsgen.model.outcome import Outcome, PackageOutcome
     from wsgen.pipeline.request import ValidateRequest
     from wsgen.workspace.layout import Workspace
 
+MOST_SEARCHED = 100  # folders, for what could have been named
+
 
 @click.command(
-    epilog="Build first: what is judged is the installed package. A FILE needs no package."
+    cls=ExampleCommand,
+    epilog="Build first: what is judged is the installed package. A FILE needs no package.",
+    examples=("wsgen validate my_robot --picture .", "wsgen validate robot.urdf --engine dart"),
 )
-@click.argument("names", nargs=-1, metavar="[PACKAGE | FILE]...")
+@click.argument(
+    "names",
+    nargs=-1,
+    metavar="[PACKAGE | FILE]...",
+    shell_complete=complete_packages_and_files,
+)
 @workspace_option
 @click.option(
     "--launch",
     "launch_file",
     metavar="FILE",
+    shell_complete=complete_launch_files,
     help="Launch file, as `ros2 launch` names it.  [default: the only one that spawns a robot]",
 )
 @click.option(
@@ -78,6 +93,7 @@ def command(
     Without PACKAGE, all packages of the workspace that spawn a robot. A FILE (.urdf, .xacro, .sdf,
     .world) is tried by itself, a robot just above the ground of an empty world.
     """
+    import os
     from pathlib import Path
 
     from wsgen.cli.words import split_launch_arguments
@@ -88,11 +104,16 @@ def command(
             f"The folder of {json_file} does not exist.", hint="Make it first, or name another."
         )
     for name in names:
+        if Path(name).is_dir() and (name.lower().endswith(FILE_SUFFIXES) or os.sep in name):
+            raise _refuse_folder(Path(name))
         if Path(name).is_file() and not name.lower().endswith(FILE_SUFFIXES):
             raise RequestError(
                 f"{name} is no file that can be tried.",
                 hint=f"It ends in none of {', '.join(FILE_SUFFIXES)}.",
             )
+        bare = name.strip("./")  # a package is meant by PACKAGE/, too, and named in its error
+        if (os.sep in bare or Path(bare).suffix) and not Path(name).exists():
+            raise NotFoundError(f"There is no file {name}.", hint="Check its path.")
     request = ValidateRequest(
         packages=[name for name in names if not name.lower().endswith(FILE_SUFFIXES)],
         files=[Path(name) for name in names if name.lower().endswith(FILE_SUFFIXES)],
@@ -113,6 +134,24 @@ def command(
     )
 
 
+def _refuse_folder(folder: Path) -> RequestError:
+    """The error for a folder where a package or a file has to be named, with those in it."""
+    from itertools import islice
+
+    from wsgen.pipeline.request import FILE_SUFFIXES
+    from wsgen.workspace.layout import crawl, read_package
+
+    named = []
+    for place, files in islice(crawl(folder), MOST_SEARCHED):
+        package = read_package(place) if "package.xml" in files else None
+        if package is not None:
+            named.append(package.name)
+        elif place == folder:
+            named += [str(place / file) for file in files if file.endswith(FILE_SUFFIXES)]
+    hint = f"wsgen validate {' | '.join(sorted(named)[:3])}" if named else "Name a file in it."
+    return RequestError(f"{folder} is a folder, not a file or the name of a package.", hint=hint)
+
+
 def validate_packages(
     request: ValidateRequest,
     *,
@@ -126,17 +165,69 @@ def validate_packages(
     import os
 
     from wsgen.cli.progress import listening
+    from wsgen.model.outcome import Outcome
     from wsgen.pipeline import validate
 
-    with listening(quiet=quiet, verbose=verbose) as listener:
-        outcome = validate(
-            _open_workspace(workspace, request),
-            request,
-            environment=os.environ,
-            listener=listener,
-        )
+    place = _open_workspace(workspace, request)
+    ended: list[PackageOutcome] = []
+    try:
+        with listening(quiet=quiet, verbose=verbose) as listener:
+            outcome = validate(
+                place,
+                request,
+                environment=os.environ,
+                listener=listener,
+                ended=ended,
+            )
+    except (KeyboardInterrupt, SystemExit):  # a signal; the exit code stays that of the signal
+        stopped = Outcome(packages=tuple(ended), is_complete=False)
+        if ended:
+            write_outcome(
+                stopped, output_format=output_format, json_file=json_file, verbose=verbose
+            )
+        else:
+            _write_json(stopped, output_format=output_format, json_file=json_file)
+        raise
     write_outcome(outcome, output_format=output_format, json_file=json_file, verbose=verbose)
+    if outcome.passed and output_format == "text" and not quiet:
+        for line in _next_steps(outcome, request, place):
+            click.echo(line, err=True)
     return EXIT_PASSED if outcome.passed else EXIT_FAILED
+
+
+def _next_steps(
+    outcome: Outcome, request: ValidateRequest, workspace: Workspace | None
+) -> Iterator[str]:
+    """What to do with a robot that stands; about the first one, where there are several."""
+    import shlex
+
+    label = "Next:"
+    arguments = [f"{name}:={value}" for name, value in request.launch_arguments.items()]
+    if request.picture_folder is None and any(package.robots for package in outcome.packages):
+        words = [*request.packages, *map(str, request.files), *_workspace_option(workspace)]
+        if request.launch_file is not None:
+            words += ["--launch", request.launch_file]
+        for argument in arguments:
+            words += ["--arg", argument]
+        yield f"{label} {shlex.join(['wsgen', 'validate', *words, '--picture', '.'])}"
+        label = "     "
+    for package in outcome.packages:
+        if package.package is not None and package.launch_file is not None:
+            words = ["ros2", "launch", package.package, package.launch_file.name, *arguments]
+            yield f"{label} {shlex.join(words)}  (where ROS and install/setup.bash are sourced)"
+            break
+
+
+def _workspace_option(workspace: Workspace | None) -> list[str]:
+    """`-w` for the workspace, where the current folder does not mean it."""
+    from wsgen.cli.words import short_name
+    from wsgen.workspace.layout import open_workspace
+
+    try:
+        is_meant = workspace is None or open_workspace(None) == workspace
+    except (NotFoundError, RequestError):
+        is_meant = False
+    return [] if workspace is None or is_meant else ["-w", short_name(workspace.root)]
 
 
 def _open_workspace(given: str | None, request: ValidateRequest) -> Workspace | None:
@@ -155,30 +246,27 @@ def write_outcome(
     outcome: Outcome, *, output_format: str, json_file: str | None = None, verbose: bool
 ) -> None:
     """Tell what came of it, as text or as JSON, and write the JSON file that is wanted."""
-    if json_file or output_format == "json":
-        from wsgen.report.json_report import render_outcome
-
-        document = render_outcome(outcome)
-        if json_file:
-            _write_file(json_file, document)
-        if output_format == "json":
-            click.echo(document, nl=False)
-            return
+    _write_json(outcome, output_format=output_format, json_file=json_file)
+    if output_format == "json":
+        return
     from wsgen.cli.table import render_outcome_table
 
     for line in render_outcome_table(outcome, verbose=verbose):
         click.echo(line)
 
 
-def _write_file(path: str, text: str) -> None:
-    from pathlib import Path
+def _write_json(outcome: Outcome, *, output_format: str, json_file: str | None) -> None:
+    """Write the JSON where it is wanted: the file, standard output, both or neither."""
+    if json_file is None and output_format != "json":
+        return
+    from wsgen.report.json_report import render_outcome
 
-    from wsgen.errors import NotReadableError
+    document = render_outcome(outcome)
+    if json_file:
+        from pathlib import Path
 
-    try:
-        Path(path).write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise NotReadableError(
-            f"{path} cannot be written: {error.strerror}.",
-            hint="Name a file in a folder that exists and that you may write to.",
-        ) from error
+        from wsgen.files import write_file
+
+        write_file(Path(json_file), document)
+    if output_format == "json":
+        click.echo(document, nl=False)

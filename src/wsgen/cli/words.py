@@ -5,11 +5,15 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING
 
+import click
+
 from wsgen.errors import RequestError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
     from pathlib import Path
+
+    from wsgen.workspace.layout import Workspace
 
 
 def split_launch_arguments(words: Iterable[str]) -> dict[str, str]:
@@ -34,3 +38,18 @@ def short_path(path: Path) -> str:
     """Relative to the current folder where it is below that."""
     relative = os.path.relpath(path)
     return os.fspath(path) if relative.startswith("..") else relative
+
+
+def short_name(path: Path) -> str:
+    """Relative to the current folder where that is below it; odd bytes made printable."""
+    return click.format_filename(short_path(path))
+
+
+def next_command(workspace: Workspace, *commands: str) -> str:
+    """What to type next in a workspace, from the current folder."""
+    import shlex
+
+    root = os.fspath(workspace.root)
+    if not os.path.join(os.getcwd(), "").startswith(os.path.join(root, "")):  # noqa: PTH109, PTH118
+        commands = (f"cd {shlex.quote(short_name(workspace.root))}", *commands)
+    return " && ".join(commands)

@@ -31,7 +31,7 @@ def read_document(findings: Findings, text: str) -> Element | None:
     if len(text) > TEXT_LIMIT or "<!ENTITY" in text:
         findings.error(
             "ROB002",
-            f"The document has {len(text)} characters; wsgen reads up to {TEXT_LIMIT}."
+            f"The document has more than {TEXT_LIMIT} characters, and wsgen does not read it."
             if len(text) > TEXT_LIMIT
             else "The document declares entities.",
             hint="Write the values out; a URDF needs neither entities nor data in it.",
@@ -75,7 +75,7 @@ def _parsed(findings: Findings, text: str) -> Element | None:
     findings.error(
         "ROB001",
         f"Not well-formed XML: {root.message}.",
-        hint="Close every element and quote every attribute; & is written &amp;.",
+        hint=root.hint,
         at=root.line,
     )
     return None

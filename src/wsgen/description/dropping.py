@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING
 
 from wsgen.description.extensions import without_effect
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.model.inertia import is_possible
+from wsgen.model.inertia import as_attributes, if_filled, is_possible
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
     from wsgen.description.lumping import Body
-    from wsgen.model.robot import GazeboTag, Inertial, Link, Robot
+    from wsgen.model.robot import GazeboTag, Inertial, Joint, Link, Robot
 
 NAMED = 8  # so many names are told in a message
 
@@ -57,8 +57,7 @@ def _told(robot: Robot, bodies: Mapping[str, Body], name: str, blamed: Link) -> 
     if blamed.name != name:
         why += f", and `{name}`, which it is fixed to, has no mass either"
     below = [link for link in _below(bodies, name) if link != blamed.name]
-    told = ", ".join(f"`{link}`" for link in below[:NAMED])
-    told += f" and {len(below) - NAMED} more" if len(below) > NAMED else ""
+    told = _named(below)
     if name == robot.root:
         message = f"Gazebo refuses the robot: its root link {why}"
         if blamed.name != name:
@@ -89,6 +88,76 @@ def _lacks_mass(body: Body) -> Link:
     )
 
 
+def dropped_by_old_sdformat(
+    robot: Robot, bodies: Mapping[str, Body], kept: Sequence[str], file: Path | None
+) -> Iterator[Diagnostic]:
+    """What hangs on a lumped link without mass, which older versions drop with it."""
+    joints: dict[str, list[Joint]] = {}
+    for joint in robot.joints:
+        joints.setdefault(joint.parent, []).append(joint)
+    links = {link.name: link for link in robot.links}
+    for name in kept:
+        body = bodies[name]
+        for massless in reversed(body.massless):
+            below = [massless]
+            for link in below:
+                below += [joint.child for joint in joints.pop(link, ())]
+            lost = [link for link in below if link in bodies]
+            mass = sum(bodies[link].mass for link in lost)
+            if mass and body.is_as_meant:
+                yield Diagnostic(
+                    code="ROB080",
+                    severity=Severity.WARNING,
+                    message=f"`{massless}` has no mass, and sdformat before 9.10.1, 12.7.2 and "
+                    "13.5 (Debian 12 and Ubuntu 22.04 have such) drops what moves on it: "
+                    f"{_named(lost)}, {mass:.4g} kg.",
+                    file=file,
+                    line=links[massless].line,
+                    element=f"link[@name='{massless}']",
+                    hint=f"Give `{massless}` an <inertial> with a small mass, or join "
+                    f"{_named(lost[:1])} to `{name}`.",
+                )
+
+
+def _named(names: Sequence[str]) -> str:
+    """The names; of many, the first few."""
+    told = ", ".join(f"`{name}`" for name in names[:NAMED])
+    return told + (f" and {len(names) - NAMED} more" if len(names) > NAMED else "")
+
+
+def sdf_joint_ends(
+    robot: Robot, bodies: Mapping[str, Body], file: Path | None
+) -> Iterator[Diagnostic]:
+    """Joints of SDF in `<gazebo>` that join what is no link of the model."""
+    body_of = {part.name: name for name, body in bodies.items() for part, _ in body.parts}
+    if any(tag.is_open for tag in robot.gazebo):
+        return
+    others = {joint.name for joint in robot.joints} | {"world", "__model__"}
+    others |= {name for tag in robot.gazebo for name in tag.frames}
+    above = {joint.child: joint.name for joint in robot.joints}
+    for joint in (joint for tag in robot.gazebo for joint in tag.joints):
+        for end, link in joint.ends.items():
+            told = f"The SDF joint `{joint.name}` in <gazebo> has `{link}` as {end}"
+            name = body_of.get(link)
+            if name == link or link in others or "::" in link:
+                continue
+            yield Diagnostic(
+                code="ROB078" if name is None else "ROB079",
+                severity=Severity.ERROR if name is None else Severity.WARNING,
+                message=f"{told}, and no link is called so: Gazebo refuses the robot."
+                if name is None
+                else f"{told}, which is lumped into `{name}`: Gazebo with sdformat before 9.9, "
+                "12.7 and 13.1 (Debian 12 and Ubuntu 22.04 have such) refuses the robot.",
+                file=file,
+                line=joint.line,
+                element=f"gazebo/joint[@name='{joint.name}']/{end}",
+                hint="Name a link of this robot."
+                if name is None
+                else f'Write <gazebo reference="{above[link]}"><preserveFixedJoint>true'
+                f"</preserveFixedJoint></gazebo>, or name `{name}`.",
+            )
+
+
 def nothing_but_the_world(robot: Robot, file: Path | None) -> Iterator[Diagnostic]:
     """A root called `world` is no link of its own."""
     if robot.fixed_to_world and len(robot.links) == 1:
@@ -103,19 +172,23 @@ def nothing_but_the_world(robot: Robot, file: Path | None) -> Iterator[Diagnosti
         )
 
 
-def without_inertia(link: Link, file: Path | None) -> Iterator[Diagnostic]:
-    """A mass without any inertia, which no engine can turn."""
-    if link.inertial is None or any(link.inertial.inertia):
+def without_inertia(body: Body, lumped: Link, file: Path | None) -> Iterator[Diagnostic]:
+    """A mass without any inertia, which no engine can turn; `lumped` is all of the body."""
+    if lumped.inertial is None or any(lumped.inertial.inertia):
         return
+    # The link that is written with that mass, which may be another one than gives the name.
+    link = next(part for part, _ in body.parts if part.inertial is not None)
     yield Diagnostic(
         code="ROB037",
         severity=Severity.WARNING,
-        message=f"The link `{link.name}` has a mass of {link.inertial.mass:g} kg and no inertia: "
+        message=f"The link `{link.name}` has a mass of {lumped.inertial.mass:g} kg and no inertia: "
         "the slightest touch makes it spin.",
         file=file,
         line=link.line,
         element=f"link[@name='{link.name}']/inertial/inertia",
-        hint="Compute it from mass and shape, or export it from CAD.",
+        hint="Compute it from mass and shape, or export it from CAD."
+        if (moments := if_filled(link)) is None
+        else f"If it is evenly filled: {as_attributes(moments)} (kg m², the products 0).",
     )
 
 

@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
-import codecs
 from typing import TYPE_CHECKING
+
+from wsgen.files import save_as_utf8, wide_encoding
 
 if TYPE_CHECKING:
     from wsgen.description.findings import Findings
-
-WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE, codecs.BOM_UTF32_BE)  # UTF-32-LE begins as 16
 
 
 def decode(findings: Findings, data: bytes) -> str | None:
     """The text of a file; None where it is none, which is reported."""
     data = data.rstrip(b"\0")  # where a text of C ends
-    if data.startswith(WIDE) or b"\0" in data:
+    wide = wide_encoding(data)
+    if wide or b"\0" in data:
         findings.error(
             "ROB057",
-            "The file is no text in UTF-8.",
-            hint="Save it as UTF-8 (iconv -f UTF-16 -t UTF-8), if it is a text at all.",
+            f"The file is in {wide}: Gazebo and robot_state_publisher read UTF-8 alone."
+            if wide
+            else "The file is not a text: it has null bytes.",
+            hint=save_as_utf8(wide) if wide else "Name a text file in UTF-8.",
             at=1,
         )
         return None
@@ -28,7 +30,7 @@ def decode(findings: Findings, data: bytes) -> str | None:
         findings.warning(
             "ROB057",
             "The file is not in UTF-8, which it is read as.",
-            hint="Save it as UTF-8 (iconv -f ISO-8859-1 -t UTF-8).",
+            hint=save_as_utf8("ISO-8859-1"),
             at=data.count(b"\n", 0, error.start) + 1,
         )
     return data.decode("utf-8", "replace")

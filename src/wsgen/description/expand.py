@@ -16,8 +16,20 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import xacro
 
+from wsgen.files import refuse_irregular
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
+
+
+def _open_regular(file: Any, mode: str = "r", **keywords: Any) -> Any:
+    """`open`, which waits for no named pipe and reads no device."""
+    if "r" in mode:
+        refuse_irregular(file)
+    return open(file, mode, **keywords)  # noqa: PTH123  what xacro calls
+
+
+xacro.open = _open_regular  # what it finds before the built-in one
 
 
 class CommandResult(NamedTuple):
@@ -27,21 +39,29 @@ class CommandResult(NamedTuple):
     stderr: str
     code: int
     fault: dict[str, Any] | None = None  # see `find_fault`
+    unused: Sequence[dict[str, str]] = ()  # see `_Arguments.find_unused`
 
 
 class Watch:
     """Sees what xacro does from now on in this process, also when a launch file calls it itself.
 
     `note` is given every text that an expanded document is written as, with the file it came from.
+    `note_unused` is given the arguments that a launch file gives to xacro and no xacro file uses.
     """
 
-    def __init__(self, note: Callable[[str, str], None]) -> None:
+    def __init__(
+        self,
+        note: Callable[[str, str], None],
+        note_unused: Callable[[Sequence[dict[str, str]]], None],
+    ) -> None:
         self.seconds = 0.0  # wall-clock, spent in xacro so far
         self._note = note
+        self._note_unused = note_unused
         self._is_running = False
         self._parse = xacro.parse
         xacro.parse = self._timed(self._parse_and_watch)
-        xacro.process_doc = self._timed(xacro.process_doc)
+        self._process = xacro.process_doc
+        xacro.process_doc = self._timed(self._process_and_watch)
 
     def _parse_and_watch(self, inp: Any, filename: Any = None) -> Any:
         document = self._parse(inp, filename)
@@ -59,6 +79,15 @@ class Watch:
             document.toprettyxml = write_and_note  # `toxml` calls it too
         return document
 
+    def _process_and_watch(self, doc: Any, mappings: Any = None, **keywords: Any) -> None:
+        if not isinstance(mappings, dict) or isinstance(mappings, _Arguments):
+            self._process(doc, mappings, **keywords)
+            return
+        arguments = _Arguments(mappings)
+        self._process(doc, arguments, **keywords)
+        mappings.update(arguments)  # as xacro does
+        self._note_unused(arguments.find_unused())
+
     def _timed(self, function: Callable[..., Any]) -> Callable[..., Any]:
         def timed(*arguments: Any, **keywords: Any) -> Any:
             if self._is_running:
@@ -72,6 +101,36 @@ class Watch:
                 self.seconds += time.perf_counter() - started
 
         return timed
+
+
+class _Arguments(dict[str, str]):
+    """The arguments that are given to xacro; remembers which of them a xacro file asks for."""
+
+    def __init__(self, given: Mapping[str, str]) -> None:
+        super().__init__(given)
+        self._given = tuple(given)
+        self._asked: set[str] = set()
+
+    def __contains__(self, name: object) -> bool:  # <xacro:arg>
+        self._asked.add(str(name))
+        return super().__contains__(name)
+
+    def __getitem__(self, name: str) -> str:  # $(arg)
+        self._asked.add(name)
+        return super().__getitem__(name)
+
+    def find_unused(self) -> list[dict[str, str]]:
+        """The given arguments that no file names: each with name, message and hint.
+
+        To be called while xacro still knows which files it has read.
+        """
+        unused = [name for name in self._given if name not in self._asked]
+        if not unused:
+            return []
+        # Read where something is wrong only, that is, seldom.
+        from wsgen.description.xacro_names import unused_arguments  # noqa: PLC0415
+
+        return unused_arguments(unused, self._asked, _files_read())
 
 
 def expand(file: Path, mappings: Mapping[str, str]) -> CommandResult:
@@ -96,23 +155,23 @@ def _run(words: Sequence[str], mappings: Mapping[str, str]) -> CommandResult:
     _reset()
     stdout, stderr = io.StringIO(), io.StringIO()
     fault = None
+    unused: list[dict[str, str]] = []
     with contextlib.redirect_stdout(stdout), contextlib.redirect_stderr(stderr):
         try:
             options, file = xacro.process_args(list(words))
-            code, fault = _process(file, options, mappings)
+            arguments = options.mappings = _Arguments({**options.mappings, **mappings})
+            code, fault = _process(file, options)
+            unused = [] if code else arguments.find_unused()
         except SystemExit as end:  # the option parser leaves like this
             code = end.code if isinstance(end.code, int) else 1
         except RuntimeError as error:  # an argument that is no name:=value
             sys.stderr.write(f"{error}\n")
             code = 1
-    return CommandResult(stdout.getvalue(), stderr.getvalue(), code, fault)
+    return CommandResult(stdout.getvalue(), stderr.getvalue(), code, fault, unused)
 
 
-def _process(
-    file: str, options: Any, mappings: Mapping[str, str]
-) -> tuple[int, dict[str, Any] | None]:
+def _process(file: str, options: Any) -> tuple[int, dict[str, Any] | None]:
     """Expand and write, as `xacro.main` does, and keep the exception that it only prints."""
-    options.mappings = {**options.mappings, **mappings}
     xacro.root_dir = options.root_dir or os.curdir
     try:
         document = xacro.process_file(file, **vars(options))
@@ -149,5 +208,10 @@ def find_fault(error: BaseException) -> dict[str, Any] | None:
     # Read where something is wrong only, that is, seldom.
     from wsgen.description.xacro_fault import explain  # noqa: PLC0415
 
+    return explain(error, _files_read())
+
+
+def _files_read() -> list[str]:
+    """The files that xacro has read, the one that it is in first."""
     read = (*reversed(xacro.filestack or ()), *reversed(xacro.all_includes))
-    return explain(error, [file and str(Path(xacro.root_dir, file)) for file in read])
+    return [file and str(Path(xacro.root_dir, file)) for file in read]

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 from wsgen.description.findings import line_of
 from wsgen.description.gazebo_values import check_placement, check_value
 from wsgen.description.spelling import nearest
-from wsgen.model.robot import GazeboTag, Plugin
-from wsgen.xmltree import child_texts, children
+from wsgen.model.robot import GazeboTag, Plugin, SdfJoint
+from wsgen.xmltree import child_text, child_texts, children
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -28,22 +28,35 @@ NOT_SIMULATED = frozenset(("joint", "link", "model", "include"))
 
 
 def read_tags(
-    findings: Findings, root: Element, link_names: set[str], joint_names: set[str]
+    findings: Findings,
+    root: Element,
+    link_names: set[str],
+    joint_names: set[str],
+    *,
+    is_complete: bool = True,
 ) -> tuple[GazeboTag, ...]:
-    """Every `<gazebo>` element of the robot, checked."""
+    """Every `<gazebo>` element of the robot, checked.
+
+    `is_complete` says that there are no other links and joints: none whose name is missing.
+    """
     return tuple(
-        _read_tag(findings, element, link_names, joint_names)
+        _read_tag(findings, element, link_names, joint_names, is_complete=is_complete)
         for element in children(root, "gazebo")
     )
 
 
 def _read_tag(
-    findings: Findings, element: Element, link_names: set[str], joint_names: set[str]
+    findings: Findings,
+    element: Element,
+    link_names: set[str],
+    joint_names: set[str],
+    *,
+    is_complete: bool,
 ) -> GazeboTag:
     reference = element.get("reference") or None  # an empty one means the whole robot
     path = "gazebo" if reference is None else f"gazebo[@reference='{reference}']"
     is_known = reference is None or reference in link_names or reference in joint_names
-    if reference is not None and not is_known:
+    if reference is not None and not is_known and is_complete:
         _report_unknown(findings, element, path, reference, link_names | joint_names)
     values: dict[str, str] = {}
     for child in element:
@@ -71,6 +84,22 @@ def _read_tag(
             for plugin in _descendants(element, "plugin")
         ),
         sensors=tuple(sensor.get("name") or "" for sensor in _descendants(element, "sensor")),
+        frames=tuple(
+            part.get("name") or "" for tag in ("link", "frame") for part in children(element, tag)
+        ),
+        is_open=any(next(children(element, tag), None) is not None for tag in ("include", "model")),
+        joints=tuple(_read_joint(joint) for joint in children(element, "joint"))
+        if reference is None
+        else (),
+        line=line_of(element),
+    )
+
+
+def _read_joint(element: Element) -> SdfJoint:
+    ends = {tag: child_text(element, tag) for tag in ("parent", "child")}
+    return SdfJoint(
+        name=element.get("name") or "",
+        ends={tag: name for tag, name in ends.items() if name},
         line=line_of(element),
     )
 

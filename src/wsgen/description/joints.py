@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from wsgen.description.findings import line_of
 from wsgen.description.numbers import read_number, read_triple
 from wsgen.description.shapes import read_origin
+from wsgen.description.spelling import meant_element
 from wsgen.model.pose import IDENTITY
 from wsgen.model.robot import Joint, JointLimit, JointType, Mimic
 from wsgen.xmltree import children
@@ -45,12 +46,14 @@ def read_joint(findings: Findings, element: Element, name: str) -> Joint | None:
     }
     for tag, link in ends.items():
         if not link:
-            findings.error(
+            end = next(children(element, tag), None)
+            findings.missing(
                 "ROB014",
                 f"The joint `{name}` has no {tag} link.",
                 hint=f'Add <{tag} link="LINK"/>.',
-                at=element,
+                at=element if end is None else end,
                 path=path,
+                name=tag if end is None else "link",
             )
     if kind is None or not all(ends.values()):
         return None
@@ -75,12 +78,15 @@ def _read_type(findings: Findings, element: Element, path: str) -> JointType | N
     kind = element.get("type")
     if kind in {known.value for known in JointType}:
         return JointType(kind)
-    findings.error(
+    types = [known.value for known in JointType]
+    near = None if kind is None else meant_element(kind, types)
+    findings.missing(
         "ROB015",
         "The joint has no type." if kind is None else f"`{kind}` is not a joint type.",
-        hint=f"One of {', '.join(known.value for known in JointType)}.",
+        hint=f"Did you mean `{near}`?" if near else f"One of {', '.join(types)}.",
         at=element,
         path=path,
+        name="type" if kind is None else "",
     )
     return None
 
@@ -92,12 +98,13 @@ def _read_axis(findings: Findings, element: Element, path: str) -> tuple[float, 
             break
         length = math.hypot(*xyz) if xyz is not None else 0.0
         if xyz is None or length == 0:
-            findings.error(
+            findings.missing(
                 "ROB018",
                 "The axis has no direction (0 0 0).",
                 hint='Name the axis that the joint moves about or along, as xyz="0 0 1".',
                 at=axis,
                 path=f"{path}/axis",
+                name="" if "xyz" in axis.attrib else "xyz",
             )
             break
         if abs(length - 1) > UNIT_TOLERANCE:
@@ -132,13 +139,14 @@ def _read_limit(
             lower, upper = upper, lower
         return JointLimit(lower=lower, upper=upper, effort=effort, velocity=velocity)
     if kind in NEED_LIMITS:
-        findings.error(
+        findings.missing(
             "ROB020",
             f"A {kind.value} joint needs <limit>.",
             hint='Add <limit lower="-1" upper="1" effort="10" velocity="1"/> (rad or m, N m or N)'
             + (", or make the joint continuous." if kind is JointType.REVOLUTE else "."),
             at=element,
             path=path,
+            name="limit",
         )
     return None
 
@@ -166,12 +174,13 @@ def _read_mimic(findings: Findings, element: Element, path: str) -> Mimic | None
     path = f"{path}/mimic"
     for mimic in children(element, "mimic"):
         if mimic.get("joint") is None:
-            findings.error(
+            findings.missing(
                 "ROB014",
                 "<mimic> names no joint.",
                 hint='Write <mimic joint="JOINT"/>.',
                 at=mimic,
                 path=path,
+                name="joint",
             )
             return None
         multiplier = read_number(findings, mimic, "multiplier", path, required=False)

@@ -22,6 +22,10 @@ if TYPE_CHECKING:
     from wsgen.model.robot import Collision, Visual
     from wsgen.xmltree import Element
 
+EXAMPLES = {  # of what an <inertial> must have
+    "mass": '<mass value="1"/>',
+    "inertia": '<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/>',
+}
 MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
@@ -30,6 +34,7 @@ def read_link(
 ) -> Link:
     """A link as Gazebo's parser reads it; what is wrong in it is reported and left out."""
     path = f"link[@name='{name}']"
+    before = len(findings.errors)
     # Of repeated elements the first one counts, as for Gazebo's parser.
     first = next(children(element, "inertial"), None)
     inertial, is_whole = (None, True) if first is None else _read_inertial(findings, first, path)
@@ -45,8 +50,7 @@ def read_link(
     touched = _until_unreadable(collisions) if is_whole and seen == len(visuals) else 0
     _report_lost(
         findings,
-        element,
-        path,
+        before,
         len(visuals) - seen - (is_whole and seen < len(visuals)),
         len(collisions)
         - touched
@@ -68,22 +72,17 @@ def _until_unreadable(shapes: Sequence[Visual | Collision | Unusable]) -> int:
     )
 
 
-def _report_lost(
-    findings: Findings, element: Element, path: str, visuals: int, collisions: int
-) -> None:
+def _report_lost(findings: Findings, error: int, visuals: int, collisions: int) -> None:
     lost = [
         f"{count} {kind}{'s' if count > 1 else ''}"
         for count, kind in ((visuals, "visual"), (collisions, "collision"))
         if count
     ]
-    if lost:
-        findings.error(
-            "ROB044",
-            f"Gazebo's parser stops reading the link `{element.get('name')}` at what it cannot "
-            f"read, and leaves out what comes behind: {' and '.join(lost)}.",
-            hint="Correct what is reported of this link: the rest comes back with it.",
-            at=element,
-            path=path,
+    if lost and error < len(findings.errors):  # not where what is left over of xacro is the cause
+        findings.add_consequence(
+            error,
+            "Gazebo's parser stops reading the link there, and leaves out what comes behind: "
+            f"{' and '.join(lost)}.",
         )
 
 
@@ -97,18 +96,16 @@ def _read_inertial(findings: Findings, element: Element, path: str) -> tuple[Ine
     parts: dict[str, Element] = {}
     for part in children(element, "mass", "inertia"):
         parts.setdefault(str(part.tag), part)
-    for tag, example in (
-        ("mass", '<mass value="1"/>'),
-        ("inertia", '<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/>'),
-    ):
-        if tag not in parts:
-            findings.error(
-                "ROB021",
-                f"<inertial> has no <{tag}>.",
-                hint=f"Add {example} (kg, kg m²).",
-                at=element,
-                path=path,
-            )
+    lacking = [tag for tag in EXAMPLES if tag not in parts]
+    if lacking:
+        findings.missing(
+            "ROB021",
+            f"<inertial> has no <{'> and no <'.join(lacking)}>.",
+            hint=f"Add {' and '.join(EXAMPLES[tag] for tag in lacking)} (kg, kg m²).",
+            at=element,
+            path=path,
+            name=lacking[0],
+        )
     mass = _read_mass(findings, parts["mass"], path) if "mass" in parts else None
     moments = [
         read_number(findings, parts["inertia"], moment, f"{path}/inertia", required=True)

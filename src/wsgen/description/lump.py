@@ -11,9 +11,11 @@ from typing import TYPE_CHECKING
 
 from wsgen.description.dropping import (
     drop_massless,
+    dropped_by_old_sdformat,
     dropped_links,
     impossible_sum,
     nothing_but_the_world,
+    sdf_joint_ends,
     two_zero_masses,
     values_without_effect,
     without_inertia,
@@ -50,21 +52,28 @@ def lump(robot: Robot, *, file: Path | None = None) -> tuple[Robot, tuple[Diagno
     """
     bodies = bodies_of(robot)
     kept, dropped = drop_massless(robot, bodies)
+    reported = {name for name, body in bodies.items() if body.has_error}
     diagnostics = [
         *nothing_but_the_world(robot, file),
-        *dropped_links(robot, bodies, dropped, file),
+        *sdf_joint_ends(robot, bodies, file),
+        *dropped_by_old_sdformat(robot, bodies, kept, file),
+        *dropped_links(
+            robot, bodies, [name for name in dropped if not bodies[name].has_error], file
+        ),
     ]
     tags = _tags_by_reference(robot)
     collides = collides_with_itself(robot.gazebo)
     links: dict[str, Link] = {}
     for name in kept:
         body = bodies[name]
-        diagnostics += two_zero_masses(robot, body, file)
         links[name] = _link_of(robot, body)
-        diagnostics += impossible_sum(body, links[name], file)
-        diagnostics += without_inertia(links[name], file)
         about = [tag for part, _ in body.parts for tag in tags.get(part.name, ())]
-        diagnostics += values_without_effect(body, links[name], about, file)
+        if name not in reported:
+            diagnostics += two_zero_masses(robot, body, file)
+            diagnostics += impossible_sum(body, links[name], file)
+            diagnostics += without_inertia(body, links[name], file)
+        if body.is_as_meant:
+            diagnostics += values_without_effect(body, links[name], about, file)
         links[name] = with_extensions(links[name], about, self_collide=collides)
     joints = {joint.child: joint for name in kept for joint in bodies[name].joints}
     return _assembled(robot, bodies, links, joints, tags), tuple(diagnostics)

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from wsgen.model.inertia import Six
     from wsgen.model.robot import Collision, Joint, Link, Robot, Visual
 
+NO_MASS = 1e-6  # kg; sdformat before its pull request 1238 took less for nothing
 WORLD = "world"  # sdformat's word for what never moves; it knows no other way to say so in a URDF
 
 
@@ -24,6 +25,7 @@ class Body:
 
     parts: list[tuple[Link, Pose]]  # the link itself first; poses in its frame
     joints: list[Joint] = field(default_factory=list)  # to other bodies, seen from its frame
+    massless: list[str] = field(default_factory=list)  # lumped with what is fixed to them: 0 kg
     two_zeros: tuple[str, str] | None = None  # parent and child of a sum of two masses of 0
 
     @property
@@ -35,6 +37,16 @@ class Body:
     def lumped(self) -> list[str]:
         """The names of the others."""
         return [link.name for link, _ in self.parts[1:]]
+
+    @property
+    def is_as_meant(self) -> bool:
+        """Whether all its links were understood."""
+        return all(link.is_as_meant for link, _ in self.parts)
+
+    @property
+    def has_error(self) -> bool:
+        """Whether an error has been reported about one of its links."""
+        return any(link.has_error for link, _ in self.parts)
 
     @property
     def mass(self) -> float:
@@ -102,7 +114,7 @@ def bodies_of(robot: Robot) -> dict[str, Body]:
             bodies[joint.child] = Body([(links[joint.child], IDENTITY)])
             body.joints.append(replace(joint, parent=body.link.name, pose_in_parent=place))
             stack.append((joint.child, bodies[joint.child], IDENTITY))
-    _find_two_zeros(robot, below, kept, bodies)
+    _add_up_masses(robot, below, kept, bodies)
     return bodies
 
 
@@ -139,12 +151,12 @@ def _kept_joints(robot: Robot) -> set[str]:
     )
 
 
-def _find_two_zeros(
+def _add_up_masses(
     robot: Robot, below: dict[str, list[Joint]], kept: set[str], bodies: dict[str, Body]
 ) -> None:
-    """Note where sdformat computes a common centre of mass as 0/0.
+    """Note which lumped links have no mass, and where a common centre of mass becomes 0/0.
 
-    It puts every link into its parent when all below it are done; a parent without <inertial>
+    sdformat puts every link into its parent when all below it are done; a parent without <inertial>
     counts as 0 kg there.
     """
     masses = {
@@ -157,7 +169,11 @@ def _find_two_zeros(
     parent_of = {joint.child: joint for joint in robot.joints}
     for child in reversed(order[1:]):
         joint, mass = parent_of[child], masses[child]
-        if joint.type is not JointType.FIXED or joint.name in kept or mass is None:
+        if joint.type is not JointType.FIXED or joint.name in kept:
+            continue
+        if (mass or 0.0) < NO_MASS:
+            body_of[child].massless.append(child)
+        if mass is None:
             continue
         total = (masses[joint.parent] or 0.0) + mass
         masses[joint.parent] = total

@@ -10,10 +10,13 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, NamedTuple
 from xml.parsers import expat
 
+from wsgen.files import read_regular
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
+SIZE_LIMIT = 8 * 2**20  # bytes; the largest public xacro files have 2 % of it
 # One without end goes to the end: to look for an end from each would take for ever.
 COMMENT = re.compile(r"<!--.*?(?:-->|\Z)", re.DOTALL)
 
@@ -46,7 +49,8 @@ def label(tag: str, name: str | None) -> str:
 def read_text(file: Path) -> str | None:
     """The text of a file; None where it cannot be read."""
     try:
-        return file.read_text(encoding="utf-8")
+        data = read_regular(file, SIZE_LIMIT)
+        return data.decode("utf-8") if len(data) <= SIZE_LIMIT else None
     except (OSError, ValueError):
         return None
 

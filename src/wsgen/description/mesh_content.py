@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
     Rgba = tuple[float, float, float, float]
 
+FILE_LIMIT = 100 * 10**6  # bytes; a million triangles are 50 MB of STL
 TRIANGLE_LIMIT = 1_000_000  # an engine takes about 10 s to load them
 REDUCE = "Reduce it to some thousand triangles; for a <collision>, boxes or cylinders are best."
 EXPORT_ANEW = "Export the mesh anew, as binary STL or as OBJ."
@@ -31,6 +32,11 @@ class EnormousMeshError(BrokenMeshError):
 
     def __init__(self, problem: str) -> None:
         super().__init__(problem, hint=REDUCE)
+
+
+def damaged(kind: str) -> BrokenMeshError:
+    """What is said of a file in which a reader meets what no such file has."""
+    return BrokenMeshError(f"is not a valid {kind.upper()} file: it is cut short or damaged")
 
 
 def refuse_triangles(count: int) -> None:
@@ -70,6 +76,7 @@ class Content(NamedTuple):
 
     corners: NDArray[Any]  # (n, 3, 3), float: of each triangle three corners' x, y, z; m, unscaled
     is_plain: bool = True  # PyBullet reads the same from the file
+    cleaned: bytes | None = None  # to be read in the place of the file, which names other files
     oddity: str | None = None  # what is wrong and does no harm to Gazebo; goes on after the name
     # The rest is there where somebody asked for the look of it:
     patches: tuple[Patch, ...] = ()  # all the triangles, by material

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 TASK = "wsgen.description.mesh_worker:inspect"
 LIMITS = Limits(seconds=30.0, memory=2 * 2**30)  # of all meshes of a robot
+HINT = "Look at the mesh in a viewer, and export it anew or reduce it."
 DEATHS = 3  # after so many meshes that the child dies of, the others are not read
 
 Request = tuple[str, bool, bool, list["Showing"]]  # the fields of `mesh_worker.Request`
@@ -41,7 +42,8 @@ def inspect_meshes(
 
     A collision that cannot be used keeps its uri and loses its path, and is an error; a visual is
     left out, and is a warning. A mesh that PyBullet reads otherwise than Gazebo, or not at all, is
-    written anew, and the robot that is returned has the path of that. All meshes get bounds.
+    written anew, and the robot that is returned has the path of that. All meshes get bounds and a
+    number of triangles.
 
     With colours, a visual without a colour of its own becomes one for each material of its file,
     and what is seen has no more triangles than a picture shows.
@@ -113,9 +115,11 @@ def _ask(requests: Sequence[Request], folder: Path, run: Run) -> Mapping[str, An
             pairs = zip(waiting, outcome.value, strict=True)
             return {**answers, **{request[0]: _told(request, answer) for request, answer in pairs}}
         if not outcome.step.isdecimal():  # it died before it came to the first
-            return {**answers, **_refused(waiting, f"was not read, as the reader {outcome.reason}")}
+            problem = f"was not read, as the reader {outcome.reason}"
+            return {**answers, **_refused(waiting, problem, outcome.hint(HINT))}
         culprit = waiting.pop(int(outcome.step))
-        answers |= _refused([culprit], f"cannot be read: the reader {outcome.reason}")
+        problem = f"cannot be read: the reader {outcome.reason}"
+        answers |= _refused([culprit], problem, outcome.hint(HINT))
     return {**answers, **_refused(waiting, f"was not read, as the reader died of {DEATHS} others")}
 
 
@@ -125,8 +129,7 @@ def _told(request: Request, answer: Answer) -> Answer:
     return {**answer, "looks": dict(zip(showings, answer["looks"], strict=True))}
 
 
-def _refused(requests: Sequence[Request], problem: str) -> dict[str, Answer]:
-    hint = "Look at the mesh in a viewer, and export it anew or reduce it."
+def _refused(requests: Sequence[Request], problem: str, hint: str = HINT) -> dict[str, Answer]:
     answer = {"problem": problem, "hint": hint, "is_enormous": False}
     return {request[0]: answer for request in requests}
 
@@ -144,10 +147,11 @@ def _new_visuals(visual: Visual, answers: Mapping[str, Answer]) -> Iterator[Visu
     if looks is None:  # nobody asked for it
         yield replace(visual, geometry=_with_file(mesh, answer["visual"], answer))
         return
-    for path, rgba, texture, low, high in looks:
+    for path, rgba, texture, low, high, triangles in looks:
+        bounds = (tuple(low), tuple(high))
         yield replace(
             visual,
-            geometry=replace(mesh, path=path, bounds=(tuple(low), tuple(high))),
+            geometry=replace(mesh, path=path, bounds=bounds, triangles=triangles),
             rgba=visual.rgba if rgba is None else tuple(rgba),
             texture=texture,
         )
@@ -164,4 +168,5 @@ def _new_collision(collision: Collision, answers: Mapping[str, Answer]) -> Colli
 
 
 def _with_file(mesh: Mesh, path: str, answer: Answer) -> Mesh:
-    return replace(mesh, path=path, bounds=(tuple(answer["low"]), tuple(answer["high"])))
+    bounds = (tuple(answer["low"]), tuple(answer["high"]))
+    return replace(mesh, path=path, bounds=bounds, triangles=answer["triangles"])

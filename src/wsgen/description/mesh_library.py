@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+import json
+from io import BytesIO
+from typing import TYPE_CHECKING, Any, cast
+from urllib.parse import unquote
 
 import numpy as np
 
 from wsgen.description.mesh_content import (
+    FILE_LIMIT,
     BrokenMeshError,
     Content,
     Material,
     Patch,
+    damaged,
     flat_normals,
 )
+from wsgen.files import read_regular
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -21,27 +27,66 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-def read_with_library(file: Path, kind: str, *, with_look: bool = False) -> Content:
+GLB_SIZE = slice(8, 12)  # the bytes of a GLB that say how many it has
+
+
+class _Neighbours:
+    """What the library asks for the files that a mesh names."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    def get(self, name: str) -> bytes:
+        """The bytes of a file; raises BrokenMeshError where they cannot be had."""
+        told = f"needs the file `{name[:200]}`, which"
+        try:
+            data = read_regular(self.folder / unquote(name.strip()), FILE_LIMIT)
+        except FileNotFoundError:
+            problem = f"{told} is not there"
+        except (OSError, ValueError) as error:
+            problem = f"{told} cannot be read ({getattr(error, 'strerror', None) or error})"
+        else:
+            if len(data) <= FILE_LIMIT:
+                return data
+            problem = f"{told} has more than {FILE_LIMIT / 1e6:.0f} MB"
+        raise BrokenMeshError(
+            problem, hint="Put it next to the mesh, or export the mesh as one GLB file."
+        )
+
+    __getitem__ = get
+
+
+def read_with_library(data: bytes, kind: str, folder: Path, *, with_look: bool = False) -> Content:
     """The triangles of all meshes of the file, in its own frame; with their look if asked for.
 
     The nodes' transforms are applied and glTF's y stays where it is, as Gazebo has it.
 
     Args:
-        file: The file.
+        data: The bytes of the file.
         kind: `glb`, `gltf` or `ply`.
+        folder: Where the file is, and those that it names.
         with_look: Whether to read materials and normals as well.
     """
     # It takes longer to import than most robots' meshes to read, and is seldom needed.
     import trimesh  # noqa: PLC0415
 
+    claimed = int.from_bytes(data[GLB_SIZE], "little")
+    if kind == "glb" and claimed > len(data):
+        raise BrokenMeshError(
+            f"says that it has {claimed} bytes, and ends after {len(data)}: it is cut short"
+        )
     try:
-        scene = trimesh.load_scene(str(file), file_type=kind, process=False)
+        if kind == "gltf":
+            json.loads(data)  # the library reads another file where this one is broken
+        scene = trimesh.load_scene(
+            BytesIO(data), file_type=kind, resolver=cast("Any", _Neighbours(folder)), process=False
+        )
         corners = np.asarray(scene.to_mesh().triangles, dtype=np.float64)
         patches = tuple(_patches(scene)) if with_look else ()
-    except Exception as error:  # the library raises anything on a broken file
-        raise BrokenMeshError(
-            f"cannot be read as {kind.upper()} ({type(error).__name__}: {error})"
-        ) from error
+    except (BrokenMeshError, MemoryError):
+        raise
+    except Exception:  # noqa: BLE001  the library raises anything on a broken file
+        raise damaged(kind) from None
     return Content(corners=corners.reshape(-1, 3, 3), is_plain=False, patches=patches)
 
 

@@ -42,6 +42,7 @@ class Look(NamedTuple):
     texture: str | None  # an image, multiplied with the colour
     low: list[float]  # the corners of the box around its triangles, m, unscaled
     high: list[float]
+    triangles: int
 
 
 class _Part(NamedTuple):
@@ -98,7 +99,8 @@ class Gallery:
                 path = self.folder / f"look{number}.obj"
                 write_obj(part.patch, part.showing.scale, path)
             rgba, image = part.patch.material
-            look = Look(str(path), rgba, image, part.low, part.high)
+            count = len(part.patch.corners)
+            look = Look(str(path), rgba, image, part.low, part.high, count)
             looks.setdefault((part.request, part.showing), []).append(look)
         return looks
 

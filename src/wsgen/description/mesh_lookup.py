@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 from urllib.parse import unquote
 
+from wsgen.files import irregular_kind
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -99,7 +101,8 @@ def _explain(uri: str, path: Path) -> Missing:
         hint = f"Write slashes: {uri.replace(chr(92), '/')}"
         return Missing("has backslashes in it, which are no separators here", hint)
     if os.path.lexists(path):
-        return Missing(f"is {_kind(path)} ({path})", "Name a mesh file.")
+        kind = irregular_kind(path) or "a file that you may not look at"
+        return Missing(f"is {kind} ({path})", "Name a mesh file.")
     if there is not None:
         return Missing(
             f"is not there ({path}); `{there}` is",
@@ -111,13 +114,6 @@ def _explain(uri: str, path: Path) -> Missing:
         f"is not there ({path})",
         "Check its spelling, capitals included, and that CMakeLists.txt installs it.",
     )
-
-
-def _kind(path: Path) -> str:
-    """What is there instead of a file."""
-    if path.is_dir():
-        return "a folder"
-    return "a link to nothing" if path.is_symlink() else "neither a file nor a folder"
 
 
 def _with_other_capitals(path: Path) -> Path | None:

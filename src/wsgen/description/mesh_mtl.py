@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import stat
 from typing import TYPE_CHECKING
 
 from wsgen.description.mesh_content import Complaint, Material
+from wsgen.files import read_regular
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -48,14 +48,14 @@ def read_materials(
 def _read(file: Path) -> tuple[str | None, str]:
     """The text of a file, or what keeps it from being read."""
     try:
-        status = file.stat()
-        if not stat.S_ISREG(status.st_mode):
-            return None, "is no file"
-        if status.st_size > SIZE_LIMIT:
-            return None, f"has {status.st_size / 1e6:.0f} MB"
-        return file.read_text(encoding="utf-8", errors="replace"), ""
+        data = read_regular(file, SIZE_LIMIT)
+    except FileNotFoundError:
+        return None, "is not there"
     except (OSError, ValueError) as error:  # ValueError: a null byte in the name
-        return None, f"is not there ({getattr(error, 'strerror', None) or error})"
+        return None, f"cannot be read ({getattr(error, 'strerror', None) or error})"
+    if len(data) > SIZE_LIMIT:
+        return None, f"has more than {SIZE_LIMIT / 1e6:.0f} MB"
+    return data.decode("utf-8", errors="replace"), ""
 
 
 def _parse(text: str) -> dict[str, Material]:

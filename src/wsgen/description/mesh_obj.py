@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 VERTEX_LINE = re.compile(rb"(?m)^[ \t]*v[ \t]+[-+.\d]")
 BEHIND_SLASH = re.compile(rb"/\S*")  # the indices of texture coordinates and normals
+LIBRARY = b"mtllib"  # the keyword before the name of a file with materials
 COORDINATES = 3
 WORD_LIMIT = 12_000_000  # a million triangles have about half of it; so many take a second or two
 
@@ -56,11 +57,13 @@ def read_obj(data: bytes, folder: Path | None = None) -> Content:
             "Gazebo and PyBullet crash on it"
         )
     sizes = np.fromiter((len(line.split()) - 1 for line in faces), np.int64, len(faces))
+    # PyBullet and Gazebo's engines open what stands behind it; as a comment it is none.
+    cleaned = data.replace(LIBRARY, b"#" * len(LIBRARY)) if LIBRARY in data else None
     if folder is None:
-        return Content(corners=points[_cut(indices - 1, sizes)])
+        return Content(corners=points[_cut(indices - 1, sizes)], cleaned=cleaned)
     places = _cut(np.arange(len(indices)), sizes)
     corners = points[indices[places] - 1]
-    return with_look(corners, places, Faces(lines, joined, sizes), folder)
+    return with_look(corners, places, Faces(lines, joined, sizes), folder)._replace(cleaned=cleaned)
 
 
 def _lines(data: bytes) -> list[bytes]:

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import os
-import stat
 from typing import TYPE_CHECKING
 
-from wsgen.description.mesh_content import BrokenMeshError, EnormousMeshError
+from wsgen.description.mesh_content import (
+    FILE_LIMIT,
+    BrokenMeshError,
+    EnormousMeshError,
+    damaged,
+)
 from wsgen.description.mesh_dae import is_dae, read_dae
 from wsgen.description.mesh_library import read_with_library
 from wsgen.description.mesh_obj import is_obj, read_obj
 from wsgen.description.mesh_stl import is_stl, read_stl
+from wsgen.files import irregular_kind
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -18,7 +23,6 @@ if TYPE_CHECKING:
 
     from wsgen.description.mesh_content import Content
 
-FILE_LIMIT = 100 * 10**6  # bytes; a million triangles are 50 MB of STL
 RECOGNISE: dict[str, Callable[[bytes], bool]] = {  # by the extension that files of the format have
     "glb": lambda data: data.startswith(b"glTF"),
     "ply": lambda data: data.startswith((b"ply\n", b"ply\r")),
@@ -58,20 +62,25 @@ def read_mesh(file: Path, *, with_look: bool = False) -> Content:
                 f"is called .{kind} and holds {other.upper()}: simulators go by the name",
                 hint=f"Give the file the extension .{other}.",
             )
-    if kind in READ:
-        return READ[kind](data, file.parent if with_look else None)
-    return read_with_library(file, kind, with_look=with_look)
+    try:
+        if kind in READ:
+            return READ[kind](data, file.parent if with_look else None)
+        return read_with_library(data, kind, file.parent, with_look=with_look)
+    except (BrokenMeshError, MemoryError):
+        raise
+    except Exception:  # noqa: BLE001  the numbers of a damaged file lead anywhere
+        raise damaged(kind) from None
 
 
 def _check_is_there(file: Path) -> None:
     """That it is a regular file of bearable size; opening anything else may wait for ever."""
-    status = file.stat()
-    if not stat.S_ISREG(status.st_mode):
-        kind = "a folder" if stat.S_ISDIR(status.st_mode) else "neither a file nor a folder"
+    kind = irregular_kind(file)
+    if kind is not None:
         raise BrokenMeshError(f"is {kind}", hint="Name a mesh file.")
-    if status.st_size > FILE_LIMIT:
+    size = file.stat().st_size
+    if size > FILE_LIMIT:
         raise EnormousMeshError(
-            f"has {status.st_size / 1e6:.0f} MB; more than {FILE_LIMIT / 1e6:.0f} are not read"
+            f"has {size / 1e6:.0f} MB; more than {FILE_LIMIT / 1e6:.0f} are not read"
         )
     # It is not there only where the file system takes small letters for capitals.
     if file.name not in os.listdir(file.parent):  # noqa: PTH208  names suffice

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-import stat
 import warnings
 from contextlib import nullcontext
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from wsgen.description.mesh_content import Complaint
+from wsgen.files import irregular_kind
 
 LARGEST = 1024  # pixels; more cost time and are not seen in a picture
 BYTE_LIMIT = 50 * 10**6
@@ -88,11 +88,12 @@ def _convert(image: Any, target: Path) -> str | None:
 
     try:
         if isinstance(image, Path):
-            status = image.stat()
-            if not stat.S_ISREG(status.st_mode):
-                return "is no file"
-            if status.st_size > BYTE_LIMIT:
-                return f"has {status.st_size / 1e6:.0f} MB"
+            kind = irregular_kind(image)
+            if kind is not None:
+                return f"is {kind}"
+            size = image.stat().st_size
+            if size > BYTE_LIMIT:
+                return f"has {size / 1e6:.0f} MB"
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # Pillow warns of large images; ours is the limit
             is_file = isinstance(image, Path)
@@ -105,8 +106,10 @@ def _convert(image: Any, target: Path) -> str | None:
             small.save(target, compress_level=1)
     except MemoryError:
         raise
-    except Exception as error:  # noqa: BLE001  Pillow raises anything on broken images
-        return f"cannot be read ({type(error).__name__}: {error})"
+    except Image.DecompressionBombError:  # it has far more than we take
+        return f"has more than {PIXEL_LIMIT / 1e6:.0f} million pixels"
+    except Exception:  # noqa: BLE001  Pillow raises anything on broken images
+        return "is not a valid image: it is cut short or damaged, or of a format that is not read"
     return None
 
 

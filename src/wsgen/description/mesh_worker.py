@@ -74,6 +74,9 @@ def _inspect(request: Request, number: int, folder: Path, gallery: Gallery) -> d
         return _refuse(f"cannot be read ({error.strerror})", "Check that it is there for you.")
     except MemoryError:
         return _refuse("needs more memory to be read than it may have", "Reduce it.")
+    if content.cleaned is not None:
+        file = folder / f"{number}.obj"
+        file.write_bytes(content.cleaned)
     is_collision_plain = content.is_plain and file.suffix.lower() != ".dae"
     is_rewritten = (request.is_collision and not is_collision_plain) or (
         request.is_visual and not content.is_plain

@@ -58,7 +58,8 @@ class _Search:
             return geometry
         found = locate(geometry.uri, self.share_of, self.folder)
         if isinstance(found, Path):
-            return replace(geometry, path=str(found))
+            # Engines make addresses of it, in which a relative path is the name of a machine.
+            return replace(geometry, path=str(found.absolute()))
         problem, hint = found
         kind = "visual" if is_visual else "collision"
         self.diagnostics[link.name, geometry.uri, is_visual] = Diagnostic(

@@ -83,14 +83,12 @@ def read_numbers(  # noqa: PLR0913  what, where, and how it is called
     report = findings.error if is_fatal else findings.warning
     text = element.get(attribute)
     if text is None:
-        if required:
-            report(
-                "ROB016",
-                f"`{attribute}` is missing.",
-                hint=f'Write {attribute}="{" ".join(["0.1"] * count)}" in it.',
-                at=element,
-                path=path,
-            )
+        hint = f'Write {attribute}="{" ".join(["0.1"] * count)}" in it.'
+        told = f"`{attribute}` is missing."
+        if required and is_fatal:
+            findings.missing("ROB016", told, hint=hint, at=element, path=path, name=attribute)
+        elif required:
+            findings.warning("ROB016", told, hint=hint, at=element, path=path)
         return None
     if LEFT_OVER.search(text):  # reported once, for every element
         return None
@@ -117,7 +115,7 @@ def read_numbers(  # noqa: PLR0913  what, where, and how it is called
         f"Gazebo {'refuses' if is_fatal else 'ignores'} anything else; other programs silently "
         "read 0.",
         at=element,
-        path=path,
+        path=f"{path}/@{attribute}",
     )
     return None
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.description.materials import used_colour
 from wsgen.description.numbers import read_number, read_numbers, read_triple
+from wsgen.description.spelling import SHAPES, meant_element
 from wsgen.model.pose import IDENTITY, Pose
 from wsgen.model.robot import Box, Collision, Cylinder, Geometry, Mesh, Sphere, Visual
 from wsgen.xmltree import children
@@ -17,9 +18,6 @@ if TYPE_CHECKING:
     from wsgen.description.findings import Findings
     from wsgen.description.materials import Rgba
     from wsgen.xmltree import Element
-
-# PyBullet's and MuJoCo's <capsule> is not among them: no version of sdformat takes it from a URDF.
-SHAPES = ("box", "cylinder", "sphere", "mesh")
 
 
 class Unusable(Enum):
@@ -52,12 +50,13 @@ def read_visual(
     for material in children(element, "material"):
         is_named = material.get("name") is not None
         if not is_named:
-            findings.error(
+            findings.missing(
                 "ROB006",
                 "The material has no name.",
                 hint='Write <material name="NAME">: Gazebo stops reading the link here.',
                 at=material,
                 path=f"{path}/material",
+                name="name",
             )
         rgba = used_colour(findings, material, f"{path}/material", materials)
         break
@@ -87,7 +86,8 @@ def _read_geometry(findings: Findings, owner: Element, path: str) -> Geometry | 
         shape = next((child for child in geometry if isinstance(child.tag, str)), None)
         if shape is not None and shape.tag in SHAPES:
             return _read_shape(findings, shape, f"{path}/{shape.tag}")
-        findings.error(
+        near = None if shape is None else meant_element(shape.tag, SHAPES)
+        findings.missing(
             "ROB024",
             "The geometry is empty."
             if shape is None
@@ -95,14 +95,16 @@ def _read_geometry(findings: Findings, owner: Element, path: str) -> Geometry | 
             hint=f"Put one of {', '.join(f'<{name}>' for name in SHAPES)} into it.",
             at=geometry,
             path=path,
+            name=near or "",
         )
         return Unusable.UNREADABLE
-    findings.error(
+    findings.missing(
         "ROB024",
         "<geometry> is missing.",
         hint="Add <geometry> with a shape in it, or remove the element.",
         at=owner,
         path=path,
+        name="geometry",
     )
     return Unusable.UNREADABLE
 
@@ -138,12 +140,13 @@ def _read_mesh(findings: Findings, shape: Element, path: str) -> Mesh | Unusable
         scale = read_triple(findings, shape, "scale", path)
     uri = (shape.get("filename") or "").strip()
     if not uri:
-        findings.error(
+        findings.missing(
             "ROB029",
             "The mesh has no file name.",
             hint='Write <mesh filename="package://PACKAGE/meshes/FILE.stl"/>.',
             at=shape,
             path=path,
+            name="filename",
         )
     if scale is None or not uri:
         return Unusable.UNREADABLE

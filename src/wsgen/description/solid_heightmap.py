@@ -10,6 +10,7 @@ import numpy as np
 from PIL import Image
 
 from wsgen.description.mesh_content import BrokenMeshError
+from wsgen.files import irregular_kind
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -73,12 +74,19 @@ def _read(file: Path) -> tuple[NDArray[Any], float]:
 
     It is that of the red channel; which pixel is the brightest is judged by all channels.
     """
+    kind = irregular_kind(file)
+    if kind is not None:
+        raise BrokenMeshError(f"is {kind}", hint=SAVE_ANEW)
     try:
         pixels = _load(file)
     except (Image.DecompressionBombError, Image.DecompressionBombWarning):
         raise BrokenMeshError("has a hundred million pixels or more", hint=REDUCE) from None
-    except (OSError, SyntaxError, ValueError) as error:
-        raise BrokenMeshError(f"cannot be read as PNG or JPEG ({error})", hint=SAVE_ANEW) from None
+    except (BrokenMeshError, MemoryError):
+        raise
+    except Exception:  # noqa: BLE001  Pillow raises anything on broken images
+        raise BrokenMeshError(
+            "is not a valid PNG or JPEG file: it is cut short or damaged", hint=SAVE_ANEW
+        ) from None
     if pixels.ndim == 2:  # noqa: PLR2004  16 bits, grey
         grey = pixels / SIXTEEN_BITS
         return grey, float(grey.max())

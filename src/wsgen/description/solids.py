@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 TASK = "wsgen.description.solid_worker:build"
 LIMITS = Limits(seconds=30.0, memory=2 * 2**30)  # of all shapes of a robot
+HINT = "Make it smaller or simpler, or a mesh of it in another program."
 DEATHS = 3  # after so many shapes that the child dies of, the others are not made
 
 Answer = dict[str, Any]  # what `solid_worker.build` says of a shape
@@ -93,14 +94,17 @@ def _ask(shapes: Sequence[Triangulated], folder: Path, run: Run) -> Mapping[Tria
         if not isinstance(outcome, Died):
             return {**answers, **dict(zip(waiting, outcome.value, strict=True))}
         if not outcome.step.isdecimal():  # it died before it came to the first
-            return {**answers, **_refused(waiting, f"was not made, as the child {outcome.reason}")}
+            problem = f"was not made, as the child {outcome.reason}"
+            return {**answers, **_refused(waiting, problem, outcome.hint(HINT))}
         culprit = waiting.pop(int(outcome.step))
-        answers |= _refused([culprit], f"cannot be made: the child process {outcome.reason}")
+        problem = f"cannot be made: the child process {outcome.reason}"
+        answers |= _refused([culprit], problem, outcome.hint(HINT))
     return {**answers, **_refused(waiting, f"was not made, as the child died of {DEATHS} others")}
 
 
-def _refused(shapes: Sequence[Triangulated], problem: str) -> dict[Triangulated, Answer]:
-    hint = "Make it smaller or simpler, or a mesh of it in another program."
+def _refused(
+    shapes: Sequence[Triangulated], problem: str, hint: str = HINT
+) -> dict[Triangulated, Answer]:
     return {shape: {"path": None, "problem": problem, "hint": hint} for shape in shapes}
 
 

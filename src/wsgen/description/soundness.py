@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.description.dropping import is_impossible
 from wsgen.description.lumping import WORLD, joints_that_say, parts_of_impossible_sums
-from wsgen.model.inertia import principal_moments
+from wsgen.model.inertia import as_attributes, if_filled, principal_moments
 from wsgen.model.robot import JointType
 
 if TYPE_CHECKING:
@@ -39,9 +39,9 @@ def check_names(findings: Findings, robot: Robot, line_of_robot: int | None) -> 
         if joint.name in links and (joint.parent == WORLD or not is_lumped):
             findings.warning(
                 "ROB034",
-                f"A link and a joint are both called `{joint.name}`.",
+                f"A link and a joint are both called `{joint.name}`: Gazebo Sim refuses the robot.",
                 hint=f"Rename the joint, to `{joint.name}_joint` for example: SDF has one space of "
-                "names, and Gazebo before 2023 refuses the robot.",
+                "names.",
                 at=joint.line,
                 path=f"joint[@name='{joint.name}']",
             )
@@ -123,12 +123,16 @@ def check_inertias(findings: Findings, robot: Robot) -> None:
     for link, inertial in impossible:
         low, middle, high = principal_moments(inertial.inertia)
         report = findings.error if link.name in refused else findings.warning
+        filled = if_filled(link)
         report(
             "ROB037",
             f"No body has the inertia of the link `{link.name}`: its principal moments are "
             f"{low:.4g}, {middle:.4g} and {high:.4g} kg m².",
             hint="Each must be positive, and none larger than the other two together. Compute it "
-            "from mass and shape, or export it from CAD about the centre of mass.",
+            "from mass and shape, or export it from CAD about the centre of mass."
+            if filled is None
+            else "Each must be positive, and none larger than the other two together. If it is "
+            f"evenly filled: {as_attributes(filled)} (kg m², the products 0).",
             at=link.line,
             path=f"link[@name='{link.name}']/inertial/inertia",
         )

@@ -26,6 +26,9 @@ ShareOf = Callable[[str], Path | None]  # package name -> its installed share fo
 FIND = re.compile(r"\$\(find\s+([\w-]+)\s*\)")
 COMPUTED = re.compile(r"\$\{[^}]*\}|\$\([^)]*\)")  # by xacro
 NAMED = re.compile(r"(\w+)\[@(\w+)='([^']*)'\]")  # link[@name='base_link']
+ONE_NAME = re.compile(r"\s*\$\{\s*(\w+)\s*\}\s*")  # the value of a property, and nothing else
+WRONG_VALUE = frozenset(("ROB016",))  # codes of findings about the value of an attribute
+PROPERTY = "xacro:property"
 MOST_FILES = 100  # a description in more files than this is included in circles
 
 
@@ -43,17 +46,85 @@ def place_in_source(
     if read_text(file) == text:
         return found
     written = _written(file, share_of)
-    return tuple(_placed(finding, written) for finding in found)
+    expanded = elements(file, text)
+    placed = (_placed(finding, written, expanded) for finding in found)
+    # What is wrong with a property is found wherever it is used.
+    return tuple(
+        {
+            (one.code, one.file, one.line, one.element)
+            if (one.element or "").startswith(PROPERTY)
+            else one: one
+            for one in placed
+        }.values()
+    )
 
 
-def _placed(finding: Diagnostic, written: list[Written]) -> Diagnostic:
-    for tag, attribute, value in NAMED.findall(finding.element or ""):
+def _placed(finding: Diagnostic, written: list[Written], expanded: list[Written]) -> Diagnostic:
+    path = finding.element or ""
+    for named in NAMED.finditer(path):
+        tag, attribute, value = named.groups()
         element = _most_like(
             value, attribute, [element for element in written if element.tag == tag]
         )
-        if element is not None:
-            return replace(finding, file=element.file, line=element.line)
+        if element is None:
+            continue
+        tags = path[named.end() :].strip("/").split("/") if path[named.end() :] else []
+        attribute = tags.pop()[1:] if tags and tags[-1].startswith("@") else ""
+        own = next(
+            (one for one in expanded if one.tag == tag and one.attributes.get("name") == value),
+            None,
+        )
+        inner = _inside(element, tags, written)
+        origins = [] if own is None else _inside(own, tags, expanded)
+        # Of several alike, that with the same number, if xacro made none and left none out.
+        place, origin = element, None
+        for at, one in enumerate(origins):
+            if (one.line == finding.line or len(origins) == 1) and len(inner) == len(origins):
+                place, origin = inner[at], one
+        if attribute and origin is not None:
+            return _at_attribute(finding, attribute, place, origin, written)
+        return replace(finding, file=place.file, line=place.line)
     return replace(finding, line=None)
+
+
+def _inside(element: Written, tags: list[str], document: list[Written]) -> list[Written]:
+    """The elements that a path of tags leads to from an element; itself if there are no tags."""
+    depth = len(element.path)
+    found = []
+    start = next(place for place, one in enumerate(document) if one is element)
+    for one in document[start:]:
+        if one is not element and (len(one.path) <= depth or one.file != element.file):
+            break
+        if list(one.path[depth:]) == tags:
+            found.append(one)
+    return found
+
+
+def _at_attribute(
+    finding: Diagnostic, attribute: str, place: Written, origin: Written, written: list[Written]
+) -> Diagnostic:
+    """The finding at the attribute, or at the property that its whole value is."""
+    raw = place.attributes.get(attribute, "")
+    used = ONE_NAME.fullmatch(raw) if finding.code in WRONG_VALUE else None
+    value = origin.attributes.get(attribute)
+    defined = [
+        (one, key)
+        for one in written
+        for key in ("value", "default")
+        if used
+        and one.tag == PROPERTY
+        and one.attributes.get("name") == used[1]
+        and one.attributes.get(key) == value
+    ]
+    if len(defined) != 1:
+        return replace(finding, file=place.file, line=place.line_of(attribute))
+    definition, key = defined[0]
+    return replace(
+        finding,
+        file=definition.file,
+        line=definition.line_of(key),
+        element=f"{PROPERTY}[@name='{definition.attributes.get('name')}']/@{key}",
+    )
 
 
 def _most_like(value: str, attribute: str, candidates: list[Written]) -> Written | None:

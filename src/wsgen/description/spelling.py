@@ -1,4 +1,4 @@
-"""Elements of a URDF whose names are surely misspelt: programs leave them out without a word."""
+"""What is surely misspelt in a URDF: programs leave such elements and attributes out silently."""
 
 from __future__ import annotations
 
@@ -6,12 +6,13 @@ from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
     from wsgen.description.findings import Findings
     from wsgen.xmltree import Element
 
 SHAPED = ("origin", "geometry", "material")
+SHAPES = ("box", "cylinder", "sphere", "mesh")
 # What urdfdom and sdformat look for in an element. Others are allowed, and many tools have some.
 KNOWN = {
     "robot": ("link", "joint", "material", "gazebo", "transmission", "ros2_control"),
@@ -41,9 +42,39 @@ KNOWN = {
         *("initial_joint_position", "velocity_decay", "kinematic", "enable_wind", "light"),
     ),
 }
+# The attributes that urdfdom and sdformat look for in an element.
+ATTRIBUTES = {
+    "robot": ("name", "version"),
+    "link": ("name",),
+    "joint": ("name", "type"),
+    "visual": ("name",),
+    "collision": ("name",),
+    "origin": ("xyz", "rpy"),
+    "box": ("size",),
+    "cylinder": ("radius", "length"),
+    "sphere": ("radius",),
+    "mesh": ("filename", "scale"),
+    "mass": ("value",),
+    "inertia": ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"),
+    "parent": ("link",),
+    "child": ("link",),
+    "axis": ("xyz",),
+    "limit": ("lower", "upper", "effort", "velocity"),
+    "dynamics": ("damping", "friction"),
+    "mimic": ("joint", "multiplier", "offset"),
+    "safety_controller": ("soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"),
+    "calibration": ("rising", "falling"),
+    "material": ("name",),
+    "color": ("rgba",),
+    "texture": ("filename",),
+}
+# Attributes that some program or version of the format has.
+OTHERS = frozenset(("type", "reference_position", "quat_xyzw", "convex", "id", "group"))
+SHORT = 4  # letters; of words up to this length other orders and neighbours are compared
 # So alike two words are, as difflib counts, that one is taken for the other: `parnt` and `parent`
 # are at 0.91, `visuals` and `visual` at 0.92, `colour` and `color` at 0.91.
 ALIKE = 0.8
+LIKE_ATTRIBUTE = 0.6  # among the few that one element has and lacks
 
 MOST_COMPARED = 500  # names; difflib takes its time
 MOST_HINTS = 50  # findings; who has more has another trouble than spelling
@@ -60,9 +91,8 @@ def nearest(findings: Findings, name: str, known: Iterable[str]) -> str | None:
 
 def check_spelling(findings: Findings, element: Element, path: str) -> None:
     """Report, in the element and below it, children that are nearly called as known ones."""
-    known = KNOWN.get(str(element.tag))
-    if known is None:
-        return
+    _check_attributes(findings, element, path)
+    known = KNOWN.get(str(element.tag), SHAPES if element.tag == "geometry" else ())
     if element.tag == "gazebo":
         _check_reference(findings, element, path)
     for child in element:
@@ -75,16 +105,51 @@ def check_spelling(findings: Findings, element: Element, path: str) -> None:
         if child.tag in known:
             check_spelling(findings, child, inside)
             continue
-        near = [other for other in known if other.lower() == child.tag.lower()]
-        near = near or get_close_matches(child.tag, known, n=1, cutoff=ALIKE)
-        if near:
-            findings.warning(
+        near = meant_element(child.tag, known)
+        if near is not None:
+            findings.misspelt(
                 "ROB038",
                 f"<{element.tag}> has no <{child.tag}>: Gazebo leaves it out without a word.",
-                hint=f"Did you mean <{near[0]}>?",
+                hint=f"Did you mean <{near}>?",
                 at=child,
                 path=inside,
+                owner=element,
+                name=near,
             )
+
+
+def meant_element(tag: str, known: Sequence[str]) -> str | None:
+    """The element that a misspelt one must be; None where none is nearly the same."""
+    near = [other for other in known if other.lower() == tag.lower()]
+    near = near or [other for other in known if sorted(other) == sorted(tag)]
+    near = near or get_close_matches(tag, known, n=1, cutoff=ALIKE)
+    return near[0] if near else None
+
+
+def _check_attributes(findings: Findings, element: Element, path: str) -> None:
+    known = ATTRIBUTES.get(str(element.tag), ())
+    lacking = [name for name in known if name not in element.attrib]
+    for name in map(str, element.attrib):
+        meant = None if name in known or name in OTHERS else _meant(name, lacking)
+        if meant is not None:
+            findings.misspelt(
+                "ROB077",
+                f"<{element.tag}> has no attribute `{name}`: Gazebo leaves it out without a word.",
+                hint=f"Did you mean `{meant}`?",
+                at=element,
+                path=f"{path}/@{name}",
+                owner=element,
+                name=meant,
+            )
+
+
+def _meant(name: str, lacking: Sequence[str]) -> str | None:
+    """The attribute that a misspelt one must be, of those that the element lacks."""
+    near = [other for other in lacking if other.lower() == name.lower()]
+    if len(name) <= SHORT:  # too few letters for a likeness
+        near = near or [other for other in lacking if sorted(other) == sorted(name.lower())]
+    near = near or get_close_matches(name, lacking, n=1, cutoff=LIKE_ATTRIBUTE)
+    return near[0] if near else None
 
 
 def _check_reference(findings: Findings, element: Element, path: str) -> None:

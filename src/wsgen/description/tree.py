@@ -27,12 +27,13 @@ def unique_names(findings: Findings, elements: Sequence[Element], code: str) -> 
     for element in elements:
         name = element.get("name") or ""
         if not name.strip():
-            findings.error(
+            findings.missing(
                 "ROB006",
                 f"A {element.tag} has no name.",
                 hint=f'Write <{element.tag} name="NAME">.',
                 at=element,
                 path=str(element.tag),
+                name="name",
             )
         elif name in named:
             findings.error(
@@ -49,14 +50,17 @@ def unique_names(findings: Findings, elements: Sequence[Element], code: str) -> 
 
 
 def find_root(
-    findings: Findings, links: dict[str, Element], joints: Sequence[tuple[Joint, Element]]
+    findings: Findings,
+    robot: Element,
+    links: dict[str, Element],
+    joints: Sequence[tuple[Joint, Element]],
 ) -> str | None:
     """The link that every other one hangs on; None where there is no tree, which is reported."""
-    before = len(findings.diagnostics)
+    before = len(findings.errors)
     parent_of: dict[str, tuple[Joint, Element]] = {}
     for joint, element in joints:
         path = f"joint[@name='{joint.name}']"
-        if _check_ends(findings, joint, element, path, links):
+        if _check_ends(findings, joint, element, path, links, robot):
             if joint.child in parent_of:
                 other = parent_of[joint.child][0]
                 findings.error(
@@ -69,30 +73,37 @@ def find_root(
                 )
             else:
                 parent_of[joint.child] = (joint, element)
-    if len(findings.diagnostics) > before:
+    if len(findings.errors) > before:
         return None
     roots = [name for name in links if name not in parent_of]
     _report_cycle(findings, parent_of)
-    if len(roots) > 1:
+    many = f"{len(roots)} links have no parent ({_some(roots)}): there must be exactly one root."
+    if len(roots) > 1 and not findings.blame_misspelt(robot, "joint", many):
         findings.error(
             "ROB009",
-            f"{len(roots)} links have no parent ({_some(roots)}): there must be exactly one root.",
+            many,
             hint=f"Join `{roots[1]}` to the rest with a joint whose child it is.",
             at=links[roots[1]],
             path=f"link[@name='{roots[1]}']",
         )
-    return roots[0] if len(findings.diagnostics) == before else None
+    return roots[0] if len(findings.errors) == before else None
 
 
-def _check_ends(
-    findings: Findings, joint: Joint, element: Element, path: str, links: dict[str, Element]
+def _check_ends(  # noqa: PLR0913, PLR0917  a joint, and what it is in
+    findings: Findings,
+    joint: Joint,
+    element: Element,
+    path: str,
+    links: dict[str, Element],
+    robot: Element,
 ) -> bool:
     for end, name in (("parent", joint.parent), ("child", joint.child)):
-        if name not in links:
+        message = f"The {end} of the joint `{joint.name}` is `{name}`, and no link is called so."
+        if name not in links and not findings.blame_misspelt(robot, f"link {name}", message):
             near = nearest(findings, name, links)
             findings.error(
                 "ROB013",
-                f"The {end} of the joint `{joint.name}` is `{name}`, and no link is called so.",
+                message,
                 hint=f"Did you mean `{near}`?" if near else f'Add <link name="{name}">.',
                 at=element,
                 path=path,

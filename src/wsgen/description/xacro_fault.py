@@ -15,15 +15,21 @@ from typing import TYPE_CHECKING, Any
 from xml.parsers.expat import ExpatError
 
 from wsgen.description import xacro_names
+from wsgen.description.markup import SIZE_LIMIT, read_text, without_comments
 from wsgen.description.xacro_names import USUAL, advice, message_of
 from wsgen.description.xacro_place import Place, Sources, find
 from wsgen.description.xacro_trace import Trace, trace
+from wsgen.files import irregular_kind, read_regular, save_as_utf8, wide_encoding
+from wsgen.xmlsyntax import find_mistake
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
 Fault = dict[str, Any]
 
+XACRO = "http://www.ros.org/wiki/xacro"
+PREFIX = re.compile(r"[<\s]([\w.-]+):[\w.-]+")  # of an element or attribute
+ROOT = re.compile(r"<([\w.-]+)((?:\s[^<>]*)?)>")
 PACKAGES = Path("share", "ament_index", "resource_index", "packages")  # below a prefix
 
 
@@ -63,27 +69,61 @@ def _markup(found: Trace, _: Sources) -> Fault | None:
     error = found.cause
     if not isinstance(error, ExpatError):
         return None
+    if "unbound prefix" in str(error) and found.files:
+        return _undeclared_prefix(Path(found.files[0]), error.lineno)
+    file = found.files[0] if found.files else None
+    text = None if file is None else read_text(Path(file))
+    mistake = None if text is None else find_mistake(text.encode(), "utf-8")
     return {
-        "message": f"not well-formed XML: {error}",
-        "file": found.files[0] if found.files else None,
-        "line": error.lineno,
+        "message": f"not well-formed XML: {mistake.message if mistake else error}",
+        "file": file,
+        "line": mistake.line if mistake else error.lineno,
         "element": None,
-        "hint": "Look at this line and the one before it: tags, quotes, '&' and '<'.",
+        "hint": mistake.hint
+        if mistake
+        else "Look at this line and the one before it: tags, quotes, '&' and '<'.",
+    }
+
+
+def _undeclared_prefix(file: Path, line: int) -> Fault | None:
+    """A prefix that the root element does not declare; most often that of xacro itself."""
+    text = without_comments(read_text(file) or "")
+    used = PREFIX.search(text.split("\n", line - 1)[-1])
+    root = ROOT.search(text)
+    if used is None or root is None:
+        return None
+    prefix, root_line = used[1], text.count("\n", 0, root.start()) + 1
+    rest = " ".join(root[2].split())
+    address = XACRO if prefix == "xacro" else "ADDRESS"
+    start = f'<{root[1]} xmlns:{prefix}="{address}"' + (f" {rest}>" if rest else ">")
+    return {
+        "message": f"line {line} uses the prefix `{prefix}:`, and <{root[1]}> in line {root_line} "
+        "does not declare it",
+        "file": str(file),
+        "line": root_line,
+        "element": str(root[1]),
+        "hint": f"Write line {root_line} as {start}",
     }
 
 
 def _encoding(found: Trace, _: Sources) -> Fault | None:
-    if not isinstance(found.cause, UnicodeDecodeError) or not found.files:
+    error = found.cause
+    if not isinstance(error, (UnicodeDecodeError, ExpatError)) or not found.files:
         return None
+    fault = {"file": found.files[0], "element": None}
     try:  # again, because the exception counts from the piece that was read
-        Path(found.files[0]).read_bytes().decode("utf-8")
-    except UnicodeDecodeError as error:
+        data = read_regular(Path(found.files[0]), SIZE_LIMIT)
+        wide = wide_encoding(data)
+        if wide:
+            message = f"it is in {wide}, and xacro reads UTF-8 alone"
+            return {**fault, "message": message, "line": 1, "hint": save_as_utf8(wide)}
+        data.decode("utf-8")
+    except UnicodeDecodeError as again:
         return {
-            "message": f"the byte 0x{error.object[error.start]:02x} is no UTF-8",
-            "file": found.files[0],
-            "line": error.object.count(b"\n", 0, error.start) + 1,
-            "element": None,
-            "hint": "Save the file in UTF-8; it is in another encoding, Latin-1 perhaps.",
+            **fault,
+            "message": f"the byte 0x{again.object[again.start]:02x} is no UTF-8",
+            "line": again.object.count(b"\n", 0, again.start) + 1,
+            "hint": f"It is in another encoding, Latin-1 perhaps. {save_as_utf8('ISO-8859-1')}",
         }
     except OSError:
         pass
@@ -96,6 +136,13 @@ def _file(found: Trace, _: Sources) -> Fault | None:
     if not isinstance(error, OSError) or not error.filename:
         return None
     path = os.path.normpath(os.fspath(error.filename))
+    kind = irregular_kind(path)
+    if kind is not None:
+        return {
+            "message": f"'{path}' is {kind}, not a regular file",
+            "element": _element(found),
+            "hint": "Name a regular file.",
+        }
     share = re.match(r".*/share/[^/]+(?=/)", path)
     if not found.inside or (share and not Path(share[0]).is_dir()):
         return {"message": str(error), "missing": path}
@@ -114,7 +161,10 @@ def _file(found: Trace, _: Sources) -> Fault | None:
 def _package(found: Trace, _: Sources) -> Fault | None:
     if type(found.cause).__name__ != "PackageNotFoundError":
         return None
-    name = str(getattr(found.cause, "name", found.cause))
+    # ament_index_python's has a sentence about the package in the place of its name.
+    told = str(getattr(found.cause, "name", found.cause))
+    quoted = re.search(r"package '([^']*)' not found", told)
+    name = quoted[1] if quoted else told
     add = (
         f"Check the spelling. If it is right, add <exec_depend>{name}</exec_depend> to "
         "package.xml, and build it in this workspace or install it."
@@ -148,11 +198,13 @@ def _circle(found: Trace, _: Sources) -> Fault | None:
 
 
 _EXPLAINERS: tuple[Callable[[Trace, Sources], Fault | None], ...] = (
-    _markup,
     _encoding,
+    _markup,
     _file,
     _package,
     _circle,
+    xacro_names.of_attribute,
+    xacro_names.of_command,
     xacro_names.of_name,
     xacro_names.of_argument,
     xacro_names.of_macro,

@@ -45,14 +45,24 @@ def expand_file(
                 file,
                 {
                     "message": f"Expanding the file {outcome.reason}",
-                    "hint": "Look for an expression or a macro that never ends.",
+                    "hint": outcome.hint("Look for an expression or a macro that never ends."),
                 },
             ),
         )
     if outcome.value["code"] != 0:
         fault = outcome.value["fault"] or {"message": outcome.value["stderr"].strip()}
         return None, (_fault(file, fault),)
-    return str(outcome.value["stdout"]), ()
+    return str(outcome.value["stdout"]), tuple(
+        Diagnostic(
+            code="LCH035",
+            severity=Severity.WARNING,
+            message=unused["message"],
+            file=file,
+            element=unused["name"],
+            hint=unused["hint"],
+        )
+        for unused in outcome.value["unused"]
+    )
 
 
 def _fault(file: Path, fault: Mapping[str, Any]) -> Diagnostic:

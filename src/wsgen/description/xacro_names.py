@@ -2,18 +2,34 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 from difflib import get_close_matches
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
 
     from wsgen.description.xacro_place import Sources
     from wsgen.description.xacro_trace import Trace
 
 Fault = dict[str, Any]  # see `wsgen.description.xacro_fault`
 
+# The elements that xacro itself knows, and their attributes.
+OWN_ELEMENTS = {
+    "arg": ("name", "default"),
+    "attribute": ("name", "value"),
+    "call": ("macro",),
+    "element": ("xacro:name",),
+    "if": ("value",),
+    "include": ("filename", "ns", "optional"),
+    "insert_block": ("name",),
+    "macro": ("name", "params"),
+    "property": ("name", "value", "default", "remove", "scope", "lazy_eval"),
+    "unless": ("value",),
+}
+ALIKE = 0.6  # so alike two words are, as difflib counts, that one is taken for the other
 TOLD = 60  # characters of an expression or a value
 USUAL = "Mend the xacro file; `xacro FILE` shows the same error."
 
@@ -48,7 +64,20 @@ def of_name(found: Trace, sources: Sources) -> Fault | None:
         return None
     name = undefined[1]
     later = next(sources.defining("property", name), None)
-    if later is None:
+    plain = next(sources.defining("property", name, prefix=""), None)
+    slip = None if later is None else _misspelt(later.tag, later.attributes)
+    if later is not None and slip is not None:
+        return {
+            "message": f"the property `{name}` has no value: <{later.tag}> knows no attribute "
+            f"`{slip[0]}`",
+            "file": str(later.file),
+            "line": later.line_of(slip[0]),
+            "element": f"xacro:property[@name='{name}']",
+            "hint": f"Did you mean `{slip[1]}`?",
+        }
+    if later is None and plain is not None:
+        hint = f"Line {plain.line} of {plain.file.name} says <property>: write <xacro:property>."
+    elif later is None:
         define = f'<xacro:property name="{name}" value="..."/>'
         hint = advice(name, found.names, f"Define it before its first use: {define}.")
     else:
@@ -57,6 +86,44 @@ def of_name(found: Trace, sources: Sources) -> Fault | None:
             "define it above its first use, and not inside of a macro."
         )
     return {"message": message_of(found), "hint": hint}
+
+
+def of_attribute(found: Trace, _: Sources) -> Fault | None:
+    """An attribute that an element of xacro must have."""
+    missing = re.search(r"missing attribute '([\w:]+)'", str(found.cause))
+    tag = getattr(found.node, "tagName", None)
+    if not missing or tag is None:
+        return None
+    slip = _misspelt(tag, dict(found.node.attributes.items()))
+    write = f'Write <{tag} {missing[1]}="...">.'
+    return {
+        "message": f"<{tag}> has no attribute `{missing[1]}`"
+        + ("" if slip is None else f", and knows none called `{slip[0]}`"),
+        "hint": write if slip is None else f"Did you mean `{slip[1]}`?",
+    }
+
+
+def _misspelt(tag: str, attributes: Mapping[str, str]) -> tuple[str, str] | None:
+    """An attribute that an element of xacro does not know, and the one that must be meant."""
+    known = OWN_ELEMENTS.get(tag.removeprefix("xacro:"), ())
+    for name in attributes:
+        near = get_close_matches(name, set(known) - attributes.keys(), n=1, cutoff=ALIKE)
+        if name not in known and near:
+            return name, near[0]
+    return None
+
+
+def of_command(found: Trace, _: Sources) -> Fault | None:
+    """A command in $(…) that xacro does not know."""
+    unknown = re.match(r"Unknown substitution command \[(.*?)\].*\[(.*?)\]", str(found.cause))
+    if not unknown:
+        return None
+    command = unknown[1].partition(" ")[0]
+    known = re.findall(r"'(\w+)'", unknown[2])
+    return {
+        "message": f"`$({_short(unknown[1])})`: xacro knows no command `{command}`",
+        "hint": advice(command, known, f"Write one of {', '.join(known)}."),
+    }
 
 
 def of_argument(found: Trace, sources: Sources) -> Fault | None:
@@ -73,6 +140,39 @@ def of_argument(found: Trace, sources: Sources) -> Fault | None:
         "element": f"$(arg {name})",
         "hint": advice(name, sources.names("arg"), declare),
     }
+
+
+def unused_arguments(
+    unused: Iterable[str], declared: Iterable[str], files: Iterable[str | None]
+) -> list[dict[str, str]]:
+    """Those of the names that no file has as an argument: each with name, message and hint.
+
+    `declared` are arguments that the files are known to have.
+    """
+    declared = sorted(declared)
+    texts = []
+    for file in dict.fromkeys(filter(None, files)):
+        with contextlib.suppress(OSError):
+            texts.append(Path(file).read_text(encoding="utf-8", errors="replace"))
+    written = "\n".join(texts)
+    # A condition may leave out the place that declares or uses an argument.
+    places = r"""(?:xacro:arg\s[^>]*name\s*=\s*["']|\(\s*arg\s+|arg\(\s*["']){}\b"""
+    has = "It has " + (", ".join(f"`{name}`" for name in declared) or "no arguments") + "."
+    return [
+        {
+            "name": name,
+            "message": f"The xacro file has no argument `{name}`: xacro ignores the value that is "
+            "given for it.",
+            "hint": advice(
+                name,
+                declared,
+                f'Remove it, or declare it in the file: <xacro:arg name="{name}" '
+                f'default="..."/>. {has}',
+            ),
+        }
+        for name in unused
+        if not re.search(places.format(re.escape(name)), written)
+    ]
 
 
 def of_macro(found: Trace, sources: Sources) -> Fault | None:
@@ -109,7 +209,7 @@ def _unknown_macro(found: Trace, sources: Sources, name: str) -> Fault:
     include = "Include the file that defines the macro, before its first use."
     return {
         "message": f"unknown macro name: xacro:{name}",
-        "hint": advice(name, found.macros, include)
+        "hint": advice(name, (*OWN_ELEMENTS, *found.macros), include)
         if later is None
         else f"Line {later.line} of {later.file.name} defines it: move that above its first use.",
     }

@@ -31,10 +31,10 @@ class Sources:
             element for file, text in self.texts.items() for element in elements(Path(file), text)
         ]
 
-    def defining(self, tag: str, name: str) -> Iterator[Written]:
+    def defining(self, tag: str, name: str, prefix: str = "xacro:") -> Iterator[Written]:
         """The elements `<xacro:tag name="…">` that define a name."""
         for element in self.elements:
-            if element.tag == f"xacro:{tag}" and element.attributes.get("name") == name:
+            if element.tag == f"{prefix}{tag}" and element.attributes.get("name") == name:
                 yield element
 
     def names(self, tag: str) -> list[str]:

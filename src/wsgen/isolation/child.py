@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import json
+import math
 import os
 import signal
 import sys
@@ -12,12 +13,10 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from wsgen.isolation.lifeline import hold
-
 if sys.platform != "win32":
     import resource
 
-OUTPUT_LIMIT = 64 * 2**20  # bytes; a child that prints for ever must not fill the disk
+SPARE_CPU_SECONDS = 5  # for who does not want to end at the limit
 
 _scratch: Path | None = None
 
@@ -37,8 +36,11 @@ def perform(request: dict[str, Any]) -> None:
     """Do the task and end the process; the answer lies in the scratch folder."""
     global _scratch  # noqa: PLW0603  the process has one task; its functions announce from anywhere
     _scratch = Path(request["scratch"])
-    hold(request["lifeline"], signal.SIGKILL)
-    _limit(request["memory"], request["cpu_seconds"])
+    if sys.platform == "linux":
+        from wsgen.isolation.guard import stand_guard  # noqa: PLC0415  there is none elsewhere
+
+        stand_guard(request["lifeline"], request["cpu_seconds"])
+    _limit(request["memory"], request["cpu_seconds"], request["output"])
     module, _, function = request["task"].partition(":")
     try:
         answer = {
@@ -46,10 +48,13 @@ def perform(request: dict[str, Any]) -> None:
         }
         text = json.dumps(answer)
     except MemoryError:
-        text = json.dumps({"died": "needed more memory than it may have"})
-    except Exception as error:  # noqa: BLE001  foreign code may raise anything
+        text = json.dumps({"died": "needed more memory than it may have", "cause": "memory"})
+    except SystemExit:
+        raise
+    except BaseException as error:  # noqa: BLE001  foreign code may raise anything
         traceback.print_exc()
-        text = json.dumps({"died": f"failed ({type(error).__name__}: {error})"})
+        reason = f"failed ({type(error).__name__}: {error})"
+        text = json.dumps({"died": reason, "cause": "exception"})
     answer_file = _scratch / "answer"
     answer_file.with_suffix(".part").write_text(text, encoding="utf-8")
     answer_file.with_suffix(".part").replace(answer_file)
@@ -61,16 +66,19 @@ def perform(request: dict[str, Any]) -> None:
     os._exit(0)
 
 
-def _limit(memory: int, cpu_seconds: int) -> None:
+def _limit(memory: int, cpu_seconds: float, output: int) -> None:
     """Limit address space, CPU time and output where the system knows how."""
     if sys.platform == "win32":
         return
-    for kind, amount in (
-        (resource.RLIMIT_AS, memory),
-        (resource.RLIMIT_CPU, cpu_seconds),
-        (resource.RLIMIT_FSIZE, OUTPUT_LIMIT),
-        (resource.RLIMIT_CORE, 0),
+    # Python would make an exception of it, which foreign code may swallow and go on.
+    signal.signal(signal.SIGXFSZ, signal.SIG_DFL)
+    whole_seconds = math.ceil(cpu_seconds)
+    for kind, soft, hard in (
+        (resource.RLIMIT_AS, memory, memory),
+        (resource.RLIMIT_CPU, whole_seconds, whole_seconds + SPARE_CPU_SECONDS),
+        (resource.RLIMIT_FSIZE, output, output),
+        (resource.RLIMIT_CORE, 0, 0),
     ):
         # A hard limit may be lower already, and macOS refuses RLIMIT_AS.
         with suppress(ValueError, OSError):
-            resource.setrlimit(kind, (amount, amount))
+            resource.setrlimit(kind, (soft, hard))

@@ -31,8 +31,8 @@ from wsgen.isolation.outcome import (
     Limits,
     conclude,
     describe_exit,
-    describe_lateness,
     read_death,
+    read_lateness,
     read_tail,
 )
 
@@ -41,7 +41,6 @@ if TYPE_CHECKING:
     from types import TracebackType
 
 MESSAGE_BYTES = 64  # a report is some words and a number
-SECONDS_TO_END = 5.0  # wall-clock, for the server to end a child that has SIGKILL coming
 
 
 class Nursery(contextlib.AbstractContextManager["Nursery"]):
@@ -119,12 +118,12 @@ class Nursery(contextlib.AbstractContextManager["Nursery"]):
             with self._lock:
                 server = self._server_of(task.partition(":")[0])
                 report = server.send(scratch, lifeline)
-            message = _wait(report, limits.seconds)
+            message = _wait(report, limits.wall_clock_seconds)
             if message is None:
-                return read_death(scratch, describe_lateness(limits))
+                return read_lateness(scratch, limits)
             if not message:
                 return self._mourn(server, scratch)
-            return _conclude(message, scratch)
+            return _conclude(message, scratch, limits)
 
     def _server_of(self, module: str) -> _Server:
         if self._is_closed:
@@ -205,16 +204,16 @@ def _wait(report: socket.socket, seconds: float) -> str | None:
         finally:
             # The server ends what is left of the child, then closes its end.
             report.shutdown(socket.SHUT_WR)
-            report.settimeout(SECONDS_TO_END)
+            report.settimeout(parent.SECONDS_TO_END)
             with contextlib.suppress(TimeoutError):
                 while report.recv(MESSAGE_BYTES):
                     pass
 
 
-def _conclude(message: str, scratch: Path) -> Answered | Died | None:
+def _conclude(message: str, scratch: Path, limits: Limits) -> Answered | Died | None:
     word, _, number = message.partition(" ")
     if word == "exit":
-        return conclude(scratch, returncode=int(number))
+        return conclude(scratch, limits, returncode=int(number))
     if word == "refused":
         raise parent.not_started(OSError(int(number), os.strerror(int(number))))
     return None  # the server has threads and cannot fork

@@ -7,20 +7,33 @@ import json
 import os
 import signal
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
+
+from wsgen.files import explain_write_error, full_folder
 
 if TYPE_CHECKING:
     from pathlib import Path
 
 LAST_WORDS = 4000  # characters of the child's output that are worth telling
+OUTPUT_LIMIT = 64 * 2**20  # bytes of a file; a child that prints for ever must not fill the disk
+# A child that shares its core with eight others takes nine times as long as it computes.
+WALL_CLOCK_FACTOR = 10.0
+
+Cause = Literal["cpu time", "wall-clock time", "memory", "output", "crash", "exception"]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Limits:
-    """How long and how large a child may grow."""
+    """How much a child may compute, how long it may take and how large it may grow."""
 
-    seconds: float = 60.0  # wall-clock
+    seconds: float = 60.0  # CPU time of the child and of all it starts
+    wall_clock: float | None = None  # s, for what sleeps; None: WALL_CLOCK_FACTOR times `seconds`
     memory: int = 4 * 2**30  # bytes of address space, where the system can limit it
+
+    @property
+    def wall_clock_seconds(self) -> float:
+        """How long the child may take, however little it computes."""
+        return self.seconds * WALL_CLOCK_FACTOR if self.wall_clock is None else self.wall_clock
 
 
 DEFAULT_LIMITS = Limits()
@@ -38,36 +51,72 @@ class Answered:
 class Died:
     """The function did not return."""
 
-    reason: str  # goes on after "it": "took longer than 60 s", "crashed (SIGSEGV)"
+    reason: str  # goes on after "it": "used more than 60 s of CPU time", "crashed (SIGSEGV)"
     step: str  # what the child had announced that it was doing; may be empty
     output: str  # its last words
+    cause: Cause = "crash"
+
+    def hint(self, otherwise: str) -> str:
+        """What to do about it: `otherwise`, unless the cause itself says where to look."""
+        if self.cause == "wall-clock time":
+            return (
+                "Try again when the machine is less busy. If it takes as long then, look for what "
+                "sleeps or waits: for input, a network, another process."
+            )
+        if self.cause == "output":
+            return "Look for a loop that prints or writes without end."
+        return otherwise
 
 
-def conclude(scratch: Path, *, returncode: int) -> Answered | Died:
+def conclude(scratch: Path, limits: Limits, *, returncode: int) -> Answered | Died:
     """Read what a child that ended by itself left in its scratch folder.
 
     Args:
         scratch: The folder of its request.
+        limits: Those it had.
         returncode: Its exit code; negative for the signal that ended it.
+
+    Raises:
+        NotReadableError: The disk of the folder is so full that no answer fits.
     """
     answer = _read_answer(scratch / "answer")
+    if answer is None or "value" not in answer:
+        full = full_folder(scratch)
+        if full is not None:
+            raise explain_write_error(full, scratch, what="a temporary file")
     if answer is None:
-        return read_death(scratch, describe_exit(returncode))
+        return _read_end(scratch, limits, returncode)
     if "value" in answer:
         return Answered(value=answer["value"], output=read_tail(scratch / "output"))
-    return read_death(scratch, answer["died"])
+    return read_death(scratch, answer["died"], answer["cause"])
 
 
-def read_death(scratch: Path, reason: str) -> Died:
-    """What the child left that died of this."""
+def _read_end(scratch: Path, limits: Limits, returncode: int) -> Died:
+    """Read what a child left that ended without an answer."""
+    if os.name == "posix" and returncode == -signal.SIGXCPU:
+        reason = f"used more than {limits.seconds:g} s of CPU time"
+        return read_death(scratch, reason, "cpu time")
+    if os.name == "posix" and returncode == -signal.SIGXFSZ:
+        reason = f"wrote more than {OUTPUT_LIMIT // 2**20} MB to its output or to a file"
+        return read_death(scratch, reason, "output")
+    return read_death(scratch, describe_exit(returncode))
+
+
+def read_death(scratch: Path, reason: str, cause: Cause = "crash") -> Died:
+    """Read what a child left that died of this."""
     return Died(
-        reason=reason, step=read_tail(scratch / "step"), output=read_tail(scratch / "output")
+        reason=reason,
+        step=read_tail(scratch / "step"),
+        output=read_tail(scratch / "output"),
+        cause=cause,
     )
 
 
-def describe_lateness(limits: Limits) -> str:
-    """Say that the time was over."""
-    return f"took longer than {limits.seconds:g} s"
+def read_lateness(scratch: Path, limits: Limits) -> Died:
+    """Read what a child left that took too long."""
+    reason = f"did not end within {limits.wall_clock_seconds:g} s"
+    reason += " (it waits for something, or the machine is busy)"
+    return read_death(scratch, reason, "wall-clock time")
 
 
 def describe_exit(code: int) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import math
 import os
 import pickle
 import signal
@@ -17,12 +16,12 @@ from wsgen.errors import NotReadableError
 from wsgen.isolation.lifeline import open_lifeline
 from wsgen.isolation.outcome import (
     DEFAULT_LIMITS,
+    OUTPUT_LIMIT,
     Answered,
     Died,
     Limits,
     conclude,
-    describe_lateness,
-    read_death,
+    read_lateness,
 )
 
 if TYPE_CHECKING:
@@ -31,7 +30,7 @@ if TYPE_CHECKING:
 __all__ = ["Answered", "Died", "Limits", "run"]
 
 BOOTSTRAP = str(Path(__file__).with_name("bootstrap.py"))
-SPARE_CPU_SECONDS = 5  # above the wall-clock limit: whatever becomes of the parent, it ends
+SECONDS_TO_END = 10.0  # wall-clock, for a guard that is asked to end
 
 # Numerical libraries start a thread for every core when they are imported; nothing here uses
 # them, and without them numpy is imported in half the CPU time.
@@ -55,7 +54,11 @@ def run(
 
     The child and its children end with the call and with this process, however it ends.
     """
-    with tempfile.TemporaryDirectory(prefix="wsgen-") as name, open_lifeline() as lifeline:
+    with (
+        # Only what outlives a guard that was killed can disturb the cleaning up.
+        tempfile.TemporaryDirectory(prefix="wsgen-", ignore_cleanup_errors=True) as name,
+        open_lifeline() as lifeline,
+    ):
         scratch = Path(name)
         request = make_request(task, arguments, limits, scratch, lifeline)
         child = start_interpreter(
@@ -68,14 +71,14 @@ def run(
         try:
             # A child that dies before it has read the request is seen by its exit code.
             with contextlib.suppress(BrokenPipeError):
-                child.communicate(pickle.dumps(request), timeout=limits.seconds)
+                child.communicate(pickle.dumps(request), timeout=limits.wall_clock_seconds)
         except subprocess.TimeoutExpired:
             is_late = True
         finally:
             _end(child)
         if is_late:
-            return read_death(scratch, describe_lateness(limits))
-        return conclude(scratch, returncode=child.returncode)
+            return read_lateness(scratch, limits)
+        return conclude(scratch, limits, returncode=child.returncode)
 
 
 def make_request(
@@ -86,7 +89,8 @@ def make_request(
         "task": task,
         "arguments": arguments,
         "memory": limits.memory,
-        "cpu_seconds": math.ceil(limits.seconds) + SPARE_CPU_SECONDS,
+        "output": OUTPUT_LIMIT,
+        "cpu_seconds": limits.seconds,
         "path": search_path(),
         "scratch": str(scratch),
         "lifeline": lifeline,
@@ -141,9 +145,22 @@ def not_started(error: OSError) -> NotReadableError:
 
 def _end(child: subprocess.Popen[bytes]) -> None:
     """End the child and every process it started; nothing outlives the call."""
-    if hasattr(os, "killpg"):
+    if sys.platform == "linux":
+        _end_with_guard(child)
+    elif hasattr(os, "killpg"):
         with contextlib.suppress(ProcessLookupError, PermissionError):
             os.killpg(child.pid, signal.SIGKILL)
     else:
         child.kill()
     child.wait()
+
+
+def _end_with_guard(guard: subprocess.Popen[bytes]) -> None:
+    """Have the guard end what it guards; one that ended has done so."""
+    from wsgen.isolation.guard import end_guard  # noqa: PLC0415  there is none elsewhere
+
+    if guard.poll() is None:
+        end_guard(guard.pid)
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            guard.wait(SECONDS_TO_END)
+        guard.kill()

@@ -19,6 +19,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from wsgen.isolation.guard import adopt_orphans, end_guard, kill_children
 from wsgen.isolation.lifeline import hold
 
 PATH_BYTES = 4096  # no path is longer
@@ -36,6 +37,7 @@ def serve(orders: dict[str, Any]) -> dict[str, Any]:
         In each forked child, its request. In the server it does not return.
     """
     hold(orders["lifeline"], signal.SIGKILL)
+    adopt_orphans()
     # What is wrong with the module is told by each child, which imports it again.
     with suppress(Exception, SystemExit):
         importlib.import_module(orders["module"])
@@ -125,7 +127,7 @@ class Server:
         """End a child that nobody waits for, if it has not just been reaped."""
         if self.reports.get(pid) is report:
             self.selector.unregister(report)
-            os.kill(pid, signal.SIGKILL)
+            end_guard(pid)
 
     def _reap(self) -> None:
         """Report the children that ended, after what they started has been ended, too."""
@@ -133,13 +135,13 @@ class Server:
         for pid, report in list(self.reports.items()):
             if os.waitid(os.P_PID, pid, os.WEXITED | os.WNOHANG | os.WNOWAIT) is None:
                 continue
-            # Before the child is waited for, its number cannot be another's.
-            with suppress(ProcessLookupError, PermissionError):
-                os.killpg(pid, signal.SIGKILL)
             _, status = os.waitpid(pid, 0)
+            code = os.waitstatus_to_exitcode(status)
+            if code == -signal.SIGKILL:  # a guard that was killed leaves its own to the server
+                kill_children(spared=self.reports)
             with suppress(KeyError):  # nobody waits for it
                 self.selector.unregister(report)
-            _tell(report, f"exit {os.waitstatus_to_exitcode(status)}")
+            _tell(report, f"exit {code}")
             report.close()
             del self.reports[pid]
 

@@ -81,6 +81,7 @@ class AbsentModules:
             return None
         if not inside:
             RECORD.note_unresolved(package, "its Python module is not here", location)
+            RECORD.argument_use.is_unknown = True
         return ModuleSpec(name, self, is_package=True)  # type: ignore[arg-type]  # all it needs
 
     def _is_expected(self, package: str) -> bool:

@@ -25,7 +25,9 @@ def run(words: Sequence[str], location: Location | None) -> CommandOutcome:
         return CommandOutcome("", stderr="the command line is empty", code=127)
     xacro = _xacro_words(words)
     if xacro is not None and RECORD.run_xacro is not None:
-        return RECORD.run_xacro(xacro)
+        outcome = RECORD.run_xacro(xacro)
+        RECORD.note_unused_xacro_arguments(outcome.unused, location)
+        return outcome
     program = os.path.basename(words[0])
     if program == "cat":
         return _cat(words[1:])

@@ -5,7 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from wsgen.launch.faults import fault
+from wsgen.launch.explain_missing import advice, nearest
+from wsgen.launch.faults import fault, or_loose
+from wsgen.launch.known_packages import SURELY
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -73,15 +75,20 @@ def _from_topic(
             published.setdefault(resolve(PARAMETER, process), process)
     if wanted in published:
         return _published(published[wanted])
-    others = ", ".join(published) or "nothing: it starts no robot_state_publisher"
-    return fault(
+    others = ", ".join(published) or "nothing, as it starts no robot_state_publisher"
+    missing = fault(
         "SPN008",
         spawner,
         f"{spawner.executable} waits for the topic {wanted}, and no robot_state_publisher "
         f"publishes it; the launch file publishes {others}.",
-        "Start robot_state_publisher in the same namespace, with the parameter "
-        "robot_description, or correct -topic.",
+        advice(
+            wanted,
+            published,
+            "Start robot_state_publisher in the same namespace, with the parameter "
+            "robot_description, or correct -topic.",
+        ),
     )
+    return missing if published else or_loose(missing, plan, "Node", executables={PUBLISHER})
 
 
 def _published(publisher: Process) -> tuple[str, Path | None] | Diagnostic:
@@ -89,11 +96,15 @@ def _published(publisher: Process) -> tuple[str, Path | None] | Diagnostic:
     if PARAMETER not in publisher.parameters and publisher.arguments:
         return _from_file(publisher, publisher.arguments[0])
     if PARAMETER not in publisher.parameters:
+        misspelt = nearest(PARAMETER, publisher.parameters, SURELY)
         return fault(
             "SPN009",
             publisher,
-            "robot_state_publisher is not given the parameter robot_description.",
-            "Add parameters=[{'robot_description': ...}] to the Node.",
+            "robot_state_publisher is not given the parameter robot_description"
+            + (f" but `{misspelt}`." if misspelt else "."),
+            f"Rename `{misspelt}` to `robot_description`."
+            if misspelt
+            else "Add parameters=[{'robot_description': ...}] to the Node.",
         )
     return _text(publisher, publisher.parameters[PARAMETER])
 

@@ -68,20 +68,22 @@ def _complete(environment: Mapping[str, str]) -> dict[str, str]:
 
 
 def _death(died: Died, launch_file: Path) -> Diagnostic:
-    if "took longer" in died.reason:
+    if died.cause in ("cpu time", "wall-clock time"):
         return Diagnostic(
             code=codes.TAKES_TOO_LONG,
             severity=Severity.ERROR,
             message=f"Evaluating the launch file {died.reason}.",
             file=launch_file,
-            hint="Look for a loop without end, or for a wait; a launch file only describes.",
+            hint=died.hint("Look for a loop that never ends; a launch file only describes."),
         )
     return Diagnostic(
         code=codes.PROCESS_DIES,
         severity=Severity.ERROR,
         message=f"Evaluating the launch file stopped: it {died.reason}.",
         file=launch_file,
-        hint=f"Its last words: {died.output[-400:]}" if died.output else "It said nothing.",
+        hint=died.hint(
+            f"Its last words: {died.output[-400:]}" if died.output else "It said nothing."
+        ),
     )
 
 
@@ -111,6 +113,7 @@ def _process(entry: dict[str, Any]) -> Process:
         **{
             **_with_path(entry),
             "arguments": tuple(entry["arguments"]),
+            "configurations": tuple(entry.get("configurations", ())),
             "remappings": tuple((source, target) for source, target in entry["remappings"]),
             "command": None if command is None else tuple(command),
             "description_file": None if description_file is None else Path(description_file),

@@ -7,14 +7,34 @@ of exception and gives code, message and hint, or None where it is not its kind.
 from __future__ import annotations
 
 import os
+import re
+from collections.abc import Iterable
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from wsgen.launch import codes, explain_missing
+from wsgen.files import save_as_utf8, wide_encoding
+from wsgen.launch import codes, explain_missing, explain_names
 from wsgen.launch.explain_missing import Explanation
 from wsgen.launch.record import RECORD, ForkError, last_user_line
+from wsgen.launch.syntax import keyword_of, where_written
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+
+# What is said of bytes that are no text, by Python, by YAML and by XML.
+_ABOUT_BYTES = re.compile(
+    r"null byte|codec|utf-8|encoding|character|not well-formed", re.IGNORECASE
+)
+# What a page or a word processor makes of what is typed -> what Python reads.
+_TYPOGRAPHIC = {
+    **dict.fromkeys("\u2018\u2019\u201a\u2032\u00b4", "'"),
+    **dict.fromkeys("\u201c\u201d\u201e\u2033\u00ab\u00bb", '"'),
+    **dict.fromkeys("\u2010\u2011\u2013\u2014\u2212", "-"),
+}
+LEAST_NULLS = 0.25  # of the bytes of a text in UTF-16 that is mostly of Latin letters
+BRIEF = 150  # characters of what an exception says behind an explanation
+MOST_TOLD = 400  # characters of what an exception says; a whole robot may be in it
 
 
 def explain(
@@ -39,6 +59,8 @@ def _explain(
         where = (told.file, told.line)
     else:
         where = last_user_line(error) or vars(error).get("wsgen_location", where)
+        if told.written is not None:
+            where = where_written(told.written, RECORD.launch_files) or where
     file, line = where
     return {
         "code": told.code,
@@ -51,34 +73,63 @@ def _explain(
     }
 
 
+def _encoding(error: BaseException) -> Explanation | None:
+    """A launch file that is not in UTF-8, as some editors of Windows save it."""
+    is_read = isinstance(error, (SyntaxError, ValueError)) or type(error).__name__ in {
+        "InvalidFrontendLaunchFileError",
+        "ReaderError",
+    }
+    if not RECORD.launch_files or not (is_read and _ABOUT_BYTES.search(str(error))):
+        return None
+    file = RECORD.launch_files[-1]
+    content = Path(file).read_bytes()
+    line, encoding, known = 1, "UTF-16", "UTF-16"
+    nulls = content.count(b"\0")
+    if nulls and nulls < len(content) * LEAST_NULLS and wide_encoding(content) is None:
+        return Explanation(
+            codes.SYNTAX_ERROR,
+            "The launch file has a null byte, which no text has.",
+            "Delete that character, or get the file anew.",
+            file,
+            content.count(b"\n", 0, content.index(b"\0")) + 1,
+        )
+    if not nulls:
+        try:
+            content.decode("utf-8")
+        except UnicodeDecodeError as wrong:
+            line = content.count(b"\n", 0, wrong.start) + 1
+            encoding, known = "an older encoding", "ISO-8859-1"
+        else:
+            return None
+    return Explanation(
+        codes.NOT_UTF_8,
+        f"The launch file is not in UTF-8 but in {encoding}.",
+        save_as_utf8(known),
+        file,
+        line,
+    )
+
+
 def _syntax_error(error: BaseException) -> Explanation | None:
     if not isinstance(error, SyntaxError):
         return None
     text = (error.text or "").strip()
+    typographic = [char for char in _TYPOGRAPHIC if char in text]
+    if "character" in error.msg and typographic:
+        changes = ", ".join(f"{char} by {_TYPOGRAPHIC[char]}" for char in typographic)
+        return Explanation(
+            codes.SYNTAX_ERROR,
+            f"Python cannot read the launch file: {error.msg}, in `{text}`.",
+            f"Replace {changes}: text that is copied from a page may have other characters.",
+            error.filename,
+            error.lineno,
+        )
     return Explanation(
         codes.SYNTAX_ERROR,
         f"Python cannot read the launch file: {error.msg}" + (f", in `{text}`." if text else "."),
         "Look at this line and the one before it: brackets, commas, quotes, indentation.",
         error.filename,
         error.lineno,
-    )
-
-
-def _import_error(error: BaseException) -> Explanation | None:
-    if not isinstance(error, ImportError):
-        return None
-    module = (error.name or "").partition(".")[0]
-    if module in {"launch", "launch_ros", "launch_xml", "launch_yaml", "ament_index_python"}:
-        return Explanation(
-            codes.UNSUPPORTED_API,
-            f"This part of the launch API is not known here: {error}.",
-            "Check the spelling; what is right and yet not known cannot be evaluated without ROS.",
-        )
-    return Explanation(
-        codes.IMPORT_ERROR,
-        f"The launch file imports what is not there: {error}.",
-        f"Check the spelling of '{error.name}', or install it into the Python that runs wsgen.",
-        element=error.name,
     )
 
 
@@ -89,16 +140,6 @@ def _markup_error(error: BaseException) -> Explanation | None:
         codes.NOT_MARKUP,
         f"The launch file is {error}.",
         "Look at this line and the one before it: tags, quotes, '&' and '<', indentation.",
-    )
-
-
-def _missing_function(error: BaseException) -> Explanation | None:
-    if type(error).__name__ != "InvalidPythonLaunchFileError":
-        return None
-    return Explanation(
-        codes.NO_LAUNCH_FUNCTION,
-        "The launch file has no function generate_launch_description().",
-        "Define it, and return a LaunchDescription from it; ros2 launch calls it by this name.",
     )
 
 
@@ -191,38 +232,110 @@ def _refusal(error: BaseException) -> Explanation | None:
         return Explanation(
             codes.UNDEFINED_CONFIGURATION,
             f"The launch configuration '{name}' does not exist when it is used.",
-            f"Declare it before its first use: DeclareLaunchArgument('{name}', "
-            "default_value=...); the order in the LaunchDescription counts.",
+            explain_missing.advice(
+                name,
+                RECORD.argument_use.declared,
+                f"Declare it before its first use: DeclareLaunchArgument('{name}', "
+                "default_value=...); the order in the LaunchDescription counts.",
+            ),
             element=name,
+            written=name,
         )
     if kind == "SubstitutionFailure" and text.startswith("executable"):
         return Explanation(
             codes.EXECUTABLE_NOT_FOUND,
             f"{text[0].upper()}{text[1:]}.",
-            "Check the spelling, and that CMakeLists.txt installs it to lib/${PROJECT_NAME}.",
-        )
-    if kind == "TypeError" and "node_executable" in text + _source_line(error):
-        return Explanation(
-            codes.OLD_KEYWORD,
-            f"{text}.",
-            "Node takes executable, name and namespace; node_executable, node_name and "
-            "node_namespace were removed in Galactic.",
+            "Check the spelling, and that the program is on PATH.",
         )
     return None
 
 
-def _source_line(error: BaseException) -> str:
-    """The user's line that the exception came through."""
-    location = last_user_line(error)
-    if location is None:
-        return ""
-    import linecache
+def _wrong_value(error: BaseException) -> Explanation | None:
+    """A value that is nearly what the launch system takes."""
+    text = str(error)
+    if "xml.dom.minidom.Document" in text:
+        return Explanation(
+            codes.REFUSED_BY_LAUNCH,
+            "A parameter of the node is the XML document of xacro, and must be its text.",
+            "Write xacro.process_file(...).toxml().",
+        )
+    wrong_type = getattr(error, "wsgen_wrong_type", None)
+    if wrong_type is not None:
+        argument, accepted, name, caller = wrong_type
+        is_dictionary = isinstance(argument, dict)
+        known = " or ".join(dict.fromkeys(_TYPES[one] for one in accepted if one in _TYPES))
+        return Explanation(
+            codes.REFUSED_BY_LAUNCH,
+            f"`{name}` of {caller} must be {known}, and is {_described(argument)} "
+            f"({_quoted(error, BRIEF)}).",
+            f"Put square brackets around it: {name}=[{'{...}' if is_dictionary else '...'}]."
+            if "a list" in known
+            else f"Write {known} there.",
+        )
+    if hasattr(error, "wsgen_not_text"):
+        return _not_text(error, error.wsgen_not_text[0])
+    if getattr(error, "wsgen_is_mapping", False):
+        return Explanation(
+            codes.REFUSED_BY_LAUNCH,
+            f"{text}: `launch_arguments` of the include is a dictionary, and must be pairs of a "
+            "name and a value.",
+            "Write launch_arguments={...}.items().",
+        )
+    return None
 
-    return linecache.getline(*location)
+
+# How a value that a launch file gives is called.
+_TYPES: dict[type, str] = {
+    bool: "a truth value",
+    int: "a number",
+    float: "a number",
+    str: "text",
+    list: "a list",
+    tuple: "a list",
+    Iterable: "a list",
+    dict: "a dictionary",
+}
+
+
+def _described(value: object) -> str:
+    return _TYPES.get(type(value), f"a {type(value).__name__}")
+
+
+def _not_text(error: BaseException, value: object) -> Explanation:
+    """A number, or anything else that is none, where the launch system takes text."""
+    is_plain = value is None or isinstance(value, (bool, int, float))
+    what = _described(value)
+    if is_plain:
+        kind = "number " if isinstance(value, (int, float)) and not isinstance(value, bool) else ""
+        what = f"the {kind}{value}" if kind else str(value)
+    hint = f"Write '{value}', in quotes." if is_plain else "Write text, in quotes."
+    place = last_user_line(error) or vars(error).get("wsgen_location")
+    written = None if place is None else keyword_of(value, *place)
+    if place is None or written is None:
+        return Explanation(
+            codes.REFUSED_BY_LAUNCH,
+            f"The launch file gives {what} where launch takes text ({_quoted(error, BRIEF)}).",
+            hint,
+        )
+    name, line = written
+    return Explanation(
+        codes.REFUSED_BY_LAUNCH,
+        f"`{name}` holds {what}, and must hold text ({_quoted(error, BRIEF)}).",
+        hint,
+        place[0],
+        line,
+        name,
+    )
+
+
+def _quoted(error: BaseException, most: int = MOST_TOLD) -> str:
+    """What Python says of it, for who searches for that; at most so many characters."""
+    text = f"{type(error).__name__}: {error}".rstrip(": ")
+    return f"{text[:most]}..." if len(text) > most else text
 
 
 def _other(error: BaseException) -> Explanation:
-    text = f"{type(error).__name__}: {error}".rstrip(": ")
+    text = _quoted(error)
     if _is_from_launch(error):
         return Explanation(
             codes.REFUSED_BY_LAUNCH,
@@ -246,15 +359,22 @@ def _is_from_launch(error: BaseException) -> bool:
 
 
 _EXPLAINERS: tuple[Callable[[BaseException], Explanation | None], ...] = (
+    _encoding,
     _syntax_error,
     _needs_unknown,
-    _import_error,
+    explain_names.of_import,
+    explain_names.of_name,
+    explain_names.of_attribute,
+    explain_names.of_keyword,
+    explain_names.of_returned,
+    explain_names.of_launch_function,
     _markup_error,
-    _missing_function,
     _missing_argument,
     explain_missing.package_error,
     explain_missing.file_error,
+    explain_missing.executable_error,
     _environment,
     _program_end,
     _refusal,
+    _wrong_value,
 )

@@ -3,9 +3,18 @@
 from __future__ import annotations
 
 import os
-from typing import Any, NamedTuple
+import re
+from difflib import get_close_matches
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wsgen.launch import codes, known_packages
+from wsgen.launch.record import RECORD
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from wsgen.launch.record import Location
 
 
 class Explanation(NamedTuple):
@@ -17,6 +26,7 @@ class Explanation(NamedTuple):
     file: str | None = None
     line: int | None = None
     element: str | None = None
+    written: str | None = None  # the text that is wrong: its line is meant, where there is one
 
 
 def of_xacro(error: BaseException, fault: dict[str, Any] | None) -> Explanation | None:
@@ -61,12 +71,24 @@ def _missing_package(
         codes.PACKAGE_NOT_FOUND,
         f"The package '{package}' is not found.",
         hint
-        or f"Check the spelling. If it is right, add <exec_depend>{package}</exec_depend> to "
-        "package.xml, and build it in this workspace or install it.",
+        or advice(
+            package,
+            packages(),
+            f"Add <exec_depend>{package}</exec_depend> to package.xml, and build it in this "
+            "workspace or install it.",
+        ),
         file,
         line,
         package,
+        package,
     )
+
+
+def packages() -> set[str]:
+    """The packages that are installed, and those that need not be."""
+    from ament_index_python.packages import get_packages_with_prefixes
+
+    return {*get_packages_with_prefixes(), *known_packages.names()}
 
 
 def file_error(error: BaseException) -> Explanation | None:
@@ -78,6 +100,15 @@ def file_error(error: BaseException) -> Explanation | None:
             codes.NOT_READABLE,
             f"{error.strerror or error}: '{error.filename}'.",
             "Check the path and its permissions.",
+        )
+    stand_in = getattr(error, "wsgen_stand_in", None)
+    if stand_in is not None:
+        return Explanation(
+            codes.FILE_NOT_INSTALLED,
+            f"{error}.",
+            advice(stand_in.name, stand_in.names, "Check the path in the launch file."),
+            element=stand_in.name,
+            written=stand_in.name,
         )
     if error.filename is None:
         return Explanation(
@@ -95,6 +126,31 @@ def _missing_file(path: str) -> Explanation:
             f"here: '{path}'.",
             f"Build {package} in this workspace, or source an installation that has it.",
             element=package,
+        )
+    joined = _glued_package(path)
+    if joined is not None:
+        return Explanation(
+            codes.FILE_NOT_INSTALLED,
+            f"The file '{path}' is not there: '/' is missing after the share folder of {joined}.",
+            f"Write os.path.join(get_package_share_directory('{joined}'), ...).",
+            element=path,
+        )
+    missing, beside = first_missing(path)
+    near = nearest(missing, beside)
+    if near is not None:
+        return Explanation(
+            codes.FILE_NOT_INSTALLED,
+            f"The file '{path}' is not there.",
+            f"Did you mean `{near}`?",
+            element=missing,
+            written=missing,
+        )
+    if package is not None and known_packages.is_known(package):
+        return Explanation(
+            codes.FILE_NOT_INSTALLED,
+            f"The package '{package}' has no file '{path}'.",
+            "Check the path in the launch file.",
+            element=path,
         )
     if package is None:
         return Explanation(
@@ -114,3 +170,110 @@ def _missing_file(path: str) -> Explanation:
         "spelling of the path.",
         element=path,
     )
+
+
+def _glued_package(path: str) -> str | None:
+    """The package whose share folder has become one word with what should be in it."""
+    share, found, rest = path.rpartition("/share/")
+    name = rest.split("/", 1)[0]
+    if not found or os.path.isdir(f"{share}/share/{name}"):
+        return None
+    try:
+        glued = [other for other in os.listdir(f"{share}/share") if name.startswith(other)]
+    except (OSError, ValueError):
+        return None
+    return max(glued, key=len, default=None)
+
+
+def first_missing(path: str) -> tuple[str, list[str]]:
+    """The first part of a path that is not there, and what is in its place."""
+    missing = Path(path)
+    # Unlike the method, this does not raise where a name is too long or a folder is closed.
+    while not os.path.isdir(missing.parent) and missing.parent != missing:
+        missing = missing.parent
+    try:
+        return missing.name, os.listdir(missing.parent)
+    except OSError:
+        return missing.name, []
+
+
+def executable_error(error: BaseException) -> Explanation | None:
+    """A program that a package does not have."""
+    found = re.match(r"executable '(.*)' not found on the libexec directory '(.*)'", str(error))
+    if found is None:
+        return None
+    program, folder = found.groups()
+    try:
+        names = os.listdir(folder)
+    except OSError:
+        names = []
+    package = os.path.basename(folder)
+    known = sorted({*names, *known_packages.programs_of(package)})
+    near = nearest(program, known)
+    if not known_packages.is_known(package):
+        hint = advice(program, known, "Let CMakeLists.txt install it to lib/${PROJECT_NAME}.")
+    elif near is not None:
+        hint = f"Did you mean `{near}`?"
+    else:
+        hint = f"It has {', '.join(known)}." if known else "Check the spelling."
+    return Explanation(
+        codes.EXECUTABLE_NOT_FOUND,
+        f"The package '{package}' has no executable '{program}'.",
+        hint,
+        element=program,
+        written=program,
+    )
+
+
+def advice(name: str, known: Iterable[str], otherwise: str) -> str:
+    """Ask for the nearest of the known names, if one is near, and say what to do otherwise."""
+    near = nearest(name, known)
+    if near is None:
+        return otherwise
+    return f"Did you mean `{near}`? If not, {otherwise[:1].lower()}{otherwise[1:]}"
+
+
+def nearest(name: str, known: Iterable[str], cutoff: float = 0.6) -> str | None:
+    """The known name that is most like this one; None where none is like it."""
+    near = get_close_matches(name, sorted(set(known) - {name}), n=1, cutoff=cutoff)
+    return near[0] if near else None
+
+
+def report_unused_arguments(
+    launch_file: str, given: Sequence[str], of_includes: Sequence[tuple[str, Location, bool]]
+) -> None:
+    """Report launch arguments that nobody declares or reads.
+
+    `given` are those of the command line; `of_includes` the names that includes give, with the
+    line of the include and whether the included file is only stood in for.
+    """
+    for file in RECORD.launch_files:
+        if b"argv" in Path(file).read_bytes():
+            return  # it may look for its arguments in the command line
+    declared = list(RECORD.argument_use.declared)
+    for name in given:
+        RECORD.note_diagnostic(
+            codes.UNUSED_ARGUMENT,
+            "warning",
+            f"The launch argument `{name}` has no effect: no launch file declares or reads it.",
+            (launch_file, None),
+            hint=advice(
+                name,
+                declared,
+                f"Remove it, or declare it: DeclareLaunchArgument('{name}', default_value=...).",
+            ),
+            element=name,
+        )
+    for name, location, is_stand_in in of_includes:
+        # What is stood in for may take more arguments in another release.
+        if is_stand_in and nearest(name, declared, known_packages.SURELY) is None:
+            continue
+        RECORD.note_diagnostic(
+            codes.UNUSED_INCLUDE_ARGUMENT,
+            "warning",
+            f"The launch argument `{name}` has no effect: the included launch file does not "
+            "declare or read it.",
+            location,
+            hint=advice(name, declared, "Remove it from launch_arguments."),
+            element=name,
+        )

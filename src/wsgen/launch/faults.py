@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.launch.syntax import loose_actions
 
 if TYPE_CHECKING:
-    from wsgen.model.plan import Process
+    from collections.abc import Collection
+
+    from wsgen.model.plan import LaunchPlan, Process
 
 
 def fault(code: str, process: Process, message: str, hint: str) -> Diagnostic:
@@ -21,3 +25,25 @@ def fault(code: str, process: Process, message: str, hint: str) -> Diagnostic:
         element=process.executable,
         hint=hint,
     )
+
+
+def or_loose(
+    missing: Diagnostic, plan: LaunchPlan, *kinds: str, executables: Collection[str] = ()
+) -> Diagnostic:
+    """What is reported as missing; or the action that was created for it and never added.
+
+    `kinds` are the classes of such actions, `executables` the programs they start.
+    """
+    for action in loose_actions(plan.evaluated_files, kinds):
+        if action.executable is None or action.executable in executables or not executables:
+            return replace(
+                missing,
+                message=f"{missing.message.rstrip('.')}: `{action.name}` is created and not added "
+                "to the LaunchDescription.",
+                file=action.file,
+                line=action.line,
+                element=action.name,
+                hint=f"Add it to the LaunchDescription that is returned: add_action({action.name})"
+                ".",
+            )
+    return missing

@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+SURELY = 0.8  # so alike two words are, as difflib counts, that one is the other misspelt
+
 _FLAGS_OF_BOTH = {"version": "false", "verbose": "false", "help": "false", "extra_gazebo_args": ""}
 
 _GZSERVER = {
@@ -81,6 +83,7 @@ _LAUNCH_FILES: dict[str, dict[str, Mapping[str, str | None]]] = {
             "ign_version": "",
             "debugger": "false",
             "on_exit_shutdown": "false",
+            "debug_env": "false",
         },
         "gz_server.launch.py": {"world_sdf_file": "", "world_sdf_string": "", **_CONTAINER},
         "gz_spawn_model.launch.py": _GZ_SPAWN_MODEL,
@@ -120,6 +123,25 @@ _OTHERS = frozenset(
         "xacro",
     )
 )
+
+# Programs of packages that need not be here: all of them that a misspelt name could mean.
+_EXECUTABLES = {
+    "controller_manager": ("hardware_spawner", "ros2_control_node", "spawner", "unspawner"),
+    "gazebo_ros": ("spawn_entity.py",),
+    "joint_state_publisher": ("joint_state_publisher",),
+    "joint_state_publisher_gui": ("joint_state_publisher_gui",),
+    "robot_localization": ("ekf_node", "navsat_transform_node", "ukf_node"),
+    "robot_state_publisher": ("robot_state_publisher",),
+    "ros_gz_bridge": ("bridge_node", "parameter_bridge", "static_bridge"),
+    "ros_gz_image": ("image_bridge",),
+    "ros_gz_sim": ("create", "gzserver", "remove"),
+    "ros_ign_bridge": ("parameter_bridge", "static_bridge"),
+    "ros_ign_gazebo": ("create",),
+    "rviz2": ("rviz2",),
+    "tf2_ros": ("buffer_server", "static_transform_publisher", "tf2_echo", "tf2_monitor"),
+    "twist_mux": ("twist_marker", "twist_mux"),
+    "xacro": ("xacro",),
+}
 
 # Packages that the manifest of the evaluated package says it needs, and that are not here.
 _declared: set[str] = set()
@@ -168,13 +190,25 @@ class StandInFile:
         self.package = package
         self.name = name
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The launch files that the package is known to have."""
+        return tuple(_LAUNCH_FILES.get(self.package, ()))
+
+    @property
+    def has_known_arguments(self) -> bool:
+        """Whether it is known which arguments it takes."""
+        return self.package in _LAUNCH_FILES
+
     def arguments(self, distro: str) -> Mapping[str, str | None]:
         """Its arguments and their defaults; FileNotFoundError if the package has no such file."""
         files = _LAUNCH_FILES.get(self.package, {})
         if files and self.name not in files:
-            raise FileNotFoundError(
+            error = FileNotFoundError(
                 f"{self.package} has no launch file '{self.name}'; it has {', '.join(files)}"
             )
+            error.wsgen_stand_in = self  # type: ignore[attr-defined]  # for who explains it
+            raise error
         arguments = dict(files.get(self.name, {}))
         if "gz_version" in arguments:
             arguments["gz_version"] = _GZ_VERSIONS.get(distro, "10")
@@ -196,6 +230,29 @@ def is_known(package: str) -> bool:
         or package in _declared
         or package.startswith("nav2_")
     )
+
+
+def names() -> set[str]:
+    """The packages that need not be here."""
+    return {*_LAUNCH_FILES, *_OTHERS, *_declared}
+
+
+def programs_of(package: str) -> tuple[str, ...]:
+    """The programs of a package that need not be here; none where they are not known."""
+    return _EXECUTABLES.get(package, ())
+
+
+def has_misspelt(package: str, program: str) -> bool:
+    """Whether a program is surely none of a package that need not be here, but nearly so called.
+
+    Other names may be those of programs that another release has.
+    """
+    known = programs_of(package)
+    if not known or program in known or program.removesuffix(".py") in known:
+        return False
+    from difflib import get_close_matches
+
+    return bool(get_close_matches(program, known, n=1, cutoff=SURELY))
 
 
 def declare(package: str) -> None:

@@ -8,13 +8,17 @@ of JSON values. No dataclasses: they would cost more than the rest of the module
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
+import stat
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from wsgen.launch import codes
+
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
     from types import FrameType
 
     Location = tuple[str, int]  # file, 1-based line
@@ -31,15 +35,38 @@ class ForkError(Exception):
 class CommandOutcome:
     """What a command line printed, and where it found fault if it did."""
 
-    __slots__ = ("code", "fault", "stderr", "stdout")
+    __slots__ = ("code", "fault", "stderr", "stdout", "unused")
 
     def __init__(
-        self, stdout: str, stderr: str = "", code: int = 0, fault: dict[str, Any] | None = None
+        self,
+        stdout: str,
+        stderr: str = "",
+        code: int = 0,
+        fault: dict[str, Any] | None = None,
+        unused: Sequence[Mapping[str, str]] = (),
     ) -> None:
         self.stdout = stdout
         self.stderr = stderr
         self.code = code
         self.fault = fault  # message, file, line of the user's file that is wrong
+        self.unused = unused  # arguments of xacro: name, message, hint
+
+
+class ArgumentUse:
+    """Which launch arguments are given, and which are declared or read by anybody."""
+
+    def __init__(self) -> None:
+        self.declared: dict[str, None] = {}  # in order
+        self.read: set[str] = set()
+        # By includes: name, line of the include, whether the included file is only stood in for.
+        self.given: list[tuple[str, Location, bool]] = []
+        self.not_run: set[object] = set()  # launch files and functions that may yet read any
+        self.is_unknown = False  # something takes part that is not here, and may read any
+
+    def is_unused(self, name: str) -> bool:
+        """Whether nobody declares or reads the argument; False where that cannot be known."""
+        is_known = not (self.is_unknown or self.not_run)
+        return is_known and name not in self.declared and name not in self.read
 
 
 class Record:
@@ -59,6 +86,7 @@ class Record:
         self.unknown_texts: set[str] = set()  # what stands in texts for what is not known
         self.texts: dict[str, str] = {}  # what files became, see `_fold` -> the file
         self.opened: list[str] = []  # robots and worlds that the launch file opened itself
+        self.argument_use = ArgumentUse()
 
     def note_unresolved(self, what: str, why: str, location: Location | None) -> None:
         """Note a value that only a real ROS could give."""
@@ -82,7 +110,7 @@ class Record:
         code: str,
         severity: str,
         message: str,
-        location: Location | None,
+        location: Location | tuple[str, None] | None,
         *,
         hint: str | None = None,
         element: str | None = None,
@@ -101,6 +129,20 @@ class Record:
             }
         )
 
+    def note_unused_xacro_arguments(
+        self, unused: Sequence[Mapping[str, str]], location: Location | None = None
+    ) -> None:
+        """Note the arguments that are given to xacro and that the xacro file does not have."""
+        for argument in unused:
+            self.note_diagnostic(
+                codes.UNUSED_XACRO_ARGUMENT,
+                "warning",
+                argument["message"],
+                location or caller(),
+                hint=argument["hint"],
+                element=argument["name"],
+            )
+
     def note_text(self, text: str, file: str) -> None:
         """Note that a text, as a description of a robot is one, was made from a file."""
         self.texts[_fold(text)] = file
@@ -117,6 +159,7 @@ class Record:
             return self.texts[text]
         for file in dict.fromkeys(self.opened):
             with contextlib.suppress(OSError, ValueError):
+                refuse_pipe(file)
                 self.texts.setdefault(_fold(Path(file).read_text(encoding="utf-8")), file)
         self.opened.clear()  # reading them was seen as well
         return self.texts.get(text)
@@ -134,6 +177,13 @@ def _fold(text: str) -> str:
 
 
 RECORD = Record()
+
+
+def refuse_pipe(path: str | os.PathLike[str]) -> None:
+    """Raise OSError for what must not be read: nobody may write to a pipe, a device may not end."""
+    mode = os.stat(path).st_mode
+    if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):  # who reads a folder, is refused anyway
+        raise OSError(errno.EINVAL, "This is a pipe or a device, not a file", os.fspath(path))
 
 
 def caller() -> Location | None:

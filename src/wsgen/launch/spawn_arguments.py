@@ -10,6 +10,8 @@ from __future__ import annotations
 import shlex
 from typing import TYPE_CHECKING, NamedTuple
 
+from wsgen.launch.explain_missing import advice
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
@@ -73,6 +75,8 @@ class Read(NamedTuple):
 def read(process: Process, options: Options) -> Read:
     """The options of a spawner, from its arguments and, where it reads them, its parameters."""
     values, faults = _read_words(process, options)
+    if faults:  # what is lacking may follow from them
+        return Read(values, faults)
     if options.reads_parameters:
         known = options.with_value | options.flags
         values.update(
@@ -113,6 +117,8 @@ def _read_words(process: Process, options: Options) -> tuple[dict[str, str], lis
         name, has_value, value = word.lstrip("-").partition("=")
         if not word.startswith("-") or name not in options.with_value | options.flags:
             faults.append(_unknown(process, word, options))
+            if word.startswith("-") and not has_value and words and words[0][:1] != "-":
+                words.pop(0)  # its value
         elif has_value:
             values[name] = value
         elif name in options.flags and not (
@@ -134,8 +140,11 @@ def _unknown(process: Process, word: str, options: Options) -> tuple[str, str]:
             f"'{word}' is one argument of {process.executable}, and none that it knows.",
             "Each option and each value is an item of its own in the list of arguments.",
         )
-    names = " ".join(f"-{name}" for name in sorted(options.with_value | options.flags))
-    return f"{process.executable} does not know '{word}'.", f"It knows {names}."
+    names = [f"-{name}" for name in sorted(options.with_value | options.flags)]
+    return (
+        f"{process.executable} does not know '{word}'.",
+        advice(word, names, f"It knows {' '.join(names)}."),
+    )
 
 
 def split(line: str) -> list[str]:

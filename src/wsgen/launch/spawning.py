@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.launch import spawn_arguments
 from wsgen.launch.descriptions import find_description
-from wsgen.launch.faults import fault
-from wsgen.model.plan import Process, Simulator, Spawn
+from wsgen.launch.faults import fault, or_loose
+from wsgen.model.plan import Process, Simulator, Spawn, SpawnHeight
 from wsgen.model.pose import Pose
 
 if TYPE_CHECKING:
@@ -40,15 +40,14 @@ def find_simulator(plan: LaunchPlan) -> tuple[Simulator | None, tuple[Diagnostic
         simulator = _started_simulator(process)
         if simulator is not None:
             return simulator, ()
-    return None, (
-        Diagnostic(
-            code="SPN001",
-            severity=Severity.ERROR,
-            message="The launch file starts no simulator.",
-            file=plan.launch_file,
-            hint="Include gazebo.launch.py of gazebo_ros, or gz_sim.launch.py of ros_gz_sim.",
-        ),
+    missing = Diagnostic(
+        code="SPN001",
+        severity=Severity.ERROR,
+        message="The launch file starts no simulator.",
+        file=plan.launch_file,
+        hint="Include gazebo.launch.py of gazebo_ros, or gz_sim.launch.py of ros_gz_sim.",
     )
+    return None, (or_loose(missing, plan, "IncludeLaunchDescription", "ExecuteProcess"),)
 
 
 def find_spawns(plan: LaunchPlan) -> tuple[tuple[Spawn, ...], tuple[Diagnostic, ...]]:
@@ -72,16 +71,16 @@ def find_spawns(plan: LaunchPlan) -> tuple[tuple[Spawn, ...], tuple[Diagnostic, 
                 )
             )
     if not spawns and not diagnostics:
-        diagnostics.append(
-            Diagnostic(
-                code="SPN003",
-                severity=Severity.ERROR,
-                message="The launch file spawns no robot.",
-                file=plan.launch_file,
-                hint="Add a Node with package='gazebo_ros', executable='spawn_entity.py' and "
-                "arguments=['-topic', 'robot_description', '-entity', NAME].",
-            )
+        missing = Diagnostic(
+            code="SPN003",
+            severity=Severity.ERROR,
+            message="The launch file spawns no robot.",
+            file=plan.launch_file,
+            hint="Add a Node with package='gazebo_ros', executable='spawn_entity.py' and "
+            "arguments=['-topic', 'robot_description', '-entity', NAME].",
         )
+        programs = {executable for _, executable in _SPAWNERS}
+        diagnostics.append(or_loose(missing, plan, "Node", executables=programs))
     return tuple(spawns), tuple(diagnostics)
 
 
@@ -183,8 +182,36 @@ def _read_spawn(
             description_file=file,
             pose_in_world=pose,
             process=process,
+            height=_height(plan, process, read.values.get("z")),
         ),
         [],
+    )
+
+
+def _height(plan: LaunchPlan, process: Process, value: str | None) -> SpawnHeight:
+    """Where the height of a spawner is given, or could be; `value` is the text that it has."""
+    is_included = process.line is None  # by a launch file that was not evaluated
+    option, holder = "-z", f"the arguments of {process.executable}"
+    if is_included:
+        option, holder = "z", "the launch_arguments of the include that spawns the robot"
+    elif "z" in process.parameters or (process.parameters and not process.arguments):
+        option, holder = "z", f"the parameters of {process.executable}"
+    if option == "-z":
+        names = {
+            name
+            for before, name in zip(process.arguments, process.configurations[1:], strict=False)
+            if before.lstrip("-") == "z"
+        }
+    else:
+        names = {"z"} if value is not None else set()
+    declared = (argument.name for argument in plan.arguments if argument.value == value)
+    return SpawnHeight(
+        file=process.file,
+        line=process.line,
+        option=option,
+        holder=holder,
+        is_given=value is not None,
+        launch_argument=next((name for name in declared if name in names), None),
     )
 
 

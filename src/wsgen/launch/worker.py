@@ -53,7 +53,8 @@ def evaluate(  # noqa: PLR0913  what only the parent knows
             _ask_for_arguments(launch_file)
         else:
             _play(launch_file, arguments)
-    except (Exception, SystemExit, KeyboardInterrupt) as error:  # noqa: BLE001  foreign code
+            _report_unused_arguments(launch_file, arguments)
+    except BaseException as error:  # noqa: BLE001  foreign code
         from wsgen.launch.explain import explain
 
         RECORD.diagnostics.append(explain(error, launch_file, find_xacro_fault(error)))
@@ -121,7 +122,7 @@ def _is_declared(package: str) -> bool:
 
 def _ask_for_arguments(launch_file: str) -> None:
     from launch.launch_context import LaunchContext
-    from launch.launch_description_sources.any_launch_description_source import (
+    from launch.launch_description_sources import (
         AnyLaunchDescriptionSource,
     )
 
@@ -139,12 +140,23 @@ def _ask_for_arguments(launch_file: str) -> None:
         }
 
 
+def _report_unused_arguments(launch_file: str, arguments: Mapping[str, str]) -> None:
+    """Warn of launch arguments that have no effect; a real launch does not mention them."""
+    use = RECORD.argument_use
+    given = [name for name in arguments if use.is_unused(name)]
+    of_includes = [entry for entry in use.given if use.is_unused(entry[0])]
+    if given or of_includes:
+        from wsgen.launch.explain_missing import report_unused_arguments
+
+        report_unused_arguments(launch_file, given, of_includes)
+
+
 def _play(launch_file: str, arguments: Mapping[str, str]) -> None:
     """What `ros2 launch` does with a launch file and arguments."""
-    from launch._play import play
-    from launch.actions.include_launch_description import IncludeLaunchDescription
+    from launch.actions import IncludeLaunchDescription
     from launch.launch_context import LaunchContext
-    from launch.launch_description_sources.any_launch_description_source import (
+    from launch.launch_description import play
+    from launch.launch_description_sources import (
         AnyLaunchDescriptionSource,
     )
 

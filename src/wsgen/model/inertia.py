@@ -12,6 +12,7 @@ from wsgen.model.robot import (
     Ellipsoid,
     Geometry,
     Inertial,
+    Link,
     Sphere,
 )
 from wsgen.model.transform import Matrix, Vector, multiply, rotation_of_rpy, transpose
@@ -120,6 +121,24 @@ def of_solid(geometry: Geometry, mass: float) -> Vector | None:
         across = mass * (12 * geometry.radius**2 + 3 * geometry.length**2) / 80
         return (across, across, 0.3 * mass * geometry.radius**2)
     return None
+
+
+def if_filled(link: Link) -> Vector | None:
+    """Principal moments of a link of one shape, as an evenly filled body of its mass.
+
+    None where it has no mass, more than one shape, or one that is no primitive.
+    """
+    shapes = [collision.geometry for collision in link.collisions]
+    shapes = shapes or [visual.geometry for visual in link.visuals]
+    if link.inertial is None or link.inertial.mass <= 0 or len(shapes) != 1:
+        return None
+    return of_solid(shapes[0], link.inertial.mass)
+
+
+def as_attributes(moments: Vector) -> str:
+    """Principal moments (kg m²) as attributes of <inertia>."""
+    named = zip(("ixx", "iyy", "izz"), moments, strict=True)
+    return " ".join(f'{name}="{moment:.4g}"' for name, moment in named)
 
 
 def _of_capsule(radius: float, length: float, mass: float) -> Vector:

@@ -83,8 +83,9 @@ class Outcome:
 
     packages: tuple[PackageOutcome, ...]
     left_out: tuple[str, ...] = ()  # packages that spawn no robot
+    is_complete: bool = True  # False: the run was stopped, and `packages` are those that ended
 
     @property
     def passed(self) -> bool:
-        """Whether every package passed."""
-        return all(package.passed for package in self.packages)
+        """Whether every package was validated and passed."""
+        return self.is_complete and all(package.passed for package in self.packages)

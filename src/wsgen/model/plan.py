@@ -35,6 +35,8 @@ class Process:
     namespace: str = ""
     parameters: Mapping[str, Any] = field(default_factory=dict)
     arguments: tuple[str, ...] = ()
+    # For each of the arguments the launch configuration that it is the value of, if it is one.
+    configurations: tuple[str | None, ...] = ()
     remappings: tuple[tuple[str, str], ...] = ()
     command: tuple[str, ...] | None = None  # of ExecuteProcess
     environment: Mapping[str, str] = field(default_factory=dict)  # what differs from the launch's
@@ -83,6 +85,24 @@ class LaunchPlan:
     diagnostics: tuple[Diagnostic, ...] = ()
     seconds_in_xacro: float = 0.0  # wall-clock, a part of the time that the evaluation took
 
+    @property
+    def evaluated_files(self) -> tuple[Path, ...]:
+        """The launch files that were run: this one, and those that it includes."""
+        included = (include.file for include in self.includes if include.evaluated)
+        return tuple(dict.fromkeys((self.launch_file, *included)))
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpawnHeight:
+    """Where a launch file says how high a robot is spawned, or where it could say so."""
+
+    file: Path | None
+    line: int | None
+    option: str  # "-z", or "z" among the parameters or launch arguments
+    holder: str  # what has the option: "the arguments of spawn_entity.py"
+    is_given: bool = False  # if not, the spawner takes its default
+    launch_argument: str | None = None  # the one whose value it is
+
 
 @dataclass(frozen=True, kw_only=True)
 class Spawn:
@@ -93,6 +113,7 @@ class Spawn:
     description_file: Path | None = None  # where it was read from, when that is known
     pose_in_world: Pose = IDENTITY
     process: Process | None = None  # the spawner
+    height: SpawnHeight | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -75,6 +75,7 @@ class Mesh:
     path: str | None = None  # the file that `uri` stands for, when it was found
     # m, unscaled: two corners of the box around its points, when somebody has looked into the file
     bounds: tuple[tuple[float, float, float], tuple[float, float, float]] | None = None
+    triangles: int | None = field(default=None, compare=False)  # in the file, likewise
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -169,6 +170,8 @@ class Link:
     self_collide: bool = False
     gravity: bool = True
     velocity_decay: float = 0.0  # 1/s, of linear and angular speed; only Gazebo Classic applies it
+    is_as_meant: bool = True  # if not, a part of it was not understood, which has been reported
+    has_error: bool = False  # one has been reported; what else is wrong may come from that
     line: int | None = None  # of the element in the URDF text, 1-based
 
 
@@ -229,6 +232,14 @@ class Plugin(NamedTuple):
     values: Mapping[str, tuple[str, ...]]  # child element -> its texts, one for each such child
 
 
+class SdfJoint(NamedTuple):
+    """A `<joint>` of SDF inside of a `<gazebo>` element, which Gazebo copies."""
+
+    name: str
+    ends: Mapping[str, str]  # "parent" and "child" -> what they name
+    line: int | None
+
+
 @dataclass(frozen=True, kw_only=True)
 class GazeboTag:
     """One `<gazebo>` element, as far as wsgen only records it."""
@@ -237,6 +248,9 @@ class GazeboTag:
     values: Mapping[str, str] = field(default_factory=dict)  # child element -> its text
     plugins: tuple[Plugin, ...] = ()
     sensors: tuple[str, ...] = ()  # names of the sensors
+    joints: tuple[SdfJoint, ...] = ()  # of the robot as a whole
+    frames: tuple[str, ...] = ()  # links and frames of SDF that it adds to the robot
+    is_open: bool = False  # it includes models, whose links are not known
     line: int | None = None
 
 

@@ -4,29 +4,36 @@ from __future__ import annotations
 
 import os
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.errors import NotFoundError, NotReadableError, RequestError
-from wsgen.events import one_at_a_time
+from wsgen.events import OneAtATime
+from wsgen.files import irregular_kind
 from wsgen.isolation import parent
 from wsgen.model.outcome import Outcome
 from wsgen.pipeline.request import ValidateRequest
 from wsgen.pipeline.selection import choose
 from wsgen.pipeline.validation import Validation
 from wsgen.simulation.run import missing_engines
+from wsgen.workspace.layout import find_packages
 from wsgen.workspace.overlay import Overlay, source_overlay
+from wsgen.workspace.request import refuse_empty
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
     from concurrent.futures import Executor
 
+    from wsgen.diagnostics import Diagnostic
     from wsgen.events import Listener
     from wsgen.isolation.protocol import Run
     from wsgen.model.outcome import PackageOutcome
     from wsgen.pipeline.file_validation import FileValidation
     from wsgen.pipeline.selection import Chosen
     from wsgen.workspace.layout import Workspace
+
+UNUSED_ARGUMENTS = ("LCH033", "LCH035")
 
 __all__ = ["ValidateRequest", "prepare", "validate"]
 
@@ -37,8 +44,12 @@ def validate(
     *,
     environment: Mapping[str, str],
     listener: Listener | None = None,
+    ended: list[PackageOutcome] | None = None,
 ) -> Outcome:
     """Validate packages of a workspace, and files; `request.jobs` of them at a time.
+
+    `ended` gets the outcomes one by one, for callers whom an interruption (KeyboardInterrupt, or
+    whatever a handler of signals raises) shall not cost those that are there.
 
     Files need no workspace, but one that is built may hold the packages whose meshes they name.
 
@@ -47,11 +58,11 @@ def validate(
             that nothing named here takes.
         NotFoundError: the workspace is not built, no package has a launch file, a file is not
             there, or an engine is not installed.
-        NotReadableError: the folder for the pictures cannot be made.
+        NotReadableError: a FILE is no regular file, or the folder for the pictures cannot be made.
     """
     prepare(request)
     overlay = _overlay(workspace, request, environment)
-    told = None if listener is None else one_at_a_time(listener)
+    told = OneAtATime(listener)
     packages: Sequence[Chosen] = ()
     left_out: tuple[str, ...] = ()
     if workspace is not None and (request.packages or not request.files):
@@ -66,12 +77,45 @@ def validate(
     if len(packages) + len(request.files) == 1:  # a server would serve one child
         (subject,) = subjects(parent.run)
         return Outcome(packages=(subject.run(),), left_out=left_out)
-    return Outcome(packages=_run_several(subjects, request.jobs), left_out=left_out)
+    ended = [] if ended is None else ended
+    _run_several(subjects, request.jobs, told, ended)
+    return Outcome(packages=_without_used_elsewhere(ended, request), left_out=left_out)
+
+
+def _without_used_elsewhere(
+    outcomes: Sequence[PackageOutcome], request: ValidateRequest
+) -> tuple[PackageOutcome, ...]:
+    """Of what is given to all, report as unused only what none of them uses."""
+    unused = [
+        {found.element for found in outcome.diagnostics if _is_unused_argument(found)}
+        for outcome in outcomes
+        if outcome.file is None or outcome.file.suffix == ".xacro"
+    ]
+    by_nobody = set(request.launch_arguments).intersection(*unused)
+    return tuple(
+        replace(
+            outcome,
+            diagnostics=tuple(
+                found
+                for found in outcome.diagnostics
+                if not _is_unused_argument(found) or found.element in by_nobody
+            ),
+        )
+        for outcome in outcomes
+    )
+
+
+def _is_unused_argument(found: Diagnostic) -> bool:
+    """Whether it is about an argument of the request; those that a file gives have a line."""
+    return found.code in UNUSED_ARGUMENTS and found.line is None
 
 
 def _run_several(
-    subjects: Callable[[Run], list[Validation | FileValidation]], jobs: int
-) -> tuple[PackageOutcome, ...]:
+    subjects: Callable[[Run], list[Validation | FileValidation]],
+    jobs: int,
+    told: OneAtATime,
+    ended: list[PackageOutcome],
+) -> None:
     """Run them, `jobs` at a time, with child processes that share their start."""
     from wsgen.isolation.nursery import Nursery  # noqa: PLC0415  of no use for one
 
@@ -79,10 +123,23 @@ def _run_several(
     with ExitStack() as stack:
         pool = _thread_pool(stack, jobs)
         todo = subjects(stack.enter_context(Nursery()).run)
+        stack.callback(told.close)  # what loses its child then has not failed
         if pool is None:
-            return tuple(subject.run() for subject in todo)
+            for subject in todo:
+                ended.append(subject.run())  # noqa: PERF401  they are there when one is interrupted
+            return
+        from concurrent.futures import FIRST_EXCEPTION, wait  # noqa: PLC0415  see `_thread_pool`
+
         running = [pool.submit(subject.run) for subject in todo]
-        return tuple(future.result() for future in running)
+        try:
+            for future in wait(running, return_when=FIRST_EXCEPTION).done:
+                future.result()
+        finally:
+            ended += [
+                future.result()
+                for future in running
+                if future.done() and not future.cancelled() and future.exception() is None
+            ]
 
 
 def _thread_pool(stack: ExitStack, jobs: int) -> Executor | None:
@@ -126,7 +183,7 @@ def prepare(request: ValidateRequest) -> None:
     Raises:
         RequestError: an option is given that nothing named here takes.
         NotFoundError: a file is not there, or an engine is not installed.
-        NotReadableError: the folder for the pictures cannot be made.
+        NotReadableError: a FILE is no regular file, or the folder for the pictures cannot be made.
     """
     missing = missing_engines(request.engines)
     if missing:
@@ -137,6 +194,9 @@ def prepare(request: ValidateRequest) -> None:
             else "PyBullet has no wheels for this Python; take --engine dart.",
         )
     for file in request.files:
+        kind = irregular_kind(file)
+        if kind is not None:
+            raise NotReadableError(f"{file} is {kind}.", hint="Name a regular file.")
         if not file.is_file():
             raise NotFoundError(f"There is no file {file}.", hint="Check its path.")
     if request.files and not request.packages:
@@ -166,6 +226,8 @@ def _overlay(
             return source_overlay(workspace, environment)
         except (NotFoundError, NotReadableError):
             if request.packages or not request.files:
+                if not find_packages(workspace):
+                    refuse_empty(workspace)
                 raise
     prefixes = environment.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
     return Overlay(

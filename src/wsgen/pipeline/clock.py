@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import threading
 import time
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING
 
-from wsgen.events import Listener, StepEnded, StepStarted, post
+from wsgen.events import Listener, StepEnded, StepProgressed, StepStarted, post
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
+    from pathlib import Path
 
+LOOK_EVERY = 0.2  # s; from one look at what a child says to the next
+DRAW = "draw"
 STAGES = ("launch", "expand", "load", "simulate")
 
 
@@ -18,6 +22,10 @@ class Step:
     """What is being done; whoever does it says when it fails."""
 
     succeeded = True
+    # Drawing is done within a step, and told as one of its own.
+    drawn = ""  # the names of the files; empty where nothing was to be drawn
+    drawing = 0.0  # wall-clock s
+    is_drawn = True
 
 
 class Clock:
@@ -40,16 +48,57 @@ class Clock:
         running = Step()
         try:
             yield running
-        except BaseException:
+        except Exception:
             running.succeeded = False
+            self._end(step, started, running, detail)
             raise
-        finally:
-            seconds = time.perf_counter() - started
-            self.seconds[stage] += seconds
-            post(
-                self.listener,
-                StepEnded(step=step, succeeded=running.succeeded, seconds=seconds, detail=detail),
+        # A step that is interrupted does not end.
+        self._end(step, started, running, detail)
+
+    def _end(self, step: tuple[str, str], started: float, ended: Step, detail: str) -> None:
+        seconds = time.perf_counter() - started
+        self.seconds[step[1]] += seconds
+        post(
+            self.listener,
+            StepEnded(
+                step=step,
+                succeeded=ended.succeeded,
+                seconds=seconds - ended.drawing,
+                detail=detail,
+            ),
+        )
+        if ended.drawn:
+            drawing = StepEnded(
+                step=(self.package, DRAW),
+                succeeded=ended.is_drawn,
+                seconds=ended.drawing,
+                detail=ended.drawn,
             )
+            post(self.listener, drawing)
+
+    @contextmanager
+    def watch(self, stage: str, file: Path | None) -> Iterator[None]:
+        """Post what a child process says in a file about how far it is, while it goes on."""
+        if self.listener is None or file is None:
+            yield
+            return
+        done = threading.Event()
+        watcher = threading.Thread(target=self._watch, args=(stage, file, done), daemon=True)
+        watcher.start()
+        try:
+            yield
+        finally:
+            done.set()
+            watcher.join()
+
+    def _watch(self, stage: str, file: Path, done: threading.Event) -> None:
+        told = ""
+        while not done.wait(LOOK_EVERY):
+            with suppress(OSError):  # nothing is said yet
+                text = file.read_text(encoding="utf-8")
+                if text not in {"", told}:
+                    told = text
+                    post(self.listener, StepProgressed(step=(self.package, stage), detail=text))
 
     def split(self, stage: str, other: str, seconds: float) -> None:
         """Say that so much of a stage's time was spent on what another stage is for."""

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,17 +11,22 @@ from wsgen.checks.judge import judge_robot
 from wsgen.description.lump import lump
 from wsgen.description.mesh_files import inspect_meshes
 from wsgen.description.meshes import find_meshes
-from wsgen.description.reader import read_urdf
+from wsgen.description.reader import MISSPELT, read_urdf
 from wsgen.description.solids import build_solids
 from wsgen.description.source import place_in_source
-from wsgen.diagnostics import has_errors
+from wsgen.description.spelling import meant_element
+from wsgen.diagnostics import Severity, has_errors
 from wsgen.model.pose import IDENTITY, Pose
 
 if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
     from wsgen.isolation.protocol import Run
+    from wsgen.model.plan import SpawnHeight
     from wsgen.model.robot import Robot
 
+REFUSED_BY_GAZEBO_SIM = frozenset(("ROB034",))  # and perhaps not by Gazebo Classic
+OLD_SDFORMAT = frozenset(("ROB079", "ROB080"))  # what only its older versions do
+FORTRESS = frozenset(("humble", "iron"))  # distributions with a Gazebo Sim that may have such
 NAMED = 3  # so many robots are told in a line
 
 ShareOf = Callable[[str], Path | None]  # package name -> its installed share folder
@@ -46,6 +51,7 @@ class Described:
     lumped: Robot
     is_sound: bool = True  # if not, the engine would try another robot than the described one
     spawn_pose: Pose = IDENTITY
+    height: SpawnHeight | None = None  # where a launch file gives that of the spawn pose
     on_the_ground: bool = False  # as low as it can stand, instead of at the height of that pose
     is_scenery: bool = False  # a model of the world around the robots that are tried
     may_move: bool = False  # a thing of a world that is tried: that it rolls or tips is no fault
@@ -60,18 +66,23 @@ def describe(  # noqa: PLR0913  most have defaults
     spawn_pose: Pose = IDENTITY,
     on_the_ground: bool = False,
     generation: str | None = None,
+    distro: str | None = None,
 ) -> tuple[Described | None, tuple[Diagnostic, ...]]:
     """Read, complete and lump the robot of a URDF text; None where there is no robot to try.
 
     `file` is what the text comes from or was expanded from, and what the diagnostics name, with
     places in what a person edits; bytes are those of the file itself. The robot is called
-    `entity`, or as its description calls it, and is for the simulator of that `generation`.
+    `entity`, or as its description calls it, and is for the simulator of that `generation` in that
+    ROS 2 distribution, where they are known.
     """
     written, found = read_urdf(text, file=file)
     described = None
     if written is not None:
         lumped, more = _as_in_gazebo(written, file, workshop)
-        found = (*found, *more, *judge_robot(written, file, generation=generation))
+        found, more = _at_the_misspelling(found, more)
+        judged = judge_robot(written, file, generation=generation)
+        found = _first_of_each_inertial((*found, *more, *judged))
+        found = tuple(_for_simulator(found, generation, distro))
         described = Described(
             entity=entity or written.name,
             written=written,
@@ -83,6 +94,60 @@ def describe(  # noqa: PLR0913  most have defaults
     if isinstance(text, bytes):  # of the file itself, where every line is its own
         return described, found
     return described, place_in_source(found, text=text, file=file, share_of=workshop.share_of)
+
+
+def _at_the_misspelling(
+    found: Sequence[Diagnostic], more: Iterable[Diagnostic]
+) -> tuple[tuple[Diagnostic, ...], tuple[Diagnostic, ...]]:
+    """Both, with what Gazebo refuses for a misspelt <inertial> told as an error about that."""
+    told, left = list(found), []
+    for error in more:
+        places = (
+            place
+            for place, cause in enumerate(told)
+            if error.severity is Severity.ERROR
+            and cause.code in MISSPELT
+            and _is_in_inertial(cause.element or "", error.element or "")
+        )
+        place = next(places, None)
+        if place is None:
+            left.append(error)
+        else:
+            cause = told[place]
+            what = cause.message.partition(": ")[0]
+            message = f"{what}: {error.message}"
+            told[place] = replace(cause, severity=Severity.ERROR, message=message)
+    return tuple(told), tuple(left)
+
+
+def _is_in_inertial(element: str, link: str) -> bool:
+    """Whether the path of an element is one in what is, or must be, the <inertial> of a link."""
+    tag = element.removeprefix(f"{link}/").partition("/")[0] if link else element
+    return tag != element and meant_element(tag, ("inertial",)) is not None
+
+
+def _for_simulator(
+    diagnostics: Iterable[Diagnostic], generation: str | None, distro: str | None
+) -> Iterator[Diagnostic]:
+    """The findings as they hold for a simulator: what it refuses is an error."""
+    has_old_sdformat = generation != "gz" or distro in {None, *FORTRESS}
+    for found in diagnostics:
+        if generation == "gz" and found.code in REFUSED_BY_GAZEBO_SIM:
+            yield replace(found, severity=Severity.ERROR)
+        elif has_old_sdformat or found.code not in OLD_SDFORMAT:
+            yield found
+
+
+def _first_of_each_inertial(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
+    """One finding about each <inertial>: those behind it come from the same numbers."""
+    kept: list[Diagnostic] = []
+    told: set[str] = set()
+    for found in diagnostics:
+        link, inertial, _ = (found.element or "").partition("/inertial")
+        if not inertial or link not in told:
+            kept.append(found)
+        told |= {link} if inertial else set()
+    return tuple(kept)
 
 
 def _as_in_gazebo(

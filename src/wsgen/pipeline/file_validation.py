@@ -6,8 +6,10 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from wsgen.description.document import TEXT_LIMIT
 from wsgen.description.xacro_file import expand_file
 from wsgen.diagnostics import Diagnostic, Severity, has_errors
+from wsgen.files import read_regular
 from wsgen.model.outcome import PackageOutcome
 from wsgen.pipeline.clock import Clock
 from wsgen.pipeline.described import Described, Workshop, describe, name_some
@@ -71,6 +73,7 @@ class FileValidation:
             with self.clock.step("simulate", name_some(described)) as step:
                 tried = try_robots(world, described, self.request, self.name, run=self.run_task)
                 step.succeeded = all(robot.passed for robot in tried.robots)
+                tried.tell_drawing(step, self.request)
             self.clock.take(tried.seconds or {})
         return PackageOutcome(
             package=None,
@@ -138,7 +141,7 @@ class FileValidation:
 def _read_bytes(file: Path) -> tuple[bytes | None, tuple[Diagnostic, ...]]:
     """The bytes of a file; None where it cannot be read."""
     try:
-        return file.read_bytes(), ()
+        return read_regular(file, 4 * TEXT_LIMIT), ()  # bytes of UTF-8
     except OSError as error:
         return None, (
             Diagnostic(

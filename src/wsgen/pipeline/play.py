@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from wsgen.errors import RequestError
+from wsgen.errors import NotFoundError, RequestError
 from wsgen.model.outcome import Outcome
 from wsgen.pipeline import prepare
 from wsgen.pipeline.selection import Chosen
 from wsgen.pipeline.validation import Validation
-from wsgen.simulation.recording import why_no_film
+from wsgen.simulation.recording import lacks_encoder, why_no_film
 from wsgen.workspace.layout import find_packages
 
 if TYPE_CHECKING:
@@ -38,13 +38,18 @@ def play(  # noqa: PLR0913  what to play, where, how
 
     Raises:
         RequestError: there can be no such film.
-        NotFoundError: an engine is not installed.
+        NotFoundError: an engine or the encoder of the film is not installed.
         NotReadableError: the folder for the pictures cannot be made.
     """
     prepare(request)
+    if request.film is not None and lacks_encoder(request.film):
+        raise NotFoundError(
+            "PyAV, which writes .mp4, is not installed.",
+            hint="Install it: pip install 'wsgen[video]'; or name a .gif.",
+        )
     problem = None if request.film is None else why_no_film(request.film)
     if problem is not None:
-        raise RequestError(f"There can be no film: {problem}.", hint="Name a .gif, for example.")
+        raise RequestError(f"Cannot record a video: {problem}.", hint="Name a .gif, for example.")
     written = [] if workspace is None else find_packages(workspace)
     chosen = Chosen(
         name=package or launch_file.stem,

@@ -4,18 +4,28 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.errors import NotFoundError, RequestError
-from wsgen.pipeline.launch_files import find_launch_files, may_spawn, name_launch_file
+from wsgen.launch.explain_missing import nearest
+from wsgen.pipeline.launch_files import (
+    find_launch_files,
+    find_misnamed,
+    may_spawn,
+    name_launch_file,
+)
+from wsgen.workspace.cmake_text import read_calls
 from wsgen.workspace.layout import find_packages
 from wsgen.workspace.overlay import require_share
+from wsgen.workspace.request import refuse_empty
 
 if TYPE_CHECKING:
-    from pathlib import Path
+    from collections.abc import Sequence
 
     from wsgen.pipeline.request import ValidateRequest
+    from wsgen.workspace.cmake_text import Call
     from wsgen.workspace.layout import Workspace
     from wsgen.workspace.overlay import Overlay
 
@@ -48,9 +58,7 @@ def choose(
             for name in dict.fromkeys(request.packages)
         ), ()
     if not sources:
-        raise NotFoundError(
-            f"There is no package in {workspace.root}.", hint="Make one with: wsgen new PACKAGE"
-        )
+        refuse_empty(workspace)
     if len(sources) == 1:
         (name,) = sources
         return (_choose_named(name, sources, workspace, overlay, request.launch_file),), ()
@@ -89,12 +97,9 @@ def _choose_named(
     source = sources.get(name)
     files = find_launch_files(share)
     if wanted is not None:
-        file = name_launch_file(files, wanted)
+        file = name_launch_file(share, wanted)
         if file is None:
-            raise RequestError(
-                f"{name} has not installed a launch file {wanted}.",
-                hint=f"Installed: {', '.join(file.name for file in files) or 'none'}.",
-            )
+            raise no_such_launch_file(name, wanted, files)
         return Chosen(name=name, source=source, share=share, launch_file=file)
     if not files:
         problem = _no_launch_file(source, share)
@@ -117,12 +122,16 @@ def _choose_unnamed(
     """
     files = find_launch_files(share) if share else ()
     if wanted is not None:
-        file = name_launch_file(files, wanted)
+        file = name_launch_file(share, wanted) if share else None
         if file is None:
             return None
         return Chosen(name=name, source=source, share=share, launch_file=file)
     spawning = [file for file in files if may_spawn(file)]
-    written = [file for file in find_launch_files(source) if may_spawn(file)]
+    written = find_launch_files(source)
+    misnamed = None if written else find_misnamed(source)
+    if misnamed is not None:
+        written = (misnamed[0],)
+    written = tuple(file for file in written if may_spawn(file))
     if len(spawning) == 1:
         return Chosen(name=name, source=source, share=share, launch_file=spawning[0])
     if spawning:
@@ -136,15 +145,43 @@ def _choose_unnamed(
     return Chosen(name=name, source=source, share=share, problem=problem)
 
 
+def no_such_launch_file(package: str, wanted: str, files: Sequence[Path]) -> RequestError:
+    """What is said of the name of a launch file that a package has not installed."""
+    names = [file.name for file in files]
+    near = nearest(Path(wanted).name, names)
+    return RequestError(
+        f"{package} has not installed a launch file {wanted}.",
+        hint=(f"Did you mean {near}? " if near else "")
+        + f"Installed: {', '.join(names) or 'none'}.",
+    )
+
+
 def _no_launch_file(source: Path | None, share: Path) -> Diagnostic:
-    if source is not None and find_launch_files(source):
+    written = find_launch_files(source) if source is not None else ()
+    rule = _find_install_rule(source, written[0]) if source is not None and written else None
+    if source is not None and rule is not None:
+        return _misled_launch_file(source, written[0], rule, share.name)
+    if source is not None and written:
+        folder = written[0].relative_to(source).parent.as_posix()
+        what = f"FILES {written[0].name}" if folder == "." else f"DIRECTORY {folder.split('/')[0]}"
         return Diagnostic(
             code="PKG050",
             severity=Severity.ERROR,
-            message="The package has a launch file, but does not install it.",
+            message="The package has a launch file, but does not install it: "
+            f"{written[0].relative_to(source)}.",
             file=source / "CMakeLists.txt",
-            hint="Write in CMakeLists.txt: install(DIRECTORY launch DESTINATION "
+            hint=f"Write in CMakeLists.txt: install({what} DESTINATION "
             "share/${PROJECT_NAME}); then run `wsgen build`.",
+        )
+    misnamed = find_misnamed(source or share)
+    if misnamed is not None:
+        file, name = misnamed
+        return Diagnostic(
+            code="PKG051",
+            severity=Severity.ERROR,
+            message=f"The package has no launch file: `{file.name}` is not named as one.",
+            file=file,
+            hint=f"Rename it to {name}, then run `wsgen build`.",
         )
     return Diagnostic(
         code="PKG051",
@@ -153,6 +190,49 @@ def _no_launch_file(source: Path | None, share: Path) -> Diagnostic:
         file=source or share,
         hint="Launch files are named *.launch.py and lie in the package's folder launch/, which "
         "CMakeLists.txt installs.",
+    )
+
+
+def _find_install_rule(source: Path, file: Path) -> Call | None:
+    """Find the call of install() that names the file, or a folder that it lies in."""
+    name = file.relative_to(source).as_posix()
+    for call in read_calls(source / "CMakeLists.txt"):
+        if call.command != "install" or not {"DIRECTORY", "FILES"} & {*call.arguments}:
+            continue
+        if "DESTINATION" not in call.arguments[:-1] or "PATTERN" in call.arguments:
+            continue
+        named = call.arguments[1 : call.arguments.index("DESTINATION")]
+        paths = (path.removeprefix("${CMAKE_CURRENT_SOURCE_DIR}/") for path in named)
+        if any(f"{name}/".startswith(f"{path.rstrip('/')}/") for path in paths):
+            return call
+    return None
+
+
+def _misled_launch_file(source: Path, file: Path, rule: Call, package: str) -> Diagnostic:
+    """What there is to say of a launch file that is installed, and not found where it should be."""
+    position = rule.arguments.index("DESTINATION") + 1
+    place = rule.arguments[position]
+    variable = "${PROJECT_NAME}"
+    name = file.relative_to(source)
+    meant = place.replace(variable, package).split("/")[:2]
+    if meant == ["share", package]:
+        message = f"The install space does not hold {name}, which install() names in line "
+        message += f"{rule.line} of CMakeLists.txt."
+        hint = "Run `wsgen build`; if that does not help, look for an if() around install()."
+    else:
+        message = f"{name} is installed to {place}, and `ros2 launch` looks in share/{package}."
+        lost = re.search(r"(?<!\$)\{PROJECT_NAME\}", place)
+        hint = (
+            f"Write: DESTINATION share/{variable}{' (a $ is missing)' if lost else ''}; then run "
+        )
+        hint += "`wsgen build`."
+    return Diagnostic(
+        code="PKG050",
+        severity=Severity.ERROR,
+        message=message,
+        file=source / "CMakeLists.txt",
+        line=rule.argument_lines[position],
+        hint=hint,
     )
 
 

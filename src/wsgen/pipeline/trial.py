@@ -7,20 +7,22 @@ from typing import TYPE_CHECKING
 
 from wsgen.checks.judge import judge_trial
 from wsgen.checks.scene_rules import engines_disagree
-from wsgen.diagnostics import Severity, has_errors
+from wsgen.diagnostics import Diagnostic, Severity, has_errors
 from wsgen.isolation.outcome import Limits
 from wsgen.model.outcome import Rest, RobotOutcome, Simulated
-from wsgen.simulation.run import run_trial
+from wsgen.pipeline.clock import DRAW
+from wsgen.simulation.run import missing_engines, run_trial
 from wsgen.simulation.scene import Scene, SpawnedRobot
+from wsgen.simulation.surfaces import MOST_LINKS, most_parts
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
-    from wsgen.diagnostics import Diagnostic
     from wsgen.isolation.protocol import Run
     from wsgen.model.world import World
     from wsgen.pipeline.behaviours import Programme
+    from wsgen.pipeline.clock import Step
     from wsgen.pipeline.described import Described
     from wsgen.pipeline.request import ValidateRequest
     from wsgen.simulation.scene import RobotTrial, TrialOutcome
@@ -41,6 +43,15 @@ class Tried:
     film: Path | None = None
     seconds: Mapping[str, float] | None = None  # wall-clock: load, simulate, draw
 
+    def tell_drawing(self, step: Step, request: ValidateRequest) -> None:
+        """Say of the step of the trial what was to be drawn in it, and how long that took."""
+        wanted = [request.film] if request.film else []
+        if request.picture_folder is not None:
+            wanted += [file for file in (self.picture, self.world_picture) if file]
+        step.drawing = (self.seconds or {}).get(DRAW, 0.0) if wanted else 0.0
+        step.drawn = ", ".join(file.name for file in wanted) if step.drawing else ""
+        step.is_drawn = self.film is not None or request.film is None
+
 
 def try_robots(  # noqa: PLR0913  what is tried, and how
     world: World,
@@ -50,10 +61,12 @@ def try_robots(  # noqa: PLR0913  what is tried, and how
     *,
     run: Run,
     programme: Programme | None = None,
+    progress: Path | None = None,
 ) -> Tried:
     """Simulate the sound robots, if there are any, and judge all; `name` is the picture's.
 
-    `programme` is what they must do beyond standing.
+    `programme` is what they must do beyond standing; into the file `progress` the child process
+    writes how far a video is.
     """
     sound = [robot for robot in described if robot.is_sound]
     robots = [robot for robot in described if not robot.is_scenery]
@@ -61,16 +74,22 @@ def try_robots(  # noqa: PLR0913  what is tried, and how
     nothing = tuple(_outcome(robot, None, programme=programme) for robot in robots)
     if all(robot.is_scenery for robot in sound):
         return Tried(robots=nothing, diagnostics=untried)
+    changes = tuple(_beyond_bullet(sound)) if "bullet" in request.engines else ()
+    if changes:
+        request = replace(request, engines=("dart",))
     limits = _limits(request, programme)
     outcomes = [
         run_trial(
-            _scene(world, sound, request, name, engine=engine, programme=programme),
+            replace(
+                _scene(world, sound, request, name, engine=engine, programme=programme),
+                progress=progress,
+            ),
             limits=limits,
             run=run,
         )
         for engine in request.engines
     ]
-    found: list[Diagnostic] = [*untried]
+    found: list[Diagnostic] = [*untried, *changes]
     failed: set[str] = set()
     for engine, outcome in zip(request.engines, outcomes, strict=True):
         judged, failed_here = _judge(world, sound, outcome, programme)
@@ -101,6 +120,23 @@ def try_robots(  # noqa: PLR0913  what is tried, and how
     )
 
 
+def _beyond_bullet(robots: Sequence[Described]) -> Iterator[Diagnostic]:
+    """For each robot that is too much for PyBullet, that DART takes its place, if it can."""
+    if missing_engines(["dart"]):
+        return  # PyBullet says what to install
+    for robot in robots:
+        parts = most_parts(robot.lumped)
+        if parts > MOST_LINKS:
+            yield Diagnostic(
+                code="SPN089",
+                severity=Severity.INFO,
+                message=f"The robot has {parts} links with a friction of their own, more than the "
+                f"{MOST_LINKS} that PyBullet simulates: it is simulated in DART.",
+                element=robot.entity,
+                hint="Add --engine dart to choose DART yourself.",
+            )
+
+
 def _limits(request: ValidateRequest, programme: Programme | None) -> Limits:
     """How long a trial may take.
 
@@ -129,7 +165,14 @@ def _judge(
         judged = (
             ()
             if trial is None
-            else judge_trial(robot.lumped, world, trial, is_alone=len(free) == 1, scenery=scenery)
+            else judge_trial(
+                robot.lumped,
+                world,
+                trial,
+                height=robot.height,
+                is_alone=len(free) == 1,
+                scenery=scenery,
+            )
         )
         if robot.is_scenery:
             judged = tuple(map(_soften, judged))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import tempfile
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.checks.allowances import unknown_rule_allowed, without_allowed
 from wsgen.checks.spawn_rules import spawned_twice
@@ -14,7 +14,7 @@ from wsgen.isolation import parent
 from wsgen.launch.evaluate import evaluate
 from wsgen.launch.spawning import find_simulator, find_spawns
 from wsgen.model.outcome import PackageOutcome
-from wsgen.pipeline.clock import Clock
+from wsgen.pipeline.clock import DRAW, Clock
 from wsgen.pipeline.described import Described, Workshop, describe, name_some
 from wsgen.pipeline.folders import share_on_model_path
 from wsgen.pipeline.models import (
@@ -25,9 +25,10 @@ from wsgen.pipeline.models import (
 )
 from wsgen.pipeline.sources import changed_since_build, name_sources
 from wsgen.pipeline.trial import Tried, try_robots
+from wsgen.pipeline.worlds import missing_world, unknown_world
 from wsgen.workspace.settings import read_settings
 from wsgen.world.document import is_sdf
-from wsgen.world.lookup import find_world
+from wsgen.world.lookup import find_world, is_there
 from wsgen.world.reader import DEFAULT_WORLD
 
 if TYPE_CHECKING:
@@ -35,13 +36,21 @@ if TYPE_CHECKING:
 
     from wsgen.events import Listener
     from wsgen.isolation.protocol import Run
-    from wsgen.model.plan import LaunchPlan, Spawn
+    from wsgen.model.plan import LaunchPlan, Simulator, Spawn
     from wsgen.model.world import World
     from wsgen.pipeline.behaviours import Programme
     from wsgen.pipeline.request import ValidateRequest
     from wsgen.pipeline.selection import Chosen
     from wsgen.workspace.overlay import Overlay
     from wsgen.workspace.settings import Settings
+
+
+class Started(NamedTuple):
+    """What a launch file starts."""
+
+    plan: LaunchPlan
+    simulator: Simulator | None
+    spawns: tuple[Spawn, ...]
 
 
 class Validation:
@@ -77,8 +86,8 @@ class Validation:
         launch_file = self.chosen.launch_file
         if self.chosen.problem is not None:
             self.diagnostics.append(self.chosen.problem)
-        plan = self._evaluate(launch_file) if launch_file else None
-        world, tried = self._play(plan, folder) if plan else (None, Tried())
+        started = self._evaluate(launch_file) if launch_file else None
+        world, tried = self._play(started, folder) if started else (None, Tried())
         return PackageOutcome(
             package=self.package,
             share=self.chosen.share,
@@ -93,9 +102,9 @@ class Validation:
             seconds=self.clock.read(),
         )
 
-    def _play(self, plan: LaunchPlan, folder: Path) -> tuple[World | None, Tried]:
+    def _play(self, started: Started, folder: Path) -> tuple[World | None, Tried]:
         """Put what the plan spawns into the world that it names, and try it."""
-        environment = {**self.overlay.environment, **plan.environment}
+        environment = {**self.overlay.environment, **started.plan.environment}
         on_model_path = share_on_model_path(environment)
         workshop = Workshop(
             share_of=lambda package: self.overlay.share(package) or on_model_path(package),
@@ -103,18 +112,18 @@ class Validation:
             run=self.run_task,
             with_colours=self.request.is_drawn,
         )
-        world, scenery = self._read_world(plan, workshop, environment)
+        world, scenery = self._read_world(started, workshop, environment)
         if world is None:
             return None, Tried()
         in_world = {
             *(model.entity for model in scenery),
             *(model.name for model in world.models if model.name),
         }
-        described = self._describe(plan, workshop, environment, in_world)
+        described = self._describe(started, workshop, environment, in_world)
         if not described:
             return world, Tried()
         taken = [robot.entity for robot in described]
-        return world, self._try(world, [*without_taken(scenery, taken), *described])
+        return world, self._try(world, [*without_taken(scenery, taken), *described], folder)
 
     def _told(self) -> tuple[Diagnostic, ...]:
         """The findings as the package's source has them, without what it has on purpose."""
@@ -130,7 +139,7 @@ class Validation:
         )
         return without_allowed(told, settings.allow)
 
-    def _evaluate(self, launch_file: Path) -> LaunchPlan | None:
+    def _evaluate(self, launch_file: Path) -> Started | None:
         with self.clock.step("launch", launch_file.name) as step:
             plan = evaluate(
                 launch_file,
@@ -139,25 +148,34 @@ class Validation:
                 environment=self.overlay.environment,
                 run=self.run_task,
             )
-            step.succeeded = not has_errors(plan.diagnostics)
+            is_evaluated = not has_errors(plan.diagnostics)
+            simulator, no_simulator = find_simulator(plan) if is_evaluated else (None, ())
+            spawns, no_spawns = find_spawns(plan) if is_evaluated else ((), ())
+            found = (*plan.diagnostics, *no_simulator, *no_spawns)
+            step.succeeded = not has_errors(found)
         self.clock.split("launch", "expand", plan.seconds_in_xacro)
-        self.diagnostics += plan.diagnostics
-        return None if has_errors(plan.diagnostics) else plan
+        self.diagnostics += found
+        self.generation = simulator.generation if simulator else None
+        return Started(plan, simulator, spawns) if is_evaluated else None
 
     def _read_world(
-        self, plan: LaunchPlan, workshop: Workshop, environment: Mapping[str, str]
+        self, started: Started, workshop: Workshop, environment: Mapping[str, str]
     ) -> tuple[World | None, list[Described]]:
         """The world that the plan starts, and the models in it."""
-        simulator, diagnostics = find_simulator(plan)
-        self.diagnostics += diagnostics
-        self.generation = simulator.generation if simulator else None
-        if simulator is None or not simulator.world:
+        name = started.simulator.world if started.simulator else None
+        if not name:
             return DEFAULT_WORLD, []
-        file = find_world(simulator.world, environment)
-        if file is None:
-            self.diagnostics.append(_unknown_world(plan.launch_file, simulator.world))
-            return DEFAULT_WORLD, []
-        with self.clock.step("expand", file.name) as step:
+        with self.clock.step("expand", Path(name).name) as step:
+            file = find_world(name, environment)
+            if file is None or not is_there(file):
+                lost = (
+                    unknown_world(started.plan, name, environment)
+                    if file is None
+                    else missing_world(started.plan, file)
+                )
+                step.succeeded = not has_errors([lost])
+                self.diagnostics.append(lost)
+                return DEFAULT_WORLD if file is None else None, []
             found = read_file(file, workshop, environment)
             scenery, flawed = describe_models(found, workshop, is_scenery=True)
             step.succeeded = not has_errors((*found.diagnostics, *flawed))
@@ -166,17 +184,14 @@ class Validation:
 
     def _describe(
         self,
-        plan: LaunchPlan,
+        started: Started,
         workshop: Workshop,
         environment: Mapping[str, str],
         in_world: Collection[str],
     ) -> list[Described]:
         with self.clock.step("expand", "robot description") as step:
-            spawns, diagnostics = find_spawns(plan)
-            self.diagnostics += (
-                *diagnostics,
-                *spawned_twice([spawn.entity for spawn in spawns], in_world),
-            )
+            spawns, before = started.spawns, len(self.diagnostics)
+            self.diagnostics += spawned_twice([spawn.entity for spawn in spawns], in_world)
             # Of two with one name the simulator refuses the second.
             unique = {spawn.entity: spawn for spawn in reversed(spawns)}
             described = [
@@ -185,8 +200,8 @@ class Validation:
                 if (robot := self._describe_one(spawn, workshop, environment))
             ]
             if spawns and not described and not has_errors(self.diagnostics):
-                self.diagnostics.append(_nothing_spawned(plan.launch_file))
-            step.succeeded = not has_errors(self.diagnostics)
+                self.diagnostics.append(_nothing_spawned(started.plan.launch_file))
+            step.succeeded = not has_errors(self.diagnostics[before:])
         return described
 
     def _describe_one(
@@ -197,7 +212,10 @@ class Validation:
             models, flawed = describe_models(found, workshop)
             self.diagnostics += (*found.diagnostics, *flawed)
             return next(
-                (replace(model, entity=spawn.entity, on_the_ground=False) for model in models),
+                (
+                    replace(model, entity=spawn.entity, height=spawn.height, on_the_ground=False)
+                    for model in models
+                ),
                 None,
             )
         described, diagnostics = describe(
@@ -207,9 +225,10 @@ class Validation:
             entity=spawn.entity,
             spawn_pose=spawn.pose_in_world,
             generation=self.generation,
+            distro=(self.settings and self.settings.distro) or environment.get("ROS_DISTRO"),
         )
         self.diagnostics += diagnostics
-        return described
+        return replace(described, height=spawn.height) if described else None
 
     def _programme(self, described: list[Described]) -> Programme | None:
         """What the robots must do beyond standing; most packages load nothing for it."""
@@ -219,8 +238,12 @@ class Validation:
 
         return make_programme(self.settings, described, generation=self.generation)
 
-    def _try(self, world: World, described: list[Described]) -> Tried:
-        with self.clock.step("simulate", name_some(described)) as step:
+    def _try(self, world: World, described: list[Described], folder: Path) -> Tried:
+        progress = folder / "progress" if self.request.film else None
+        with (
+            self.clock.step("simulate", name_some(described)) as step,
+            self.clock.watch(DRAW, progress),
+        ):
             tried = try_robots(
                 world,
                 described,
@@ -228,8 +251,10 @@ class Validation:
                 self.package,
                 run=self.run_task,
                 programme=self._programme(described),
+                progress=progress,
             )
             step.succeeded = all(robot.passed for robot in tried.robots)
+            tried.tell_drawing(step, self.request)
         self.diagnostics += tried.diagnostics
         self.clock.take(tried.seconds or {})
         return tried
@@ -242,15 +267,4 @@ def _nothing_spawned(launch_file: Path | None) -> Diagnostic:
         message="What the launch file spawns has no link: there is no robot to try.",
         file=launch_file,
         hint="Spawn a model with <link>, or leave the package out.",
-    )
-
-
-def _unknown_world(launch_file: Path | None, name: str) -> Diagnostic:
-    return Diagnostic(
-        code="WLD008",
-        severity=Severity.WARNING,
-        message=f"No file is called {name}. If it is one of Gazebo's own worlds, Gazebo finds it; "
-        "the trial takes a ground plane instead.",
-        file=launch_file,
-        hint="Give the path of a world file that the package installs.",
     )

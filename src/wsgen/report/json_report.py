@@ -1,4 +1,7 @@
-"""Outcome -> the JSON that `wsgen validate --format json` prints; a contract, see `VERSION`."""
+"""Outcome -> the JSON that `--format json` prints: of `wsgen validate`, and of `wsgen build`.
+
+Both are contracts, see `VERSION`.
+"""
 
 from __future__ import annotations
 
@@ -14,6 +17,7 @@ if TYPE_CHECKING:
     from wsgen.model.behaviour import BehaviourOutcome
     from wsgen.model.outcome import Outcome, PackageOutcome, RobotOutcome
     from wsgen.model.pose import Pose
+    from wsgen.workspace.build import BuildResult
 
 VERSION = 1  # changes only when a key is taken away or changes its meaning
 
@@ -22,8 +26,29 @@ def render_outcome(outcome: Outcome) -> str:
     """The JSON text, with a newline at its end."""
     document = {
         "version": VERSION,
+        "complete": outcome.is_complete,
         "passed": outcome.passed,
         "packages": [_package(package) for package in outcome.packages],
+    }
+    return json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def render_build(result: BuildResult) -> str:
+    """The JSON text of a build, with a newline at its end."""
+    document = {
+        "version": VERSION,
+        "passed": result.succeeded,
+        "packages": [
+            {
+                "package": package.name,
+                "state": package.outcome,
+                "seconds": round(package.seconds, 4),
+            }
+            for package in result.packages
+        ],
+        "diagnostics": [diagnostic_to_json(found) for found in result.diagnostics],
+        "log": _path(result.log_folder),
+        "seconds": round(result.seconds, 4),
     }
     return json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 

@@ -29,20 +29,20 @@ def try_behaviours(  # noqa: PLR0913  as `play`, and its outcome
     announce: Callable[[str], None],
     *,
     observe: Observer | None = None,
-    ended: Callable[[], None] = lambda: None,
+    begun: Callable[[str, float], None] = lambda _name, _seconds: None,
 ) -> list[RobotTrial]:
     """Try the scene's behaviours one after the other; gives the trials with what was measured.
 
     For each all robots are put to where they were spawned, and come to rest first. The arguments
-    are those of `trial.play`, which was before; simulated time goes on. `ended` is told before the
-    robots are put somewhere else.
+    are those of `trial.play`, which was before; simulated time goes on. `begun` is told the name of
+    a behavior and the simulated time when the robot is at rest and begins it; `observe` sees what
+    it does from then on.
     """
     spawned = {trial.entity: trial.spawn_pose for trial in trials}
-    session = _Session(engine, scene, spawned, observe)
+    session = _Session(engine, scene, spawned, observe, begun)
     measured: dict[str, list[Behaved]] = {entity: [] for entity in spawned}
     for attempt in scene.attempts:
         if attempt.entity in spawned:
-            ended()
             announce(TRYING.format(entity=attempt.entity, name=attempt.behaviour.name))
             measured[attempt.entity].append(session.attempt(attempt))
     return [replace(trial, behaviours=tuple(measured[trial.entity])) for trial in trials]
@@ -57,10 +57,12 @@ class _Session:
         scene: Scene,
         spawned: Mapping[str, Pose],
         observe: Observer | None,
+        begun: Callable[[str, float], None],
     ) -> None:
         self.engine = engine
         self.scene = scene
         self.observe = observe
+        self.begun = begun
         self.robots = {robot.entity: robot.robot for robot in scene.robots}
         self.spawned = spawned
         self.steps = max(1, round(UPDATE / engine.step_seconds))  # in an update
@@ -74,6 +76,8 @@ class _Session:
         self._settle(attempt.entity, controller)
         way = _Way(self.engine.state(attempt.entity))
         controller.is_begun = True
+        self.begun(behaviour.name, self.seconds)
+        self._show()
         for _ in range(self._updates(behaviour.seconds)):
             way.go(self._update(attempt.entity, controller))
             if not way.is_finite:
@@ -106,9 +110,13 @@ class _Session:
         self.engine.drive(entity, motors)
         self.engine.advance(self.steps)
         self.seconds += self.steps * self.engine.step_seconds
+        if controller.is_begun:
+            self._show()
+        return self.engine.state(entity)
+
+    def _show(self) -> None:
         if self.observe is not None:
             self.observe(self.seconds, list(self.spawned))
-        return self.engine.state(entity)
 
 
 class _Way:

@@ -5,27 +5,38 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from wsgen.model.pose import Pose
+from wsgen.model.robot import Box, Collision, Link, Robot
 from wsgen.model.transform import Vector, compose, quaternion_of_rpy
 from wsgen.model.trees import split_trees
-from wsgen.simulation.bullet_body import BulletBody, PartBounds
+from wsgen.simulation.bullet_body import BulletBody, PartBounds, load
 from wsgen.simulation.bullet_client import Client, error
 from wsgen.simulation.bullet_damper import STRIDE as DAMPER_STRIDE
 from wsgen.simulation.bullet_hulls import hull_gaps
+from wsgen.simulation.bullet_properties import ROOT
 from wsgen.simulation.engine import GROUND_FRICTION, HullGap, Loaded, Overlap, Refused, State
 from wsgen.simulation.pairs import deepest_overlaps
+from wsgen.simulation.surfaces import MOST_LINKS, most_parts
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
-    from wsgen.model.pose import Pose
-    from wsgen.model.robot import Robot
     from wsgen.model.world import World
     from wsgen.simulation.engine import Motor
     from wsgen.simulation.pairs import Place
     from wsgen.simulation.scene import SpawnedRobot
 
 # A box, because a plane of PyBullet has no thickness and lets fast things through.
-GROUND_HALF_EXTENTS = (500.0, 500.0, 5.0)  # m
+GROUND_SIZE = (1000.0, 1000.0, 10.0)  # m
+GROUND = Robot(
+    name="ground",
+    root="ground",
+    links=(Link(name="ground", collisions=(Collision(geometry=Box(size=GROUND_SIZE)),)),),
+    fixed_to_world=True,
+)
+# Heights are measured from another such box, which nothing touches: of what is in the ground
+# PyBullet knows how far out of it the way is, not how deep its lowest point is.
+PLUMB = -11.0  # m, z of its upper side
 
 # What stands flat lands on one point at first, because PyBullet finds a cylinder's contacts with
 # the ground one a step. After a fall of several metres that gives it a push: a flat cylinder that
@@ -60,6 +71,7 @@ class BulletEngine:
         self._pulled: list[BulletBody] = []
         self._damped: list[BulletBody] = []
         self._ground: int | None = None
+        self._plumb: int | None = None
         self._separating = True  # there may be overlaps: something is new where it is
         self.client.setGravity(*world.gravity)
         self.client.setPhysicsEngineParameter(
@@ -71,30 +83,37 @@ class BulletEngine:
         )
         if world.has_ground_plane:
             self._ground = self._add_ground()
+            self._plumb = self._add_plumb()
 
     def _add_ground(self) -> int:
-        shape = self.client.createCollisionShape(
-            self.client.GEOM_BOX, halfExtents=GROUND_HALF_EXTENTS
-        )
-        ground = self.client.createMultiBody(
-            baseMass=0,
-            baseCollisionShapeIndex=shape,
-            basePosition=(0, 0, -GROUND_HALF_EXTENTS[2]),
-        )
-        self.client.changeDynamics(ground, -1, lateralFriction=GROUND_FRICTION)
-        return int(ground)
+        ground = load(self.client, GROUND, Pose(xyz=(0.0, 0.0, -GROUND_SIZE[2] / 2)))
+        self.client.changeDynamics(ground, ROOT, lateralFriction=GROUND_FRICTION)
+        return ground
+
+    def _add_plumb(self) -> int:
+        plumb = load(self.client, GROUND, Pose(xyz=(0.0, 0.0, PLUMB - GROUND_SIZE[2] / 2)))
+        self.client.setCollisionFilterGroupMask(plumb, ROOT, 0, 0)
+        return plumb
 
     def spawn(self, robot: SpawnedRobot) -> Loaded | Refused:
         """Put a robot into the world, at rest, its joints passive."""
         model = robot.robot
         if not model.links:
             return Refused("nothing of it has mass")
+        parts = most_parts(model)
+        if parts > MOST_LINKS:
+            return Refused(
+                f"it has {parts} links with a friction of their own, PyBullet can do {MOST_LINKS}",
+                hint="Install DART, which can do any number: pip install 'wsgen[dart]'",
+            )
         bodies: list[tuple[BulletBody, Pose]] = []
         try:
             for tree, pose_in_robot in split_trees(model):
                 pose = compose(robot.pose_in_world, pose_in_robot)
                 body = BulletBody(self.client, tree, pose, step_seconds=self.step_seconds)
                 bodies.append((body, pose_in_robot))
+                if self._ground is not None:
+                    body.keep_inner_off(self._ground)
                 unread = body.unread_mesh()
                 if unread is not None:
                     raise error(f"it cannot read the mesh {unread}")  # noqa: TRY301  one way out
@@ -183,15 +202,15 @@ class BulletEngine:
         # Of the many triangles of what is static PyBullet finds the nearest late, or another one.
         if (
             self._robots[entity].is_static
-            or self._ground is None
+            or self._plumb is None
             or not all(map(_is_over_ground, boxes))
         ):
             return lowest
         near = [
-            float(point[8])
+            PLUMB + float(point[8])
             for body, _ in self._bodies[entity]
             for point in self.client.getClosestPoints(
-                body.number, self._ground, distance=max(0.0, lowest) + FAR
+                body.number, self._plumb, distance=max(0.0, lowest) + FAR
             )
         ]
         # A mesh file without points has a box, and is near nothing.
@@ -282,7 +301,7 @@ class BulletEngine:
 def _is_over_ground(box: PartBounds) -> bool:
     """Whether the ground's upper side is what is nearest to it."""
     _, _, low, high = box
-    x, y, depth = GROUND_HALF_EXTENTS
+    x, y, depth = (size / 2 for size in GROUND_SIZE)
     return -x < low[0] and high[0] < x and -y < low[1] and high[1] < y and low[2] > -depth
 
 

@@ -21,12 +21,11 @@ from wsgen.model.transform import (
     rpy_of_rotation,
     transpose,
 )
-from wsgen.simulation.bullet_client import error
 from wsgen.simulation.bullet_damper import Dampers, is_stiff, stiffness_to_simulate, undamped
 from wsgen.simulation.bullet_meshes import unread_mesh, without_missing_meshes
 from wsgen.simulation.bullet_motors import set_motor
 from wsgen.simulation.bullet_properties import ROOT, keep_apart, release_joints, set_links
-from wsgen.simulation.surfaces import one_friction_a_link
+from wsgen.simulation.surfaces import inner_apart, one_friction_a_link
 from wsgen.simulation.urdf_writer import write_urdf
 
 if TYPE_CHECKING:
@@ -37,10 +36,6 @@ if TYPE_CHECKING:
     from wsgen.simulation.engine import Motor
 
 PartBounds = tuple[str, int, Vector, Vector]  # see `BulletBody.boxes`
-
-
-# MAX_DEGREE_OF_FREEDOM in PyBullet's SharedMemoryCommands.h; with more, reading a pose raises.
-MOST_LINKS = 128
 
 
 class BulletBody:
@@ -57,10 +52,12 @@ class BulletBody:
         self._client = client
         self.tree = _frozen(tree) if tree.is_static else tree
         stiff = [joint for joint in self.tree.joints if is_stiff(joint, self.tree, step_seconds)]
-        self._parts, self._owner = one_friction_a_link(
-            replace(
-                without_missing_meshes(self.tree),
-                joints=undamped(self.tree.joints, {joint.name for joint in stiff}),
+        self._parts, self._owner, self._inner = inner_apart(
+            *one_friction_a_link(
+                replace(
+                    without_missing_meshes(self.tree),
+                    joints=undamped(self.tree.joints, {joint.name for joint in stiff}),
+                )
             )
         )
         self.number = self._load(pose_in_world)
@@ -111,39 +108,17 @@ class BulletBody:
             keep_apart(client, self.number, self.tree, self._index_of, self._owner)
 
     def _load(self, pose: Pose) -> int:
-        if len(self._parts.links) > MOST_LINKS:
-            raise error(
-                f"it has {len(self._parts.links)} links with a friction of their own, PyBullet "
-                f"can do {MOST_LINKS}; --engine dart can do any number"
-            )
-        with tempfile.TemporaryDirectory(prefix="wsgen-", dir=scratch_folder()) as folder:
-            file = Path(folder, "robot.urdf")
-            file.write_text(write_urdf(self._parts), encoding="utf-8")
-            return int(
-                self._client.loadURDF(
-                    str(file),
-                    basePosition=pose.xyz,
-                    baseOrientation=quaternion_of_rpy(pose.rpy),
-                    useFixedBase=self.tree.fixed_to_world or self.tree.is_static,
-                    flags=self._flags(),
-                )
-            )
-
-    def _flags(self) -> int:
-        # Inertias come from the description, not from the collision shapes. Cylinders are exact:
-        # as polyhedra of 32 faces wheels do not roll and everything stands 1 mm higher. Gazebo
-        # lumps before and so do we: PyBullet's own merging of fixed links loses masses and turns
-        # inertias. Keeping the order of the links ends with SIGSEGV when a child is written before
-        # its parent.
-        client = self._client
-        flags = client.URDF_USE_INERTIA_FROM_FILE | client.URDF_USE_IMPLICIT_CYLINDER
-        if any(link.self_collide for link in self.tree.links):
-            flags |= client.URDF_USE_SELF_COLLISION
-        return int(flags)
+        return load(self._client, self._parts, pose)
 
     def unread_mesh(self) -> str | None:
         """A mesh file that PyBullet left out without an error."""
         return unread_mesh(self._client, self.number, self._parts, self._index_of)
+
+    def keep_inner_off(self, ground: int) -> None:
+        """Let a level ground touch no more of it than its convex hull; see `inner_collisions`."""
+        for name in self._inner:
+            index = self._index_of[name]
+            self._client.setCollisionFilterPair(ground, self.number, ROOT, index, 0)
 
     @property
     def mass(self) -> float:
@@ -276,6 +251,36 @@ class BulletBody:
             for part in self._parts.links
             if part.collisions
         ]
+
+
+def load(client: Client, tree: Robot, pose: Pose) -> int:
+    """Put a tree of links into PyBullet; gives the number of its body.
+
+    Raises:
+        bullet_client.error: PyBullet does not take it.
+    """
+    # Inertias come from the description, not from the collision shapes. Cylinders are exact: as
+    # polyhedra of 32 faces wheels do not roll and everything stands 1 mm higher. Gazebo lumps
+    # before and so do we: PyBullet's own merging of fixed links loses masses and turns inertias.
+    # Keeping the order of the links ends with SIGSEGV when a child is written before its parent.
+    flags = client.URDF_USE_INERTIA_FROM_FILE | client.URDF_USE_IMPLICIT_CYLINDER
+    # With the faces of hulls and boxes PyBullet finds where these touch; without, it lets convex
+    # hulls touch 1 mm above their surface. It has no setting for that of a link.
+    flags |= client.URDF_INITIALIZE_SAT_FEATURES
+    if any(link.self_collide for link in tree.links):
+        flags |= client.URDF_USE_SELF_COLLISION
+    with tempfile.TemporaryDirectory(prefix="wsgen-", dir=scratch_folder()) as folder:
+        file = Path(folder, "robot.urdf")
+        file.write_text(write_urdf(tree), encoding="utf-8")
+        return int(
+            client.loadURDF(
+                str(file),
+                basePosition=pose.xyz,
+                baseOrientation=quaternion_of_rpy(pose.rpy),
+                useFixedBase=tree.fixed_to_world or tree.is_static,
+                flags=flags,
+            )
+        )
 
 
 def _frozen(tree: Robot) -> Robot:

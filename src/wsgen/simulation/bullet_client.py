@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import weakref
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -21,6 +22,9 @@ class Client:
 
     def __init__(self) -> None:
         self.number: int = pybullet.connect(pybullet.DIRECT)
+        # A world that has been drawn holds 100 MB.
+        self._disconnect = weakref.finalize(self, pybullet.disconnect, physicsClientId=self.number)
+        self._disconnect.atexit = False
 
     def __getattr__(self, name: str) -> Any:
         found = getattr(pybullet, name)
@@ -36,5 +40,5 @@ class Client:
         return function
 
     def close(self) -> None:
-        """Give the world back."""
-        pybullet.disconnect(physicsClientId=self.number)
+        """Give the world back, now instead of with the last reference; may be called again."""
+        self._disconnect()

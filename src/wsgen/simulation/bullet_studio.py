@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-import time
-from typing import TYPE_CHECKING
+import struct
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wsgen.model.robot import Mesh
+from wsgen.model.pose import IDENTITY
+from wsgen.model.robot import Box, Mesh
 from wsgen.model.transform import quaternion_of_rpy, rotation_of_rpy
 from wsgen.simulation.bullet_client import Client
+from wsgen.simulation.exhibits import Exhibit
+from wsgen.simulation.framing import Size, eye_camera
 from wsgen.simulation.shot import Shot
 from wsgen.simulation.tessellation import tessellate
 
@@ -20,7 +23,7 @@ if TYPE_CHECKING:
 
     from wsgen.model.pose import Pose
     from wsgen.model.transform import Vector
-    from wsgen.simulation.exhibits import Exhibit, Poses
+    from wsgen.simulation.exhibits import Poses
     from wsgen.simulation.framing import Floats
     from wsgen.simulation.shot import Camera
 
@@ -28,6 +31,10 @@ if TYPE_CHECKING:
 # keeps this share.
 LIGHT_AMBIENT = 0.55
 LIGHT_SPECULAR = 0.05
+
+# About what a shot takes, s of CPU time. It is computed and not measured, so that the same things
+# get the same pictures on every machine, however busy it is.
+PIXEL_SECONDS, TRIANGLE_SECONDS, BODY_SECONDS = 0.15e-6, 0.35e-6, 0.13e-3
 
 UNLIT = 0.75  # how bright something is of which nobody knows where it faces
 SOLID = 0.95  # of alpha: what has less is see-through
@@ -41,7 +48,6 @@ class Studio:
         self._light = towards_light
         self._bodies = [(exhibit, self._place(exhibit)) for exhibit in exhibits]
         self._poses: dict[int, Pose] = {}  # of the bodies that are anywhere
-        self.pace = 0.0  # s of CPU time that a pixel of the last shot took
 
     def _place(self, exhibit: Exhibit) -> int:
         client, geometry = self._client, exhibit.geometry
@@ -75,6 +81,16 @@ class Studio:
         for exhibit, body in self._bodies:
             table[body] = exhibit.rgba[3] if exhibit.rgba[3] < SOLID else 1.0
         return table
+
+    @property
+    def triangles(self) -> int:
+        """How many are drawn of all bodies."""
+        return sum(exhibit.triangles for exhibit, _ in self._bodies)
+
+    def shot_seconds(self, pixels: float) -> float:
+        """About the CPU time that a shot of so many pixels takes on a usual computer, s."""
+        bodies = len(self._bodies) * BODY_SECONDS + self.triangles * TRIANGLE_SECONDS
+        return bodies + pixels * PIXEL_SECONDS
 
     def arrange(self, poses: Poses) -> None:
         """Put everything where its link is; what is nowhere keeps its place, or is not shown."""
@@ -130,12 +146,12 @@ class Studio:
         return shot
 
     def _shoot(self, camera: Camera) -> Shot:
-        client, started = self._client, time.process_time()
+        client = self._client
         view = client.computeViewMatrix(camera.eye, camera.target, camera.up)
         projection = client.computeProjectionMatrixFOV(
             camera.field_of_view, camera.aspect, camera.near, camera.far
         )
-        _, _, rgba, depth, body = client.getCameraImage(
+        _, _, *images = client.getCameraImage(
             camera.width,
             camera.height,
             view,
@@ -147,8 +163,10 @@ class Studio:
             lightDiffuseCoeff=1 - LIGHT_AMBIENT,
             lightSpecularCoeff=LIGHT_SPECULAR,
         )
-        self._paint_unlit(np.asarray(rgba), np.asarray(body))
-        self.pace = (time.process_time() - started) / (camera.width * camera.height)
+        body = _as_array(images.pop(), "i", camera)
+        depth = _as_array(images.pop(), "f", camera)
+        rgba = _as_array(images.pop(), "B", camera, 4)
+        self._paint_unlit(rgba, body)
         return Shot(camera, view, projection, rgba, depth, body)
 
     def _paint_unlit(self, rgba: NDArray[np.uint8], body: NDArray[np.int32]) -> None:
@@ -173,3 +191,28 @@ class Studio:
     def close(self) -> None:
         """Give everything back."""
         self._client.close()
+
+
+def draw_a_box() -> bool:
+    """Whether this machine's PyBullet can draw: a box, of which something must be seen."""
+    box = Box(size=(1.0, 1.0, 1.0))
+    studio = Studio(
+        [Exhibit(entity="", link="", geometry=box, rgba=(1.0, 0.0, 0.0, 1.0))],
+        towards_light=(0.0, 0.0, 1.0),
+    )
+    studio.arrange({"": {"": IDENTITY}})
+    (points,) = studio.points().values()
+    shot = studio.shoot(eye_camera(points, Size(8, 6)))
+    return bool((shot.body >= 0).any() and shot.rgba[shot.body >= 0].any())
+
+
+def _as_array(image: Any, typecode: str, camera: Camera, *channels: int) -> NDArray[Any]:
+    """An image of PyBullet (of a type of `struct`), height by width by its channels.
+
+    Built without NumPy, as `pybullet-arm64` is, PyBullet gives a tuple of all numbers. It is packed
+    as C has it first: of a tuple, NumPy takes five times as long to make an array.
+    """
+    if isinstance(image, tuple):
+        packed = image if typecode == "B" else struct.pack(f"{len(image)}{typecode}", *image)
+        image = np.frombuffer(bytearray(packed), dtype=typecode)
+    return np.asarray(image).reshape(camera.height, camera.width, *channels)

@@ -68,6 +68,9 @@ class DartEngine:
         self._world.addSkeleton(body.skeleton)
         self._keep_apart(body)
         self._robots[robot.entity] = body
+        if len(self._robots) > 1 or body.skeleton.isEnabledSelfCollisionCheck():
+            for one in self._robots.values():
+                one.touch_with_all()
         return Loaded(len(body.nodes), len(body.joints), float(body.skeleton.getMass()))
 
     def _keep_apart(self, body: DartBody) -> None:
@@ -130,11 +133,11 @@ class DartEngine:
 
     def lowest_point(self, entity: str) -> float:
         """The z of the lowest point that can touch something, m; that of the root without any."""
-        lowest = [self.state(entity).xyz[2]] if not self._robots[entity].shapes else []
+        lowest = []
         for _, geometry, frame in self._robots[entity].shapes:
             z = lowest_point(geometry, pose_of(frame))
             lowest.append(self._lowest_of_mesh(frame) if z is None else z)
-        return min(lowest)
+        return min(lowest, default=self.state(entity).xyz[2])
 
     def _lowest_of_mesh(self, frame: Any) -> float:
         """Where a box that comes up from below first meets it: DART does not give its points."""

@@ -12,12 +12,13 @@ from wsgen.model.robot import Box, Capsule, Cylinder, JointType, Mesh, Sphere
 from wsgen.model.transform import compose, rotation_of_rpy, rpy_of_rotation
 from wsgen.model.trees import split_trees
 from wsgen.simulation.dart_library import Isometry3, dynamics, utils
+from wsgen.simulation.surfaces import inner_collisions
 from wsgen.simulation.urdf_writer import quoted
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from wsgen.model.robot import Geometry, Inertial, Joint, Link, Robot
+    from wsgen.model.robot import Collision, Geometry, Inertial, Joint, Link, Robot
     from wsgen.model.transform import Vector
     from wsgen.simulation.engine import Motor
 
@@ -37,8 +38,10 @@ class DartBody:
         self.robot = robot
         self.skeleton = dynamics.Skeleton(entity)
         self.nodes: dict[str, Any] = {}  # by link name
+        self._inner: list[tuple[str, Collision, Any]] = []  # what level ground need not touch
+        self._touches_with_all = False
         self.joints: dict[str, Any] = {}  # the movable ones, by name
-        self.shapes: list[tuple[str, Geometry, Any]] = []  # with the names of their links
+        self._shapes: list[tuple[str, Geometry, Any]] = []  # with the names of their links
         self.unread: list[str] = []  # mesh files
         self.loose_nodes: list[Any] = []  # the root of every tree that is not fixed
         self._bases: list[tuple[Any, Pose]] = []  # of what is not fixed, with its pose in the robot
@@ -102,19 +105,44 @@ class DartBody:
         node.setGravityMode(link.gravity)
         if link.inertial is not None:
             node.setInertia(_inertia_of(link.inertial))
-        for collision in link.collisions:
+        inner = set() if self.robot.is_static else inner_collisions(link)
+        for number, collision in enumerate(link.collisions):
             shape = _shape_of(collision.geometry)
             if shape is None:
                 if isinstance(collision.geometry, Mesh) and collision.geometry.path is not None:
                     self.unread.append(collision.geometry.path)
                 continue
-            frame = add_shape(node, shape, collision.surface.mu1, self._shape_name())
-            frame.setRelativeTransform(matrix_of(collision.pose_in_link))
-            self.shapes.append((link.name, collision.geometry, frame))
+            if number in inner:
+                # Not a part of the body: a thousand that turn with it are a millisecond a step.
+                frame = dynamics.SimpleFrame(dynamics.Frame.World(), self._shape_name())
+                frame.setShape(shape)
+                self._inner.append((link.name, collision, frame))
+            else:
+                frame = add_shape(node, shape, collision.surface.mu1, self._shape_name())
+                frame.setRelativeTransform(matrix_of(collision.pose_in_link))
+            self._shapes.append((link.name, collision.geometry, frame))
+
+    @property
+    def shapes(self) -> list[tuple[str, Geometry, Any]]:
+        """All that can touch something: the names of the links, and the frames in the world."""
+        for link, collision, frame in self._inner:
+            pose = compose(self.link_pose(link), collision.pose_in_link)
+            frame.setRelativeTransform(matrix_of(pose))
+        return self._shapes
+
+    def touch_with_all(self) -> None:
+        """Let what level ground need not touch collide, too: something else may touch it."""
+        if not self._touches_with_all:
+            self._touches_with_all = True
+            for link, collision, measured in self._inner:
+                name = f"{measured.getName()} touching"
+                shape, mu = measured.getShape(), collision.surface.mu1
+                frame = add_shape(self.nodes[link], shape, mu, name)
+                frame.setRelativeTransform(matrix_of(collision.pose_in_link))
 
     def _shape_name(self) -> str:
         """One that no shape of another robot has."""
-        return f"{self.skeleton.getName()} {len(self.shapes)}"
+        return f"{self.skeleton.getName()} {len(self._shapes)}"
 
     def place(self, pose_in_world: Pose) -> None:
         """Put it somewhere, at rest, its joints at zero."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from wsgen.errors import WsgenError
 from wsgen.isolation.child import announce
 from wsgen.simulation.recording import Recorder, why_no_film
 from wsgen.simulation.scene import DRAWING, FILMING
@@ -49,9 +50,8 @@ def recorder_for(engine: Engine, scene: Scene) -> Recorder | None:
     if scene.record is None or why_no_film(scene.record) is not None:
         return None
     static = [robot.entity for robot in scene.robots if robot.robot.is_static]
-    # A robot comes to rest before each behaviour, as before, or sooner.
-    behaving = sum(scene.seconds + attempt.behaviour.seconds for attempt in scene.attempts)
-    return Recorder(engine.link_poses, scene.seconds + behaving, immobile=static)
+    behaving = sum(attempt.behaviour.seconds for attempt in scene.attempts)
+    return Recorder(engine.link_poses, max(scene.seconds, behaving), immobile=static)
 
 
 def draw(
@@ -108,16 +108,23 @@ def _draw_all(
             "world_picture", "world_picture_tile", lambda: gallery.draw_world(world_file)
         )
     if scene.record is not None and recorder is not None:
-        film_file = scene.record
-        told |= _attempt("film", "film", lambda: _film(gallery, recorder, film_file))
+        film_file, progress = scene.record, scene.progress
+        told |= _attempt("film", "film", lambda: _film(gallery, recorder, film_file, progress))
     return told
 
 
-def _film(gallery: Gallery, recorder: Recorder, file: Path) -> dict[str, Any]:
+def _film(
+    gallery: Gallery, recorder: Recorder, file: Path, progress: Path | None
+) -> dict[str, Any]:
     from wsgen.simulation.film import draw_film  # noqa: PLC0415  as above
 
+    def tell(frame: str) -> None:
+        announce(f"{FILMING}: {frame}")
+        if progress is not None:
+            progress.write_text(f"{FILMING}: {frame}", encoding="utf-8")
+
     announce(FILMING)
-    film = draw_film(gallery, recorder, file, lambda at: announce(f"{FILMING}: {at}"))
+    film = draw_film(gallery, recorder, file, tell)
     return {key: value for key, value in asdict(film).items() if key != "file"}
 
 
@@ -132,4 +139,6 @@ def _attempt(kind: str, key: str, task: Callable[[], object]) -> dict[str, Any]:
 def _reason(error: Exception) -> str:
     if isinstance(error, ImportError):
         return NO_RENDERER
+    if isinstance(error, WsgenError):
+        return f"{error.message[0].lower()}{error.message[1:].rstrip('.')}"
     return getattr(error, "strerror", None) or str(error) or repr(error)

@@ -27,6 +27,7 @@ UNPAINTED_SCENERY: Rgba = (0.60, 0.57, 0.53, 1.0)  # so that a robot is told fro
 WHITE: Rgba = (1.0, 1.0, 1.0, 1.0)  # leaves a texture its colours
 COLLISION: Rgba = (1.0, 0.44, 0.0, 0.5)  # what Gazebo paints collisions with
 BLACKEST = 0.1  # Gazebo's `FlatBlack`
+TRIANGLES_OF_A_MESH = 5_000
 INVISIBLE = 0.1  # what has less alpha is not to be seen
 
 
@@ -54,6 +55,13 @@ class Exhibit:
             for low, high, factor in zip(*self.geometry.bounds, self.geometry.scale, strict=True)
         )
         return list(product(x, y, z))
+
+    @property
+    def triangles(self) -> int:
+        """How many are drawn; a guess where nobody has looked into the mesh."""
+        if not isinstance(self.geometry, Mesh):
+            return len(tessellate(self.geometry).indices) // 3
+        return self.geometry.triangles or TRIANGLES_OF_A_MESH
 
     @property
     def has_known_size(self) -> bool:

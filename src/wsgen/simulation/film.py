@@ -1,17 +1,16 @@
-"""Draws the film of a trial: from where the robots were spawned to the end."""
+"""Draws the video of a trial: of each behavior, or of the robots from the spawning to the end."""
 
 from __future__ import annotations
 
-import time
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from wsgen.simulation.film_files import write_film
 from wsgen.simulation.framing import Size
-from wsgen.simulation.picture import write_caption
+from wsgen.simulation.picture import draw_title, write_caption
 from wsgen.simulation.scene import Film
-from wsgen.simulation.stage import Stage
+from wsgen.simulation.stage import Stage, picture_seconds
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -21,74 +20,101 @@ if TYPE_CHECKING:
 
     from wsgen.simulation.exhibits import Poses
     from wsgen.simulation.gallery import Gallery
-    from wsgen.simulation.recording import Recorder
+    from wsgen.simulation.recording import Clip, Recorder
 
-BUDGET = 16.0  # s of CPU time for all frames: a usual robot's need a third of it
+BUDGET = 16.0  # s of CPU time for all frames, about: a usual robot's need a third of it
 
+# The picture's size and how many times as large it is drawn; the first that can be done in time.
+LARGE, SMALL = Size(480, 360), Size(320, 240)
+QUALITIES = (
+    *((LARGE, scale) for scale in (1.5, 1.0)),
+    *((SMALL, scale) for scale in (1.5, 1.0, 0.75)),
+)
 
-# The second for what is so dense that the first would leave too few frames.
-SIZES = Size(480, 360), Size(320, 240)
+TITLE_SECONDS = 0.8  # how long the name of a behavior is shown before it
 
 
 def draw_film(
     gallery: Gallery, recorder: Recorder, file: Path, announce: Callable[[str], None]
 ) -> Film:
-    """Write a film of what was recorded; `announce` is told how far it is.
+    """Write a video of what was recorded; `announce` is told how far it is.
 
-    The camera stands still and sees the robots as they were at first, at the end of each behaviour
-    and at last. What takes long to draw gets a smaller picture, then fewer frames.
+    The camera stands still and sees the robots as they are at the beginning, in the middle and at
+    the end of each clip. A clip with a name begins with it on a title card, so that nobody takes
+    the cut for a jump of the robot. What takes long to draw gets a smaller picture, then fewer
+    frames.
     """
-    poses = recorder.frames
-    stage, samples, cost = _set_up(gallery, poses, recorder.ends)
-    stride = max(1, round(cost * len(poses) / BUDGET + 0.5)) if cost * len(poses) > BUDGET else 1
-    shown = poses[::stride]
+    clips = recorder.shown
+    count = sum(len(clip.frames) for clip in clips)
+    size, scale, cost = _quality(gallery, count)
+    stride = max(1, -int(-count * cost // BUDGET))
     rate = recorder.rate / stride
+    stage = _set_up(gallery, [moment for clip in clips for moment in _moments(clip)], size, scale)
+    titles = max(1, round(TITLE_SECONDS * rate))
+    total = sum(len(clip.frames[::stride]) for clip in clips)
+    written = total + titles * sum(bool(clip.name) for clip in clips)
 
     def draw_all() -> Iterator[Image]:
-        for number, now in enumerate(shown):
-            announce(f"frame {number + 1} of {len(shown)}")
-            yield _draw(stage, now, seconds=number / rate)
+        number = 0
+        for clip in clips:
+            for place, now in enumerate(clip.frames[::stride]):
+                number += 1
+                announce(f"frame {number} of {total}")
+                image = _draw(stage, now, clip.name, seconds=place / rate)
+                if place == 0 and clip.name:
+                    yield from [draw_title(image, clip.name)] * titles
+                yield image
 
-    write_film(file, draw_all(), samples, rate)
+    write_film(file, draw_all(), _samples(stage, clips), rate)
     return Film(
         file=file,
-        frames=len(shown),
+        frames=written,
         frames_per_second=rate,
-        width=stage.size.width,
-        height=stage.size.height,
-        is_coarse=stride > 1 or stage.size != SIZES[0],
+        width=size.width,
+        height=size.height,
+        triangles=gallery.studio.triangles,
+        is_coarse=stride > 1 or size != LARGE,
     )
 
 
-def _set_up(
-    gallery: Gallery, poses: Sequence[Poses], ends: Sequence[int]
-) -> tuple[Stage, list[Image], float]:
-    """The stage, the first, a middle and the last frame, and what a frame costs (s of CPU time)."""
-    moments = [poses[0], poses[len(poses) // 2], poses[-1]]
+def _quality(gallery: Gallery, frames: int) -> tuple[Size, float, float]:
+    """The size, how many times as large it is drawn, and about the CPU time of a frame (s)."""
+    for size, scale in QUALITIES:
+        cost = picture_seconds(gallery.studio, size, scale)
+        if cost * frames <= BUDGET:
+            break
+    return size, scale, cost
+
+
+def _moments(clip: Clip) -> list[Poses]:
+    return [clip.frames[0], clip.frames[len(clip.frames) // 2], clip.frames[-1]]
+
+
+def _set_up(gallery: Gallery, moments: Sequence[Poses], size: Size, scale: float) -> Stage:
     points = []
-    for moment in (moments[0], *(poses[end] for end in ends), moments[-1]):
+    for moment in moments:
         gallery.studio.arrange(moment)
         points.append(gallery.subject_points())
-    for size in SIZES:
-        stage = Stage(
-            gallery.studio,
-            gallery.world,
-            np.vstack(points),
-            size,
-            BUDGET / len(poses) / 2,
-            without_shadow=gallery.scenery,
-        )
-        started = time.process_time()
-        samples = [_draw(stage, moment, seconds=0.0) for moment in moments]
-        cost = (time.process_time() - started) / len(moments)
-        if cost * len(poses) <= BUDGET:
-            break
-    return stage, samples, cost
+    return Stage(
+        gallery.studio,
+        gallery.world,
+        np.vstack(points),
+        size,
+        scale,
+        without_shadow=gallery.scenery,
+    )
 
 
-def _draw(stage: Stage, poses: Poses, *, seconds: float) -> Image:
+def _samples(stage: Stage, clips: Sequence[Clip]) -> list[Image]:
+    """Three images that have the colors of all."""
+    samples = [_draw(stage, moment, "", seconds=0.0) for moment in _moments(clips[0])]
+    return [*samples, *(draw_title(samples[0], clip.name) for clip in clips[:1] if clip.name)]
+
+
+def _draw(stage: Stage, poses: Poses, name: str, *, seconds: float) -> Image:
     stage.studio.arrange(poses)
     image = stage.take(dither=False)
     tile = stage.backdrop.tile
-    write_caption(image, [f"{seconds:.2f} s", *([f"1 square = {tile:g} m"] if tile else [])])
+    lines = [name, f"{seconds:.2f} s", f"1 square = {tile:g} m" if tile else ""]
+    write_caption(image, [line for line in lines if line])
     return image

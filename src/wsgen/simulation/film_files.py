@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 from PIL import Image
 
+from wsgen.files import write_file
+
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
     from pathlib import Path
@@ -29,9 +31,9 @@ def write_film(
         # It is an extra, and its loading takes longer than PyBullet's.
         from wsgen.simulation.film_encoder import encode_mp4  # noqa: PLC0415
 
-        file.write_bytes(encode_mp4(frames, rate))
+        write_file(file, encode_mp4(frames, rate))
     else:
-        file.write_bytes(_encode_gif(frames, samples, rate))
+        write_file(file, _encode_gif(frames, samples, rate))
 
 
 def _encode_gif(

@@ -14,9 +14,9 @@ from wsgen.model.robot import Mesh
 from wsgen.simulation.bullet_studio import Studio
 from wsgen.simulation.exhibits import list_exhibits, subjects
 from wsgen.simulation.framing import Size, extent, eye_camera
-from wsgen.simulation.picture import write_caption
+from wsgen.simulation.picture import write_caption, write_png
 from wsgen.simulation.probe import seen_points
-from wsgen.simulation.stage import Stage, lights
+from wsgen.simulation.stage import Stage, finest_scale, lights
 
 if TYPE_CHECKING:
     from collections.abc import Container, Iterator, Mapping, Sequence
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from wsgen.simulation.scene import Scene
 
 PICTURE, WORLD_PICTURE = Size(960, 720), Size(480, 360)
-PATIENCE = 0.8  # s of CPU time for a shot
+PATIENCE = 2.0  # s of CPU time for a picture, about
 
 # Towards the camera of the picture of the world: from above, over walls.
 VIEWS: tuple[Vector, ...] = (
@@ -77,11 +77,16 @@ class Gallery:
         """Write a PNG of the robots; gives the edge of the ground's squares, m, if any are seen."""
         points = self.subject_points()
         stage = Stage(
-            self.studio, self.world, points, PICTURE, PATIENCE, without_shadow=self.scenery
+            self.studio,
+            self.world,
+            points,
+            PICTURE,
+            finest_scale(self.studio, PICTURE, PATIENCE),
+            without_shadow=self.scenery,
         )
         image = stage.take(dither=True)
         write_caption(image, [*self._captions(points), *_legend(stage.backdrop.tile)])
-        image.save(file, format="PNG")
+        write_png(image, file)
         return stage.backdrop.tile
 
     def draw_world(self, file: Path) -> float | None:
@@ -93,10 +98,11 @@ class Gallery:
         near = [of_it for of_it in scenery.values() if abs(of_it - middle).max() < room]
         framed = np.vstack([points, *near])
         towards = self._best_view(framed)
-        stage = Stage(self.studio, self.world, framed, WORLD_PICTURE, PATIENCE, towards=towards)
+        scale = finest_scale(self.studio, WORLD_PICTURE, PATIENCE)
+        stage = Stage(self.studio, self.world, framed, WORLD_PICTURE, scale, towards=towards)
         image = stage.take(dither=True)
         write_caption(image, [*_legend(stage.backdrop.tile)])
-        image.save(file, format="PNG")
+        write_png(image, file)
         return stage.backdrop.tile
 
     def _best_view(self, points: Floats) -> Vector:

@@ -96,7 +96,7 @@ class Backdrop:
         if light is None or not self.is_ground_seen:
             return self.colour
         pixels = light.camera.width
-        bodies = np.asarray(light.body).reshape(pixels, pixels)
+        bodies = light.body
         mask = np.where(bodies >= 0, opacity[np.maximum(bodies, 0)] * 255, 0).astype(np.uint8)
         soft = Image.fromarray(mask).filter(ImageFilter.GaussianBlur(pixels * SOFTNESS))
         # A plane is seen alike by two cameras but for a change of perspective.

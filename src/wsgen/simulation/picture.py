@@ -7,15 +7,18 @@ through it faintly.
 
 from __future__ import annotations
 
+import io
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from PIL import Image, ImageChops, ImageDraw, ImageFont
 
+from wsgen.files import write_file
 from wsgen.simulation.framing import matrix
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from pathlib import Path
 
     from numpy.typing import NDArray
 
@@ -32,6 +35,9 @@ FAINT = 0.35  # how much of what is under the ground shines through
 DITHER = 1.0
 CAPTION_COLOUR = (70, 78, 88)
 CAPTION_SIZE, CAPTION_MARGIN = 1 / 40, 1 / 51  # of the picture's height
+TITLE_COLOR = (30, 36, 44)
+TITLE_PALENESS = 0.75  # of the image behind a title
+TITLE_SIZE, TITLE_WIDTH = 1 / 9, 0.9  # of the picture's height; of its width, the most
 
 
 def robots(shot: Shot, behind: Shot | None, opacity: Floats, *, has_ground: bool) -> Image.Image:
@@ -55,29 +61,25 @@ def robots(shot: Shot, behind: Shot | None, opacity: Floats, *, has_ground: bool
 
 
 def _image(shot: Shot, opacity: Floats, *, has_ground: bool) -> Image.Image:
-    camera = shot.camera
     alpha = (_of_bodies(shot, opacity) * 255).astype(np.uint8)
     if has_ground:
         alpha = np.where(is_under_ground(shot), (alpha * FAINT).astype(np.uint8), alpha)
-    colour = np.asarray(shot.rgba, dtype=np.uint8).reshape(camera.height, camera.width, 4).copy()
+    colour = shot.rgba.copy()
     colour[..., 3] = alpha
     return Image.fromarray(colour)
 
 
 def _of_bodies(shot: Shot, table: NDArray[Any]) -> NDArray[Any]:
     """For each pixel what a table says of the body that is seen there; 0 where none is."""
-    bodies = np.asarray(shot.body).reshape(shot.camera.height, shot.camera.width)
-    return np.where(bodies >= 0, table[np.maximum(bodies, 0)], 0)
+    return np.where(shot.body >= 0, table[np.maximum(shot.body, 0)], 0)
 
 
 def is_under_ground(shot: Shot) -> NDArray[np.bool_]:
     """Where what is seen lies under z = 0."""
-    camera = shot.camera
-    shape = (camera.height, camera.width)
-    rows, columns = np.nonzero(np.asarray(shot.body).reshape(shape) >= 0)
-    depth = np.asarray(shot.depth, dtype=np.float64).reshape(shape)[rows, columns]
-    under = np.zeros(shape, dtype=bool)
-    under[rows, columns] = unproject(shot, rows, columns, depth)[2] < -SUNK * camera.far
+    rows, columns = np.nonzero(shot.body >= 0)
+    depth = shot.depth[rows, columns].astype(np.float64)
+    under = np.zeros(shot.body.shape, dtype=bool)
+    under[rows, columns] = unproject(shot, rows, columns, depth)[2] < -SUNK * shot.camera.far
     return under
 
 
@@ -122,3 +124,26 @@ def write_caption(image: Image.Image, lines: Sequence[str]) -> None:
         font=ImageFont.load_default(max(11, round(image.height * CAPTION_SIZE))),
         anchor="ld",
     )
+
+
+def draw_title(image: Image.Image, title: str) -> Image.Image:
+    """A title card: the title, as large as there is room for, over the pale image."""
+    card = Image.blend(image, Image.new("RGB", image.size, "white"), TITLE_PALENESS)
+    size = image.height * TITLE_SIZE
+    room = image.width * TITLE_WIDTH
+    size *= min(1.0, room / max(1.0, ImageFont.load_default(size).getlength(title)))
+    ImageDraw.Draw(card).text(
+        (image.width / 2, image.height / 2),
+        title,
+        fill=TITLE_COLOR,
+        font=ImageFont.load_default(max(1.0, size)),
+        anchor="mm",
+    )
+    return card
+
+
+def write_png(image: Image.Image, file: Path) -> None:
+    """Write an image, whole or not at all; see `wsgen.files.write_file`."""
+    stream = io.BytesIO()
+    image.save(stream, format="PNG")
+    write_file(file, stream.getvalue())

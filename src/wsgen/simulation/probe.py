@@ -65,7 +65,7 @@ def _shoot(studio: Studio, points: Floats, missing: Collection[int]) -> Shot:
 
 def _is_complete(shot: Shot, missing: Collection[int]) -> bool:
     """Whether bodies are seen, and do not reach out of the shot."""
-    bodies = np.asarray(shot.body).reshape(PROBE.height, PROBE.width)
+    bodies = shot.body
     rim = np.concatenate([bodies[0], bodies[-1], bodies[:, 0], bodies[:, -1]])
     wanted = list(missing)
     return bool(np.isin(wanted, bodies).all() and not np.isin(rim, wanted).any())
@@ -79,8 +79,7 @@ def _widen(points: Floats, factor: float) -> Floats:
 
 def _reach(shot: Shot, numbers: Collection[int]) -> tuple[set[int], Floats]:
     """Which of the bodies are seen clearly, and all points that are seen of those."""
-    bodies = np.asarray(shot.body).reshape(PROBE.height, PROBE.width)
-    clear = {body for body in numbers if np.count_nonzero(bodies == body) >= FEW}
-    rows, columns = np.nonzero(np.isin(bodies, list(clear)))
-    depth = np.asarray(shot.depth, dtype=np.float64).reshape(bodies.shape)
-    return clear, unproject(shot, rows, columns, depth[rows, columns]).T
+    clear = {body for body in numbers if np.count_nonzero(shot.body == body) >= FEW}
+    rows, columns = np.nonzero(np.isin(shot.body, list(clear)))
+    depth = shot.depth[rows, columns].astype(np.float64)
+    return clear, unproject(shot, rows, columns, depth).T

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+from dataclasses import dataclass, field
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
@@ -19,15 +20,19 @@ MOST_FRAMES = 600  # of a long trial there are fewer a second
 ENCODER = "av"  # PyAV, which brings FFmpeg with it; wheels for every Python that wsgen runs on
 
 
+def lacks_encoder(file: Path) -> bool:
+    """Whether a film of that name needs PyAV, which is not installed."""
+    return file.suffix.lower() == ".mp4" and find_spec(ENCODER) is None
+
+
 def why_no_film(file: Path) -> str | None:
     """What keeps a film from being written there, in a sentence with what to do; None if nothing.
 
     It is cheap; ask before a trial.
     """
-    suffix = file.suffix.lower()
-    if suffix not in {".gif", ".mp4"}:
+    if file.suffix.lower() not in {".gif", ".mp4"}:
         return f"a film is a .gif or an .mp4, and `{file.name}` is neither"
-    if suffix == ".mp4" and find_spec(ENCODER) is None:
+    if lacks_encoder(file):
         return "an .mp4 needs PyAV: take a .gif, or pip install 'wsgen[video]'"
     if not file.parent.is_dir():
         return f"the folder {file.parent} does not exist"
@@ -37,11 +42,19 @@ def why_no_film(file: Path) -> str | None:
     return None
 
 
+@dataclass(frozen=True)
+class Clip:
+    """A part of a video, without a cut."""
+
+    name: str = ""  # of the behavior that it shows; empty for what every robot does: stand
+    frames: list[Poses] = field(default_factory=list)
+
+
 class Recorder:
     """An observer of a trial: keeps the poses of all links at a fixed rate.
 
     `link_poses` gives those of a robot, as an engine does; robots that are `immobile` are asked
-    about once.
+    about once. `seconds` is how long the video is about to be, in simulated time.
     """
 
     def __init__(
@@ -52,22 +65,28 @@ class Recorder:
         immobile: Collection[str] = (),
     ) -> None:
         self.rate = 100 / max(EVERY, math.ceil(100 * seconds / MOST_FRAMES))  # frames a second
-        self.frames: list[Poses] = []
-        self.ends: list[int] = []  # frames after which the robots are put elsewhere
+        self.clips = [Clip()]
+        self._began = 0.0  # the last clip, s
         self._link_poses = link_poses
         self._immobile = immobile
 
-    def mark(self) -> None:
-        """Say that the robots are put elsewhere now."""
-        if self.frames:
-            self.ends.append(len(self.frames) - 1)
+    def begin(self, name: str, seconds: float) -> None:
+        """A behavior begins now: what is seen from here on is a clip of its own."""
+        self.clips.append(Clip(name))
+        self._began = seconds
+
+    @property
+    def shown(self) -> list[Clip]:
+        """What the video is of: the behaviors, or the standing where there are none."""
+        return [clip for clip in self.clips[1:] if clip.frames] or self.clips[:1]
 
     def __call__(self, seconds: float, entities: Sequence[str]) -> None:
         """Look, if it is time for the next frame."""
-        if seconds * self.rate < len(self.frames) - 1e-6:
+        frames = self.clips[-1].frames
+        if (seconds - self._began) * self.rate < len(frames) - 1e-6:
             return
-        before = self.frames[-1] if self.frames else {}
-        self.frames.append(
+        before = frames[-1] if frames else {}
+        frames.append(
             {
                 entity: before[entity]
                 if entity in before and entity in self._immobile

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 TASK = "wsgen.simulation.{engine}_worker:simulate"
 MODULES = {"bullet": "pybullet", "dart": "dartpy"}
+MANY_TRIANGLES = 20_000  # with fewer, a frame's time goes into its pixels
 LAST_WORDS = 600  # characters of a dead engine's output that are told
 COLOURS = re.compile(r"\x1b\[[0-9;]*m")  # DART's warnings are yellow
 GREETINGS = ("pybullet build time",)  # what PyBullet prints when all is well
@@ -115,8 +116,10 @@ def _death(scene: Scene, death: Died) -> Diagnostic:
         severity=Severity.ERROR,
         message=f"The physics engine {death.reason} while {death.step or 'it was starting'}.{said}",
         element=_entities(scene),
-        hint="Something in the description is too much for the engine: look at collision meshes, "
-        "sizes and masses first, and leave links out until it runs.",
+        hint=death.hint(
+            "Something in the description is too much for the engine: look at collision meshes, "
+            "sizes and masses first, and leave links out until it runs."
+        ),
     )
 
 
@@ -132,7 +135,7 @@ def _refusals(answer: dict[str, Any]) -> Iterator[Diagnostic]:
 
 
 def _undrawn(answer: dict[str, Any]) -> Iterator[Diagnostic]:
-    """What was wanted and is not there."""
+    """What was asked for and is not there: as much an error as a robot that fails."""
     for kind, what in (("picture", "picture"), ("world_picture", "picture of the world")):
         problem = answer.get(f"{kind}_problem")
         if problem is not None:
@@ -144,20 +147,20 @@ def _undrawn(answer: dict[str, Any]) -> Iterator[Diagnostic]:
 def _no_picture(what: str, problem: str) -> Diagnostic:
     return Diagnostic(
         code="SPN034",
-        severity=Severity.WARNING,
-        message=f"There is no {what}: {problem}.",
-        hint="The rest of the trial counts without it. Look at the visual meshes, and whether the "
-        "folder can be written to.",
+        severity=Severity.ERROR,
+        message=f"Cannot draw the {what}: {problem}.",
+        hint="Check the visual meshes and that the directory is writable, or leave --picture out: "
+        "the simulation itself is not affected.",
     )
 
 
 def _no_film(problem: str) -> Diagnostic:
     return Diagnostic(
         code="SPN070",
-        severity=Severity.WARNING,
-        message=f"There is no film: {problem}.",
-        hint="The trial counts without it. Name a .gif in a folder that can be written to, or take "
-        "a picture.",
+        severity=Severity.ERROR,
+        message=f"Cannot record a video: {problem}.",
+        hint="Name a .gif in a writable directory, or leave --record out: the simulation itself is "
+        "not affected.",
     )
 
 
@@ -166,14 +169,17 @@ def _film(scene: Scene, answer: dict[str, Any]) -> Film | None:
 
 
 def _coarse(film: Film | None) -> Iterator[Diagnostic]:
-    """Say so if the robot is so dense that its film has less than others."""
+    """Say so if there is so much to draw that the video has less than others."""
     if film is not None and film.is_coarse:
         yield Diagnostic(
             code="SPN071",
             severity=Severity.INFO,
-            message=f"The film has {film.frames_per_second:.3g} frames a second of {film.width} by "
-            f"{film.height} pixels: what it shows takes long to draw.",
-            hint="Visual meshes with fewer triangles make it smoother.",
+            message=f"The video has {film.frames_per_second:.3g} frames per second of {film.width} "
+            f"by {film.height} pixels, to be drawn in time: {film.frames} frames of "
+            f"{film.triangles:,} triangles.",
+            hint="Reduce the visual meshes."
+            if film.triangles > MANY_TRIANGLES
+            else "Record fewer simulated seconds, in --seconds or in the behaviors.",
         )
 
 

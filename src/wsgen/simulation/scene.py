@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 LOADING = "loading the robot `{entity}`"
 TRYING = "trying the behaviour `{name}` of `{entity}`"
 DRAWING = "drawing the picture"
-FILMING = "drawing the film"  # goes on with how far it is
+FILMING = "drawing the video"  # goes on with how far it is
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,6 +48,7 @@ class Scene:
     picture: Path | None = None  # where to put a PNG of the end; its folder must exist
     world_picture: Path | None = None  # likewise of all around, if there is scenery
     record: Path | None = None  # where to put a film of the trial, .gif or .mp4; likewise
+    progress: Path | None = None  # where to write, now and then, how far the video is
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -96,6 +97,8 @@ class RobotTrial:
     energy_gain: float  # J, the most that it had above what it had when spawned
     joint_positions: Mapping[str, float]  # rad or m, of the movable joints at the end
     joint_travel: Mapping[str, float]  # rad or m, the farthest that each was from its start
+    climb: float = 0.0  # m/s, upwards, of the root link's frame, over the last looks
+    is_cut_short: bool = False  # it ended before its time: another robot's state was not finite
     is_falling: bool = False  # nothing holds it up: at the end it gets faster with gravity
     hull_gaps: tuple[HullGap, ...] = ()  # at the end
     behaviours: tuple[Behaved, ...] = ()  # that were tried
@@ -103,13 +106,14 @@ class RobotTrial:
 
 @dataclass(frozen=True, kw_only=True)
 class Film:
-    """A film that was made of a trial, from the spawning to the end."""
+    """A video of a trial: of its behaviors, or of the standing from the spawning to the end."""
 
     file: Path
     frames: int
     frames_per_second: float  # of simulated time, which is also the film's
     width: int  # pixels
     height: int
+    triangles: int  # that a frame shows
     is_coarse: bool = False  # smaller or with fewer frames than is usual, to be done in time
 
 

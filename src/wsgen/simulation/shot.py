@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from wsgen.model.transform import Vector
 
 
@@ -31,6 +34,6 @@ class Shot:
     camera: Camera
     view: tuple[float, ...]  # 4 by 4, column-major: world to camera
     projection: tuple[float, ...]  # 4 by 4, column-major: camera to clip space
-    rgba: Any  # height by width by 4, 0 to 255
-    depth: Any  # height by width, 0 to 1, of the depth buffer
-    body: Any  # height by width; negative where nothing is seen
+    rgba: NDArray[np.uint8]  # height by width by 4
+    depth: NDArray[np.float32]  # height by width, 0 to 1, of the depth buffer
+    body: NDArray[np.int32]  # height by width; negative where nothing is seen

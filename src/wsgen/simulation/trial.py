@@ -83,6 +83,13 @@ class _Watch:
         if is_moving(state):
             self.moving_until = seconds
 
+    def climb(self) -> float:
+        """How fast its root rose, m/s, over the last looks."""
+        if len(self.heights) < 2:  # noqa: PLR2004  two points make a line
+            return 0.0
+        (first, low), (last, high) = self.heights[0], self.heights[-1]
+        return (high - low) / (last - first)
+
     def acceleration(self) -> float:
         """How it gets faster upwards, m/s², over the last looks."""
         if len(self.heights) <= FALLING_LOOKS:
@@ -127,8 +134,9 @@ def play(
     """Spawn the robots, let them go for the scene's seconds, and measure.
 
     Gives the trials of the robots that the engine accepted, and why it refused the others, by
-    entity. It ends early only when no robot has a finite state any more. `announce` is told what
-    comes next; `observe` is called when all are there, and at every look from then on.
+    entity. It ends when the state of one is not finite any more: nothing that touches it moves as
+    it should, and some engines print a complaint every step. `announce` is told what comes next;
+    `observe` is called when all are there, and at every look from then on.
     """
     spawned, refused = _spawn(engine, scene, announce)
     watches = [  # when all are there
@@ -151,7 +159,7 @@ def play(
     steps = round(scene.seconds / engine.step_seconds)
     stride = max(1, round(LOOK_EVERY / engine.step_seconds))
     done = looks = 0
-    while done < steps and any(watch.is_finite for watch in watches):
+    while done < steps and all(watch.is_finite for watch in watches):
         now = min(stride, steps - done)
         engine.advance(now)
         done += now
@@ -164,7 +172,11 @@ def play(
                 watch.look_long(engine.energy(entity), engine.joint_positions(entity))
         if observe is not None:
             observe(seconds, entities)
-    return [_measured(engine, scene, watch, overlaps) for watch in watches], refused
+    is_cut_short = not all(watch.is_finite for watch in watches)
+    return [
+        _measured(engine, scene, watch, overlaps, is_cut_short=is_cut_short and watch.is_finite)
+        for watch in watches
+    ], refused
 
 
 def _overlaps(engine: Engine, scene: Scene) -> list[Overlap]:
@@ -217,7 +229,7 @@ def _put_on_the_ground(engine: Engine, robot: SpawnedRobot, world: World) -> Pos
 
 
 def _measured(
-    engine: Engine, scene: Scene, watch: _Watch, overlaps: Sequence[Overlap]
+    engine: Engine, scene: Scene, watch: _Watch, overlaps: Sequence[Overlap], *, is_cut_short: bool
 ) -> RobotTrial:
     last = watch.last
     rotation = rotation_of_quaternion(last.xyzw)
@@ -236,11 +248,13 @@ def _measured(
         penetration=max(0.0, -watch.lowest_point) if scene.world.has_ground_plane else 0.0,
         lowest_point_at_end=lowest,
         is_finite=watch.is_finite,
+        is_cut_short=is_cut_short,
         settled_after=watch.moving_until if settled else None,
         rest_pose=Pose(xyz=last.xyz, rpy=rpy_of_rotation(rotation)),
         speed=last.speed,
         turning=last.turning,
         joint_speed=last.joint_speed,
+        climb=watch.climb(),
         highest_speed=watch.highest_speed,
         highest_point=watch.highest_point,
         tilt=math.acos(min(1.0, max(-1.0, turned[2][2]))),

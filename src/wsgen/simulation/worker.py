@@ -55,7 +55,7 @@ def _try(
 
     if recorder is None:
         return try_behaviours(engine, scene, trials, announce)
-    return try_behaviours(engine, scene, trials, announce, observe=recorder, ended=recorder.mark)
+    return try_behaviours(engine, scene, trials, announce, observe=recorder, begun=recorder.begin)
 
 
 def _let_last_words_out() -> None:

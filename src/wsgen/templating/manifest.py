@@ -14,6 +14,7 @@ from wsgen.templating.location import templates_folder
 from wsgen.templating.manifest_file import MANIFEST, ManifestFile
 from wsgen.templating.manifest_parts import Part, read_parts, read_targets, read_variables
 from wsgen.templating.sources import SHIPPED
+from wsgen.templating.variables import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -153,7 +154,9 @@ def _no_template(given: str, folder: Path) -> RequestError:
             hint=f"docs/templates.md says how to write a template; those of wsgen are: {names}.",
         )
     return RequestError(
-        f"There is no template {given!r}.", hint=f"Templates: {names}; or give a folder of yours."
+        f"There is no template {given!r}.",
+        hint=f"{did_you_mean(given, template_names())}Templates: {names}; or give a folder of "
+        "yours.",
     )
 
 

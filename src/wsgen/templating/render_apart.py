@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from wsgen.templating.manifest import Template
     from wsgen.templating.render import RenderedTree
 
-# For one package; ours take 0.02 s. The child stops itself first, where it can say in which line.
+# Of CPU time, for one package; ours take 0.02. The child stops itself first, where it can say in
+# which line.
 SECONDS = 5.0
 SPARE_SECONDS = 2.0
 MEMORY = 2**29  # bytes
@@ -61,7 +62,7 @@ def render_tree_apart(
                 severity=Severity.ERROR,
                 message=f"Rendering the template {answer.reason}.",
                 file=template.folder,
-                hint="Look for loops and powers of large numbers.",
+                hint=answer.hint("Look for loops and powers of large numbers."),
             ),
         )
     tree: RenderedTree = answer.value["tree"]
@@ -72,12 +73,12 @@ def render_here(spec: PackageSpec, template: Template, seconds: float) -> dict[s
     """What the child does; its answer is JSON."""
 
     def stop(_number: int, _frame: FrameType | None) -> None:
-        raise TooSlowError(f"the template takes longer than {seconds:g} s")
+        raise TooSlowError(f"the template needs more than {seconds:g} s of CPU time")
 
-    signal.signal(signal.SIGALRM, stop)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
+    signal.signal(signal.SIGPROF, stop)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
     tree, faults = render_tree(spec, template)
-    signal.setitimer(signal.ITIMER_REAL, 0)
+    signal.setitimer(signal.ITIMER_PROF, 0)
     return {"tree": tree, "faults": [_write_fault(fault) for fault in faults]}
 
 

@@ -6,6 +6,8 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from wsgen.workspace.lint_packages import WITHOUT_TESTS
+
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
 
@@ -50,9 +52,9 @@ def build_arguments(
         option = "--ament-cmake-args"
         position = arguments.index(option) + 1 if option in arguments else None
         if position is None:
-            arguments += [option, "-DBUILD_TESTING=OFF"]
+            arguments += [option, WITHOUT_TESTS]
         else:
-            arguments.insert(position, "-DBUILD_TESTING=OFF")
+            arguments.insert(position, WITHOUT_TESTS)
     if packages:
         arguments += ["--packages-up-to", *packages]
     silenced = [name for name in SILENCED if f"{EVENT_HANDLERS}.{name}" not in blocked]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Diagnostic, Severity, has_errors
@@ -29,12 +30,13 @@ from wsgen.workspace.toolchain import find_toolchain, package_prefixes
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
-    from pathlib import Path
 
     from wsgen.workspace.layout import Inventory, PackageFolder, Workspace
     from wsgen.workspace.toolchain import Toolchain
 
 UNEXPLAINED = frozenset({"BLD015", "BLD016", "BLD020"})  # these say no more than the output
+DEPRECATED_MINIMUM = "BLD030"
+MINIMUM_THAT_LASTS = "cmake_minimum_required(VERSION 3.8...3.31)"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,6 +49,15 @@ class BuildResult:
     diagnostics: tuple[Diagnostic, ...] = ()
     log_folder: Path | None = None  # None where logging is off, or colcon did not get so far
     colcon_output: tuple[str, ...] = ()  # the lines that colcon itself wrote to standard error
+
+    @property
+    def not_built(self) -> tuple[str, ...]:
+        """Names of the packages that were skipped or stopped because another one failed."""
+        return tuple(
+            package.name
+            for package in self.packages
+            if package.outcome in {"skipped", "interrupted"}
+        )
 
     @property
     def unexplained_output(self) -> tuple[str, ...]:
@@ -63,6 +74,10 @@ class BuildResult:
                 package.outcome == "built" and package.name not in explained
             ):
                 lines += package.error_output
+        if any(found.code == DEPRECATED_MINIMUM for found in self.diagnostics):
+            from wsgen.workspace.cmake_output import split_deprecations  # noqa: PLC0415  as above
+
+            return split_deprecations(lines)[0]
         return tuple(lines)
 
 
@@ -116,6 +131,7 @@ def build(
     )
     progress = Progress(listener)
     succeeded, diagnostics = _build(job, environment, progress)
+    diagnostics = (*diagnostics, *_deprecated_minimum(job, progress))
     result = BuildResult(
         succeeded=succeeded and not has_errors(diagnostics),
         packages=tuple(progress.results),
@@ -124,17 +140,25 @@ def build(
         log_folder=progress.log_folder,
         colcon_output=tuple(progress.colcon_output),
     )
-    built = sum(package.outcome == "built" for package in result.packages)
     post(
         listener,
         StepEnded(
             step=STEP,
             succeeded=result.succeeded,
             seconds=result.seconds,
-            detail=f"{built} of {len(result.packages)} packages",
+            detail=_count(result),
         ),
     )
     return result
+
+
+def _count(result: BuildResult) -> str:
+    built = sum(package.outcome == "built" for package in result.packages)
+    if built == len(result.packages):
+        return f"{built} of {built} packages"
+    failed = sum(package.outcome == "failed" for package in result.packages)
+    left = f", {len(result.not_built)} not built ({', '.join(result.not_built)})"
+    return f"{built} built, {failed} failed{left if result.not_built else ''}"
 
 
 def _build(
@@ -150,12 +174,21 @@ def _build(
         return False, (*broken, *moved)  # it might build, and elsewhere
     finished, notes = _run(job, environment, progress)
     overlooked = tuple(_overlooked(job, finished, progress))
-    if finished.returncode == 0:
+    if finished.returncode == 0 and not finished.output:
         return True, (*broken, *notes, *overlooked)
-    from wsgen.workspace.verdict import explain_failure  # noqa: PLC0415  who succeeds saves 5 ms
+    from wsgen.workspace.verdict import (  # noqa: PLC0415  who succeeds saves 5 ms
+        explain_failure,
+        refuse_full_disk,
+    )
 
+    if finished.returncode == 0:
+        refuse_full_disk(finished.output, job.workspace)  # colcon's log has not found room
+        return True, (*broken, *notes, *overlooked)
     distro = environment.get("ROS_DISTRO", "")
     causes = explain_failure(job.workspace, job.inventory, progress, finished, distro=distro)
+    # What makes colcon build a package as another one is the cause of whatever fails in it.
+    mistaken = {finding.element for finding in overlooked}
+    causes = tuple(finding for finding in causes if finding.element not in mistaken)
     return False, (*broken, *causes, *overlooked, *notes)
 
 
@@ -196,7 +229,7 @@ def _run(
         progress.colcon_output += finished.output.splitlines()
         for line in progress.colcon_output:
             post(progress.listener, OutputLine(step=STEP, text=line, is_error_stream=True))
-    built = {package.name for package in progress.results}
+    built = {package.name for package in progress.results if package.outcome == "built"}
     return finished, tuple(note for note in notes if note.element in built)
 
 
@@ -208,6 +241,29 @@ def _find_toolchain(job: _Job, environment: Mapping[str, str]) -> Toolchain | No
         if any(package.build_type == "ament_cmake" for package in job.chosen):
             raise
         return None
+
+
+def _deprecated_minimum(job: _Job, progress: Progress) -> Iterator[Diagnostic]:
+    """Say once which packages name an old version of CMake; CMake has nine lines for each."""
+    places: list[tuple[str, Path, int]] = []
+    for result in progress.results:
+        if any("cmake_minimum_required" in line for line in result.error_output):
+            from wsgen.workspace.cmake_output import split_deprecations  # noqa: PLC0415  rare
+
+            package = next((one for one in job.inventory.packages if one.name == result.name), None)
+            for name, line in split_deprecations(result.error_output)[1]:
+                places.append((result.name, (package.path if package else Path()) / name, line))
+    if places:
+        names = ", ".join(dict.fromkeys(name for name, _, _ in places))
+        _, file, line = places[0]
+        yield Diagnostic(
+            code=DEPRECATED_MINIMUM,
+            severity=Severity.INFO,
+            message=f"CMake deprecates the version in cmake_minimum_required() of {names}.",
+            file=file,
+            line=line,
+            hint=f"Write {MINIMUM_THAT_LASTS}: the oldest CMake as before, up to the newest known.",
+        )
 
 
 def _overlooked(job: _Job, finished: Finished, progress: Progress) -> Iterator[Diagnostic]:

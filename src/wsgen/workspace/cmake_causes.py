@@ -7,7 +7,7 @@ from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Diagnostic
-from wsgen.workspace.cmake_text import find_open_quote, read_calls
+from wsgen.workspace.cmake_text import find_open_block, find_open_quote, read_calls
 from wsgen.workspace.manifest import read_manifest
 
 if TYPE_CHECKING:
@@ -61,6 +61,29 @@ def unclosed_quote(failure: Failure) -> Iterator[Diagnostic]:
                 line=line,
                 hint='Close it: "..."',
             )
+
+
+def unclosed_block(failure: Failure) -> Iterator[Diagnostic]:
+    """Name the if() that has no endif(), and its like."""
+    if not any("not properly nested" in error.message for error in failure.errors):
+        return
+    opened, closing = find_open_block(failure.cmake_file)
+    if opened is not None:
+        end = f"end{opened.command}()"
+        where = f" before {closing.command}() in line {closing.line}" if closing else ""
+        yield failure.diagnose(
+            CMAKE_SYNTAX,
+            f"{opened.command}() in line {opened.line} has no {end}{where}.",
+            line=opened.line,
+            hint=f"Add {end} where the block ends.",
+        )
+    elif closing is not None:
+        yield failure.diagnose(
+            CMAKE_SYNTAX,
+            f"{closing.command}() in line {closing.line} ends no {closing.command[3:]}().",
+            line=closing.line,
+            hint=f"Remove {closing.command}(), or add {closing.command[3:]}() before the block.",
+        )
 
 
 def syntax(failure: Failure) -> Iterator[Diagnostic]:
@@ -140,4 +163,11 @@ def different_names(failure: Failure) -> Iterator[Diagnostic]:
         )
 
 
-CAUSES = (unclosed_quote, syntax, unknown_command, missing_destination, different_names)
+CAUSES = (
+    unclosed_quote,
+    unclosed_block,
+    syntax,
+    unknown_command,
+    missing_destination,
+    different_names,
+)

@@ -1,4 +1,4 @@
-"""The errors that CMake prints, as values."""
+"""What CMake prints, as values: errors, and the versions that it deprecates."""
 
 from __future__ import annotations
 
@@ -7,11 +7,19 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
     from pathlib import Path
 
 _HEADING = re.compile(
     r"^CMake Error(?: at (?P<file>.+?):(?P<line>\d+)(?: \((?P<command>\w+)\))?)?:"
+)
+# As CMake 3.31 heads it, and as later ones do, whose last lines are not indented.
+_DEPRECATION = re.compile(
+    r"^CMake (?:Deprecation Warning|Warning \(deprecated\)) at (?P<file>.+?):(?P<line>\d+) "
+    r"\(cmake_minimum_required\):$"
+)
+_DEPRECATION_TEXT = re.compile(
+    r"^(?:  .*|This warning is for project developers\..*|to suppress it\.)?$"
 )
 _FRAME = re.compile(r"^  (?P<file>\S.*):(?P<line>\d+) \(\w+\)$")
 
@@ -58,3 +66,24 @@ def _read_errors(lines: list[str]) -> Iterator[CMakeError]:
             command=heading["command"] or "",
             frames=tuple(frames),
         )
+
+
+def split_deprecations(
+    lines: Sequence[str],
+) -> tuple[tuple[str, ...], tuple[tuple[str, int], ...]]:
+    """Take apart what CMake says about old versions in cmake_minimum_required().
+
+    Returns:
+        The other lines, and the file and 1-based line of each call, as CMake names them.
+    """
+    others: list[str] = []
+    places: list[tuple[str, int]] = []
+    is_inside = False
+    for line in lines:
+        heading = _DEPRECATION.match(line)
+        is_inside = heading is not None or bool(is_inside and _DEPRECATION_TEXT.match(line))
+        if heading is not None:
+            places.append((heading["file"], int(heading["line"])))
+        elif not is_inside:
+            others.append(line)
+    return tuple(others), tuple(places)

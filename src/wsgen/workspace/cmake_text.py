@@ -19,6 +19,8 @@ _CALL = re.compile(
     rf"\b([A-Za-z_]\w*)[ \t]*\(((?:{_QUOTED}|[^()\"]|\((?:{_QUOTED}|[^()\"])*\))*)\)", re.DOTALL
 )
 
+BLOCKS = ("block", "foreach", "function", "if", "macro", "while")  # each ends with end...()
+
 
 @dataclass(frozen=True, kw_only=True)
 class Call:
@@ -37,6 +39,24 @@ def read_calls(file: Path) -> tuple[Call, ...]:
     except OSError:
         return ()
     return tuple(_find_calls(_blank_comments(text)))
+
+
+def find_open_block(file: Path) -> tuple[Call | None, Call | None]:
+    """Find the call that opens a block that is not closed, or closes one that is not open.
+
+    Returns:
+        The call that opens a block without an end, and the call that ends another one in its place;
+        either may be None, both where all blocks are in order.
+    """
+    opened: list[Call] = []
+    for call in read_calls(file):
+        if call.command in BLOCKS:
+            opened.append(call)
+        elif call.command.startswith("end") and call.command[3:] in BLOCKS:
+            if not opened or opened[-1].command != call.command[3:]:
+                return (opened[-1] if opened else None), call
+            opened.pop()
+    return (opened[-1] if opened else None), None
 
 
 def find_open_quote(file: Path) -> int | None:

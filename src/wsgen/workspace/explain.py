@@ -49,6 +49,7 @@ def _unexplained(failure: Failure) -> Diagnostic:
 
 
 CAUSES = (
+    package_causes.refused_manifest,
     *machine_causes.CAUSES,
     *cmake_causes.CAUSES,
     *package_causes.CAUSES,

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import errno
+import os
 import re
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.errors import NotReadableError, RequestError
+from wsgen.files import explain_write_error
 from wsgen.workspace.failure import last_words
 
 if TYPE_CHECKING:
@@ -133,13 +136,16 @@ def _unbuilt_dependency(output: str, workspace: Workspace) -> Iterator[Diagnosti
 
 def _refuse_unwritable(output: str, workspace: Workspace) -> None:
     match = re.search(
-        r"(?m)^\w*Error: \[Errno \d+\] .+?: '(.+?)'|The install base '(.+?)' is not a", output
+        r"(?m)^\w*Error: \[Errno (\d+)\] .+?: '(.+?)'|The install base '(.+?)' is not a", output
     )
     if match:
+        number = int(match[1]) if match[1] else errno.ENOTDIR
+        file = workspace.root / (match[2] or match[3])
+        cannot_write = explain_write_error(OSError(number, os.strerror(number)), file).message
         raise NotReadableError(
-            f"colcon cannot write {workspace.root / (match[1] or match[2])}.",
-            hint="Check that build, install and log of the workspace are folders, that you may "
-            "write there, and that the disk is not full.",
+            f"colcon {cannot_write[0].lower()}{cannot_write[1:]}",
+            hint="Check that build, install and log of the workspace are folders, and that you may "
+            "write there.",
         )
 
 

@@ -19,6 +19,13 @@ if TYPE_CHECKING:
 
 IGNORE_MARKERS = frozenset({"COLCON_IGNORE", "AMENT_IGNORE", "CATKIN_IGNORE"})
 PYTHON_MARKERS = frozenset({"setup.py", "setup.cfg", "pyproject.toml"})
+# How `ros2 launch` recognises launch files.
+LAUNCH_FILES = ("*launch.py", "*launch.xml", "*launch.yaml", "*launch.yml")
+# Beside `src`, these say that it holds the source code of one project.
+PROJECT_MARKERS = PYTHON_MARKERS | {
+    *("CMakeLists.txt", "Cargo.toml", "build.gradle", "go.mod", "meson.build", "package.json"),
+    *("package.xml", "pom.xml"),
+}
 # How many folders below `src` are looked at to see that it is the source folder of a workspace,
 # and not that of something else with a million files, such as /usr/src.
 EVIDENCE_LIMIT = 2000
@@ -124,7 +131,7 @@ def find_workspace(start: Path) -> Workspace | None:
             continue
         if (folder / "package.xml").is_file() or (folder / "COLCON_IGNORE").exists():
             continue
-        is_exposed = folder in {Path(folder.anchor), Path.home()}
+        is_exposed = _is_exposed(folder)
         if _is_marked(folder):
             if marked is None:
                 marked = Workspace(root=folder)
@@ -132,6 +139,33 @@ def find_workspace(start: Path) -> Workspace | None:
         if not is_exposed and _has_source(folder):
             return Workspace(root=folder)
     return marked
+
+
+def workspace_of_source_folder(start: Path) -> Workspace | None:
+    """Find the workspace that a folder is in by the name `src` alone, whatever `src` holds.
+
+    For writing a package where `find_workspace` finds no evidence: the folder holds `src`, or is in
+    it. Of several the outermost counts, as no workspace lies inside `src`. The home folder and
+    those of other projects are no workspaces.
+    """
+    start = start.absolute()
+    found: Workspace | None = None
+    for folder in (start, *start.parents):
+        source = folder / "src"
+        is_near = start in (folder, source) or source in start.parents
+        if is_near and source.is_dir() and _may_hold_packages(folder):
+            found = Workspace(root=folder)
+    return found
+
+
+def _may_hold_packages(folder: Path) -> bool:
+    markers = PROJECT_MARKERS | IGNORE_MARKERS
+    return not _is_exposed(folder) and not any((folder / name).exists() for name in markers)
+
+
+def _is_exposed(folder: Path) -> bool:
+    """Whether a `src` here may be anybody's."""
+    return folder in {Path(folder.anchor), Path.home()}
 
 
 def find_packages(workspace: Workspace) -> tuple[PackageFolder, ...]:
@@ -168,6 +202,12 @@ def read_package(folder: Path) -> PackageFolder | None:
     if manifest.code == FOREIGN_MANIFEST:
         return None
     return PackageFolder(path=folder, name=folder.name, build_type="", diagnostics=(manifest,))
+
+
+def find_launch_files(folder: Path) -> tuple[Path, ...]:
+    """List the launch files below a folder, by path."""
+    found = {file for pattern in LAUNCH_FILES for file in folder.rglob(pattern) if file.is_file()}
+    return tuple(sorted(found))
 
 
 def crawl(root: Path, *, with_ignored: bool = False) -> Iterator[tuple[Path, frozenset[str]]]:

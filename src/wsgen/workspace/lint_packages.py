@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from wsgen.workspace.layout import PackageFolder
 
 TESTS_LEFT_OUT = "BLD001"
+WITHOUT_TESTS = "-DBUILD_TESTING=OFF"
 LINTER = "ament_lint_auto"  # needed by tests alone, listed as test_depend or not
 
 
@@ -34,6 +35,8 @@ def missing_test_dependencies(
     """
     found: list[Diagnostic] = []
     for package in packages:
+        if package.build_type != "ament_cmake":
+            continue  # the option that leaves tests out does not reach it
         file = package.path / "CMakeLists.txt"
         calls = read_calls(file)
         if not any(call.command == "if" and "BUILD_TESTING" in call.arguments for call in calls):
@@ -55,8 +58,7 @@ def missing_test_dependencies(
                     file=file,
                     line=call.line,
                     element=package.name,
-                    hint=f"Nothing to do, or install {name}; plain colcon build needs "
-                    "--cmake-args -DBUILD_TESTING=OFF.",
+                    hint=f"Nothing to do, or install {name}.",
                 )
             )
     return tuple(found)

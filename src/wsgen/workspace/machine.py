@@ -1,4 +1,7 @@
-"""What there is on a machine: looked at without starting a program or importing a library.
+"""What there is on a machine: looked at without importing a library.
+
+Whether pictures can be drawn is known when one is drawn; a child process does that, as an engine
+that another one has built may crash.
 
 Everything that is looked at is given, so that any machine can be looked at: `here` gives this one.
 """
@@ -14,7 +17,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.errors import NotFoundError
+from wsgen.errors import NotFoundError, NotReadableError
+from wsgen.isolation import parent
+from wsgen.isolation.outcome import Died
 from wsgen.workspace.toolchain import find_toolchain
 
 if TYPE_CHECKING:
@@ -23,6 +28,7 @@ if TYPE_CHECKING:
     from wsgen.workspace.toolchain import Toolchain
 
 OS_RELEASE = ("etc/os-release", "usr/lib/os-release")  # the first that is there
+DRAWING_TASK = "wsgen.simulation.bullet_studio:draw_a_box"
 SYSTEMS = {"linux": "Linux", "darwin": "macOS", "win32": "Windows"}
 
 
@@ -50,6 +56,7 @@ class Machine:
     interpreter: str  # its path
     which: Callable[[str, str], str | None]  # name of a program, PATH -> its path
     has_module: Callable[[str], bool]  # name of a Python module at the top level
+    why_no_picture: Callable[[], str | None]  # what keeps PyBullet from drawing; None if nothing
 
     @property
     def system_name(self) -> str:
@@ -80,6 +87,7 @@ def here(environment: Mapping[str, str]) -> Machine:
         interpreter=sys.executable,
         which=_which,
         has_module=_has_module,
+        why_no_picture=_why_no_picture,
     )
 
 
@@ -123,6 +131,17 @@ def ros_prefixes(machine: Machine, distro: str) -> list[Path]:
 
 def _which(program: str, path: str) -> str | None:
     return shutil.which(program, path=path)
+
+
+def _why_no_picture() -> str | None:
+    """Draw a small picture in a child process; what it died of goes on after "PyBullet"."""
+    try:
+        outcome = parent.run(DRAWING_TASK)
+    except NotReadableError as error:
+        return f"was not tried: {error.message}"
+    if isinstance(outcome, Died):
+        return outcome.reason
+    return None if outcome.value else "draws nothing"
 
 
 def _has_module(name: str) -> bool:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from xml.parsers import expat
 
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.workspace.manifest_syntax import find_mistake
+from wsgen.xmlsyntax import find_mistake
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -84,6 +84,8 @@ def read_manifest(file: Path) -> Manifest | Diagnostic:
     try:
         data = file.read_bytes()
         parser.Parse(data, True)
+        if handler.root == "package":
+            data.decode("utf-8")  # as colcon and CMake read it, whatever encoding it declares
     except OSError as error:
         return Diagnostic(
             code=UNREADABLE_MANIFEST,
@@ -92,15 +94,24 @@ def read_manifest(file: Path) -> Manifest | Diagnostic:
             file=file,
             hint="Check what it is (ls -l) and that you may read it.",
         )
+    except UnicodeDecodeError as error:
+        return Diagnostic(
+            code=UNREADABLE_MANIFEST,
+            severity=Severity.ERROR,
+            message="package.xml is not UTF-8 text.",
+            file=file,
+            line=data.count(b"\n", 0, error.start) + 1,
+            hint="Save it in the encoding UTF-8.",
+        )
     except expat.ExpatError as error:
-        what, line, hint = find_mistake(data, error, handler.opened)
+        mistake = find_mistake(data)
         return Diagnostic(
             code=MALFORMED_MANIFEST,
             severity=Severity.ERROR,
-            message=f"package.xml is not well-formed XML: {what}.",
+            message=f"package.xml is not well-formed XML: {mistake.message if mistake else error}.",
             file=file,
-            line=line,
-            hint=hint,
+            line=mistake.line if mistake else error.lineno,
+            hint=mistake.hint if mistake else "",
         )
     except _EntityError:
         return Diagnostic(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from difflib import get_close_matches
 
 EXAMPLES = {
     "name": "<name>my_package</name>",
@@ -11,6 +12,14 @@ EXAMPLES = {
     "maintainer": '<maintainer email="you@example.com">Your Name</maintainer>',
     "license": "<license>Apache-2.0</license>",
 }
+
+# The elements of format 3, below <package>.
+TAGS = (
+    *("name", "version", "description", "maintainer", "license", "url", "author", "export"),
+    *("build_depend", "build_export_depend", "buildtool_depend", "buildtool_export_depend"),
+    *("exec_depend", "depend", "doc_depend", "test_depend", "conflict", "replace"),
+    *("group_depend", "member_of_group"),
+)
 
 # Tried in order; the words of the complaint that are in parentheses go into the hint.
 HINTS = (
@@ -51,6 +60,11 @@ def hint_for(complaint: str, text: str) -> str:
         if len(re.findall(rf"<{element}[\s>]", text)) > 1 and "exactly one" in complaint:
             return f"Keep one <{element}>."
         return f"Add: {EXAMPLES[element]}"
+    unknown = re.search(r"following tags: (.+?)\.?$", complaint)
+    for tag in unknown[1].split(", ") if unknown else ():
+        near = get_close_matches(tag, TAGS, n=1)
+        if near:
+            return f"Did you mean `{near[0]}`?"
     for pattern, hint in HINTS:
         match = re.search(pattern, complaint)
         if match:

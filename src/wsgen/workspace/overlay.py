@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 INDEX = Path("share", "ament_index", "resource_index", "packages")
-SECONDS_TO_SOURCE = 60.0  # wall-clock; a setup file that waits for input waits for ever
+SECONDS_TO_SOURCE = 300.0  # wall-clock; a setup file may wait for ever, and a machine be busy
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,7 +73,8 @@ def source_overlay(place: Workspace | Path, environment: Mapping[str, str]) -> O
     except subprocess.TimeoutExpired as error:
         raise NotReadableError(
             f"{setup} did not come to an end in {SECONDS_TO_SOURCE:g} s.",
-            hint=f"See where it waits: {Path(shell).name} -xc '. {setup}'",
+            hint="Try again when the machine is less busy, or see where it waits: "
+            f"{Path(shell).name} -xc '. {setup}'",
         ) from error
     if finished.returncode != 0 or not finished.stdout:
         said = finished.stderr.decode("utf-8", "replace").strip().splitlines()[-3:]

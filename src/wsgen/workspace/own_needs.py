@@ -64,6 +64,7 @@ def find_own_needs(machine: Machine) -> Iterator[Finding]:
     yield _modules(machine, "xacro", {"xacro": "xacro"})
     yield _modules(machine, "Python libraries", LIBRARIES)
     yield _engine(machine)
+    yield _pictures(machine)
     yield from _extras(machine)
 
 
@@ -136,11 +137,7 @@ def _engine(machine: Machine) -> Finding:
     for module, name in (("pybullet", "PyBullet"), ("dartpy", "DART")):
         if machine.has_module(module):
             return Finding("physics engine", is_met=True, text=name, is_needed=True)
-    wanted = "pybullet"
-    if machine.python > LAST_PYTHON_WITH_PYBULLET:
-        wanted = "dartpy"
-    elif machine.python >= FIRST_PYTHON_WITH_ITS_FORK:
-        wanted = "pybullet-arm64"  # the same module; the other has no wheels for this Python
+    wanted = "dartpy" if machine.python > LAST_PYTHON_WITH_PYBULLET else _pybullet(machine)
     return Finding(
         "physics engine",
         is_met=False,
@@ -148,6 +145,28 @@ def _engine(machine: Machine) -> Finding:
         is_needed=True,
         mend=_pip(machine, wanted),
     )
+
+
+def _pictures(machine: Machine) -> Finding:
+    """What `--picture` and `--record` need."""
+    if not machine.has_module("pybullet"):
+        why, mend = "PyBullet draws them, and is not installed", _pip(machine, _pybullet(machine))
+        if machine.python > LAST_PYTHON_WITH_PYBULLET:
+            why, mend = "PyBullet draws them, and has no wheel for this Python", ""
+        return Finding("pictures", is_met=False, text=f"cannot be drawn: {why}", mend=mend)
+    problem = machine.why_no_picture()
+    return Finding(
+        "pictures",
+        is_met=problem is None,
+        text="drawn by PyBullet" if problem is None else f"cannot be drawn: PyBullet {problem}",
+        mend="" if problem is None else _pip(machine, "--force-reinstall", _pybullet(machine)),
+    )
+
+
+def _pybullet(machine: Machine) -> str:
+    """What pip calls PyBullet: the original has no wheels for newer Pythons."""
+    is_old = machine.python < FIRST_PYTHON_WITH_ITS_FORK
+    return "pybullet" if is_old else "pybullet-arm64"  # the same module, on every architecture
 
 
 def _extras(machine: Machine) -> Iterator[Finding]:

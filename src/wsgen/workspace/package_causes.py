@@ -38,11 +38,16 @@ GIT_KEEPS_NO_EMPTY_FOLDERS = (
 )
 
 
-def _refused_manifest(failure: Failure) -> Iterator[Diagnostic]:
-    if "InvalidPackage" in failure.output:
-        findings = check_package_xml(failure.folder / "package.xml")
-        if has_errors(findings):
-            yield from findings
+def refused_manifest(failure: Failure) -> Iterator[Diagnostic]:
+    """Say what is wrong with package.xml.
+
+    colcon takes the package for one of plain CMake then, in another environment and with other
+    arguments, so that whatever fails after that may have its cause here.
+    """
+    file = failure.folder / "package.xml"
+    findings = check_package_xml(file) if file.is_file() else ()
+    if has_errors(findings):
+        yield from findings
 
 
 def _missing_manifest(failure: Failure) -> Iterator[Diagnostic]:
@@ -149,7 +154,6 @@ def _find_install(failure: Failure, name: str) -> tuple[int | None, str]:
 
 
 CAUSES = (
-    _refused_manifest,
     _missing_manifest,
     _missing_cmake_file,
     _missing_package,

@@ -91,6 +91,7 @@ def _find_line(text: str, complaint: str) -> int | None:
         *(f"<{word}" for word in quoted),
         *(word for word in quoted if word not in ELEMENTS),
         *(f"<{element}" for element in ELEMENTS if element in named),
+        "<package",  # where something is missing
     )
     lines = text.splitlines()
     for needle in needles:

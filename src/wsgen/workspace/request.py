@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 from wsgen.errors import NotFoundError, RequestError
 from wsgen.workspace.arguments import discovers_elsewhere
@@ -32,7 +32,7 @@ def choose_packages(
     if discovers_elsewhere(colcon_arguments):
         return inventory.packages  # colcon knows better
     if not inventory.packages and not inventory.others:
-        _refuse_empty(workspace)
+        refuse_empty(workspace)
     known = {package.name: package for package in inventory.packages}
     for name in names:
         # A package without package.xml may have any name; colcon will say.
@@ -56,7 +56,12 @@ def unknown_package(workspace: Workspace, inventory: Inventory, name: str) -> Re
     )
 
 
-def _refuse_empty(workspace: Workspace) -> None:
+def refuse_empty(workspace: Workspace) -> NoReturn:
+    """Stop in a workspace without packages, and say why it has none.
+
+    Raises:
+        NotFoundError: always.
+    """
     ignored = next(_ignored_packages(workspace), None)
     if ignored is not None:
         folder, marker = ignored

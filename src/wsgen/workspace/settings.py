@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from wsgen import tomlfile
@@ -27,6 +27,7 @@ class Settings:
     file: Path
     allow: tuple[str, ...] = ()  # names of rules whose findings the package has on purpose
     behaviours: tuple[Behaviour, ...] = ()  # what its robot must do beyond standing
+    distro: str | None = None  # that the package is for, as `wsgen new` has recorded it
 
 
 def read_settings(package: Path) -> tuple[Settings, tuple[Diagnostic, ...]]:
@@ -45,10 +46,11 @@ def read_settings(package: Path) -> tuple[Settings, tuple[Diagnostic, ...]]:
             _lost(file, f"{FILE} is not TOML: {error}.", "Mend it, or remove it."),
         )
     behaviours, found = _behaviours(document, file)
+    settings = Settings(file=file, behaviours=behaviours, distro=_distro(document))
     found = (*_unknown(document, file), *found)
     allow = _allow(document)
     if allow is None:
-        return Settings(file=file, behaviours=behaviours), (
+        return settings, (
             *found,
             _wrong(
                 file,
@@ -57,13 +59,19 @@ def read_settings(package: Path) -> tuple[Settings, tuple[Diagnostic, ...]]:
             ),
         )
     unknown = sorted(set(document.get("validate", {})) - {"allow"})
-    return Settings(file=file, allow=allow, behaviours=behaviours), (
+    return replace(settings, allow=allow), (
         *found,
         *(
             _wrong(file, f"[validate] knows no key `{key}`.", "It knows `allow`.")
             for key in unknown
         ),
     )
+
+
+def _distro(document: dict[str, Any]) -> str | None:
+    target = document.get("target")
+    distro = target.get("distro") if isinstance(target, dict) else None
+    return distro if isinstance(distro, str) else None
 
 
 def _behaviours(

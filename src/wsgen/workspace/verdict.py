@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import tempfile
+from pathlib import Path
 from typing import TYPE_CHECKING
 
+from wsgen.files import explain_write_error, find_full_disk, full_folder
 from wsgen.workspace.explain import explain
 from wsgen.workspace.explain_colcon import explain_colcon, recognize
 from wsgen.workspace.failure import Failure
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
-    from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.workspace.colcon_process import Finished
@@ -32,15 +34,40 @@ def explain_failure(
 
     Raises:
         RequestError: colcon refused its arguments.
-        NotReadableError: it cannot write where it has to.
+        NotReadableError: colcon or a package cannot write where it has to.
     """
     failed = [result for result in progress.results if result.outcome == "failed"]
+    refuse_full_disk(
+        "\n".join([finished.output, *(line for one in failed for line in one.error_output)]),
+        workspace,
+    )
+    _refuse(full_folder(*_written_folders(workspace)), workspace)  # too full to say so
     known = recognize(finished.output, workspace)
     if known:
         return known
     if failed:
         return tuple(_explain_packages(workspace, inventory, progress, failed, distro))
     return explain_colcon(finished.output, finished.returncode, workspace)
+
+
+def refuse_full_disk(output: str, workspace: Workspace) -> None:
+    """Stop where a program has printed that the disk is full, often once for each file.
+
+    Raises:
+        NotReadableError: it has.
+    """
+    _refuse(find_full_disk(output, *_written_folders(workspace)), workspace)
+
+
+def _written_folders(workspace: Workspace) -> tuple[Path, ...]:
+    return (workspace.root, Path(tempfile.gettempdir()))
+
+
+def _refuse(error: OSError | None, workspace: Workspace) -> None:
+    if error is not None:
+        raise explain_write_error(
+            error, Path(error.filename), what=f"the build of {workspace.root}"
+        )
 
 
 def _explain_packages(

@@ -5,12 +5,12 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, NamedTuple
 
+from wsgen.files import save_as_utf8, wide_encoding
 from wsgen.xmltree import Malformed, parse, parse_as_tinyxml
 
 if TYPE_CHECKING:
     from wsgen.xmltree import Element
 
-WIDE = (b"\xff\xfe", b"\xfe\xff", b"\0\0\xfe\xff")  # marks of UTF-16, and of UTF-32
 MARK = "\ufeff"  # of the order of bytes
 DECLARATION = ("<?xml", "?>")
 ENTITY = r"&(?!(?:lt|gt|amp|quot|apos|#\w+);)\w"
@@ -83,7 +83,7 @@ def read_document(content: str | bytes) -> Document:
         if is_deep
         else f"The SDF is not well-formed XML: {root.message}.",
         root.line,
-        "Close every element that was opened, and quote every attribute.",
+        root.hint,
     )
     return Document(None, (*slips, slip))
 
@@ -98,9 +98,13 @@ def _forget_namespace(root: Element) -> None:
 
 def _decoded(data: bytes) -> tuple[str | None, tuple[Slip, ...]]:
     data = data.rstrip(b"\0")  # where a text of C ends
-    if data.startswith(WIDE) or b"\0" in data:
-        hint = "Save it as UTF-8 (iconv -f UTF-16 -t UTF-8), if it is a text at all."
-        return None, (Slip("WLD047", "The file is no text in UTF-8.", 1, hint),)
+    wide = wide_encoding(data)
+    if wide:
+        message = f"The file is in {wide}: Gazebo reads UTF-8 alone."
+        return None, (Slip("WLD047", message, 1, save_as_utf8(wide)),)
+    if b"\0" in data:
+        message = "The file is not a text: it has null bytes."
+        return None, (Slip("WLD047", message, 1, "Name a text file in UTF-8."),)
     try:
         return data.decode("utf-8"), ()
     except UnicodeDecodeError as error:
@@ -108,7 +112,7 @@ def _decoded(data: bytes) -> tuple[str | None, tuple[Slip, ...]]:
             "WLD047",
             "The file is not in UTF-8, which it is read as.",
             data.count(b"\n", 0, error.start) + 1,
-            "Save it as UTF-8 (iconv -f ISO-8859-1 -t UTF-8).",
+            save_as_utf8("ISO-8859-1"),
         )
     return data.decode("utf-8", "replace"), (slip,)
 

@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import unquote
 
+from wsgen.diagnostics import Severity
+from wsgen.files import irregular_kind
 from wsgen.world.fuel import address_of
-from wsgen.world.lookup import is_file, is_folder
+from wsgen.world.lookup import (
+    gazebo_models,
+    instead_of_file,
+    is_file,
+    is_folder,
+    models_around,
+)
 from wsgen.world.manifest import file_of_model
 from wsgen.world.source import load, parse, with_version
 from wsgen.xmltree import children
@@ -45,6 +55,10 @@ GROUND_PLANE_SDF = """
 </sdf>
 """
 
+# So alike two words are, as difflib counts, that one is taken for the other.
+ALIKE = 0.8
+MOST_COMPARED = 20  # names; difflib takes its time, and who has more has another trouble
+
 WHERE = (
     "Put its folder beside this file, or into a folder of GAZEBO_MODEL_PATH (Gazebo Classic) or "
     "GZ_SIM_RESOURCE_PATH (Gazebo Sim)."
@@ -75,6 +89,8 @@ class Includes:
         self._sources: dict[Path, Source | None] = {}
         self._robots: dict[Path, Robot | None] = {}
         self._ground: Source | None = None
+        self._near_models: dict[str, str | None] = {}  # by the address that is not found
+        self._misspelt_ground: int | None = None  # the place of the diagnostic about it
 
     def find(
         self,
@@ -90,6 +106,15 @@ class Includes:
         `trail` are the files that lead here; `is_part` says that it belongs to another model, which
         is incomplete without it.
         """
+        if not uri:  # nobody can have that model
+            source.missing(
+                "WLD004",
+                "The include has no <uri>: it names no model.",
+                at=include,
+                name="uri",
+                hint=how_to_have(uri),
+            )
+            return None
         if is_ground_plane(uri):
             return self._ground_plane()
         found = self._files.get((source.file, uri))
@@ -111,15 +136,37 @@ class Includes:
             if inner is not None and next(children(inner.root, "light", "actor"), None) is not None:
                 return None  # nothing to touch
             found = _why_no_model(found, inner)
-        # Nobody can have a model without address; others may be where wsgen does not look.
-        report = source.error if is_part or not uri else source.warning
+        # Others may be where wsgen does not look.
+        report = source.error if is_part else source.warning
+        near = self._near(source, uri)
+        if near == GROUND_PLANE:
+            self._misspelt_ground = len(self._diagnostics)
         report(
             "WLD004",
-            f"The model {uri or '(no uri)'} is not part of the trial: {found}.",
+            f"The model {uri} is not part of the trial: {found}.",
             at=include,
-            hint=how_to_have(uri),
+            hint=f"Did you mean model://{near}?" if near else how_to_have(uri),
         )
         return None
+
+    def _near(self, source: Source, uri: str) -> str | None:
+        if uri not in self._near_models and len(self._near_models) < MOST_COMPARED:
+            self._near_models[uri] = _near_model(source, uri)
+        return self._near_models.get(uri)
+
+    def blame_misspelt_ground(self) -> bool:
+        """Report the misspelt address of a ground plane as why there is none; False if none is."""
+        place = self._misspelt_ground
+        if place is None:
+            return False
+        found = self._diagnostics[place]
+        self._diagnostics[place] = replace(
+            found,
+            severity=Severity.ERROR,
+            message=f"{found.message} Without it the world has no ground; "
+            "this trial uses the ground that was meant.",
+        )
+        return True
 
     def robot(self, file: Path) -> Robot | None:
         """The robot of a URDF file that `find` gave; what is wrong with it is reported."""
@@ -180,9 +227,7 @@ class Includes:
 
     def _model_file(self, source: Source, uri: str) -> Path | str:
         """The SDF file of an address, or why there is none."""
-        path = self.path(source, uri) if uri else None
-        if not uri:
-            return "its include says no <uri>"
+        path = self.path(source, uri)
         if path is None:
             scheme = uri.partition("://")[0]
             return (
@@ -193,9 +238,12 @@ class Includes:
         if is_folder(path):
             named = file_of_model(path)
             if named is None:
+                kind = irregular_kind(path / "model.config")
+                if kind is not None:
+                    return f"{path / 'model.config'} is {kind}"
                 return f"{path} has no model.config that names a file, and no model.sdf"
             path = named
-        return path.resolve() if is_file(path) else f"{path} is not there"
+        return path.resolve() if is_file(path) else f"{path} is {instead_of_file(path)}"
 
 
 def how_to_have(uri: str) -> str:
@@ -210,6 +258,17 @@ def how_to_have(uri: str) -> str:
             "put its folder into one of GZ_SIM_RESOURCE_PATH, and include model://NAME."
         )
     return WHERE
+
+
+def _near_model(source: Source, uri: str) -> str | None:
+    """The model that is surely meant by a `model://NAME` which is not found."""
+    scheme, _, name = uri.partition("://")
+    models = gazebo_models()
+    if scheme != "model" or name in models:
+        return None
+    names = {*models, *(models_around(source.file) if source.file else ())}
+    near = get_close_matches(name.strip("/"), sorted(names), n=1, cutoff=ALIKE)
+    return near[0] if near else None
 
 
 def is_sun(uri: str) -> bool:

@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from wsgen.files import irregular_kind
 from wsgen.world.fuel import find_in_cache
 
 if TYPE_CHECKING:
@@ -31,6 +32,33 @@ def find_world(name: str, environment: Mapping[str, str]) -> Path | None:
             if candidate.is_file():
                 return candidate
     return None
+
+
+def gazebo_models() -> list[str]:
+    """The names of the models that Gazebo Classic downloads by itself."""
+    return _gazebo_names(0)
+
+
+def gazebo_worlds() -> list[str]:
+    """The names of the worlds that Gazebo brings."""
+    return _gazebo_names(1)
+
+
+def _gazebo_names(block: int) -> list[str]:
+    text = Path(__file__).with_name("gazebo-names.txt").read_text(encoding="utf-8")
+    return text.split("\n\n")[block].partition("\n")[2].split()
+
+
+def world_names(environment: Mapping[str, str]) -> list[str]:
+    """The names of the world files where `find_world` looks."""
+    folders = (Path.cwd(), *_entries(SEARCH_PATHS, environment))
+    return [
+        file.name
+        for folder in folders
+        for place in (folder, folder / "worlds")
+        for pattern in ("*.world", "*.sdf")
+        for file in place.glob(pattern)
+    ]
 
 
 def model_finder(file: Path, environment: Mapping[str, str]) -> Callable[[str], Path | None]:
@@ -69,6 +97,16 @@ def model_finder(file: Path, environment: Mapping[str, str]) -> Callable[[str], 
     return find
 
 
+def models_around(file: Path) -> set[str]:
+    """The names of the models beside a file, and in the folders above it."""
+    return {
+        found.parent.name
+        for folder in list(file.absolute().parents)[:AROUND]
+        for place in (folder, folder / "models")
+        for found in place.glob("*/model.config")
+    }
+
+
 def model_folders(environment: Mapping[str, str]) -> list[Path]:
     """Where the environment tells Gazebo to look for models."""
     return _entries(MODEL_PATHS, environment)
@@ -88,6 +126,11 @@ def is_there(path: Path) -> bool:
         return path.exists()
     except (OSError, ValueError):
         return False
+
+
+def instead_of_file(path: Path | None) -> str:
+    """What is at a path that `is_file` says no regular file is at."""
+    return (path and irregular_kind(path)) or "not there"
 
 
 def is_folder(path: Path) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from wsgen.files import read_regular
 from wsgen.world.lookup import is_file
 from wsgen.xmltree import Malformed, children, parse
 
@@ -34,11 +35,8 @@ def file_of_model(folder: Path) -> Path | None:
 
 def _read(manifest: Path) -> bytes | None:
     """What is in it; None where there is no such file, or none that may be read."""
-    if not is_file(manifest):
-        return None
     try:
-        with manifest.open("rb") as stream:
-            return stream.read(MANIFEST_LIMIT)
+        return read_regular(manifest, MANIFEST_LIMIT)
     except OSError:
         return None
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.world.contents import Contents
@@ -123,13 +124,14 @@ def _chosen(source: Source) -> Element | None:
     """The world or model that is read; that there is none, or more, is reported."""
     found = list(children(source.root, "world", "model")) if source.root.tag == "sdf" else []
     if not found:
-        source.error(
+        source.missing(
             "WLD003",
             "There is neither a <world> nor a <model> here."
             if source.root.tag == "sdf"
             else "There is neither a <world> nor a <model> in an <sdf> here; "
             f"the root element is <{source.root.tag}>.",
             at=source.root,
+            name="model" if (source.root, "model") in source.misspelt else "world",
             hint='A world file is <sdf version="1.5"><world name="..."> ... </world></sdf>.',
         )
         return None
@@ -168,5 +170,7 @@ def _read_world(source: Source, element: Element, includes: Includes) -> SdfFile
     inhabitants = read_inhabitants(Contents(includes).world(source, element), includes)
     world = describe_world(source, element, inhabitants.placed, has_ground=inhabitants.has_ground)
     if not inhabitants.carry:
+        if includes.blame_misspelt_ground():
+            world = replace(world, has_ground_plane=True)  # what was meant, for the trial
         check_is_carried(source, element, world)
     return SdfFile(world=world, models=inhabitants.models)

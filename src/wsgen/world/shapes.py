@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.model.robot import Box, Capsule, Collision, Cone, Cylinder, Mesh, Sphere, Visual
 from wsgen.world.included import how_to_have
-from wsgen.world.lookup import is_file, is_there
+from wsgen.world.lookup import instead_of_file, is_file
 from wsgen.world.solids import is_sized, read_ellipsoid, read_extrusion, read_heightmap
 from wsgen.world.surfaces import read_colour, read_surface
 from wsgen.world.values import first, number, read_pose, triple, word
@@ -177,7 +177,7 @@ class ShapeReader:
             report(
                 "WLD033" if is_visual else "WLD032",
                 f"The {owner.tag} mesh `{uri}` of the link `{self.link}` is "
-                f"{'not there' if path is None or not is_there(path) else 'no regular file'}"
+                f"{instead_of_file(path)}"
                 f"{'' if path is None else f' ({path})'}.",
                 at=shape,
                 hint=how_to_have(uri),

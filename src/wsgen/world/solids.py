@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wsgen.model.robot import Ellipsoid, Extrusion, Heightmap
-from wsgen.world.lookup import is_file
+from wsgen.world.lookup import instead_of_file, is_file
 from wsgen.world.source import line_of
 from wsgen.world.values import FARTHEST, number, read_numbers, triple, word
 from wsgen.xmltree import children
@@ -78,8 +78,8 @@ def read_heightmap(
         report = source.warning if owner.tag == "visual" else source.error
         report(
             "WLD050",
-            f"The image `{uri}` of a {owner.tag} heightmap of the link `{link}` is not there"
-            f"{'' if path is None else f' ({path})'}.",
+            f"The image `{uri}` of a {owner.tag} heightmap of the link `{link}` is "
+            f"{instead_of_file(path)}{'' if path is None else f' ({path})'}.",
             at=shape,
             hint="Check its spelling, capitals included; the folder of model://NAME is looked for "
             "in GAZEBO_MODEL_PATH, GZ_SIM_RESOURCE_PATH and around this file.",

@@ -7,7 +7,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.files import irregular_kind, read_regular
 from wsgen.world.document import read_document
+from wsgen.world.spelling import check_spelling
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -31,6 +33,8 @@ class Source(NamedTuple):
     root: Element
     version: Version
     diagnostics: list[Diagnostic]
+    # Where the diagnostic about a misspelt child stands, by the element and the name that is meant.
+    misspelt: dict[tuple[Element, str], int]
 
     def error(self, code: str, message: str, *, at: Element, hint: str) -> None:
         """Gazebo refuses this, or makes another world of it."""
@@ -39,6 +43,22 @@ class Source(NamedTuple):
     def warning(self, code: str, message: str, *, at: Element, hint: str) -> None:
         """It works, and surely is not what was meant; or wsgen leaves it out."""
         self._report(code, Severity.WARNING, message, at, hint)
+
+    def missing(self, code: str, message: str, *, at: Element, name: str, hint: str) -> None:
+        """An error: the element has no child of that name.
+
+        Where one is misspelt, that has been reported, and becomes the error.
+        """
+        place = self.misspelt.get((at, name))
+        if place is None:
+            self.error(code, message, at=at, hint=hint)
+            return
+        cause = self.diagnostics[place]
+        self.diagnostics[place] = replace(
+            cause,
+            severity=Severity.ERROR,
+            message=f"{cause.message.partition(': ')[0]}: {message[0].lower()}{message[1:]}",
+        )
 
     def info(self, code: str, message: str, *, at: Element, hint: str) -> None:
         """Nothing is wrong with it; a person may want to know."""
@@ -89,7 +109,12 @@ def parse(content: str | bytes, file: Path | None, diagnostics: list[Diagnostic]
         )
         for slip in slips
     )
-    return None if root is None else Source(file, root, NEWEST, diagnostics)
+    if root is None:
+        return None
+    source = Source(file, root, NEWEST, diagnostics, {})
+    if root.tag == "sdf":
+        check_spelling(source)
+    return source
 
 
 def _read(file: Path) -> bytes | Diagnostic:
@@ -102,10 +127,10 @@ def _read(file: Path) -> bytes | Diagnostic:
         hint="Name the .sdf or .world file itself.",
     )
     try:
-        if file.exists() and not file.is_file():
-            return unreadable
-        with file.open("rb") as stream:
-            content = stream.read(SIZE_LIMIT + 1)
+        kind = irregular_kind(file)
+        if kind is not None:
+            return replace(unreadable, message=f"The world file cannot be read: it is {kind}.")
+        content = read_regular(file, SIZE_LIMIT)
     except (OSError, ValueError) as error:
         return replace(
             unreadable,

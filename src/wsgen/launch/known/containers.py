@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from launch.utilities.normalize_to_list_of_substitutions_impl import (
-    normalize_to_list_of_substitutions,
-)
-from launch.utilities.perform_substitutions_impl import perform_substitutions
+from launch.utilities import normalize_to_list_of_substitutions, perform_substitutions
 
 if TYPE_CHECKING:
+    from launch.base import LaunchDescriptionEntity
     from launch.launch_context import LaunchContext
-    from launch.launch_description_entity import LaunchDescriptionEntity
 
 
 def in_container(
@@ -21,8 +18,7 @@ def in_container(
 
     `container` says its name, whether it is made, and whether there is one at all.
     """
-    from launch_ros.actions.composable_node_container import ComposableNodeContainer
-    from launch_ros.actions.load_composable_nodes import LoadComposableNodes
+    from launch_ros.actions import ComposableNodeContainer, LoadComposableNodes
     from launch_ros.descriptions import ComposableNode
 
     name, is_own, is_used = container

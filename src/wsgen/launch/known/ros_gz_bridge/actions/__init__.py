@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from launch.action import Action
-from launch_ros.actions.node import Node
+from launch.base import Action
+from launch_ros.actions import Node
 from wsgen.launch.known.containers import in_container
 
 if TYPE_CHECKING:
+    from launch.base import LaunchDescriptionEntity
     from launch.launch_context import LaunchContext
-    from launch.launch_description_entity import LaunchDescriptionEntity
 
 
 class RosGzBridge(Action):

@@ -1,0 +1,86 @@
+"""Actions that a launch file creates and forgets to add are named where they are missing."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from install_space import HEAD, InstallSpace
+from wsgen.launch.spawning import find_simulator, find_spawns
+from wsgen.launch.syntax import loose_actions, where_written
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from wsgen.model.plan import LaunchPlan
+
+TEXT = (
+    HEAD
+    + """
+def generate_launch_description():
+    gazebo = IncludeLaunchDescription([FindPackageShare("gazebo_ros"), "/launch/gazebo.launch.py"])
+    spawner = Node(package="gazebo_ros", executable="spawn_entity.py",
+                   arguments=["-topic", "robot_description", "-entity", "r"])
+    publisher = Node(package="robot_state_publisher", executable="robot_state_publisher",
+                     parameters=[{"robot_description": "<robot name='r'/>"}])
+    description = LaunchDescription()
+    description.add_action(gazebo)
+    description.add_action(spawner)
+    description.add_action(publisher)
+    return description
+"""
+)
+
+
+def without(space: InstallSpace, name: str) -> LaunchPlan:
+    text = TEXT.replace(f"    description.add_action({name})\n", "")
+    share = space.add("my_robot", {"launch/test.launch.py": text})
+    return space.evaluate(share / "launch" / "test.launch.py")
+
+
+@pytest.mark.parametrize(
+    ("name", "code"), [("gazebo", "SPN001"), ("spawner", "SPN003"), ("publisher", "SPN008")]
+)
+def test_action_that_is_not_added(space: InstallSpace, name: str, code: str) -> None:
+    plan = without(space, name)
+    (found,) = (*find_simulator(plan)[1], *find_spawns(plan)[1])
+    assert found.code == code
+    assert f"`{name}` is created and not added" in found.message
+    assert found.line == TEXT[: TEXT.index(f"    {name} = ")].count("\n") + 1
+    assert f"add_action({name})" in (found.hint or "")
+
+
+def test_all_are_added(space: InstallSpace) -> None:
+    plan = without(space, "nothing")
+    assert not (*find_simulator(plan)[1], *find_spawns(plan)[1])
+
+
+def test_what_is_missing_for_another_reason(space: InstallSpace) -> None:
+    plan = space.play("Node(package='rviz2', executable='rviz2')", before="a = LogInfo(msg='')")
+    assert [found.line for found in find_spawns(plan)[1]] == [None]
+
+
+@pytest.mark.parametrize(
+    ("text", "names"),
+    [
+        ("a = Node()", ["a"]),
+        ("a = b.Node()", ["a"]),
+        ("a = Node()\nld.add_action(a)", []),
+        ("a = Node()\ndef f():\n    return [a]", []),
+        ("a = Other()", []),
+        ("a.b = Node()", []),
+        ("not Python", []),
+    ],
+)
+def test_variables_that_nothing_reads(tmp_path: Path, text: str, names: list[str]) -> None:
+    (tmp_path / "f.py").write_text(text)
+    assert [found.name for found in loose_actions([tmp_path / "f.py"], ["Node"])] == names
+
+
+def test_a_text_is_found_where_it_is_written_once(tmp_path: Path) -> None:
+    file = tmp_path / "f.py"
+    file.write_text("a = 1\nb = 'model/x.world'\nc = 'y', 'y.z'\nd = 'y'\n")
+    assert where_written("x.world", [file, tmp_path / "no.py"]) == (str(file), 2)
+    assert where_written("world", [file]) is None
+    assert where_written("y", [file]) is None

@@ -1,0 +1,232 @@
+"""One mistake in a robot is one diagnostic, about what is written."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+import pytest
+
+from wsgen.description.expand import expand
+from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.isolation import parent
+from wsgen.pipeline.described import Workshop, describe
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+ROVER = """<robot name="rover">
+  <link name="base_link">
+    <visual><geometry><box size="0.4 0.3 0.1"/></geometry></visual>
+    <collision><geometry><box size="0.4 0.3 0.1"/></geometry></collision>
+    <inertial>
+      <mass value="5"/>
+      <inertia ixx="0.042" ixy="0" ixz="0" iyy="0.071" iyz="0" izz="0.104"/>
+    </inertial>
+  </link>
+  <joint name="left_joint" type="continuous">
+    <origin xyz="0.1 0.18 0" rpy="0 0 0"/>
+    <parent link="base_link"/>
+    <child link="left_wheel"/>
+    <axis xyz="0 1 0"/>
+  </joint>
+  <link name="left_wheel">
+    <visual><geometry><cylinder radius="0.08" length="0.04"/></geometry></visual>
+    <collision><geometry><cylinder radius="0.08" length="0.04"/></geometry></collision>
+    <inertial>
+      <mass value="0.5"/>
+      <inertia ixx="0.00087" ixy="0" ixz="0" iyy="0.00087" iyz="0" izz="0.0016"/>
+    </inertial>
+  </link>
+  <joint name="right_joint" type="continuous">
+    <origin xyz="0.1 -0.18 0" rpy="0 0 0"/>
+    <parent link="base_link"/>
+    <child link="right_wheel"/>
+    <axis xyz="0 1 0"/>
+  </joint>
+  <link name="right_wheel">
+    <visual><geometry><cylinder radius="0.08" length="0.04"/></geometry></visual>
+    <collision><geometry><cylinder radius="0.08" length="0.04"/></geometry></collision>
+    <inertial>
+      <mass value="0.5"/>
+      <inertia ixx="0.00087" ixy="0" ixz="0" iyy="0.00087" iyz="0" izz="0.0016"/>
+    </inertial>
+  </link>
+  <gazebo reference="right_wheel"><mu1>0.8</mu1></gazebo>
+</robot>
+"""
+# As the tutorial's: the root has no mass, and its body is called after it.
+LUMPED = """<robot name="simple_robot" xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <xacro:property name="length" value="0.5"/>
+  <xacro:property name="radius" value="0.4"/>
+  <link name="dummy"/>
+  <joint name="dummy_joint" type="fixed">
+    <parent link="dummy"/>
+    <child link="base_link"/>
+  </joint>
+  <link name="base_link">
+    <visual>
+      <geometry>
+        <cylinder length="${length}"
+                  radius="${radius}"/>
+      </geometry>
+    </visual>
+    <collision>
+      <geometry>
+        <cylinder length="${length}"
+                  radius="${radius}"/>
+      </geometry>
+      <origin rpy="0 0 0" xyz="0 0 0"/>
+    </collision>
+    <inertial>
+      <mass value="1"/>
+      <inertia ixx="0.06" ixy="0" ixz="0" iyy="0.06" iyz="0" izz="0.08"/>
+    </inertial>
+  </link>
+</robot>
+"""
+ZERO = 'ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"'
+BASE_INERTIA = 'ixx="0.042" ixy="0" ixz="0" iyy="0.071" iyz="0" izz="0.104"'
+WHEEL_INERTIA = 'ixx="0.00087" ixy="0" ixz="0" iyy="0.00087" iyz="0" izz="0.0016"'
+INERTIAL = re.compile(r"<inertial>.*?</inertial>", re.DOTALL)
+
+
+def swap(text: str, old: str | re.Pattern[str], new: str) -> str:
+    """The text with the first of it changed, which must be there."""
+    pattern = re.compile(re.escape(old)) if isinstance(old, str) else old
+    changed, count = pattern.subn(lambda _: new, text, count=1)
+    assert count == 1
+    return changed
+
+
+def diagnose(text: str | bytes, file: Path) -> list[Diagnostic]:
+    workshop = Workshop(share_of=lambda _: None, folder=file.parent, run=parent.run)
+    return list(describe(text, file=file, workshop=workshop)[1])
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "code", "line"),
+    [
+        ('<mass value="5"/>', '<mass value="5,0"/>', "ROB016", 6),
+        ('<mass value="5"/>', '<mass value="5 kg"/>', "ROB016", 6),
+        ('<mass value="0.5"/>', '<mass value="0,5"/>', "ROB016", 20),
+        ('xyz="0.1 0.18 0"', 'xyz="0,1 0,18 0"', "ROB016", 11),
+        ('<box size="0.4 0.3', '<box size="0,4 0.3', "ROB016", 3),
+        ('ixx="0.00087"', 'ixx="0,00087"', "ROB016", 21),
+        (INERTIAL, "<inertial/>", "ROB021", 5),
+        ('<mass value="0.5"/>', "", "ROB021", 19),
+        (f"<inertia {WHEEL_INERTIA}/>", "", "ROB021", 19),
+        ('<mass value="5"/>', '<mass value="-5"/>', "ROB022", 6),
+        ('<mass value="0.5"/>', '<mass value="-0.5"/>', "ROB022", 20),
+        ('<mass value="0.5"/>', '<mass value="0"/>', "ROB040", 16),
+        ('<mass value="5"/>', '<mass value="1e30"/>', "ROB056", 2),
+        (BASE_INERTIA, ZERO, "ROB037", 2),
+        (WHEEL_INERTIA, ZERO, "ROB037", 16),
+        ('izz="0.0016"', 'izz="1.6"', "ROB037", 16),
+        ('ixx="0.042"', 'ixx="-0.042"', "ROB037", 2),
+        ('<mass value="5"/>', '<mass value="5000000"/>', "ROB049", 2),
+        ("<cylinder radius", "<cylinder radious", "ROB077", 17),
+        ("<box size", "<box sise", "ROB077", 3),
+        ("<mass value", "<mass valeu", "ROB077", 6),
+        ('izz="0.104"', 'izx="0.104"', "ROB077", 7),
+        ('type="continuous"', 'tpye="continuous"', "ROB077", 10),
+        ('<link name="right', '<link nmae="right', "ROB077", 30),
+        ('<joint name="right', '<joint nmae="right', "ROB077", 24),
+        ('<parent link="base', '<parent lnik="base', "ROB077", 12),
+        ('xyz="0.1 0.18 0"', 'xzy="0.1 0.18 0"', "ROB077", 11),
+        ('rpy="0 0 0"', 'ryp="0 0 0"', "ROB077", 11),
+        ('<axis xyz="0 1 0"/>', '<axis xzy="0 1 0"/>', "ROB077", 14),
+        ("<box ", "<bx ", "ROB038", 3),
+        ('<axis xyz="0 1 0"/>', '<axsi xyz="0 1 0"/>', "ROB038", 14),
+        ("<parent ", "<paretn ", "ROB038", 12),
+        (re.compile(r"geometry>(.*?)</geometry"), "geometri></geometri", "ROB038", 3),
+        (re.compile(r"inertial>(.*?)</inertial", re.DOTALL), "inertal></inertal", "ROB038", 5),
+    ],
+)
+def test_rover(tmp_path: Path, old: str | re.Pattern[str], new: str, code: str, line: int) -> None:
+    file = tmp_path / "rover.urdf"
+    assert diagnose(ROVER.encode(), file) == []
+    found = diagnose(swap(ROVER, old, new).encode(), file)
+    assert [(one.code, one.line) for one in found] == [(code, line)]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "code", "line"),
+    [
+        ('name="length" value="0.5"', 'name="length" value="0,5"', "ROB016", 2),
+        ('<mass value="1"/>', '<mass value="1,0"/>', "ROB016", 24),
+        ('ixx="0.06"', 'ixx="0,06"', "ROB016", 25),
+        (INERTIAL, "<inertial></inertial>", "ROB021", 23),
+        (INERTIAL, "", "ROB040", 9),
+        ('<mass value="1"/>', '<mass value="-1"/>', "ROB022", 24),
+        ('<mass value="1"/>', '<mass value="0"/>', "ROB040", 9),
+        ('ixx="0.06" ixy="0" ixz="0" iyy="0.06" iyz="0" izz="0.08"', ZERO, "ROB037", 25),
+        ('izz="0.08"', 'izz="8"', "ROB037", 25),
+        ("<cylinder length", "<cylinder lenght", "ROB077", 12),
+        ('radius="${radius}"', 'raduis="${radius}"', "ROB077", 13),
+        ('xyz="0 0 0"', 'xzy="0 0 0"', "ROB077", 21),
+    ],
+)
+def test_a_root_that_nobody_gave_a_mass(
+    tmp_path: Path, old: str | re.Pattern[str], new: str, code: str, line: int
+) -> None:
+    """What is wrong is told of the link that is written, at its line in the xacro file."""
+    file = tmp_path / "robot.xacro"
+    file.write_text(swap(LUMPED, old, new))
+    result = expand(file, {})
+    assert result.code == 0
+    found = [one for one in diagnose(result.stdout, file) if one.code != "ROB051"]
+    assert [(one.code, one.line, one.file) for one in found] == [(code, line, file)]
+    assert "dummy" not in (found[0].element or "")
+
+
+def test_what_is_lost_is_told_with_the_cause(tmp_path: Path) -> None:
+    text = swap(ROVER, '<mass value="5"/>', '<mass valeu="5"/>')
+    (found,) = diagnose(text.encode(), tmp_path / "rover.urdf")
+    assert found.severity is Severity.ERROR
+    assert found.hint == "Did you mean `value`?"
+    assert found.message == (
+        "<mass> has no attribute `valeu`: `value` is missing. Gazebo's parser stops reading the "
+        "link there, and leaves out what comes behind: 1 visual and 1 collision."
+    )
+
+
+def test_two_mistakes_are_two_diagnostics(tmp_path: Path) -> None:
+    text = swap(ROVER, '<mass value="5"/>', '<mass value="5,0"/>')
+    text = swap(text, '<mass value="0.5"/>', '<mass value="-0.5"/>')
+    found = diagnose(text.encode(), tmp_path / "rover.urdf")
+    assert [one.code for one in found] == ["ROB016", "ROB022"]
+
+
+WHEEL = ROVER[ROVER.index('<link name="left_wheel">') :]
+WHEEL_INERTIAL = WHEEL[WHEEL.index("<inertial>") : WHEEL.index("</inertial>") + len("</inertial>")]
+
+
+def test_what_gazebo_drops_for_a_misspelling_is_an_error_about_that(tmp_path: Path) -> None:
+    misspelt = WHEEL_INERTIAL.replace("inertial", "intertial")
+    text = swap(ROVER, WHEEL_INERTIAL, misspelt)
+    (found,) = diagnose(text.encode(), tmp_path / "rover.urdf")
+    assert (found.code, found.severity) == ("ROB038", Severity.ERROR)
+    assert "drops the link `left_wheel`" in found.message
+    assert found.hint == "Did you mean <inertial>?"
+
+
+def test_no_misspelling_hides_what_gazebo_drops(tmp_path: Path) -> None:
+    without = swap(ROVER, WHEEL_INERTIAL, "")
+    place = without.index('<link name="left_wheel">')
+    text = without[:place] + swap(without[place:], "<visual>", '<visual nam="v">')
+    found = diagnose(text.encode(), tmp_path / "rover.urdf")
+    assert [(one.code, one.severity) for one in found] == [
+        ("ROB077", Severity.WARNING),
+        ("ROB040", Severity.ERROR),
+    ]
+
+
+@pytest.mark.parametrize("other", ['<link name="extra"/>', '<frame name="extra"/>', "<include/>"])
+def test_a_joint_of_sdf_to_what_gazebo_adds(tmp_path: Path, other: str) -> None:
+    joint = "<joint name='j' type='fixed'><parent>base_link</parent><child>extra</child></joint>"
+    text = swap(ROVER, "</robot>", f"<gazebo>{other}{joint}</gazebo></robot>")
+    found = diagnose(text.encode(), tmp_path / "rover.urdf")
+    assert "ROB078" not in {one.code for one in found}
+    alone = diagnose(text.replace(other, "").encode(), tmp_path / "rover.urdf")
+    assert "ROB078" in {one.code for one in alone}

@@ -1,0 +1,105 @@
+"""A file is there whole, or what was there before is."""
+
+import errno
+import os
+import resource
+import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from wsgen.errors import NotReadableError
+from wsgen.files import explain_write_error, mount_point, write_file
+
+
+@contextmanager
+def files_of_at_most(size: int) -> Iterator[None]:
+    """Let the system refuse larger files, as a full disk would."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+def test_text_and_bytes(tmp_path: Path) -> None:
+    write_file(tmp_path / "text", "Grüße\n")
+    write_file(tmp_path / "bytes", b"\x00\xff")
+    assert (tmp_path / "text").read_bytes() == "Grüße\n".encode()
+    assert (tmp_path / "bytes").read_bytes() == b"\x00\xff"
+    usual = tmp_path / "usual"
+    usual.touch()
+    assert (tmp_path / "text").stat().st_mode == usual.stat().st_mode
+
+
+@pytest.mark.parametrize("before", [None, "old"])
+def test_what_does_not_fit_leaves_nothing(tmp_path: Path, before: str | None) -> None:
+    file = tmp_path / "report.json"
+    if before is not None:
+        file.write_text(before)
+    with (
+        files_of_at_most(1000),
+        pytest.raises(NotReadableError, match=r"report\.json: the file is larger than"),
+    ):
+        write_file(file, "x" * 2000)
+    assert [path.name for path in tmp_path.iterdir()] == ([] if before is None else [file.name])
+    assert before is None or file.read_text() == before
+
+
+def test_a_link_stays_a_link_and_a_file_keeps_its_mode(tmp_path: Path) -> None:
+    file = tmp_path / "file"
+    file.write_text("old")
+    file.chmod(0o640)
+    link = tmp_path / "link"
+    link.symlink_to("file")
+    write_file(link, "new")
+    assert link.is_symlink()
+    assert file.read_text() == "new"
+    assert stat.S_IMODE(file.stat().st_mode) == 0o640
+
+
+def test_a_stream_is_written_to(tmp_path: Path) -> None:
+    with (tmp_path / "output").open("wb") as stream:
+        write_file(Path(f"/dev/fd/{stream.fileno()}"), "text")
+        assert os.path.samestat(os.fstat(stream.fileno()), (tmp_path / "output").stat())
+    assert (tmp_path / "output").read_text() == "text"
+    write_file(Path("/dev/null"), "gone")
+    assert Path("/dev/null").is_char_device()
+
+
+def test_a_full_device() -> None:
+    with pytest.raises(NotReadableError, match=r"/dev/full: the disk is full \(/") as caught:
+        write_file(Path("/dev/full"), "x")
+    assert "Free some space on /" in caught.value.hint
+
+
+def test_a_folder_is_no_file(tmp_path: Path) -> None:
+    with pytest.raises(NotReadableError, match="is a directory"):
+        write_file(tmp_path, "x")
+    with pytest.raises(NotReadableError, match="the folder does not exist"):
+        write_file(tmp_path / "missing" / "file", "x")
+
+
+@pytest.mark.parametrize(
+    ("number", "reason"),
+    [
+        (errno.ENOSPC, "the disk is full"),
+        (errno.EDQUOT, "the disk quota is used up"),
+        (errno.EROFS, "the file system is read-only"),
+        (errno.EACCES, "permission denied"),
+    ],
+)
+def test_reasons(tmp_path: Path, number: int, reason: str) -> None:
+    error = explain_write_error(
+        OSError(number, os.strerror(number)), tmp_path / "x", what="the log"
+    )
+    assert error.message.startswith(f"Cannot write the log: {reason}")
+    assert error.exit_code == 4
+
+
+def test_the_file_system_of_a_path_that_does_not_exist() -> None:
+    assert mount_point(Path("/proc/missing/file")) == Path("/proc")
+    assert os.path.ismount(mount_point(Path()))

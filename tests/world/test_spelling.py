@@ -1,0 +1,91 @@
+"""Elements and attributes that are nearly called as those of SDF."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from wsgen.diagnostics import Severity
+from wsgen.world.models import read_sdf
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+WORLD = """<sdf version="1.7">
+  <world name="w">
+    <gravity>0 0 -9.8</gravity>
+    <include><uri>model://ground_plane</uri></include>
+    <model name="m">
+      <pose relative_to="world">0 0 1 0 0 0</pose>
+      <static>true</static>
+      <own:thing/><gazebo_ros/><parts/>
+      <link name="l">
+        <collision name="c">
+          <pose>0 0 0 0 0 0</pose>
+          <geometry><cylinder><radius>1</radius><length>2</length></cylinder></geometry>
+        </collision>
+      </link>
+      <plugin name="p" filename="f"><lnik>l</lnik></plugin>
+    </model>
+  </world>
+</sdf>
+"""
+
+
+def misspelt(text: str, folder: Path) -> list[tuple[str, int | None, str | None]]:
+    file = folder / "w.sdf"
+    file.write_text(text)
+    found = read_sdf(file, find_model=lambda _: None).diagnostics
+    told = [one for one in found if one.code in {"WLD058", "WLD059"}]
+    return [(one.code, one.line, one.hint) for one in told]
+
+
+def test_what_is_right_is_not_told(tmp_path: Path) -> None:
+    assert misspelt(WORLD, tmp_path) == []
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong", "line"),
+    [
+        ("gravity", "gravty", 3),
+        ("include", "inlcude", 4),
+        ("uri", "url", 4),
+        ("model", "modle", 5),
+        ("static", "statik", 7),
+        ("link", "lnik", 9),
+        ("collision", "colision", 10),
+        ("geometry", "geometri", 12),
+        ("cylinder", "cilinder", 12),
+        ("radius", "raduis", 12),
+        ("length", "lenght", 12),
+    ],
+)
+def test_elements(tmp_path: Path, right: str, wrong: str, line: int) -> None:
+    text = WORLD.replace(f"<{right}", f"<{wrong}", 1).replace(f"</{right}", f"</{wrong}", 1)
+    assert misspelt(text, tmp_path) == [("WLD058", line, f"Did you mean <{right}>?")]
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong", "line"),
+    [("name", "nmae", 2), ("relative_to", "realtive_to", 6), ("version", "verison", 1)],
+)
+def test_attributes(tmp_path: Path, right: str, wrong: str, line: int) -> None:
+    text = WORLD.replace(f" {right}=", f" {wrong}=", 1)
+    assert misspelt(text, tmp_path) == [("WLD059", line, f"Did you mean `{right}`?")]
+
+
+def test_what_a_misspelt_element_leaves_out_is_told_with_it(tmp_path: Path) -> None:
+    file = tmp_path / "w.sdf"
+    for text, line, meant in (
+        (WORLD.replace("<uri>", "<url>", 1).replace("</uri>", "</url>", 1), 4, "uri"),
+        ("<sdf version='1.7'>\n<modle name='m'/></sdf>", 2, "model"),
+        ("<sdf version='1.7'>\n<World name='m'/></sdf>", 2, "world"),
+    ):
+        file.write_text(text)
+        found = read_sdf(file, find_model=lambda _: None).diagnostics
+        errors = [one for one in found if one.severity is Severity.ERROR]
+        assert [(one.code, one.line, one.hint) for one in errors] == [
+            ("WLD058", line, f"Did you mean <{meant}>?")
+        ]
+        assert "WLD004" not in {one.code for one in found}
