@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable
 from contextlib import closing, contextmanager
 from dataclasses import replace
@@ -22,6 +23,7 @@ from wsgen.model.robot import (
     Link,
     Mesh,
     Robot,
+    Sphere,
     Surface,
 )
 from wsgen.model.world import World
@@ -186,3 +188,17 @@ def loaded(new_engine: NewEngine, robot: Robot) -> Loaded | Refused:
     """What an engine makes of a robot."""
     with closing(new_engine(GROUND)) as engine:
         return engine.spawn(SpawnedRobot(entity="e", robot=robot))
+
+
+def ball_on_mesh(new_engine: NewEngine, file: str) -> tuple[float, float]:
+    """Where a ball comes to rest on a static mesh, in m, and the CPU time that it took, in s."""
+    started = time.process_time()
+    scenery = Link(name="scenery", collisions=(Collision(geometry=Mesh(uri=file, path=file)),))
+    ball = single(body(Sphere(radius=0.1)))
+    start = Pose((math.pi / 2, 0.1, 0.3))
+    other = SpawnedRobot(entity="o", robot=ball, pose_in_world=start)
+    with spawned(
+        new_engine, replace(single(scenery), is_static=True), IDENTITY, other, world=VOID
+    ) as engine:
+        engine.advance(2000)
+        return engine.state("o").xyz[2], time.process_time() - started

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-import time
+import multiprocessing
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +12,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from simulation.robots import VOID, body, joint, single, spawned
+from simulation.robots import VOID, ball_on_mesh, body, joint, single, spawned
 from wsgen.description import solid_worker
 from wsgen.description.mesh_stl import write_stl
 from wsgen.description.solids import build_solids
@@ -26,7 +27,6 @@ from wsgen.model.robot import (
     Heightmap,
     JointType,
     Link,
-    Mesh,
     Robot,
     Sphere,
 )
@@ -176,9 +176,8 @@ def test_half_a_million_triangles_load_within_seconds(
     corners = np.concatenate([np.stack([a, b, c], axis=2), np.stack([a, c, d], axis=2)])
     file = tmp_path / "large.stl"
     write_stl(corners.reshape(-1, 3, 3), file)
-    started = time.process_time()
-    state = rest(
-        new_engine, static(Mesh(uri="large.stl", path=str(file))), BALL, (math.pi / 2, 0.1, 0.3)
-    )
-    assert time.process_time() - started < 10
-    assert state.xyz[2] > 0.15
+    # In a process of its own: what the engines took for it, they would keep for the other tests.
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as executor:
+        height, seconds = executor.submit(ball_on_mesh, new_engine, str(file)).result()
+    assert seconds < 10
+    assert height > 0.15
