@@ -1,11 +1,18 @@
 """What all tests share."""
 
+import signal
 import sys
 
 import pytest
 
 if sys.platform == "linux":
     import resource
+
+# What `nohup` and a shell's `&` let be ignored, the processes that tests start would ignore, too.
+for _name, _handler in (("SIGINT", signal.default_int_handler), ("SIGHUP", signal.SIG_DFL)):
+    _signal = getattr(signal, _name, None)  # Windows has no SIGHUP
+    if _signal is not None and signal.getsignal(_signal) is signal.SIG_IGN:
+        signal.signal(_signal, _handler)
 
 # Bytes that a process of the tests, or one that it has started, may grow to. A worker has 1 GiB
 # near the end of the suite: all engines and thousands of tests; a world that nobody frees is 90 MB.
