@@ -31,6 +31,7 @@ HEAVY = {
     "urllib.request",
     "argparse",
     "logging",
+    "difflib",
 }
 
 
@@ -74,6 +75,7 @@ def test_new_loads_what_it_renders_with(tmp_path: Path) -> None:
         "diagnostics",
         "errors",
         "model",
+        "suggestions",
         "templating",
         "tomlfile",
         "workspace",
@@ -98,6 +100,7 @@ def test_doctor_loads_no_library(tmp_path: Path) -> None:
         "files",
         "isolation",  # a child draws a picture
         "model",
+        "suggestions",
         "workspace",
         "xmlsyntax",
         "xmltree",

@@ -6,9 +6,10 @@ Only expat of the standard library, which reads nothing but the bytes it is give
 from __future__ import annotations
 
 import re
-from difflib import get_close_matches
 from typing import NamedTuple
 from xml.parsers import expat
+
+from wsgen.suggestions import nearest
 
 ERRORS = expat.errors
 UNCLOSED = frozenset({ERRORS.XML_ERROR_NO_ELEMENTS, ERRORS.XML_ERROR_UNCLOSED_TOKEN})
@@ -106,7 +107,7 @@ def _mismatch(rest: bytes, line: int, opened: list[tuple[str, int]]) -> Mistake:
     tag, opening_line = opened[-1]
     if any(name == closing for name, _ in opened):
         return _unclosed(tag, opening_line)
-    if get_close_matches(closing, [tag]):
+    if nearest(closing, [tag]) is not None:
         return Mistake(
             f"<{tag}> is closed by </{closing}>",
             line,

@@ -160,7 +160,7 @@ def test_a_launch_file_with_an_error(share: Path, capsys: pytest.CaptureFixture[
     ("words", "message"),
     [
         (("my_robot", "no.launch.py"), "Installed: r.launch.py"),
-        (("my_robt", "r.launch.py"), "Did you mean my_robot?"),
+        (("my_robt", "r.launch.py"), "Did you mean `my_robot`?"),
         (("my_robot",), "wsgen launch my_robot r.launch.py"),
         (("my_robot", "height:=2"), "the name of the launch file is missing"),
         (("my_robt",), "no launch file 'my_robt'"),

@@ -218,11 +218,11 @@ def test_an_interrupt_ends_with_130(tmp_path: Path) -> None:
     [
         (["new"], "Missing argument 'PACKAGE'.", "wsgen new [OPTIONS] PACKAGE"),
         (["new", "a", "b"], "unexpected extra argument (b).", "wsgen new --help"),
-        (["new", "a", "--simm", "gz"], "wsgen new has no option --simm.", "Did you mean --sim?"),
+        (["new", "a", "--simm", "gz"], "wsgen new has no option --simm.", "Did you mean `--sim`?"),
         (["new", "a", "--sim", "gazebo"], "'gazebo' is not one of 'classic', 'gz'.", "wsgen new"),
         (["validate", "--seconds", "many"], "'many' is not a valid", "wsgen validate --help"),
         (["validate", "--seconds"], "Option '--seconds' requires an argument.", "wsgen"),
-        (["validate", "--verbos"], "wsgen validate has no option --verbos.", "--verbose?"),
+        (["validate", "--verbos"], "wsgen validate has no option --verbos.", "`--verbose`?"),
         (["launch"], "Missing argument", "wsgen launch [OPTIONS]"),
         (["--bogus"], "wsgen has no option --bogus.", "wsgen --help"),
     ],

@@ -230,7 +230,7 @@ def test_a_launch_file_that_is_not_named_as_one(workspace: Path, name: str, mean
 def test_a_misspelt_launch_file(built: Path) -> None:
     code, _, words = validate(built, PACKAGE, "--launch", "gazebo_modle.launch.py")
     assert code == 2
-    assert "Did you mean gazebo_model.launch.py?" in words
+    assert "Did you mean `gazebo_model.launch.py`?" in words
 
 
 def test_every_package_of_a_workspace_is_judged_or_named(workspace: Path) -> None:

@@ -103,7 +103,7 @@ def test_values_are_shown_as_they_are_typed(value: Answer, text: str) -> None:
 @pytest.mark.parametrize(
     ("setting", "hint"),
     [
-        ("mas=1", "Did you mean mass? "),
+        ("mas=1", "Did you mean `mass`? "),
         ("mass=1,5", "Write a point in place of the comma. "),
         ("joints=1,5", "Write a point in place of the comma. "),
     ],

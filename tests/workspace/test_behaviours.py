@@ -145,7 +145,7 @@ def test_a_key_that_is_nearly_right(tmp_path: Path, key: str) -> None:
     behaviours, found = read(tmp_path, DRIVES.replace("[[behaviour]]", f"[[{key}]]"))
     assert behaviours == ()
     assert f"no key `{key}`" in found[0].message
-    assert (found[0].severity, found[0].hint) == (Severity.ERROR, "Did you mean behaviour?")
+    assert (found[0].severity, found[0].hint) == (Severity.ERROR, "Did you mean `behaviour`?")
 
 
 def test_what_is_allowed_is_read_beside_it(tmp_path: Path) -> None:

@@ -30,11 +30,11 @@ from wsgen.workspace.verdict import refuse_full_disk
 CMAKE_CASES = {
     "installs a folder that is not there": (
         CMAKE.replace("launch model", "launch modle"),
-        ("BLD003", 5, "the folder modle", "Did you mean model?"),
+        ("BLD003", 5, "the folder modle", "Did you mean `model`?"),
     ),
     "installs a file that is not there": (
         CMAKE.replace("DIRECTORY launch model", "FILES\n    model/robot.urdf"),
-        ("BLD003", 6, "the file model/robot.urdf", "Did you mean robot.xacro?"),
+        ("BLD003", 6, "the file model/robot.urdf", "Did you mean `robot.xacro`?"),
     ),
     "needs a package that is not there": (
         CMAKE.replace("install(", "find_package(gazebo_msgs REQUIRED)\ninstall("),
@@ -42,7 +42,7 @@ CMAKE_CASES = {
     ),
     "misspells a package": (
         CMAKE.replace("find_package(ament_cmake", "find_package(ament_cmak"),
-        ("BLD008", 3, "find_package(ament_cmak)", "Did you mean ament_cmake?"),
+        ("BLD008", 3, "find_package(ament_cmak)", "Did you mean `ament_cmake`?"),
     ),
     "calls what it has not found": (
         CMAKE.replace("find_package(ament_cmake REQUIRED)\n", ""),
@@ -50,7 +50,7 @@ CMAKE_CASES = {
     ),
     "misspells its own function": (
         CMAKE + "function(install_model)\nendfunction()\ninstal_model()\n",
-        ("BLD027", 11, "instal_model", "Did you mean install_model?"),
+        ("BLD027", 11, "instal_model", "Did you mean `install_model`?"),
     ),
     "calls something that nobody knows": (
         CMAKE + "frobnicate()\n",
@@ -102,7 +102,7 @@ CMAKE_CASES = {
     ),
     "misspells a command": (
         CMAKE.replace("ament_package", "ament_pakage"),
-        ("BLD027", 8, "ament_pakage", "Did you mean ament_package?"),
+        ("BLD027", 8, "ament_pakage", "Did you mean `ament_package`?"),
     ),
     "stops for a reason of its own": (
         CMAKE + "message(FATAL_ERROR no)\n",
@@ -204,7 +204,7 @@ def test_an_ament_package_that_was_removed_later(tmp_path: Path) -> None:
 @pytest.mark.parametrize("requested", [(), ("demo",)])
 @pytest.mark.parametrize(
     ("build_type", "hint"),
-    [("ament_cmke", "Did you mean ament_cmake?"), ("meson", "There are: ament_cmake, ament_")],
+    [("ament_cmke", "Did you mean `ament_cmake`?"), ("meson", "There are: ament_cmake, ament_")],
 )
 def test_a_build_type_that_colcon_does_not_know(
     build_type: str, hint: str, requested: tuple[str, ...], tmp_path: Path

@@ -86,7 +86,7 @@ def test_a_package_that_was_not_built(workspace: Workspace) -> None:
 @pytest.mark.parametrize("known", [True, False])
 def test_a_package_that_nobody_knows(workspace: Workspace, known: bool) -> None:
     overlay = source_overlay(workspace, outside())
-    with pytest.raises(RequestError, match=r"Did you mean demo\?"):
+    with pytest.raises(RequestError, match=r"Did you mean `demo`\?"):
         require_share(overlay, workspace if known else None, "dmeo")
 
 

@@ -333,14 +333,14 @@ def test_a_misspelt_model(read: Read, models: Path, name: str, meant: str) -> No
     (models / "crate" / "model.config").write_text("<model><sdf>model.sdf</sdf></model>")
     (found,) = read(world(f"<include><uri>model://{name}</uri></include>")).diagnostics
     assert (found.code, found.severity, found.line) == ("WLD004", Severity.WARNING, 3)
-    assert found.hint == f"Did you mean model://{meant}?"
+    assert found.hint == f"Did you mean `model://{meant}`?"
 
 
 def test_a_misspelt_ground_is_the_one_error_of_a_world_without_ground(read: Read) -> None:
     file = read('<world name="w">\n<include><uri>model://groundplane</uri></include></world>')
     (found,) = file.diagnostics
     assert (found.code, found.severity, found.line) == ("WLD004", Severity.ERROR, 3)
-    assert found.hint == "Did you mean model://ground_plane?"
+    assert found.hint == "Did you mean `model://ground_plane`?"
     assert "no ground; this trial uses the ground that was meant" in found.message
     assert file.world is not None
     assert file.world.has_ground_plane  # so that what is spawned is not said to fall as well

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import difflib
 from typing import TYPE_CHECKING
 
 from wsgen.checks.catalogue import RULES
 from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.suggestions import did_you_mean, nearest
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -41,12 +41,12 @@ def unknown_rule_allowed(allow: Iterable[str], file: Path) -> Iterator[Diagnosti
     codes = {rule.code for rule in RULES}
     for name in allow:
         if name not in names and name not in codes:
-            near = difflib.get_close_matches(name, names, n=1)
+            near = nearest(name, names)
             yield Diagnostic(
                 code="PKG061",
                 severity=Severity.WARNING,
                 message=f"There is no rule {name!r} to allow.",
                 file=file,
                 element="validate.allow",
-                hint=f"Did you mean {near[0]!r}?" if near else "docs/rules.md lists the names.",
+                hint=did_you_mean(near) if near else "docs/rules.md lists the names.",
             )

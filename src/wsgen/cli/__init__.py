@@ -74,10 +74,10 @@ class CommandTable(click.Group):
             command = self._import_command(name) if name in COMMANDS else None
             return name if command else None, command, args[1:]
         if name not in COMMANDS and not name.startswith("-"):
-            import difflib
+            from wsgen.suggestions import nearest
 
-            near = difflib.get_close_matches(name, COMMANDS, n=1) or list(COMMANDS)
-            raise RequestError(f"There is no command {name!r}.", hint=f"wsgen {' | '.join(near)}")
+            near = nearest(name, COMMANDS) or " | ".join(COMMANDS)
+            raise RequestError(f"There is no command {name!r}.", hint=f"wsgen {near}")
         return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002  click's signature
@@ -236,11 +236,13 @@ def _tell_usage(error: click.ClickException, *, color: bool | None) -> None:
     if error.message.startswith("Usage: "):  # click gives the help to whom gives no words
         error.show()
         return
+    from wsgen.suggestions import did_you_mean
+
     message, near = error.format_message(), None
     if isinstance(error, click.NoSuchOption):
         message, near = f"{ctx.command_path} has no option {error.option_name}", error.possibilities
     usage = " ".join(ctx.get_usage().partition(" ")[2].split())
-    hint = f"Did you mean {near[0]}?" if near else f"{usage} (options: {ctx.command_path} --help)"
+    hint = did_you_mean(near[0]) if near else f"{usage} (options: {ctx.command_path} --help)"
     _tell(f"{message.rstrip('.')}.", hint, color=color)
 
 

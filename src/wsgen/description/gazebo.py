@@ -13,6 +13,7 @@ from wsgen.description.findings import line_of
 from wsgen.description.gazebo_values import check_placement, check_value
 from wsgen.description.spelling import nearest
 from wsgen.model.robot import GazeboTag, Plugin, SdfJoint
+from wsgen.suggestions import did_you_mean
 from wsgen.xmltree import child_text, child_texts, children
 
 if TYPE_CHECKING:
@@ -128,7 +129,7 @@ def _report_unknown(
     findings.warning(
         "ROB030",
         f"No link or joint is called `{reference}`: Gazebo ignores this element.",
-        hint=f"Did you mean `{near}`?" if near else "Name a link or joint of this robot.",
+        hint=did_you_mean(near) if near else "Name a link or joint of this robot.",
         at=element,
         path=path,
     )

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
 from wsgen.description.numbers import LEFT_OVER, NUMBER, leading_float, leading_integer
 from wsgen.model.colours import GAZEBO_COLOURS
+from wsgen.suggestions import did_you_mean, nearest
 
 if TYPE_CHECKING:
     from wsgen.description.findings import Findings
@@ -76,11 +76,11 @@ def check_value(  # noqa: PLR0913  what, where, and whether it counts
                 path=path,
             )
     elif key == "material" and text.startswith("Gazebo/") and text not in GAZEBO_COLOURS:
-        near = get_close_matches(text, GAZEBO_COLOURS, n=1)
+        near = nearest(text, GAZEBO_COLOURS)
         findings.warning(
             "ROB032",
             f"Gazebo has no material `{text}`.",
-            hint=f"Did you mean {near[0]}?" if near else "Take Gazebo/Grey, Gazebo/Red, …",
+            hint=did_you_mean(near) if near else "Take Gazebo/Grey, Gazebo/Red, …",
             at=element,
             path=path,
         )

@@ -15,6 +15,7 @@ from wsgen.description.shapes import read_origin
 from wsgen.description.spelling import meant_element
 from wsgen.model.pose import IDENTITY
 from wsgen.model.robot import Joint, JointLimit, JointType, Mimic
+from wsgen.suggestions import did_you_mean
 from wsgen.xmltree import children
 
 if TYPE_CHECKING:
@@ -83,7 +84,7 @@ def _read_type(findings: Findings, element: Element, path: str) -> JointType | N
     findings.missing(
         "ROB015",
         "The joint has no type." if kind is None else f"`{kind}` is not a joint type.",
-        hint=f"Did you mean `{near}`?" if near else f"One of {', '.join(types)}.",
+        hint=did_you_mean(near) if near else f"One of {', '.join(types)}.",
         at=element,
         path=path,
         name="type" if kind is None else "",

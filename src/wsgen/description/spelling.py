@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from difflib import get_close_matches
 from typing import TYPE_CHECKING
+
+from wsgen import suggestions
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -74,7 +75,6 @@ SHORT = 4  # letters; of words up to this length other orders and neighbours are
 # So alike two words are, as difflib counts, that one is taken for the other: `parnt` and `parent`
 # are at 0.91, `visuals` and `visual` at 0.92, `colour` and `color` at 0.91.
 ALIKE = 0.8
-LIKE_ATTRIBUTE = 0.6  # among the few that one element has and lacks
 
 MOST_COMPARED = 500  # names; difflib takes its time
 MOST_HINTS = 50  # findings; who has more has another trouble than spelling
@@ -85,8 +85,7 @@ def nearest(findings: Findings, name: str, known: Iterable[str]) -> str | None:
     if len(findings.diagnostics) > MOST_HINTS:
         return None
     alike = sorted(other for other in known if abs(len(other) - len(name)) <= len(name) // 3)
-    near = get_close_matches(name, alike[:MOST_COMPARED], n=1)
-    return near[0] if near else None
+    return suggestions.nearest(name, alike[:MOST_COMPARED])
 
 
 def check_spelling(findings: Findings, element: Element, path: str) -> None:
@@ -122,8 +121,7 @@ def meant_element(tag: str, known: Sequence[str]) -> str | None:
     """The element that a misspelt one must be; None where none is nearly the same."""
     near = [other for other in known if other.lower() == tag.lower()]
     near = near or [other for other in known if sorted(other) == sorted(tag)]
-    near = near or get_close_matches(tag, known, n=1, cutoff=ALIKE)
-    return near[0] if near else None
+    return near[0] if near else suggestions.nearest(tag, known, cutoff=ALIKE)
 
 
 def _check_attributes(findings: Findings, element: Element, path: str) -> None:
@@ -135,7 +133,7 @@ def _check_attributes(findings: Findings, element: Element, path: str) -> None:
             findings.misspelt(
                 "ROB077",
                 f"<{element.tag}> has no attribute `{name}`: Gazebo leaves it out without a word.",
-                hint=f"Did you mean `{meant}`?",
+                hint=suggestions.did_you_mean(meant),
                 at=element,
                 path=f"{path}/@{name}",
                 owner=element,
@@ -148,8 +146,7 @@ def _meant(name: str, lacking: Sequence[str]) -> str | None:
     near = [other for other in lacking if other.lower() == name.lower()]
     if len(name) <= SHORT:  # too few letters for a likeness
         near = near or [other for other in lacking if sorted(other) == sorted(name.lower())]
-    near = near or get_close_matches(name, lacking, n=1, cutoff=LIKE_ATTRIBUTE)
-    return near[0] if near else None
+    return near[0] if near else suggestions.nearest(name, lacking)
 
 
 def _check_reference(findings: Findings, element: Element, path: str) -> None:
@@ -160,7 +157,7 @@ def _check_reference(findings: Findings, element: Element, path: str) -> None:
                 "ROB038",
                 f"<gazebo> has no attribute `{attribute}`: Gazebo leaves it out without a word and "
                 "takes the element for the whole robot's.",
-                hint="Did you mean `reference`?",
+                hint=suggestions.did_you_mean("reference"),
                 at=element,
                 path=path,
             )

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.description.findings import line_of
 from wsgen.description.spelling import nearest
+from wsgen.suggestions import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -104,7 +105,7 @@ def _check_ends(  # noqa: PLR0913, PLR0917  a joint, and what it is in
             findings.error(
                 "ROB013",
                 message,
-                hint=f"Did you mean `{near}`?" if near else f'Add <link name="{name}">.',
+                hint=did_you_mean(near) if near else f'Add <link name="{name}">.',
                 at=element,
                 path=path,
             )

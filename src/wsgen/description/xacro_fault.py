@@ -16,10 +16,11 @@ from xml.parsers.expat import ExpatError
 
 from wsgen.description import xacro_names
 from wsgen.description.markup import SIZE_LIMIT, read_text, without_comments
-from wsgen.description.xacro_names import USUAL, advice, message_of
+from wsgen.description.xacro_names import USUAL, message_of
 from wsgen.description.xacro_place import Place, Sources, find
 from wsgen.description.xacro_trace import Trace, trace
 from wsgen.files import irregular_kind, read_regular, save_as_utf8, wide_encoding
+from wsgen.suggestions import advice
 from wsgen.xmlsyntax import find_mistake
 
 if TYPE_CHECKING:

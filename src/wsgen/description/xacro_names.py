@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import re
-from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from wsgen.suggestions import advice, did_you_mean, nearest
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -29,17 +30,8 @@ OWN_ELEMENTS = {
     "property": ("name", "value", "default", "remove", "scope", "lazy_eval"),
     "unless": ("value",),
 }
-ALIKE = 0.6  # so alike two words are, as difflib counts, that one is taken for the other
 TOLD = 60  # characters of an expression or a value
 USUAL = "Mend the xacro file; `xacro FILE` shows the same error."
-
-
-def advice(name: str, names: Iterable[str], otherwise: str) -> str:
-    """Ask for the nearest of the names, if one is near, and say what to do otherwise."""
-    near = get_close_matches(name, list(dict.fromkeys(names)), n=1)
-    if not near:
-        return otherwise
-    return f"Did you mean `{near[0]}`? If not, {otherwise[:1].lower()}{otherwise[1:]}"
 
 
 def message_of(found: Trace) -> str:
@@ -73,7 +65,7 @@ def of_name(found: Trace, sources: Sources) -> Fault | None:
             "file": str(later.file),
             "line": later.line_of(slip[0]),
             "element": f"xacro:property[@name='{name}']",
-            "hint": f"Did you mean `{slip[1]}`?",
+            "hint": did_you_mean(slip[1]),
         }
     if later is None and plain is not None:
         hint = f"Line {plain.line} of {plain.file.name} says <property>: write <xacro:property>."
@@ -99,7 +91,7 @@ def of_attribute(found: Trace, _: Sources) -> Fault | None:
     return {
         "message": f"<{tag}> has no attribute `{missing[1]}`"
         + ("" if slip is None else f", and knows none called `{slip[0]}`"),
-        "hint": write if slip is None else f"Did you mean `{slip[1]}`?",
+        "hint": write if slip is None else did_you_mean(slip[1]),
     }
 
 
@@ -107,9 +99,9 @@ def _misspelt(tag: str, attributes: Mapping[str, str]) -> tuple[str, str] | None
     """An attribute that an element of xacro does not know, and the one that must be meant."""
     known = OWN_ELEMENTS.get(tag.removeprefix("xacro:"), ())
     for name in attributes:
-        near = get_close_matches(name, set(known) - attributes.keys(), n=1, cutoff=ALIKE)
-        if name not in known and near:
-            return name, near[0]
+        near = nearest(name, set(known) - attributes.keys())
+        if name not in known and near is not None:
+            return name, near
     return None
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from wsgen.launch.explain_missing import advice, nearest
 from wsgen.launch.faults import fault, or_loose
 from wsgen.launch.known_packages import SURELY
+from wsgen.suggestions import advice, nearest
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -96,7 +96,7 @@ def _published(publisher: Process) -> tuple[str, Path | None] | Diagnostic:
     if PARAMETER not in publisher.parameters and publisher.arguments:
         return _from_file(publisher, publisher.arguments[0])
     if PARAMETER not in publisher.parameters:
-        misspelt = nearest(PARAMETER, publisher.parameters, SURELY)
+        misspelt = nearest(PARAMETER, publisher.parameters, cutoff=SURELY)
         return fault(
             "SPN009",
             publisher,

@@ -17,6 +17,7 @@ from wsgen.launch import codes, explain_missing, explain_names
 from wsgen.launch.explain_missing import Explanation
 from wsgen.launch.record import RECORD, ForkError, last_user_line
 from wsgen.launch.syntax import keyword_of, where_written
+from wsgen.suggestions import advice
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -232,7 +233,7 @@ def _refusal(error: BaseException) -> Explanation | None:
         return Explanation(
             codes.UNDEFINED_CONFIGURATION,
             f"The launch configuration '{name}' does not exist when it is used.",
-            explain_missing.advice(
+            advice(
                 name,
                 RECORD.argument_use.declared,
                 f"Declare it before its first use: DeclareLaunchArgument('{name}', "

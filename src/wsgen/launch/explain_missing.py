@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import os
 import re
-from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wsgen.launch import codes, known_packages
 from wsgen.launch.record import RECORD
+from wsgen.suggestions import advice, did_you_mean, nearest
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Sequence
 
     from wsgen.launch.record import Location
 
@@ -141,7 +141,7 @@ def _missing_file(path: str) -> Explanation:
         return Explanation(
             codes.FILE_NOT_INSTALLED,
             f"The file '{path}' is not there.",
-            f"Did you mean `{near}`?",
+            did_you_mean(near),
             element=missing,
             written=missing,
         )
@@ -213,7 +213,7 @@ def executable_error(error: BaseException) -> Explanation | None:
     if not known_packages.is_known(package):
         hint = advice(program, known, "Let CMakeLists.txt install it to lib/${PROJECT_NAME}.")
     elif near is not None:
-        hint = f"Did you mean `{near}`?"
+        hint = did_you_mean(near)
     else:
         hint = f"It has {', '.join(known)}." if known else "Check the spelling."
     return Explanation(
@@ -223,20 +223,6 @@ def executable_error(error: BaseException) -> Explanation | None:
         element=program,
         written=program,
     )
-
-
-def advice(name: str, known: Iterable[str], otherwise: str) -> str:
-    """Ask for the nearest of the known names, if one is near, and say what to do otherwise."""
-    near = nearest(name, known)
-    if near is None:
-        return otherwise
-    return f"Did you mean `{near}`? If not, {otherwise[:1].lower()}{otherwise[1:]}"
-
-
-def nearest(name: str, known: Iterable[str], cutoff: float = 0.6) -> str | None:
-    """The known name that is most like this one; None where none is like it."""
-    near = get_close_matches(name, sorted(set(known) - {name}), n=1, cutoff=cutoff)
-    return near[0] if near else None
 
 
 def report_unused_arguments(
@@ -266,7 +252,7 @@ def report_unused_arguments(
         )
     for name, location, is_stand_in in of_includes:
         # What is stood in for may take more arguments in another release.
-        if is_stand_in and nearest(name, declared, known_packages.SURELY) is None:
+        if is_stand_in and nearest(name, declared, cutoff=known_packages.SURELY) is None:
             continue
         RECORD.note_diagnostic(
             codes.UNUSED_INCLUDE_ARGUMENT,

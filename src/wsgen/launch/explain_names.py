@@ -15,9 +15,10 @@ from typing import TYPE_CHECKING
 
 from wsgen.launch import codes
 from wsgen.launch.absent_modules import KNOWN
-from wsgen.launch.explain_missing import Explanation, advice, nearest, packages
+from wsgen.launch.explain_missing import Explanation, packages
 from wsgen.launch.record import RECORD
 from wsgen.launch.syntax import nodes_of
+from wsgen.suggestions import advice, did_you_mean, nearest
 
 if TYPE_CHECKING:
     from types import FrameType, TracebackType
@@ -108,7 +109,7 @@ def of_name(error: BaseException) -> Explanation | None:
     hint = "Check the spelling, define it above this line, or, if it is text, put quotes round it."
     if near is not None:
         missing = None if near in known else import_line(near)
-        hint = f"Did you mean `{near}`?" + (f" Add `{missing}` at the top." if missing else "")
+        hint = did_you_mean(near) + (f" Add `{missing}` at the top." if missing else "")
     return Explanation(codes.UNDEFINED_NAME, f"{error}.", hint, element=name)
 
 
@@ -165,9 +166,9 @@ def _no_such_name(module: str, name: str) -> Explanation:
     if statement is not None:
         hint = f"Write `{statement}`."
     elif near in here:
-        hint = f"Did you mean `{near}`?"
+        hint = did_you_mean(near)
     elif near is not None:
-        hint = f"Did you mean `{import_line(near)}`?"
+        hint = did_you_mean(import_line(near) or near)
     return Explanation(
         codes.UNSUPPORTED_API,
         f"`{module}` has no `{name}`, as far as wsgen knows the launch API.",
@@ -191,7 +192,7 @@ def of_attribute(error: BaseException) -> Explanation | None:
     return Explanation(
         codes.RAISES,
         f"The launch file raises AttributeError: {error}.",
-        f"Did you mean `{near}`?",
+        did_you_mean(near),
         element=error.name,
     )
 
@@ -239,7 +240,7 @@ def of_keyword(error: BaseException) -> Explanation | None:
     return Explanation(
         codes.WRONG_KEYWORD,
         f"{said}.",
-        f"Did you mean `{near}`?" if near else f"It has {', '.join(sorted(known))}.",
+        did_you_mean(near) if near else f"It has {', '.join(sorted(known))}.",
         file,
         given.get(keyword, line),
         keyword,

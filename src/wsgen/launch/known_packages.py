@@ -11,6 +11,8 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING
 
+from wsgen.suggestions import nearest
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
@@ -250,9 +252,7 @@ def has_misspelt(package: str, program: str) -> bool:
     known = programs_of(package)
     if not known or program in known or program.removesuffix(".py") in known:
         return False
-    from difflib import get_close_matches
-
-    return bool(get_close_matches(program, known, n=1, cutoff=SURELY))
+    return nearest(program, known, cutoff=SURELY) is not None
 
 
 def declare(package: str) -> None:

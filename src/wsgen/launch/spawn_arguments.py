@@ -10,7 +10,7 @@ from __future__ import annotations
 import shlex
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.launch.explain_missing import advice
+from wsgen.suggestions import advice
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -15,6 +15,7 @@ from wsgen.model.facts import (
     RELEASED_FOR,
     ROS2_CONTROL_HARDWARE,
 )
+from wsgen.suggestions import nearest
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -156,11 +157,10 @@ def choose_target(
 def _unknown_distro(
     distro: str, simulator: str | None, *, is_from_environment: bool
 ) -> RequestError:
-    import difflib  # noqa: PLC0415  for a mistake alone
-
     possible = DISTROS_WITH_CLASSIC if simulator == "classic" else DISTROS
     lasting = [name for name in possible if _of_distro("support", name) == "long-term"]
-    near = (*difflib.get_close_matches(distro.lower(), possible, n=1), lasting[-1])[0]
+    lower = distro.lower()
+    near = lower if lower in possible else nearest(lower, possible) or lasting[-1]
     known = f"no ROS 2 distribution that wsgen knows: {', '.join(DISTROS)}."
     option = f"--distro {near}" + (f" --sim {simulator}" if simulator else "")
     if is_from_environment:

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.errors import NotFoundError, RequestError
-from wsgen.launch.explain_missing import nearest
 from wsgen.pipeline.launch_files import (
     find_launch_files,
     find_misnamed,
     may_spawn,
     name_launch_file,
 )
+from wsgen.suggestions import ask_for_nearest
 from wsgen.workspace.cmake_text import read_calls
 from wsgen.workspace.layout import find_packages
 from wsgen.workspace.overlay import require_share
@@ -148,11 +148,9 @@ def _choose_unnamed(
 def no_such_launch_file(package: str, wanted: str, files: Sequence[Path]) -> RequestError:
     """What is said of the name of a launch file that a package has not installed."""
     names = [file.name for file in files]
-    near = nearest(Path(wanted).name, names)
     return RequestError(
         f"{package} has not installed a launch file {wanted}.",
-        hint=(f"Did you mean {near}? " if near else "")
-        + f"Installed: {', '.join(names) or 'none'}.",
+        hint=f"{ask_for_nearest(Path(wanted).name, names)}Installed: {', '.join(names) or 'none'}.",
     )
 
 

@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.launch.explain_missing import advice, first_missing
+from wsgen.launch.explain_missing import first_missing
 from wsgen.launch.syntax import where_written
+from wsgen.suggestions import advice
 from wsgen.world.lookup import gazebo_worlds, world_names
 
 if TYPE_CHECKING:

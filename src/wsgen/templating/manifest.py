@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wsgen.errors import BrokenTemplateError, RequestError
+from wsgen.suggestions import ask_for_nearest
 from wsgen.templating.location import templates_folder
 from wsgen.templating.manifest_file import MANIFEST, ManifestFile
 from wsgen.templating.manifest_parts import Part, read_parts, read_targets, read_variables
 from wsgen.templating.sources import SHIPPED
-from wsgen.templating.variables import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -155,7 +155,7 @@ def _no_template(given: str, folder: Path) -> RequestError:
         )
     return RequestError(
         f"There is no template {given!r}.",
-        hint=f"{did_you_mean(given, template_names())}Templates: {names}; or give a folder of "
+        hint=f"{ask_for_nearest(given, template_names())}Templates: {names}; or give a folder of "
         "yours.",
     )
 

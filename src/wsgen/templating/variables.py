@@ -7,6 +7,7 @@ import string
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.errors import RequestError
+from wsgen.suggestions import ask_for_nearest
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -81,7 +82,8 @@ def resolve_answers(
             known = ", ".join(variables) or "there are none"
             raise RequestError(
                 f"--set {setting}: {told}",
-                hint=f"{did_you_mean(name, variables)}Write --set NAME=VALUE; the names: {known}.",
+                hint=f"{ask_for_nearest(name, variables)}Write --set NAME=VALUE; the names: "
+                f"{known}.",
             )
         answers[name] = _read(variables[name], text, setting)
     return answers
@@ -119,11 +121,3 @@ def _read(variable: Variable, text: str, setting: str) -> Answer:
             f"For example --set {variable.name}={show(variable.default)}",
         )
     return value
-
-
-def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """Begin a hint with the known name that is nearest; empty if none is near."""
-    from difflib import get_close_matches  # noqa: PLC0415  3 ms that only a mistake pays
-
-    near = get_close_matches(name, [*known], n=1)
-    return f"Did you mean {near[0]}? " if near else ""

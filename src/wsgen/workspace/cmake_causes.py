@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import re
-from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Diagnostic
+from wsgen.suggestions import did_you_mean, nearest
 from wsgen.workspace.cmake_text import find_open_block, find_open_quote, read_calls
 from wsgen.workspace.manifest import read_manifest
 
@@ -114,11 +114,11 @@ def unknown_command(failure: Failure) -> Iterator[Diagnostic]:
             if call.command in {"function", "macro"} and call.arguments
         }
         name = match[1].lower()
-        near = get_close_matches(name, [*COMMANDS, *own], n=1, cutoff=0.7)
+        near = nearest(name, {*COMMANDS, *own}, cutoff=0.7)
         if COMMANDS.get(name):
             hint = f"Write before it: find_package({COMMANDS[name]} REQUIRED)"
         elif near:
-            hint = f"Did you mean {near[0]}?"
+            hint = did_you_mean(near)
         else:
             hint = "Mend its name, or find the package that brings it before it is called."
         yield failure.diagnose(

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from difflib import get_close_matches
+
+from wsgen.suggestions import did_you_mean, nearest
 
 EXAMPLES = {
     "name": "<name>my_package</name>",
@@ -62,9 +63,9 @@ def hint_for(complaint: str, text: str) -> str:
         return f"Add: {EXAMPLES[element]}"
     unknown = re.search(r"following tags: (.+?)\.?$", complaint)
     for tag in unknown[1].split(", ") if unknown else ():
-        near = get_close_matches(tag, TAGS, n=1)
-        if near:
-            return f"Did you mean `{near[0]}`?"
+        near = nearest(tag, TAGS)
+        if near is not None:
+            return did_you_mean(near)
     for pattern, hint in HINTS:
         match = re.search(pattern, complaint)
         if match:

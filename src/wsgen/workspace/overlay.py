@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.errors import NotFoundError, NotReadableError, RequestError
+from wsgen.suggestions import suggest
 from wsgen.workspace.layout import Workspace, find_packages
-from wsgen.workspace.suggest import suggest
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

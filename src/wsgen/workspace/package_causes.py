@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import re
-from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import has_errors
+from wsgen.suggestions import ask_for_nearest, did_you_mean, nearest
 from wsgen.workspace.cmake_text import read_calls
 from wsgen.workspace.package_xml import check_package_xml
-from wsgen.workspace.suggest import suggest
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -101,9 +100,10 @@ def _missing_package(failure: Failure) -> Iterator[Diagnostic]:
 
 
 def _where_to_get(name: str, failure: Failure) -> str:
-    near = get_close_matches(name, {*failure.siblings, *USUAL_PACKAGES}, n=1, cutoff=0.75)
-    if near and near[0] != name:
-        return f"Did you mean {near[0]}?"
+    known = {*failure.siblings, *USUAL_PACKAGES}
+    near = None if name in known else nearest(name, known, cutoff=0.75)
+    if near is not None:
+        return did_you_mean(near)
     without = "remove the line if it is only launched or read, not compiled against"
     if failure.distro:
         return f"Install it (apt: ros-{failure.distro}-{name.replace('_', '-')}), or {without}."
@@ -132,13 +132,12 @@ def _missing_installed_path(failure: Failure) -> Iterator[Diagnostic]:
         name = str(path.relative_to(failure.folder))
         line, kind = _find_install(failure, name)
         beside = [entry.name for entry in path.parent.iterdir()] if path.parent.is_dir() else []
-        near = suggest(path.name, beside)
         yield failure.diagnose(
             MISSING_INSTALLED_PATH,
             f"the {kind} {name} is to be installed and does not exist.",
             line=line,
-            hint=f"{near if near.startswith('Did') else ''} Make it, or take it out of install()."
-            f"{GIT_KEEPS_NO_EMPTY_FOLDERS if kind == 'folder' else ''}".strip(),
+            hint=f"{ask_for_nearest(path.name, beside)}Make it, or take it out of install()."
+            f"{GIT_KEEPS_NO_EMPTY_FOLDERS if kind == 'folder' else ''}",
         )
 
 

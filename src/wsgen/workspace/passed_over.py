@@ -6,9 +6,9 @@ import re
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.suggestions import suggest
 from wsgen.workspace.cmake_text import read_calls
 from wsgen.workspace.manifest import DEFAULT_BUILD_TYPE, read_manifest
-from wsgen.workspace.suggest import suggest
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator

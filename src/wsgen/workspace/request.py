@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NoReturn
 
 from wsgen.errors import NotFoundError, RequestError
+from wsgen.suggestions import suggest
 from wsgen.workspace.arguments import discovers_elsewhere
 from wsgen.workspace.layout import IGNORE_MARKERS, crawl, read_package
 from wsgen.workspace.opening import refuse_missing_manifest
-from wsgen.workspace.suggest import suggest
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

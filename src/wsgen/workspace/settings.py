@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from wsgen import tomlfile
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.workspace.suggest import suggest
+from wsgen.suggestions import suggest
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import unquote
 
 from wsgen.diagnostics import Severity
 from wsgen.files import irregular_kind
+from wsgen.suggestions import did_you_mean, nearest
 from wsgen.world.fuel import address_of
 from wsgen.world.lookup import (
     gazebo_models,
@@ -145,7 +145,7 @@ class Includes:
             "WLD004",
             f"The model {uri} is not part of the trial: {found}.",
             at=include,
-            hint=f"Did you mean model://{near}?" if near else how_to_have(uri),
+            hint=did_you_mean(f"model://{near}") if near else how_to_have(uri),
         )
         return None
 
@@ -267,8 +267,7 @@ def _near_model(source: Source, uri: str) -> str | None:
     if scheme != "model" or name in models:
         return None
     names = {*models, *(models_around(source.file) if source.file else ())}
-    near = get_close_matches(name.strip("/"), sorted(names), n=1, cutoff=ALIKE)
-    return near[0] if near else None
+    return nearest(name.strip("/"), names, cutoff=ALIKE)
 
 
 def is_sun(uri: str) -> bool:

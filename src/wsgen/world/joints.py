@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from difflib import get_close_matches
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.model.robot import Joint, JointLimit, JointType, Mimic
 from wsgen.model.transform import UNIT, multiply, rotate, rotation_of_rpy, transpose
+from wsgen.suggestions import did_you_mean, nearest
 from wsgen.world.frames import frame_called, link_of, pose_in
 from wsgen.world.scopes import MODEL_FRAME, WORLD
 from wsgen.world.source import MODEL_FRAME_AXES, POSE_FRAMES, line_of
@@ -73,14 +73,14 @@ def _end(node: Node, tag: str) -> Node | None:
     found = node.scope.lookup(name) if name else None
     link = None if found is None else link_of(found)
     if link is None:
-        near = get_close_matches(name, node.scope.nodes, n=1) if name else []
+        near = nearest(name, node.scope.nodes) if name else None
         node.source.error(
             "WLD021",
             f"The {tag} of the joint `{node.name}` is `{name}`, and no link is called so."
             if name
             else f"The joint `{node.name}` has no {tag} link.",
             at=node.element,
-            hint=f"Did you mean `{near[0]}`?" if near else f"Add <{tag}>LINK</{tag}>.",
+            hint=did_you_mean(near) if near else f"Add <{tag}>LINK</{tag}>.",
         )
     return link
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from difflib import get_close_matches
 from typing import TYPE_CHECKING
+
+from wsgen.suggestions import did_you_mean, nearest
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -112,14 +113,12 @@ def _check_attributes(source: Source, element: Element) -> None:
                 "WLD059",
                 f"<{element.tag}> has no attribute `{name}`: Gazebo ignores it.",
                 at=element,
-                hint=f"Did you mean `{meant}`?",
+                hint=did_you_mean(meant),
             )
 
 
 def _meant(name: str, known: Collection[str]) -> str | None:
     """The name that a misspelt one must be; None where none is nearly the same."""
     near = [other for other in sorted(known) if sorted(other) == sorted(name.lower())]
-    near = near or get_close_matches(
-        name.lower(), sorted(known), n=1, cutoff=ALIKE if len(name) > SHORT else ALIKE_SHORT
-    )
-    return near[0] if near else None
+    cutoff = ALIKE if len(name) > SHORT else ALIKE_SHORT
+    return near[0] if near else nearest(name.lower(), known, cutoff=cutoff)

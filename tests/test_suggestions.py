@@ -1,0 +1,25 @@
+"""The name that was meant is asked for in the same words everywhere."""
+
+from wsgen import suggestions
+
+
+def test_a_word_is_never_taken_for_itself() -> None:
+    assert suggestions.nearest("height", ["height", "heights"]) == "heights"
+    assert suggestions.nearest("height", ["height"]) is None
+
+
+def test_the_order_of_the_known_names_does_not_matter() -> None:
+    known = ["wheel_a", "wheel_b", "wheel_c"]
+    assert suggestions.nearest("wheel", known) == suggestions.nearest("wheel", known[::-1])
+
+
+def test_advice_asks_first_and_says_what_to_do_otherwise() -> None:
+    assert suggestions.advice("hight", ["height"], "Define it.") == (
+        "Did you mean `height`? If not, define it."
+    )
+    assert suggestions.advice("speed", ["height"], "Define it.") == "Define it."
+
+
+def test_only_a_few_of_many_names_are_listed() -> None:
+    names = [f"robot_{number:02}" for number in range(10)]
+    assert suggestions.suggest("x", names).endswith("robot_07 and 2 more.")
