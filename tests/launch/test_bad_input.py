@@ -354,9 +354,20 @@ def test_launch_file_that_is_a_pipe(space: InstallSpace, tmp_path: Path, suffix:
     space.add("my_robot")
     os.mkfifo(tmp_path / f"a.launch{suffix}")
     words = only_message(space.evaluate(tmp_path / f"a.launch{suffix}"), "LCH018")
-    assert "a pipe or a device" in words
+    assert "it is a named pipe" in words
     (tmp_path / f"b.launch{suffix}").symlink_to("/dev/zero")
     only_message(space.evaluate(tmp_path / f"b.launch{suffix}"), "LCH018")
+
+
+@pytest.mark.parametrize("suffix", [".py", ".xml"])
+def test_launch_file_that_is_a_link_to_nothing(
+    space: InstallSpace, tmp_path: Path, suffix: str
+) -> None:
+    """`colcon build --symlink-install` leaves one behind when its source is renamed."""
+    space.add("my_robot")
+    (tmp_path / f"a.launch{suffix}").symlink_to("renamed.launch")
+    words = only_message(space.evaluate(tmp_path / f"a.launch{suffix}"), "LCH018")
+    assert "a link to renamed.launch, which is not there" in words
 
 
 def test_other_files_that_are_pipes(space: InstallSpace, tmp_path: Path) -> None:
@@ -368,7 +379,7 @@ def test_other_files_that_are_pipes(space: InstallSpace, tmp_path: Path) -> None
     only_message(plan, "LCH018")
     before = "from launch.substitutions import FileContent"
     plan = space.play(f"LogInfo(msg=FileContent({str(pipe)!r}))", before=before)
-    assert "a pipe or a device" in plan.diagnostics[0].message
+    assert "it is a named pipe" in plan.diagnostics[0].message
 
 
 def test_launch_file_that_is_a_folder(space: InstallSpace, tmp_path: Path) -> None:

@@ -98,7 +98,7 @@ def file_error(error: BaseException) -> Explanation | None:
     if not isinstance(error, (FileNotFoundError, NotADirectoryError)):
         return Explanation(
             codes.NOT_READABLE,
-            f"{error.strerror or error}: '{error.filename}'.",
+            f"The file '{error.filename}' cannot be read: {error.strerror or error}.",
             "Check the path and its permissions.",
         )
     stand_in = getattr(error, "wsgen_stand_in", None)

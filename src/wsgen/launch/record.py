@@ -8,13 +8,12 @@ of JSON values. No dataclasses: they would cost more than the rest of the module
 from __future__ import annotations
 
 import contextlib
-import errno
 import os
-import stat
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from wsgen.files import refuse_irregular
 from wsgen.launch import codes
 
 if TYPE_CHECKING:
@@ -159,7 +158,7 @@ class Record:
             return self.texts[text]
         for file in dict.fromkeys(self.opened):
             with contextlib.suppress(OSError, ValueError):
-                refuse_pipe(file)
+                refuse_irregular(file)
                 self.texts.setdefault(_fold(Path(file).read_text(encoding="utf-8")), file)
         self.opened.clear()  # reading them was seen as well
         return self.texts.get(text)
@@ -177,13 +176,6 @@ def _fold(text: str) -> str:
 
 
 RECORD = Record()
-
-
-def refuse_pipe(path: str | os.PathLike[str]) -> None:
-    """Raise OSError for what must not be read: nobody may write to a pipe, a device may not end."""
-    mode = os.stat(path).st_mode
-    if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):  # who reads a folder, is refused anyway
-        raise OSError(errno.EINVAL, "This is a pipe or a device, not a file", os.fspath(path))
 
 
 def caller() -> Location | None:

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 from launch._finder import show_public_names
 from launch.base import InvalidLaunchFileError
 from launch.launch_description_source import LaunchDescriptionSource
-from wsgen.launch.record import RECORD, locate, refuse_pipe
+from wsgen.files import refuse_irregular
+from wsgen.launch.record import RECORD, locate
 
 if TYPE_CHECKING:
     from launch.base import SomeSubstitutionsType
@@ -24,7 +25,7 @@ class InvalidPythonLaunchFileError(InvalidLaunchFileError):
 def load_python_launch_file_as_module(python_launch_file_path: str) -> ModuleType:
     """Execute the file; no bytecode is written beside it."""
     path = os.fspath(python_launch_file_path)
-    refuse_pipe(path)
+    refuse_irregular(path)
     source = Path(path).read_bytes()
     RECORD.launch_files.append(path)
     module = ModuleType("python_launch_file")

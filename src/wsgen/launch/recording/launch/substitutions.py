@@ -14,8 +14,9 @@ from launch.base import Substitution, SubstitutionFailure, TextSubstitution  # n
 from launch.conditions import evaluate_condition_expression
 from launch.launch_context import local_of
 from launch.utilities import normalize_to_list_of_substitutions, perform_substitutions
+from wsgen.files import refuse_irregular
 from wsgen.launch import commands, known_packages
-from wsgen.launch.record import RECORD, refuse_pipe
+from wsgen.launch.record import RECORD
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -254,7 +255,7 @@ class FileContent(Substitution):
         """The text."""
         path = perform_substitutions(context, self.__path)
         try:
-            refuse_pipe(path)
+            refuse_irregular(path)
             return Path(path).read_text(encoding="utf-8")
         except OSError as error:
             raise SubstitutionFailure(f"Failed to open file {path}: {error}") from error

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 from launch.base import Substitution
 from launch.utilities import normalize_to_list_of_substitutions, perform_substitutions
 from launch_ros.parameter_descriptions import Parameter, ParameterFile, ParameterValue
+from wsgen.files import refuse_irregular
 from wsgen.launch import codes
-from wsgen.launch.record import RECORD, refuse_pipe
+from wsgen.launch.record import RECORD
 
 if TYPE_CHECKING:
     from launch.launch_context import LaunchContext
@@ -359,7 +360,7 @@ def read(
     if RECORD.is_unknown(str(path)):
         return {}
     try:
-        refuse_pipe(path)
+        refuse_irregular(path)
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError):
         RECORD.note_diagnostic(

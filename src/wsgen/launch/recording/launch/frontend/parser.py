@@ -13,7 +13,8 @@ from launch.base import InvalidLaunchFileError
 from launch.frontend.actions import build
 from launch.launch_description import LaunchDescription
 from launch.type_utils import SCALAR_TYPES, read_as
-from wsgen.launch.record import RECORD, locate, refuse_pipe
+from wsgen.files import refuse_irregular
+from wsgen.launch.record import RECORD, locate
 from wsgen.xmlsyntax import find_mistake
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ class InvalidFrontendLaunchFileError(InvalidLaunchFileError):
 def get_launch_description_from_frontend_launch_file(launch_file_path: str) -> LaunchDescription:
     """The actions of its elements."""
     path = os.fspath(launch_file_path)
-    refuse_pipe(path)
+    refuse_irregular(path)
     text = Path(path).read_bytes()
     RECORD.launch_files.append(path)
     try:
