@@ -36,6 +36,14 @@ def files(folder: Path) -> set[str]:
     return {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
 
 
+def test_quiet_leaves_the_warnings(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert new("gazebo_test", "-q") == 0
+    told = capsys.readouterr()
+    assert (told.out, told.err) == ("", NOTE)
+    assert new("other", "-q", "--dry-run") == 0
+    assert "src/other/package.xml" in capsys.readouterr().out  # the list that was asked for
+
+
 def test_new_workspace(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert new("gazebo_test") == 0
     assert files(here / "ws_gazebo") == {".gitignore"} | {

@@ -157,7 +157,15 @@ def command(
         note_repository(place.root)
     tell = tell_json if output_format == "json" else tell_text
     goes_on = then_build or then_validate
-    tell(place, folder, list(tree), [*ignored, *workflow], is_written=not dry_run, goes_on=goes_on)
+    if dry_run or output_format == "json" or not quiet:  # these two give the list of files
+        tell(
+            place,
+            folder,
+            list(tree),
+            [*ignored, *workflow],
+            is_written=not dry_run,
+            goes_on=goes_on,
+        )
     if dry_run or not goes_on:
         return EXIT_PASSED
     return go_on(place, spec.name, validate=then_validate, quiet=quiet, verbose=verbose)

@@ -107,7 +107,7 @@ def _set_color(ctx: click.Context, _parameter: click.Parameter, value: str) -> N
 def output_options(function: Function) -> Function:
     """-q, -v and --color, for commands that show progress on standard error."""
     for option in (
-        click.option("-q", "--quiet", is_flag=True, help="Show no progress."),
+        click.option("-q", "--quiet", is_flag=True, help="Show no progress and no next step."),
         click.option("-v", "--verbose", is_flag=True, help="Show all that is found or printed."),
         click.option(
             "--color",
