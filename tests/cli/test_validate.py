@@ -348,9 +348,9 @@ def test_a_full_disk_behind_the_json_file(built: Path) -> None:
 
 
 def test_the_next_steps(built: Path, tmp_path: Path) -> None:
-    run = wsgen(built, "validate", "--arg", "z:=0.4")
+    run = wsgen(built, "validate", "--arg", "z:=0.4", "--seconds", "2.5")
     said = run.stderr.splitlines()[-2:]
-    assert said[0] == "Next: wsgen validate --arg z:=0.4 --picture ."
+    assert said[0] == "Next: wsgen validate --arg z:=0.4 --seconds 2.5 --picture ."
     launch = said[1].strip().partition("  (")[0]
     assert launch == f"ros2 launch {PACKAGE} gazebo_model.launch.py z:=0.4"
     run = wsgen(built, "validate", PACKAGE, "--picture", str(tmp_path))
@@ -358,6 +358,13 @@ def test_the_next_steps(built: Path, tmp_path: Path) -> None:
     assert run.stderr.splitlines()[-1].startswith("Next: ros2 launch")
     for options in (("-q",), ("--format", "json"), ("--arg", "z:=-3")):
         assert "Next:" not in wsgen(built, "validate", *options).stderr
+
+
+@pytest.mark.parametrize("engine", ["dart", "both"])
+def test_the_next_step_keeps_the_engine(built: Path, engine: str) -> None:
+    pytest.importorskip("dartpy")
+    run = wsgen(built, "validate", "--engine", engine)
+    assert f"Next: wsgen validate --engine {engine} --picture .\n" in run.stderr
 
 
 def test_the_next_steps_from_elsewhere(built: Path, tmp_path: Path) -> None:

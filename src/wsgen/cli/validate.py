@@ -209,6 +209,7 @@ def _next_steps(
             words += ["--launch", request.launch_file]
         for argument in arguments:
             words += ["--arg", argument]
+        words += _simulation_options(request)
         yield f"{label} {shlex.join(['wsgen', 'validate', *words, '--picture', '.'])}"
         label = "     "
     for package in outcome.packages:
@@ -216,6 +217,19 @@ def _next_steps(
             words = ["ros2", "launch", package.package, package.launch_file.name, *arguments]
             yield f"{label} {shlex.join(words)}  (where ROS and install/setup.bash are sourced)"
             break
+
+
+def _simulation_options(request: ValidateRequest) -> list[str]:
+    """`--seconds` and `--engine`, where they are not what is taken without them."""
+    from wsgen.cli.options import chosen_engines
+    from wsgen.pipeline.request import ValidateRequest
+
+    words = []
+    if request.seconds != ValidateRequest().seconds:
+        words += ["--seconds", f"{request.seconds:g}"]
+    if request.engines != chosen_engines(None):
+        words += ["--engine", request.engines[0] if len(request.engines) == 1 else "both"]
+    return words
 
 
 def _workspace_option(workspace: Workspace | None) -> list[str]:
