@@ -9,6 +9,7 @@ import click
 from wsgen.cli.completion import complete_templates
 from wsgen.cli.options import (
     ExampleCommand,
+    chosen_engines,
     chosen_target,
     distro_option,
     format_option,
@@ -205,7 +206,7 @@ def go_on(workspace: Workspace, package: str, *, validate: bool, quiet: bool, ve
     from wsgen.cli.validate import validate_packages
     from wsgen.pipeline.request import ValidateRequest
 
-    request = ValidateRequest(packages=(package,))
+    request = ValidateRequest(packages=(package,), engines=chosen_engines(None))
     return validate_packages(request, workspace=root, quiet=quiet, verbose=verbose)
 
 
