@@ -28,6 +28,7 @@ from wsgen.model.pose import Pose
 from wsgen.model.robot import Box, Collision, Cylinder, Link, Mesh, Sphere, Visual
 from wsgen.simulation.framing import Size, extent, eye_camera, view_axes
 from wsgen.simulation.ground import Backdrop, tile_for
+from wsgen.simulation.picture import write_caption
 from wsgen.simulation.stage import lights
 
 if TYPE_CHECKING:
@@ -408,3 +409,22 @@ def test_the_picture_is_the_same_where_pybullet_knows_no_numpy(
     pixels, tile = photograph(tmp_path, *parts)
     assert tile == usual_tile
     assert (pixels == usual).all()
+
+
+def word_gap(height: int) -> float:
+    """What part of the length of a caption its one space takes, in a picture of this height."""
+    image = Image.new("RGB", (height * 4 // 3, height), "white")
+    write_caption(image, ["drive forward"])
+    ink = np.flatnonzero((np.asarray(image.convert("L")) < 225).any(axis=0))
+    return float(np.diff(ink).max() / (ink[-1] - ink[0]))
+
+
+@pytest.mark.parametrize("height", [240, 360, 720])
+def test_the_words_of_a_small_caption_stand_apart_as_those_of_a_large_one(height: int) -> None:
+    assert word_gap(height) >= 0.95 * word_gap(2400)
+
+
+def test_a_caption_may_be_wider_than_the_picture(tmp_path: Path) -> None:
+    image = Image.new("RGB", (80, 60), "white")
+    write_caption(image, ["a line that is longer than the picture", "and another"])
+    assert image.size == (80, 60)

@@ -8,6 +8,7 @@ through it faintly.
 from __future__ import annotations
 
 import io
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -35,6 +36,8 @@ FAINT = 0.35  # how much of what is under the ground shines through
 DITHER = 1.0
 CAPTION_COLOUR = (70, 78, 88)
 CAPTION_SIZE, CAPTION_MARGIN = 1 / 40, 1 / 51  # of the picture's height
+CAPTION_LEADING = 4  # pixels between lines
+CAPTION_SCALE = 4  # so many times as large the letters are drawn
 TITLE_COLOR = (30, 36, 44)
 TITLE_PALENESS = 0.75  # of the image behind a title
 TITLE_SIZE, TITLE_WIDTH = 1 / 9, 0.9  # of the picture's height; of its width, the most
@@ -117,13 +120,28 @@ def compose(front: Image.Image, background: Floats, size: Size, *, dither: bool)
 def write_caption(image: Image.Image, lines: Sequence[str]) -> None:
     """Write into the lower left corner."""
     margin = round(image.height * CAPTION_MARGIN)
-    ImageDraw.Draw(image).multiline_text(
-        (margin, image.height - margin),
-        "\n".join(lines),
-        fill=CAPTION_COLOUR,
-        font=ImageFont.load_default(max(11, round(image.height * CAPTION_SIZE))),
-        anchor="ld",
+    letters = _letters("\n".join(lines), max(11, round(image.height * CAPTION_SIZE)))
+    image.paste(CAPTION_COLOUR, (margin, image.height - margin - letters.height), letters)
+
+
+def _letters(text: str, size: int) -> Image.Image:
+    """What a text covers, 0 to 255; `size` of the letters and the result in pixels.
+
+    Pillow rounds the width of each letter to whole pixels, which leaves next to nothing of a space
+    between small words. So it draws them larger.
+    """
+    font = ImageFont.load_default(size * CAPTION_SCALE)
+    spacing = CAPTION_LEADING * CAPTION_SCALE
+    large = Image.new("L", (1, 1))
+    _, top, right, _ = ImageDraw.Draw(large).multiline_textbbox(
+        (0, 0), text, font=font, anchor="ld", spacing=spacing
     )
+    width, height = (max(1, math.ceil(edge / CAPTION_SCALE)) for edge in (right, -top))
+    large = large.resize((width * CAPTION_SCALE, height * CAPTION_SCALE))
+    ImageDraw.Draw(large).multiline_text(
+        (0, large.height), text, fill=255, font=font, anchor="ld", spacing=spacing
+    )
+    return large.reduce(CAPTION_SCALE)
 
 
 def draw_title(image: Image.Image, title: str) -> Image.Image:
