@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import struct
+import sys
 import time
 import zlib
 from pathlib import Path
@@ -19,6 +20,7 @@ from wsgen.description.mesh_files import inspect_meshes
 from wsgen.description.mesh_looks import MATERIALS
 from wsgen.description.mesh_reader import read_mesh
 from wsgen.description.mesh_stl import write_stl
+from wsgen.description.mesh_textures import Textures
 from wsgen.diagnostics import Severity
 from wsgen.isolation.nursery import Nursery
 from wsgen.isolation.outcome import Answered, Died
@@ -33,6 +35,7 @@ BLUE: Rgba = (0.0, 0.0, 1.0, 1.0)
 WHITE: Rgba = (1.0, 1.0, 1.0, 1.0)
 BLUE_SHADER = "<blinn><diffuse><color>0 0 1</color></diffuse></blinn>"
 OPAQUE = '<transparent opaque="A_ONE"><color>1 1 1 1</color></transparent>'
+on_linux = pytest.mark.skipif(sys.platform != "linux", reason="only Linux has these files")
 PALETTE = ((255, 0, 0), (0, 255, 0), (0, 0, 255), (255, 255, 0))  # rows, from the upper left
 
 
@@ -264,7 +267,8 @@ def claimed(width: int, height: int) -> bytes:
         (claimed(8000, 8000)[:-20], "is not a valid image"),
         ("folder", "is a folder"),
         ("pipe", "is a named pipe"),
-        ("huge", "1000000 MB"),
+        ("huge", "has more than 50 MB"),
+        pytest.param("disk", "cannot be read (Input/output error)", marks=on_linux),
     ],
 )
 def test_a_texture_that_cannot_be_shown(tmp_path: Path, content: bytes | str, words: str) -> None:
@@ -275,6 +279,8 @@ def test_a_texture_that_cannot_be_shown(tmp_path: Path, content: bytes | str, wo
         image.mkdir()
     elif content == "pipe":
         os.mkfifo(image)
+    elif content == "disk":
+        image.symlink_to("/proc/self/mem")  # a regular file of which no first byte can be read
     else:
         with image.open("wb") as stream:
             stream.truncate(10**12)
@@ -285,6 +291,14 @@ def test_a_texture_that_cannot_be_shown(tmp_path: Path, content: bytes | str, wo
     assert (visual.rgba, visual.texture) == (WHITE, None)
     assert (found.code, found.severity) == ("ROB074", Severity.WARNING)
     assert words in found.message
+
+
+@on_linux
+def test_a_full_disk_is_no_fault_of_a_texture(tmp_path: Path) -> None:
+    picture(tmp_path / "image.png", size=4)
+    (tmp_path / "texture0.png").symlink_to("/dev/full")
+    with pytest.raises(OSError, match="No space left"):
+        Textures(tmp_path).prepare("image.png", tmp_path / "a.dae")
 
 
 @pytest.mark.parametrize("name", ["a.png", "a.jpg", "a.tif", "a.bmp", "a.tga", "a.dds", "a.gif"])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import math
 import warnings
 from contextlib import nullcontext
@@ -9,7 +10,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from wsgen.description.mesh_content import Complaint
-from wsgen.files import irregular_kind
+from wsgen.files import read_regular
 
 LARGEST = 1024  # pixels; more cost time and are not seen in a picture
 BYTE_LIMIT = 50 * 10**6
@@ -17,6 +18,7 @@ PIXEL_LIMIT = 8192 * 8192  # 200 MB when it is unpacked
 DEEP_MODES = ("I", "F")  # the beginnings of names of modes with more than 8 bits
 FORMATS = ("BMP", "DDS", "GIF", "JPEG", "PNG", "PPM", "TGA", "TIFF", "WEBP")
 CONVERT = "Convert it to a PNG of at most 2048 pixels."
+REPLACE = "Put an image file there that you may read."
 
 
 class Texture(NamedTuple):
@@ -24,6 +26,13 @@ class Texture(NamedTuple):
 
     path: str | None = None  # a PNG with 8 bits for red, green and blue
     complaint: Complaint | None = None
+
+
+class Unusable(NamedTuple):
+    """What keeps an image from being shown."""
+
+    problem: str  # what the image is or has
+    hint: str = CONVERT
 
 
 class Textures:
@@ -39,6 +48,9 @@ class Textures:
         Args:
             image: Its address as the mesh has it, or a Pillow image, opened and not read.
             mesh: The file of the mesh.
+
+        Raises:
+            OSError: The file cannot be written.
         """
         if isinstance(image, str):
             found = _find(image, mesh.parent)
@@ -49,13 +61,13 @@ class Textures:
         key = image if isinstance(image, Path) else (mesh, id(image))
         if key not in self._prepared:
             target = self.folder / f"texture{len(self._prepared)}.png"
-            problem = _convert(image, target)
-            name = image.name if isinstance(image, Path) else "inside of it"
-            self._prepared[key] = (
-                Texture(path=str(target))
-                if problem is None
-                else Texture(complaint=_unusable(name, problem))
-            )
+            small = _read(image)
+            if isinstance(small, Unusable):
+                name = image.name if isinstance(image, Path) else "inside of it"
+                self._prepared[key] = Texture(complaint=_complain(name, small))
+            else:
+                small.save(target, compress_level=1)  # a full disk is no fault of the image
+                self._prepared[key] = Texture(path=str(target))
         return self._prepared[key]
 
 
@@ -77,40 +89,48 @@ def _missing(address: str) -> Complaint:
     )
 
 
-def _unusable(name: str, problem: str) -> Complaint:
-    return Complaint("ROB074", f"has a texture that cannot be shown: `{name}` {problem}", CONVERT)
+def _complain(name: str, found: Unusable) -> Complaint:
+    message = f"has a texture that cannot be shown: `{name}` {found.problem}"
+    return Complaint("ROB074", message, found.hint)
 
 
-def _convert(image: Any, target: Path) -> str | None:
-    """Write the image anew; what keeps it from that, if anything does."""
+def _read(image: Any) -> Any:
+    """The image, small and with 8 bits for each color; Unusable if it cannot be shown."""
+    if isinstance(image, Path):
+        try:
+            data = read_regular(image, BYTE_LIMIT)
+        except (OSError, ValueError) as error:
+            reason = getattr(error, "strerror", None) or error
+            return Unusable(f"cannot be read ({reason})", REPLACE)
+        if len(data) > BYTE_LIMIT:
+            return Unusable(f"has more than {BYTE_LIMIT / 1e6:.0f} MB")
+        image = io.BytesIO(data)
+    return _decode(image)
+
+
+def _decode(source: Any) -> Any:
+    """The same of the bytes of a file, or of a Pillow image."""
     # It takes a while to import, and most robots have no textures.
     from PIL import Image, ImageOps  # noqa: PLC0415
 
     try:
-        if isinstance(image, Path):
-            kind = irregular_kind(image)
-            if kind is not None:
-                return f"is {kind}"
-            size = image.stat().st_size
-            if size > BYTE_LIMIT:
-                return f"has {size / 1e6:.0f} MB"
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # Pillow warns of large images; ours is the limit
-            is_file = isinstance(image, Path)
-            with Image.open(image, formats=FORMATS) if is_file else nullcontext(image) as opened:
+            is_file = isinstance(source, io.BytesIO)
+            with Image.open(source, formats=FORMATS) if is_file else nullcontext(source) as opened:
                 width, height = opened.size
                 if width * height > PIXEL_LIMIT:
-                    return f"has {width} by {height} pixels"
+                    return Unusable(f"has {width} by {height} pixels")
                 opened.draft("RGB", (LARGEST, LARGEST))  # JPEG is read smaller at once
-                small = ImageOps.contain(_eight_bits(opened), _size(*opened.size))
-            small.save(target, compress_level=1)
+                return ImageOps.contain(_eight_bits(opened), _size(*opened.size))
     except MemoryError:
         raise
     except Image.DecompressionBombError:  # it has far more than we take
-        return f"has more than {PIXEL_LIMIT / 1e6:.0f} million pixels"
+        return Unusable(f"has more than {PIXEL_LIMIT / 1e6:.0f} million pixels")
     except Exception:  # noqa: BLE001  Pillow raises anything on broken images
-        return "is not a valid image: it is cut short or damaged, or of a format that is not read"
-    return None
+        return Unusable(
+            "is not a valid image: it is cut short or damaged, or of a format that is not read"
+        )
 
 
 def _size(width: int, height: int) -> tuple[int, int]:
