@@ -5,6 +5,7 @@ import pytest
 
 from wsgen.cli import run
 from wsgen.model.target import TARGETS, Target
+from wsgen.workspace.examination import Examination
 
 
 @pytest.fixture(autouse=True)
@@ -25,6 +26,32 @@ def test_this_machine(capsys: pytest.CaptureFixture[str]) -> None:
     )
     assert sum("apt install ros-iron-ros-core" in line for line in lines) >= 1
     assert lines[-1] == "wsgen can work here."
+
+
+@pytest.mark.parametrize(
+    ("takes_apt", "title", "command"),
+    [
+        (True, "but for its editor:", "  sudo apt install ros-iron-ros-core "),
+        (
+            False,
+            "in a container of ros:iron-ros-base, not here:",
+            "  apt update && apt install ros-iron-ros-core ",
+        ),
+    ],
+)
+def test_the_apt_line_says_where_it_works(
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    *,
+    takes_apt: bool,
+    title: str,
+    command: str,
+) -> None:
+    monkeypatch.setattr(Examination, "takes_apt", takes_apt)
+    assert run(["doctor"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[-4].endswith(title)
+    assert lines[-3].startswith(command)
 
 
 @pytest.mark.parametrize("target", TARGETS, ids=lambda target: target.name)

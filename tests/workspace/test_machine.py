@@ -216,6 +216,7 @@ def test_the_ubuntu_of_the_target_without_ros(tmp_path: Path) -> None:
     assert found["Python"].is_met
     assert "snapshots.ros.org/iron/final" in found["apt repository"].mend
     assert found["ROS 2 Iron"].mend == check(machine(tmp_path)).apt
+    assert check(machine(tmp_path)).takes_apt
     assert found["Gazebo Classic 11"].mend == "sudo apt install ros-iron-gazebo-ros-pkgs"
     assert found["colcon"].mend == "sudo apt install python3-colcon-common-extensions"
 
@@ -251,6 +252,7 @@ def test_another_system(tmp_path: Path, text: str, target: Target, said: str, me
     assert "apt repository" not in found
     assert not any("apt install" in one.mend for one in found.values())
     assert found[target.ros].mend.endswith(f" ros:{target.distro}-ros-base")
+    assert not check(machine(tmp_path), target).takes_apt
 
 
 def test_a_system_made_from_ubuntu(tmp_path: Path) -> None:

@@ -68,6 +68,8 @@ def command(
 
 def _render(examination: Examination, *, with_all: bool) -> Iterator[str]:
     """The lines that a person reads; without `with_all`, what is in order is left out."""
+    from wsgen.model.installation import image, in_container
+
     target = examination.target
     yield click.style(f"{target.ros} with {target.gazebo}, on Ubuntu {target.ubuntu}", bold=True)
     for note in examination.notes:
@@ -80,8 +82,13 @@ def _render(examination: Examination, *, with_all: bool) -> Iterator[str]:
         yield click.style(title, bold=True)
         yield from _table([found for found in findings if with_all or not found.is_met])
     yield ""
-    yield "All that steps 1 and 2 of the tutorial install, but for its editor:"
-    yield f"  {examination.apt}"
+    installed = "All that steps 1 and 2 of the tutorial install, but for its editor"
+    if examination.takes_apt:
+        yield f"{installed}:"
+        yield f"  {examination.apt}"
+    else:
+        yield f"{installed}; in a container of {image(target)}, not here:"
+        yield f"  {in_container(examination.apt)}"
     yield ""
     verdict = "can work here" if examination.passed else "cannot work here until that is mended"
     yield click.style(f"wsgen {verdict}.", bold=True)

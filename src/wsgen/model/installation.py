@@ -68,6 +68,11 @@ def apt_install(target: Target) -> str:
     return f"sudo apt install {' '.join((*names, COLCON))}"
 
 
+def in_container(install: str) -> str:
+    """The same command in a container of `image`: its user is root, its list of packages empty."""
+    return f"apt update && {install.removeprefix('sudo ')}"
+
+
 def apt_source(target: Target) -> str:
     """The command that tells apt where the target's packages are."""
     codename = target.fact("ubuntu_codename")

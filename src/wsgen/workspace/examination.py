@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from wsgen.model.installation import apt_install
 from wsgen.model.target import end_of_life_note
 from wsgen.workspace.own_needs import find_own_needs
-from wsgen.workspace.ros_needs import find_ros_needs
+from wsgen.workspace.ros_needs import SYSTEM, find_ros_needs
 
 if TYPE_CHECKING:
     from wsgen.model.target import Target
@@ -22,6 +22,11 @@ class Examination(NamedTuple):
     own: tuple[Finding, ...]  # what wsgen's own commands use, without ROS
     ros: tuple[Finding, ...]  # what only ROS needs
     apt: str  # the command that installs all of what the tutorial's steps 1 and 2 install
+
+    @property
+    def takes_apt(self) -> bool:
+        """Whether the target's packages are for this machine's system."""
+        return any(found.name == SYSTEM and found.is_met for found in self.ros)
 
     @property
     def passed(self) -> bool:

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
     from wsgen.workspace.machine import Machine
 
+SYSTEM = "Ubuntu"  # the name of the finding about it
+
 
 def find_ros_needs(machine: Machine, target: Target) -> Iterator[Finding]:
     """Say of each thing that the target needs beyond wsgen whether it is there."""
@@ -51,12 +53,12 @@ def _ubuntu(machine: Machine, target: Target) -> Finding:
             f"this is {machine.system_name}; {target.ros} is packaged for {wanted}."
             " wsgen tries packages here, a container or another machine runs them"
         )
-        return Finding("Ubuntu", is_met=False, text=text, mend=mend)
+        return Finding(SYSTEM, is_met=False, text=text, mend=mend)
     try:
         release = read_os_release(machine.root)
     except OSError as error:
         text = f"not known: {error.filename}: {error.strerror}; {target.ros} is for {wanted}"
-        return Finding("Ubuntu", is_met=False, text=text, mend=mend)
+        return Finding(SYSTEM, is_met=False, text=text, mend=mend)
     name = release.get("PRETTY_NAME") or release.get("NAME") or "a Linux without a name"
     is_ubuntu = release.get("ID") == "ubuntu"
     codename = release.get("UBUNTU_CODENAME", release.get("VERSION_CODENAME") if is_ubuntu else "")
@@ -70,7 +72,7 @@ def _ubuntu(machine: Machine, target: Target) -> Finding:
         fitting = _distro_for(codename or "")
         if fitting:
             mend = f"wsgen doctor --distro {fitting}"
-    return Finding("Ubuntu", is_met=is_met, text=text, mend=mend)
+    return Finding(SYSTEM, is_met=is_met, text=text, mend=mend)
 
 
 def _distro_for(codename: str) -> str | None:
