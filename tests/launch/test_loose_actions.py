@@ -51,6 +51,23 @@ def test_action_that_is_not_added(space: InstallSpace, name: str, code: str) -> 
     assert f"add_action({name})" in (found.hint or "")
 
 
+@pytest.mark.parametrize(
+    "loose",
+    [
+        "IncludeLaunchDescription([FindPackageShare('my_robot'), '/launch/rviz.launch.py'])",
+        "Node(package='rviz2', executable='rviz2')",
+        "Node(package='my_robot', executable=LaunchConfiguration('program'))",
+    ],
+)
+def test_a_loose_action_for_another_thing_is_not_blamed(space: InstallSpace, loose: str) -> None:
+    text = f"{HEAD}\ndef generate_launch_description():\n    other = {loose}\n"
+    text += "    return LaunchDescription()\n"
+    share = space.add("my_robot", {"launch/test.launch.py": text})
+    plan = space.evaluate(share / "launch" / "test.launch.py")
+    found = (*find_simulator(plan)[1], *find_spawns(plan)[1])
+    assert [(one.code, one.line) for one in found] == [("SPN001", None), ("SPN003", None)]
+
+
 def test_all_are_added(space: InstallSpace) -> None:
     plan = without(space, "nothing")
     assert not (*find_simulator(plan)[1], *find_spawns(plan)[1])

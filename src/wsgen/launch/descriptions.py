@@ -88,7 +88,7 @@ def _from_topic(
             "robot_description, or correct -topic.",
         ),
     )
-    return missing if published else or_loose(missing, plan, "Node", executables={PUBLISHER})
+    return missing if published else or_loose(missing, plan, "Node", names={PUBLISHER})
 
 
 def _published(publisher: Process) -> tuple[str, Path | None] | Diagnostic:

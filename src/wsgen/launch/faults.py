@@ -28,14 +28,15 @@ def fault(code: str, process: Process, message: str, hint: str) -> Diagnostic:
 
 
 def or_loose(
-    missing: Diagnostic, plan: LaunchPlan, *kinds: str, executables: Collection[str] = ()
+    missing: Diagnostic, plan: LaunchPlan, *kinds: str, names: Collection[str]
 ) -> Diagnostic:
     """What is reported as missing; or the action that was created for it and never added.
 
-    `kinds` are the classes of such actions, `executables` the programs they start.
+    `kinds` are the classes of such actions; `names` the programs, launch files and packages of
+    which they name one.
     """
     for action in loose_actions(plan.evaluated_files, kinds):
-        if action.executable is None or action.executable in executables or not executables:
+        if not action.words.isdisjoint(names):
             return replace(
                 missing,
                 message=f"{missing.message.rstrip('.')}: `{action.name}` is created and not added "

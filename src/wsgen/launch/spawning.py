@@ -27,6 +27,14 @@ _SPAWNERS = {
 _SPAWNING_LAUNCH_FILES = {"gz_spawn_model.launch.py", "ros_gz_spawn_model.launch.py"}
 _PARAMETERS_OF_ARGUMENTS = {"entity_name": "name", "model_string": "string"}
 _GZ_SERVERS = {"gzserver", "ros_gz_sim::GzServer"}  # a program, and a node of a container
+# What an action names that starts a simulator: a launch file or a program.
+_SIMULATOR_NAMES = frozenset(
+    (
+        *("gazebo.launch.py", "gzserver.launch.py", "gz_sim.launch.py", "ign_gazebo.launch.py"),
+        *("gz_server.launch.py", "ros_gz_sim.launch.py"),
+        *("gazebo", "gzserver", "gz", "ign"),
+    )
+)
 _SPAWNERS_OF_ROS_1 = {"spawn_model", "spawn_urdf", "urdf_spawner"}
 
 
@@ -47,7 +55,8 @@ def find_simulator(plan: LaunchPlan) -> tuple[Simulator | None, tuple[Diagnostic
         file=plan.launch_file,
         hint="Include gazebo.launch.py of gazebo_ros, or gz_sim.launch.py of ros_gz_sim.",
     )
-    return None, (or_loose(missing, plan, "IncludeLaunchDescription", "ExecuteProcess"),)
+    kinds = ("IncludeLaunchDescription", "ExecuteProcess")
+    return None, (or_loose(missing, plan, *kinds, names=_SIMULATOR_NAMES),)
 
 
 def find_spawns(plan: LaunchPlan) -> tuple[tuple[Spawn, ...], tuple[Diagnostic, ...]]:
@@ -79,8 +88,8 @@ def find_spawns(plan: LaunchPlan) -> tuple[tuple[Spawn, ...], tuple[Diagnostic, 
             hint="Add a Node with package='gazebo_ros', executable='spawn_entity.py' and "
             "arguments=['-topic', 'robot_description', '-entity', NAME].",
         )
-        programs = {executable for _, executable in _SPAWNERS}
-        diagnostics.append(or_loose(missing, plan, "Node", executables=programs))
+        names = {executable for _, executable in _SPAWNERS} | _SPAWNING_LAUNCH_FILES
+        diagnostics.append(or_loose(missing, plan, "Node", "IncludeLaunchDescription", names=names))
     return tuple(spawns), tuple(diagnostics)
 
 

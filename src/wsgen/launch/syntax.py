@@ -57,7 +57,7 @@ class LooseAction(NamedTuple):
 
     kind: str  # its class
     name: str  # of the variable
-    executable: str | None  # where it is written as a text
+    words: frozenset[str]  # the texts in it, and the parts of paths and command lines
     file: Path
     line: int
 
@@ -73,10 +73,10 @@ def loose_actions(files: Iterable[Path], kinds: Iterable[str]) -> Iterator[Loose
                 continue
             target, kind = node.targets[0], ast.unparse(node.value.func).rpartition(".")[2]
             if kind in kinds and isinstance(target, ast.Name) and target.id not in read:
-                texts = {
-                    keyword.arg: keyword.value.value
-                    for keyword in node.value.keywords
-                    if isinstance(keyword.value, ast.Constant)
-                    and isinstance(keyword.value.value, str)
-                }
-                yield LooseAction(kind, target.id, texts.get("executable"), file, node.lineno)
+                words = frozenset(
+                    word
+                    for part in ast.walk(node.value)
+                    if isinstance(part, ast.Constant) and isinstance(part.value, str)
+                    for word in part.value.replace("/", " ").split()
+                )
+                yield LooseAction(kind, target.id, words, file, node.lineno)
