@@ -350,3 +350,34 @@ def test_misspelt_parameter() -> None:
     _, (found,) = find_spawns(plan(wrong, spawner("-topic", "robot_description", "-entity", "r")))
     assert found.code == "SPN009"
     assert found.hint == "Rename `robot_descripton` to `robot_description`."
+
+
+GZ_SIM = "IncludeLaunchDescription([FindPackageShare('ros_gz_sim'), '/launch/gz_sim.launch.py'])"
+CLASSIC = GZ_SIM.replace("ros_gz_sim", "gazebo_ros").replace("gz_sim.launch", "gazebo.launch")
+
+
+@pytest.mark.parametrize(
+    ("actions", "hint"),
+    [
+        (GZ_SIM, "Add a Node with package='ros_gz_sim', executable='create'"),
+        (CLASSIC, "Add a Node with package='gazebo_ros', executable='spawn_entity.py'"),
+        ("LogInfo(msg='')", "Give a launch file that starts a simulator and a spawner."),
+    ],
+)
+def test_the_spawner_to_add_is_that_of_the_simulator(
+    space: InstallSpace, actions: str, hint: str
+) -> None:
+    (found,) = find_spawns(space.play(actions))[1]
+    assert found.code == "SPN003"
+    assert (found.hint or "").startswith(hint)
+
+
+def test_a_robot_that_is_only_shown_can_be_tried_by_itself(
+    space: InstallSpace, tmp_path: Path
+) -> None:
+    file = tmp_path / "r.urdf"
+    file.write_text("<robot name='r'><link name='a'/></robot>")
+    publisher = "Node(package='robot_state_publisher', executable='robot_state_publisher', "
+    publisher += f"parameters=[{{'robot_description': open({str(file)!r}).read()}}])"
+    (found,) = find_spawns(space.play(publisher))[1]
+    assert (found.hint or "").endswith(f" wsgen validate {file}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import shlex
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Diagnostic, Severity
@@ -35,6 +36,12 @@ _SIMULATOR_NAMES = frozenset(
         *("gazebo", "gzserver", "gz", "ign"),
     )
 )
+_HOW_TO_SPAWN = {
+    "classic": "Add a Node with package='gazebo_ros', executable='spawn_entity.py' and "
+    "arguments=['-topic', 'robot_description', '-entity', NAME].",
+    "gz": "Add a Node with package='ros_gz_sim', executable='create' and "
+    "arguments=['-topic', 'robot_description', '-name', NAME].",
+}
 _SPAWNERS_OF_ROS_1 = {"spawn_model", "spawn_urdf", "urdf_spawner"}
 
 
@@ -85,12 +92,26 @@ def find_spawns(plan: LaunchPlan) -> tuple[tuple[Spawn, ...], tuple[Diagnostic, 
             severity=Severity.ERROR,
             message="The launch file spawns no robot.",
             file=plan.launch_file,
-            hint="Add a Node with package='gazebo_ros', executable='spawn_entity.py' and "
-            "arguments=['-topic', 'robot_description', '-entity', NAME].",
+            hint=_how_to_spawn(plan),
         )
         names = {executable for _, executable in _SPAWNERS} | _SPAWNING_LAUNCH_FILES
         diagnostics.append(or_loose(missing, plan, "Node", "IncludeLaunchDescription", names=names))
     return tuple(spawns), tuple(diagnostics)
+
+
+def _how_to_spawn(plan: LaunchPlan) -> str:
+    """The spawner of the simulator that is started, and what can be done without one."""
+    simulator, _ = find_simulator(plan)
+    hint = (
+        "Give a launch file that starts a simulator and a spawner."
+        if simulator is None
+        else _HOW_TO_SPAWN[simulator.generation]
+    )
+    robots = (process.description_file for process in plan.processes)
+    robot = next((file for file in robots if file is not None), None)
+    if robot is None:
+        return hint
+    return f"{hint} Without one, the robot is tried by: wsgen validate {shlex.quote(str(robot))}"
 
 
 def _included_spawners(plan: LaunchPlan) -> Iterator[Process]:
