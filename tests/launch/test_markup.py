@@ -482,6 +482,7 @@ def test_what_is_wrong_with_xml(
         ("launch:\n- let: {name: a, value: b, c: d}\n", "LCH010", "Unexpected key(s)", 2),
         ("launch:\n- group: {scoped: true}\n", "LCH010", "to have children entities", 2),
         ("launch: 1\n", "LCH010", "to be a list", None),
+        ("launch: 2024-13-40\n", "LCH023", "month must be in", 1),
         ("launch: !!python/object/apply:os.getcwd []\n", "LCH023", "could not determine", 1),
     ],
 )
@@ -493,6 +494,21 @@ def test_what_is_wrong_with_yaml(
     (diagnostic,) = plan.diagnostics
     assert diagnostic.file is not None
     assert (diagnostic.file.name, diagnostic.line) == ("m.launch.yaml", line)
+
+
+@pytest.mark.parametrize(
+    ("text", "suffix", "hint"),
+    [
+        ("<launch>\n<node pkg='a'", "xml", "Add `>`, or close the quotes."),
+        ("launch: [", "yaml", "indentation, colons, quotes, brackets."),
+        ("a: 1\nb: 2\n", "yaml", "Write `launch:` at the top"),
+    ],
+)
+def test_the_hint_is_about_what_is_wrong(
+    robot: InstallSpace, text: str, suffix: str, hint: str
+) -> None:
+    (found,) = markup(robot, text, suffix).diagnostics
+    assert hint in (found.hint or "")
 
 
 def test_a_description_read_as_yaml_is_warned_of(robot: InstallSpace) -> None:

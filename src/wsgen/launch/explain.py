@@ -140,7 +140,7 @@ def _markup_error(error: BaseException) -> Explanation | None:
     return Explanation(
         codes.NOT_MARKUP,
         f"The launch file is {error}.",
-        "Look at this line and the one before it: tags, quotes, '&' and '<', indentation.",
+        getattr(error, "wsgen_hint", None) or "Look at this line and the one before it.",
     )
 
 

@@ -23,8 +23,23 @@ if TYPE_CHECKING:
     from wsgen.launch.record import Location
 
 
+LOOK_AT_XML = "Look at this line and the one before it: tags, quotes, `&` and `<`."
+LOOK_AT_YAML = "Look at this line and the one before it: indentation, colons, quotes, brackets."
+
+
 class InvalidFrontendLaunchFileError(InvalidLaunchFileError):
     """A launch file that cannot be read as what its name says."""
+
+    wsgen_hint: str | None = None
+
+
+class NotMarkupError(ValueError):
+    """Why a text is not what its name says, and what to do about it."""
+
+    def __init__(self, reason: str, line: int = 1, hint: str | None = None) -> None:
+        super().__init__(reason)
+        self.line = line
+        self.hint = hint
 
 
 def get_launch_description_from_frontend_launch_file(launch_file_path: str) -> LaunchDescription:
@@ -36,9 +51,10 @@ def get_launch_description_from_frontend_launch_file(launch_file_path: str) -> L
     try:
         root = _read(text, path)
     except ValueError as wrong:
-        message, *line = wrong.args
-        error = InvalidFrontendLaunchFileError(str(message))
-        locate(error, (path, line[0] if line else 1))
+        found = wrong if isinstance(wrong, NotMarkupError) else NotMarkupError(str(wrong))
+        error = InvalidFrontendLaunchFileError(str(found))
+        error.wsgen_hint = found.hint
+        locate(error, (path, found.line))
         raise error from None
     if root.type_name != "launch":
         error_root = RuntimeError("Expected 'launch' as root tag")
@@ -143,7 +159,7 @@ def _typed(text: str, kind: Any) -> Any:
 
 
 def read_xml(text: bytes, file: str) -> XmlEntity:
-    """The root element of a launch file; ValueError with the line where it is not XML."""
+    """The root element of a launch file; NotMarkupError where it is not XML."""
     parser = expat.ParserCreate()
     root: list[XmlEntity] = []
     ancestors: list[XmlEntity] = []
@@ -159,10 +175,11 @@ def read_xml(text: bytes, file: str) -> XmlEntity:
         parser.Parse(text, True)
     except expat.ExpatError as error:
         mistake = find_mistake(text)
-        what, line = (mistake.message, mistake.line) if mistake else (error, error.lineno)
-        raise ValueError(f"not well-formed XML: {what}", line) from None
+        what, line, hint = mistake or (error, error.lineno, LOOK_AT_XML)
+        raise NotMarkupError(f"not well-formed XML: {what}", line, hint) from None
     except ValueError as error:  # an encoding that is not known, entities that multiply
-        raise ValueError(f"not well-formed XML: {error}", parser.CurrentLineNumber) from None
+        reason = f"not well-formed XML: {error}"
+        raise NotMarkupError(reason, parser.CurrentLineNumber, LOOK_AT_XML) from None
     return root[0]
 
 
@@ -261,19 +278,20 @@ def _is_a(value: Any, kind: Any) -> bool:
 
 
 def read_yaml(text: bytes, file: str) -> YamlEntity:
-    """The root of a launch file; ValueError with the line where it is not YAML."""
+    """The root of a launch file; NotMarkupError where it is not YAML."""
     loader = _Loader(text)
     try:
         content = loader.get_single_data()
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line = 1 if mark is None else mark.line + 1
-        raise ValueError(f"not YAML: {error.problem}", line) from None
+        raise NotMarkupError(f"not YAML: {error.problem}", line, LOOK_AT_YAML) from None
     except yaml.YAMLError as error:
-        raise ValueError(f"not YAML: {error}", 1) from None
+        raise NotMarkupError(f"not YAML: {error}", 1, LOOK_AT_YAML) from None
     finally:
         loader.dispose()
     if not isinstance(content, dict) or len(content) != 1:
-        raise ValueError("not a launch file: it must have the one key 'launch'", 1)
+        reason = "not a launch file: it must have the one key 'launch'"
+        raise NotMarkupError(reason, 1, "Write `launch:` at the top, the actions in a list below.")
     ((name, inside),) = content.items()
     return YamlEntity(str(name), (file, getattr(content, "line", 1)), inside)
