@@ -22,10 +22,10 @@ ROBOT = """<robot name="r">
 PLACES = ("link", "inertial", "visual", "joint", "robot")
 
 
-def misspelt(place: str, content: str) -> list[Diagnostic]:
+def misspelt(place: str, content: str, code: str = "ROB038") -> list[Diagnostic]:
     text = ROBOT.format(**{**dict.fromkeys(PLACES, ""), place: content})
     _, found = read_urdf(text, file=None)
-    return [finding for finding in found if finding.code == "ROB038"]
+    return [finding for finding in found if finding.code == code]
 
 
 @pytest.mark.parametrize(
@@ -90,6 +90,38 @@ def test_what_other_programs_read_is_no_mistake(place: str, content: str) -> Non
 def test_what_gazebo_reads_in_its_own_element(wrong: str, meant: str) -> None:
     (found,) = misspelt("robot", f'<gazebo reference="a"><{wrong}>1</{wrong}></gazebo>')
     assert found.hint == f"Did you mean <{meant}>?"
+
+
+@pytest.mark.parametrize(
+    ("place", "element", "meant"),
+    [
+        ("link", "<visual><geometry><sphere adius='1'/></geometry></visual>", "radius"),
+        ("link", "<visual><geometry><sphere radios='1'/></geometry></visual>", "radius"),
+        ("link", "<visual><geometry><mesh file='a.stl'/></geometry></visual>", "filename"),
+        ("link", "<visual><geometry><box sise='1 1 1'/></geometry></visual>", "size"),
+        ("link", "<visual nam='v'><geometry><box size='1 1 1'/></geometry></visual>", "name"),
+        ("joint", "<dynamics dampening='1'/>", "damping"),
+        ("joint", "<dynamics damping='1' fiction='1'/>", "friction"),
+        ("joint", "<mimic joint='j' multipler='1'/>", "multiplier"),
+    ],
+)
+def test_the_nearest_attribute_is_told(place: str, element: str, meant: str) -> None:
+    (found,) = misspelt(place, element, "ROB077")
+    assert found.hint == f"Did you mean `{meant}`?"
+
+
+@pytest.mark.parametrize(
+    ("place", "element"),
+    [
+        ("link", "<visual frame='a'><geometry><box size='1 1 1'/></geometry></visual>"),
+        ("link", "<visual><geometry><sphere radius='1' filename='a'/></geometry></visual>"),
+        ("joint", "<dynamics damping='1' stiction='1'/>"),
+        ("joint", "<limit effort='1' velocity='1' power='1'/>"),
+        ("joint", "<origin xyz='0 0 0' frame='a'/>"),
+    ],
+)
+def test_the_attributes_of_other_programs_are_no_mistake(place: str, element: str) -> None:
+    assert misspelt(place, element, "ROB077") == []
 
 
 @pytest.mark.parametrize(

@@ -75,6 +75,11 @@ SHORT = 4  # letters; of words up to this length other orders and neighbours are
 # So alike two words are, as difflib counts, that one is taken for the other: `parnt` and `parent`
 # are at 0.91, `visuals` and `visual` at 0.92, `colour` and `color` at 0.91.
 ALIKE = 0.8
+# Attributes, among the few that one element has and lacks. Few people misspell the first letter,
+# and those of other programs are as alike: `frame` is no `name` (0.67), `stiction` no `friction`
+# (0.75), `power` no `lower` (0.8).
+LIKE_ATTRIBUTE = 0.82
+LIKE_INITIAL = 0.6  # with the same first letter
 
 MOST_COMPARED = 500  # names; difflib takes its time
 MOST_HINTS = 50  # findings; who has more has another trouble than spelling
@@ -146,7 +151,12 @@ def _meant(name: str, lacking: Sequence[str]) -> str | None:
     near = [other for other in lacking if other.lower() == name.lower()]
     if len(name) <= SHORT:  # too few letters for a likeness
         near = near or [other for other in lacking if sorted(other) == sorted(name.lower())]
-    return near[0] if near else suggestions.nearest(name, lacking)
+    if near:
+        return near[0]
+    alike = [other for other in lacking if other[0] == name[:1].lower()]
+    return suggestions.nearest(name, lacking, cutoff=LIKE_ATTRIBUTE) or suggestions.nearest(
+        name, alike, cutoff=LIKE_INITIAL
+    )
 
 
 def _check_reference(findings: Findings, element: Element, path: str) -> None:

@@ -75,7 +75,8 @@ ATTRIBUTES: dict[str, tuple[str, ...]] = {
     "frame": ("name", "attached_to"),
     "pose": ("relative_to", "rotation_format", "degrees", "frame"),
 }
-ALIKE = 0.75  # as difflib counts; `sise` and `size` are at it
+ALIKE = 0.82  # as difflib counts; `stiction` is no `friction` (0.75)
+ALIKE_INITIAL = 0.75  # with the same first letter, which few misspell; `sise` and `size` are at it
 SHORT, ALIKE_SHORT = 3, 0.66  # letters; one of three other letters leaves two thirds alike
 
 
@@ -120,5 +121,9 @@ def _check_attributes(source: Source, element: Element) -> None:
 def _meant(name: str, known: Collection[str]) -> str | None:
     """The name that a misspelt one must be; None where none is nearly the same."""
     near = [other for other in sorted(known) if sorted(other) == sorted(name.lower())]
-    cutoff = ALIKE if len(name) > SHORT else ALIKE_SHORT
-    return near[0] if near else nearest(name.lower(), known, cutoff=cutoff)
+    if near:
+        return near[0]
+    alike = [other for other in known if other[0] == name[:1].lower()]
+    return nearest(
+        name.lower(), known, cutoff=ALIKE_SHORT if len(name) <= SHORT else ALIKE
+    ) or nearest(name.lower(), alike, cutoff=ALIKE_INITIAL)
