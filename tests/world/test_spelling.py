@@ -75,6 +75,25 @@ def test_attributes(tmp_path: Path, right: str, wrong: str, line: int) -> None:
     assert misspelt(text, tmp_path) == [("WLD059", line, f"Did you mean `{right}`?")]
 
 
+def test_what_other_programs_have_is_no_mistake(tmp_path: Path) -> None:
+    joint = "<joint name='j' type='fixed'><axis><dynamics><stiction>1</stiction></dynamics></axis>"
+    text = WORLD.replace('<collision name="c"', '<collision frame="l" name="c"')
+    text = text.replace("</link>", f"</link>{joint}</joint>", 1)
+    assert misspelt(text, tmp_path) == []
+
+
+def test_a_default_that_gazebo_takes_for_a_misspelling_is_told_with_it(tmp_path: Path) -> None:
+    file = tmp_path / "m.sdf"
+    link = "<link name='l'>\n<inertal><mass>1</mass></inertal></link>"
+    file.write_text(f"<sdf version='1.7'><model name='m'>{link}</model></sdf>")
+    (found,) = read_sdf(file, find_model=lambda _: None).diagnostics
+    assert (found.code, found.severity, found.line) == ("WLD058", Severity.WARNING, 2)
+    assert found.message == (
+        "<link> has no <inertal>: the link `l` has no <inertial>: Gazebo gives it 1 kg and 1 kg m²."
+    )
+    assert found.hint == "Did you mean <inertial>?"
+
+
 def test_what_a_misspelt_element_leaves_out_is_told_with_it(tmp_path: Path) -> None:
     file = tmp_path / "w.sdf"
     for text, line, meant in (

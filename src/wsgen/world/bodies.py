@@ -61,10 +61,11 @@ def _read_inertial(node: Node, name: str, collisions: Sequence[Collision]) -> In
     element = first(link, "inertial")
     if element is None:
         if not node.scope.is_static:
-            source.warning(
+            source.lacking(
                 "WLD035",
                 f"The link `{name}` has no <inertial>: Gazebo gives it 1 kg and 1 kg m².",
                 at=link,
+                name="inertial",
                 hint="Give it its own mass and inertia, or make the model static.",
             )
         return DEFAULT_INERTIAL

@@ -49,16 +49,29 @@ class Source(NamedTuple):
 
         Where one is misspelt, that has been reported, and becomes the error.
         """
+        if not self._blame_misspelt(at, name, Severity.ERROR, message):
+            self.error(code, message, at=at, hint=hint)
+
+    def lacking(self, code: str, message: str, *, at: Element, name: str, hint: str) -> None:
+        """A warning: the element has no child of that name, and Gazebo takes a default.
+
+        Where one is misspelt, the warning about that says so.
+        """
+        if not self._blame_misspelt(at, name, Severity.WARNING, message):
+            self.warning(code, message, at=at, hint=hint)
+
+    def _blame_misspelt(self, at: Element, name: str, severity: Severity, message: str) -> bool:
+        """Say of what is misspelt what its absence causes; False where nothing is."""
         place = self.misspelt.get((at, name))
         if place is None:
-            self.error(code, message, at=at, hint=hint)
-            return
+            return False
         cause = self.diagnostics[place]
         self.diagnostics[place] = replace(
             cause,
-            severity=Severity.ERROR,
+            severity=severity,
             message=f"{cause.message.partition(': ')[0]}: {message[0].lower()}{message[1:]}",
         )
+        return True
 
     def info(self, code: str, message: str, *, at: Element, hint: str) -> None:
         """Nothing is wrong with it; a person may want to know."""
