@@ -34,7 +34,7 @@ WHY = {
     "ROB041": "Gazebo computes a centre of mass as 0/0 and refuses the robot",
 }
 # What only the trial shows, and why it is right.
-NO_COLLISION = {"SPN056"}, "it has no <collision>, and falls through the ground in Gazebo as well"
+NO_COLLISION = {"ROB053"}, "it has no <collision>, and falls through the ground in Gazebo as well"
 NOT_BOLTED = {"SPN059"}, "it is not joined to a link `world`, and falls over in Gazebo as well"
 NO_MESHES = {"ROB060"}, "the package does not hold the meshes that the file names"
 IN_THE_TRIAL = {

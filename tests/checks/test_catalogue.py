@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from wsgen.checks.catalogue import RULES
+from wsgen.checks.causes import CONSEQUENCES
 
 ROOT = Path(__file__).parents[2]
 HEAD = """# Findings
@@ -21,6 +22,16 @@ allow = ["massless-root"]
 Errors cannot be allowed.
 
 | code | name | what is the case |
+|---|---|---|
+"""
+CAUSES = """
+## What follows from what
+
+One cause is one diagnostic. Where a diagnostic about the description of a robot explains what its
+run shows, the run is not reported again: the diagnostic about the description becomes as severe as
+what follows from it, and ends with its message ("In the simulation, ...").
+
+| cause | explains | as errors only |
 |---|---|---|
 """
 
@@ -50,6 +61,10 @@ def test_names_read_after_allow() -> None:
 
 def test_the_documentation_is_written_from_the_catalogue(*, regenerate: bool) -> None:
     rows = "".join(f"| {rule.code} | `{rule.name}` | {rule.summary} |\n" for rule in RULES)
+    rows += CAUSES + "".join(
+        f"| {row.cause} | {' '.join(sorted(row.follows))} | {' '.join(row.errors)} |\n"
+        for row in CONSEQUENCES
+    )
     file = ROOT / "docs" / "rules.md"
     if regenerate:
         file.write_text(HEAD + rows, encoding="utf-8")

@@ -45,6 +45,15 @@ def codes(trial: RobotTrial, *, robot: Robot = ROBOT, world: World = WORLD) -> l
     return [found.code for found in judge_trial(robot, world, trial)]
 
 
+def test_what_its_limits_push_is_not_told_as_moved_by_gravity() -> None:
+    assert [found.code for found in judge_trial(ARM, WORLD, GAVE_WAY)] == ["SPN060"]
+    beyond = with_joint(JointType.REVOLUTE, JointLimit(lower=0.8, upper=2.0))
+    assert judge_trial(beyond, WORLD, GAVE_WAY, pushed={"arm"}) == ()
+    near = with_joint(JointType.REVOLUTE, JointLimit(lower=0.2, upper=2.0))
+    found = judge_trial(near, WORLD, GAVE_WAY, pushed={"arm"})
+    assert [one.code for one in found] == ["SPN060"]
+
+
 def test_a_robot_that_stands() -> None:
     assert codes(STANDS) == []
     assert codes(HANGS, robot=ARM) == []

@@ -62,3 +62,19 @@ def test_too_many_models_are_refused_before_anything_is_made_of_them(tmp_path: P
     described, (problem,) = describe_models(found, workshop)
     assert (described, counting.tasks) == ([], [])
     assert (problem.code, problem.file) == ("SPN035", tmp_path / "many.world")
+
+
+def test_a_model_has_what_was_reported_of_it(tmp_path: Path) -> None:
+    def model(name: str, tag: str) -> str:
+        return f'<model name="{name}"><link name="l"><{tag}><mass>1</mass></{tag}></link></model>'
+
+    workshop = Workshop(share_of=lambda _: None, folder=tmp_path, run=parent.run)
+    file = tmp_path / "two.world"
+    two = model("right", "inertial") + model("wrong", "inertal")
+    for text, expected in (
+        (f'<sdf version="1.9"><world name="w">{two}</world></sdf>', [[], ["WLD058"]]),
+        (f'<sdf version="1.9">{model("wrong", "inertal")}</sdf>', [["WLD058"]]),
+    ):
+        file.write_text(text)
+        described, _ = describe_models(read_file(file, workshop, {}), workshop)
+        assert [[one.code for one in model.diagnostics] for model in described] == expected

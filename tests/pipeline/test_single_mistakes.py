@@ -1,7 +1,11 @@
-"""One mistake in a robot is one diagnostic, about what is written."""
+"""One mistake in a robot is one diagnostic, about what is written.
+
+First of the description alone, then with the run of what it describes.
+"""
 
 from __future__ import annotations
 
+import os
 import re
 from typing import TYPE_CHECKING
 
@@ -11,8 +15,12 @@ from wsgen.description.expand import expand
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.isolation import parent
 from wsgen.pipeline.described import Workshop, describe
+from wsgen.pipeline.file_validation import FileValidation
+from wsgen.pipeline.request import ValidateRequest
+from wsgen.workspace.overlay import Overlay
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from pathlib import Path
 
 ROVER = """<robot name="rover">
@@ -230,3 +238,204 @@ def test_a_joint_of_sdf_to_what_gazebo_adds(tmp_path: Path, other: str) -> None:
     assert "ROB078" not in {one.code for one in found}
     alone = diagnose(text.replace(other, "").encode(), tmp_path / "rover.urdf")
     assert "ROB078" in {one.code for one in alone}
+
+
+# A rover that stands, so that whatever its run reports comes from the mistake.
+WHEELS = {"fl": (0.15, 0.18), "fr": (0.15, -0.18), "rl": (-0.15, 0.18), "rr": (-0.15, -0.18)}
+CYLINDER = '<origin rpy="1.5708 0 0"/><geometry><cylinder radius="0.08" length="0.04"/></geometry>'
+BODY = '<origin xyz="0 0 0.1"/><geometry><box size="0.4 0.3 0.1"/></geometry>'
+CAR = f"""<robot name="car">
+  <link name="base_link">
+    <visual>{BODY}</visual>
+    <collision>{BODY}</collision>
+    <inertial>
+      <origin xyz="0 0 0.1" rpy="0 0 0"/>
+      <mass value="5"/>
+      <inertia {BASE_INERTIA}/>
+    </inertial>
+  </link>
+{
+    "".join(
+        f'''  <joint name="{name}_joint" type="continuous">
+    <origin xyz="{x} {y} 0.08" rpy="0 0 0"/>
+    <parent link="base_link"/>
+    <child link="{name}_wheel"/>
+    <axis xyz="0 1 0"/>
+  </joint>
+  <link name="{name}_wheel">
+    <visual>{CYLINDER}</visual>
+    <collision>{CYLINDER}</collision>
+    <inertial>
+      <mass value="0.5"/>
+      <inertia ixx="0.00087" ixy="0" ixz="0" iyy="0.0016" iyz="0" izz="0.00087"/>
+    </inertial>
+  </link>
+'''
+        for name, (x, y) in WHEELS.items()
+    )
+}  <joint name="lift_joint" type="prismatic">
+    <origin xyz="0 0 0.16" rpy="0 0 0"/>
+    <parent link="base_link"/>
+    <child link="lift"/>
+    <axis xyz="0 0 1"/>
+    <limit lower="0" upper="0.2" effort="10" velocity="1"/>
+    <dynamics damping="1.0" friction="0.1"/>
+  </joint>
+  <link name="lift">
+    <visual><geometry><box size="0.1 0.1 0.02"/></geometry></visual>
+    <collision><geometry><box size="0.1 0.1 0.02"/></geometry></collision>
+    <inertial>
+      <mass value="0.2"/>
+      <inertia ixx="0.0002" ixy="0" ixz="0" iyy="0.0002" iyz="0" izz="0.00033"/>
+    </inertial>
+  </link>
+</robot>
+"""
+BOX = """<robot name="box">
+  <link name="base_link">
+    <visual><geometry><box size="0.2 0.2 0.2"/></geometry></visual>
+    <collision><geometry><box size="0.2 0.2 0.2"/></geometry></collision>
+    <inertial>
+      <mass value="1"/>
+      <inertia ixx="0.0067" ixy="0" ixz="0" iyy="0.0067" iyz="0" izz="0.0067"/>
+    </inertial>
+  </link>
+</robot>
+"""
+SDF_BOX = "<geometry><box><size>0.2 0.2 0.2</size></box></geometry>"
+# One box fixed on another.
+SDF = f"""<sdf version="1.7"><model name="table">
+  <link name="top">
+    <pose>0 0 0.5 0 0 0</pose>
+    <visual name="v">{SDF_BOX}</visual>
+    <collision name="c">{SDF_BOX}</collision>
+    <inertial>
+      <mass>1</mass>
+      <inertia><ixx>0.0067</ixx><iyy>0.0067</iyy><izz>0.0067</izz></inertia>
+    </inertial>
+  </link>
+  <link name="foot">
+    <pose>0 0 0.1 0 0 0</pose>
+    <visual name="v">{SDF_BOX}</visual>
+    <collision name="c">{SDF_BOX}</collision>
+    <inertial>
+      <mass>1</mass>
+      <inertia><ixx>0.0067</ixx><iyy>0.0067</iyy><izz>0.0067</izz></inertia>
+    </inertial>
+  </link>
+  <joint name="j" type="fixed"><parent>foot</parent><child>top</child></joint>
+</model></sdf>
+"""
+
+
+def validate(text: str, file: Path, engines: Sequence[str] = ("bullet",)) -> list[Diagnostic]:
+    """What the file is told after a run."""
+    file.write_text(text)
+    overlay = Overlay(install=file.parent, environment=dict(os.environ), prefixes=())
+    request = ValidateRequest(files=[file], engines=engines)
+    run = FileValidation(file, overlay, request, None, parent.run, name=file.stem).run()
+    return list(run.diagnostics)
+
+
+COLLISION = re.compile(r"<collision.*?</collision>")
+HUGE_BODY = '<box size="400 300 100"/>'
+
+
+def test_what_stands(tmp_path: Path) -> None:
+    assert validate(CAR, tmp_path / "car.urdf") == []
+    assert validate(BOX, tmp_path / "box.urdf") == []
+    assert validate(SDF, tmp_path / "table.sdf") == []
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "code", "severity", "line"),
+    [
+        ('<mass value="5"/>', '<mass value="5000000"/>', "ROB049", Severity.ERROR, 2),
+        ('<mass value="0.5"/>', '<mass value="5e6"/>', "ROB049", Severity.ERROR, 2),
+        ('<mass value="5"/>', '<mass value="5000"/>', "ROB050", Severity.ERROR, 2),
+        ('<box size="0.4 0.3 0.1"/>', HUGE_BODY, "ROB048", Severity.WARNING, 2),
+        (
+            f"<collision>{BODY}",
+            f"<collision>{BODY.replace('0.4 0.3 0.1', '400 300 100')}",
+            "ROB048",
+            Severity.ERROR,
+            2,
+        ),
+        ('xyz="0.15 0.18 0.08"', 'xyz="150 180 80"', "ROB048", Severity.ERROR, 2),
+        (BASE_INERTIA, ZERO, "ROB037", Severity.WARNING, 2),
+        ('iyy="0.0016"', 'iyy="1.6"', "ROB037", Severity.ERROR, 17),
+        ('lower="0" upper="0.2"', 'lower="0.2" upper="0"', "ROB023", Severity.WARNING, 72),
+        ('lower="0" upper="0.2"', 'lower="0.1" upper="0.2"', "ROB070", Severity.INFO, 67),
+        ('lower="0" upper="0.2"', 'lower="-2" upper="-1"', "ROB070", Severity.ERROR, 67),
+        ('<origin xyz="0.15 0.18', '<orgin xyz="0.15 0.18', "ROB038", Severity.ERROR, 12),
+        ('xyz="0.15 0.18', 'xzy="0.15 0.18', "ROB077", Severity.ERROR, 12),
+        ("<visual>", "<visaul/><visual>", "ROB038", Severity.WARNING, 3),
+        ("prismatic", "floating", "ROB055", Severity.WARNING, 67),
+        ('xyz="0 0 1"', 'xyz="0 0 0"', "ROB018", Severity.ERROR, 71),
+        ('<box size="0.4', '<box size="0', "ROB028", Severity.WARNING, 3),
+        (
+            BODY,
+            BODY.replace("box size", "mesh filename"),
+            "ROB061",
+            Severity.WARNING,
+            2,
+        ),
+        ('effort="10"', 'effort="0"', None, None, None),
+    ],
+)
+def test_rover_in_its_run(  # noqa: PLR0917  the facts of a case
+    tmp_path: Path,
+    old: str,
+    new: str,
+    code: str | None,
+    severity: Severity | None,
+    line: int | None,
+) -> None:
+    found = validate(swap(CAR, old, new), tmp_path / "car.urdf")
+    expected = [] if code is None else [(code, severity, line)]
+    assert [(one.code, one.severity, one.line) for one in found] == expected
+
+
+@pytest.mark.parametrize("engines", [("bullet",), ("bullet", "dart")])
+@pytest.mark.parametrize(
+    ("old", "new", "code"),
+    [
+        (COLLISION, "", "ROB053"),
+        (COLLISION, "<colision/>", "ROB038"),
+        ('<mass value="1"/>', '<mass value="5000000"/>', "ROB049"),
+    ],
+)
+def test_box_in_its_run(
+    tmp_path: Path, old: str | re.Pattern[str], new: str, code: str, engines: tuple[str, ...]
+) -> None:
+    if "dart" in engines:
+        pytest.importorskip("dartpy")
+    (found,) = validate(swap(BOX, old, new), tmp_path / "box.urdf", engines)
+    assert (found.code, found.severity) == (code, Severity.ERROR)
+    assert "In the simulation, the robot" in found.message
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "code", "severity", "line"),
+    [
+        (INERTIAL, "", "WLD035", Severity.WARNING, 2),
+        (INERTIAL, "<inertal/>", "WLD058", Severity.WARNING, 6),
+        ("<mass>1</mass>", "<mass>0</mass>", "WLD041", Severity.WARNING, 6),
+        ("<mass>1</mass>", "<mass>-1</mass>", "WLD036", Severity.ERROR, 6),
+        ("<mass>1</mass>", "<mass>1,0</mass>", "WLD005", Severity.ERROR, 7),
+        ("<ixx>0.0067", "<ixx>6.7", "WLD037", Severity.ERROR, 6),
+        ("<parent>foot", "<parent>feet", "WLD021", Severity.ERROR, 20),
+        ("<pose>0 0 0.1 0 0 0</pose>", "<pse>0 0 0.1 0 0 0</pse>", "WLD058", None, 12),
+    ],
+)
+def test_model_of_sdf_in_its_run(  # noqa: PLR0917  the facts of a case
+    tmp_path: Path,
+    old: str | re.Pattern[str],
+    new: str,
+    code: str,
+    severity: Severity | None,
+    line: int | None,
+) -> None:
+    (found,) = validate(swap(SDF, old, new), tmp_path / "table.sdf")
+    assert (found.code, found.line) == (code, line)
+    assert severity in {None, found.severity}

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from wsgen.diagnostics import Severity
+from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.isolation.outcome import Answered, Died
 from wsgen.model.behaviour import Behaviour, Reach
 from wsgen.model.pose import Pose
@@ -126,6 +126,52 @@ def test_both_engines_must_pass_a_robot() -> None:
     assert [robot.passed for robot in outcome.robots] == [False]
     (found,) = [finding for finding in outcome.diagnostics if finding.code == "SPN055"]
     assert found.message.startswith("In DART: ")
+
+
+NOTHING_TO_TOUCH = Diagnostic(
+    code="ROB053", severity=Severity.WARNING, message="No link has a <collision>.", line=2
+)
+FALLS = {"lowest_point_at_end": -44.0, "settled_after": None}
+
+
+class Falling(Engines):
+    """In both engines the robots fall that are named."""
+
+    def __init__(self, *falling: str) -> None:
+        super().__init__()
+        self.falling = falling
+
+    def __call__(self, task: str, *arguments: Any, **more: Any) -> Answered | Died:
+        answered = super().__call__(task, *arguments, **more)
+        assert isinstance(answered, Answered)
+        for trial in answered.value["trials"]:
+            trial.update(FALLS if trial["entity"] in self.falling else {})
+        return answered
+
+
+@pytest.mark.parametrize("engines", [("bullet",), ("bullet", "dart")])
+def test_a_consequence_is_told_with_its_cause_of_the_same_robot(engines: tuple[str, ...]) -> None:
+    without = replace(described("a"), diagnostics=(NOTHING_TO_TOUCH,))
+    robots = [without, described("b")]
+    request = ValidateRequest(engines=engines)
+    outcome = try_robots(WORLD, robots, request, "name", run=Falling("a", "b"))
+    assert [robot.passed for robot in outcome.robots] == [False, False]
+    assert [(found.code, found.element) for found in outcome.diagnostics] == [("SPN056", "b")]
+    before = Diagnostic(code="ROB051", severity=Severity.WARNING, message="Something else.")
+    first, cause, other = outcome.told_after([before, NOTHING_TO_TOUCH])
+    assert (first, other.code) == (before, "SPN056")
+    assert (cause.code, cause.severity, cause.line) == ("ROB053", Severity.ERROR, 2)
+    assert cause.message.startswith("No link has a <collision>. In the simulation, the robot falls")
+
+
+def test_scenery_that_falls_for_what_is_told_of_it_stays_a_warning() -> None:
+    ball = replace(described("ball"), is_scenery=True, diagnostics=(NOTHING_TO_TOUCH,))
+    robots = [ball, described("a")]
+    outcome = try_robots(WORLD, robots, ValidateRequest(), "name", run=Falling("ball"))
+    (cause,) = outcome.told_after([NOTHING_TO_TOUCH])
+    assert cause.severity is Severity.WARNING
+    assert "falls" in cause.message
+    assert [robot.passed for robot in outcome.robots] == [True]
 
 
 @pytest.mark.parametrize("both", [True, False])

@@ -175,6 +175,11 @@ def _numbers_of_link(link: Link) -> Iterator[tuple[str, tuple[float, ...]]]:
         yield "geometry", (*pose.xyz, *_sizes(geometry))
 
 
+def largest_size(shape: Primitive) -> float:
+    """The longest of its edges, diameter and length, m."""
+    return max(_sizes(shape))
+
+
 def _sizes(geometry: Geometry) -> tuple[float, ...]:
     if isinstance(geometry, Box):
         return geometry.size

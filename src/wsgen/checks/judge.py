@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 # Less is play: a motion that nobody would call giving way.
 GAVE_WAY_TURNING = 0.1  # rad
 GAVE_WAY_SLIDING = 0.01  # m
+OVERSHOT = 1.5  # times the way to the limit that a joint is pushed to: so far a push carries it
 ON_THE_GROUND = 0.02  # m
 
 
@@ -57,12 +58,13 @@ def judge_trial(  # noqa: PLR0913  most have defaults
     height: SpawnHeight | None = None,
     is_alone: bool = True,
     scenery: Collection[str] = (),
+    pushed: Collection[str] = (),
 ) -> tuple[Diagnostic, ...]:
     """Judge what was measured of a robot; `robot` is the one Gazebo would build (lumped).
 
     `height` is where a launch file says how high it is spawned, if one does; `is_alone` says that
     no other robot of the scene can push it; `scenery` are the models of the world among the
-    entities of the scene.
+    entities of the scene; `pushed` are joints that are reported to start outside of their limits.
     """
     entity = trial.entity
     collide = [link.name for link in robot.links if link.self_collide]
@@ -93,7 +95,9 @@ def judge_trial(  # noqa: PLR0913  most have defaults
         )
     if trial.is_finite and not trial.is_cut_short:
         is_pushed = any(overlap.other_entity is not None for overlap in trial.overlaps)
-        motion = _judge_motion(robot, world, trial, is_alone=is_alone and not is_pushed)
+        motion = _judge_motion(
+            robot, world, trial, is_alone=is_alone and not is_pushed, pushed=pushed
+        )
         if scenery and not _is_on_the_ground(world, trial):
             motion = [_as_on_a_slope(one) for one in motion]
         found += motion
@@ -112,7 +116,12 @@ def _as_on_a_slope(finding: Diagnostic) -> Diagnostic:
 
 
 def _judge_motion(
-    robot: Robot, world: World, trial: RobotTrial, *, is_alone: bool
+    robot: Robot,
+    world: World,
+    trial: RobotTrial,
+    *,
+    is_alone: bool,
+    pushed: Collection[str],
 ) -> list[Diagnostic]:
     entity = trial.entity
     gave_way = limbs_that_gave_way(robot, trial)
@@ -134,7 +143,18 @@ def _judge_motion(
         found += _judge_place(world, trial, gave_way=bool(gave_way))
     found += scene_rules.rests_on_its_hull(entity, trial.hull_gaps)
     found += motion_rules.joint_beyond_limit(entity, robot.joints, trial.joint_positions)
-    found += motion_rules.gives_way(gave_way, entity, is_moving=is_moving)
+    # What its limits move is not told as moved by gravity.
+    to_limits = {
+        joint.name: max(joint.limit.lower, -joint.limit.upper)
+        for joint in robot.joints
+        if joint.name in pushed and joint.limit is not None
+    }
+    by_gravity = {
+        name: travel
+        for name, travel in gave_way.items()
+        if travel > OVERSHOT * to_limits.get(name, 0.0)
+    }
+    found += motion_rules.gives_way(by_gravity, entity, is_moving=is_moving)
     return found
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from wsgen.checks.extent_rules import HEAVIEST
+from wsgen.checks.extent_rules import HEAVIEST, LARGEST, largest_size
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.model.inertia import as_attributes, if_filled, principal_moments
 from wsgen.model.robot import Box, Cylinder, Primitive, Sphere
@@ -75,7 +75,7 @@ def implausible_inertia(links: Iterable[Link], file: Path | None) -> Iterator[Di
             continue
         shape = shapes[0]
         solid = if_filled(link)
-        if solid is None or not isinstance(shape, Primitive):
+        if solid is None or not isinstance(shape, Primitive) or largest_size(shape) > LARGEST:
             continue
         largest = principal_moments(link.inertial.inertia)[2]
         times = largest / max(solid)

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 
 LINK = re.compile(r"\blink\[@name='([^']*)'\]")
 MISSPELT = frozenset(("ROB038", "ROB077"))
+WITHOUT_EXTENT = "ROB028"
 
 
 def read_urdf(
@@ -63,19 +64,19 @@ def read_urdf(
 
 
 def _with_doubts(robot: Robot, diagnostics: Iterable[Diagnostic]) -> Robot:
-    """The robot with those links marked in which something is wrong or misspelt.
+    """The robot with those links marked in which something is wrong, misspelt or left out.
 
     What else is odd about them comes from that, and is not worth telling; what Gazebo refuses for
     a misspelling is.
     """
-    wrong, misspelt = set[str](), set[str]()
+    wrong, unlike = set[str](), set[str]()
     for found in diagnostics:
         names = LINK.findall(found.element or "")
         if found.severity is Severity.ERROR:
             wrong.update(names)
-        elif found.code in MISSPELT:
-            misspelt.update(names)
-    doubtful = wrong | misspelt
+        elif found.code in {*MISSPELT, WITHOUT_EXTENT}:
+            unlike.update(names)
+    doubtful = wrong | unlike
     links = (
         replace(link, is_as_meant=link.name not in doubtful, has_error=link.name in wrong)
         for link in robot.links

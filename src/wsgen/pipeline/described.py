@@ -55,6 +55,7 @@ class Described:
     on_the_ground: bool = False  # as low as it can stand, instead of at the height of that pose
     is_scenery: bool = False  # a model of the world around the robots that are tried
     may_move: bool = False  # a thing of a world that is tried: that it rolls or tips is no fault
+    diagnostics: tuple[Diagnostic, ...] = ()  # about its description, as they have been reported
 
 
 def describe(  # noqa: PLR0913  most have defaults
@@ -91,9 +92,9 @@ def describe(  # noqa: PLR0913  most have defaults
             spawn_pose=spawn_pose,
             on_the_ground=on_the_ground,
         )
-    if isinstance(text, bytes):  # of the file itself, where every line is its own
-        return described, found
-    return described, place_in_source(found, text=text, file=file, share_of=workshop.share_of)
+    if not isinstance(text, bytes):  # those are of the file itself, where every line is its own
+        found = place_in_source(found, text=text, file=file, share_of=workshop.share_of)
+    return described and replace(described, diagnostics=found), found
 
 
 def _at_the_misspelling(

@@ -82,7 +82,7 @@ class FileValidation:
             launch_file=None,
             world=world,
             robots=tried.robots,
-            diagnostics=(*self.diagnostics, *tried.diagnostics),
+            diagnostics=tuple(tried.told_after(self.diagnostics)),
             picture=tried.picture,
             picture_tile=tried.picture_tile,
             world_picture=tried.world_picture,

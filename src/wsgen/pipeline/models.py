@@ -96,10 +96,24 @@ def describe_models(
             on_the_ground=found.world is None and not model.is_static,
             is_scenery=is_scenery,
             may_move=found.world is not None,
+            diagnostics=_about(model, models, (*found.diagnostics, *flawed)),
         )
         for model, robot in zip(models, robots, strict=True)
         if (written := model.robot) is not None
     ], flawed
+
+
+def _about(
+    model: SdfModel, models: Iterable[SdfModel], diagnostics: Iterable[Diagnostic]
+) -> tuple[Diagnostic, ...]:
+    """What has been reported of a model: where its file holds others, by its name."""
+    is_alone = sum(other.file == model.file for other in models) == 1
+    place = f"/model[@name='{model.name}']"
+    return tuple(
+        found
+        for found in diagnostics
+        if found.file == model.file and (is_alone or place in (found.element or ""))
+    )
 
 
 def _completed(

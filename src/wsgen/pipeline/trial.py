@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
+from wsgen.checks.causes import fold_consequences, joints_beyond_limits
 from wsgen.checks.judge import judge_trial
 from wsgen.checks.scene_rules import engines_disagree
 from wsgen.diagnostics import Diagnostic, Severity, has_errors
@@ -16,7 +17,7 @@ from wsgen.simulation.scene import Scene, SpawnedRobot
 from wsgen.simulation.surfaces import MOST_LINKS, most_parts
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
     from wsgen.isolation.protocol import Run
@@ -36,12 +37,18 @@ class Tried:
     """What came of a trial."""
 
     robots: tuple[RobotOutcome, ...] = ()
-    diagnostics: tuple[Diagnostic, ...] = ()
+    diagnostics: tuple[Diagnostic, ...] = ()  # of the run alone
+    causes: Mapping[Diagnostic, Diagnostic] = field(default_factory=dict)  # about descriptions:
+    # as reported before, and with what followed from it in the run
     picture: Path | None = None
     picture_tile: float | None = None  # m, edge of a square of the ground in the picture
     world_picture: Path | None = None
     film: Path | None = None
     seconds: Mapping[str, float] | None = None  # wall-clock: load, simulate, draw
+
+    def told_after(self, before: Iterable[Diagnostic]) -> list[Diagnostic]:
+        """What was reported before the run, and what the run adds to it."""
+        return [*(self.causes.get(one, one) for one in before), *self.diagnostics]
 
     def tell_drawing(self, step: Step, request: ValidateRequest) -> None:
         """Say of the step of the trial what was to be drawn in it, and how long that took."""
@@ -99,6 +106,7 @@ def try_robots(  # noqa: PLR0913  what is tried, and how
     for other in others:
         found += _compared(first, other)
     measured = {trial.entity: trial for trial in first.trials}
+    causes, found = _fold(sound, found)
     return Tried(
         robots=tuple(
             _outcome(
@@ -112,6 +120,7 @@ def try_robots(  # noqa: PLR0913  what is tried, and how
             for robot in robots
         ),
         diagnostics=tuple(found),
+        causes=causes,
         picture=first.picture,
         picture_tile=first.picture_tile,
         world_picture=first.world_picture,
@@ -172,6 +181,7 @@ def _judge(
                 height=robot.height,
                 is_alone=len(free) == 1,
                 scenery=scenery,
+                pushed=joints_beyond_limits(robot.diagnostics),
             )
         )
         if robot.is_scenery:
@@ -186,6 +196,21 @@ def _judge(
             failed.add(robot.entity)
         found += judged
     return found, failed
+
+
+def _fold(
+    robots: Sequence[Described], found: Sequence[Diagnostic]
+) -> tuple[dict[Diagnostic, Diagnostic], list[Diagnostic]]:
+    """Causes in the descriptions with what follows from them, and what is found besides."""
+    causes: dict[Diagnostic, Diagnostic] = {}
+    left = list(found)
+    for robot in robots:
+        own = [one for one in left if one.element == robot.entity]
+        folded = fold_consequences(robot.diagnostics, own)
+        changed = zip(robot.diagnostics, folded.described, strict=True)
+        causes |= {before: after for before, after in changed if before != after}
+        left = [one for one in left if one not in own or one in folded.run]
+    return causes, left
 
 
 def _soften(finding: Diagnostic) -> Diagnostic:

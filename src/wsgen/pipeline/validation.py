@@ -255,7 +255,7 @@ class Validation:
             )
             step.succeeded = all(robot.passed for robot in tried.robots)
             tried.tell_drawing(step, self.request)
-        self.diagnostics += tried.diagnostics
+        self.diagnostics = tried.told_after(self.diagnostics)
         self.clock.take(tried.seconds or {})
         return tried
 

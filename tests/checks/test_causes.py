@@ -1,0 +1,106 @@
+"""What of a run is told with the diagnostic about the description that explains it."""
+
+from __future__ import annotations
+
+import pytest
+
+from wsgen.checks.catalogue import RULES
+from wsgen.checks.causes import CONSEQUENCES, fold_consequences, joints_beyond_limits
+from wsgen.diagnostics import Diagnostic, Severity
+
+ERROR, WARNING, INFO = Severity
+
+
+def told(code: str, severity: Severity = WARNING, element: str = "robot") -> Diagnostic:
+    return Diagnostic(code=code, severity=severity, message=f"About {code}.", element=element)
+
+
+def folded(*described: Diagnostic, run: Diagnostic) -> bool:
+    return not fold_consequences(described, [run]).run
+
+
+def test_the_cause_takes_over_severity_and_message() -> None:
+    run = [told("SPN065", WARNING), told("SPN061", ERROR), told("SPN055", ERROR)]
+    (cause,), left = fold_consequences([told("ROB049")], run)
+    assert left == ()
+    assert (cause.code, cause.severity) == ("ROB049", ERROR)
+    assert cause.message == "About ROB049. In the simulation, about SPN061."
+
+
+def test_a_consequence_that_names_its_engine_is_not_put_into_another_sentence() -> None:
+    falls = Diagnostic(code="SPN056", severity=ERROR, message="In DART: The robot falls.")
+    (cause,), _ = fold_consequences([told("ROB053")], [falls])
+    assert cause.message == "About ROB053. In DART: The robot falls."
+
+
+def test_an_information_makes_no_warning_of_a_cause_and_none_harmless() -> None:
+    (cause,), _ = fold_consequences([told("ROB070", INFO)], [told("SPN061", WARNING)])
+    assert cause.severity is WARNING
+    (cause,), _ = fold_consequences([told("ROB053", ERROR)], [told("SPN056", WARNING)])
+    assert cause.severity is ERROR
+
+
+def test_what_nothing_explains_stays() -> None:
+    described = [told("ROB053"), told("ROB052")]
+    run = [told("SPN059", ERROR), told("SPN060", INFO), told("SPN056", ERROR)]
+    result = fold_consequences(described, run)
+    assert [found.code for found in result.run] == ["SPN059", "SPN060"]
+    assert [found.severity for found in result.described] == [ERROR, WARNING]
+
+
+def test_one_consequence_has_one_cause_the_first_of_the_table() -> None:
+    inertias = [told("ROB050", element=f"link[@name='{name}']/inertial/inertia") for name in "ab"]
+    described = [*inertias, told("ROB049")]
+    result = fold_consequences(described, [told("SPN061", ERROR)])
+    assert [found.severity for found in result.described] == [WARNING, WARNING, ERROR]
+    result = fold_consequences(inertias, [told("SPN061", ERROR)])
+    assert [found.severity for found in result.described] == [ERROR, WARNING]
+
+
+def test_a_warning_about_motion_has_its_cause_in_joints_that_are_not_actuated() -> None:
+    assert folded(told("ROB050"), run=told("SPN058", ERROR))
+    assert not folded(told("ROB050"), run=told("SPN058", WARNING))
+
+
+@pytest.mark.parametrize(
+    ("code", "element", "explains"),
+    [
+        ("ROB038", "link[@name='a']/colision", True),
+        ("ROB038", "link[@name='visual']/colision", True),
+        ("ROB038", "link[@name='a/visual']/colision", True),
+        ("ROB038", "joint[@name='a']/orgin", True),
+        ("ROB038", "gazebo/statc", True),
+        ("WLD058", "/sdf/model[@name='m']/link[@name='a']/pse", True),
+        ("WLD059", "/sdf/model[@name='m']/link[@name='a']/collision[@name='c']/pose", True),
+        ("ROB066", "link[@name='a']/collision/geometry/mesh", True),
+        ("ROB038", "link[@name='a']/visaul", False),
+        ("ROB077", "link[@name='a']/visual/origin/@xzy", False),
+        ("ROB038", "transmision", False),
+        ("ROB038", "gazebo/plugn", False),
+        ("ROB077", "robot/@versoin", False),
+        ("WLD058", "/sdf/model[@name='m']/link[@name='a']/visual[@name='v']/pse", False),
+        ("WLD031", "/sdf/model[@name='m']/link[@name='a']/visual[@name='v']/geometry", False),
+        ("ROB066", "link[@name='a']/visual/geometry/mesh", False),
+    ],
+)
+def test_what_is_only_seen_explains_no_motion(code: str, element: str, *, explains: bool) -> None:
+    cause = told(code, element=element)
+    assert folded(cause, run=told("SPN056", ERROR)) is explains
+
+
+def test_joints_that_their_limits_move() -> None:
+    limit = "joint[@name='lift']/limit"
+    described = [told("ROB070", element=limit), told("ROB023", element="joint[@name='x']/limit")]
+    assert joints_beyond_limits(described) == {"lift"}
+
+
+def test_the_table_is_about_rules_that_exist() -> None:
+    codes = {rule.code for rule in RULES}
+    for row in CONSEQUENCES:
+        follows = {*row.follows, *row.errors}
+        assert {row.cause, *follows} <= codes
+        assert not row.cause.startswith("SPN")
+        assert follows
+        assert all(code.startswith("SPN") for code in follows)
+    causes = [row.cause for row in CONSEQUENCES]
+    assert len(causes) == len(set(causes))
