@@ -345,7 +345,9 @@ def test_loose_parts_that_fall_for_ever_keep_it_from_rest(tmp_path: Path) -> Non
     ball = link("ball").replace("<collision>", "<!--").replace("</collision>", "-->")
     (tmp_path / "loose.urdf").write_text(urdf(link(), ball, floating))
     code, (package,) = judged(tmp_path, "loose.urdf")
-    assert (code, codes(package)) == (1, ["SPN058"])
+    assert (code, codes(package)) == (1, ["ROB055"])
+    (loose,) = package["diagnostics"]
+    assert "does not come to rest" in loose["message"]
 
 
 def test_a_broken_visual_is_left_out_of_the_picture(tmp_path: Path) -> None:
