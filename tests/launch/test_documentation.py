@@ -67,13 +67,10 @@ def names() -> dict[str, list[str]]:
         "NAMES"
     ]
     for package, homes in shown.items():
-        found[package] = [name for name, home in homes.items() if home]
-    for module in ("launch_ros.descriptions", "launch_ros.parameter_descriptions"):
-        tree = ast.parse((RECORDING / f"{module.replace('.', '/')}.py").read_text(encoding="utf-8"))
-        found[module] = [node.name for node in tree.body if isinstance(node, ast.ClassDef)]
-    for module in ("launch_xml", "launch_yaml"):
-        word = module.rpartition("_")[2].upper()
-        found[f"{module}.launch_description_sources"] = [f"{word}LaunchDescriptionSource"]
+        found[package] = [name for name, home in homes.items() if home and home[0] != "."]
+    module = "launch_ros.parameter_descriptions"
+    tree = ast.parse((RECORDING / f"{module.replace('.', '/')}.py").read_text(encoding="utf-8"))
+    found[module] = [node.name for node in tree.body if isinstance(node, ast.ClassDef)]
     return {package: found[package] for package in sorted(found) if found[package]}
 
 

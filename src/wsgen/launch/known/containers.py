@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from launch.utilities import normalize_to_list_of_substitutions, perform_substitutions
+from launch._utilities import normalize_to_list_of_substitutions, perform_substitutions
 
 if TYPE_CHECKING:
     from launch.base import LaunchDescriptionEntity
@@ -19,7 +19,7 @@ def in_container(
     `container` says its name, whether it is made, and whether there is one at all.
     """
     from launch_ros.actions import ComposableNodeContainer, LoadComposableNodes
-    from launch_ros.descriptions import ComposableNode
+    from launch_ros.utilities import ComposableNode
 
     name, is_own, is_used = container
     if not _is_true(context, is_used):

@@ -2,8 +2,7 @@
 
 import sys
 
-from ._finder import Finder
-from ._lazy import finder
+from ._finder import Finder, names_on_demand
 
 _HOMES = {
     "Action": "base",
@@ -15,7 +14,7 @@ _HOMES = {
     "LaunchDescription": "launch_description",
     "LaunchService": "launch_description",
     "LaunchDescriptionEntity": "base",
-    "LaunchDescriptionSource": "launch_description_source",
+    "LaunchDescriptionSource": "launch_description",
     "SomeActionsType": "base",
     "SomeEntitiesType": "base",
     "SomeSubstitutionsType": "base",
@@ -32,7 +31,7 @@ _HOMES = {
     "utilities": "",
 }
 __all__ = list(_HOMES)
-__getattr__ = finder(__name__, _HOMES)
+__getattr__ = names_on_demand(__name__, _HOMES)
 
 if Finder not in sys.meta_path:
     sys.meta_path.insert(0, Finder)

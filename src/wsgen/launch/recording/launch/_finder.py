@@ -1,9 +1,12 @@
-"""The modules of the real packages that have no file of their own here.
+"""How the names of the real packages are found in the modules that are here.
 
 The real `launch` has a file a class, `launch.actions.timer_action` and eighty more, and users
 import from them. Here a package's classes are in one module. What `import launch.actions` shows is
 what the original shows, not what the module needs for itself: a name that is missing there is
 missing here, too.
+
+A launch file uses a dozen of the hundred names; importing the rest would cost more than the
+evaluation. So a package imports what a name needs when it is first asked for.
 """
 
 from __future__ import annotations
@@ -18,7 +21,24 @@ from typing import TYPE_CHECKING, Any
 from launch._public import HOMES, NAMES
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Mapping, Sequence
+
+
+def names_on_demand(package: str, homes: Mapping[str, str]) -> Callable[[str], Any]:
+    """The `__getattr__` of a package, given the module of each name ("" where it is one)."""
+
+    def find(name: str) -> Any:
+        home = homes.get(name)
+        if home is None:
+            raise _missing(package, name)
+        if home:
+            value = getattr(importlib.import_module(f"{package}.{home}"), name)
+        else:
+            value = importlib.import_module(f"{package}.{name}")
+        setattr(sys.modules[package], name, value)
+        return value
+
+    return find
 
 
 def show_public_names(module: str) -> None:
@@ -35,7 +55,7 @@ class Finder:
         name: str, _path: Sequence[str] | None = None, _target: ModuleType | None = None
     ) -> ModuleSpec | None:
         """The spec of a module that is defined elsewhere; None for all others."""
-        home = _home(name) if name.startswith(("launch.", "launch_ros.")) else None
+        home = _home(name) if name.startswith("launch") else None
         if home is None:
             return None
         return ModuleSpec(name, _Loader(home), is_package=name in NAMES)
@@ -55,13 +75,18 @@ class _Loader(Loader):
         namespace = vars(importlib.import_module(self._home))
 
         def find(name: str) -> Any:
+            if public is not None and public.get(name) == "":
+                return importlib.import_module(f"{module.__name__}.{name}")
             if name not in namespace or not (public is None or name in public):
                 raise _missing(module.__name__, name)
             return namespace[name]
 
         vars(module)["__getattr__"] = find
-        if public is not None:
-            vars(module)["__all__"] = [*public]
+        # What stands below a package shows all that the package defines.
+        above = NAMES.get(module.__name__.rpartition(".")[0], {})
+        names = [name for name, home in above.items() if home] if public is None else [*public]
+        if names:
+            vars(module)["__all__"] = names
 
 
 class _Shown(ModuleType):

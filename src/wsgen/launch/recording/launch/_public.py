@@ -4,7 +4,7 @@ From launch and launch_ros of Iron to Rolling.
 """
 
 # The public names of a package, each with the module below it that defines it in the original; ""
-# where the name is such a module.
+# where the name is such a module, and two dots before a module that is beside the package.
 NAMES: dict[str, dict[str, str]] = {
     "launch_ros.actions": {
         "ComposableNodeContainer": "composable_node_container",
@@ -21,6 +21,12 @@ NAMES: dict[str, dict[str, str]] = {
         "SetROSLogDir": "set_ros_log_dir",
         "SetRemap": "set_remap",
         "SetUseSimTime": "set_use_sim_time",
+    },
+    "launch_ros.descriptions": {
+        "ComposableNode": "composable_node",
+        "Parameter": "..parameter_descriptions",
+        "ParameterFile": "..parameter_descriptions",
+        "ParameterValue": "..parameter_descriptions",
     },
     "launch_ros.event_handlers": {
         "OnStateTransition": "on_state_transition",
@@ -155,6 +161,18 @@ NAMES: dict[str, dict[str, str]] = {
         "ThisLaunchFile": "this_launch_file",
         "ThisLaunchFileDir": "this_launch_file_dir",
     },
+    "launch_xml": {
+        "launch_description_sources": "",
+    },
+    "launch_xml.launch_description_sources": {
+        "XMLLaunchDescriptionSource": "xml_launch_description_source",
+    },
+    "launch_yaml": {
+        "launch_description_sources": "",
+    },
+    "launch_yaml.launch_description_sources": {
+        "YAMLLaunchDescriptionSource": "yaml_launch_description_source",
+    },
 }
 
 # Modules of the original whose content is elsewhere here than in the module above them.
@@ -169,13 +187,20 @@ HOMES = {
     "launch.some_entities_type": "launch.base",
     "launch.some_substitutions_type": "launch.base",
     "launch.substitution": "launch.base",
+    "launch.launch_description_source": "launch.launch_description",
     "launch.launch_service": "launch.launch_description",
-    "launch.events.process": "launch.process_events",
-    "launch.utilities.type_utils": "launch.type_utils",
+    "launch.events": "launch._events",
+    "launch.events.process": "launch._events",
+    "launch.utilities": "launch._utilities",
+    "launch.utilities.type_utils": "launch._utilities",
     "launch.frontend.entity": "launch.frontend.parser",
     "launch.frontend.file": "launch.frontend.parser",
-    "launch_ros.events.lifecycle": "launch_ros.lifecycle_events",
-    "launch_ros.events.lifecycle.matchers": "launch_ros.events",
+    "launch_ros.descriptions": "launch_ros.utilities",
+    "launch_ros.event_handlers": "launch_ros._events",
+    "launch_ros.events": "launch_ros._events",
+    "launch_ros.events.lifecycle": "launch_ros._events",
     "launch_ros.parameters_type": "launch_ros.parameter_descriptions",
     "launch_ros.remap_rule_type": "launch_ros.parameter_descriptions",
+    "launch_xml.launch_description_sources": "launch_xml",
+    "launch_yaml.launch_description_sources": "launch_yaml",
 }

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from launch._events import ProcessExited, ProcessStarted
 from launch.base import Action, Substitution
-from launch.process_events import ProcessExited, ProcessStarted
 from wsgen.launch.record import RECORD, caller
 
 if TYPE_CHECKING:

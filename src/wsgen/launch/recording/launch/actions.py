@@ -9,19 +9,19 @@ from collections.abc import Iterable, Mapping
 from collections.abc import Iterable as _Iterable
 from typing import TYPE_CHECKING, Any
 
+from launch._events import ProcessExited, ProcessStarted, TimerEvent
+from launch._events import Shutdown as ShutdownEvent
 from launch._finder import show_public_names
-from launch.base import Action, Event, Substitution, TextSubstitution
-from launch.events import Shutdown as ShutdownEvent
-from launch.events import TimerEvent
-from launch.launch_context import NEVER, PROCESS_TIME, LaunchContext
-from launch.launch_description_source import LaunchDescriptionSource
-from launch.process_events import ProcessExited, ProcessStarted
-from launch.type_utils import normalize_typed_substitution, perform_typed_substitution
-from launch.utilities import (
+from launch._utilities import (
     ensure_argument_type,
     normalize_to_list_of_substitutions,
+    normalize_typed_substitution,
     perform_substitutions,
+    perform_typed_substitution,
 )
+from launch.base import Action, Event, Substitution, TextSubstitution
+from launch.launch_context import NEVER, PROCESS_TIME, LaunchContext
+from launch.launch_description import LaunchDescriptionSource
 from wsgen.launch import known_packages
 from wsgen.launch.record import RECORD
 
@@ -192,8 +192,6 @@ class EmitEvent(Action):
 
     def execute(self, context: LaunchContext) -> None:
         """Let it happen."""
-        from launch.events import Shutdown as ShutdownEvent
-
         if isinstance(self.__event, ShutdownEvent):
             context.shut_down(self.__event)
         else:

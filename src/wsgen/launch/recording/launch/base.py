@@ -102,7 +102,7 @@ class Action(LaunchDescriptionEntity):
     def announce_completion(self, context: LaunchContext) -> None:
         """Tell whoever waits for the action to be complete."""
         if context.has_event_handlers:
-            from launch.events import ExecutionComplete
+            from launch._events import ExecutionComplete
 
             context.emit_event_sync(ExecutionComplete(action=self))
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from launch._finder import show_public_names
+from launch._utilities import normalize_to_list_of_substitutions, perform_substitutions
 from launch.base import Condition
-from launch.utilities import normalize_to_list_of_substitutions, perform_substitutions
 from wsgen.launch.record import RECORD
 
 if TYPE_CHECKING:

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
+from launch._events import ExecutionComplete, ProcessExited, ProcessStarted, Shutdown
 from launch._finder import show_public_names
 from launch.actions import ExecuteLocal
 from launch.base import Action, BaseEventHandler, LaunchDescriptionEntity
-from launch.events import ExecutionComplete, Shutdown
-from launch.process_events import ProcessExited, ProcessStarted
 from wsgen.launch.record import RECORD, caller
 
 if TYPE_CHECKING:

@@ -1,22 +1,26 @@
-"""A launch description, and how it is played."""
+"""A launch description, where it comes from, and how it is played."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from launch._utilities import normalize_to_list_of_substitutions, perform_substitutions
 from launch.base import LaunchDescriptionEntity
 from launch.launch_context import LaunchContext
-from wsgen.launch.record import locate
+from wsgen.launch import known_packages
+from wsgen.launch.record import RECORD, locate
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription
+    from launch.base import Event, SomeSubstitutionsType, Substitution
+    from wsgen.launch.known_packages import StandInFile
 
     Declared = tuple[DeclareLaunchArgument, tuple[IncludeLaunchDescription, ...]]
-    from launch.base import Event
 
 
 class LaunchDescription(LaunchDescriptionEntity):
@@ -97,6 +101,79 @@ def _declared(
         yield from _declared(entity.describe_sub_entities(), path, conditional)
         for _, group in entity.describe_conditional_sub_entities():
             yield from _declared(group, path, conditional=True)
+
+
+class LaunchDescriptionSource:
+    """A description, or a place that one is loaded from, once, when it is asked for."""
+
+    def __init__(
+        self,
+        launch_description: LaunchDescription | None = None,
+        location: SomeSubstitutionsType = "",
+        method: str = "unspecified mechanism from a script",
+    ) -> None:
+        self.__launch_description = launch_description
+        self.__location: list[Substitution] = normalize_to_list_of_substitutions(location)
+        self.__expanded_location: str | None = None
+        self.__method = method
+        if launch_description is None:
+            RECORD.argument_use.not_run.add(self)
+
+    def try_get_launch_description_without_context(self) -> LaunchDescription | None:
+        """The description, where finding it takes no configuration of the launch."""
+        if self.__launch_description is None:
+            try:
+                self.__launch_description = self._load(
+                    perform_substitutions(LaunchContext(), self.__location)
+                )
+            except Exception:  # noqa: BLE001  foreign code; it is told when it is really included
+                return None
+        return self.__launch_description
+
+    def get_launch_description(self, context: LaunchContext) -> LaunchDescription:
+        """The description."""
+        if self.__expanded_location is None:
+            self.__expanded_location = perform_substitutions(context, self.__location)
+        if self.__launch_description is None:
+            self.__launch_description = self._load(self.__expanded_location)
+        return self.__launch_description
+
+    @property
+    def location(self) -> str:
+        """The path, or what is known of it before the launch."""
+        if self.__expanded_location is not None:
+            return self.__expanded_location
+        return " + ".join(sub.describe() for sub in self.__location)
+
+    @property
+    def method(self) -> str:
+        """How it is loaded, in words."""
+        return self.__method
+
+    def _load(self, location: str) -> LaunchDescription:
+        RECORD.argument_use.not_run.discard(self)
+        stand_in = known_packages.stand_in_of(os.path.normpath(location))
+        if stand_in is not None:
+            RECORD.argument_use.is_unknown |= not stand_in.has_known_arguments
+            return _stand_in_description(stand_in)
+        if RECORD.is_unknown(location):
+            RECORD.argument_use.is_unknown = True
+            return LaunchDescription()
+        return self._get_launch_description(location)
+
+    def _get_launch_description(self, location: str) -> LaunchDescription:
+        """The description that a file gives."""
+        raise NotImplementedError(location)
+
+
+def _stand_in_description(stand_in: StandInFile) -> LaunchDescription:
+    """What is known of a launch file whose package is not here: its arguments."""
+    from launch.actions import DeclareLaunchArgument
+
+    defaults = stand_in.arguments(os.environ.get("ROS_DISTRO", ""))
+    return LaunchDescription(
+        [DeclareLaunchArgument(name, default_value=value) for name, value in defaults.items()]
+    )
 
 
 class LaunchService:

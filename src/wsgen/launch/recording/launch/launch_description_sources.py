@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from launch._finder import show_public_names
 from launch.base import InvalidLaunchFileError
-from launch.launch_description_source import LaunchDescriptionSource
+from launch.launch_description import LaunchDescriptionSource
 from wsgen.files import refuse_irregular
 from wsgen.launch.record import RECORD, locate
 

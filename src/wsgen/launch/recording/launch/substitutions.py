@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from launch._finder import show_public_names
+from launch._utilities import normalize_to_list_of_substitutions, perform_substitutions
 from launch.base import Substitution, SubstitutionFailure, TextSubstitution  # noqa: F401  shown with the others
 from launch.conditions import evaluate_condition_expression
 from launch.launch_context import local_of
-from launch.utilities import normalize_to_list_of_substitutions, perform_substitutions
 from wsgen.files import refuse_irregular
 from wsgen.launch import commands, known_packages
 from wsgen.launch.record import RECORD

@@ -1,6 +1,6 @@
 """Recording stand-in for the `launch_ros` package."""
 
-from launch._lazy import finder
+from launch._finder import names_on_demand
 
 _HOMES = {
     "actions": "",
@@ -12,4 +12,4 @@ _HOMES = {
     "utilities": "",
 }
 __all__ = list(_HOMES)
-__getattr__ = finder(__name__, _HOMES)
+__getattr__ = names_on_demand(__name__, _HOMES)

@@ -6,17 +6,17 @@ import itertools
 from typing import TYPE_CHECKING, Any
 
 from launch._finder import show_public_names
+from launch._utilities import (
+    ensure_argument_type,
+    normalize_to_list_of_substitutions,
+    normalize_typed_substitution,
+    perform_substitutions,
+    perform_typed_substitution,
+)
 from launch.actions import ExecuteProcess, SetEnvironmentVariable, TimerAction
 from launch.base import Action, EventHandler
 from launch.substitutions import LaunchConfiguration
-from launch.type_utils import normalize_typed_substitution, perform_typed_substitution
-from launch.utilities import (
-    ensure_argument_type,
-    normalize_to_list_of_substitutions,
-    perform_substitutions,
-)
-from launch_ros.events import matches_node_name
-from launch_ros.lifecycle_events import ChangeState, StateTransition
+from launch_ros._events import ChangeState, StateTransition, matches_node_name
 from launch_ros.substitutions import ExecutableInPackage
 from launch_ros.utilities import (
     add_global_parameters,
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
     from launch.base import Event, LaunchDescriptionEntity, SomeSubstitutionsType, Substitution
     from launch.launch_context import LaunchContext
-    from launch_ros.descriptions import ComposableNode
+    from launch_ros.utilities import ComposableNode
 
 
 UNSPECIFIED_NAME = "<node_name_unspecified>"

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from launch.frontend.parser import Entity
-    from launch_ros.descriptions import ComposableNode
+    from launch_ros.utilities import ComposableNode
 
     Keywords = dict[str, Any]
 
@@ -116,7 +116,7 @@ def _lifecycle_node(entity: Entity) -> Keywords:
 
 def _composable_nodes(entity: Entity) -> list[ComposableNode]:
     from launch.frontend.actions import condition
-    from launch_ros.descriptions import ComposableNode
+    from launch_ros.utilities import ComposableNode
 
     found = []
     for node in entity.nested("composable_node"):

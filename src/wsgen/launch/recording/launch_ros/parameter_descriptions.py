@@ -7,8 +7,12 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from launch.type_utils import normalize_typed_substitution, perform_typed_substitution
-from launch.utilities import normalize_to_list_of_substitutions, perform_substitutions
+from launch._utilities import (
+    normalize_to_list_of_substitutions,
+    normalize_typed_substitution,
+    perform_substitutions,
+    perform_typed_substitution,
+)
 
 if TYPE_CHECKING:
     from launch.base import SomeSubstitutionsType

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from ament_index_python.packages import get_package_prefix, get_package_share_directory
 from launch._finder import show_public_names
+from launch._utilities import normalize_to_list_of_substitutions, perform_substitutions
 from launch.base import Substitution, SubstitutionFailure
-from launch.utilities import normalize_to_list_of_substitutions, perform_substitutions
 from wsgen.launch import known_packages
 from wsgen.launch.record import RECORD
 

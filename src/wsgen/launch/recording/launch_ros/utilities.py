@@ -1,4 +1,4 @@
-"""How nodes get names, parameters and remappings."""
+"""How nodes get names, parameters and remappings; the nodes that containers load."""
 
 from __future__ import annotations
 
@@ -7,21 +7,21 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from launch._utilities import normalize_to_list_of_substitutions, perform_substitutions
 from launch.base import Substitution
-from launch.utilities import normalize_to_list_of_substitutions, perform_substitutions
 from launch_ros.parameter_descriptions import Parameter, ParameterFile, ParameterValue
 from wsgen.files import refuse_irregular
 from wsgen.launch import codes
 from wsgen.launch.record import RECORD
 
 if TYPE_CHECKING:
+    from launch.base import Condition, SomeSubstitutionsType
     from launch.launch_context import LaunchContext
 
     Pair = tuple[list[Substitution], Any]
     Normalized = list[list[Pair] | Parameter | ParameterFile]
     Location = tuple[str, int]
     Rules = list[tuple[list[Substitution], list[Substitution]]]
-    from launch_ros.descriptions import ComposableNode
 
 
 class InvalidNameError(ValueError):
@@ -307,6 +307,33 @@ def perform_remap_rules(context: LaunchContext, rules: Rules) -> list[tuple[str,
             for source, target in rules
         ),
     ]
+
+
+class ComposableNode:
+    """A node that a container loads."""
+
+    def __init__(  # noqa: PLR0913  as the original
+        self,
+        *,
+        package: SomeSubstitutionsType,
+        plugin: SomeSubstitutionsType,
+        name: SomeSubstitutionsType | None = None,
+        namespace: SomeSubstitutionsType | None = None,
+        parameters: list[Any] | None = None,
+        remappings: Iterable[Any] | None = None,
+        extra_arguments: list[Any] | None = None,
+        condition: Condition | None = None,
+    ) -> None:
+        self.package = normalize_to_list_of_substitutions(package)
+        self.plugin = normalize_to_list_of_substitutions(plugin)
+        self.name = None if name is None else normalize_to_list_of_substitutions(name)
+        self.namespace = (
+            None if namespace is None else normalize_to_list_of_substitutions(namespace)
+        )
+        self.parameters = normalize_parameters(parameters or [])
+        self.remappings = normalize_remap_rules(remappings or [])
+        self.extra_arguments = normalize_parameters(extra_arguments or [])
+        self.condition = condition
 
 
 def note_composable_node(

@@ -1,7 +1,11 @@
 """Recording stand-in for the `launch_xml` package."""
 
-from launch._lazy import finder
+from launch._finder import show_public_names
+from launch.launch_description_sources import FrontendLaunchDescriptionSource
 
-_HOMES = {"launch_description_sources": ""}
-__all__ = list(_HOMES)
-__getattr__ = finder(__name__, _HOMES)
+
+class XMLLaunchDescriptionSource(FrontendLaunchDescriptionSource):
+    """A launch file in XML."""
+
+
+show_public_names(__name__)

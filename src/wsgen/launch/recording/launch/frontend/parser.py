@@ -9,10 +9,10 @@ from xml.parsers import expat
 
 import yaml
 
+from launch._utilities import SCALAR_TYPES, read_as
 from launch.base import InvalidLaunchFileError
 from launch.frontend.actions import build
 from launch.launch_description import LaunchDescription
-from launch.type_utils import SCALAR_TYPES, read_as
 from wsgen.files import refuse_irregular
 from wsgen.launch.record import RECORD, locate
 from wsgen.xmlsyntax import find_mistake
