@@ -1,1 +1,0 @@
-"""Stand-in for lifecycle_msgs, where it is not installed: its numbers."""
