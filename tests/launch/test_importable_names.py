@@ -30,8 +30,10 @@ def failures(module, names):
         yield f"import {module}: {error!r}"
         return
     for name in names:
+        scope = {}
         try:
-            exec(f"from {module} import {name}", {})
+            exec(f"from {module} import {name}", scope)
+            assert {*scope} > {"__builtins__"}, "nothing is imported"
         except Exception as error:
             yield f"from {module} import {name}: {error!r}"
 

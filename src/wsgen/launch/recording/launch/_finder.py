@@ -82,11 +82,7 @@ class _Loader(Loader):
             return namespace[name]
 
         vars(module)["__getattr__"] = find
-        # What stands below a package shows all that the package defines.
-        above = NAMES.get(module.__name__.rpartition(".")[0], {})
-        names = [name for name, home in above.items() if home] if public is None else [*public]
-        if names:
-            vars(module)["__all__"] = names
+        vars(module)["__all__"] = _names_of_star(module.__name__, namespace)
 
 
 class _Shown(ModuleType):
@@ -110,6 +106,17 @@ def _home(name: str) -> str | None:
     if module in NAMES.get(package, {}).values():
         return HOMES.get(package, package)
     return None
+
+
+def _names_of_star(name: str, namespace: Mapping[str, Any]) -> list[str]:
+    """What `import *` gives: a module below a package gives all that the package defines."""
+    if name in NAMES:
+        return [*NAMES[name]]
+    package, _, module = name.rpartition(".")
+    above = NAMES.get(package, {})
+    if module in above.values():
+        return [shown for shown, home in above.items() if home]
+    return [shown for shown in namespace if not shown.startswith("_")]
 
 
 def _missing(module: str, name: str) -> AttributeError:
