@@ -86,8 +86,9 @@ def _folder(*, included: bool) -> Callable[[Path], None]:
     return make
 
 
-def _text(content: str | bytes) -> Callable[[Path], None]:
-    return lambda folder: _write(folder, content)
+def _text(content: str | bytes | Callable[[], str]) -> Callable[[Path], None]:
+    """A file of this content, which is made with the file if it is large."""
+    return lambda folder: _write(folder, content() if callable(content) else content)
 
 
 def _repeated(content: bytes, megabytes: int) -> Callable[[Path], None]:
@@ -106,6 +107,18 @@ def _shape(content: str) -> str:
     return f'<collision name="c"><geometry>{content}</geometry></collision>'
 
 
+def _models(count: int) -> str:
+    return "".join(f'<model name="m{i}">{LINK}</model>' for i in range(count))
+
+
+def _links(count: int) -> str:
+    return "".join(f'<link name="l{i}">{MASS}</link>' for i in range(count))
+
+
+def _pose(numbers: str) -> str:
+    return model(f'<link name="l">{MASS}<pose>{numbers}</pose></link>')
+
+
 def _frames(count: int) -> str:
     return "".join(
         f'<frame name="f{i}"><pose relative_to="f{i + 1}">0 0 1 0 0 0</pose></frame>'
@@ -114,10 +127,7 @@ def _frames(count: int) -> str:
 
 
 NEST = '<model name="m">'
-MANY = "".join(f'<model name="m{i}">{LINK}</model>' for i in range(10_000))
-LINKS = "".join(f'<link name="l{i}">{MASS}</link>' for i in range(60_001))
 NUMBERS = "<pose>{0} 0 0 0 0 0</pose>" + MASS + _shape("<sphere><radius>{0}</radius></sphere>")
-POINTS = " ".join("9" * 300 for _ in range(50_000))
 
 # How to make the file `w.sdf` in a folder, what is found in it, and how many models remain.
 CASES: dict[str, tuple[Callable[[Path], None], set[str], int]] = {
@@ -131,8 +141,8 @@ CASES: dict[str, tuple[Callable[[Path], None], set[str], int]] = {
     "gravity upwards": (_text(world("<gravity>0 0 9.8</gravity>")), {"WLD045"}, 0),
     "SDF 1.13": (_text(world("", "1.13")), {"WLD012"}, 0),
     "SDF 2.0": (_text(world("", "2.0")), {"WLD012"}, 0),
-    "10,000 models": (_text(world(MANY)), set(), 10_000),
-    "60,001 links": (_text(model(LINKS)), {"WLD014"}, 1),
+    "10,000 models": (_text(lambda: world(_models(10_000))), set(), 10_000),
+    "60,001 links": (_text(lambda: model(_links(60_001))), {"WLD014"}, 1),
     "0 bytes": (_text(""), {"WLD002"}, 0),
     "not XML": (_text("world: {name: w}"), {"WLD002"}, 0),
     "binary": (_text(bytes(range(256))), {"WLD047"}, 0),
@@ -149,7 +159,7 @@ CASES: dict[str, tuple[Callable[[Path], None], set[str], int]] = {
         0,
     ),
     "frames on frames": (
-        _text(world(f'<model name="m">{LINK}{_frames(20_000)}</model>')),
+        _text(lambda: world(f'<model name="m">{LINK}{_frames(20_000)}</model>')),
         {"WLD016"},
         1,
     ),
@@ -161,16 +171,8 @@ CASES: dict[str, tuple[Callable[[Path], None], set[str], int]] = {
         {"WLD005", "WLD034"},
         1,
     ),
-    "endless number": (
-        _text(model(f'<link name="l">{MASS}<pose>{"9" * 5_000_000}</pose></link>')),
-        {"WLD005"},
-        1,
-    ),
-    "endless pose": (
-        _text(model(f'<link name="l">{MASS}<pose>{POINTS[:9_000_000]}</pose></link>')),
-        {"WLD005"},
-        1,
-    ),
+    "endless number": (_text(lambda: _pose("9" * 5_000_000)), {"WLD005"}, 1),
+    "endless pose": (_text(lambda: _pose(f"{'9' * 300} " * 30_000)), {"WLD005"}, 1),
     "two of one name": (_text(model(LINK + LINK)), {"WLD015"}, 1),
     "100 MB": (_repeated(b" ", 100), {"WLD010"}, 0),
     "30 MB of comments": (_repeated(b"<!--", 30), {"WLD002"}, 0),

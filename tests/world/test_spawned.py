@@ -73,7 +73,6 @@ def test_the_text_of_a_file_is_read_like_the_file(tmp_path: Path) -> None:
         (sdf(f'<world name="w">{MODEL.format("")}</world>'), "WLD043", Severity.ERROR),
         (sdf('<light name="l" type="point"/>'), "WLD042", Severity.INFO),
         (sdf(MODEL.format("") * 2), "WLD038", Severity.ERROR),
-        (" " * (33 * 2**20), "WLD010", Severity.ERROR),
     ],
 )
 def test_what_cannot_be_spawned(content: str | bytes, code: str, severity: Severity) -> None:
@@ -83,6 +82,10 @@ def test_what_cannot_be_spawned(content: str | bytes, code: str, severity: Sever
     ]
     assert file.world is None
     assert len(file.models) == (1 if code == "WLD038" else 0)
+
+
+def test_a_text_that_is_too_large() -> None:
+    test_what_cannot_be_spawned(" " * (33 * 2**20), "WLD010", Severity.ERROR)
 
 
 @pytest.mark.parametrize(
