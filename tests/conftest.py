@@ -14,9 +14,10 @@ for _name, _handler in (("SIGINT", signal.default_int_handler), ("SIGHUP", signa
     if _signal is not None and signal.getsignal(_signal) is signal.SIG_IGN:
         signal.signal(_signal, _handler)
 
-# Bytes that a process of the tests, or one that it has started, may grow to. A worker has 1 GiB
-# near the end of the suite: all engines and thousands of tests; a world that nobody frees is 90 MB.
-MOST_MEMORY = 3 * 2**29
+# Bytes that a process of the tests, or one that it has started, may grow to. What needs more than
+# a few hundred MB does it in a process of its own.
+MOST_MEMORY = 2**30
+LONGEST_NAME = 100  # characters of a parameter in the name of a test
 _reported = 0  # bytes, of the process that was larger than that
 
 
@@ -26,12 +27,30 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         action="store_true",
         help="write the goldens and examples anew instead of comparing with them",
     )
+    parser.addoption(
+        "--thorough",
+        action="store_true",
+        help="compare all public meshes with trimesh, not a sample of each folder",
+    )
+
+
+def pytest_make_parametrize_id(val: object, argname: str) -> str | None:
+    """Name a long text by what it is, else a test's name holds all of it."""
+    if isinstance(val, (str, bytes)) and len(val) > LONGEST_NAME:
+        return f"{argname} of {len(val)}"
+    return None
 
 
 @pytest.fixture
 def regenerate(request: pytest.FixtureRequest) -> bool:
     """Whether goldens are written instead of compared."""
     return bool(request.config.getoption("--regenerate"))
+
+
+@pytest.fixture
+def thorough(request: pytest.FixtureRequest) -> bool:
+    """Whether all there is to compare is compared, not a sample."""
+    return bool(request.config.getoption("--thorough"))
 
 
 if sys.platform == "linux":  # elsewhere it is counted in other units
