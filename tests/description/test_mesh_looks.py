@@ -303,7 +303,7 @@ def test_a_full_disk_is_no_fault_of_a_texture(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["a.png", "a.jpg", "a.tif", "a.bmp", "a.tga", "a.dds", "a.gif"])
 def test_a_texture_is_made_a_small_png(tmp_path: Path, name: str) -> None:
-    picture(tmp_path / name, size=2500)
+    picture(tmp_path / name, size=1100)
     text = mesh_samples.coloured_dae(mesh_samples.TEXTURED, image=name)
     visual, found = only(write(tmp_path, "a.dae", text))
     assert found == ()

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 # Each example is one or two child processes.
 FEW = settings(
-    max_examples=40,
+    max_examples=25,
     deadline=None,
     derandomize=True,
     database=None,

@@ -221,17 +221,6 @@ def test_a_circle_of_includes(read: Read, models: Path) -> None:
     assert [link.name for link in robot.links] == ["l", "b::l"]
 
 
-def test_includes_without_end(read: Read, models: Path) -> None:
-    """Each model includes the next one twice: a billion of them if nobody counts."""
-    for i in range(30):
-        includes = "".join(
-            f"<include><uri>model://m{i + 1}</uri><name>{name}</name></include>" for name in "ab"
-        )
-        write_model(models / f"m{i}", f'<model name="m"><static>1</static>{LINK}{includes}</model>')
-    file = read(world("<include><uri>model://m0</uri></include>"))
-    assert "WLD014" in {found.code for found in file.diagnostics}
-
-
 def test_a_ladder_of_includes(read: Read, models: Path) -> None:
     for i in range(300):
         content = f"{LINK}<include><uri>model://m{i + 1}</uri></include>"
