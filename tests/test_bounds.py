@@ -31,6 +31,8 @@ if TYPE_CHECKING:
     from wsgen.isolation.protocol import Run
     from wsgen.model.package import PackageSpec
 
+pytestmark = pytest.mark.slow
+
 PACKAGE = "some_robot"
 GENERATOR = (True, True, False, True, True, True, False, False, False, True, False)
 RUNS = [

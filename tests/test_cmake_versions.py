@@ -9,6 +9,8 @@ from pathlib import Path
 import cmake as cmake_wheel
 import pytest
 
+pytestmark = pytest.mark.slow
+
 GOLDENS = Path(__file__).parent / "golden"
 # Ubuntu 22.04, Ubuntu 24.04, the last before 4, the newest that wsgen's dependencies bring.
 VERSIONS = ("3.22.6", "3.28.4", "3.31.6", "newest")

@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[1]
 SUPPORTED = ((3, 10), (3, 11), (3, 12), (3, 13))
 

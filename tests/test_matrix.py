@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
     from wsgen.model.target import Target
 
+pytestmark = pytest.mark.slow
+
 PENDULUM = str(EXAMPLES / "templates" / "pendulum")
 ALL = {**CASES, **{f"pendulum-{target.name}": (PENDULUM, target) for target in TARGETS}}
 # Case -> the name of its package in the workspace.

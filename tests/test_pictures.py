@@ -97,6 +97,7 @@ def pixels(file: Path) -> NDArray[np.float64]:
     return np.asarray(small, dtype=float)
 
 
+@pytest.mark.slow
 def test_the_pictures_are_what_is_drawn(*, tmp_path: Path, regenerate: bool) -> None:
     files = {
         name: file

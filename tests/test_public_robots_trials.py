@@ -65,7 +65,7 @@ it was not tried. z is the height of the root link at the end. Errors are bold;
 |---|---|---|---|---|---|---|---|---|
 """
 
-pytestmark = pytest.mark.oracle
+pytestmark = [pytest.mark.slow, pytest.mark.oracle]
 
 
 def judge(files: dict[str, Path]) -> dict[str, dict[str, Any]]:

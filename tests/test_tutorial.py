@@ -11,7 +11,10 @@ from tutorial import TEXT, write_tutorial
 
 SHARE = "install/gazebo_test/share/gazebo_test"
 
-pytestmark = pytest.mark.skipif(not TEXT.exists(), reason="the tutorial's text is not here")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(not TEXT.exists(), reason="the tutorial's text is not here"),
+]
 
 
 def wsgen(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:

@@ -11,6 +11,8 @@ import pytest
 
 from cli.packages import wsgen
 
+pytestmark = pytest.mark.slow
+
 PACKAGE_XML = """\
 <package format="3">
   <name>demo</name>

@@ -15,6 +15,8 @@ from install_space import HEAD, InstallSpace
 if TYPE_CHECKING:
     from pathlib import Path
 
+pytestmark = pytest.mark.slow
+
 TEXT = (
     HEAD
     + """

@@ -105,6 +105,7 @@ def test_standard_error_that_is_closed(tmp_path: Path) -> None:
     assert run.returncode == 4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "environment", "colored"),
     [
@@ -128,6 +129,7 @@ def test_colours_of_an_error(
     assert ("\x1b[" in run.stderr) is colored
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("environment", "colored"),
     [({"TERM": "xterm"}, True), ({"TERM": "dumb"}, False), ({"NO_COLOR": "1"}, False)],

@@ -303,6 +303,7 @@ def test_a_workspace_that_cmake_could_not_build(tmp_path: Path, folder: str) -> 
     assert not (tmp_path / folder).exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("option", "next_step"),
     [

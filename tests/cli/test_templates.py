@@ -8,6 +8,8 @@ from templating.broken_templates import FILES, HEAD, write_template
 from wsgen.cli import run
 from wsgen.model.target import TARGETS
 
+pytestmark = pytest.mark.slow
+
 EXAMPLE = Path(__file__).parents[2] / "examples" / "templates" / "pendulum"
 
 

@@ -9,6 +9,8 @@ from PIL import Image
 
 from cli.packages import PACKAGE, SHARE, errors, validate, wsgen
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture
 def workspace(built: Path, tmp_path: Path) -> Path:

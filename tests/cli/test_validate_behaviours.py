@@ -11,6 +11,8 @@ import pytest
 
 from cli.packages import PACKAGE, SHARE, errors, validate, wsgen
 
+pytestmark = pytest.mark.slow
+
 WHEEL = """<link name="{side}_wheel">
   <inertial><mass value="0.5"/>
   <inertia ixx="0.00125" ixy="0" ixz="0" iyy="0.0025" iyz="0" izz="0.00125"/></inertial>

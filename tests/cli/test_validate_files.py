@@ -10,6 +10,8 @@ from typing import Any
 import pytest
 from PIL import Image
 
+pytestmark = pytest.mark.slow
+
 needs_dart = pytest.mark.skipif(
     importlib.util.find_spec("dartpy") is None, reason="DART (dartpy) is missing"
 )

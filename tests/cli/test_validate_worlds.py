@@ -11,6 +11,8 @@ from cli.packages import PACKAGE, SHARE, errors, validate
 if TYPE_CHECKING:
     from pathlib import Path
 
+pytestmark = pytest.mark.slow
+
 GROUND = "<include><uri>model://ground_plane</uri></include>"
 BALL = (
     '<model name="ball"><pose>3 0 0.1 0 0 0</pose><link name="l">'

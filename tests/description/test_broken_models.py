@@ -29,6 +29,8 @@ from wsgen.diagnostics import Diagnostic, Severity, has_errors
 if TYPE_CHECKING:
     from wsgen.model.robot import Robot
 
+pytestmark = pytest.mark.slow
+
 SECONDS = 10.0
 CHILD = """
 import resource, sys, json

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 
 pytestmark = [
+    pytest.mark.slow,
     pytest.mark.oracle,
     pytest.mark.skipif(
         IGN is None, reason="ign (Debian: ignition-tools, libsdformat12) is missing"

@@ -305,6 +305,7 @@ def test_tags_follow_their_links() -> None:
     assert lumped.gazebo[0].reference == "a"
 
 
+@pytest.mark.slow
 def test_a_long_chain() -> None:
     count = 10_000
     ball = (Collision(geometry=Sphere(radius=0.01)),)

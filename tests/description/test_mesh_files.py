@@ -146,6 +146,7 @@ def test_a_broken_collision_is_an_error_and_a_broken_visual_a_warning(
     assert changed.links[0].visuals[-1].geometry == box
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("with_colours", [False, True])
 def test_every_broken_file_is_told_soon(
     tmp_path: Path,
@@ -278,6 +279,7 @@ def test_a_reader_that_does_not_start_blames_no_mesh(tmp_path: Path) -> None:
     assert "was not read, as the reader crashed" in found[0].message
 
 
+@pytest.mark.slow
 def test_a_file_of_many_short_lines(
     tmp_path: Path, run: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -289,6 +291,7 @@ def test_a_file_of_many_short_lines(
     assert "words" in found[0].message
 
 
+@pytest.mark.slow
 def test_a_file_beyond_its_memory(
     tmp_path: Path, run: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -301,6 +304,7 @@ def test_a_file_beyond_its_memory(
     assert "memory" in found[0].message
 
 
+@pytest.mark.slow
 @pytest.mark.oracle
 @pytest.mark.parametrize("distribution", PACKAGES)
 def test_public_meshes_are_as_large_as_trimesh_says(distribution: str, *, thorough: bool) -> None:

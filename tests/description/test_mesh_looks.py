@@ -301,6 +301,7 @@ def test_a_full_disk_is_no_fault_of_a_texture(tmp_path: Path) -> None:
         Textures(tmp_path).prepare("image.png", tmp_path / "a.dae")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["a.png", "a.jpg", "a.tif", "a.bmp", "a.tga", "a.dds", "a.gif"])
 def test_a_texture_is_made_a_small_png(tmp_path: Path, name: str) -> None:
     picture(tmp_path / name, size=1100)
@@ -421,6 +422,7 @@ def test_an_obj_whose_texture_points_and_normals_are_nothing(tmp_path: Path, fac
     assert np.allclose(normals, (0, 0, 1))
 
 
+@pytest.mark.slow
 def test_materials_without_number(tmp_path: Path) -> None:
     count = 20_000
     names = "".join(f"newmtl {at}\nKd 0 0 {at / count}\n" for at in range(count))
@@ -473,6 +475,7 @@ def test_what_the_renderer_reads_well_stays(tmp_path: Path) -> None:
     assert path_of(mirrored[0]).suffix == ".obj"
 
 
+@pytest.mark.slow
 def test_dense_meshes_are_reduced_together(tmp_path: Path) -> None:
     steps = 300
     angles = np.linspace(0, 2 * np.pi, steps + 1)

@@ -119,6 +119,7 @@ def test_whole_files(tmp_path: Path, name: str) -> None:
         assert box_of(answer[used]) == (answer["low"], answer["high"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", mesh_samples.BROKEN)
 def test_broken_files(tmp_path: Path, name: str) -> None:
     content, words = mesh_samples.BROKEN[name]
@@ -167,6 +168,7 @@ def test_what_is_no_file(tmp_path: Path) -> None:
     ]
 
 
+@pytest.mark.slow
 def test_a_million_triangles_are_read_and_one_more_is_not(tmp_path: Path) -> None:
     corners = np.zeros((1_000_001, 3, 3), np.float32)
     corners[:, 1, 0] = 1.0
@@ -232,6 +234,7 @@ def samples() -> dict[str, bytes]:
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     [

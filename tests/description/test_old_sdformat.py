@@ -76,6 +76,7 @@ def test_what_a_massless_fixed_link_carries(body: str, lost: int) -> None:
         assert one.line
 
 
+@pytest.mark.slow
 @pytest.mark.oracle
 @pytest.mark.skipif(IGN is None, reason="ign is missing")
 @pytest.mark.parametrize(("body", "lost"), CARRIED.values(), ids=CARRIED.keys())
@@ -115,6 +116,7 @@ def test_ends_of_sdf_joints(first: str, second: str, more: str, code: str | None
             assert "or name `base`" in (one.hint or "")
 
 
+@pytest.mark.slow
 @pytest.mark.oracle
 @pytest.mark.skipif(IGN is None, reason="ign is missing")
 @pytest.mark.parametrize(("first", "second", "more", "code"), ENDS)

@@ -52,6 +52,7 @@ pytestmark = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("distribution", "path", "name"), ROBOTS, ids=[name for _, _, name in ROBOTS]
 )

@@ -75,6 +75,7 @@ def test_deep_nesting_is_refused() -> None:
     assert [found.code for found in read_urdf(text, file=None)[1]] == ["ROB001"]
 
 
+@pytest.mark.slow
 def test_ten_thousand_links_in_a_chain() -> None:
     count = 10_000
     text = robot(

@@ -273,6 +273,7 @@ def test_large_images_are_thinned_out(tmp_path: Path) -> None:
     assert mesh.bounds[1][:2] == (512, 512)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("size", "words"),
     [
@@ -360,6 +361,7 @@ def test_a_child_that_does_not_start(tmp_path: Path) -> None:
     assert "machine is less busy" in (found[0].hint or "")
 
 
+@pytest.mark.slow
 def test_a_huge_picture_needs_little(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     limits = Limits(seconds=10.0, memory=2 * 2**30)
     monkeypatch.setattr("wsgen.description.solids.LIMITS", limits)

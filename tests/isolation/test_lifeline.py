@@ -46,6 +46,7 @@ with ThreadPoolExecutor(2) as pool, Nursery() as nursery:
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere a killed parent ends nobody")
 @pytest.mark.parametrize(
     ("number", "returncode", "is_left_behind"),

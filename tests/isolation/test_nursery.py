@@ -232,6 +232,7 @@ def test_a_module_that_starts_threads_is_not_forked(nursery: Nursery, task: Task
     assert value(nursery.run(name)) == os.getpid()
 
 
+@pytest.mark.slow
 def test_the_modules_of_wsgen_start_no_threads(nursery: Nursery, task: Task) -> None:
     for module in ("wsgen.simulation.bullet_worker", "wsgen.tasks", "numpy", "lxml.etree"):
         name = task(SERVER, before=f"import {module}")

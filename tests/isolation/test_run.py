@@ -13,6 +13,8 @@ from wsgen.errors import NotReadableError
 from wsgen.isolation import parent
 from wsgen.isolation.outcome import Answered, Died, Limits
 
+pytestmark = pytest.mark.slow
+
 
 def test_arguments_go_there_and_the_value_comes_back(run: Run, task: Task) -> None:
     answer = run(task("return {'sum': sum(arguments)}"), 1, 2, 3)

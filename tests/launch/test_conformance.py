@@ -27,6 +27,7 @@ def packages(space: InstallSpace) -> InstallSpace:
     return packages_of_cases(space)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in answers() if name not in NOT_YET])
 def test_the_plan_is_the_real_one(name: str, packages: InstallSpace) -> None:
     # The cases lay in a folder of this name when they were recorded.

@@ -130,6 +130,7 @@ SECTIONS: dict[str, Callable[[], str]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not CONFORMANCE.is_dir(), reason="the cases are not here")
 @pytest.mark.parametrize("section", SECTIONS)
 def test_the_lists_are_those_of_the_code(section: str, *, regenerate: bool) -> None:
@@ -170,6 +171,7 @@ This page is written by a test from the recorded answers and from what wsgen doe
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not CONFORMANCE.is_dir(), reason="the cases are not here")
 def test_the_fidelity_page_is_what_is_measured(space: InstallSpace, *, regenerate: bool) -> None:
     packages_of_cases(space)

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import pytest
+
 from install_space import InstallSpace, only_message
 
 if TYPE_CHECKING:
     from wsgen.model.plan import LaunchPlan
+
+pytestmark = pytest.mark.slow
 
 
 def steps(plan: LaunchPlan) -> list[tuple[str, str]]:

@@ -166,6 +166,7 @@ def test_a_declared_package_has_modules_too(space: InstallSpace) -> None:
     assert unresolved(plan)[0] == ("their_launch", WHY_MODULE, IMPORT)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "module", ["their_launch", "launch_ross.actions", "launch.nothing", "wsgen.nothing", "os.not"]
 )

@@ -11,6 +11,8 @@ from install_space import only_message
 if TYPE_CHECKING:
     from install_space import InstallSpace
 
+pytestmark = pytest.mark.slow
+
 ROBOT = """\
 <robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="r">
   <xacro:arg name="size" default="1"/>

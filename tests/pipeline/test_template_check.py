@@ -9,6 +9,8 @@ from wsgen.diagnostics import Diagnostic
 from wsgen.model.target import TARGETS
 from wsgen.pipeline.template_check import check_template
 
+pytestmark = pytest.mark.slow
+
 ROBOT = """\
 <?xml version="1.0"?>
 <robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">

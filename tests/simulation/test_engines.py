@@ -42,6 +42,7 @@ from wsgen.simulation.trial import play
 LYING = (0.0, math.pi / 2, 0.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("moment", [0.06, 100.0])
 @pytest.mark.parametrize("z", [0.25, 0.255, 0.5])
 def test_the_cylinder_of_the_tutorial_comes_to_rest(

@@ -15,6 +15,7 @@ from wsgen.model.robot import JointLimit
 from wsgen.simulation.engine import Motor
 
 
+@pytest.mark.slow
 def test_a_robot_of_the_right_size_goes_where_it_is_told(new_engine: NewEngine) -> None:
     ahead, turned, both = tried(
         new_engine,
@@ -39,12 +40,14 @@ def test_a_robot_of_the_right_size_goes_where_it_is_told(new_engine: NewEngine) 
     ]
 
 
+@pytest.mark.slow
 def test_it_goes_back_and_turns_right(new_engine: NewEngine) -> None:
     back, right = tried(new_engine, two_wheeled(), drive(linear=-0.5), drive(angular=-1.0))
     assert back.moved[0] == pytest.approx(-1.0, abs=0.05)
     assert right.moved[2] == pytest.approx(-2.0, rel=0.06)
 
 
+@pytest.mark.slow
 def test_wrong_sizes_in_the_plugin_are_seen(new_engine: NewEngine) -> None:
     large = replace(DRIVE, pairs=(replace(PAIR, radius=0.2),))
     wide = replace(DRIVE, pairs=(replace(PAIR, separation=0.8),))
@@ -55,6 +58,7 @@ def test_wrong_sizes_in_the_plugin_are_seen(new_engine: NewEngine) -> None:
     assert fast.moved[2] == pytest.approx(2.0, rel=0.06)
 
 
+@pytest.mark.slow
 def test_what_the_plugin_bounds(new_engine: NewEngine) -> None:
     slowly = replace(DRIVE, linear=Bounds(fastest=0.2))
     gently = replace(DRIVE, linear=Bounds(braking=-0.25, acceleration=0.25))
@@ -69,6 +73,7 @@ def test_what_the_plugin_bounds(new_engine: NewEngine) -> None:
     assert rims.moved[0] == pytest.approx(0.5, rel=0.05)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("torque", [None, 0.0])
 def test_wheels_without_strength_stay(new_engine: NewEngine, torque: float | None) -> None:
     """Gazebo Classic asks the plugin how strong they are, Gazebo Sim the joint."""
@@ -77,6 +82,7 @@ def test_wheels_without_strength_stay(new_engine: NewEngine, torque: float | Non
     assert abs(stays.moved[0]) < 0.02
 
 
+@pytest.mark.slow
 def test_joints_of_gazebo_sim_keep_their_speed_limit(new_engine: NewEngine) -> None:
     robot = two_wheeled(JointLimit(effort=5.0, velocity=2.0))
     sim, classic = tried(

@@ -45,6 +45,7 @@ if TYPE_CHECKING:
 SLOPE = slope(20.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("is_mesh", [True, False])
 @pytest.mark.parametrize("mu", [0.2, 1.0])
 def test_a_rover_with_a_flat_bottom_stays_where_it_lands(
@@ -272,6 +273,7 @@ RAISED = [(x, y, 1) for x, y, _ in FLAT if {x, y} & {0, 4}]  # a rim on it
 WALL = list(product(range(10), [0], range(3)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cells", [FLAT, FLAT + RAISED[:2], WALL])
 def test_of_many_shapes_those_that_span_the_hull_hold_it_as_all_do(
     new_engine: NewEngine, monkeypatch: pytest.MonkeyPatch, cells: list[tuple[int, int, int]]
@@ -292,6 +294,7 @@ def test_a_block_of_many_shapes_slides_with_its_friction(new_engine: NewEngine) 
     assert trial.speed == pytest.approx(sliding(0.2) * 0.5, rel=0.05)
 
 
+@pytest.mark.slow
 def test_inside_of_the_hull_other_robots_are_touched(new_engine: NewEngine) -> None:
     bowl, cube = lattice(*FLAT, *RAISED), single(body(Box(size=(0.1, 0.1, 0.1))))
     at = Pose((0.0, 0.0, 0.1505))  # in the bowl
@@ -306,6 +309,7 @@ def test_inside_of_the_hull_other_robots_are_touched(new_engine: NewEngine) -> N
     assert overlap.depth == pytest.approx(0.03, abs=2e-3)
 
 
+@pytest.mark.slow
 def test_a_thousand_boxes_do_not_take_long(new_engine: NewEngine) -> None:
     robot = lattice(*product(range(40), range(25), [0]))
     started = time.process_time()

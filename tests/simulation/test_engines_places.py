@@ -121,6 +121,7 @@ def test_the_corners_are_around_all_shapes(new_engine: NewEngine) -> None:
             assert high == pytest.approx((shift + 0.1, 1.1, 2.3), abs=0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("geometry", [PLATE, CYLINDER])
 def test_what_is_to_stand_on_the_ground_is_put_there(
     new_engine: NewEngine, geometry: Geometry

@@ -114,6 +114,7 @@ def test_an_extrusion_that_moves(new_engine: NewEngine, tmp_path: Path) -> None:
     assert state.xyz[2] == pytest.approx(0.2, abs=MARGIN)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("radii", "height"), [((0.3, 0.25, 0.1), 0.1), ((0.2, 0.2, 0.2), 0.2), ((0.1, 0.3, 0.05), 0.05)]
 )
@@ -125,6 +126,7 @@ def test_an_ellipsoid_rests_at_its_small_radius(
     assert state.xyz[2] == pytest.approx(0.2 + height, abs=MARGIN)
 
 
+@pytest.mark.slow
 def test_an_ellipsoid_falls_onto_its_broad_side(new_engine: NewEngine, tmp_path: Path) -> None:
     egg = made(single(body(Ellipsoid(radii=(0.3, 0.25, 0.1)), at=IDENTITY)), tmp_path)
     pose = Pose((0.0, 0.0, 0.5), (0.0, math.radians(50), 0.0))
@@ -165,6 +167,7 @@ def test_a_ball_rolls_down_a_slope(new_engine: NewEngine, hills: Robot) -> None:
     assert state.speed > 3
 
 
+@pytest.mark.slow
 def test_half_a_million_triangles_load_within_seconds(
     new_engine: NewEngine, tmp_path: Path
 ) -> None:

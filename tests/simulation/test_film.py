@@ -31,6 +31,8 @@ if TYPE_CHECKING:
     from wsgen.simulation.exhibits import Poses
     from wsgen.simulation.framing import Size
 
+pytestmark = pytest.mark.slow
+
 SIZE = (0.1, 0.1, 1.0)
 
 

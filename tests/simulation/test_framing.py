@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from wsgen.simulation.framing import Floats
     from wsgen.simulation.shot import Camera
 
+pytestmark = pytest.mark.slow
+
 SIZE = Size(960, 720)
 BOXES = {
     "a cube": (1.0, 1.0, 1.0),

@@ -37,6 +37,8 @@ if TYPE_CHECKING:
     from simulation.showpieces import Pixels
     from wsgen.model.transform import Vector
 
+pytestmark = pytest.mark.slow
+
 CUBE = Box(size=(1.0, 1.0, 1.0))
 STANDING = Pose((0.0, 0.0, 0.5))
 SIZE = Size(960, 720)

@@ -31,6 +31,7 @@ if not missing_engines(["dart"]):
     from wsgen.simulation.dart import DartEngine
 
 pytestmark = [
+    pytest.mark.slow,
     pytest.mark.oracle,
     pytest.mark.skipif(bool(missing_engines(["dart"])), reason="dartpy is not installed"),
 ]

@@ -55,6 +55,7 @@ def test_a_trial() -> None:
     assert outcome.seconds["simulate"] > 0
 
 
+@pytest.mark.slow
 def test_a_trial_in_dart_gives_the_same() -> None:
     pytest.importorskip("dartpy")
     outcome = run_trial(replace(scene(robot()), engine="dart"))
@@ -73,6 +74,7 @@ def test_engines_that_are_not_installed(monkeypatch: pytest.MonkeyPatch) -> None
     assert default_engine() == "dart"
 
 
+@pytest.mark.slow
 def test_the_picture_shows_the_robot_on_the_ground(tmp_path: Path) -> None:
     file = tmp_path / "robot.png"
     outcome = run_trial(scene(robot(), picture=file))
@@ -90,6 +92,7 @@ def test_the_picture_shows_the_robot_on_the_ground(tmp_path: Path) -> None:
     assert not any(green[:96] + green[-96:])  # and not cut off
 
 
+@pytest.mark.slow
 def test_a_picture_that_cannot_be_written_is_no_reason_to_lose_the_trial(tmp_path: Path) -> None:
     outcome = run_trial(scene(robot(), picture=tmp_path / "none" / "robot.png"))
     assert len(outcome.trials) == 1
@@ -97,6 +100,7 @@ def test_a_picture_that_cannot_be_written_is_no_reason_to_lose_the_trial(tmp_pat
     assert [(one.code, one.severity) for one in outcome.diagnostics] == [("SPN034", Severity.ERROR)]
 
 
+@pytest.mark.slow
 def test_the_world_has_a_picture_if_it_holds_more_than_the_robots(tmp_path: Path) -> None:
     pictures = {"picture": tmp_path / "robot.png", "world_picture": tmp_path / "world.png"}
     alone = replace(scene(robot()), **pictures)  # type: ignore[arg-type]
@@ -200,6 +204,7 @@ def test_nothing_is_left_behind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_behaviours_are_tried_in_the_same_child() -> None:
     spawned = SpawnedRobot(entity="e", robot=two_wheeled(), pose_in_world=AT)
     played = replace(scene(robot()), robots=(spawned,), attempts=(drive(linear=0.5),))
@@ -210,6 +215,7 @@ def test_behaviours_are_tried_in_the_same_child() -> None:
     assert math.dist(trial.rest_pose.xyz[:2], AT.xyz[:2]) < 0.1  # of the standing
 
 
+@pytest.mark.slow
 def test_a_film_shows_behaviours(tmp_path: Path) -> None:
     spawned = SpawnedRobot(entity="e", robot=two_wheeled(), pose_in_world=AT)
     played = replace(scene(robot()), robots=(spawned,), attempts=(drive(linear=0.5),), seconds=0.5)

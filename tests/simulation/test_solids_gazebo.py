@@ -62,7 +62,7 @@ BALL = """\
 <dynamics><damping>0.3</damping></dynamics></axis></joint></model>
 """
 
-pytestmark = pytest.mark.oracle
+pytestmark = [pytest.mark.slow, pytest.mark.oracle]
 
 
 @pytest.fixture(scope="module")

@@ -33,6 +33,7 @@ def test_nobody_else_may_read_or_write(cache: Path) -> None:
     assert only_file(cache).stat().st_mode & 0o777 == 0o600
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("content", [b"", b"x", b"\0" * 100, b"i\1\0\0\0", b"[\xff\xff\xff\x03"])
 def test_broken_file_is_no_file(cache: Path, content: bytes) -> None:
     CodeFile("3").write(ENTRIES)

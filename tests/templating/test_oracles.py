@@ -229,6 +229,7 @@ def test_the_bridge_carries_what_the_robot_publishes_and_takes(package: Path) ->
     assert sorted(bridged) == sorted(["/clock", *given])
 
 
+@pytest.mark.slow
 def test_launch_files_in_the_style_of_ament() -> None:
     """The settings of ament_flake8; in one process, as it takes longer to start than to look."""
     pytest.importorskip("flake8")
@@ -262,6 +263,7 @@ def test_launch_files_of_long_names_fit_into_the_line(package: Path) -> None:
         assert max(map(len, text.splitlines())) <= 99
 
 
+@pytest.mark.slow
 def test_world_is_valid_for_gazebo(
     case: str, package: Path, target: Target, tmp_path: Path
 ) -> None:
@@ -289,6 +291,7 @@ def test_world_is_valid_for_gazebo(
     assert plugins == {tuple(target.plugins[role]) for role in wanted}
 
 
+@pytest.mark.slow
 def test_urdfdom_and_gazebo_read_the_robot(urdf: Path) -> None:
     assert "Successfully Parsed XML" in ask("check_urdf", urdf, folder=urdf.parent)
     assert "Valid." in ask("ign", "sdf", "-k", urdf, folder=urdf.parent)
@@ -302,6 +305,7 @@ def test_no_comment_of_the_robot_has_a_colon_and_a_blank(urdf: Path) -> None:
         assert not re.search(r":\s", comment), comment
 
 
+@pytest.mark.slow
 def test_gazebo_reads_what_drives_the_vehicle(vehicle: Path) -> None:
     model = ET.fromstring(ask("ign", "sdf", "-p", vehicle, folder=vehicle.parent)).find("model")
     assert model is not None
@@ -335,6 +339,7 @@ def test_urdfdom_reads_the_cylinder(cylinder: Path) -> None:
     assert "root Link: dummy has 1 child(ren)" in said
 
 
+@pytest.mark.slow
 def test_gazebo_reads_the_cylinder(cylinder: Path) -> None:
     model = ET.fromstring(ask("ign", "sdf", "-p", cylinder, folder=cylinder.parent))
     (link,) = model.iter("link")

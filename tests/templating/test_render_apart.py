@@ -11,6 +11,8 @@ from wsgen.errors import BrokenTemplateError
 from wsgen.templating.render import MAXIMUM_FILE, RenderedTree, render_tree
 from wsgen.templating.render_apart import render_package_apart, render_tree_apart
 
+pytestmark = pytest.mark.slow
+
 
 def render(folder: Path) -> tuple[RenderedTree, tuple[Diagnostic, ...]]:
     """Here and now: what is tested is not harmful."""

@@ -47,6 +47,7 @@ def with_joints(name: str, _target: Target) -> bool:
     return name in {"arm", "diff_drive"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("source", "paths", "concerns"),
     [
@@ -85,6 +86,7 @@ def test_a_change_reaches_exactly_the_packages_that_it_concerns(
     }
 
 
+@pytest.mark.slow
 def test_a_change_of_the_publisher_reaches_both_launch_files(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

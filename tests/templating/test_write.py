@@ -169,6 +169,7 @@ def test_work_of_others_is_no_leftover(folder: Path) -> None:
     assert finished == "robot"
 
 
+@pytest.mark.slow
 def test_of_two_at_once_one_wins(folder: Path) -> None:
     for _ in range(5):
         codes = [finish(process) for process in [start(folder) for _ in range(4)]]

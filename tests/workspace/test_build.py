@@ -30,6 +30,8 @@ from wsgen.diagnostics import Severity
 from wsgen.errors import NotFoundError, RequestError
 from wsgen.events import Event, OutputLine, StepEnded, StepProgressed, StepStarted
 
+pytestmark = pytest.mark.slow
+
 
 def test_a_package_is_installed_and_its_events_tell(tmp_path: Path) -> None:
     write_package(tmp_path)

@@ -26,6 +26,8 @@ from wsgen.workspace.explain_colcon import explain_colcon
 from wsgen.workspace.layout import Workspace
 from wsgen.workspace.verdict import refuse_full_disk
 
+pytestmark = pytest.mark.slow
+
 # The code, the line of CMakeLists.txt, words of the message and of the hint, by what is written.
 CMAKE_CASES = {
     "installs a folder that is not there": (

@@ -8,6 +8,8 @@ from workspace.building import CMAKE, build_here, write_package
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.workspace.build import BuildResult
 
+pytestmark = pytest.mark.slow
+
 
 def only_warning(result: BuildResult) -> Diagnostic:
     assert result.succeeded

@@ -11,6 +11,8 @@ from wsgen.errors import NotFoundError, NotReadableError, RequestError
 from wsgen.workspace.layout import Workspace
 from wsgen.workspace.overlay import require_share, source_overlay
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def workspace(tmp_path_factory: pytest.TempPathFactory) -> Workspace:

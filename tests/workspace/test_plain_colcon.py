@@ -21,6 +21,8 @@ from workspace.building import (
     write_package,
 )
 
+pytestmark = pytest.mark.slow
+
 SCRIPTS = Path(sys.executable).parent
 # What CMake's Python has to import for ament_cmake, with the needs of those.
 ROS_PYTHON_NEEDS = (

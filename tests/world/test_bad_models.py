@@ -166,6 +166,7 @@ def test_utf_16(tmp_path: Path) -> None:
         assert "iconv -f UTF-16 -t UTF-8" in (found.hint or "")
 
 
+@pytest.mark.slow
 def test_ten_thousand_models(read: Read) -> None:
     models = "".join(f'<model name="m{i}">{LINK}</model>' for i in range(10_000))
     file = read(f'<world name="w">{models}</world>')
@@ -173,6 +174,7 @@ def test_ten_thousand_models(read: Read) -> None:
     assert len({model.name for model in file.models}) == 10_000
 
 
+@pytest.mark.slow
 def test_a_chain_of_ten_thousand_links(read: Read) -> None:
     count = 10_000
     links = "".join(f'<link name="l{i}">{MASS}</link>' for i in range(count))

@@ -85,6 +85,7 @@ def test_what_gazebo_refuses(tmp_path: Path, case: str) -> None:
     assert found.models == ()
 
 
+@pytest.mark.slow
 @pytest.mark.oracle
 @pytest.mark.skipif(IGN is None, reason="ign (Debian: ignition-tools, libsdformat12) is missing")
 @pytest.mark.parametrize("case", [*CASES, *REFUSED])

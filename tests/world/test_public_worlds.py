@@ -137,6 +137,7 @@ def test_there_is_something_to_compare() -> None:
     assert len(shipped()) > 10
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("file", shipped(), ids=lambda file: f"{file.parent.name}/{file.name}")
 def test_same_models_links_and_joints(file: Path, tmp_path: Path) -> None:
     verdict = ign("-k", file, tmp_path / "verdict")

@@ -159,6 +159,7 @@ def test_no_inertia_comes_from_a_polyline(read: Read) -> None:
     assert only(read(text, "1.11")).code == "WLD040"
 
 
+@pytest.mark.slow
 @pytest.mark.oracle
 @pytest.mark.skipif(shutil.which("ign") is None, reason="ign (Debian: ignition-tools) is missing")
 @pytest.mark.parametrize(
