@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+
 BIN = Path(sys.executable).parent
 WSGEN = str(BIN / "wsgen")
 COLCON = str(BIN / "colcon")

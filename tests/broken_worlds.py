@@ -6,11 +6,12 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from wsgen.world.lookup import model_finder
-from wsgen.world.models import read_sdf
+from wsgen.sdf.lookup import model_finder
+from wsgen.sdf.models import read_sdf
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
 
 MASS = "<inertial><mass>2</mass></inertial>"
 LINK = f'<link name="l">{MASS}</link>'

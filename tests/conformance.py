@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from install_space import InstallSpace
     from wsgen.model.plan import LaunchPlan, Process
 
+
 CONFORMANCE = Path(__file__).parents[2] / "shared" / "launch-conformance"
 CASES = CONFORMANCE / "cases"
 

@@ -11,15 +11,15 @@ from typing import TYPE_CHECKING, TypeVar
 from xml.etree import ElementTree as ET
 
 from wsgen.model.inertia import about_link_axes
-from wsgen.model.pose import Pose
 from wsgen.model.robot import Inertial, JointType
-from wsgen.model.transform import rotation_of_rpy
+from wsgen.model.transform import Pose, rotation_of_rpy
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
     from pathlib import Path
 
     from wsgen.model.robot import Collision, Joint, Link, Robot
+
 
 Default = TypeVar("Default", float, None)
 

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     from wsgen.model.plan import LaunchPlan
 
+
 HEAD = """\
 import os
 from ament_index_python.packages import *

@@ -12,11 +12,11 @@ SOURCE = ROOT / "src" / "wsgen"
 # One module each; xacro's and colcon's doors lie deeper than one import.
 FOREIGN = {
     "pybullet": "simulation/bullet_client.py",
-    "trimesh": "description/mesh_library.py",
-    "shapely": "description/solid_extrusion.py",
-    "dartpy": "simulation/dart_library.py",
-    "av": "simulation/film_encoder.py",
-    "xacro": "description/expand.py",
+    "trimesh": "meshes/reader.py",
+    "shapely": "meshes/shape_worker.py",
+    "dartpy": "simulation/dart.py",
+    "av": "rendering/video_encoder.py",
+    "xacro": "xacro/expansion.py",
     "jinja2": "templating/environment.py",
     "catkin_pkg": "workspace/package_xml.py",
     "lxml": "xmltree.py",

@@ -13,11 +13,11 @@ import pytest
 
 from install_space import InstallSpace
 from templating.broken_templates import spec_for
-from wsgen.isolation.nursery import Nursery
+from wsgen.isolation.fork_server import Nursery
 from wsgen.model.target import TARGETS
+from wsgen.pipeline.package_validation import Validation
 from wsgen.pipeline.request import ValidateRequest
 from wsgen.pipeline.selection import Chosen
-from wsgen.pipeline.validation import Validation
 from wsgen.simulation.run import default_engine
 from wsgen.templating.manifest import load_template
 from wsgen.templating.render import render_package
@@ -28,8 +28,9 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
-    from wsgen.isolation.protocol import Run
+    from wsgen.isolation.parent import Run
     from wsgen.model.package import PackageSpec
+
 
 pytestmark = pytest.mark.slow
 

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
     from wsgen.model.target import Target
 
+
 pytestmark = pytest.mark.slow
 
 PENDULUM = str(EXAMPLES / "templates" / "pendulum")

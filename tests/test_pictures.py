@@ -17,6 +17,7 @@ from public_robots import find_robot
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+
 PAGE = Path(__file__).parents[1] / "docs" / "pictures.md"
 FOLDER = PAGE.with_suffix("")
 

@@ -84,7 +84,6 @@ def test_new_loads_what_it_renders_with(tmp_path: Path) -> None:
     assert not modules & HEAVY - of_libraries("click", "jinja2")
     assert {name for name in modules if name.startswith("wsgen.model.")} <= {
         "wsgen.model.facts",
-        "wsgen.model.names",
         "wsgen.model.package",
         "wsgen.model.target",
     }

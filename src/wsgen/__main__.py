@@ -1,10 +1,12 @@
 """`python -m wsgen` and the script `wsgen`: ready for signals before the rest is imported."""
 
-# What `signal` wraps, which loads `enum`: somebody may press Ctrl-C meanwhile. It has no stubs.
 import _signal  # type: ignore[import-not-found]
 import os
 
 from wsgen.errors import EXIT_SIGNALLED, SIGNAL_MESSAGES
+
+# What `signal` wraps, which loads `enum`: somebody may press Ctrl-C meanwhile. It has no stubs.
+
 
 STANDARD_ERROR = 2
 

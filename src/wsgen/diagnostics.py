@@ -24,7 +24,7 @@ class Diagnostic:
     """One finding.
 
     `code` is stable and never reused (families PKG, BLD, ROB, WLD, LCH, SPN, TPL; the list is in
-    `wsgen.checks.catalogue`); `hint` is what to do about it.
+    `wsgen.rules.catalogue`); `hint` is what to do about it.
     """
 
     code: str

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable
 
+
 # How alike two words are, as difflib counts from 0 to 1, before one is taken for the other.
 ALIKE = 0.6
 MOST_LISTED = 8  # names in a hint

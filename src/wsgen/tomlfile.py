@@ -7,14 +7,16 @@ import sys
 from collections import Counter
 from typing import TYPE_CHECKING, Any
 
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+
 if sys.version_info >= (3, 11):
     import tomllib
 else:
     import tomli as tomllib
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from pathlib import Path
 
 _WORD = r"""(?:"[^"]*"|'[^']*'|[\w-]+)"""
 _DOTTED = rf"{_WORD}(?:\s*\.\s*{_WORD})*"

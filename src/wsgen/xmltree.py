@@ -17,6 +17,7 @@ from wsgen.xmlsyntax import find_mistake
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+
 Element = etree._Element  # noqa: SLF001  lxml has no public name for the type
 
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"

@@ -8,21 +8,21 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.checks.attempt_rules import (
+from wsgen.diagnostics import Severity
+from wsgen.model.behavior import Attempt, Behaviour, Bounds, DiffDrive, Drive, Reach, WheelPair
+from wsgen.model.robot import Joint, JointLimit, JointType, Link, Mimic, Robot
+from wsgen.rules.behaviors import (
     commanded_beyond_limit,
     joint_cannot_be_commanded,
+    judge_behaviour,
     nothing_to_drive_with,
     robot_not_found,
 )
-from wsgen.checks.behaviour_rules import judge_behaviour
-from wsgen.diagnostics import Severity
-from wsgen.model.behaviour import Attempt, Behaviour, Drive, Reach
-from wsgen.model.diff_drive import Bounds, DiffDrive, WheelPair
-from wsgen.model.robot import Joint, JointLimit, JointType, Link, Mimic, Robot
 from wsgen.simulation.scene import Behaved
 
 if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
+
 
 FILE = Path("wsgen.toml")
 STRAIGHT = Drive(linear=0.5, x=1.0, y=0.0, yaw=0.0)

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.checks.catalogue import RULES
-from wsgen.checks.causes import CONSEQUENCES
+from wsgen.rules.catalogue import RULES
+from wsgen.rules.causes import CONSEQUENCES
 
 ROOT = Path(__file__).parents[2]
 HEAD = """# Findings

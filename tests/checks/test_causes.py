@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from wsgen.checks.catalogue import RULES
-from wsgen.checks.causes import CONSEQUENCES, fold_consequences, joints_beyond_limits
 from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.rules.catalogue import RULES
+from wsgen.rules.causes import CONSEQUENCES, fold_consequences, joints_beyond_limits
 
 ERROR, WARNING, INFO = Severity
 

@@ -4,13 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from wsgen.checks.extent_rules import (
-    implausible_mass,
-    implausible_size,
-    number_beyond_engines,
-)
 from wsgen.diagnostics import Severity
-from wsgen.model.pose import Pose
 from wsgen.model.robot import (
     Box,
     Collision,
@@ -24,6 +18,8 @@ from wsgen.model.robot import (
     Sphere,
     Visual,
 )
+from wsgen.model.transform import Pose
+from wsgen.rules.robots import implausible_mass, implausible_size, number_beyond_engines
 
 
 def link(name: str = "a", mass: float = 1.0, geometry: Geometry | None = None) -> Link:

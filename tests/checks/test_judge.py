@@ -8,17 +8,10 @@ from dataclasses import replace
 import pytest
 
 from checks.trials import STANDS
-from wsgen.checks.judge import judge_robot, judge_trial, limbs_that_gave_way
-from wsgen.model.pose import Pose
-from wsgen.model.robot import (
-    Inertial,
-    Joint,
-    JointLimit,
-    JointType,
-    Link,
-    Robot,
-)
+from wsgen.model.robot import Inertial, Joint, JointLimit, JointType, Link, Robot
+from wsgen.model.transform import Pose
 from wsgen.model.world import World
+from wsgen.rules.check import judge_robot, judge_trial, limbs_that_gave_way
 from wsgen.simulation.scene import Overlapping, RobotTrial
 
 WORLD = World(name="w", has_ground_plane=True)

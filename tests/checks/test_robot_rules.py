@@ -7,15 +7,6 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.checks.robot_rules import (
-    implausible_inertia,
-    loose_joint,
-    massless_root,
-    nothing_to_see,
-    nothing_to_touch,
-    ros_1_plugin,
-    starts_outside_limits,
-)
 from wsgen.diagnostics import Severity
 from wsgen.model.robot import (
     Box,
@@ -32,6 +23,15 @@ from wsgen.model.robot import (
     Plugin,
     Sphere,
     Visual,
+)
+from wsgen.rules.robots import (
+    implausible_inertia,
+    loose_joint,
+    massless_root,
+    nothing_to_see,
+    nothing_to_touch,
+    ros_1_plugin,
+    starts_outside_limits,
 )
 
 FILE = Path("robot.urdf")

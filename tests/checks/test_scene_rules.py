@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import pytest
 
 from checks.trials import STANDS
-from wsgen.checks import scene_rules as rules
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.model.pose import Pose
+from wsgen.model.transform import Pose
+from wsgen.rules import scenes as rules
 from wsgen.simulation.engine import HullGap
 from wsgen.simulation.scene import Overlapping
 

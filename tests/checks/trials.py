@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from wsgen.model.pose import Pose
+from wsgen.model.transform import Pose
 from wsgen.simulation.scene import RobotTrial
 
 SPAWNED = Pose((0.0, 0.0, 0.3))

@@ -4,8 +4,8 @@ from pathlib import Path
 import pytest
 
 from wsgen.cli import run
+from wsgen.doctor.report import Examination
 from wsgen.model.target import TARGETS, Target
-from wsgen.workspace.examination import Examination
 
 
 @pytest.fixture(autouse=True)

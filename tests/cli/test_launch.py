@@ -15,6 +15,7 @@ from install_space import HEAD, InstallSpace
 if TYPE_CHECKING:
     from pathlib import Path
 
+
 pytestmark = pytest.mark.slow
 
 TEXT = (
@@ -277,7 +278,7 @@ def test_a_film_without_its_encoder_and_a_trial_without_its_engine(
     built: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(built)
-    monkeypatch.setattr("wsgen.simulation.recording.find_spec", lambda _: None)
+    monkeypatch.setattr("wsgen.rendering.recording.find_spec", lambda _: None)
     monkeypatch.setattr("wsgen.simulation.run.find_spec", lambda _: None)
     words = ("gazebo_test", "gazebo_model.launch.py", "--play")
     code, _, err = launch(capsys, *words, "--engine", "bullet", "--record", "film.mp4")

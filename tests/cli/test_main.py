@@ -13,12 +13,7 @@ import click
 import pytest
 
 import wsgen.cli
-from wsgen.errors import (
-    NotFoundError,
-    NotReadableError,
-    RequestError,
-    WouldOverwriteError,
-)
+from wsgen.errors import NotFoundError, NotReadableError, RequestError, WouldOverwriteError
 
 
 def command_that(raises: BaseException) -> click.Command:

@@ -11,6 +11,7 @@ from cli.packages import PACKAGE, SHARE, errors, validate
 if TYPE_CHECKING:
     from pathlib import Path
 
+
 pytestmark = pytest.mark.slow
 
 GROUND = "<include><uri>model://ground_plane</uri></include>"

@@ -10,7 +10,7 @@ from importlib.metadata import PackageNotFoundError, files
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wsgen.description import mesh_worker
+from wsgen.meshes import worker
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -61,7 +61,7 @@ def _difference(file: Path) -> str | None:
     with tempfile.TemporaryDirectory() as folder:
         # Each by itself, else they are reduced as one robot's.
         plain, seen = (
-            mesh_worker.inspect([(str(file), False, not showings, showings)], folder)[0]
+            worker.inspect([(str(file), False, not showings, showings)], folder)[0]
             for showings in ([], SHOWINGS)
         )
     if seen["problem"] != plain["problem"]:

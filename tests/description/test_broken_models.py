@@ -16,18 +16,15 @@ import pytest
 
 from broken_models import HUGE, MODELS, Broken
 from urdf_texts import MASS, joint, link, robot
-from wsgen.checks.extent_rules import (
-    implausible_mass,
-    implausible_size,
-    number_beyond_engines,
-)
-from wsgen.checks.judge import judge_robot
-from wsgen.description.lump import lump
-from wsgen.description.reader import read_urdf
 from wsgen.diagnostics import Diagnostic, Severity, has_errors
+from wsgen.rules.check import judge_robot
+from wsgen.rules.robots import implausible_mass, implausible_size, number_beyond_engines
+from wsgen.urdf.lumping import lump
+from wsgen.urdf.reader import read_urdf
 
 if TYPE_CHECKING:
     from wsgen.model.robot import Robot
+
 
 pytestmark = pytest.mark.slow
 

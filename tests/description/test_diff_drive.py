@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import pytest
 
-from wsgen.description.diff_drive import NoDrive, find_diff_drive
-from wsgen.description.lump import lump
-from wsgen.description.reader import read_urdf
-from wsgen.model.diff_drive import Bounds, DiffDrive, WheelPair
+from wsgen.model.behavior import Bounds, DiffDrive, WheelPair
 from wsgen.model.robot import Robot
+from wsgen.urdf.diff_drive import NoDrive, find_diff_drive
+from wsgen.urdf.lumping import lump
+from wsgen.urdf.reader import read_urdf
 
 MASS = (
     '<inertial><mass value="1"/>'

@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.description.expand import expand, run_command
+from wsgen.xacro.expansion import expand, run_command
 
 if TYPE_CHECKING:
     from pathlib import Path
+
 
 HEAD = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">\n'
 

@@ -7,11 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from wsgen.description.lump import lump
-from wsgen.description.lumping import parts_of_impossible_sums
-from wsgen.description.reader import read_urdf
 from wsgen.diagnostics import Severity
-from wsgen.model.pose import IDENTITY, Pose
 from wsgen.model.robot import (
     Collision,
     GazeboTag,
@@ -24,6 +20,9 @@ from wsgen.model.robot import (
     Surface,
     Visual,
 )
+from wsgen.model.transform import IDENTITY, Pose
+from wsgen.urdf.lumping import lump, parts_of_impossible_sums
+from wsgen.urdf.reader import read_urdf
 
 UNIT = (1.0, 0.0, 0.0, 1.0, 0.0, 1.0)
 

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 import mesh_samples
-from wsgen.description.mesh_dae import read_dae
+from wsgen.meshes.dae import read_dae
 
 if TYPE_CHECKING:
     from pathlib import Path
+
 
 SQUARE = "<rotate>0 0 1 90</rotate>"
 UP = "<translate>10 0 0</translate>"

@@ -15,19 +15,19 @@ import pytest
 from PIL import Image
 
 import mesh_samples
-from wsgen.description import mesh_worker
-from wsgen.description.mesh_files import inspect_meshes
-from wsgen.description.mesh_looks import MATERIALS
-from wsgen.description.mesh_reader import read_mesh
-from wsgen.description.mesh_stl import write_stl
-from wsgen.description.mesh_textures import Textures
 from wsgen.diagnostics import Severity
-from wsgen.isolation.nursery import Nursery
+from wsgen.isolation.fork_server import Nursery
 from wsgen.isolation.outcome import Answered, Died
+from wsgen.meshes import worker
+from wsgen.meshes.appearance import MATERIALS, Textures
+from wsgen.meshes.inspection import inspect_meshes
+from wsgen.meshes.reader import read_mesh
+from wsgen.meshes.stl import write_stl
 from wsgen.model.robot import Collision, Link, Mesh, Robot, Visual
 
 if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
+
 
 Rgba = tuple[float, float, float, float]
 RED: Rgba = (1.0, 0.0, 0.0, 1.0)
@@ -40,8 +40,8 @@ PALETTE = ((255, 0, 0), (0, 255, 0), (0, 0, 255), (255, 255, 0))  # rows, from t
 
 
 def in_this_process(task: str, *arguments: Any, **_: Any) -> Answered | Died:
-    assert task == "wsgen.description.mesh_worker:inspect"
-    return Answered(value=mesh_worker.inspect(*arguments), output="")
+    assert task == "wsgen.meshes.worker:inspect"
+    return Answered(value=worker.inspect(*arguments), output="")
 
 
 def write(folder: Path, name: str, content: bytes | str) -> Path:
@@ -494,7 +494,7 @@ def test_dense_meshes_are_reduced_together(tmp_path: Path) -> None:
     )
     write_stl(corners, tmp_path / "sphere.stl")
     (tmp_path / "small.stl").write_bytes(mesh_samples.binary_stl())
-    (answer, small) = mesh_worker.inspect(
+    (answer, small) = worker.inspect(
         [
             (str(tmp_path / name), False, False, [(False, (1.0, 1.0, 1.0), 2)])
             for name in ("sphere.stl", "small.stl")

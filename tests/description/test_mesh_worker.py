@@ -18,13 +18,14 @@ import numpy as np
 import pytest
 
 import mesh_samples
-from wsgen.description import mesh_worker
-from wsgen.description.mesh_content import BrokenMeshError, EnormousMeshError
-from wsgen.description.mesh_reader import READ, read_mesh
-from wsgen.description.mesh_stl import write_stl
+from wsgen.meshes import worker
+from wsgen.meshes.content import BrokenMeshError, EnormousMeshError
+from wsgen.meshes.reader import READ, read_mesh
+from wsgen.meshes.stl import write_stl
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
 
 QUADS_OBJ = mesh_samples.obj(
     "f 1 2 4 3", "f 5 7 8 6", "f 1 5 6 2", "f 3 4 8 7", "f 1 3 7 5", "f 2 6 8 4"
@@ -39,7 +40,7 @@ def write(folder: Path, name: str, content: bytes | str) -> Path:
 
 def inspect(file: Path, folder: Path) -> dict[str, Any]:
     """What is said of a file that is both touched and seen."""
-    (answer,) = mesh_worker.inspect([(str(file), True, True)], str(folder))
+    (answer,) = worker.inspect([(str(file), True, True)], str(folder))
     return answer
 
 
@@ -199,7 +200,7 @@ def test_a_name_counts_with_its_capitals(tmp_path: Path, monkeypatch: pytest.Mon
 
 
 def test_the_reader_is_loaded_without_the_library() -> None:
-    script = "import sys, wsgen.description.mesh_worker as _; print('trimesh' in sys.modules)"
+    script = "import sys, wsgen.meshes.worker as _; print('trimesh' in sys.modules)"
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, check=True)
     assert run.stdout == b"False\n"
 
@@ -253,7 +254,7 @@ def test_damaged_files_are_told_in_words(tmp_path: Path, name: str) -> None:
     for changed in damaged(content):
         write(tmp_path, name, changed)
         asked = (str(file), True, False, [(False, (1.0, 1.0, 1.0), 1)])
-        (answer,) = mesh_worker.inspect([asked], str(tmp_path))
+        (answer,) = worker.inspect([asked], str(tmp_path))
         problems.add(answer["problem"])
         told = f"{answer['problem']} {answer.get('complaints')}"
         assert not re.search(r"Error|Exception|\b(object|index|array)\b|Traceback", told), told
@@ -290,7 +291,7 @@ def test_files_that_a_mesh_names(tmp_path: Path, target: str) -> None:
     content = mesh_samples.square_obj(head=f"mtllib {target}\n")
     file = write(tmp_path, "square.obj", content)
     asked = (str(file), True, False, [(False, (1.0, 1.0, 1.0), 1)])
-    (answer,) = mesh_worker.inspect([asked], str(tmp_path))
+    (answer,) = worker.inspect([asked], str(tmp_path))
     (complaint,) = answer["complaints"]
     assert f"its material library `{target}`" in complaint.what
 

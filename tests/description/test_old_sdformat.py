@@ -8,14 +8,15 @@ import pytest
 
 from gazebo_oracle import IGN, is_taken, model_of
 from urdf_texts import MASS, joint, link, robot
-from wsgen.description.lump import lump
-from wsgen.description.reader import read_urdf
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.isolation import parent
-from wsgen.pipeline.described import Workshop, describe
+from wsgen.pipeline.prepare import Workshop, describe
+from wsgen.urdf.lumping import lump
+from wsgen.urdf.reader import read_urdf
 
 if TYPE_CHECKING:
     from pathlib import Path
+
 
 PLATE = link("base") + link("arm") + joint("plate_joint", "base", "plate")
 ARM = joint("arm_joint", "plate", "arm", kind="continuous")

@@ -12,12 +12,13 @@ import pytest
 
 from gazebo_oracle import IGN, differences, is_taken, model_of
 from public_robots import CUT, REFUSED, ROBOTS, find_robot
-from wsgen.description.lump import lump
-from wsgen.description.reader import read_urdf
 from wsgen.diagnostics import Severity
+from wsgen.urdf.lumping import lump
+from wsgen.urdf.reader import read_urdf
 
 if TYPE_CHECKING:
     from pathlib import Path
+
 
 SINCE_1238 = (
     "a lumped link without mass no longer cuts off its children (sdformat's pull request 1238, "

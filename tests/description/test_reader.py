@@ -8,12 +8,11 @@ from pathlib import Path
 import pytest
 
 from urdf_texts import ERRORS, MASS, SPHERE, TWO, WARNINGS, joint, link, robot, shape
-from wsgen.description.document import TEXT_LIMIT
-from wsgen.description.lump import lump
-from wsgen.description.reader import read_urdf
 from wsgen.diagnostics import Severity
-from wsgen.model.pose import Pose
 from wsgen.model.robot import Box, Cylinder, JointType, Mesh, Sphere
+from wsgen.model.transform import Pose
+from wsgen.urdf.lumping import lump
+from wsgen.urdf.reader import TEXT_LIMIT, read_urdf
 
 FILE = Path("robot.urdf")
 

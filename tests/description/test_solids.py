@@ -13,13 +13,12 @@ import trimesh
 from PIL import Image
 
 from solid_heights import height_at
-from wsgen.description import solid_worker
-from wsgen.description.solid_heightmap import MOST_ROWS, heightmap_surface
-from wsgen.description.solids import DEATHS, build_solids
 from wsgen.diagnostics import Severity
 from wsgen.isolation import parent
 from wsgen.isolation.outcome import Answered, Died, Limits
-from wsgen.model.pose import Pose
+from wsgen.meshes import shape_worker
+from wsgen.meshes.shape_worker import MOST_ROWS, heightmap_surface
+from wsgen.meshes.shapes import DEATHS, build_solids
 from wsgen.model.robot import (
     Box,
     Collision,
@@ -33,11 +32,13 @@ from wsgen.model.robot import (
     Robot,
     Visual,
 )
+from wsgen.model.transform import Pose
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from wsgen.diagnostics import Diagnostic
+
 
 WORLD_FILE = Path("scene.sdf")
 ERROR, WARNING, INFO = Severity.ERROR, Severity.WARNING, Severity.INFO
@@ -66,8 +67,8 @@ def robot(
 
 
 def in_this_process(task: str, *arguments: Any, **_: Any) -> Answered | Died:
-    assert task == "wsgen.description.solid_worker:build"
-    return Answered(value=solid_worker.build(*arguments), output="")
+    assert task == "wsgen.meshes.shape_worker:build"
+    return Answered(value=shape_worker.build(*arguments), output="")
 
 
 def built(model: Robot, folder: Path) -> tuple[Link, tuple[Diagnostic, ...]]:
@@ -364,7 +365,7 @@ def test_a_child_that_does_not_start(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_a_huge_picture_needs_little(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     limits = Limits(seconds=10.0, memory=2 * 2**30)
-    monkeypatch.setattr("wsgen.description.solids.LIMITS", limits)
+    monkeypatch.setattr("wsgen.meshes.shapes.LIMITS", limits)
     pixels = np.add.outer(np.arange(4097), np.arange(4097)).astype(np.uint16)
     shape = Heightmap(uri="h", path=image(tmp_path, pixels), size=(100, 100, 10))
     _, found = build_solids(robot(shape), file=None, folder=tmp_path, run=parent.run)

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.description.source import place_in_source
 from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.xacro.source import place_in_source
 
 MAIN = """<?xml version="1.0"?>
 <robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="r">

@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Any
 import pytest
 import xacro
 
-from wsgen.description.expand import Watch, expand, find_fault
+from wsgen.xacro.expansion import Watch, expand, find_fault
 
 if TYPE_CHECKING:
     from pathlib import Path
+
 
 ROBOT = """<?xml version="1.0"?>
 <robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="r">

@@ -7,7 +7,7 @@ from typing import Protocol
 import pytest
 
 from wsgen.isolation import parent
-from wsgen.isolation.nursery import Nursery
+from wsgen.isolation.fork_server import Nursery
 from wsgen.isolation.outcome import Answered, Died
 
 Run = Callable[..., Answered | Died]

@@ -35,7 +35,7 @@ signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))
 ONE = "run('foreign_spin:spin', sys.argv[3], limits=Limits(seconds=600))"
 SEVERAL = """
 from concurrent.futures import ThreadPoolExecutor
-from wsgen.isolation.nursery import Nursery
+from wsgen.isolation.fork_server import Nursery
 with ThreadPoolExecutor(2) as pool, Nursery() as nursery:
     calls = [
         pool.submit(nursery.run, "foreign_spin:spin", file, limits=Limits(seconds=600))
@@ -98,7 +98,7 @@ def test_the_end_of_the_parent_while_a_server_imports(tmp_path: Path) -> None:
 
 HELD_TOO_LATE = """
 import os, signal, sys
-from wsgen.isolation.lifeline import hold
+from wsgen.isolation.parent_death import hold
 os.setsid()
 for_child, ours = os.pipe()
 os.close(ours)

@@ -12,9 +12,9 @@ import pytest
 
 from isolation.conftest import Task
 from isolation.processes import is_alive, parent_of, wait_while
-from wsgen.isolation.nursery import Nursery
+from wsgen.isolation.fork_server import Nursery
+from wsgen.isolation.fork_server_process import Server
 from wsgen.isolation.outcome import Answered, Died, Limits
-from wsgen.isolation.server import Server
 
 pytestmark = pytest.mark.skipif("sys.platform != 'linux'", reason="nothing is forked elsewhere")
 
@@ -188,7 +188,7 @@ def test_a_server_that_dies_as_it_is_asked(
     os.kill(server, signal.SIGKILL)
     wait_while(lambda: is_alive(server))
     with monkeypatch.context() as patch:
-        patch.setattr("wsgen.isolation.nursery._Server.is_alive", lambda *_: True)
+        patch.setattr("wsgen.isolation.fork_server._Server.is_alive", lambda *_: True)
         died = nursery.run(name)
     assert isinstance(died, Died)
     assert "was lost" in died.reason
@@ -234,7 +234,7 @@ def test_a_module_that_starts_threads_is_not_forked(nursery: Nursery, task: Task
 
 @pytest.mark.slow
 def test_the_modules_of_wsgen_start_no_threads(nursery: Nursery, task: Task) -> None:
-    for module in ("wsgen.simulation.bullet_worker", "wsgen.tasks", "numpy", "lxml.etree"):
+    for module in ("wsgen.tasks.bullet", "wsgen.tasks.launch", "numpy", "lxml.etree"):
         name = task(SERVER, before=f"import {module}")
         assert value(nursery.run(name)) != os.getpid(), module
 

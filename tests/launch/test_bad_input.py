@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
     from wsgen.model.plan import LaunchPlan
 
+
 pytestmark = pytest.mark.slow
 
 FIRST_LINE = HEAD.count("\n") + 1

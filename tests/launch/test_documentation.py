@@ -14,17 +14,18 @@ from typing import TYPE_CHECKING
 import pytest
 
 from conformance import CASES, CONFORMANCE, NOT_YET, REFUSALS, answers, lines, packages_of_cases
-from wsgen.checks.catalogue import RULES
 from wsgen.diagnostics import Severity
-from wsgen.launch import absent_modules, known_packages
+from wsgen.launch import known_packages, missing_modules
+from wsgen.rules.catalogue import RULES
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from install_space import InstallSpace
 
+
 ROOT = Path(__file__).parents[2]
-RECORDING = ROOT / "src" / "wsgen" / "launch" / "recording"
+RECORDING = ROOT / "src" / "wsgen" / "launch_shim"
 
 # What differs from the original; everything else does not.
 PARTLY = {
@@ -125,7 +126,7 @@ SECTIONS: dict[str, Callable[[], str]] = {
     "api": api,
     "tags": tags,
     "packages": packages,
-    "modules": lambda: words(sorted(absent_modules.KNOWN)) + ".",
+    "modules": lambda: words(sorted(missing_modules.KNOWN)) + ".",
     "programs": lambda: words(sorted(known_packages._RUN_FOR_EVER)) + ".",
 }
 

@@ -18,6 +18,7 @@ from wsgen.launch.spawning import find_simulator, find_spawns
 if TYPE_CHECKING:
     from wsgen.model.plan import LaunchPlan
 
+
 pytestmark = pytest.mark.slow
 
 STRUCTURE_A = """\

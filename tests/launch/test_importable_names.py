@@ -12,6 +12,7 @@ from wsgen.launch import worker
 if TYPE_CHECKING:
     from pathlib import Path
 
+
 # Imports each module as the first of all, then asks for its names as a launch file does.
 SCRIPT = """
 import importlib, json, sys
@@ -103,7 +104,7 @@ HIDDEN = [
 def ask(what: str) -> tuple[int, list[str]]:
     """How many names were asked for, and what was said of those that are not there."""
     run = subprocess.run(
-        [sys.executable, "-c", SCRIPT, worker._RECORDING, worker._KNOWN, what],
+        [sys.executable, "-c", SCRIPT, worker._SHIM, worker._ROS_PACKAGES, what],
         capture_output=True,
         text=True,
         check=True,
@@ -136,7 +137,7 @@ def test_the_index_needs_nothing_of_wsgen(tmp_path: Path) -> None:
         "print(*(name for name in sys.modules if name.startswith(('wsgen', 'launch'))))"
     )
     run = subprocess.run(
-        [sys.executable, "-c", code, worker._RECORDING],
+        [sys.executable, "-c", code, worker._SHIM],
         cwd=tmp_path,
         capture_output=True,
         text=True,

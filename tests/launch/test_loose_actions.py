@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     from wsgen.model.plan import LaunchPlan
 
+
 TEXT = (
     HEAD
     + """

@@ -12,6 +12,7 @@ from install_space import InstallSpace, essence, only_message
 if TYPE_CHECKING:
     from wsgen.model.plan import LaunchPlan
 
+
 pytestmark = pytest.mark.slow
 
 

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     from wsgen.model.plan import LaunchPlan
 
+
 pytestmark = pytest.mark.slow
 
 # Each example is one or two child processes.

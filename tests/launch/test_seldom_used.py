@@ -11,6 +11,7 @@ from install_space import InstallSpace, only_message
 if TYPE_CHECKING:
     from wsgen.model.plan import LaunchPlan
 
+
 pytestmark = pytest.mark.slow
 
 

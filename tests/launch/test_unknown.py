@@ -12,6 +12,7 @@ from wsgen.launch.spawning import find_simulator, find_spawns
 if TYPE_CHECKING:
     from wsgen.model.plan import LaunchPlan
 
+
 IMPORT = HEAD.count("\n") + 1  # the line of the first import after the head
 RVIZ = "Node(package='rviz2', executable='rviz2', name='n', {})"
 WHY_MODULE = "its Python module is not here"

@@ -12,8 +12,8 @@ from wsgen.model.inertia import (
     of_solid,
     principal_moments,
 )
-from wsgen.model.pose import Pose
 from wsgen.model.robot import Box, Capsule, Cylinder, Inertial, Mesh, Sphere
+from wsgen.model.transform import Pose
 
 
 def test_solids() -> None:

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import pytest
 
-from wsgen.model.limbs import limb_joints
-from wsgen.model.pose import Pose
+from wsgen.model.kinematics import limb_joints
 from wsgen.model.robot import Inertial, Joint, JointLimit, JointType, Link, Robot
+from wsgen.model.transform import Pose
 
 MOMENTS = (0.1, 0.0, 0.0, 0.1, 0.0, 0.1)
 

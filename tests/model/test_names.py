@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from wsgen.model.names import MAXIMUM_LENGTH, check_package_name, suggest_package_name
+from wsgen.model.package import MAXIMUM_LENGTH, check_package_name, suggest_package_name
 
 # name -> (words of the rule that it breaks, the name that is suggested)
 BROKEN = {

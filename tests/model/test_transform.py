@@ -6,8 +6,8 @@ import math
 
 import pytest
 
-from wsgen.model.pose import Pose
 from wsgen.model.transform import (
+    Pose,
     compose,
     quaternion_of_rpy,
     rotate,

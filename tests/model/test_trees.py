@@ -6,9 +6,9 @@ import math
 
 import pytest
 
-from wsgen.model.pose import IDENTITY, Pose
+from wsgen.model.kinematics import split_trees
 from wsgen.model.robot import Inertial, Joint, JointType, Link, Robot
-from wsgen.model.trees import split_trees
+from wsgen.model.transform import IDENTITY, Pose
 
 MASS = Inertial(mass=1.0, inertia=(1.0, 0.0, 0.0, 1.0, 0.0, 1.0))
 

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from wsgen.isolation import parent
-from wsgen.pipeline.described import Workshop
-from wsgen.pipeline.models import MOST_MODELS, describe_models, read_file
+from wsgen.pipeline.prepare import MOST_MODELS, Workshop, describe_models, read_file
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.isolation.outcome import Answered, Died
+
 
 EGG = (
     '<collision name="c"><geometry><ellipsoid><radii>0.1 0.2 0.3</radii></ellipsoid></geometry>'

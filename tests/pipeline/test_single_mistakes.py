@@ -11,17 +11,18 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.description.expand import expand
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.isolation import parent
-from wsgen.pipeline.described import Workshop, describe
 from wsgen.pipeline.file_validation import FileValidation
+from wsgen.pipeline.prepare import Workshop, describe
 from wsgen.pipeline.request import ValidateRequest
 from wsgen.workspace.overlay import Overlay
+from wsgen.xacro.expansion import expand
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
+
 
 ROVER = """<robot name="rover">
   <link name="base_link">

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.pipeline.sources import changed_since_build, name_sources
+from wsgen.pipeline.package_validation import changed_since_build, name_sources
 
 
 @pytest.fixture

@@ -10,17 +10,17 @@ import pytest
 
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.isolation.outcome import Answered, Died
-from wsgen.model.behaviour import Behaviour, Reach
-from wsgen.model.pose import Pose
+from wsgen.model.behavior import Behaviour, Reach
 from wsgen.model.robot import Inertial, Joint, JointType, Link, Robot
+from wsgen.model.transform import Pose
 from wsgen.model.world import World
-from wsgen.pipeline import trial as trials
-from wsgen.pipeline.behaviours import make_programme
-from wsgen.pipeline.described import Described
+from wsgen.pipeline import run_robots as trials
+from wsgen.pipeline.behaviors import make_programme
+from wsgen.pipeline.prepare import Described
 from wsgen.pipeline.request import ValidateRequest
-from wsgen.pipeline.trial import Tried, try_robots
+from wsgen.pipeline.run_robots import Tried, try_robots
+from wsgen.simulation.contact_shapes import MOST_LINKS
 from wsgen.simulation.scene import DRAWING, LOADING, RobotTrial, Scene, trial_to_json
-from wsgen.simulation.surfaces import MOST_LINKS
 from wsgen.workspace.settings import Settings
 
 BODY = Inertial(mass=1.0, inertia=(0.1, 0.0, 0.0, 0.1, 0.0, 0.1))

@@ -4,14 +4,14 @@ import json
 import math
 from pathlib import Path
 
+from wsgen.build.colcon import PackageResult
+from wsgen.build.run import BuildResult
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.model.behaviour import BehaviourOutcome, Drive, Reach
+from wsgen.model.behavior import BehaviourOutcome, Drive, Reach
 from wsgen.model.outcome import Outcome, PackageOutcome, Rest, RobotOutcome, Simulated
-from wsgen.model.pose import Pose
+from wsgen.model.transform import Pose
 from wsgen.model.world import PlacedModel, World
 from wsgen.report.json_report import render_build, render_outcome
-from wsgen.workspace.build import BuildResult
-from wsgen.workspace.progress import PackageResult
 
 ROBOT = RobotOutcome(
     entity="r",

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.model.plan import Include, LaunchArgument, LaunchPlan, Process, Unresolved
-from wsgen.report.launch_json import render_plan
+from wsgen.report.json_report import render_plan
 
 FULL = LaunchPlan(
     package="my_robot",

@@ -2,7 +2,7 @@ import json
 from pathlib import Path
 
 from report.test_json_report import keys
-from wsgen.report.template_json import render_templates
+from wsgen.report.json_report import render_templates
 from wsgen.templating.manifest import load_template
 
 

@@ -12,6 +12,7 @@ from wsgen.simulation.run import MODULES, missing_engines
 if TYPE_CHECKING:
     from simulation.robots import NewEngine
 
+
 CLASSES = {"bullet": "BulletEngine", "dart": "DartEngine"}
 
 

@@ -8,12 +8,12 @@ import subprocess
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wsgen.model.pose import Pose
 from wsgen.model.robot import Mesh
-from wsgen.model.transform import rotation_of_quaternion, rpy_of_rotation
+from wsgen.model.transform import Pose, rotation_of_quaternion, rpy_of_rotation
 
 if TYPE_CHECKING:
     from wsgen.model.robot import Collision, Robot, Visual
+
 
 SOURCE = Path(__file__).with_name("gazebo_drop.cc")
 PACKAGES = (

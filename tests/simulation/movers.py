@@ -8,17 +8,17 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from simulation.robots import GROUND, body, joint, shape, tree
-from wsgen.model.behaviour import Attempt, Behaviour, Drive, Reach
-from wsgen.model.diff_drive import DiffDrive, WheelPair
-from wsgen.model.pose import Pose
+from wsgen.model.behavior import Attempt, Behaviour, DiffDrive, Drive, Reach, WheelPair
 from wsgen.model.robot import Box, Cylinder, Inertial, JointLimit, JointType, Link, Mimic, Sphere
-from wsgen.simulation.behaving import try_behaviours
+from wsgen.model.transform import Pose
+from wsgen.simulation.behaviors import try_behaviours
 from wsgen.simulation.scene import Behaved, Scene, SpawnedRobot
-from wsgen.simulation.trial import play
+from wsgen.simulation.simulate import play
 
 if TYPE_CHECKING:
     from simulation.robots import NewEngine
     from wsgen.model.robot import Joint, Robot
+
 
 RADIUS = 0.1  # m, of the wheels
 SEPARATION = 0.4  # m

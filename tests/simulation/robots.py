@@ -10,7 +10,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wsgen.model.inertia import of_solid
-from wsgen.model.pose import IDENTITY, Pose
 from wsgen.model.robot import (
     Box,
     Collision,
@@ -26,14 +25,16 @@ from wsgen.model.robot import (
     Sphere,
     Surface,
 )
+from wsgen.model.transform import IDENTITY, Pose
 from wsgen.model.world import World
 from wsgen.simulation.engine import Engine, Loaded, Refused
 from wsgen.simulation.scene import RobotTrial, Scene, SpawnedRobot
-from wsgen.simulation.trial import play
+from wsgen.simulation.simulate import play
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
+
 
 NewEngine = Callable[[World], Engine]
 

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from PIL import Image
 
-from wsgen.model.pose import IDENTITY, Pose
 from wsgen.model.robot import Collision, Geometry, Link, Robot, Visual
+from wsgen.model.transform import IDENTITY, Pose
 from wsgen.model.world import World
-from wsgen.simulation.gallery import Gallery
+from wsgen.rendering.scene_renderer import Gallery
 from wsgen.simulation.scene import Scene, SpawnedRobot
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from wsgen.simulation.exhibits import Rgba
+    from wsgen.rendering.render_items import Rgba
 
     Pixels = NDArray[np.uint8]  # height by width by 3
 

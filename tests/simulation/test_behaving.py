@@ -12,17 +12,16 @@ from simulation.movers import AT, DRIVE, arm, drive, reach, two_wheeled
 from simulation.robots import GROUND, joint, tree
 from wsgen.model.robot import JointLimit, JointType, Link, Robot
 from wsgen.model.transform import quaternion_of_rpy
-from wsgen.simulation.behaving import try_behaviours
-from wsgen.simulation.controllers import Servos, Wheels, controller_for
+from wsgen.simulation.behaviors import Servos, Wheels, controller_for, try_behaviours
 from wsgen.simulation.engine import Motor, State
 from wsgen.simulation.fake import FakeEngine
 from wsgen.simulation.scene import Behaved, RobotTrial, Scene, SpawnedRobot, trial_from_json
 from wsgen.simulation.scene import trial_to_json as to_json
-from wsgen.simulation.trial import play
+from wsgen.simulation.simulate import play
 
 if TYPE_CHECKING:
-    from wsgen.model.behaviour import Attempt
-    from wsgen.model.pose import Pose
+    from wsgen.model.behavior import Attempt
+    from wsgen.model.transform import Pose
 
 
 def at(x: float, y: float, yaw: float, speed: float = 0.0) -> State:

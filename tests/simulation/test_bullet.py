@@ -24,17 +24,18 @@ from simulation.robots import (
     tree,
     trial_of,
 )
-from wsgen.model.pose import Pose
 from wsgen.model.robot import Capsule, Cylinder, Geometry, JointType, Robot, Sphere
+from wsgen.model.transform import Pose
 from wsgen.simulation.bullet import SEPARATION_SPEED, BulletEngine
+from wsgen.simulation.bullet_body import ROLLING_RESISTANCE, ROOT
 from wsgen.simulation.bullet_client import Client
-from wsgen.simulation.bullet_properties import ROLLING_RESISTANCE, ROOT
+from wsgen.simulation.contact_shapes import MOST_LINKS
 from wsgen.simulation.engine import Loaded, Refused
 from wsgen.simulation.scene import SpawnedRobot
-from wsgen.simulation.surfaces import MOST_LINKS
 
 if TYPE_CHECKING:
     from pathlib import Path
+
 
 # Where PyBullet's getDynamicsInfo has what.
 FRICTION, ROLLING_FRICTION = 1, 6

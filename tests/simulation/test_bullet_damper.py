@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 import pytest
 
 from simulation.robots import BAR, BAR_MOMENT, body, joint, lift, pendulum, tree
-from wsgen.model.pose import Pose
 from wsgen.model.robot import JointType
-from wsgen.simulation.bullet_damper import STIFF, is_stiff, undamped
+from wsgen.model.transform import Pose
+from wsgen.simulation.bullet_body import STIFF, is_stiff, undamped
 
 if TYPE_CHECKING:
     from wsgen.model.robot import Robot
+
 
 STEP = 0.001  # s
 EDGE = STIFF / STEP  # of the damping, times what the joint moves

@@ -8,12 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-pytest.importorskip("pybullet")
-
 from simulation.robots import GROUND, body, single
-from wsgen.description.mesh_stl import write_stl
-from wsgen.model.pose import Pose
+from wsgen.meshes.stl import write_stl
 from wsgen.model.robot import Box, Mesh
+from wsgen.model.transform import Pose
 from wsgen.simulation.bullet import BulletEngine
 from wsgen.simulation.scene import SpawnedRobot
 
@@ -24,6 +22,10 @@ if TYPE_CHECKING:
 
     from wsgen.model.robot import Geometry
     from wsgen.simulation.engine import HullGap
+
+
+pytest.importorskip("pybullet")
+
 
 POST_HEIGHT = 0.5  # m
 

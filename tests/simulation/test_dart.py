@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from simulation.robots import CYLINDER, PLATE, body, joint, single, spawned, tree, trial_of
-from wsgen.model.pose import Pose
 from wsgen.model.robot import JointType
+from wsgen.model.transform import Pose
 
 if TYPE_CHECKING:
     from wsgen.simulation.dart import DartEngine

@@ -22,7 +22,6 @@ from simulation.robots import (
     tree,
     trial_of,
 )
-from wsgen.model.pose import Pose
 from wsgen.model.robot import (
     Box,
     Capsule,
@@ -34,10 +33,11 @@ from wsgen.model.robot import (
     Robot,
     Sphere,
 )
+from wsgen.model.transform import Pose
 from wsgen.model.world import World
 from wsgen.simulation.engine import Loaded
 from wsgen.simulation.scene import Scene, SpawnedRobot
-from wsgen.simulation.trial import play
+from wsgen.simulation.simulate import play
 
 LYING = (0.0, math.pi / 2, 0.0)
 

@@ -9,9 +9,9 @@ import pytest
 
 from simulation.movers import DRIVE, PAIR, arm, drive, reach, tried, two_wheeled
 from simulation.robots import BAR_MOMENT, SPACE, VOID, G, NewEngine, lift, pendulum, spawned
-from wsgen.model.diff_drive import Bounds
-from wsgen.model.pose import Pose
+from wsgen.model.behavior import Bounds
 from wsgen.model.robot import JointLimit
+from wsgen.model.transform import Pose
 from wsgen.simulation.engine import Motor
 
 

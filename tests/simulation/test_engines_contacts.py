@@ -28,19 +28,15 @@ from simulation.robots import (
     tree,
     trial_of,
 )
-from wsgen.model.pose import IDENTITY, Pose
-from wsgen.model.robot import (
-    Box,
-    Cylinder,
-    JointType,
-    Robot,
-)
-from wsgen.simulation import surfaces
+from wsgen.model.robot import Box, Cylinder, JointType, Robot
+from wsgen.model.transform import IDENTITY, Pose
+from wsgen.simulation import contact_shapes
 from wsgen.simulation.engine import Engine, Overlap
 from wsgen.simulation.scene import SpawnedRobot
 
 if TYPE_CHECKING:
     from pathlib import Path
+
 
 SLOPE = slope(20.0)
 
@@ -280,7 +276,7 @@ def test_of_many_shapes_those_that_span_the_hull_hold_it_as_all_do(
 ) -> None:
     robot = lattice(*cells)
     few = trial_of(new_engine, robot, on_the_ground=True, seconds=0.4)
-    monkeypatch.setattr(surfaces, "MOST_STANDING", len(cells))
+    monkeypatch.setattr(contact_shapes, "MOST_STANDING", len(cells))
     all_of_them = trial_of(new_engine, robot, on_the_ground=True, seconds=0.4)
     assert few.mass == all_of_them.mass == 5.0
     assert few.rest_pose.xyz == pytest.approx(all_of_them.rest_pose.xyz, abs=1e-4)

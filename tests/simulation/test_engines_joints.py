@@ -19,8 +19,8 @@ from simulation.robots import (
     spawned,
     trial_of,
 )
-from wsgen.model.pose import Pose
 from wsgen.model.robot import Inertial, JointLimit, JointType, Link
+from wsgen.model.transform import Pose
 
 TORQUE = G * 0.5  # N m, of the bar held out sideways
 

@@ -24,17 +24,14 @@ from simulation.robots import (
     tree,
     trial_of,
 )
-from wsgen.model.pose import Pose
-from wsgen.model.robot import (
-    JointType,
-    Mesh,
-    Robot,
-)
+from wsgen.model.robot import JointType, Mesh, Robot
+from wsgen.model.transform import Pose
 from wsgen.simulation.engine import Loaded, Refused
 from wsgen.simulation.scene import SpawnedRobot
 
 if TYPE_CHECKING:
     from pathlib import Path
+
 
 LYING = (0.0, math.pi / 2, 0.0)
 

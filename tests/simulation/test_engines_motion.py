@@ -7,21 +7,9 @@ from dataclasses import replace
 
 import pytest
 
-from simulation.robots import (
-    BAR,
-    SPACE,
-    G,
-    NewEngine,
-    body,
-    joint,
-    pendulum,
-    single,
-    spawned,
-    tree,
-)
-from wsgen.model.pose import Pose
+from simulation.robots import BAR, SPACE, G, NewEngine, body, joint, pendulum, single, spawned, tree
 from wsgen.model.robot import Box, Inertial, JointLimit, JointType, Link
-from wsgen.model.transform import compose, rotate, rotation_of_rpy
+from wsgen.model.transform import Pose, compose, rotate, rotation_of_rpy
 
 
 def test_a_spring_is_part_of_the_energy(new_engine: NewEngine) -> None:

@@ -24,24 +24,15 @@ from simulation.robots import (
     tree,
     trial_of,
 )
-from wsgen.model.pose import Pose
-from wsgen.model.robot import (
-    Box,
-    Capsule,
-    Cylinder,
-    Geometry,
-    JointType,
-    Link,
-    Mesh,
-    Sphere,
-)
-from wsgen.model.transform import compose
+from wsgen.model.robot import Box, Capsule, Cylinder, Geometry, JointType, Link, Mesh, Sphere
+from wsgen.model.transform import Pose, compose
 from wsgen.simulation.scene import SpawnedRobot
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.model.world import World
+
 
 TILTED = Pose((0.3, -0.2, 1.0), (0.4, 0.7, 0.2))
 # How far each reaches down from its frame, tilted so: by hand, from the third row of the rotation.

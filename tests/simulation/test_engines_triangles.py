@@ -13,11 +13,10 @@ import pytest
 from PIL import Image
 
 from simulation.robots import VOID, ball_on_mesh, body, joint, single, spawned
-from wsgen.description import solid_worker
-from wsgen.description.mesh_stl import write_stl
-from wsgen.description.solids import build_solids
 from wsgen.isolation.outcome import Answered
-from wsgen.model.pose import IDENTITY, Pose
+from wsgen.meshes import shape_worker
+from wsgen.meshes.shapes import build_solids
+from wsgen.meshes.stl import write_stl
 from wsgen.model.robot import (
     Box,
     Collision,
@@ -30,7 +29,7 @@ from wsgen.model.robot import (
     Robot,
     Sphere,
 )
-from wsgen.model.transform import rotation_of_quaternion
+from wsgen.model.transform import IDENTITY, Pose, rotation_of_quaternion
 from wsgen.simulation.scene import SpawnedRobot
 
 if TYPE_CHECKING:
@@ -38,6 +37,7 @@ if TYPE_CHECKING:
 
     from simulation.robots import NewEngine
     from wsgen.simulation.engine import State
+
 
 MARGIN = 0.002  # m, of contacts
 RADIUS = 0.1
@@ -59,7 +59,7 @@ def static(*shapes: Geometry, at: Pose = IDENTITY) -> Robot:
 
 def made(robot: Robot, folder: Path) -> Robot:
     def run(_: str, *arguments: Any, **__: Any) -> Answered:
-        return Answered(value=solid_worker.build(*arguments), output="")
+        return Answered(value=shape_worker.build(*arguments), output="")
 
     new, found = build_solids(robot, file=None, folder=folder, run=run)  # type: ignore[arg-type]
     assert found == ()

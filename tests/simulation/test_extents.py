@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.model.pose import Pose
 from wsgen.model.robot import Box, Capsule, Collision, Cylinder, Geometry, Mesh, Sphere
-from wsgen.model.transform import compose
-from wsgen.simulation.extents import inside_hull, lowest_point
+from wsgen.model.transform import Pose, compose
+from wsgen.simulation.contact_shapes import inside_hull, lowest_point
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from wsgen.model.transform import Vector
+
 
 BOX = Box(size=(0.2, 0.4, 0.6))
 SPHERE = Sphere(radius=0.3)

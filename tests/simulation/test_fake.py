@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from simulation.robots import pendulum
-from wsgen.model.pose import Pose
+from wsgen.model.transform import Pose
 from wsgen.simulation.engine import Engine, Loaded, Overlap, Refused, State
 from wsgen.simulation.fake import FakeEngine
 from wsgen.simulation.scene import SpawnedRobot

@@ -16,11 +16,11 @@ from PIL import Image
 from simulation.showpieces import BLUE, GROUND, gallery_of, is_blue, piece
 from wsgen.diagnostics import Severity
 from wsgen.isolation.outcome import DEFAULT_LIMITS, Answered, Died, Limits
-from wsgen.model.pose import Pose
 from wsgen.model.robot import Box, Collision, Inertial, Link, Mesh, Robot, Visual
-from wsgen.simulation import film, recording
-from wsgen.simulation.gallery import Gallery
-from wsgen.simulation.recording import Clip, Recorder, why_no_film
+from wsgen.model.transform import Pose
+from wsgen.rendering import recording, video
+from wsgen.rendering.recording import Clip, Recorder, why_no_film
+from wsgen.rendering.scene_renderer import Gallery
 from wsgen.simulation.run import run_trial
 from wsgen.simulation.scene import FILMING, Film, Scene, SpawnedRobot
 
@@ -28,8 +28,9 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from simulation.showpieces import Pixels
-    from wsgen.simulation.exhibits import Poses
-    from wsgen.simulation.framing import Size
+    from wsgen.rendering.camera import Size
+    from wsgen.rendering.render_items import Poses
+
 
 pytestmark = pytest.mark.slow
 
@@ -175,7 +176,7 @@ def made_of(file: Path, frames: list[Poses], told: list[str]) -> Film:
     gallery = Gallery(Scene(world=GROUND, robots=(robot,)), frames[0], {"e": [(0, 0, 0)]})
     recorder = Recorder(lambda _: {}, 1.0)
     recorder.clips = [Clip(frames=frames)]
-    return film.draw_film(gallery, recorder, file, told.append)
+    return video.draw_film(gallery, recorder, file, told.append)
 
 
 def test_what_takes_long_to_draw_gets_fewer_and_smaller_frames(
@@ -186,7 +187,7 @@ def test_what_takes_long_to_draw_gets_fewer_and_smaller_frames(
     usual = made_of(file, frames, told)
     assert not usual.is_coarse
     assert told[:2] == ["frame 1 of 21", "frame 2 of 21"]
-    monkeypatch.setattr(film, "BUDGET", 0.1)
+    monkeypatch.setattr(video, "BUDGET", 0.1)
     coarse = made_of(file, frames, told)
     assert coarse.is_coarse
     assert coarse.frames < usual.frames
@@ -202,11 +203,11 @@ def test_what_a_video_is_like_depends_on_what_is_drawn_alone() -> None:
         gallery = gallery_of(piece(Box(size=SIZE)))
         exhibit = replace(gallery.exhibits[0], geometry=mesh)
         gallery.studio._bodies = [(exhibit, 0)]
-        return film._quality(gallery, frames)[:2]
+        return video._quality(gallery, frames)[:2]
 
-    assert quality(12, 61) == (film.LARGE, 1.5)
-    assert quality(12, 601)[0] == film.SMALL
-    assert quality(500_000, 61) == (film.SMALL, 0.75)
+    assert quality(12, 61) == (video.LARGE, 1.5)
+    assert quality(12, 601)[0] == video.SMALL
+    assert quality(500_000, 61) == (video.SMALL, 0.75)
     assert quality(20_000, 121) != quality(12, 121)
 
 
@@ -238,7 +239,7 @@ def test_a_video_of_behaviors_names_each_on_a_card(tmp_path: Path) -> None:
     recorder = Recorder(lambda _: {}, 1.0)
     recorder.clips += [Clip("there", [begin, end]), Clip("and back again " * 9, [begin, end])]
     told: list[str] = []
-    made = film.draw_film(gallery, recorder, tmp_path / "film.gif", told.append)
+    made = video.draw_film(gallery, recorder, tmp_path / "film.gif", told.append)
     assert told == [f"frame {number} of 4" for number in (1, 2, 3, 4)]
     assert made.frames == 4 + 2 * 16  # a card of 0.8 s before each
     pictures, times = frames_of(tmp_path / "film.gif")
@@ -342,8 +343,9 @@ def test_an_engine_that_dies_while_it_films_costs_the_film_alone(tmp_path: Path)
 
 
 def test_a_trial_without_a_film_loads_nothing_for_it() -> None:
-    script = "import sys, wsgen.simulation.bullet_worker; print(*sys.modules)"
+    script = "import sys, wsgen.tasks.bullet; print(*sys.modules)"
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, check=True, text=True)
     loaded = run.stdout.split()
     assert "wsgen.simulation.bullet" in loaded
-    assert not {"PIL", "av", "wsgen.simulation.film", "wsgen.simulation.gallery"} & set(loaded)
+    drawing = {"wsgen.rendering.video", "wsgen.rendering.scene_renderer"}
+    assert not {"PIL", "av", *drawing} & set(loaded)

@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 
 from simulation.showpieces import BLUE, is_blue, margins, photograph, piece
-from wsgen.model.pose import Pose
 from wsgen.model.robot import Box, Cylinder, Geometry, Mesh, Sphere
-from wsgen.simulation.framing import MARGIN, Size, eye_camera, view_axes
+from wsgen.model.transform import Pose
+from wsgen.rendering.camera import MARGIN, Size, eye_camera, view_axes
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from wsgen.simulation.framing import Floats
-    from wsgen.simulation.shot import Camera
+    from wsgen.rendering.camera import Camera, Floats
+
 
 pytestmark = pytest.mark.slow
 

@@ -23,19 +23,19 @@ from simulation.showpieces import (
     spawned,
     touched_alone,
 )
-from wsgen.model.colours import GAZEBO_COLOURS
-from wsgen.model.pose import Pose
+from wsgen.model.colors import GAZEBO_COLOURS
 from wsgen.model.robot import Box, Collision, Cylinder, Link, Mesh, Sphere, Visual
-from wsgen.simulation.framing import Size, extent, eye_camera, view_axes
-from wsgen.simulation.ground import Backdrop, tile_for
-from wsgen.simulation.picture import write_caption
-from wsgen.simulation.stage import lights
+from wsgen.model.transform import Pose
+from wsgen.rendering.camera import Size, extent, eye_camera, view_axes
+from wsgen.rendering.picture import Backdrop, tile_for, write_caption
+from wsgen.rendering.scene_renderer import lights
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from simulation.showpieces import Pixels
     from wsgen.model.transform import Vector
+
 
 pytestmark = pytest.mark.slow
 

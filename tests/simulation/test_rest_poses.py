@@ -16,17 +16,19 @@ import pytest
 
 from simulation.gazebo_physics import DEBIAN, GazeboPhysics, is_installed
 from simulation.robots import trial_of
-from wsgen.description.lump import lump
-from wsgen.description.meshes import find_meshes
-from wsgen.description.reader import read_urdf
+from wsgen.meshes.lookup import find_meshes
 from wsgen.model.transform import multiply, rotation_of_rpy, transpose
 from wsgen.simulation.bullet import BulletEngine
 from wsgen.simulation.run import missing_engines
+from wsgen.urdf.lumping import lump
+from wsgen.urdf.reader import read_urdf
 
 if TYPE_CHECKING:
-    from wsgen.model.pose import Pose
     from wsgen.model.robot import Robot
+    from wsgen.model.transform import Pose
     from wsgen.simulation.scene import RobotTrial
+
+
 if not missing_engines(["dart"]):
     from wsgen.simulation.dart import DartEngine
 

@@ -16,8 +16,8 @@ from wsgen.diagnostics import Severity
 from wsgen.isolation import parent
 from wsgen.isolation.outcome import Answered, Died
 from wsgen.isolation.parent import Limits
-from wsgen.model.pose import Pose
 from wsgen.model.robot import Collision, Cylinder, Inertial, Link, Mesh, Robot, Visual
+from wsgen.model.transform import Pose
 from wsgen.model.world import World
 from wsgen.simulation import run
 from wsgen.simulation.run import default_engine, missing_engines, run_trial

@@ -17,8 +17,7 @@ from PIL import Image
 
 from simulation.gazebo_physics import DEBIAN, PLUGIN
 from solid_heights import height_at
-from wsgen.description.solid_extrusion import extrusion_triangles
-from wsgen.description.solid_heightmap import heightmap_surface
+from wsgen.meshes.shape_worker import extrusion_triangles, heightmap_surface
 from wsgen.model.robot import Extrusion, Heightmap
 
 if TYPE_CHECKING:

@@ -7,10 +7,10 @@ from itertools import product
 from typing import TYPE_CHECKING
 
 from simulation.robots import BAR, CYLINDER, PLATE, body, joint, lattice, shape, single, tree
-from wsgen.model.pose import IDENTITY
 from wsgen.model.robot import JointType, Link, Sphere
-from wsgen.simulation import surfaces
-from wsgen.simulation.surfaces import (
+from wsgen.model.transform import IDENTITY
+from wsgen.simulation import contact_shapes
+from wsgen.simulation.contact_shapes import (
     MOST_STANDING,
     inner_apart,
     inner_collisions,
@@ -19,6 +19,7 @@ from wsgen.simulation.surfaces import (
 
 if TYPE_CHECKING:
     import pytest
+
 
 ROUGH, SMOOTH = shape(PLATE, mu=0.9), shape(Sphere(radius=0.1), mu=0.0)
 
@@ -103,6 +104,6 @@ def test_what_the_ground_does_not_touch_stays_as_it_is() -> None:
 
 
 def test_no_tree_becomes_too_large_by_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(surfaces, "MOST_LINKS", 1)
+    monkeypatch.setattr(contact_shapes, "MOST_LINKS", 1)
     robot = lattice(*FLAT)
     assert inner_apart(robot, {"base": "base"}) == (robot, {"base": "base"}, ())

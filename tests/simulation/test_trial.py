@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.model.pose import Pose
 from wsgen.model.robot import Inertial, Link, Robot
-from wsgen.model.transform import quaternion_of_rpy
+from wsgen.model.transform import Pose, quaternion_of_rpy
 from wsgen.model.world import World
 from wsgen.simulation.engine import Overlap, State
 from wsgen.simulation.fake import FakeEngine
@@ -23,10 +22,11 @@ from wsgen.simulation.scene import (
     trial_from_json,
     trial_to_json,
 )
-from wsgen.simulation.trial import CLEARANCE, play
+from wsgen.simulation.simulate import CLEARANCE, play
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
 
 BALL = Robot(
     name="ball",

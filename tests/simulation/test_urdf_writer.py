@@ -6,8 +6,6 @@ from dataclasses import replace
 
 import pytest
 
-from wsgen.description.reader import read_urdf
-from wsgen.model.pose import Pose
 from wsgen.model.robot import (
     Box,
     Capsule,
@@ -23,7 +21,9 @@ from wsgen.model.robot import (
     Robot,
     Sphere,
 )
+from wsgen.model.transform import Pose
 from wsgen.simulation.urdf_writer import write_urdf
+from wsgen.urdf.reader import read_urdf
 
 ROBOT = Robot(
     name='r "&" <x>',

@@ -12,6 +12,7 @@ from wsgen.templating.spec import make_spec
 if TYPE_CHECKING:
     from pathlib import Path
 
+
 HEAD = 'schema = 1\nextends = "base"\ndescription = "A robot."\n'
 FILES = '[files]\n"model/robot.xacro" = "robot.xacro.j2"\n'
 

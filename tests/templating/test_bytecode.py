@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.templating.bytecode import CodeFile, Entry
+from wsgen.templating.environment import CodeFile, Entry
 
 CODE = compile("1 + 1", "<test>", "eval")
 ENTRIES: dict[str, Entry] = {"key": ("checksum", CODE)}

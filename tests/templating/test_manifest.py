@@ -4,10 +4,9 @@ import pytest
 
 from wsgen.errors import RequestError
 from wsgen.model.target import DEFAULT_TARGET, TARGETS, Target, choose_target
-from wsgen.templating.licenses import find_license, license_names
-from wsgen.templating.location import templates_folder
 from wsgen.templating.manifest import Template, load_template, template_names
-from wsgen.templating.sources import find_source
+from wsgen.templating.sources import find_source, templates_folder
+from wsgen.templating.spec import find_license, license_names
 from wsgen.templating.variables import resolve_answers
 
 CLASSIC_FILES = {

@@ -19,7 +19,7 @@ import pytest
 
 from golden_support import CASES, GOLDENS, PACKAGE, golden_package
 from wsgen.model.facts import RELEASED_FOR, RELEASED_FOR_ALL
-from wsgen.model.names import MAXIMUM_LENGTH
+from wsgen.model.package import MAXIMUM_LENGTH
 from wsgen.model.target import Target
 
 pytestmark = pytest.mark.oracle

@@ -1,7 +1,7 @@
 import pytest
 
 from templating.broken_templates import HEAD, load, spec_for, write_template
-from wsgen.templating.package_paths import PathError, check_path, fill_in, find_collision
+from wsgen.templating.render import PathError, check_path, fill_in, find_collision
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ import pytest
 from golden_support import CASES
 from templating.broken_templates import spec_for
 from wsgen.model.target import Target
-from wsgen.templating import location
+from wsgen.templating import sources
 from wsgen.templating.manifest import load_template
 from wsgen.templating.render import RenderedTree, render_package
 
@@ -101,8 +101,8 @@ def changed_by(source: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> di
     """Case -> the files that another first line in a source changes."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(folder / "cache"))
     before = render_all()
-    shutil.copytree(location.templates_folder(), folder / "templates")
-    monkeypatch.setattr(location, "_PACKAGE", folder / "src" / "wsgen")
+    shutil.copytree(sources.templates_folder(), folder / "templates")
+    monkeypatch.setattr(sources, "_PACKAGE", folder / "src" / "wsgen")
     file = folder / "templates" / source
     file.write_text(changed_text(file.read_text(encoding="utf-8")), encoding="utf-8")
     after = render_all()

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from wsgen.errors import NotReadableError, WouldOverwriteError
-from wsgen.templating.workspace_files import adding_files
+from wsgen.templating.write import adding_files
 
 TREE = {".ci.yml": "a: b\n", ".x/y/z.yml": "ä\n"}
 SPARE = {".gitignore": "/build/\n"}

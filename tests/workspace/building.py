@@ -6,8 +6,8 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
+from wsgen.build.run import BuildResult, build
 from wsgen.events import Event
-from wsgen.workspace.build import BuildResult, build
 from wsgen.workspace.layout import Workspace
 
 COLCON = Path(sys.executable).with_name("colcon")

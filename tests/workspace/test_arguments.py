@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.workspace.arguments import (
+from wsgen.build.request import (
     PYTHON_EXTENSIONS,
     TOOLCHAIN_EXTENSION,
     block_extensions,

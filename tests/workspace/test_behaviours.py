@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.model.behaviour import Behaviour, Drive, Reach
+from wsgen.model.behavior import Behaviour, Drive, Reach
 from wsgen.workspace.settings import read_settings
 
 DRIVES = """[[behaviour]]

@@ -292,7 +292,7 @@ TICK = (
 BUILD_SCRIPT = """
 import os
 from pathlib import Path
-from wsgen.workspace.build import build
+from wsgen.build.run import build
 from wsgen.workspace.layout import Workspace
 try:
     build(Workspace(root=Path({root!r})), environment=os.environ)

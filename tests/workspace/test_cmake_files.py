@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.workspace.cmake_output import read_errors, split_deprecations
-from wsgen.workspace.cmake_text import read_calls
+from wsgen.build.cmake_text import read_calls
+from wsgen.build.failure import read_errors, split_deprecations
 
 TEXT = """\
 # find_package(commented REQUIRED)

@@ -17,14 +17,13 @@ from workspace.building import (
     plain_colcon,
     write_package,
 )
+from wsgen.build.colcon import Finished
+from wsgen.build.explain import explain_colcon, refuse_full_disk
+from wsgen.build.run import BuildResult
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.errors import NotReadableError
 from wsgen.events import Event, OutputLine
-from wsgen.workspace.build import BuildResult
-from wsgen.workspace.colcon_process import Finished
-from wsgen.workspace.explain_colcon import explain_colcon
 from wsgen.workspace.layout import Workspace
-from wsgen.workspace.verdict import refuse_full_disk
 
 pytestmark = pytest.mark.slow
 

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from workspace.building import CMAKE, build_here, write_package
+from wsgen.build.run import BuildResult
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.workspace.build import BuildResult
 
 pytestmark = pytest.mark.slow
 

@@ -9,14 +9,14 @@ from pathlib import Path
 
 import pytest
 
+from wsgen.build.toolchain import SourcedRos, Wheels
+from wsgen.doctor import machine as machine_module
+from wsgen.doctor import requirements
+from wsgen.doctor.machine import Finding, Machine, here, read_os_release
+from wsgen.doctor.report import Examination, examine
 from wsgen.model.target import TARGETS, Target, choose_target
 from wsgen.simulation.run import MODULES
 from wsgen.tomlfile import load
-from wsgen.workspace import machine as machine_module
-from wsgen.workspace import own_needs
-from wsgen.workspace.examination import Examination, examine
-from wsgen.workspace.machine import Finding, Machine, here, read_os_release
-from wsgen.workspace.toolchain import SourcedRos, Wheels
 
 TODAY = "2026-11-21"
 PROGRAMS = {"cmake": "/bin/cmake", "ninja": "/bin/ninja", "g++": "/bin/g++", "git": "/bin/git"}
@@ -391,11 +391,12 @@ def test_this_machine() -> None:
 def test_every_dependency_of_wsgen_is_looked_for() -> None:
     project = load(Path(__file__).parents[2] / "pyproject.toml")["project"]
     wanted = {re.match(r"[\w.-]+", line)[0].lower() for line in project["dependencies"]}  # type: ignore[index]
-    modules = [*own_needs.COLCON.values(), *own_needs.LIBRARIES.values()]
+    modules = [*requirements.COLCON_PACKAGES.values(), *requirements.LIBRARIES.values()]
     known = {re.match(r"[\w.-]+", name)[0].lower() for name in modules}  # type: ignore[index]
     engines = {"pybullet", "pybullet-arm64", "dartpy"}
     # tomli: without it wsgen does not start.
-    assert wanted == known | set(own_needs.WHEELS) | engines | {"cmake", "ninja", "xacro", "tomli"}
+    others = {"cmake", "ninja", "xacro", "tomli"}
+    assert wanted == known | set(requirements.WHEELS) | engines | others
     assert set(MODULES.values()) == {"pybullet", "dartpy"}
-    first, last = (f"{major}.{minor}" for major, minor in own_needs.PYTHONS)
+    first, last = (f"{major}.{minor}" for major, minor in requirements.PYTHONS)
     assert project["requires-python"] == f">={first},<3.{int(last.split('.')[1]) + 1}"

@@ -151,5 +151,5 @@ def test_what_it_dislikes(tmp_path: Path) -> None:
 
 
 def test_listing_packages_does_not_load_catkin_pkg() -> None:
-    code = "import sys, wsgen.workspace.build; sys.exit('catkin_pkg' in sys.modules)"
+    code = "import sys, wsgen.build.run; sys.exit('catkin_pkg' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

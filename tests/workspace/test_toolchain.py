@@ -7,8 +7,7 @@ from pathlib import Path
 import pytest
 
 from workspace.building import SHELL_PROGRAMS, link_programs, outside
-from wsgen.errors import NotFoundError
-from wsgen.workspace.toolchain import (
+from wsgen.build.toolchain import (
     AMENT_CMAKE,
     SourcedRos,
     Wheels,
@@ -16,6 +15,7 @@ from wsgen.workspace.toolchain import (
     package_prefixes,
     use_toolchain,
 )
+from wsgen.errors import NotFoundError
 
 SCRIPTS = str(Path(sys.executable).parent)
 

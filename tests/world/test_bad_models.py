@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 import pytest
 
 from wsgen.diagnostics import Severity
-from wsgen.world.models import read_sdf
+from wsgen.sdf.models import read_sdf
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from wsgen.world.models import SdfFile
+    from wsgen.sdf.models import SdfFile
 
     Read = Callable[..., SdfFile]
 

@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING
 import pytest
 
 from wsgen.diagnostics import Severity
-from wsgen.model.pose import Pose
 from wsgen.model.robot import Box, Capsule, Cylinder, Inertial, Link, Mesh, Sphere, Surface
+from wsgen.model.transform import Pose
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
     from wsgen.model.robot import Geometry
-    from wsgen.world.models import SdfFile
+    from wsgen.sdf.models import SdfFile
 
     Read = Callable[..., SdfFile]
 

@@ -13,6 +13,7 @@ from wsgen.isolation.parent import run
 if TYPE_CHECKING:
     from pathlib import Path
 
+
 pytestmark = pytest.mark.slow
 
 LIMITS = Limits(seconds=30, memory=2 * 2**30)

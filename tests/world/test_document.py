@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING
 import pytest
 
 from wsgen.diagnostics import Severity
-from wsgen.world.models import read_sdf
+from wsgen.sdf.models import read_sdf
 
 if TYPE_CHECKING:
     from pathlib import Path
+
 
 IGN = shutil.which("ign")
 SDF = (

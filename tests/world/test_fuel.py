@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 import pytest
 
 from wsgen.diagnostics import Severity
-from wsgen.world.fuel import Address, address_of, find_in_cache
-from wsgen.world.lookup import model_finder
-from wsgen.world.models import read_sdf
+from wsgen.sdf.lookup import Address, address_of, find_in_cache, model_finder
+from wsgen.sdf.models import read_sdf
 
 if TYPE_CHECKING:
     from pathlib import Path
+
 
 SERVER = "https://fuel.gazebosim.org"
 TREE = f"{SERVER}/1.0/OpenRobotics/models/Pine Tree"

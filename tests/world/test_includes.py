@@ -9,14 +9,14 @@ import pytest
 
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.model.robot import Link, Robot
-from wsgen.world.lookup import model_finder
-from wsgen.world.models import read_sdf
+from wsgen.sdf.lookup import model_finder
+from wsgen.sdf.models import read_sdf
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from wsgen.world.models import SdfFile
+    from wsgen.sdf.models import SdfFile
 
     Read = Callable[..., SdfFile]
 

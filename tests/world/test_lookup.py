@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.world.lookup import find_world, model_finder
+from wsgen.sdf.lookup import find_world, model_finder
 
 
 @pytest.fixture(autouse=True)

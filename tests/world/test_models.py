@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.model.pose import IDENTITY, Pose
+from wsgen.model.kinematics import split_trees
 from wsgen.model.robot import Box, Inertial, JointType
-from wsgen.model.trees import split_trees
+from wsgen.model.transform import IDENTITY, Pose
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from wsgen.model.robot import Robot
-    from wsgen.world.models import SdfFile, SdfModel
+    from wsgen.sdf.models import SdfFile, SdfModel
 
     Read = Callable[..., SdfFile]
 

@@ -7,16 +7,15 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.model.pose import Pose
 from wsgen.model.robot import Box, Surface
-from wsgen.model.transform import compose, rotate, rotation_of_rpy
-from wsgen.world.models import read_model
+from wsgen.model.transform import Pose, compose, rotate, rotation_of_rpy
+from wsgen.sdf.models import read_model
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from wsgen.model.robot import Collision, Robot
-    from wsgen.world.models import SdfFile
+    from wsgen.sdf.models import SdfFile
 
     Read = Callable[..., SdfFile]
 

@@ -17,11 +17,10 @@ import pytest
 
 from wsgen.diagnostics import Severity
 from wsgen.model.inertia import about_link_axes
-from wsgen.model.pose import IDENTITY, Pose
+from wsgen.model.kinematics import split_trees
 from wsgen.model.robot import Inertial, JointType, Robot
-from wsgen.model.transform import compose, rotate, rotation_of_rpy
-from wsgen.model.trees import split_trees
-from wsgen.world.models import SdfModel, read_sdf
+from wsgen.model.transform import IDENTITY, Pose, compose, rotate, rotation_of_rpy
+from wsgen.sdf.models import SdfModel, read_sdf
 
 IGN = shutil.which("ign")
 OUTPUT_LIMIT = 10 * 2**20  # bytes

@@ -6,14 +6,15 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.world.models import read_sdf
-from wsgen.world.reader import DEFAULT_WORLD
+from wsgen.sdf.models import read_sdf
+from wsgen.sdf.reader import DEFAULT_WORLD
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.world import World
+
 
 TUTORIAL = """<?xml version="1.0" ?>
 <sdf version="1.5">

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.robot import Geometry, Link
-    from wsgen.world.models import SdfFile
+    from wsgen.sdf.models import SdfFile
 
     Read = Callable[..., SdfFile]
 

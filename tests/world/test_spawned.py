@@ -7,15 +7,16 @@ from typing import TYPE_CHECKING
 import pytest
 
 from wsgen.diagnostics import Severity
-from wsgen.model.pose import Pose
-from wsgen.world.document import is_sdf
-from wsgen.world.lookup import model_finder
-from wsgen.world.models import read_model, read_sdf
+from wsgen.model.transform import Pose
+from wsgen.sdf.lookup import model_finder
+from wsgen.sdf.models import read_model, read_sdf
+from wsgen.sdf.source import is_sdf
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from wsgen.world.models import SdfFile
+    from wsgen.sdf.models import SdfFile
+
 
 LINK = '<link name="l"><pose>0 0 1 0 0 0</pose><inertial><mass>2</mass></inertial>{}</link>'
 MODEL = f'<model name="m"><pose>5 0 0 0 0 0</pose>{LINK}</model>'

@@ -31,6 +31,7 @@ from wsgen.errors import (
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+
 COMPLETION = "_WSGEN_COMPLETE"  # the variable by which click's scripts for shells ask
 GARBAGE_THRESHOLD = 100_000  # objects more than are freed, until the collector looks
 

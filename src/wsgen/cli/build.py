@@ -76,10 +76,10 @@ def build_workspace(
     import os
     import shlex
 
-    from wsgen.cli.findings import render_findings
+    from wsgen.build.run import build
+    from wsgen.cli.output import render_findings
     from wsgen.cli.progress import listening
     from wsgen.cli.words import next_command
-    from wsgen.workspace.build import build
     from wsgen.workspace.layout import open_workspace
 
     place = open_workspace(workspace)

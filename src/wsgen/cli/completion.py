@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     import click
     from click.shell_completion import CompletionItem
 
+
 Completer = Callable[["click.Context", "click.Parameter", str], "list[CompletionItem]"]
 
 

@@ -19,8 +19,9 @@ from wsgen.errors import EXIT_FAILED, EXIT_PASSED
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from wsgen.workspace.examination import Examination
-    from wsgen.workspace.machine import Finding
+    from wsgen.doctor.machine import Finding
+    from wsgen.doctor.report import Examination
+
 
 MARK_WIDTH = 7  # with the blanks behind it
 
@@ -51,13 +52,13 @@ def command(
     import os
     import time
 
-    from wsgen.workspace.examination import examine
-    from wsgen.workspace.machine import here
+    from wsgen.doctor.machine import here
+    from wsgen.doctor.report import examine
 
     target = chosen_target(ctx, distro, sim)
     examination = examine(here(os.environ), target, today=time.strftime("%Y-%m-%d"))
     if output_format == "json":
-        from wsgen.report.doctor_json import render_examination
+        from wsgen.report.json_report import render_examination
 
         click.echo(render_examination(examination), nl=False)
     else:

@@ -146,7 +146,7 @@ def _with_sources_named(
         return plan
     from dataclasses import replace
 
-    from wsgen.pipeline.sources import name_sources
+    from wsgen.pipeline.package_validation import name_sources
     from wsgen.workspace.layout import find_packages
 
     told = plan.diagnostics
@@ -189,7 +189,7 @@ def _play(
 ) -> int:
     from wsgen.cli.progress import listening
     from wsgen.cli.validate import write_outcome
-    from wsgen.pipeline.play import play
+    from wsgen.pipeline.validate import play
 
     with listening(quiet=quiet, verbose=verbose) as listener:
         outcome = play(file, package, overlay, request, workspace=workspace, listener=listener)
@@ -268,7 +268,7 @@ def _choose(
 
 def _no_file_named(package: str, share: Path) -> RequestError:
     """The error for a package without the name of one of its launch files."""
-    from wsgen.pipeline.launch_files import find_launch_files
+    from wsgen.pipeline.selection import find_launch_files
 
     names = [file.name for file in find_launch_files(share)]
     if not names:
@@ -284,8 +284,7 @@ def _no_file_named(package: str, share: Path) -> RequestError:
 
 def _find_file(package: str, share: Path, name: str) -> Path:
     """The file of that name anywhere in the share folder, as `ros2 launch` looks for it."""
-    from wsgen.pipeline.launch_files import find_launch_files
-    from wsgen.pipeline.selection import no_such_launch_file
+    from wsgen.pipeline.selection import find_launch_files, no_such_launch_file
 
     found = sorted(file for file in share.rglob("*") if file.name == name and file.is_file())
     if len(found) == 1:
@@ -311,7 +310,7 @@ def _package_of(file: Path) -> str | None:
 
 def _write(plan: LaunchPlan, *, output_format: str, show_arguments: bool) -> None:
     if output_format == "json":
-        from wsgen.report.launch_json import render_plan
+        from wsgen.report.json_report import render_plan
 
         click.echo(render_plan(plan), nl=False)
         return

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from wsgen.cli.findings import render_findings
+from wsgen.cli.output import render_findings
 from wsgen.cli.words import short_path
 
 if TYPE_CHECKING:
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.model.plan import Include, LaunchPlan, Process
+
 
 MOST_CHARACTERS = 72  # of a value; a robot description has thousands
 

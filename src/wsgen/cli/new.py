@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from wsgen.templating.render import RenderedTree
     from wsgen.workspace.layout import Workspace
 
+
 DEFAULT_WORKSPACE = "ws_gazebo"
 
 
@@ -34,8 +35,8 @@ class NewCommand(ExampleCommand):
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """List them as they are on this disk; only --help pays for it."""
-        from wsgen.templating.licenses import license_names
         from wsgen.templating.manifest import load_template, template_names
+        from wsgen.templating.spec import license_names
 
         with formatter.section("Templates, with variables that `wsgen templates NAME` explains"):
             formatter.write_dl(
@@ -119,12 +120,16 @@ def command(
     """Write a package with a robot, and the workspace around it if there is none."""
     from dataclasses import replace
 
-    from wsgen.cli.new_extras import ignore_files, note_repository, workflow_files
-    from wsgen.cli.new_report import tell_json, tell_text
+    from wsgen.cli.new_output import (
+        ignore_files,
+        note_repository,
+        tell_json,
+        tell_text,
+        workflow_files,
+    )
     from wsgen.templating.manifest import load_template
     from wsgen.templating.spec import make_spec
-    from wsgen.templating.workspace_files import adding_files, refuse_files
-    from wsgen.templating.write import write_package
+    from wsgen.templating.write import adding_files, refuse_files, write_package
     from wsgen.workspace.entities import spawned_entities
 
     if output_format == "json" and (then_build or then_validate):

@@ -10,6 +10,7 @@ import click
 if TYPE_CHECKING:
     from wsgen.model.target import Target
 
+
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 

@@ -50,7 +50,7 @@ def command(
         return _check(name, output_format)
     templates = [load_template(one) for one in ([name] if name else template_names())]
     if output_format == "json":
-        from wsgen.report.template_json import render_templates
+        from wsgen.report.json_report import render_templates
 
         click.echo(render_templates(templates), nl=False)
     elif name:
@@ -67,11 +67,11 @@ def _check(name: str, output_format: str) -> int:
 
     found = _find_faults(name)
     if output_format == "json":
-        from wsgen.report.template_json import render_template_check
+        from wsgen.report.json_report import render_template_check
 
         click.echo(render_template_check(found), nl=False)
     else:
-        from wsgen.cli.findings import render_findings
+        from wsgen.cli.output import render_findings
 
         for line in render_findings(found):
             click.echo(line)

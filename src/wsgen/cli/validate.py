@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from wsgen.pipeline.request import ValidateRequest
     from wsgen.workspace.layout import Workspace
 
+
 MOST_SEARCHED = 100  # folders, for what could have been named
 
 
@@ -166,7 +167,7 @@ def validate_packages(
 
     from wsgen.cli.progress import listening
     from wsgen.model.outcome import Outcome
-    from wsgen.pipeline import validate
+    from wsgen.pipeline.validate import validate
 
     place = _open_workspace(workspace, request)
     ended: list[PackageOutcome] = []
@@ -263,7 +264,7 @@ def write_outcome(
     _write_json(outcome, output_format=output_format, json_file=json_file)
     if output_format == "json":
         return
-    from wsgen.cli.table import render_outcome_table
+    from wsgen.cli.output import render_outcome_table
 
     for line in render_outcome_table(outcome, verbose=verbose):
         click.echo(line)

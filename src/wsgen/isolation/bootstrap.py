@@ -8,6 +8,8 @@ import os
 import pickle
 import sys
 
+from wsgen.isolation import child
+
 
 def set_search_path(own: list[str]) -> None:
     """Look for modules where wsgen does, and behind that where the environment says."""
@@ -18,10 +20,9 @@ def set_search_path(own: list[str]) -> None:
 request = pickle.load(sys.stdin.buffer)  # noqa: S301  the parent wrote it
 set_search_path(request["path"])
 
-from wsgen.isolation import child  # noqa: E402  the search path had to be set first
 
 if "control" in request:
-    from wsgen.isolation.server import serve
+    from wsgen.isolation.fork_server_process import serve
 
     request = serve(request)  # comes back in each child that the server forks
     set_search_path(request["path"])

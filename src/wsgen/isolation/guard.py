@@ -17,10 +17,11 @@ import time
 from contextlib import suppress
 from typing import TYPE_CHECKING, NoReturn
 
-from wsgen.isolation.lifeline import hold
+from wsgen.isolation.parent_death import hold
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator
+
 
 PR_SET_CHILD_SUBREAPER = 36  # linux/prctl.h
 FIRST_FIELD = 3  # of /proc/PID/stat behind the name of the program

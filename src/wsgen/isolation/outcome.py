@@ -14,6 +14,7 @@ from wsgen.files import explain_write_error, full_folder
 if TYPE_CHECKING:
     from pathlib import Path
 
+
 LAST_WORDS = 4000  # characters of the child's output that are worth telling
 OUTPUT_LIMIT = 64 * 2**20  # bytes of a file; a child that prints for ever must not fill the disk
 # A child that shares its core with eight others takes nine times as long as it computes.

@@ -1,4 +1,7 @@
-"""Start a child process, wait for its answer, and say how it died if there is none."""
+"""Start a child process, wait for its answer, and say how it died if there is none.
+
+What callers need of whoever starts child processes.
+"""
 
 from __future__ import annotations
 
@@ -10,10 +13,9 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 from wsgen.errors import NotReadableError
-from wsgen.isolation.lifeline import open_lifeline
 from wsgen.isolation.outcome import (
     DEFAULT_LIMITS,
     OUTPUT_LIMIT,
@@ -23,9 +25,11 @@ from wsgen.isolation.outcome import (
     conclude,
     read_lateness,
 )
+from wsgen.isolation.parent_death import open_lifeline
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+
 
 __all__ = ["Answered", "Died", "Limits", "run"]
 
@@ -164,3 +168,17 @@ def _end_with_guard(guard: subprocess.Popen[bytes]) -> None:
         with contextlib.suppress(subprocess.TimeoutExpired):
             guard.wait(SECONDS_TO_END)
         guard.kill()
+
+
+class Run(Protocol):
+    """`wsgen.isolation.parent.run`, or the method of that name of a nursery."""
+
+    def __call__(
+        self,
+        task: str,
+        *arguments: object,
+        limits: Limits = ...,
+        environment: Mapping[str, str] | None = None,
+        folder: Path | None = None,
+    ) -> Answered | Died:
+        """Call `module:function` with the arguments in a child process."""

@@ -15,9 +15,10 @@ from wsgen.model.plan import Include, LaunchArgument, LaunchPlan, Process, Unres
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from wsgen.isolation.protocol import Run
+    from wsgen.isolation.parent import Run
 
-TASK = "wsgen.tasks:evaluate_launch"
+
+TASK = "wsgen.tasks.launch:evaluate_launch"
 LIMITS = Limits(seconds=30.0, memory=2 * 2**30)
 
 

@@ -14,14 +14,15 @@ import sys
 from typing import TYPE_CHECKING
 
 from wsgen.launch import codes
-from wsgen.launch.absent_modules import KNOWN
 from wsgen.launch.explain_missing import Explanation, packages
+from wsgen.launch.missing_modules import KNOWN
 from wsgen.launch.record import RECORD
 from wsgen.launch.syntax import nodes_of
 from wsgen.suggestions import advice, did_you_mean, nearest
 
 if TYPE_CHECKING:
     from types import FrameType, TracebackType
+
 
 # Modules that launch files import from. Of a name that several have, the first is meant.
 API = (

@@ -16,6 +16,7 @@ from wsgen.suggestions import nearest
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+
 SURELY = 0.8  # so alike two words are, as difflib counts, that one is the other misspelt
 
 _FLAGS_OF_BOTH = {"version": "false", "verbose": "false", "help": "false", "extra_gazebo_args": ""}

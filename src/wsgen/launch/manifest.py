@@ -9,6 +9,7 @@ from xml.etree import ElementTree as ET
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+
 _NEEDED_TO_RUN = {"depend", "exec_depend", "build_depend", "buildtool_depend", "test_depend"}
 
 

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
     from types import FrameType
 
+
+if TYPE_CHECKING:
     Location = tuple[str, int]  # file, 1-based line
     CommandRunner = Callable[[Sequence[str]], "CommandOutcome"]
 

@@ -1,28 +1,353 @@
-"""Read from a plan which simulator it starts and which robots it puts into it."""
+"""Read from a plan which simulator it starts and which robots it puts into it.
+
+The options of the programs that spawn robots.
+
+`spawn_entity.py` (gazebo_ros) reads `-name value` as argparse does, `create` (ros_gz_sim) as
+gflags does: `-name value`, `-name=value` or `--name=value`; it takes node parameters too, which
+win over the options.
+
+Where the description of a spawned robot comes from: a topic, a file, a parameter, a text.
+
+What is wrong with a process of a plan.
+"""
 
 from __future__ import annotations
 
 import math
 import shlex
-from typing import TYPE_CHECKING
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.launch import spawn_arguments
-from wsgen.launch.descriptions import find_description
-from wsgen.launch.faults import fault, or_loose
+from wsgen.launch.known_packages import SURELY
+from wsgen.launch.syntax import loose_actions
 from wsgen.model.plan import Process, Simulator, Spawn, SpawnHeight
-from wsgen.model.pose import Pose
+from wsgen.model.transform import Pose
+from wsgen.suggestions import advice, nearest
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Collection, Iterator, Mapping, Sequence
 
     from wsgen.model.plan import Include, LaunchPlan
 
+
+_POSE = ("x", "y", "z", "R", "P", "Y")
+
+
+class Options(NamedTuple):
+    """What a spawner takes."""
+
+    with_value: frozenset[str]
+    flags: frozenset[str]
+    sources: tuple[str, ...]  # exactly one of these says what is spawned
+    entity: str  # the option that names the model
+    default_entity: str  # its value where it may be left out; empty where it may not
+    reads_parameters: bool
+
+
+SPAWN_ENTITY = Options(
+    with_value=frozenset(
+        (
+            "file",
+            "topic",
+            "database",
+            "entity",
+            "reference_frame",
+            "gazebo_namespace",
+            "robot_namespace",
+            "timeout",
+            "spawn_service_timeout",
+            "wait",
+            *_POSE,
+        )
+    ),
+    flags=frozenset(("stdin", "unpause", "package_to_model", "b")),
+    sources=("file", "topic", "database", "stdin"),
+    entity="entity",
+    default_entity="",
+    reads_parameters=False,
+)
+CREATE = Options(
+    with_value=frozenset(
+        ("world", "file", "param", "string", "topic", "name", "allow_renaming", *_POSE)
+    ),
+    flags=frozenset(("allow_renaming",)),
+    sources=("file", "param", "string", "topic"),
+    entity="name",
+    default_entity="robot",
+    reads_parameters=True,
+)
+
+
+class Read(NamedTuple):
+    """Options without their dashes, and what is wrong with them: what and what to do."""
+
+    values: Mapping[str, str]
+    faults: list[tuple[str, str]]
+
+
+def read_options_of(process: Process, options: Options) -> Read:
+    """The options of a spawner, from its arguments and, where it reads them, its parameters."""
+    values, faults = _read_words(process, options)
+    if faults:  # what is lacking may follow from them
+        return Read(values, faults)
+    if options.reads_parameters:
+        known = options.with_value | options.flags
+        values.update(
+            {
+                name: str(value)
+                for name, value in process.parameters.items()
+                if name in known and value != ""
+            }
+        )
+    given = [name for name in options.sources if name in values]
+    all_sources = ", ".join(f"-{name}" for name in options.sources)
+    if len(given) != 1:
+        found = " and ".join(f"-{name}" for name in given) or "none of them"
+        faults.append(
+            (
+                f"{process.executable} needs exactly one of {all_sources}, and is given {found}.",
+                "Usually it is '-topic', 'robot_description'.",
+            )
+        )
+    if not values.get(options.entity) and not options.default_entity:
+        faults.append(
+            (
+                f"{process.executable} is not given -{options.entity}, the name of the model.",
+                f"Add '-{options.entity}', 'NAME' to its arguments.",
+            )
+        )
+    return Read(values, faults)
+
+
+def _read_words(process: Process, options: Options) -> tuple[dict[str, str], list[tuple[str, str]]]:
+    values: dict[str, str] = {}
+    faults: list[tuple[str, str]] = []
+    words = list(process.arguments)
+    while words:
+        word = words.pop(0)
+        if word == "--ros-args":
+            break
+        name, has_value, value = word.lstrip("-").partition("=")
+        if not word.startswith("-") or name not in options.with_value | options.flags:
+            faults.append(_unknown(process, word, options))
+            if word.startswith("-") and not has_value and words and words[0][:1] != "-":
+                words.pop(0)  # its value
+        elif has_value:
+            values[name] = value
+        elif name in options.flags and not (
+            name in options.with_value and words and words[0] in {"true", "false"}
+        ):
+            values[name] = "true"
+        elif words:
+            values[name] = words.pop(0)
+        else:
+            faults.append(
+                (f"{word} of {process.executable} has no value.", f"Add it: {word} VALUE.")
+            )
+    return values, faults
+
+
+def _unknown(process: Process, word: str, options: Options) -> tuple[str, str]:
+    if " " in word.strip():
+        return (
+            f"'{word}' is one argument of {process.executable}, and none that it knows.",
+            "Each option and each value is an item of its own in the list of arguments.",
+        )
+    names = [f"-{name}" for name in sorted(options.with_value | options.flags)]
+    return (
+        f"{process.executable} does not know '{word}'.",
+        advice(word, names, f"It knows {' '.join(names)}."),
+    )
+
+
+def split(line: str) -> list[str]:
+    """The words of a command line; what cannot be split counts as one word."""
+    try:
+        return shlex.split(line)
+    except ValueError:
+        return [line]
+
+
+def fault(code: str, process: Process, message: str, hint: str) -> Diagnostic:
+    """An error at the line of the launch file that describes the process."""
+    return Diagnostic(
+        code=code,
+        severity=Severity.ERROR,
+        message=message,
+        file=process.file,
+        line=process.line,
+        element=process.executable,
+        hint=hint,
+    )
+
+
+def or_loose(
+    missing: Diagnostic, plan: LaunchPlan, *kinds: str, names: Collection[str]
+) -> Diagnostic:
+    """What is reported as missing; or the action that was created for it and never added.
+
+    `kinds` are the classes of such actions; `names` the programs, launch files and packages of
+    which they name one.
+    """
+    for action in loose_actions(plan.evaluated_files, kinds):
+        if not action.words.isdisjoint(names):
+            return replace(
+                missing,
+                message=f"{missing.message.rstrip('.')}: `{action.name}` is created and not added "
+                "to the LaunchDescription.",
+                file=action.file,
+                line=action.line,
+                element=action.name,
+                hint=f"Add it to the LaunchDescription that is returned: add_action({action.name})"
+                ".",
+            )
+    return missing
+
+
+PUBLISHER = "robot_state_publisher"
+PARAMETER = "robot_description"
+
+
+def find_description(
+    plan: LaunchPlan, spawner: Process, options: Mapping[str, str]
+) -> tuple[str, Path | None] | Diagnostic:
+    """The text of the robot and the file it is in, where that is known."""
+    if "topic" in options:
+        return _from_topic(plan, spawner, options["topic"])
+    if "file" in options:
+        return _from_file(spawner, options["file"])
+    if "string" in options:
+        return options["string"], spawner.description_file
+    if "param" in options:
+        return _from_parameter(spawner, options["param"])
+    if "database" in options:
+        return fault(
+            "SPN006",
+            spawner,
+            f"-database {options['database']} takes a model from Gazebo's own folders, which are "
+            "not here.",
+            "Use -file with the model's file, or -topic robot_description.",
+        )
+    return fault(
+        "SPN007",
+        spawner,
+        f"{spawner.executable} reads the robot from standard input, and nothing writes to it.",
+        "Use '-topic', 'robot_description' instead of -stdin.",
+    )
+
+
+def resolve(topic: str, process: Process) -> str:
+    """The absolute name of a topic as a process means it, remappings included."""
+    absolute = _absolute(topic, process)
+    for source, target in process.remappings:
+        if _absolute(source, process) == absolute:
+            return _absolute(target, process)
+    return absolute
+
+
+def _absolute(topic: str, process: Process) -> str:
+    if topic.startswith("/"):
+        return topic
+    if topic.startswith("~/"):
+        name = process.name or process.executable or ""
+        return f"{process.namespace.rstrip('/')}/{name}{topic[1:]}"
+    return f"{process.namespace.rstrip('/')}/{topic}"
+
+
+def _from_topic(
+    plan: LaunchPlan, spawner: Process, topic: str
+) -> tuple[str, Path | None] | Diagnostic:
+    wanted = resolve(topic, spawner)
+    published: dict[str, Process] = {}
+    for process in plan.processes:
+        if process.executable == PUBLISHER:
+            published.setdefault(resolve(PARAMETER, process), process)
+    if wanted in published:
+        return _published(published[wanted])
+    others = ", ".join(published) or "nothing, as it starts no robot_state_publisher"
+    missing = fault(
+        "SPN008",
+        spawner,
+        f"{spawner.executable} waits for the topic {wanted}, and no robot_state_publisher "
+        f"publishes it; the launch file publishes {others}.",
+        advice(
+            wanted,
+            published,
+            "Start robot_state_publisher in the same namespace, with the parameter "
+            "robot_description, or correct -topic.",
+        ),
+    )
+    return missing if published else or_loose(missing, plan, "Node", names={PUBLISHER})
+
+
+def _published(publisher: Process) -> tuple[str, Path | None] | Diagnostic:
+    """The text of a publisher: its parameter, or the file that is its argument."""
+    if PARAMETER not in publisher.parameters and publisher.arguments:
+        return _from_file(publisher, publisher.arguments[0])
+    if PARAMETER not in publisher.parameters:
+        misspelt = nearest(PARAMETER, publisher.parameters, cutoff=SURELY)
+        return fault(
+            "SPN009",
+            publisher,
+            "robot_state_publisher is not given the parameter robot_description"
+            + (f" but `{misspelt}`." if misspelt else "."),
+            f"Rename `{misspelt}` to `robot_description`."
+            if misspelt
+            else "Add parameters=[{'robot_description': ...}] to the Node.",
+        )
+    return _text(publisher, publisher.parameters[PARAMETER])
+
+
+def _from_parameter(spawner: Process, name: str) -> tuple[str, Path | None] | Diagnostic:
+    if name not in spawner.parameters:
+        return fault(
+            "SPN010",
+            spawner,
+            f"{spawner.executable} reads the parameter '{name}', which it is not given.",
+            f"Add parameters=[{{'{name}': ...}}] to the Node, or use -topic robot_description.",
+        )
+    return _text(spawner, spawner.parameters[name])
+
+
+def _text(process: Process, value: Any) -> tuple[str, Path | None] | Diagnostic:
+    if isinstance(value, str) and value.lstrip().startswith("<"):
+        return value, process.description_file
+    if isinstance(value, str) and not value.strip():
+        what = "is empty"
+    else:
+        what = f"is no robot: '{str(value)[:60]}'"
+    return fault(
+        "SPN011",
+        process,
+        f"The robot_description {what}.",
+        "Give it the text of the URDF, not its path: "
+        "ParameterValue(Command(['xacro ', path]), value_type=str).",
+    )
+
+
+def _from_file(process: Process, path: str) -> tuple[str, Path | None] | Diagnostic:
+    if path.lstrip().startswith("<"):
+        return path, process.description_file
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or "it is no text"
+        return fault(
+            "SPN012",
+            process,
+            f"The file to spawn cannot be read: '{path}': {reason}.",
+            "Check the path, and that CMakeLists.txt installs its folder.",
+        )
+    return text, Path(path)
+
+
 # Executable -> the options it takes; by package, because names repeat.
 _SPAWNERS = {
-    ("gazebo_ros", "spawn_entity.py"): spawn_arguments.SPAWN_ENTITY,
-    ("ros_gz_sim", "create"): spawn_arguments.CREATE,
-    ("ros_ign_gazebo", "create"): spawn_arguments.CREATE,
+    ("gazebo_ros", "spawn_entity.py"): SPAWN_ENTITY,
+    ("ros_gz_sim", "create"): CREATE,
+    ("ros_ign_gazebo", "create"): CREATE,
 }
 # Launch files of ros_gz_sim that start `create` with their arguments as its parameters.
 _SPAWNING_LAUNCH_FILES = {"gz_spawn_model.launch.py", "ros_gz_spawn_model.launch.py"}
@@ -141,7 +466,7 @@ def _included_simulator(include: Include) -> Simulator | None:
     if key == ("gazebo_ros", "gzserver.launch.py"):
         return Simulator(generation="classic", world=values.get("world") or None, is_headless=True)
     if key in {("ros_gz_sim", "gz_sim.launch.py"), ("ros_ign_gazebo", "ign_gazebo.launch.py")}:
-        return _gz(spawn_arguments.split(values.get("gz_args") or values.get("ign_args") or ""))
+        return _gz(split(values.get("gz_args") or values.get("ign_args") or ""))
     if key in {("ros_gz_sim", "gz_server.launch.py"), ("ros_gz_sim", "ros_gz_sim.launch.py")}:
         return Simulator(
             generation="gz", world=values.get("world_sdf_file") or None, is_headless=True
@@ -155,7 +480,7 @@ def _started_simulator(process: Process) -> Simulator | None:
         return Simulator(generation="gz", world=world or None, is_headless=True)
     words = process.command or (process.executable or "", *process.arguments)
     if len(words) == 1:
-        words = tuple(spawn_arguments.split(words[0]))
+        words = tuple(split(words[0]))
     if not words:
         return None
     program = words[0].rpartition("/")[2]
@@ -182,9 +507,9 @@ def _gz(words: Sequence[str]) -> Simulator | None:
 
 
 def _read_spawn(
-    plan: LaunchPlan, process: Process, options: spawn_arguments.Options
+    plan: LaunchPlan, process: Process, options: Options
 ) -> tuple[Spawn | None, list[Diagnostic]]:
-    read = spawn_arguments.read(process, options)
+    read = read_options_of(process, options)
     wrong = [fault("SPN004", process, text, hint) for text, hint in read.faults]
     pose, bad_numbers = _pose(read.values)
     wrong += [

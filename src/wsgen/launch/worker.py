@@ -11,7 +11,7 @@ import sys
 from typing import TYPE_CHECKING, Any
 
 from wsgen.launch import known_packages
-from wsgen.launch.absent_modules import AbsentModules
+from wsgen.launch.missing_modules import AbsentModules
 from wsgen.launch.record import RECORD, ForkError, caller
 
 if TYPE_CHECKING:
@@ -19,10 +19,12 @@ if TYPE_CHECKING:
 
     from wsgen.launch.record import CommandRunner
 
+
+if TYPE_CHECKING:
     FaultFinder = Callable[[BaseException], "dict[str, Any] | None"]
 
-_RECORDING = os.path.join(os.path.dirname(__file__), "recording")
-_KNOWN = os.path.join(os.path.dirname(__file__), "known")
+_SHIM = os.path.join(os.path.dirname(os.path.dirname(__file__)), "launch_shim")
+_ROS_PACKAGES = os.path.join(os.path.dirname(__file__), "ros_packages")
 _DESCRIPTIONS = (".urdf", ".xacro", ".sdf", ".xml")
 _STOOD_IN = ("launch", "launch_ros", "launch_xml", "launch_yaml", "ament_index_python")
 
@@ -73,13 +75,11 @@ def _install() -> None:
     """Put the recording modules before all others, here and in what the launch file starts."""
     for name in [name for name in sys.modules if name.partition(".")[0] in _STOOD_IN]:
         del sys.modules[name]
-    sys.path.insert(0, _RECORDING)
-    sys.path.append(_KNOWN)
+    sys.path.insert(0, _SHIM)
+    sys.path.append(_ROS_PACKAGES)
     sys.meta_path.append(AbsentModules(_is_declared))
     inherited = os.environ.get("PYTHONPATH")
-    os.environ["PYTHONPATH"] = os.pathsep.join(
-        [inherited, _RECORDING] if inherited else [_RECORDING]
-    )
+    os.environ["PYTHONPATH"] = os.pathsep.join([inherited, _SHIM] if inherited else [_SHIM])
     # Where wsgen is installed there is an xacro, for launch files that start it themselves.
     beside = os.path.dirname(sys.executable)
     os.environ["PATH"] = os.pathsep.join([os.environ.get("PATH", os.defpath), beside])
@@ -122,9 +122,7 @@ def _is_declared(package: str) -> bool:
 
 def _ask_for_arguments(launch_file: str) -> None:
     from launch.launch_context import LaunchContext
-    from launch.launch_description_sources import (
-        AnyLaunchDescriptionSource,
-    )
+    from launch.launch_description_sources import AnyLaunchDescriptionSource
 
     description = AnyLaunchDescriptionSource(launch_file).get_launch_description(LaunchContext())
     for argument in description.get_launch_arguments():
@@ -156,9 +154,7 @@ def _play(launch_file: str, arguments: Mapping[str, str]) -> None:
     from launch.actions import IncludeLaunchDescription
     from launch.launch_context import LaunchContext
     from launch.launch_description import play
-    from launch.launch_description_sources import (
-        AnyLaunchDescriptionSource,
-    )
+    from launch.launch_description_sources import AnyLaunchDescriptionSource
 
     source = AnyLaunchDescriptionSource(launch_file)
     root = IncludeLaunchDescription(source, launch_arguments=tuple(arguments.items()))

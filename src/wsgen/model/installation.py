@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from wsgen.model.target import Target
 
+
 # Steps 1 and 2 of the tutorial install these, and step 5 starts robot_state_publisher. In all
 # distributions (ros/rosdistro, DISTRO/distribution.yaml).
 ROS_PACKAGES = (

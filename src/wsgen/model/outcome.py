@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
-    from wsgen.model.behaviour import BehaviourOutcome
-    from wsgen.model.pose import Pose
+    from wsgen.model.behavior import BehaviourOutcome
+    from wsgen.model.transform import Pose
     from wsgen.model.world import World
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from wsgen.model.pose import IDENTITY, Pose
+from wsgen.model.transform import IDENTITY, Pose
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

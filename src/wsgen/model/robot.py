@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.model.pose import IDENTITY, Pose
+from wsgen.model.transform import IDENTITY, Pose
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -121,7 +121,7 @@ class Heightmap:
 
 
 Primitive = Box | Cylinder | Sphere | Capsule
-# What no engine has: `wsgen.description.solids` makes meshes of them.
+# What no engine has: `wsgen.meshes.shapes` makes meshes of them.
 Triangulated = Ellipsoid | Cone | Extrusion | Heightmap
 Geometry = Primitive | Mesh | Triangulated
 

@@ -20,6 +20,7 @@ from wsgen.suggestions import nearest
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+
 SIMULATORS = {"classic": "Gazebo Classic", "gz": "Gazebo Sim"}
 DISTROS_WITH_CLASSIC = RELEASED_FOR["gazebo_ros"]
 

@@ -2,13 +2,31 @@
 
 A rotation is a 3 by 3 matrix as a tuple of rows; it takes a vector from the rotated frame to the
 frame it is seen from. Quaternions are ordered x, y, z, w.
+
+Positions and orientations.
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
-from wsgen.model.pose import Pose
+
+@dataclass(frozen=True)
+class Pose:
+    """A frame seen from another one, as URDF, SDF and the spawners write it."""
+
+    xyz: tuple[float, float, float] = (0.0, 0.0, 0.0)  # m
+    rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)  # rad; fixed-axis roll, pitch, yaw
+
+    @property
+    def is_finite(self) -> bool:
+        """Whether no number is infinite or not-a-number."""
+        return all(math.isfinite(number) for number in (*self.xyz, *self.rpy))
+
+
+IDENTITY = Pose()
+
 
 Vector = tuple[float, float, float]
 Matrix = tuple[Vector, Vector, Vector]

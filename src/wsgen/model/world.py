@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from wsgen.model.pose import IDENTITY, Pose
+from wsgen.model.transform import IDENTITY, Pose
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
     from pathlib import Path
 
+
 LOOK_EVERY = 0.2  # s; from one look at what a child says to the next
 DRAW = "draw"
 STAGES = ("launch", "expand", "load", "simulate")

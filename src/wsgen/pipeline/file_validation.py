@@ -6,21 +6,28 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wsgen.description.document import TEXT_LIMIT
-from wsgen.description.xacro_file import expand_file
 from wsgen.diagnostics import Diagnostic, Severity, has_errors
 from wsgen.files import read_regular
 from wsgen.model.outcome import PackageOutcome
 from wsgen.pipeline.clock import Clock
-from wsgen.pipeline.described import Described, Workshop, describe, name_some
-from wsgen.pipeline.folders import share_around, share_on_model_path
-from wsgen.pipeline.models import describe_models, read_file
-from wsgen.pipeline.trial import Tried, try_robots
-from wsgen.world.reader import DEFAULT_WORLD
+from wsgen.pipeline.prepare import (
+    Described,
+    Workshop,
+    describe,
+    describe_models,
+    name_some,
+    read_file,
+    share_around,
+    share_on_model_path,
+)
+from wsgen.pipeline.run_robots import Tried, try_robots
+from wsgen.sdf.reader import DEFAULT_WORLD
+from wsgen.urdf.reader import TEXT_LIMIT
+from wsgen.xacro.reader import expand_file
 
 if TYPE_CHECKING:
     from wsgen.events import Listener
-    from wsgen.isolation.protocol import Run
+    from wsgen.isolation.parent import Run
     from wsgen.model.world import World
     from wsgen.pipeline.request import ValidateRequest
     from wsgen.workspace.overlay import Overlay

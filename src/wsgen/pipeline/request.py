@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from pathlib import Path
 
+
 FILE_SUFFIXES = (".urdf", ".xacro", ".sdf", ".world")  # what can be tried without a package
 
 

@@ -2,6 +2,8 @@
 
 The files are laid out as CMake would install them, without building, so that the launch file, the
 robot and the world go through the stages of `wsgen validate`.
+
+Whether the files of a package are what their endings say: XML, Python, TOML, a manifest.
 """
 
 from __future__ import annotations
@@ -13,13 +15,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.isolation.nursery import Nursery
+from wsgen import tomlfile
+from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.isolation.fork_server import Nursery
 from wsgen.model.package import Maintainer
-from wsgen.pipeline.launch_files import find_launch_files, may_spawn
+from wsgen.pipeline.package_validation import Validation
 from wsgen.pipeline.request import ValidateRequest
-from wsgen.pipeline.selection import Chosen
-from wsgen.pipeline.validation import Validation
-from wsgen.pipeline.written_files import check_written_files
+from wsgen.pipeline.selection import Chosen, find_launch_files, may_spawn
 from wsgen.simulation.run import default_engine
 from wsgen.templating.render import installed_folders
 from wsgen.templating.render_apart import render_tree_apart
@@ -27,14 +29,54 @@ from wsgen.templating.spec import make_spec
 from wsgen.templating.variables import show
 from wsgen.templating.write import write_package
 from wsgen.workspace.overlay import INDEX, Overlay
+from wsgen.workspace.package_xml import check_package_xml
+from wsgen.workspace.settings import read_settings
+from wsgen.xmltree import Malformed, parse
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from wsgen.diagnostics import Diagnostic
-    from wsgen.isolation.protocol import Run
+    from wsgen.isolation.parent import Run
     from wsgen.model.target import Target
     from wsgen.templating.manifest import Template
+
+
+XML = {".config", ".dae", ".gazebo", ".sdf", ".urdf", ".world", ".xacro", ".xml"}
+
+
+def check_written_files(package: Path) -> Iterator[Diagnostic]:
+    """Yield what is wrong with the form of the files of a package's folder."""
+    yield from check_package_xml(package / "package.xml")
+    yield from read_settings(package)[1]
+    for file in sorted(path for path in package.rglob("*") if path.is_file()):
+        if file.suffix in XML and file.name != "package.xml":
+            root = parse(file.read_bytes())
+            if isinstance(root, Malformed):
+                yield _malformed(file, "well-formed XML", root.message, root.line)
+        elif file.suffix == ".py":
+            try:
+                compile(file.read_bytes(), file.name, "exec", dont_inherit=True)
+            except SyntaxError as error:
+                yield _malformed(file, "Python", error.msg, error.lineno)
+            except ValueError as error:  # a NUL in it
+                yield _malformed(file, "Python", str(error), None)
+        elif file.suffix == ".toml":
+            try:
+                tomlfile.load(file)
+            except ValueError as error:
+                yield _malformed(file, "TOML", str(error), None)
+
+
+def _malformed(file: Path, form: str, why: str, line: int | None) -> Diagnostic:
+    return Diagnostic(
+        code="TPL006",
+        severity=Severity.ERROR,
+        message=f"{file.name} is not {form}: {why}.",
+        file=file,
+        line=line,
+        hint="Mend the source; `wsgen new -t FOLDER` writes the file to look at.",
+    )
+
 
 PACKAGE = "some_robot"
 MAINTAINER = Maintainer(name="Somebody", email="somebody@example.com")

@@ -1,6 +1,12 @@
 """Outcome -> the JSON that `--format json` prints: of `wsgen validate`, and of `wsgen build`.
 
 Both are contracts, see `VERSION`.
+
+LaunchPlan -> the JSON that `wsgen launch --format json` prints; a contract, see `VERSION`.
+
+Templates -> the JSON that `wsgen templates --format json` prints; a contract, see `VERSION`.
+
+What `wsgen doctor` found, for programs; docs/doctor.md lists the keys.
 """
 
 from __future__ import annotations
@@ -9,15 +15,23 @@ import json
 import math
 from typing import TYPE_CHECKING, Any
 
+from wsgen.diagnostics import has_errors
+
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping, Sequence
     from pathlib import Path
 
+    from wsgen.build.run import BuildResult
     from wsgen.diagnostics import Diagnostic
-    from wsgen.model.behaviour import BehaviourOutcome
+    from wsgen.doctor.machine import Finding
+    from wsgen.doctor.report import Examination
+    from wsgen.model.behavior import BehaviourOutcome
     from wsgen.model.outcome import Outcome, PackageOutcome, RobotOutcome
-    from wsgen.model.pose import Pose
-    from wsgen.workspace.build import BuildResult
+    from wsgen.model.plan import Include, LaunchArgument, LaunchPlan, Process, Unresolved
+    from wsgen.model.transform import Pose
+    from wsgen.templating.manifest import Template
+    from wsgen.templating.variables import Variable
+
 
 VERSION = 1  # changes only when a key is taken away or changes its meaning
 
@@ -151,3 +165,159 @@ def _number(value: float) -> float | None:
 
 def _path(path: Path | None) -> str | None:
     return None if path is None else str(path)
+
+
+# changes only when a key is taken away or changes its meaning
+
+
+def render_plan(plan: LaunchPlan) -> str:
+    """The JSON text, with a newline at its end; all keys are always there."""
+    document = {
+        "version": VERSION,
+        "package": plan.package,
+        "launch_file": str(plan.launch_file),
+        "arguments": [_argument(argument) for argument in plan.arguments],
+        "processes": [_process(process) for process in plan.processes],
+        "includes": [_include(include) for include in plan.includes],
+        "environment": dict(plan.environment),
+        "unresolved": [_unresolved(entry) for entry in plan.unresolved],
+        "diagnostics": [diagnostic_to_json(found) for found in plan.diagnostics],
+    }
+    return json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def _argument(argument: LaunchArgument) -> dict[str, Any]:
+    return {
+        "name": argument.name,
+        "default": argument.default,
+        "value": argument.value,
+        "description": argument.description,
+    }
+
+
+def _process(process: Process) -> dict[str, Any]:
+    return {
+        "package": process.package,
+        "executable": process.executable,
+        "name": process.name,
+        "namespace": process.namespace,
+        "parameters": {name: _value(value) for name, value in process.parameters.items()},
+        "arguments": list(process.arguments),
+        "remappings": [list(pair) for pair in process.remappings],
+        "command": None if process.command is None else list(process.command),
+        "environment": dict(process.environment),
+        "container": process.container,
+        "starts": process.starts,
+        "start_time": process.start_time,
+        "file": _path(process.file),
+        "line": process.line,
+    }
+
+
+def _include(include: Include) -> dict[str, Any]:
+    return {
+        "package": include.package,
+        "file": str(include.file),
+        "arguments": dict(include.arguments),
+        "evaluated": include.evaluated,
+    }
+
+
+def _unresolved(entry: Unresolved) -> dict[str, Any]:
+    return {
+        "what": entry.what,
+        "file": _path(entry.file),
+        "line": entry.line,
+        "why": entry.why,
+    }
+
+
+def _value(value: Any) -> Any:
+    """A parameter; JSON has no infinity and no not-a-number, so these are words, as in YAML."""
+    if isinstance(value, list):
+        return [_value(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return ".nan" if math.isnan(value) else ("-.inf" if value < 0.0 else ".inf")
+    return value
+
+
+# changes only when a key is taken away or changes its meaning
+
+
+def render_templates(templates: Iterable[Template]) -> str:
+    """The JSON text, with a newline at its end."""
+    return _text({"templates": [_template(template) for template in templates]})
+
+
+def render_template_check(diagnostics: Sequence[Diagnostic]) -> str:
+    """The JSON text of what was found in a template, with a newline at its end."""
+    return _text(
+        {
+            "passed": not has_errors(diagnostics),
+            "diagnostics": [diagnostic_to_json(found) for found in diagnostics],
+        }
+    )
+
+
+def _text(document: dict[str, Any]) -> str:
+    return json.dumps({"version": VERSION, **document}, indent=2, ensure_ascii=False) + "\n"
+
+
+def _template(template: Template) -> dict[str, Any]:
+    return {
+        "name": template.name,
+        "description": template.description,
+        "targets": [
+            {"distro": target.distro, "simulator": target.simulator} for target in template.targets
+        ],
+        "variables": [_variable(variable) for variable in template.variables.values()],
+    }
+
+
+def _variable(variable: Variable) -> dict[str, Any]:
+    """All keys always there; what a type does not have is null."""
+    is_number = variable.type in {"number", "integer"}
+    return {
+        "name": variable.name,
+        "help": variable.help,
+        "type": variable.type,
+        "unit": variable.unit or None,
+        "default": variable.default,
+        "minimum": _bound(variable.minimum) if is_number else None,
+        "maximum": _bound(variable.maximum) if is_number else None,
+        "choices": list(variable.choices) or None,
+    }
+
+
+def _bound(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def render_examination(examination: Examination) -> str:
+    """One JSON document."""
+    target = examination.target
+    document = {
+        "version": 1,
+        "passed": examination.passed,
+        "target": {
+            "distro": target.distro,
+            "simulator": target.simulator,
+            "ubuntu": target.ubuntu,
+            "end_of_life": target.end_of_life,
+        },
+        "notes": list(examination.notes),
+        "wsgen": [_finding(found) for found in examination.own],
+        "ros": [_finding(found) for found in examination.ros],
+        "apt": examination.apt,
+    }
+    return json.dumps(document, indent=2) + "\n"
+
+
+def _finding(found: Finding) -> dict[str, object]:
+    return {
+        "name": found.name,
+        "met": found.is_met,
+        "needed": found.is_needed,
+        "text": found.text,
+        "mend": found.mend or None,
+    }

@@ -1,16 +1,35 @@
-"""One tree of links in PyBullet, set up so that it moves as in Gazebo."""
+"""One tree of links in PyBullet, set up so that it moves as in Gazebo.
+
+Dampers and springs that are too stiff for PyBullet.
+
+PyBullet applies damping from the speed before a step. Where that takes away more than all of the
+speed in one step, the joint is thrown back faster than it came, and the robot explodes; of the
+public robots one in ten has such joints (TIAGo, TALOS, iCub, xArm). Here a motor that wants to
+stand still, but is no stronger than the damper, does the same and can only take energy away.
+
+The torque of a spring is applied in the same way, from the position before a step. A spring that
+swings faster than steps can follow is made as soft as they can: where it comes to rest is the same
+to the eye.
+
+Mesh files that PyBullet does not take.
+
+Motors in the joints of a body in PyBullet.
+
+Gazebo's properties for the links and joints of a body in PyBullet.
+"""
 
 from __future__ import annotations
 
 import tempfile
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.isolation.child import scratch_folder
-from wsgen.model.pose import Pose
-from wsgen.model.robot import JointType
+from wsgen.model.inertia import about_link_axes, moved
+from wsgen.model.robot import Capsule, Cylinder, JointType, Mesh, Sphere, Triangulated
 from wsgen.model.transform import (
+    Pose,
     Vector,
     compose,
     invert,
@@ -21,19 +40,226 @@ from wsgen.model.transform import (
     rpy_of_rotation,
     transpose,
 )
-from wsgen.simulation.bullet_damper import Dampers, is_stiff, stiffness_to_simulate, undamped
-from wsgen.simulation.bullet_meshes import unread_mesh, without_missing_meshes
-from wsgen.simulation.bullet_motors import set_motor
-from wsgen.simulation.bullet_properties import ROOT, keep_apart, release_joints, set_links
-from wsgen.simulation.surfaces import inner_apart, one_friction_a_link
+from wsgen.simulation.contact_shapes import inner_apart, one_friction_a_link
+from wsgen.simulation.engine import GROUND_FRICTION, may_touch
 from wsgen.simulation.urdf_writer import write_urdf
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Collection, Mapping
 
-    from wsgen.model.robot import Robot
+    from wsgen.model.robot import Inertial, Joint, Link, Robot
     from wsgen.simulation.bullet_client import Client
     from wsgen.simulation.engine import Motor
+
+
+STIFF = 0.5  # of the speed, in one step; PyBullet's own damping is exact far below
+STRIDE = 5  # steps from one setting of the motors to the next
+RESOLVED = 0.25  # of the resistance over the squared step; beyond 4 a swing grows
+SMOOTHING = 0.2  # how much of a new speed is taken over; the motor stops the joint now and then
+
+
+@dataclass
+class Dampers:
+    """The stiffly damped joints of one body."""
+
+    indices: list[int]  # PyBullet's, of the joints
+    damping: list[float]  # N m s/rad or N s/m
+    friction: list[float]  # N m or N
+    speeds: list[float]  # rad/s or m/s, smoothed
+
+    def without(self, driven: Collection[int]) -> Dampers:
+        """Those of the other joints: one that has a motor cannot have a second one."""
+        left = [place for place, index in enumerate(self.indices) if index not in driven]
+        return Dampers(
+            indices=[self.indices[place] for place in left],
+            damping=[self.damping[place] for place in left],
+            friction=[self.friction[place] for place in left],
+            speeds=[self.speeds[place] for place in left],
+        )
+
+    def apply(self, client: Client, body: int) -> None:
+        """Make the motors as strong as dampers and friction are at this speed."""
+        states = client.getJointStates(body, self.indices)
+        self.speeds = [
+            before + SMOOTHING * (abs(state[1]) - before)
+            for before, state in zip(self.speeds, states, strict=True)
+        ]
+        client.setJointMotorControlArray(
+            body,
+            self.indices,
+            client.VELOCITY_CONTROL,
+            targetVelocities=[0.0] * len(self.indices),
+            forces=[
+                friction + damping * speed
+                for friction, damping, speed in zip(
+                    self.friction, self.damping, self.speeds, strict=True
+                )
+            ],
+        )
+
+
+def stiffness_to_simulate(joint: Joint, tree: Robot, step_seconds: float) -> float:
+    """The stiffness of a joint's spring, or what the step can follow (N m/rad or N/m)."""
+    most = RESOLVED * _least_resistance(joint, tree) / step_seconds**2
+    return min(joint.spring_stiffness, most)
+
+
+def is_stiff(joint: Joint, tree: Robot, step_seconds: float) -> bool:
+    """Whether the damper stops the lighter side of the joint within about a step."""
+    if not (joint.damping and joint.is_movable):
+        return False
+    return joint.damping * step_seconds > STIFF * _least_resistance(joint, tree)
+
+
+def _least_resistance(joint: Joint, tree: Robot) -> float:
+    """That of the side of the joint that is easier to move, kg m² or kg."""
+    resistances = [
+        _resistance(inertial, joint)
+        for inertial in (tree.link(joint.child).inertial, tree.link(joint.parent).inertial)
+        if inertial is not None and inertial.mass > 0
+    ]
+    return min(resistances, default=0.0)
+
+
+def undamped(joints: tuple[Joint, ...], names: set[str]) -> tuple[Joint, ...]:
+    """The joints without the damping of those that are named."""
+    return tuple(replace(joint, damping=0.0) if joint.name in names else joint for joint in joints)
+
+
+def _resistance(inertial: Inertial, joint: Joint) -> float:
+    """How hard a body is to move by a joint at its frame's origin: kg m² or kg.
+
+    Of the parent, which hangs on the joint by another point, it is an estimate.
+    """
+    if joint.type is JointType.PRISMATIC:
+        return inertial.mass
+    x, y, z = joint.axis_in_joint
+    xx, xy, xz, yy, yz, zz = moved(
+        about_link_axes(inertial), inertial.mass, inertial.pose_in_link.xyz
+    )
+    return xx * x * x + yy * y * y + zz * z * z + 2 * (xy * x * y + xz * x * z + yz * y * z)
+
+
+def without_missing_meshes(tree: Robot) -> Robot:
+    """The same tree without what nothing can touch: meshes without a file, unknown shapes."""
+    links = []
+    for link in tree.links:
+        there = tuple(
+            shape
+            for shape in link.collisions
+            if not isinstance(shape.geometry, Triangulated)
+            and not (isinstance(shape.geometry, Mesh) and shape.geometry.path is None)
+        )
+        links.append(replace(link, collisions=there))
+    return replace(tree, links=tuple(links))
+
+
+def unread_mesh(client: Client, body: int, tree: Robot, index_of: Mapping[str, int]) -> str | None:
+    """A file of the tree that PyBullet left out without an error; `index_of` is by link name."""
+    for link in tree.links:
+        shapes = [shape.geometry for shape in link.collisions]
+        files = [str(shape.path) for shape in shapes if isinstance(shape, Mesh)]
+        if files:
+            loaded = client.getCollisionShapeData(body, index_of[link.name])
+            if len(loaded) < len(shapes):
+                read = {shape[4].decode(errors="replace") for shape in loaded}
+                return next((file for file in files if file not in read), files[0])
+    return None
+
+
+# PyBullet makes nonsense of an infinite force; nothing on a robot resists this one.
+STRONGEST = 1e7  # N m or N
+
+
+def set_motor(client: Client, body: int, index: int, joint: Joint, motor: Motor) -> None:
+    """Have a motor keep the joint's speed.
+
+    A joint has one motor in PyBullet, which until now was its friction: that is taken from the
+    motor's strength. `joint.damping` is what PyBullet does not do by itself.
+    """
+    left = min(motor.effort, STRONGEST) - joint.friction
+    speed = motor.speed if left > 0 else 0.0
+    if joint.damping and left > 0:  # no faster than damping lets it
+        highest = left / joint.damping
+        speed = min(highest, max(-highest, speed))
+    client.setJointMotorControl2(
+        body, index, client.VELOCITY_CONTROL, targetVelocity=speed, force=abs(left)
+    )
+
+
+# Gazebo damps links only where told so, and only Gazebo Classic does; PyBullet damps every link by
+# 0.04 a second.
+LINK_DAMPING = 0.0
+
+# Gazebo has no speed limit for passive joints; PyBullet stops them at 100 rad/s.
+HIGHEST_JOINT_SPEED = 1e6
+
+# Contact normals of round shapes are off by about 4e-4, at random: on even ground wheels without
+# motors start to roll at 4 mm/s², where DART's stand. A rolling resistance as of a slope of one in
+# a thousand keeps them, and slows what rolls by no more than 1 cm/s².
+ROLLING_RESISTANCE = 1e-3  # times the radius: PyBullet's rolling friction is a length
+
+ROOT = -1  # PyBullet's index of a body's root
+
+
+def set_links(client: Client, body: int, parts: Robot, index_of: Mapping[str, int]) -> None:
+    """Give every part its friction, and take PyBullet's damping from all."""
+    # In a call of its own: with one of these, PyBullet takes all the rest of a call for the root's,
+    # whichever link is named.
+    client.changeDynamics(
+        body,
+        ROOT,
+        linearDamping=LINK_DAMPING,
+        angularDamping=LINK_DAMPING,
+        maxJointVelocity=HIGHEST_JOINT_SPEED,
+    )
+    for part in parts.links:
+        index = index_of[part.name]
+        frictions = (shape.surface.mu1 for shape in part.collisions)
+        client.changeDynamics(
+            body,
+            index,
+            lateralFriction=min((GROUND_FRICTION, *frictions)),
+            rollingFriction=0.0
+            if parts.is_static
+            else ROLLING_RESISTANCE * _radius(client, body, index, part),
+        )
+
+
+def _radius(client: Client, body: int, index: int, part: Link) -> float:
+    """The largest radius of what can roll, m; a mesh may be a wheel."""
+    radii = [
+        shape.geometry.radius
+        for shape in part.collisions
+        if isinstance(shape.geometry, Cylinder | Sphere | Capsule)
+    ]
+    if any(isinstance(shape.geometry, Mesh) for shape in part.collisions):
+        low, high = client.getAABB(body, index)
+        # The edges of the box around a wheel: its width, and twice its radius.
+        radii.append(sorted(b - a for a, b in zip(low, high, strict=True))[1] / 2)
+    return max(radii, default=0.0)
+
+
+def release_joints(client: Client, body: int, tree: Robot, movable: Mapping[str, int]) -> None:
+    """Take the motors that PyBullet puts into all joints to hold them: only friction may."""
+    for joint in tree.joints:
+        if joint.name in movable:
+            client.setJointMotorControl2(
+                body, movable[joint.name], client.VELOCITY_CONTROL, force=joint.friction
+            )
+
+
+def keep_apart(
+    client: Client, body: int, tree: Robot, index_of: Mapping[str, int], owner: Mapping[str, str]
+) -> None:
+    """Let only such links touch each other as Gazebo was told to let touch."""
+    touching = may_touch(tree)
+    parts = list(index_of.items())
+    for place, (name, index) in enumerate(parts):
+        for other_name, other_index in parts[:place]:
+            touches = frozenset((owner[name], owner[other_name])) in touching
+            client.setCollisionFilterPair(body, body, index, other_index, int(touches))
+
 
 PartBounds = tuple[str, int, Vector, Vector]  # see `BulletBody.boxes`
 

@@ -11,6 +11,7 @@ import pybullet
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+
 error: type[Exception] = pybullet.error
 
 

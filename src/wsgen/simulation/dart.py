@@ -1,26 +1,274 @@
-"""The DART engine: the one that Gazebo Sim uses, with Gazebo's settings."""
+"""The DART engine: the one that Gazebo Sim uses, with Gazebo's settings.
+
+A robot in DART, set up so that it moves as in Gazebo.
+
+The one door to DART.
+"""
 
 from __future__ import annotations
 
 import math
-from itertools import combinations
+from itertools import combinations, product
 from typing import TYPE_CHECKING, Any
 
-from wsgen.model.pose import Pose
-from wsgen.model.transform import quaternion_of_rpy
-from wsgen.simulation.dart_body import DartBody, add_shape, corners_of, matrix_of, pose_of
-from wsgen.simulation.dart_library import collision, dynamics, simulation
-from wsgen.simulation.engine import GROUND_FRICTION, HullGap, Loaded, Overlap, Refused, State
-from wsgen.simulation.extents import lowest_point
-from wsgen.simulation.pairs import deepest_overlaps, may_touch
+import dartpy
+from dartpy import dynamics, simulation, utils
+from dartpy.math import Isometry3
+
+from wsgen.model.inertia import about_link_axes
+from wsgen.model.kinematics import split_trees
+from wsgen.model.robot import Box, Capsule, Cylinder, JointType, Mesh, Sphere
+from wsgen.model.transform import (
+    IDENTITY,
+    Pose,
+    compose,
+    quaternion_of_rpy,
+    rotation_of_rpy,
+    rpy_of_rotation,
+)
+from wsgen.simulation.contact_shapes import inner_collisions, lowest_point
+from wsgen.simulation.engine import (
+    GROUND_FRICTION,
+    HullGap,
+    Loaded,
+    Overlap,
+    Refused,
+    State,
+    deepest_overlaps,
+    may_touch,
+)
+from wsgen.simulation.urdf_writer import quoted
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from wsgen.model.robot import Collision, Geometry, Inertial, Joint, Link, Robot
     from wsgen.model.transform import Vector
     from wsgen.model.world import World
     from wsgen.simulation.engine import Motor
     from wsgen.simulation.scene import SpawnedRobot
+
+
+# DART makes shapes of mesh files only where it reads a robot from text.
+MESH_ROBOT = (
+    '<robot name="mesh"><link name="mesh"><inertial><mass value="1"/>'
+    '<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+    "<collision><geometry><mesh filename={file} scale={scale}/></geometry></collision>"
+    "</link></robot>"
+)
+
+
+class DartBody:
+    """All trees of a robot in one skeleton; poses are those of its root link's frame."""
+
+    def __init__(self, robot: Robot, pose_in_world: Pose, entity: str) -> None:
+        self.robot = robot
+        self.skeleton = dynamics.Skeleton(entity)
+        self.nodes: dict[str, Any] = {}  # by link name
+        self._inner: list[tuple[str, Collision, Any]] = []  # what level ground need not touch
+        self._touches_with_all = False
+        self.joints: dict[str, Any] = {}  # the movable ones, by name
+        self._shapes: list[tuple[str, Geometry, Any]] = []  # with the names of their links
+        self.unread: list[str] = []  # mesh files
+        self.loose_nodes: list[Any] = []  # the root of every tree that is not fixed
+        self._bases: list[tuple[Any, Pose]] = []  # of what is not fixed, with its pose in the robot
+        self._pose_of_world = IDENTITY  # seen from the world, of a root that is the world
+        self._speeds: dict[str, float] = {}  # rad/s or m/s, of the motors, by joint
+        self._fixed: list[tuple[Any, Pose]] = []  # of what is fixed to the world, likewise
+        for tree, pose_in_robot in split_trees(robot):
+            self._add_tree(tree, pose_in_robot)
+        if robot.is_static:
+            self.skeleton.setMobile(False)
+            self.joints.clear()
+        elif any(link.self_collide for link in robot.links):
+            self.skeleton.enableSelfCollisionCheck()  # links that a joint joins are left out
+        self.place(pose_in_world)
+
+    def _add_tree(self, tree: Robot, pose_in_robot: Pose) -> None:
+        links = {link.name: link for link in tree.links}
+        below: dict[str, list[Joint]] = {}
+        for joint in tree.joints:
+            below.setdefault(joint.parent, []).append(joint)
+        if not tree.fixed_to_world:
+            base, node = self.skeleton.createFreeJointAndBodyNodePair()
+            self._bases.append((base, pose_in_robot))
+            self.loose_nodes.append(node)
+            self._fill(node, links[tree.root])
+        queue = [tree.root]
+        for parent in queue:
+            for joint in below.get(parent, ()):
+                is_first = tree.fixed_to_world and parent == tree.root
+                made, node = self._add_joint(joint, None if is_first else self.nodes[parent])
+                if is_first:
+                    self._fixed.append((made, joint.pose_in_parent))
+                self._fill(node, links[joint.child])
+                queue.append(joint.child)
+
+    def _add_joint(self, joint: Joint, parent: Any) -> tuple[Any, Any]:
+        """A joint below a body, or below the world."""
+        create = {
+            JointType.FIXED: self.skeleton.createWeldJointAndBodyNodePair,
+            JointType.PRISMATIC: self.skeleton.createPrismaticJointAndBodyNodePair,
+        }.get(joint.type, self.skeleton.createRevoluteJointAndBodyNodePair)
+        made, node = create() if parent is None else create(parent)
+        made.setTransformFromParentBodyNode(matrix_of(joint.pose_in_parent))
+        if joint.type is JointType.FIXED:
+            return made, node
+        made.setAxis(joint.axis_in_joint)
+        made.setDampingCoefficient(0, joint.damping)
+        made.setCoulombFriction(0, joint.friction)
+        made.setSpringStiffness(0, joint.spring_stiffness)
+        made.setRestPosition(0, joint.spring_reference)
+        if joint.limit is not None and joint.type is not JointType.CONTINUOUS:
+            made.setPositionLowerLimit(0, joint.limit.lower)
+            made.setPositionUpperLimit(0, joint.limit.upper)
+            made.setLimitEnforcement(True)
+        self.joints[joint.name] = made
+        return made, node
+
+    def _fill(self, node: Any, link: Link) -> None:
+        """Give a body the mass and the shapes of a link."""
+        self.nodes[link.name] = node
+        node.setGravityMode(link.gravity)
+        if link.inertial is not None:
+            node.setInertia(_inertia_of(link.inertial))
+        inner = set() if self.robot.is_static else inner_collisions(link)
+        for number, collision in enumerate(link.collisions):
+            shape = _shape_of(collision.geometry)
+            if shape is None:
+                if isinstance(collision.geometry, Mesh) and collision.geometry.path is not None:
+                    self.unread.append(collision.geometry.path)
+                continue
+            if number in inner:
+                # Not a part of the body: a thousand that turn with it are a millisecond a step.
+                frame = dynamics.SimpleFrame(dynamics.Frame.World(), self._shape_name())
+                frame.setShape(shape)
+                self._inner.append((link.name, collision, frame))
+            else:
+                frame = add_shape(node, shape, collision.surface.mu1, self._shape_name())
+                frame.setRelativeTransform(matrix_of(collision.pose_in_link))
+            self._shapes.append((link.name, collision.geometry, frame))
+
+    @property
+    def shapes(self) -> list[tuple[str, Geometry, Any]]:
+        """All that can touch something: the names of the links, and the frames in the world."""
+        for link, collision, frame in self._inner:
+            pose = compose(self.link_pose(link), collision.pose_in_link)
+            frame.setRelativeTransform(matrix_of(pose))
+        return self._shapes
+
+    def touch_with_all(self) -> None:
+        """Let what level ground need not touch collide, too: something else may touch it."""
+        if not self._touches_with_all:
+            self._touches_with_all = True
+            for link, collision, measured in self._inner:
+                name = f"{measured.getName()} touching"
+                shape, mu = measured.getShape(), collision.surface.mu1
+                frame = add_shape(self.nodes[link], shape, mu, name)
+                frame.setRelativeTransform(matrix_of(collision.pose_in_link))
+
+    def _shape_name(self) -> str:
+        """One that no shape of another robot has."""
+        return f"{self.skeleton.getName()} {len(self._shapes)}"
+
+    def place(self, pose_in_world: Pose) -> None:
+        """Put it somewhere, at rest, its joints at zero."""
+        self.skeleton.resetPositions()
+        self.skeleton.resetVelocities()
+        for joint, pose in self._fixed:
+            joint.setTransformFromParentBodyNode(matrix_of(compose(pose_in_world, pose)))
+        for base, pose in self._bases:
+            place = matrix_of(compose(pose_in_world, pose))
+            base.setPositions(dynamics.FreeJoint.convertToPositions(place))
+        self._pose_of_world = pose_in_world
+
+    def drive(self, motors: Mapping[str, Motor]) -> None:
+        """Put motors into joints, as Gazebo Sim does for a velocity command."""
+        for name, motor in motors.items():
+            joint = self.joints[name]
+            joint.setActuatorType(dynamics.ActuatorType.SERVO)
+            joint.setForceLowerLimit(0, -motor.effort)
+            joint.setForceUpperLimit(0, motor.effort)
+            self._speeds[name] = motor.speed
+
+    def release(self) -> None:
+        """Take all motors away."""
+        for name in self._speeds:
+            joint = self.joints[name]
+            joint.setActuatorType(dynamics.ActuatorType.FORCE)
+            joint.setForceLowerLimit(0, -math.inf)
+            joint.setForceUpperLimit(0, math.inf)
+        self._speeds.clear()
+
+    def command(self) -> None:
+        """Tell the motors their speeds for the next step; DART forgets commands."""
+        for name, speed in self._speeds.items():
+            self.joints[name].setCommand(0, speed)
+
+    def link_pose(self, link: str) -> Pose:
+        """The frame of a link, seen from the world."""
+        node = self.nodes.get(link)
+        return self._pose_of_world if node is None else pose_of(node)
+
+
+def corners_of(frame: Any) -> list[Vector]:
+    """The corners of the box around a shape along its own axes, seen from the world."""
+    box, pose = frame.getShape().getBoundingBox(), pose_of(frame)
+    (x, y, z), (far_x, far_y, far_z) = box.getMin().tolist(), box.getMax().tolist()
+    return [
+        compose(pose, Pose(xyz=corner)).xyz
+        for corner in product((x, far_x), (y, far_y), (z, far_z))
+    ]
+
+
+def add_shape(node: Any, shape: Any, friction: float, name: str) -> Any:
+    """Give a body something to touch; gives the shape's frame."""
+    frame = node.createShapeNode(shape, name)
+    frame.createCollisionAspect()
+    frame.createDynamicsAspect().setFrictionCoeff(friction)
+    return frame
+
+
+def matrix_of(pose: Pose) -> Any:
+    """The pose as DART's homogeneous matrix."""
+    rotation = rotation_of_rpy(pose.rpy)
+    rows = tuple((*row, part) for row, part in zip(rotation, pose.xyz, strict=True))
+    return Isometry3((*rows, (0.0, 0.0, 0.0, 1.0)))
+
+
+def pose_of(frame: Any) -> Pose:
+    """The pose of a frame of DART in the world."""
+    rows = frame.getWorldTransform().matrix().tolist()
+    (a, b, c, x), (d, e, f, y), (g, h, i, z), _ = rows
+    return Pose(xyz=(x, y, z), rpy=rpy_of_rotation(((a, b, c), (d, e, f), (g, h, i))))
+
+
+def _inertia_of(inertial: Inertial) -> Any:
+    xx, xy, xz, yy, yz, zz = about_link_axes(inertial)
+    return dynamics.Inertia(
+        inertial.mass, inertial.pose_in_link.xyz, ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
+    )
+
+
+def _shape_of(geometry: Geometry) -> Any:
+    """The shape; None for a mesh that is not there or not read, and for what DART has not."""
+    if isinstance(geometry, Box):
+        return dynamics.BoxShape(geometry.size)
+    if isinstance(geometry, Sphere):
+        return dynamics.SphereShape(geometry.radius)
+    if isinstance(geometry, Cylinder):
+        return dynamics.CylinderShape(geometry.radius, geometry.length)
+    if isinstance(geometry, Capsule):
+        return dynamics.CapsuleShape(geometry.radius, geometry.length)
+    if not isinstance(geometry, Mesh) or geometry.path is None:
+        return None
+    text = MESH_ROBOT.format(
+        file=quoted(f"file://{geometry.path}"), scale=quoted(" ".join(map(repr, geometry.scale)))
+    )
+    mesh_robot = utils.DartLoader().parseSkeletonString(text, "file:///")
+    node = mesh_robot.getBodyNode(0) if mesh_robot is not None else None
+    return node.getShapeNode(0).getShape() if node is not None and node.getNumShapeNodes() else None
+
 
 # A large box, as Gazebo makes of a plane.
 GROUND_SIZE = (1000.0, 1000.0, 10.0)  # m
@@ -40,7 +288,7 @@ class DartEngine:
         self._world.setTimeStep(world.step)
         self._world.setGravity(world.gravity)
         # The detector that Gazebo takes; DART's own knows fewer shapes.
-        self._detector = collision.OdeCollisionDetector()
+        self._detector = dartpy.collision.OdeCollisionDetector()
         self._world.getConstraintSolver().setCollisionDetector(self._detector)
         # Gazebo puts nothing to sleep: what tips slowly must go on tipping.
         sleep = self._world.getDeactivationOptions()
@@ -150,7 +398,7 @@ class DartEngine:
         group, other = self._detector.createCollisionGroup(), self._detector.createCollisionGroup()
         group.addShapeFrame(frame)
         other.addShapeFrame(probe)
-        option = collision.CollisionOption(False, 1)
+        option = dartpy.collision.CollisionOption(False, 1)
         for _ in range(BISECTIONS):
             middle = (low + high) / 2
             probe.setRelativeTransform(matrix_of(Pose(xyz=(x, y, middle - edge / 2))))
@@ -179,8 +427,8 @@ class DartEngine:
             for link, _, frame in body.shapes:
                 group.addShapeFrame(frame)
                 place[frame.getName()] = (entity, link)
-        result = collision.CollisionResult()
-        group.collide(collision.CollisionOption(True, MOST_CONTACTS), result)
+        result = dartpy.collision.CollisionResult()
+        group.collide(dartpy.collision.CollisionOption(True, MOST_CONTACTS), result)
         found = (
             (
                 place[contact.collisionObject1.getShapeFrame().getName()],

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from wsgen.model.pose import Pose
+from wsgen.model.transform import Pose
 from wsgen.simulation.engine import Loaded, Refused, State
 
 if TYPE_CHECKING:

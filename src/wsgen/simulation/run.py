@@ -25,10 +25,11 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from wsgen.isolation.outcome import Limits
-    from wsgen.isolation.protocol import Run
+    from wsgen.isolation.parent import Run
     from wsgen.simulation.scene import Scene
 
-TASK = "wsgen.simulation.{engine}_worker:simulate"
+
+TASK = "wsgen.tasks.{engine}:simulate"
 MODULES = {"bullet": "pybullet", "dart": "dartpy"}
 MANY_TRIANGLES = 20_000  # with fewer, a frame's time goes into its pixels
 LAST_WORDS = 600  # characters of a dead engine's output that are told

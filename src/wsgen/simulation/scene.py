@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from wsgen.model.pose import IDENTITY, Pose
+from wsgen.model.transform import IDENTITY, Pose
 from wsgen.simulation.engine import HullGap
 
 if TYPE_CHECKING:
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
-    from wsgen.model.behaviour import Attempt
+    from wsgen.model.behavior import Attempt
     from wsgen.model.robot import Robot
     from wsgen.model.world import World
 

@@ -14,8 +14,9 @@ from wsgen.model.robot import Box, Capsule, Cylinder, JointLimit, JointType, Mes
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from wsgen.model.pose import Pose
     from wsgen.model.robot import Geometry, Joint, Link, Robot
+    from wsgen.model.transform import Pose
+
 
 # PyBullet demands <limit> of hinges and slides, and takes this one for none.
 NO_LIMIT = JointLimit(lower=0.0, upper=-1.0)

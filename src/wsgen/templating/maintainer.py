@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from wsgen.model.package import Maintainer
 
+
 # What `ros2 pkg create` writes for somebody whose address nobody knows.
 UNKNOWN_DOMAIN = "todo.todo"
 GIT_TIMEOUT = 5.0  # s; git answers in milliseconds unless its files lie on a dead network disk

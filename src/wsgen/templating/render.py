@@ -1,23 +1,161 @@
-"""PackageSpec and Template -> the texts of the package's files. Writes nothing."""
+"""PackageSpec and Template -> the texts of the package's files. Writes nothing.
+
+Paths of the files of a package: written with names in them, and fit for every disk.
+
+An exception from within a template -> where it is wrong, and what to do about it.
+"""
 
 from __future__ import annotations
 
+import re
+import unicodedata
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen import __version__
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.templating.environment import Environment
-from wsgen.templating.faults import explain
-from wsgen.templating.manifest import refuse
-from wsgen.templating.manifest_file import MANIFEST
-from wsgen.templating.package_paths import PathError, fill_in, find_collision
-from wsgen.templating.sources import SourceError, find_source
+from wsgen.model.package import WINDOWS_DEVICES
+from wsgen.templating.environment import Environment, syntax_place, words_for
+from wsgen.templating.manifest import MANIFEST, refuse
+from wsgen.templating.sources import ENDING, SourceError, find_source
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Iterator, Mapping
+    from types import TracebackType
 
     from wsgen.model.package import PackageSpec
     from wsgen.templating.manifest import Template
+
+
+MAXIMUM_BYTES = 255  # of one name, on most disks
+MAXIMUM_PATH = 400  # characters: below the folders of a workspace it becomes longer
+# Folders that colcon makes, and that of git: what lies there is not the package's.
+RESERVED_FOLDERS = frozenset({"build", "install", "log", ".git"})
+# colcon would pass the package over.
+RESERVED_FILES = frozenset({"colcon_ignore", "ament_ignore", "catkin_ignore"})
+
+_NAME = re.compile(r"\{\{ *([a-z_.0-9]+) *\}\}")
+_WINDOWS_CANNOT = frozenset('<>:"|?*\\')
+
+
+class PathError(Exception):
+    """A path that no package can have; the message is a sentence about it."""
+
+
+def fill_in(pattern: str, spec: PackageSpec) -> str:
+    """The path that a pattern stands for: `{{ package.name }}` and the like become names.
+
+    Raises:
+        PathError: it names something else, or is no path that a package can have.
+    """
+    names = _names(spec)
+
+    def name(match: re.Match[str]) -> str:
+        try:
+            return names[match[1]]
+        except KeyError:
+            raise PathError(
+                f"{match[0]} is no name that a path may have in it: {', '.join(names)}"
+            ) from None
+
+    path = _NAME.sub(name, pattern)
+    if "{" in path or "}" in path:
+        raise PathError("a path has no logic in it, only names such as {{ package.name }}")
+    problem = check_path(path)
+    if problem is not None:
+        raise PathError(problem)
+    return path
+
+
+def check_path(path: str) -> str | None:
+    """What keeps a path from being one in a package; None if nothing does."""
+    return next(_problems(path), None)
+
+
+def _problems(path: str) -> Iterator[str]:
+    parts = path.split("/")
+    if not {"", ".", ".."}.isdisjoint(parts):
+        yield "it is no path below the package's folder, written with single slashes"
+    if not path.isprintable():
+        yield "it has a character in it that does not print"
+    elif len(path) > MAXIMUM_PATH or any(len(part.encode()) > MAXIMUM_BYTES for part in parts):
+        yield "it is too long"
+    for part in parts:
+        if not _WINDOWS_CANNOT.isdisjoint(part) or part != part.strip(" ").rstrip("."):
+            yield f"{part!r} is no name on Windows, where nobody could check the package out"
+        if part.split(".")[0].lower() in WINDOWS_DEVICES:
+            yield f"{part!r} is a device on Windows, where nobody could check the package out"
+    if parts[0].lower() in RESERVED_FOLDERS:
+        yield f"{parts[0]!r} is a folder that colcon or git makes"
+    if parts[-1].lower() in RESERVED_FILES:
+        yield f"with a file {parts[-1]!r} colcon passes the package over"
+
+
+def find_collision(paths: Iterable[str]) -> tuple[str, str] | None:
+    """Two paths that are one on some disks, or of which one needs the other to be a folder."""
+    known: dict[str, str] = {}
+    folders: dict[str, str] = {}
+    for path in paths:
+        # macOS and Windows do not tell capitals apart, macOS not how accents are written.
+        same = unicodedata.normalize("NFC", path).casefold()
+        if same in known:
+            return known[same], path
+        known[same] = path
+        while "/" in same:
+            same = same.rpartition("/")[0]
+            folders.setdefault(same, path)
+    for same, path in known.items():
+        if same in folders:
+            return path, folders[same]
+    return None
+
+
+def _names(spec: PackageSpec) -> dict[str, str]:
+    """What may stand in a path: names, and answers that are texts."""
+    return {
+        "package.name": spec.name,
+        "package.target.distro": spec.target.distro,
+        "package.target.simulator": spec.target.simulator,
+        **{
+            f"package.answers.{name}": value
+            for name, value in spec.answers.items()
+            if isinstance(value, str)
+        },
+    }
+
+
+def explain(error: Exception, *, path: str, source: str, folder: Path) -> Diagnostic:
+    """What went wrong while the file at `path` in the package was rendered from `source`."""
+    file, line = _find_place(error)
+    if file is None:
+        try:
+            file = find_source(source, folder)
+        except SourceError:  # it is what is missing
+            file = folder
+    message, hint = words_for(error)
+    return Diagnostic(
+        code="TPL004",
+        severity=Severity.ERROR,
+        message=message,
+        file=file,
+        line=line,
+        element=path,
+        hint=hint,
+    )
+
+
+def _find_place(error: Exception) -> tuple[Path | None, int | None]:
+    """File and line of the innermost template that the exception passed through."""
+    place: tuple[Path | None, int | None] = syntax_place(error)
+    step: TracebackType | None = error.__traceback__
+    while step is not None:
+        name = step.tb_frame.f_code.co_filename
+        # Jinja2 puts the lines of the sources in the place of those of its own code.
+        if name.endswith(ENDING):
+            place = (Path(name), step.tb_lineno)
+        step = step.tb_next
+    return place
+
 
 # Path in the package, with slashes -> text of the file.
 RenderedTree = dict[str, str]

@@ -19,10 +19,11 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from types import FrameType
 
-    from wsgen.isolation.protocol import Run
+    from wsgen.isolation.parent import Run
     from wsgen.model.package import PackageSpec
     from wsgen.templating.manifest import Template
     from wsgen.templating.render import RenderedTree
+
 
 # Of CPU time, for one package; ours take 0.02. The child stops itself first, where it can say in
 # which line.

@@ -3,16 +3,33 @@
 A source of a template that comes with wsgen is called `wsgen:TEMPLATE/PATH`, from everywhere: in
 `template.toml`, in {% extends %} and in {% include %}. A source of the template at hand is called
 by its path below the template's folder; there is no name for what lies outside of it.
+
+Where the templates lie.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
-from wsgen.templating.location import templates_folder
+from wsgen.errors import NotFoundError
 
-if TYPE_CHECKING:
-    from pathlib import Path
+_PACKAGE = Path(__file__).parent.parent
+
+
+def templates_folder() -> Path:
+    """The templates of the installed wheel, or those of the checkout that is installed editable.
+
+    Raises:
+        NotFoundError: neither is there.
+    """
+    for folder in (_PACKAGE / "_templates", _PACKAGE.parent.parent / "templates"):
+        if folder.is_dir():
+            return folder
+    raise NotFoundError(
+        f"The templates of wsgen are missing from its installation in {_PACKAGE}.",
+        hint="Install wsgen again.",
+    )
+
 
 SHIPPED = "wsgen:"
 ENDING = ".j2"

@@ -1,13 +1,15 @@
-"""From the words of a request to a PackageSpec; what is wrong with the request is found here."""
+"""From the words of a request to a PackageSpec; what is wrong with the request is found here.
+
+The licences whose texts come with wsgen.
+"""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from wsgen.errors import RequestError
-from wsgen.model.names import check_package_name, suggest_package_name
-from wsgen.model.package import Maintainer, PackageSpec
-from wsgen.templating.licenses import find_license
+from wsgen.model.package import Maintainer, PackageSpec, check_package_name, suggest_package_name
+from wsgen.templating.sources import templates_folder
 from wsgen.templating.text import check_description, check_maintainer_email, check_maintainer_name
 from wsgen.templating.variables import resolve_answers
 
@@ -16,6 +18,33 @@ if TYPE_CHECKING:
 
     from wsgen.model.target import Target
     from wsgen.templating.manifest import Template
+
+
+_FOLDER = "base/licenses"
+_ENDING = ".txt.j2"
+
+
+def license_names() -> list[str]:
+    """SPDX identifiers, sorted."""
+    files = (templates_folder() / _FOLDER).glob(f"*{_ENDING}")
+    return sorted(file.name.removesuffix(_ENDING) for file in files)
+
+
+def find_license(name: str) -> str:
+    """The SPDX identifier in its own spelling; capitals do not matter in `name`.
+
+    Raises:
+        RequestError: no text of such a licence is here.
+    """
+    known = license_names()
+    for license_name in known:
+        if license_name.lower() == name.lower():
+            return license_name
+    raise RequestError(
+        f"wsgen has no text of a licence {name!r}.",
+        hint=f"Take --license {' or '.join(known)}; for another one change the file LICENSE and the"
+        " <license> of package.xml afterwards.",
+    )
 
 
 def make_maintainer(name: str, email: str) -> Maintainer:

@@ -14,6 +14,7 @@ from wsgen.errors import RequestError
 if TYPE_CHECKING:
     from wsgen.model.package import Answer
 
+
 # First and last of each run of characters that XML 1.0 has, without the control characters and the
 # line ends of Unicode that TOML, Python or a terminal would stumble over.
 _USABLE = (

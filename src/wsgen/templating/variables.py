@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
     from wsgen.model.package import Answer
 
+
 TYPES = ("number", "integer", "string", "boolean", "choice")
 MAXIMUM_LENGTH = 100
 # A text goes into XML, Python, YAML and TOML as it is: it has nothing that means something there.

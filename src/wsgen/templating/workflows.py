@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from wsgen.model.target import Target
     from wsgen.templating.render import RenderedTree
 
+
 # Service -> where it looks for a workflow, from the top of the repository; and the source.
 WORKFLOWS = {
     "github": (".github/workflows/wsgen.yml", "wsgen:workspace/github.yml.j2"),

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
     from wsgen.workspace.layout import Workspace
 
+
 # The options of spawn_entity.py and of create, with a name that is written out after them.
 NAMED = re.compile(r"""['"]-(?:entity|name)['"]\s*,\s*['"]([^'"]+)['"]""")
 

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
+
 MALFORMED_MANIFEST = "PKG001"
 UNREADABLE_MANIFEST = "PKG002"
 FOREIGN_MANIFEST = "PKG003"

@@ -16,6 +16,7 @@ from wsgen.workspace.layout import Workspace, find_packages
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+
 INDEX = Path("share", "ament_index", "resource_index", "packages")
 SECONDS_TO_SOURCE = 300.0  # wall-clock; a setup file may wait for ever, and a machine be busy
 

@@ -9,6 +9,7 @@ from wsgen.errors import RequestError
 if TYPE_CHECKING:
     from pathlib import Path
 
+
 # Each was tried: with `$`, `:` and the backquote the build passes, and sourcing what it made does
 # not bring in the package; with the others CMake fails, or loses a part of the path.
 REFUSED = frozenset(';$:`"\\[]?<>\n\r')

@@ -13,7 +13,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from wsgen.model.behaviour import Behaviour
+    from wsgen.model.behavior import Behaviour
+
 
 FILE = "wsgen.toml"
 # What `wsgen new` records, and what a person may wish.
@@ -80,7 +81,7 @@ def _behaviours(
     """Most packages have none, and load nothing for them."""
     if "behaviour" not in document:
         return (), ()
-    from wsgen.workspace.behaviours import read_behaviours  # noqa: PLC0415
+    from wsgen.workspace.behaviors import read_behaviours  # noqa: PLC0415
 
     return read_behaviours(document, file, file.read_text(encoding="utf-8"))
 

@@ -1,0 +1,1 @@
+"""Run colcon on a workspace and explain why a build fails."""

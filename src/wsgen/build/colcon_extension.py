@@ -1,0 +1,97 @@
+"""What plain `colcon` loads from wsgen: the toolchain, and tests that cannot be built left out.
+
+Registered as `colcon_core.argument_parser`, the first group of extensions that colcon calls in
+every command, so that `.venv/bin/colcon build` finds CMake, Python and ament_cmake also where the
+virtual environment is not activated.
+"""
+
+from __future__ import annotations
+
+import importlib
+import os
+import sys
+from glob import glob
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from colcon_core.argument_parser import (
+    ArgumentParserDecorator,
+    ArgumentParserDecoratorExtensionPoint,
+)
+from colcon_core.logging import colcon_logger
+from colcon_core.plugin_system import satisfies_version
+
+from wsgen.build.toolchain import find_toolchain, package_prefixes, use_toolchain
+from wsgen.errors import NotFoundError
+
+if TYPE_CHECKING:
+    import argparse
+
+
+CMAKE_MODULE = "colcon_cmake.task.cmake"
+
+
+class ToolchainExtension(ArgumentParserDecoratorExtensionPoint):  # type: ignore[misc]  # untyped
+    """Put the toolchain into the environment before colcon looks for it."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        satisfies_version(ArgumentParserDecoratorExtensionPoint.EXTENSION_POINT_VERSION, "^1.0")
+
+    def decorate_argument_parser(
+        self, *, parser: argparse.ArgumentParser
+    ) -> argparse.ArgumentParser:
+        """Change the environment of this process; look at the arguments once they are parsed."""
+        before = dict(os.environ)
+        use_toolchain(os.environ)
+        # colcon has collected the descriptions of the environment variables by now, and with
+        # them this module, which looks for CMake when it is imported and never again. What copies
+        # its answer, the build tasks, is imported later.
+        if CMAKE_MODULE in sys.modules and dict(os.environ) != before:
+            importlib.reload(sys.modules[CMAKE_MODULE])
+        return _WithoutTests(parser)
+
+
+class _WithoutTests(ArgumentParserDecorator):  # type: ignore[misc]  # colcon is not typed
+    """Builds without tests, as `wsgen build` does, where a linter that they need is missing."""
+
+    def parse_args(self, *args: object, **kwargs: object) -> argparse.Namespace:
+        """Add to the arguments of `colcon build`."""
+        parsed: argparse.Namespace = self._parser.parse_args(*args, **kwargs)
+        if getattr(parsed, "verb_name", None) == "build":
+            _leave_tests_out(parsed)
+        return parsed
+
+
+def _leave_tests_out(parsed: argparse.Namespace) -> None:
+    # Only `colcon build` pays for reading the packages.
+    from wsgen.build.sources import WITHOUT_TESTS, missing_test_dependencies  # noqa: PLC0415
+    from wsgen.workspace.layout import Workspace, take_inventory  # noqa: PLC0415
+
+    # Without colcon's extension for CMake, or for ROS, their arguments are not there.
+    for_cmake = getattr(parsed, "cmake_args", None) or ()
+    for_ament = getattr(parsed, "ament_cmake_args", None) or ()
+    if any("BUILD_TESTING" in word for word in (*for_cmake, *for_ament)):
+        return
+    try:
+        toolchain = find_toolchain(os.environ)
+    except NotFoundError:
+        return
+    folders = [*(getattr(parsed, "base_paths", None) or ["."])]
+    for pattern in getattr(parsed, "paths", None) or ():  # colcon expands them, too
+        folders += glob(pattern)  # noqa: PTH207  patterns may be absolute
+    packages = [
+        package
+        for folder in folders
+        for package in take_inventory(Workspace(root=Path(folder).absolute())).packages
+    ]
+    notes = missing_test_dependencies(
+        packages,
+        prefixes=package_prefixes(toolchain, os.environ),
+        built_here={package.name for package in packages},
+    )
+    if notes:
+        # What colcon adds to the arguments of CMake, wherever those come from.
+        parsed.ament_cmake_args = [WITHOUT_TESTS, *for_ament]
+        for note in notes:
+            colcon_logger.getChild("wsgen").warning(note.message)

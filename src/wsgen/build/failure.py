@@ -1,0 +1,165 @@
+"""A package that failed to build, and how its diagnostics are made.
+
+What CMake prints, as values: errors, and the versions that it deprecates.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from wsgen.diagnostics import Diagnostic, Severity
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterator, Sequence
+    from pathlib import Path
+
+
+_HEADING = re.compile(
+    r"^CMake Error(?: at (?P<file>.+?):(?P<line>\d+)(?: \((?P<command>\w+)\))?)?:"
+)
+# As CMake 3.31 heads it, and as later ones do, whose last lines are not indented.
+_DEPRECATION = re.compile(
+    r"^CMake (?:Deprecation Warning|Warning \(deprecated\)) at (?P<file>.+?):(?P<line>\d+) "
+    r"\(cmake_minimum_required\):$"
+)
+_DEPRECATION_TEXT = re.compile(
+    r"^(?:  .*|This warning is for project developers\..*|to suppress it\.)?$"
+)
+_FRAME = re.compile(r"^  (?P<file>\S.*):(?P<line>\d+) \(\w+\)$")
+
+
+@dataclass(frozen=True, kw_only=True)
+class CMakeError:
+    """One error, with the calls that led to it."""
+
+    message: str  # on one line
+    command: str  # the command that failed; may be empty
+    frames: tuple[tuple[str, int], ...]  # file and 1-based line, the innermost call first
+
+    def locate(self, folder: Path) -> tuple[Path | None, int | None]:
+        """Find the innermost call that lies in a file of the folder, which is CMake's source."""
+        for name, line in self.frames:
+            file = folder / name  # as it is where the name is absolute
+            if file.is_relative_to(folder) and file.is_file():
+                return file, line
+        return None, None
+
+
+def read_errors(text: str) -> tuple[CMakeError, ...]:
+    """List the errors in what CMake wrote to standard error."""
+    return tuple(_read_errors(text.splitlines()))
+
+
+def _read_errors(lines: list[str]) -> Iterator[CMakeError]:
+    for number, line in enumerate(lines):
+        heading = _HEADING.match(line)
+        if heading is None:
+            continue
+        frames = [(heading["file"], int(heading["line"]))] if heading["file"] else []
+        words = [line[heading.end() :].strip()]
+        for following in lines[number + 1 :]:
+            if following and not following.startswith((" ", "Call Stack")):
+                break
+            frame = _FRAME.match(following)
+            if frame is not None:
+                frames.append((frame["file"], int(frame["line"])))
+            elif not following.startswith("Call Stack"):
+                words.append(following.strip())
+        yield CMakeError(
+            message=" ".join(" ".join(words).split()),
+            command=heading["command"] or "",
+            frames=tuple(frames),
+        )
+
+
+def split_deprecations(
+    lines: Sequence[str],
+) -> tuple[tuple[str, ...], tuple[tuple[str, int], ...]]:
+    """Take apart what CMake says about old versions in cmake_minimum_required().
+
+    Returns:
+        The other lines, and the file and 1-based line of each call, as CMake names them.
+    """
+    others: list[str] = []
+    places: list[tuple[str, int]] = []
+    is_inside = False
+    for line in lines:
+        heading = _DEPRECATION.match(line)
+        is_inside = heading is not None or bool(is_inside and _DEPRECATION_TEXT.match(line))
+        if heading is not None:
+            places.append((heading["file"], int(heading["line"])))
+        elif not is_inside:
+            others.append(line)
+    return tuple(others), tuple(places)
+
+
+LAST_LINES = 5  # of the output of a failure that nobody knows
+
+
+def last_words(output: str) -> str:
+    """Put the end of an output on one line; of a traceback only what it comes to."""
+    lines = [line.strip() for line in output.splitlines() if line.strip()]
+    return " / ".join(
+        lines[-1:] if "Traceback (most recent call" in output else lines[-LAST_LINES:]
+    )
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A package that failed."""
+
+    package: str
+    folder: Path  # with package.xml and CMakeLists.txt
+    build_folder: Path  # in which CMake keeps what it has found out
+    output: str  # what its programs wrote to standard error
+    siblings: Collection[str]  # names of all packages of the workspace
+    distro: str  # of the ROS that is sourced; empty without one
+    log: Path | None  # the folder with everything that was printed
+
+    @property
+    def cmake_file(self) -> Path:
+        """The file in which CMake begins."""
+        return self.folder / "CMakeLists.txt"
+
+    @cached_property
+    def errors(self) -> tuple[CMakeError, ...]:
+        """CMake's errors in the output."""
+        return read_errors(self.output)
+
+    def diagnose(
+        self,
+        code: str,
+        message: str,
+        *,
+        hint: str,
+        error: CMakeError | None = None,
+        line: int | None = None,
+    ) -> Diagnostic:
+        """Make a diagnostic of the error's call, a line of CMakeLists.txt, or the package."""
+        file: Path | None = self.cmake_file if line is not None else None
+        if error is not None:
+            file, line = error.locate(self.folder)
+        return Diagnostic(
+            code=code,
+            severity=Severity.ERROR,
+            message=f"{self.package}: {message}",
+            file=file or self.folder,
+            line=line,
+            element=self.package,
+            hint=hint,
+        )
+
+    @property
+    def forget(self) -> str:
+        """What to do where CMake has remembered something wrong."""
+        return f"Then remove {self.build_folder}, where CMake remembers, and build again."
+
+    @property
+    def where_to_look(self) -> str:
+        """Where everything is that was printed."""
+        if self.log is None:
+            return "Build again with --verbose to see everything that is printed."
+        return f"Everything that was printed: {self.log / self.package / 'stdout_stderr.log'}"

@@ -1,0 +1,177 @@
+"""Where CMake, Python and ament_cmake come from when colcon builds.
+
+A sourced ROS is used as it is, with its own Python. Otherwise ament_cmake comes from the wheels
+that wsgen depends on, and CMake must use the interpreter that holds them; both also work when the
+virtual environment is not activated.
+
+colcon loads this module at the start of every command, so it imports little.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from wsgen.errors import NotFoundError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, MutableMapping
+
+
+AMENT_CMAKE = Path("share", "ament_cmake", "cmake", "ament_cmakeConfig.cmake")
+MAKE_PROGRAMS = ("gmake", "make", "smake")  # the names CMake looks for
+
+
+@dataclass(frozen=True, kw_only=True)
+class SourcedRos:
+    """A ROS whose setup file was sourced."""
+
+    prefix: Path  # the entry of AMENT_PREFIX_PATH that holds ament_cmake
+
+    def environment(self, environ: Mapping[str, str]) -> dict[str, str]:
+        """Give the variables for the build: those given, without wsgen's own Python.
+
+        An isolated virtual environment cannot see what the Python code of ROS imports, and CMake
+        would take its interpreter because VIRTUAL_ENV or PATH names it.
+        """
+        variables = dict(environ)
+        scripts = str(Path(sys.prefix, "bin"))
+        if _is_isolated(sys.prefix):
+            path = [entry for entry in _split(environ, "PATH") if not _same(entry, scripts)]
+            variables["PATH"] = os.pathsep.join(path)
+            if _same(variables.get("VIRTUAL_ENV", ""), sys.prefix):
+                del variables["VIRTUAL_ENV"]
+        if shutil.which("cmake", path=variables.get("PATH")) is None:
+            _choose_cmake(variables)  # better ours than none
+        return variables
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wheels:
+    """The ament_cmake that pip installed beside wsgen."""
+
+    prefix: Path  # holds share/ament_cmake
+
+    def environment(self, environ: Mapping[str, str]) -> dict[str, str]:
+        """Give the variables for the build: those given, with this prefix and this Python."""
+        variables = dict(environ)
+        scripts = str(self.prefix / "bin")
+        path = [entry for entry in _split(environ, "PATH") if entry != scripts]
+        variables["PATH"] = os.pathsep.join([scripts, *path])
+        # The end of the list: what the user put there goes first. AMENT_PREFIX_PATH would be the
+        # natural place, but colcon warns about every entry that has no local_setup file.
+        prefixes = [
+            entry for entry in _split(environ, "CMAKE_PREFIX_PATH") if entry != str(self.prefix)
+        ]
+        variables["CMAKE_PREFIX_PATH"] = os.pathsep.join([*prefixes, str(self.prefix)])
+        _choose_python(variables)
+        _choose_cmake(variables)
+        if not any(shutil.which(name, path=variables["PATH"]) for name in MAKE_PROGRAMS):
+            # CMake does not look at it where a generator was chosen before.
+            variables.setdefault("CMAKE_GENERATOR", "Ninja")
+        return variables
+
+
+Toolchain = SourcedRos | Wheels
+
+
+def find_toolchain(environment: Mapping[str, str]) -> Toolchain:
+    """Find the ament_cmake to build with.
+
+    Raises:
+        NotFoundError: neither a sourced ROS nor the wheels hold ament_cmake.
+    """
+    for prefix in map(Path, _split(environment, "AMENT_PREFIX_PATH")):
+        if (prefix / AMENT_CMAKE).is_file():
+            return SourcedRos(prefix=prefix)
+    for prefix in _installation_prefixes():
+        if (prefix / AMENT_CMAKE).is_file():
+            return Wheels(prefix=prefix)
+    raise NotFoundError(
+        "ament_cmake was not found: no ROS is sourced, and it is not installed beside wsgen.",
+        hint="Source a ROS (source /opt/ros/<distro>/setup.bash), or install wsgen with pip on "
+        "Linux x86_64, where ament_cmake comes with it.",
+    )
+
+
+def use_toolchain(environment: MutableMapping[str, str]) -> None:
+    """Change the variables in place; without any toolchain they stay as they are."""
+    try:
+        wanted = find_toolchain(environment).environment(environment)
+    except NotFoundError:
+        return
+    for name in environment.keys() - wanted.keys():
+        del environment[name]
+    environment.update(wanted)
+
+
+def package_prefixes(toolchain: Toolchain, environment: Mapping[str, str]) -> tuple[Path, ...]:
+    """List the prefixes in which CMake finds packages, in CMake's order, each once."""
+    variables = toolchain.environment(environment)
+    programs = [Path(entry) for entry in _split(variables, "PATH")]
+    prefixes = [
+        *(Path(entry) for entry in _split(variables, "CMAKE_PREFIX_PATH")),
+        *(Path(entry) for entry in _split(variables, "AMENT_PREFIX_PATH")),
+        *(folder.parent for folder in programs if folder.name in {"bin", "sbin"}),
+        Path("/usr/local"),
+        Path("/usr"),
+    ]
+    return tuple(dict.fromkeys(prefixes))
+
+
+def _installation_prefixes() -> Iterator[Path]:
+    """Yield the prefixes pip may have installed into, that of the interpreter first."""
+    yield Path(sys.prefix)
+    for entry in map(Path, sys.path):
+        # <prefix>/lib/python3.12/site-packages: those of --user and of /usr/local too
+        if entry.name in {"site-packages", "dist-packages"}:
+            yield entry.parents[2]
+
+
+def _choose_python(variables: dict[str, str]) -> None:
+    """Make CMake's FindPython take the running interpreter."""
+    if sys.prefix != sys.base_prefix:
+        variables["VIRTUAL_ENV"] = sys.prefix
+    else:
+        # Another environment that is active must not win.
+        variables.pop("VIRTUAL_ENV", None)
+        for name in ("Python3_ROOT_DIR", "Python_ROOT_DIR"):
+            variables.setdefault(name, sys.prefix)
+
+
+def _choose_cmake(variables: dict[str, str]) -> None:
+    """Name the binaries of the cmake wheel, unless the user chose others.
+
+    The wheel's console scripts start a Python interpreter for each call, and colcon calls CMake
+    four times for a package.
+    """
+    for entry in filter(None, sys.path):
+        binaries = Path(entry, "cmake", "data", "bin")
+        if (binaries / "cmake").is_file():
+            variables.setdefault("CMAKE_COMMAND", str(binaries / "cmake"))
+            variables.setdefault("CTEST_COMMAND", str(binaries / "ctest"))
+            return
+
+
+def _is_isolated(prefix: str) -> bool:
+    """Whether it is a virtual environment that does not see the packages of the system."""
+    try:
+        text = Path(prefix, "pyvenv.cfg").read_text(encoding="utf-8")
+    except OSError:
+        return False
+    settings = (line.partition("=") for line in text.lower().splitlines())
+    return ("include-system-site-packages", "true") not in {
+        (key.strip(), value.strip()) for key, _, value in settings
+    }
+
+
+def _split(environment: Mapping[str, str], name: str) -> list[str]:
+    return [entry for entry in environment.get(name, "").split(os.pathsep) if entry]
+
+
+def _same(first: str, second: str) -> bool:
+    return os.path.normpath(first) == os.path.normpath(second)

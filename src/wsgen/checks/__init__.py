@@ -1,1 +1,0 @@
-"""Rules over facts: one small function a rule, and the catalogue of all codes."""

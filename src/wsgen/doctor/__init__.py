@@ -1,0 +1,1 @@
+"""What this machine has of what wsgen and ROS 2 require."""

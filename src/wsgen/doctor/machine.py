@@ -1,0 +1,152 @@
+"""What there is on a machine: looked at without importing a library.
+
+Whether pictures can be drawn is known when one is drawn; a child process does that, as an engine
+that another one has built may crash.
+
+Everything that is looked at is given, so that any machine can be looked at: `here` gives this one.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import platform
+import shutil
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from wsgen.build.toolchain import find_toolchain
+from wsgen.errors import NotFoundError, NotReadableError
+from wsgen.isolation import parent
+from wsgen.isolation.outcome import Died
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from wsgen.build.toolchain import Toolchain
+
+
+OS_RELEASE = ("etc/os-release", "usr/lib/os-release")  # the first that is there
+DRAWING_TASK = "wsgen.rendering.renderer:draw_a_box"
+SYSTEMS = {"linux": "Linux", "darwin": "macOS", "win32": "Windows"}
+
+
+class Finding(NamedTuple):
+    """One thing that a machine has or lacks."""
+
+    name: str
+    is_met: bool
+    text: str  # what is there; or that it is missing, and for what it is wanted
+    is_needed: bool = False  # by wsgen's own commands
+    mend: str = ""  # the command to type
+
+
+@dataclass(frozen=True, kw_only=True)
+class Machine:
+    """A machine to look at."""
+
+    environment: Mapping[str, str]
+    build_environment: Mapping[str, str]  # that colcon would be given
+    toolchain: Toolchain | None  # that colcon would use
+    root: Path  # of the file system
+    system: str  # as sys.platform
+    architecture: str  # as platform.machine()
+    python: tuple[int, int]  # that runs wsgen
+    interpreter: str  # its path
+    which: Callable[[str, str], str | None]  # name of a program, PATH -> its path
+    has_module: Callable[[str], bool]  # name of a Python module at the top level
+    why_no_picture: Callable[[], str | None]  # what keeps PyBullet from drawing; None if nothing
+
+    @property
+    def system_name(self) -> str:
+        """The kind of system, for people."""
+        return SYSTEMS.get(self.system, self.system)
+
+    def find(self, *programs: str, for_build: bool = False) -> str | None:
+        """The path of the first of these programs that is there."""
+        variables = self.build_environment if for_build else self.environment
+        path = variables.get("PATH", "")
+        return next(filter(None, (self.which(name, path) for name in programs)), None)
+
+
+def here(environment: Mapping[str, str]) -> Machine:
+    """This machine, with these variables."""
+    try:
+        toolchain = find_toolchain(environment)
+    except NotFoundError:
+        toolchain = None
+    return Machine(
+        environment=environment,
+        build_environment=toolchain.environment(environment) if toolchain else environment,
+        toolchain=toolchain,
+        root=Path("/"),
+        system=sys.platform,
+        architecture=platform.machine(),
+        python=sys.version_info[:2],
+        interpreter=sys.executable,
+        which=_which,
+        has_module=_has_module,
+        why_no_picture=_why_no_picture,
+    )
+
+
+def read_os_release(root: Path) -> dict[str, str]:
+    """The settings of /etc/os-release, as freedesktop.org's specification has them.
+
+    Raises:
+        OSError: there is none, or it cannot be read.
+    """
+    for name in OS_RELEASE:
+        file = root / name
+        if file.exists():
+            break
+    lines = file.read_text(encoding="utf-8", errors="replace").splitlines()
+    settings = (line.partition("=") for line in lines if not line.lstrip().startswith("#"))
+    return {key.strip(): value.strip().strip("\"'") for key, equals, value in settings if equals}
+
+
+def names_in_apt(root: Path, hosts: tuple[str, ...]) -> bool:
+    """Whether apt gets packages from one of these hosts; what cannot be read names none."""
+    folder = root / "etc" / "apt"
+    files = [folder / "sources.list"]
+    for pattern in ("*.list", "*.sources"):
+        files += sorted((folder / "sources.list.d").glob(pattern))
+    for file in files:
+        try:
+            text = file.read_text(encoding="utf-8", errors="replace")
+        except OSError:
+            continue
+        lines = (line for line in text.splitlines() if not line.lstrip().startswith("#"))
+        if any(host in line for line in lines for host in hosts):
+            return True
+    return False
+
+
+def ros_prefixes(machine: Machine, distro: str) -> list[Path]:
+    """The folders in which packages of a distribution lie: what is sourced, then /opt/ros."""
+    sourced = machine.environment.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
+    return [*map(Path, filter(None, sourced)), machine.root / "opt" / "ros" / distro]
+
+
+def _which(program: str, path: str) -> str | None:
+    return shutil.which(program, path=path)
+
+
+def _why_no_picture() -> str | None:
+    """Draw a small picture in a child process; what it died of goes on after "PyBullet"."""
+    try:
+        outcome = parent.run(DRAWING_TASK)
+    except NotReadableError as error:
+        return f"was not tried: {error.message}"
+    if isinstance(outcome, Died):
+        return outcome.reason
+    return None if outcome.value else "draws nothing"
+
+
+def _has_module(name: str) -> bool:
+    try:
+        return importlib.util.find_spec(name) is not None
+    except (ImportError, ValueError):
+        return False

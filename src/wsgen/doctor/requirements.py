@@ -1,0 +1,379 @@
+"""What wsgen's own commands need of a machine, without any ROS.
+
+What `ros2 launch` of a package needs of a machine: the target's Ubuntu, its ROS, its Gazebo.
+"""
+
+from __future__ import annotations
+
+import shlex
+from typing import TYPE_CHECKING
+
+from wsgen.build.toolchain import MAKE_PROGRAMS, SourcedRos
+from wsgen.doctor.machine import Finding, names_in_apt, read_os_release, ros_prefixes
+from wsgen.model.facts import DISTROS, RELEASED_FOR
+from wsgen.model.installation import (
+    APT_HOSTS,
+    COLCON,
+    SIMULATOR_PACKAGES,
+    VARIANTS,
+    apt_install,
+    apt_source,
+    debian_name,
+    image,
+    ros_packages,
+)
+from wsgen.model.target import Target
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+    from pathlib import Path
+
+    from wsgen.doctor.machine import Machine
+
+
+PYTHONS = ((3, 10), (3, 14))  # from, to; as requires-python in pyproject.toml
+# Module -> what pip calls it, of what wsgen depends on.
+COLCON_PACKAGES = {
+    "colcon_core": "colcon-core",
+    "colcon_bash": "colcon-bash",
+    "colcon_cmake": "colcon-cmake",
+    "colcon_defaults": "colcon-defaults",
+    "colcon_library_path": "colcon-library-path",
+    "colcon_metadata": "colcon-metadata",
+    "colcon_output": "colcon-output",
+    "colcon_package_selection": "colcon-package-selection",
+    "colcon_recursive_crawl": "colcon-recursive-crawl",
+    "colcon_ros": "colcon-ros",
+    "colcon_zsh": "colcon-zsh",
+    "catkin_pkg": "catkin_pkg",
+    "em": "empy>=3.3.4,<4",
+}
+LIBRARIES = {
+    "click": "click",
+    "rich": "rich",
+    "jinja2": "jinja2",
+    "lxml": "lxml",
+    "yaml": "pyyaml",
+    "numpy": "numpy",
+    "PIL": "pillow",
+    "trimesh": "trimesh",
+    "shapely": "shapely",
+}
+LAST_PYTHON_WITH_PYBULLET = (3, 13)
+FIRST_PYTHON_WITH_ITS_FORK = (3, 12)
+WHEELS = (
+    "ros-ament-cmake",
+    "ros-ament-package",
+    "ros-ament-cmake-include-directories",
+    "ros-ament-cmake-pytest",
+    "ros-ament-cmake-gtest",
+    "ros-ament-cmake-gmock",
+    "ros-ament-index-python",
+)
+
+
+def find_own_needs(machine: Machine) -> Iterator[Finding]:
+    """Say of each thing that `wsgen new`, `build` and `validate` use whether it is there."""
+    yield _python_for_wsgen(machine)
+    yield _modules(machine, "colcon", COLCON_PACKAGES)
+    yield _ament_cmake(machine)
+    yield _cmake(machine)
+    yield _build_program(machine)
+    yield _modules(machine, "xacro", {"xacro": "xacro"})
+    yield _modules(machine, "Python libraries", LIBRARIES)
+    yield _engine(machine)
+    yield _pictures(machine)
+    yield from _extras(machine)
+
+
+def _python_for_wsgen(machine: Machine) -> Finding:
+    first, last = (".".join(map(str, version)) for version in PYTHONS)
+    return Finding(
+        name="Python",
+        is_met=PYTHONS[0] <= machine.python <= PYTHONS[1],
+        text=f"{machine.python[0]}.{machine.python[1]}; wsgen is for {first} to {last}",
+        is_needed=True,
+    )
+
+
+def _modules(machine: Machine, name: str, modules: Mapping[str, str]) -> Finding:
+    missing = [pip for module, pip in modules.items() if not machine.has_module(module)]
+    return Finding(
+        name=name,
+        is_met=not missing,
+        text=f"missing: {', '.join(missing)}" if missing else "installed beside wsgen",
+        is_needed=True,
+        mend=_pip(machine, *missing),
+    )
+
+
+def _ament_cmake(machine: Machine) -> Finding:
+    found = machine.toolchain
+    if found is not None:
+        whose = "of the sourced ROS" if isinstance(found, SourcedRos) else "of the wheels"
+        text = f"{whose}, in {found.prefix}"
+        return Finding("ament_cmake", is_met=True, text=text, is_needed=True)
+    has_wheels = (machine.system, machine.architecture) == ("linux", "x86_64")
+    setup = _any_ros(machine)
+    mend = f"source {setup}" if setup else ""
+    if has_wheels:
+        mend = _pip(machine, *WHEELS)
+    where = "" if has_wheels else "; its wheels are for Linux x86_64, elsewhere a ROS is needed"
+    return Finding("ament_cmake", is_met=False, text=f"missing{where}", is_needed=True, mend=mend)
+
+
+def _any_ros(machine: Machine) -> str | None:
+    """The setup file of a ROS on this machine."""
+    found = sorted(machine.root.glob("opt/ros/*/setup.bash"))
+    return str(found[-1]) if found else None
+
+
+def _cmake(machine: Machine) -> Finding:
+    chosen = machine.build_environment.get("CMAKE_COMMAND")
+    if chosen:
+        found = machine.find(chosen, for_build=True)
+        text = found or f"missing: CMAKE_COMMAND={chosen} is no program"
+        mend = "" if found else "unset CMAKE_COMMAND"
+    else:
+        found = machine.find("cmake", for_build=True)
+        text, mend = found or "missing", "" if found else _pip(machine, "cmake")
+    return Finding("CMake", is_met=bool(found), text=text, is_needed=True, mend=mend)
+
+
+def _build_program(machine: Machine) -> Finding:
+    found = machine.find("ninja", *MAKE_PROGRAMS, for_build=True)
+    return Finding(
+        "ninja or make",
+        is_met=found is not None,
+        text=found or "missing",
+        is_needed=True,
+        mend="" if found else _pip(machine, "ninja"),
+    )
+
+
+def _engine(machine: Machine) -> Finding:
+    for module, name in (("pybullet", "PyBullet"), ("dartpy", "DART")):
+        if machine.has_module(module):
+            return Finding("physics engine", is_met=True, text=name, is_needed=True)
+    wanted = "dartpy" if machine.python > LAST_PYTHON_WITH_PYBULLET else _pybullet(machine)
+    return Finding(
+        "physics engine",
+        is_met=False,
+        text="missing: neither PyBullet nor DART",
+        is_needed=True,
+        mend=_pip(machine, wanted),
+    )
+
+
+def _pictures(machine: Machine) -> Finding:
+    """What `--picture` and `--record` need."""
+    if not machine.has_module("pybullet"):
+        why, mend = "PyBullet draws them, and is not installed", _pip(machine, _pybullet(machine))
+        if machine.python > LAST_PYTHON_WITH_PYBULLET:
+            why, mend = "PyBullet draws them, and has no wheel for this Python", ""
+        return Finding("pictures", is_met=False, text=f"cannot be drawn: {why}", mend=mend)
+    problem = machine.why_no_picture()
+    return Finding(
+        "pictures",
+        is_met=problem is None,
+        text="drawn by PyBullet" if problem is None else f"cannot be drawn: PyBullet {problem}",
+        mend="" if problem is None else _pip(machine, "--force-reinstall", _pybullet(machine)),
+    )
+
+
+def _pybullet(machine: Machine) -> str:
+    """What pip calls PyBullet: the original has no wheels for newer Pythons."""
+    is_old = machine.python < FIRST_PYTHON_WITH_ITS_FORK
+    return "pybullet" if is_old else "pybullet-arm64"  # the same module, on every architecture
+
+
+def _extras(machine: Machine) -> Iterator[Finding]:
+    """What wsgen can do without."""
+    for name, module, purpose, requirement in (
+        ("DART", "dartpy", "a second engine", "wsgen[dart]"),
+        ("PyAV", "av", "films as MP4", "wsgen[video]"),
+    ):
+        is_there = machine.has_module(module)
+        yield Finding(
+            name,
+            is_met=is_there,
+            text="installed" if is_there else f"missing; only for {purpose}",
+            mend="" if is_there else _pip(machine, requirement),
+        )
+    for name, programs, purpose, package in (
+        ("C++ compiler", ("c++", "g++", "clang++"), "packages with C++", "build-essential"),
+        ("git", ("git",), "the maintainer's name and address", "git"),
+    ):
+        found = machine.find(*programs, for_build=True)
+        install = f"sudo apt install {package}" if machine.find("apt") else ""
+        yield Finding(
+            name,
+            is_met=found is not None,
+            text=found or f"missing; only for {purpose}",
+            mend="" if found else install,
+        )
+
+
+def _pip(machine: Machine, *requirements: str) -> str:
+    if not requirements:
+        return ""
+    return shlex.join([machine.interpreter, "-m", "pip", "install", *requirements])
+
+
+SYSTEM = "Ubuntu"  # the name of the finding about it
+
+
+def find_ros_needs(machine: Machine, target: Target) -> Iterator[Finding]:
+    """Say of each thing that the target needs beyond wsgen whether it is there."""
+    ubuntu = _ubuntu(machine, target)
+    yield ubuntu
+    yield _python_for_ros(machine, target)
+    ros = _ros(machine, target, can_install=ubuntu.is_met)
+    is_installed = _setup_file(machine, target).is_file() or ros.is_met
+    if ubuntu.is_met and not is_installed:
+        yield _apt(machine, target)
+    yield ros
+    if is_installed:
+        yield _packages(machine, target)
+    yield _gazebo(machine, target, can_install=ubuntu.is_met)
+    yield _colcon(machine, can_install=ubuntu.is_met)
+
+
+def _ubuntu(machine: Machine, target: Target) -> Finding:
+    wanted = f"Ubuntu {target.ubuntu}"
+    is_met = False
+    mend = _container(target)
+    if machine.system != "linux":
+        text = (
+            f"this is {machine.system_name}; {target.ros} is packaged for {wanted}."
+            " wsgen tries packages here, a container or another machine runs them"
+        )
+        return Finding(SYSTEM, is_met=False, text=text, mend=mend)
+    try:
+        release = read_os_release(machine.root)
+    except OSError as error:
+        text = f"not known: {error.filename}: {error.strerror}; {target.ros} is for {wanted}"
+        return Finding(SYSTEM, is_met=False, text=text, mend=mend)
+    name = release.get("PRETTY_NAME") or release.get("NAME") or "a Linux without a name"
+    is_ubuntu = release.get("ID") == "ubuntu"
+    codename = release.get("UBUNTU_CODENAME", release.get("VERSION_CODENAME") if is_ubuntu else "")
+    if is_ubuntu and release.get("VERSION_ID") == target.ubuntu:
+        is_met, text, mend = True, name, ""
+    elif codename == target.fact("ubuntu_codename"):
+        is_met, mend = True, ""
+        text = f"{name}, made from {wanted}: its packages are for this, and nobody tests them here"
+    else:
+        text = f"this is {name}; {target.ros} is packaged for {wanted}"
+        fitting = _distro_for(codename or "")
+        if fitting:
+            mend = f"wsgen doctor --distro {fitting}"
+    return Finding(SYSTEM, is_met=is_met, text=text, mend=mend)
+
+
+def _distro_for(codename: str) -> str | None:
+    """The distribution that lasts longest of those for an Ubuntu."""
+    fitting = [
+        target
+        for target in (Target(distro=name, simulator="gz") for name in DISTROS)
+        if target.fact("ubuntu_codename") == codename and not target.has_ended
+    ]
+    fitting.sort(key=lambda target: target.end_of_life or "")
+    return fitting[-1].distro if fitting else None
+
+
+def _python_for_ros(machine: Machine, target: Target) -> Finding:
+    wanted = target.fact("python")
+    ours = ".".join(map(str, machine.python))
+    text = f"{wanted}, as wsgen's own"
+    if ours != wanted:
+        text = f"{target.ros} runs launch files with {wanted}, wsgen evaluates them with {ours}"
+    return Finding("Python", is_met=ours == wanted, text=text)
+
+
+def _apt(machine: Machine, target: Target) -> Finding:
+    is_met = names_in_apt(machine.root, APT_HOSTS)
+    return Finding(
+        "apt repository",
+        is_met=is_met,
+        text="of ROS, known to apt" if is_met else "of ROS, not known to apt",
+        mend="" if is_met else apt_source(target),
+    )
+
+
+def _ros(machine: Machine, target: Target, *, can_install: bool) -> Finding:
+    sourced = machine.environment.get("ROS_DISTRO", "")
+    has_prefix = bool(machine.environment.get("AMENT_PREFIX_PATH"))
+    setup = _setup_file(machine, target)
+    if sourced == target.distro and has_prefix:
+        return Finding(target.ros, is_met=True, text="sourced")
+    if sourced and has_prefix:
+        others = f"{sourced} is sourced"
+    else:
+        found = sorted(path.parent.name for path in machine.root.glob("opt/ros/*/setup.bash"))
+        others = f"there is {', '.join(found)}" if found else ""
+    if setup.is_file():
+        text = f"in {setup.parent}, not sourced"
+        if sourced and has_prefix:
+            text += f": {others}, so open a new terminal first"
+        return Finding(target.ros, is_met=False, text=text, mend=f"source {setup}")
+    text = f"not installed; {others}" if others else "not installed"
+    mend = apt_install(target) if can_install else _container(target)
+    return Finding(target.ros, is_met=False, text=text, mend=mend)
+
+
+def _packages(machine: Machine, target: Target) -> Finding:
+    """Packages that hold others leave no trace that is sure: their simulator's package does."""
+    wanted = [name for name in ros_packages(target) if name not in VARIANTS]
+    wanted.append(target.programs["package"])
+    prefixes = ros_prefixes(machine, target.distro)
+    missing = [
+        name
+        for name in wanted
+        if not any((prefix / "share" / name / "package.xml").is_file() for prefix in prefixes)
+    ]
+    names = " ".join(debian_name(name, target.distro) for name in missing)
+    return Finding(
+        "ROS packages",
+        is_met=not missing,
+        text=f"missing: {', '.join(missing)}" if missing else ", ".join(wanted),
+        mend=f"sudo apt install {names}" if missing else "",
+    )
+
+
+def _gazebo(machine: Machine, target: Target, *, can_install: bool) -> Finding:
+    if target.simulator == "classic":
+        found = machine.find("gazebo")
+    elif target.distro in RELEASED_FOR["gz_sim_vendor"]:
+        # A ROS package since Jazzy; `gz` is on the PATH once ROS is sourced.
+        found = next(
+            (
+                str(prefix)
+                for prefix in ros_prefixes(machine, target.distro)
+                if (prefix / "share" / "gz_sim_vendor" / "package.xml").is_file()
+            ),
+            None,
+        )
+    else:
+        found = machine.find("ign")  # so its program is called up to Fortress
+    if found:
+        return Finding(target.gazebo, is_met=True, text=found)
+    name = debian_name(SIMULATOR_PACKAGES[target.simulator], target.distro)
+    mend = f"sudo apt install {name}" if can_install else ""
+    return Finding(target.gazebo, is_met=False, text="missing", mend=mend)
+
+
+def _colcon(machine: Machine, *, can_install: bool) -> Finding:
+    found = machine.find("colcon")
+    if found:
+        return Finding("colcon", is_met=True, text=found)
+    mend = f"sudo apt install {COLCON}" if can_install else ""
+    text = "not on the PATH; `wsgen build` has its own"
+    return Finding("colcon", is_met=False, text=text, mend=mend)
+
+
+def _setup_file(machine: Machine, target: Target) -> Path:
+    return machine.root / "opt" / "ros" / target.distro / "setup.bash"
+
+
+def _container(target: Target) -> str:
+    return f'docker run -it --rm -v "$PWD":/ws -w /ws {image(target)}'

@@ -1,0 +1,220 @@
+"""Run many functions in child processes of their own that share the start of the interpreter.
+
+Starting an interpreter and importing a physics engine takes longer than most robots need to come
+to rest. A nursery does it once for each module, in a server that does nothing else (`server`), and
+every task runs in a child that is forked from there.
+
+Only on Linux: Windows cannot fork, on macOS the system's libraries may crash in a forked child,
+and elsewhere nothing would end the children when this process is killed. There, and where a module
+starts threads when it is imported, every task starts its own interpreter.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import pickle
+import socket
+import sys
+import tempfile
+import threading
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from wsgen.isolation import parent
+from wsgen.isolation.outcome import (
+    DEFAULT_LIMITS,
+    Answered,
+    Died,
+    Limits,
+    conclude,
+    describe_exit,
+    read_death,
+    read_lateness,
+    read_tail,
+)
+from wsgen.isolation.parent_death import open_lifeline
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from types import TracebackType
+
+
+MESSAGE_BYTES = 64  # a report is some words and a number
+
+
+class Nursery(contextlib.AbstractContextManager["Nursery"]):
+    """A context manager whose `run` means what `parent.run` means and costs less.
+
+    The first task of a module starts the module's server, which imports it with this process's
+    environment; every child begins with what that left and nothing of the tasks before. What
+    the interpreter and the dynamic loader read at their start (`LC_ALL`, `LD_LIBRARY_PATH`) is
+    this process's for every child, whatever environment it then is given. Threads may share a
+    nursery. Leaving the context ends the servers, and calls that are still waiting with them.
+    """
+
+    def __init__(self) -> None:
+        self._servers: dict[str, _Server] = {}
+        self._lock = threading.Lock()
+        self._is_closed = False
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        with self._lock:
+            self._is_closed = True
+            for server in self._servers.values():
+                server.close()
+
+    def run(
+        self,
+        task: str,
+        *arguments: object,
+        limits: Limits = DEFAULT_LIMITS,
+        environment: Mapping[str, str] | None = None,
+        folder: Path | None = None,
+    ) -> Answered | Died:
+        """Call `module:function` with the arguments in a child; see `parent.run`.
+
+        When the server itself is killed, the calls that wait for its children say so, and the next
+        call starts another one.
+
+        Raises:
+            NotReadableError: The folder or the memory for the child is missing.
+            RuntimeError: The nursery is closed.
+        """
+        outcome = None
+        if sys.platform == "linux":
+            outcome = self._run_forked(task, arguments, limits, environment, folder)
+        return outcome or parent.run(
+            task, *arguments, limits=limits, environment=environment, folder=folder
+        )
+
+    def _run_forked(
+        self,
+        task: str,
+        arguments: tuple[object, ...],
+        limits: Limits,
+        environment: Mapping[str, str] | None,
+        folder: Path | None,
+    ) -> Answered | Died | None:
+        """As `run`; None if the task has to start its own interpreter."""
+        with (
+            # Only what a dying server leaves running can disturb the cleaning up.
+            tempfile.TemporaryDirectory(prefix="wsgen-", ignore_cleanup_errors=True) as name,
+            open_lifeline() as lifeline,
+        ):
+            scratch = Path(name)
+            request = {
+                **parent.make_request(task, arguments, limits, scratch, lifeline),
+                "environment": parent.complete(environment),
+                "folder": str(Path.cwd() / (folder or "")),
+            }
+            with (scratch / "request").open("wb") as stream:
+                pickle.dump(request, stream)
+            with self._lock:
+                server = self._server_of(task.partition(":")[0])
+                report = server.send(scratch, lifeline)
+            message = _wait(report, limits.wall_clock_seconds)
+            if message is None:
+                return read_lateness(scratch, limits)
+            if not message:
+                return self._mourn(server, scratch)
+            return _conclude(message, scratch, limits)
+
+    def _server_of(self, module: str) -> _Server:
+        if self._is_closed:
+            raise RuntimeError("The nursery is closed.")
+        server = self._servers.get(module)
+        if server is None or not server.is_alive():
+            if server is not None:
+                server.close()
+            server = self._servers[module] = _Server(module)
+        return server
+
+    def _mourn(self, server: _Server, scratch: Path) -> Died:
+        """Say that a child was lost with its server."""
+        with self._lock:
+            server.close()
+        how = describe_exit(server.process.returncode)
+        death = read_death(scratch, f"was lost with the process that had started it, which {how}")
+        return death if death.output else replace(death, output=server.last_words)
+
+
+class _Server:
+    """The parent's side of a server."""
+
+    def __init__(self, module: str) -> None:
+        self.last_words = ""
+        self._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        with contextlib.ExitStack() as stack, theirs:
+            scratch = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="wsgen-")))
+            stack.enter_context(self._control)
+            lifeline = stack.enter_context(open_lifeline())
+            self._output = scratch / "output"
+            self.process = parent.start_interpreter(
+                output=self._output, descriptors=(theirs.fileno(), lifeline)
+            )
+            stack.callback(self._end)
+            orders = {
+                "path": parent.search_path(),
+                "module": module,
+                "control": theirs.fileno(),
+                "lifeline": lifeline,
+            }
+            if self.process.stdin is not None:
+                # A server that dies before it has read them is seen by its end.
+                with contextlib.suppress(BrokenPipeError), self.process.stdin as stream:
+                    pickle.dump(orders, stream)
+            self._stack = stack.pop_all()
+
+    def is_alive(self) -> bool:
+        """Whether the server's process has not ended."""
+        return self.process.poll() is None
+
+    def send(self, scratch: Path, lifeline: int) -> socket.socket:
+        """Ask for a child; gives the socket for the report of how it ended."""
+        report, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        # That the server has just died is seen by the report, which ends without a word.
+        with theirs, contextlib.suppress(ConnectionError):
+            socket.send_fds(self._control, [os.fsencode(scratch)], [theirs.fileno(), lifeline])
+        return report
+
+    def close(self) -> None:
+        """End the server; may be called again."""
+        self._stack.close()
+
+    def _end(self) -> None:
+        self.process.kill()
+        self.process.wait()
+        self.last_words = read_tail(self._output)
+
+
+def _wait(report: socket.socket, seconds: float) -> str | None:
+    """The report of how the child ended; empty if its server died, None if the time was over."""
+    with report:
+        report.settimeout(seconds)
+        try:
+            return report.recv(MESSAGE_BYTES).decode()
+        except TimeoutError:
+            return None
+        finally:
+            # The server ends what is left of the child, then closes its end.
+            report.shutdown(socket.SHUT_WR)
+            report.settimeout(parent.SECONDS_TO_END)
+            with contextlib.suppress(TimeoutError):
+                while report.recv(MESSAGE_BYTES):
+                    pass
+
+
+def _conclude(message: str, scratch: Path, limits: Limits) -> Answered | Died | None:
+    word, _, number = message.partition(" ")
+    if word == "exit":
+        return conclude(scratch, limits, returncode=int(number))
+    if word == "refused":
+        raise parent.not_started(OSError(int(number), os.strerror(int(number))))
+    return None  # the server has threads and cannot fork

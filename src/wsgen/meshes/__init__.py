@@ -1,0 +1,1 @@
+"""Mesh files: find, read, inspect and convert them; make meshes of shapes that no engine has."""

@@ -1,0 +1,203 @@
+"""The file that a mesh address stands for, or why there is none.
+
+The files that mesh addresses stand for.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+from urllib.parse import unquote
+
+from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.files import irregular_kind
+from wsgen.model.robot import Mesh, Robot
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from wsgen.model.robot import Geometry, Link
+
+
+if TYPE_CHECKING:
+    ShareOf = Callable[[str], Path | None]  # package name -> its installed share folder
+
+FORMATS = (".stl", ".obj", ".dae", ".glb", ".gltf", ".ply")  # see `mesh_files` for who reads which
+ON_WINDOWS = re.compile(r"[A-Za-z]:[\\/]")
+IN_PACKAGE = "Put the mesh into the package, and write package://PACKAGE/meshes/…"
+MACHINE_PARTS = 3  # of /home/somebody/…: if that is not there, the path is of another machine
+
+
+class Missing(NamedTuple):
+    """Why a mesh has no file."""
+
+    problem: str  # goes on after the name of the mesh
+    hint: str
+
+
+def locate(uri: str, share_of: ShareOf, folder: Path | None) -> Path | Missing:
+    """The file of a mesh.
+
+    Args:
+        uri: As written: `package://PACKAGE/…`, `model://MODEL/…`, `file://…` or a path.
+        share_of: Where packages and models are.
+        folder: What a path that is not absolute is seen from.
+    """
+    unread = _unreadable(uri)
+    if unread is not None:
+        return unread
+    scheme, separator, rest = uri.partition("://")
+    if not separator or scheme == "file":
+        path = Path(unquote(rest) if separator else uri)
+        if not path.is_absolute():
+            if folder is None:
+                return Missing("has a path that is relative to nothing", IN_PACKAGE)
+            path = folder / path
+    else:
+        package, _, inside = rest.partition("/")
+        share = share_of(package)
+        if share is None:
+            return Missing(
+                f"is in the package `{package}`, which was not found",
+                f"Build and source a workspace with `{package}`, and name it in package.xml.",
+            )
+        path = share / inside
+    if not os.path.isfile(path):  # noqa: PTH113  Path.is_file raises on names that are too long
+        return _explain(uri, path)
+    if path.suffix.lower() not in FORMATS:
+        return Missing(
+            f"is of a format that is not read ({path.suffix or 'no extension'})",
+            f"Convert it to one of {', '.join(FORMATS)}.",
+        )
+    return path
+
+
+def _unreadable(uri: str) -> Missing | None:
+    """What is wrong with an address that stands for no path."""
+    scheme, separator, rest = uri.partition("://")
+    if not uri.strip():
+        return Missing("has no name", 'Write filename="package://PACKAGE/meshes/…".')
+    if "$(" in uri or "${" in uri:
+        return Missing(
+            "has a substitution in it that nothing has expanded",
+            "xacro expands $(find PACKAGE) and ${…}: give the file the extension .xacro and a "
+            "<robot xmlns:xacro=…>, or write package://PACKAGE/….",
+        )
+    if scheme in {"http", "https"} and separator:
+        return Missing(
+            "is an address in the network, from which nothing is loaded",
+            f"Download it. {IN_PACKAGE}",
+        )
+    if separator and scheme not in {"file", "package", "model"}:
+        return Missing(f"has a scheme that nobody knows (`{scheme}://`)", IN_PACKAGE)
+    if scheme in {"package", "model"} and separator and not rest.partition("/")[0]:
+        return Missing(
+            f"names no {scheme}: two slashes, and then its name",
+            f"Write {scheme}://PACKAGE/{rest.lstrip('/') or 'meshes/…'}.",
+        )
+    return None
+
+
+def _explain(uri: str, path: Path) -> Missing:
+    """Why there is no such file."""
+    there = _with_other_capitals(path)
+    home = Path(*path.parts[:MACHINE_PARTS])
+    if ON_WINDOWS.match(uri):
+        return Missing("has a path of a Windows machine", IN_PACKAGE)
+    if "\\" in uri:
+        hint = f"Write slashes: {uri.replace(chr(92), '/')}"
+        return Missing("has backslashes in it, which are no separators here", hint)
+    if os.path.lexists(path):
+        kind = irregular_kind(path) or "a file that you may not look at"
+        return Missing(f"is {kind} ({path})", "Name a mesh file.")
+    if there is not None:
+        return Missing(
+            f"is not there ({path}); `{there}` is",
+            "Write its name with the same capitals: they count.",
+        )
+    if Path(uri.removeprefix("file://")).is_absolute() and not home.exists():
+        return Missing(f"has the path of another machine ({path})", IN_PACKAGE)
+    return Missing(
+        f"is not there ({path})",
+        "Check its spelling, capitals included, and that CMakeLists.txt installs it.",
+    )
+
+
+def _with_other_capitals(path: Path) -> Path | None:
+    """The file of that name but for its capitals, in folders that are written likewise."""
+    found = Path(path.anchor)
+    for part in path.parts[1:] if path.anchor else path.parts:
+        if part == ".." or os.path.lexists(found / part):
+            found /= part
+            continue
+        try:
+            names = os.listdir(found)  # noqa: PTH208  names suffice
+        except (OSError, ValueError):
+            return None
+        alike = [name for name in names if name.casefold() == part.casefold()]
+        if len(alike) != 1:
+            return None
+        found /= alike[0]
+    return found if found != path and os.path.isfile(found) else None  # noqa: PTH113
+
+
+def find_meshes(
+    robot: Robot, *, share_of: ShareOf, folder: Path | None = None, file: Path | None = None
+) -> tuple[Robot, tuple[Diagnostic, ...]]:
+    """Fill in the path of every mesh that is there, and report the others.
+
+    `package://PACKAGE/…` and `model://PACKAGE/…` are looked up with `share_of`; a path that is not
+    absolute is seen from `folder`. `file` is what the diagnostics name.
+    """
+    search = _Search(share_of, folder, file)
+    links = tuple(
+        replace(
+            link,
+            visuals=tuple(
+                replace(visual, geometry=search.located(visual.geometry, link, is_visual=True))
+                for visual in link.visuals
+            ),
+            collisions=tuple(
+                replace(shape, geometry=search.located(shape.geometry, link, is_visual=False))
+                for shape in link.collisions
+            ),
+        )
+        for link in robot.links
+    )
+    return replace(robot, links=links), tuple(search.diagnostics.values())
+
+
+class _Search:
+    """Where to look, and what was not found."""
+
+    def __init__(self, share_of: ShareOf, folder: Path | None, file: Path | None) -> None:
+        self.share_of = share_of
+        self.folder = folder
+        self.file = file
+        self.diagnostics: dict[
+            tuple[str, str, bool], Diagnostic
+        ] = {}  # one for each mesh of a link
+
+    def located(self, geometry: Geometry, link: Link, *, is_visual: bool) -> Geometry:
+        """The mesh with its path; any other geometry as it is."""
+        if not isinstance(geometry, Mesh):
+            return geometry
+        found = locate(geometry.uri, self.share_of, self.folder)
+        if isinstance(found, Path):
+            # Engines make addresses of it, in which a relative path is the name of a machine.
+            return replace(geometry, path=str(found.absolute()))
+        problem, hint = found
+        kind = "visual" if is_visual else "collision"
+        self.diagnostics[link.name, geometry.uri, is_visual] = Diagnostic(
+            code="ROB061" if is_visual else "ROB060",
+            severity=Severity.WARNING if is_visual else Severity.ERROR,
+            message=f"The {kind} mesh `{geometry.uri}` of the link `{link.name}` {problem}.",
+            file=self.file,
+            line=link.line,
+            element=f"link[@name='{link.name}']/{kind}/geometry/mesh",
+            hint=hint,
+        )
+        return geometry

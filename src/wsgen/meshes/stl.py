@@ -1,0 +1,109 @@
+"""STL files, binary and text."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wsgen.meshes.content import BrokenMeshError, Content, Patch, flat_normals, parse_floats
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+
+LEAST_COSINE = 0.7  # between a normal and its triangle; of small ones it may be rounded
+TITLE_BYTES = 80
+HEADER_BYTES = 84  # a title, and the number of triangles
+TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+VERTEX = re.compile(rb"\bvertex\s+(\S+\s+\S+\s+\S+)", re.IGNORECASE)
+END_OF_TRIANGLE = re.compile(rb"\bendfacet\b", re.IGNORECASE)
+
+
+def is_stl(data: bytes) -> bool:
+    """Whether these are the bytes of an STL file."""
+    return _binary_size(data) == len(data) or _is_text(data)
+
+
+def read_stl(data: bytes, folder: Path | None = None) -> Content:
+    """The triangles of an STL file; with their look if its `folder` is given.
+
+    PyBullet leaves out one that is text, or has bytes behind its triangles; it draws one without
+    normals in black.
+    """
+    size = _binary_size(data)
+    if size != len(data) and _is_text(data):
+        corners = _read_text(data)
+        patches = () if folder is None else (Patch(corners),)
+        return Content(corners=corners, is_plain=False, patches=patches)
+    if size is None:
+        raise BrokenMeshError(f"has {len(data)} bytes, too few for an STL file")
+    claimed = (size - HEADER_BYTES) // TRIANGLE.itemsize
+    if size > len(data):
+        raise BrokenMeshError(
+            f"says that it has {claimed} triangles, and ends after "
+            f"{(len(data) - HEADER_BYTES) // TRIANGLE.itemsize}: it is cut off, or no STL file"
+        )
+    triangles = np.frombuffer(data, TRIANGLE, count=claimed, offset=HEADER_BYTES)
+    oddity = None
+    if size < len(data):
+        oddity = (
+            f"says that it has {claimed} triangles, and goes on for {len(data) - size} bytes "
+            "behind them: PyBullet would leave it out"
+        )
+    content = Content(corners=triangles["corners"], is_plain=oddity is None, oddity=oddity)
+    if folder is None:
+        return content
+    return content._replace(
+        patches=(Patch(content.corners),),
+        is_drawable=content.is_plain and _has_good_normals(triangles),
+    )
+
+
+def write_stl(corners: NDArray[Any], file: Path) -> None:
+    """Write triangles, shape (n, 3, 3), as a binary STL file."""
+    triangles = np.zeros(len(corners), TRIANGLE)
+    triangles["corners"] = corners
+    triangles["normal"] = flat_normals(corners)
+    with file.open("wb") as stream:
+        stream.write(bytes(TITLE_BYTES) + len(corners).to_bytes(4, "little"))
+        stream.write(triangles.data)
+
+
+def _has_good_normals(triangles: NDArray[Any]) -> bool:
+    """Whether those of the file are what the corners say, so that light falls on the outside."""
+    given = triangles["normal"].astype(float)
+    expected = flat_normals(triangles["corners"])
+    cosines = np.einsum("ij,ij->i", given, expected)
+    has_no_area = (expected == 0).all(axis=1)
+    return bool(((cosines > LEAST_COSINE) & (cosines < 2 - LEAST_COSINE) | has_no_area).all())
+
+
+def _binary_size(data: bytes) -> int | None:
+    """The size of the file if it is binary; None if it is too short to be."""
+    if len(data) < HEADER_BYTES:
+        return None
+    count = int.from_bytes(data[TITLE_BYTES:HEADER_BYTES], "little")
+    return HEADER_BYTES + TRIANGLE.itemsize * count
+
+
+def _is_text(data: bytes) -> bool:
+    start = data[:1024].lower()
+    return start.lstrip().startswith(b"solid") and (b"facet" in start or b"endsolid" in start)
+
+
+def _read_text(data: bytes) -> NDArray[np.float64]:
+    if b"\n" not in data:
+        raise BrokenMeshError(
+            "is a text whose lines end as on old Macintoshes: Gazebo reads no line of it"
+        )
+    numbers = parse_floats(b" ".join(VERTEX.findall(data)), "its vertices")
+    triangles = len(END_OF_TRIANGLE.findall(data))
+    if len(numbers) != 9 * triangles:
+        raise BrokenMeshError(
+            f"has {len(numbers) // 3} vertices for {triangles} triangles: it is cut off"
+        )
+    return numbers.reshape(-1, 3, 3)

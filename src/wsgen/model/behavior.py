@@ -1,0 +1,130 @@
+"""What a robot must do beyond standing, and what came of it. SI units.
+
+"Ahead" is the x axis of the root link as the robot stands when a behaviour begins; headings are
+those of this axis on the ground.
+
+A differential drive as Gazebo's plugins have it. SI units.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+
+LEAST_TOLERANCE = 0.02  # m or rad; no engine is more exact
+
+
+@dataclass(frozen=True, kw_only=True)
+class Drive:
+    """Drive the robot as a Twist on /cmd_vel says, and see where it gets."""
+
+    linear: float = 0.0  # m/s, ahead
+    angular: float = 0.0  # rad/s, about z
+    # Where it should be at the end, seen from where it began; None is not judged.
+    x: float | None = None  # m, ahead
+    y: float | None = None  # m, to the left
+    yaw: float | None = None  # rad, whole turns included
+    tolerance: float = 0.1  # share of the way
+
+    def slack(self, *way: float | None) -> float:
+        """By how much a way with these parts (m or rad) may be missed."""
+        length = math.hypot(*(part or 0.0 for part in way))
+        return max(LEAST_TOLERANCE, self.tolerance * length)
+
+    @property
+    def expected(self) -> Mapping[str, float | None]:
+        """What is judged, by name; None is not."""
+        return {"x": self.x, "y": self.y, "yaw": self.yaw}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reach:
+    """Give joints positions to go to and to hold."""
+
+    positions: Mapping[str, float]  # rad or m, by joint
+    within: float = 0.05  # rad or m from these at the end
+
+    @property
+    def expected(self) -> Mapping[str, float | None]:
+        """What is judged, by name."""
+        return dict(self.positions)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Behaviour:
+    """One `[[behaviour]]` of a package's `wsgen.toml`."""
+
+    name: str
+    task: Drive | Reach
+    seconds: float
+    robot: str | None = None  # entity; None: the only one there is
+    line: int | None = None  # in wsgen.toml, 1-based
+
+
+@dataclass(frozen=True, kw_only=True)
+class Attempt:
+    """A behaviour that can be tried, with the robot that is to show it."""
+
+    entity: str
+    behaviour: Behaviour
+    drive: DiffDrive | None = None  # what it drives with, where it is told to
+
+
+@dataclass(frozen=True, kw_only=True)
+class BehaviourOutcome:
+    """What came of a behaviour."""
+
+    name: str
+    task: Drive | Reach
+    passed: bool
+    # What was measured at the end; None where it was not tried, or is not what it is about.
+    moved: tuple[float, float, float] | None = None  # m, m, rad: x, y, yaw
+    positions: Mapping[str, float] | None = None  # rad or m, of the joints that the task names
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bounds:
+    """How fast a speed may be and change; m/s and m/s², or rad/s and rad/s²."""
+
+    slowest: float = -math.inf
+    fastest: float = math.inf
+    braking: float = -math.inf  # the lowest acceleration
+    acceleration: float = math.inf
+
+    def next(self, speed: float, wanted: float, seconds: float) -> float:
+        """The speed after so many seconds of going from one to the wanted one."""
+        target = min(self.fastest, max(self.slowest, wanted))
+        most, least = speed + self.acceleration * seconds, speed + self.braking * seconds
+        return min(most, max(least, target))
+
+
+@dataclass(frozen=True, kw_only=True)
+class WheelPair:
+    """Two wheels on one axle."""
+
+    left: str  # joint
+    right: str  # joint
+    separation: float  # m, between the wheels
+    radius: float  # m
+
+    def speeds(self, linear: float, angular: float) -> tuple[float, float]:
+        """How fast the rims of the left and the right wheel are for these (m/s), in m/s."""
+        half = angular * self.separation / 2
+        return linear - half, linear + half
+
+
+@dataclass(frozen=True, kw_only=True)
+class DiffDrive:
+    """What a diff drive plugin was told."""
+
+    generation: str  # the simulator that has the plugin: "classic" or "gz"
+    pairs: tuple[WheelPair, ...]
+    torque: float | None = None  # N m, of each wheel; None: what the limits of the joints say
+    linear: Bounds = field(default_factory=Bounds)
+    angular: Bounds = field(default_factory=Bounds)
+    rim: Bounds = field(default_factory=Bounds)  # of each wheel's rim

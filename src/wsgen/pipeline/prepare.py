@@ -1,0 +1,381 @@
+"""A robot description becomes the robot that Gazebo would simulate.
+
+The folders of packages and models that addresses name.
+
+The models of SDF become robots to be tried, or the scenery of others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from wsgen.diagnostics import Diagnostic, Severity, has_errors
+from wsgen.meshes.inspection import inspect_meshes
+from wsgen.meshes.lookup import find_meshes
+from wsgen.meshes.shapes import build_solids
+from wsgen.model.robot import Robot
+from wsgen.model.transform import IDENTITY, Pose
+from wsgen.rules.check import judge_robot
+from wsgen.sdf.lookup import is_folder, model_finder, model_folders
+from wsgen.sdf.models import read_model, read_sdf
+from wsgen.urdf.lumping import lump
+from wsgen.urdf.reader import MISSPELT, read_urdf
+from wsgen.urdf.unknown_elements import meant_element
+from wsgen.xacro.source import place_in_source
+from wsgen.xmltree import Malformed, child_text, parse
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from wsgen.isolation.parent import Run
+    from wsgen.model.plan import Spawn, SpawnHeight
+    from wsgen.sdf.models import SdfFile, SdfModel
+
+
+REFUSED_BY_GAZEBO_SIM = frozenset(("ROB034",))  # and perhaps not by Gazebo Classic
+OLD_SDFORMAT = frozenset(("ROB079", "ROB080"))  # what only its older versions do
+FORTRESS = frozenset(("humble", "iron"))  # distributions with a Gazebo Sim that may have such
+NAMED = 3  # so many robots are told in a line
+
+ShareOf = Callable[[str], Path | None]  # package name -> its installed share folder
+
+
+@dataclass(frozen=True, kw_only=True)
+class Workshop:
+    """What it takes to complete a description."""
+
+    share_of: ShareOf
+    folder: Path  # for mesh files that are written anew; there until the trial is over
+    run: Run  # starts the child process that reads meshes
+    with_colours: bool = False  # also read what meshes look like, for a picture
+
+
+@dataclass(frozen=True, kw_only=True)
+class Described:
+    """A robot to be spawned, as written and as Gazebo has it."""
+
+    entity: str
+    written: Robot
+    lumped: Robot
+    is_sound: bool = True  # if not, the engine would try another robot than the described one
+    spawn_pose: Pose = IDENTITY
+    height: SpawnHeight | None = None  # where a launch file gives that of the spawn pose
+    on_the_ground: bool = False  # as low as it can stand, instead of at the height of that pose
+    is_scenery: bool = False  # a model of the world around the robots that are tried
+    may_move: bool = False  # a thing of a world that is tried: that it rolls or tips is no fault
+    diagnostics: tuple[Diagnostic, ...] = ()  # about its description, as they have been reported
+
+
+def describe(  # noqa: PLR0913  most have defaults
+    text: str | bytes,
+    *,
+    file: Path | None,
+    workshop: Workshop,
+    entity: str | None = None,
+    spawn_pose: Pose = IDENTITY,
+    on_the_ground: bool = False,
+    generation: str | None = None,
+    distro: str | None = None,
+) -> tuple[Described | None, tuple[Diagnostic, ...]]:
+    """Read, complete and lump the robot of a URDF text; None where there is no robot to try.
+
+    `file` is what the text comes from or was expanded from, and what the diagnostics name, with
+    places in what a person edits; bytes are those of the file itself. The robot is called
+    `entity`, or as its description calls it, and is for the simulator of that `generation` in that
+    ROS 2 distribution, where they are known.
+    """
+    written, found = read_urdf(text, file=file)
+    described = None
+    if written is not None:
+        lumped, more = _as_in_gazebo(written, file, workshop)
+        found, more = _at_the_misspelling(found, more)
+        judged = judge_robot(written, file, generation=generation)
+        found = _first_of_each_inertial((*found, *more, *judged))
+        found = tuple(_for_simulator(found, generation, distro))
+        described = Described(
+            entity=entity or written.name,
+            written=written,
+            lumped=lumped,
+            is_sound=not has_errors(found),
+            spawn_pose=spawn_pose,
+            on_the_ground=on_the_ground,
+        )
+    if not isinstance(text, bytes):  # those are of the file itself, where every line is its own
+        found = place_in_source(found, text=text, file=file, share_of=workshop.share_of)
+    return described and replace(described, diagnostics=found), found
+
+
+def _at_the_misspelling(
+    found: Sequence[Diagnostic], more: Iterable[Diagnostic]
+) -> tuple[tuple[Diagnostic, ...], tuple[Diagnostic, ...]]:
+    """Both, with what Gazebo refuses for a misspelt <inertial> told as an error about that."""
+    told, left = list(found), []
+    for error in more:
+        places = (
+            place
+            for place, cause in enumerate(told)
+            if error.severity is Severity.ERROR
+            and cause.code in MISSPELT
+            and _is_in_inertial(cause.element or "", error.element or "")
+        )
+        place = next(places, None)
+        if place is None:
+            left.append(error)
+        else:
+            cause = told[place]
+            what = cause.message.partition(": ")[0]
+            message = f"{what}: {error.message}"
+            told[place] = replace(cause, severity=Severity.ERROR, message=message)
+    return tuple(told), tuple(left)
+
+
+def _is_in_inertial(element: str, link: str) -> bool:
+    """Whether the path of an element is one in what is, or must be, the <inertial> of a link."""
+    tag = element.removeprefix(f"{link}/").partition("/")[0] if link else element
+    return tag != element and meant_element(tag, ("inertial",)) is not None
+
+
+def _for_simulator(
+    diagnostics: Iterable[Diagnostic], generation: str | None, distro: str | None
+) -> Iterator[Diagnostic]:
+    """The findings as they hold for a simulator: what it refuses is an error."""
+    has_old_sdformat = generation != "gz" or distro in {None, *FORTRESS}
+    for found in diagnostics:
+        if generation == "gz" and found.code in REFUSED_BY_GAZEBO_SIM:
+            yield replace(found, severity=Severity.ERROR)
+        elif has_old_sdformat or found.code not in OLD_SDFORMAT:
+            yield found
+
+
+def _first_of_each_inertial(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
+    """One finding about each <inertial>: those behind it come from the same numbers."""
+    kept: list[Diagnostic] = []
+    told: set[str] = set()
+    for found in diagnostics:
+        link, inertial, _ = (found.element or "").partition("/inertial")
+        if not inertial or link not in told:
+            kept.append(found)
+        told |= {link} if inertial else set()
+    return tuple(kept)
+
+
+def _as_in_gazebo(
+    written: Robot, file: Path | None, workshop: Workshop
+) -> tuple[Robot, tuple[Diagnostic, ...]]:
+    """The robot with its meshes, as Gazebo has it."""
+    located, missing = find_meshes(
+        written, share_of=workshop.share_of, folder=file.parent if file else None, file=file
+    )
+    readable, flawed = complete(located, file, workshop)
+    lumped, dropped = lump(readable, file=file)
+    return lumped, (*missing, *flawed, *dropped)
+
+
+def name_some(described: Sequence[Described]) -> str:
+    """The names of the robots that are tried, of many the first few."""
+    names = [robot.entity for robot in described if robot.is_sound and not robot.is_scenery]
+    others = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
+    return ", ".join(names[:NAMED]) + others
+
+
+def complete(
+    robot: Robot, file: Path | None, workshop: Workshop
+) -> tuple[Robot, tuple[Diagnostic, ...]]:
+    """The robot with shapes and mesh files that every engine reads as Gazebo does."""
+    readable, flawed = inspect_meshes(
+        robot,
+        file=file,
+        folder=workshop.folder,
+        run=workshop.run,
+        with_colours=workshop.with_colours,
+    )
+    # Afterwards: these are not a person's meshes, whose slips would be looked for.
+    built, wrong = build_solids(readable, file=file, folder=workshop.folder, run=workshop.run)
+    return built, (*flawed, *wrong)
+
+
+def share_on_model_path(environment: Mapping[str, str]) -> Callable[[str], Path | None]:
+    """Look a package or model up where the environment tells Gazebo to look for models."""
+    folders = model_folders(environment)
+
+    def share_of(package: str) -> Path | None:
+        found = (folder / package for folder in folders if package)
+        return next((folder for folder in found if is_folder(folder)), None)
+
+    return share_of
+
+
+def share_around(file: Path) -> Callable[[str], Path | None]:
+    """Look a package up among the folders that a file lies in, and those beside them.
+
+    A folder is taken for the package if it is called so, or if its package.xml says so. Gazebo's
+    `model://` addresses are looked up in the same way.
+    """
+    folders = file.absolute().parents
+
+    def share_of(package: str) -> Path | None:
+        for folder in folders:
+            if folder.name == package or _manifest_name(folder) == package:
+                return folder
+            for beside in (folder / package, folder / "share" / package):
+                if package and is_folder(beside):
+                    return beside
+        return None
+
+    return share_of
+
+
+def _manifest_name(folder: Path) -> str | None:
+    try:
+        root = parse((folder / "package.xml").read_bytes())
+    except OSError:
+        return None
+    return None if isinstance(root, Malformed) else child_text(root, "name")
+
+
+MOST_MODELS = 1000  # a minute of simulation for 3 s; public worlds have some dozens
+
+
+def read_file(file: Path, workshop: Workshop, environment: Mapping[str, str]) -> SdfFile:
+    """An SDF file, with what it includes from where Gazebo looks and from around the file."""
+    return read_sdf(
+        file,
+        find_model=_finder(file, workshop, environment),
+        read_robot=lambda urdf: _read_included(urdf, workshop),
+    )
+
+
+def read_spawned(spawn: Spawn, workshop: Workshop, environment: Mapping[str, str]) -> SdfFile:
+    """The model of a spawner that is given SDF."""
+    file = spawn.description_file
+    return read_model(
+        spawn.description,
+        file=file,
+        find_model=_finder(file, workshop, environment),
+        pose_in_world=spawn.pose_in_world,
+    )
+
+
+def _finder(
+    file: Path | None, workshop: Workshop, environment: Mapping[str, str]
+) -> Callable[[str], Path | None]:
+    """A function from the address of a model to its folder."""
+    find = None if file is None else model_finder(file, environment)
+
+    def find_model(uri: str) -> Path | None:
+        found = None if find is None else find(uri)
+        scheme, _, rest = uri.partition("://")
+        name = rest.partition("/")[0]
+        is_local = scheme in {"model", "package"} and name not in {"", ".", ".."}
+        return found or (workshop.share_of(name) if is_local else None)
+
+    return find_model
+
+
+def _read_included(file: Path, workshop: Workshop) -> tuple[Robot | None, tuple[Diagnostic, ...]]:
+    """A URDF file that a world includes, as Gazebo has it."""
+    written, found = read_urdf(file.read_bytes(), file=file)
+    if written is None:
+        return None, found
+    located, missing = find_meshes(
+        written, share_of=workshop.share_of, folder=file.parent, file=file
+    )
+    lumped, dropped = lump(located, file=file)
+    return lumped, (*found, *missing, *dropped)
+
+
+def describe_models(
+    found: SdfFile, workshop: Workshop, *, is_scenery: bool = False
+) -> tuple[list[Described], tuple[Diagnostic, ...]]:
+    """The models that have links, ready for an engine, and what is wrong with their meshes.
+
+    Scenery is there with all that can be had of it; of a file that is tried by itself nothing is
+    sound where there are errors: the scene would be another one than described.
+    """
+    models = [model for model in found.models if model.robot is not None]
+    if len(models) > MOST_MODELS:
+        return [], (_too_many(len(models), found),)
+    robots, flawed = _completed(models, workshop)
+    is_sound = is_scenery or not has_errors((*found.diagnostics, *flawed))
+    return [
+        Described(
+            entity=model.name,
+            written=written,
+            lumped=robot,
+            is_sound=is_sound,
+            spawn_pose=model.pose_in_world,
+            on_the_ground=found.world is None and not model.is_static,
+            is_scenery=is_scenery,
+            may_move=found.world is not None,
+            diagnostics=_about(model, models, (*found.diagnostics, *flawed)),
+        )
+        for model, robot in zip(models, robots, strict=True)
+        if (written := model.robot) is not None
+    ], flawed
+
+
+def _about(
+    model: SdfModel, models: Iterable[SdfModel], diagnostics: Iterable[Diagnostic]
+) -> tuple[Diagnostic, ...]:
+    """What has been reported of a model: where its file holds others, by its name."""
+    is_alone = sum(other.file == model.file for other in models) == 1
+    place = f"/model[@name='{model.name}']"
+    return tuple(
+        found
+        for found in diagnostics
+        if found.file == model.file and (is_alone or place in (found.element or ""))
+    )
+
+
+def _completed(
+    models: Sequence[SdfModel], workshop: Workshop
+) -> tuple[list[Robot], tuple[Diagnostic, ...]]:
+    """The robots of the models, with files that engines read.
+
+    The links of all models of one file are looked into together: a child process for each of some
+    hundred models would take longer than to simulate them.
+    """
+    completed: dict[int, Robot] = {}
+    diagnostics: list[Diagnostic] = []
+    groups: dict[tuple[Path | None, bool], list[int]] = {}
+    for number, model in enumerate(models):
+        groups.setdefault((model.file, model.is_static), []).append(number)
+    for (file, is_static), numbers in groups.items():
+        robots = [robot for number in numbers if (robot := models[number].robot) is not None]
+        names = [models[number].name for number in numbers] if len(numbers) > 1 else [None]
+        together = Robot(
+            name="",
+            root="",
+            links=tuple(
+                link if name is None else replace(link, name=f"{name}::{link.name}")
+                for robot, name in zip(robots, names, strict=True)
+                for link in robot.links
+            ),
+            is_static=is_static,
+        )
+        whole, flawed = complete(together, file, workshop)
+        diagnostics += flawed
+        links = iter(whole.links)
+        for number, robot in zip(numbers, robots, strict=True):
+            own = (replace(next(links), name=link.name) for link in robot.links)
+            completed[number] = replace(robot, links=tuple(own))
+    return [completed[number] for number in range(len(models))], tuple(diagnostics)
+
+
+def _too_many(models: int, found: SdfFile) -> Diagnostic:
+    return Diagnostic(
+        code="SPN035",
+        severity=Severity.ERROR,
+        message=f"The world holds {models:,} models: a trial takes at most {MOST_MODELS:,}.",
+        file=found.world.file if found.world else None,
+        hint="Make one static model of what never moves, or split the world.",
+    )
+
+
+def without_taken(scenery: Iterable[Described], taken: Iterable[str]) -> list[Described]:
+    """The scenery without models whose names are taken by what is spawned: one scene, one name."""
+    names = set(taken)
+    return [model for model in scenery if model.entity not in names]

@@ -1,0 +1,290 @@
+"""The stages of `wsgen validate`: overlay, launch plan, robot and world, trial, verdict.
+
+Play one launch file, of whatever package or of none.
+"""
+
+from __future__ import annotations
+
+import os
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from wsgen.build.request import refuse_empty
+from wsgen.errors import NotFoundError, NotReadableError, RequestError
+from wsgen.events import OneAtATime
+from wsgen.files import irregular_kind
+from wsgen.isolation import parent
+from wsgen.model.outcome import Outcome
+from wsgen.pipeline.package_validation import Validation
+from wsgen.pipeline.request import ValidateRequest
+from wsgen.pipeline.selection import Chosen, choose
+from wsgen.rendering.recording import lacks_encoder, why_no_film
+from wsgen.simulation.run import missing_engines
+from wsgen.workspace.layout import find_packages
+from wsgen.workspace.overlay import Overlay, source_overlay
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+    from concurrent.futures import Executor
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.events import Listener
+    from wsgen.isolation.parent import Run
+    from wsgen.model.outcome import PackageOutcome
+    from wsgen.pipeline.file_validation import FileValidation
+    from wsgen.workspace.layout import Workspace
+
+
+UNUSED_ARGUMENTS = ("LCH033", "LCH035")
+
+__all__ = ["ValidateRequest", "prepare", "validate"]
+
+
+def validate(
+    workspace: Workspace | None,
+    request: ValidateRequest,
+    *,
+    environment: Mapping[str, str],
+    listener: Listener | None = None,
+    ended: list[PackageOutcome] | None = None,
+) -> Outcome:
+    """Validate packages of a workspace, and files; `request.jobs` of them at a time.
+
+    `ended` gets the outcomes one by one, for callers whom an interruption (KeyboardInterrupt, or
+    whatever a handler of signals raises) shall not cost those that are there.
+
+    Files need no workspace, but one that is built may hold the packages whose meshes they name.
+
+    Raises:
+        RequestError: a package or launch file of that name does not exist, or an option is given
+            that nothing named here takes.
+        NotFoundError: the workspace is not built, no package has a launch file, a file is not
+            there, or an engine is not installed.
+        NotReadableError: a FILE is no regular file, or the folder for the pictures cannot be made.
+    """
+    prepare(request)
+    overlay = _overlay(workspace, request, environment)
+    told = OneAtATime(listener)
+    packages: Sequence[Chosen] = ()
+    left_out: tuple[str, ...] = ()
+    if workspace is not None and (request.packages or not request.files):
+        packages, left_out = choose(workspace, overlay, request)
+
+    def subjects(run: Run) -> list[Validation | FileValidation]:
+        return [
+            *(Validation(package, overlay, request, told, run) for package in packages),
+            *_files(request, [package.name for package in packages], overlay, told, run),
+        ]
+
+    if len(packages) + len(request.files) == 1:  # a server would serve one child
+        (subject,) = subjects(parent.run)
+        return Outcome(packages=(subject.run(),), left_out=left_out)
+    ended = [] if ended is None else ended
+    _run_several(subjects, request.jobs, told, ended)
+    return Outcome(packages=_without_used_elsewhere(ended, request), left_out=left_out)
+
+
+def _without_used_elsewhere(
+    outcomes: Sequence[PackageOutcome], request: ValidateRequest
+) -> tuple[PackageOutcome, ...]:
+    """Of what is given to all, report as unused only what none of them uses."""
+    unused = [
+        {found.element for found in outcome.diagnostics if _is_unused_argument(found)}
+        for outcome in outcomes
+        if outcome.file is None or outcome.file.suffix == ".xacro"
+    ]
+    by_nobody = set(request.launch_arguments).intersection(*unused)
+    return tuple(
+        replace(
+            outcome,
+            diagnostics=tuple(
+                found
+                for found in outcome.diagnostics
+                if not _is_unused_argument(found) or found.element in by_nobody
+            ),
+        )
+        for outcome in outcomes
+    )
+
+
+def _is_unused_argument(found: Diagnostic) -> bool:
+    """Whether it is about an argument of the request; those that a file gives have a line."""
+    return found.code in UNUSED_ARGUMENTS and found.line is None
+
+
+def _run_several(
+    subjects: Callable[[Run], list[Validation | FileValidation]],
+    jobs: int,
+    told: OneAtATime,
+    ended: list[PackageOutcome],
+) -> None:
+    """Run them, `jobs` at a time, with child processes that share their start."""
+    from wsgen.isolation.fork_server import Nursery  # noqa: PLC0415  of no use for one
+
+    # Leaving the nursery ends the children for which the threads wait.
+    with ExitStack() as stack:
+        pool = _thread_pool(stack, jobs)
+        todo = subjects(stack.enter_context(Nursery()).run)
+        stack.callback(told.close)  # what loses its child then has not failed
+        if pool is None:
+            for subject in todo:
+                ended.append(subject.run())  # noqa: PERF401  they are there when one is interrupted
+            return
+        from concurrent.futures import FIRST_EXCEPTION, wait  # noqa: PLC0415  see `_thread_pool`
+
+        running = [pool.submit(subject.run) for subject in todo]
+        try:
+            for future in wait(running, return_when=FIRST_EXCEPTION).done:
+                future.result()
+        finally:
+            ended += [
+                future.result()
+                for future in running
+                if future.done() and not future.cancelled() and future.exception() is None
+            ]
+
+
+def _thread_pool(stack: ExitStack, jobs: int) -> Executor | None:
+    """Threads that wait for child processes, in which what takes long happens; None for one job.
+
+    When the stack is left early, nothing more is begun.
+    """
+    if jobs == 1:
+        return None
+    # Loaded only where it is used: it brings `logging`.
+    from concurrent.futures import ThreadPoolExecutor  # noqa: PLC0415
+
+    pool = ThreadPoolExecutor(max_workers=jobs)
+    stack.callback(pool.shutdown, cancel_futures=True)
+    return pool
+
+
+def _files(
+    request: ValidateRequest,
+    packages: Sequence[str],
+    overlay: Overlay,
+    listener: Listener | None,
+    run: Run,
+) -> list[FileValidation]:
+    if not request.files:
+        return []
+    # A package needs nothing of what reads files.
+    from wsgen.pipeline.file_validation import FileValidation  # noqa: PLC0415
+    from wsgen.pipeline.picture_names import unique_names  # noqa: PLC0415
+
+    names = unique_names(request.files, packages)
+    return [
+        FileValidation(file, overlay, request, listener, run, name=name)
+        for file, name in zip(request.files, names, strict=True)
+    ]
+
+
+def prepare(request: ValidateRequest) -> None:
+    """See that there is what the request needs, before anything is begun.
+
+    Raises:
+        RequestError: an option is given that nothing named here takes.
+        NotFoundError: a file is not there, or an engine is not installed.
+        NotReadableError: a FILE is no regular file, or the folder for the pictures cannot be made.
+    """
+    missing = missing_engines(request.engines)
+    if missing:
+        raise NotFoundError(
+            f"The engine {missing[0]} is not installed.",
+            hint="Install it: pip install 'wsgen[dart]'"
+            if missing[0] == "dart"
+            else "PyBullet has no wheels for this Python; take --engine dart.",
+        )
+    for file in request.files:
+        kind = irregular_kind(file)
+        if kind is not None:
+            raise NotReadableError(f"{file} is {kind}.", hint="Name a regular file.")
+        if not file.is_file():
+            raise NotFoundError(f"There is no file {file}.", hint="Check its path.")
+    if request.files and not request.packages:
+        _refuse_idle_options(request)
+    if request.picture_folder is not None:
+        _make_folder(request.picture_folder)
+
+
+def _refuse_idle_options(request: ValidateRequest) -> None:
+    """What is asked for and would do nothing is a mistake."""
+    if request.launch_file is not None:
+        raise RequestError(
+            "A robot file is tried without a launch file.", hint="Leave --launch out."
+        )
+    if request.launch_arguments and all(file.suffix != ".xacro" for file in request.files):
+        raise RequestError(
+            "Only a .xacro file takes arguments.", hint="Leave --arg out, or name a .xacro file."
+        )
+
+
+def _overlay(
+    workspace: Workspace | None, request: ValidateRequest, environment: Mapping[str, str]
+) -> Overlay:
+    """The sourced workspace; for files alone, what is sourced already may have to do."""
+    if workspace is not None:
+        try:
+            return source_overlay(workspace, environment)
+        except (NotFoundError, NotReadableError):
+            if request.packages or not request.files:
+                if not find_packages(workspace):
+                    refuse_empty(workspace)
+                raise
+    prefixes = environment.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
+    return Overlay(
+        install=Path(),
+        environment=dict(environment),
+        prefixes=tuple(Path(prefix) for prefix in prefixes if prefix),
+    )
+
+
+def _make_folder(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise NotReadableError(
+            f"The folder {folder} for pictures cannot be made: {error.strerror}.",
+            hint="Name a folder that you may write to.",
+        ) from error
+
+
+def play(  # noqa: PLR0913  what to play, where, how
+    launch_file: Path,
+    package: str | None,
+    overlay: Overlay,
+    request: ValidateRequest,
+    *,
+    workspace: Workspace | None = None,
+    listener: Listener | None = None,
+) -> Outcome:
+    """Evaluate a launch file, spawn what it spawns, simulate and judge it.
+
+    `package` is the one that the file belongs to, if any; `workspace` may have its source. Of the
+    request everything counts that says how to try, and nothing that says what.
+
+    Raises:
+        RequestError: there can be no such film.
+        NotFoundError: an engine or the encoder of the film is not installed.
+        NotReadableError: the folder for the pictures cannot be made.
+    """
+    prepare(request)
+    if request.film is not None and lacks_encoder(request.film):
+        raise NotFoundError(
+            "PyAV, which writes .mp4, is not installed.",
+            hint="Install it: pip install 'wsgen[video]'; or name a .gif.",
+        )
+    problem = None if request.film is None else why_no_film(request.film)
+    if problem is not None:
+        raise RequestError(f"Cannot record a video: {problem}.", hint="Name a .gif, for example.")
+    written = [] if workspace is None else find_packages(workspace)
+    chosen = Chosen(
+        name=package or launch_file.stem,
+        source=next((found.path for found in written if found.name == package), None),
+        share=overlay.share(package) if package else None,
+        launch_file=launch_file,
+    )
+    outcome = Validation(chosen, overlay, request, listener).run()
+    return Outcome(packages=(replace(outcome, package=package),))

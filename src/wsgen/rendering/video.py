@@ -1,0 +1,174 @@
+"""Draws the video of a trial: of each behavior, or of the robots from the spawning to the end.
+
+Images become a film: a GIF by Pillow, or an MP4 by PyAV.
+"""
+
+from __future__ import annotations
+
+import io
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PIL import Image
+
+from wsgen.files import write_file
+from wsgen.rendering.camera import Size
+from wsgen.rendering.picture import draw_title, write_caption
+from wsgen.rendering.scene_renderer import Stage, picture_seconds
+from wsgen.simulation.scene import Film
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+    from pathlib import Path
+
+    from wsgen.rendering.recording import Clip, Recorder
+    from wsgen.rendering.render_items import Poses
+    from wsgen.rendering.scene_renderer import Gallery
+
+
+COLOURS = 255  # and one that says that a pixel is as before
+
+
+def write_film(
+    file: Path, frames: Iterator[Image.Image], samples: Sequence[Image.Image], rate: float
+) -> None:
+    """Write the frames, so many a second, as they come.
+
+    Args:
+        file: Its ending says what it becomes, `.gif` or `.mp4`. It is written when all is done.
+        frames: All of one size, with an even number of rows and columns.
+        samples: Images with the film's colours.
+        rate: Frames a second.
+    """
+    if file.suffix.lower() == ".mp4":
+        # It is an extra, and its loading takes longer than PyBullet's.
+        from wsgen.rendering.video_encoder import encode_mp4  # noqa: PLC0415
+
+        write_file(file, encode_mp4(frames, rate))
+    else:
+        write_file(file, _encode_gif(frames, samples, rate))
+
+
+def _encode_gif(
+    frames: Iterator[Image.Image], samples: Sequence[Image.Image], rate: float
+) -> bytes:
+    palette = _palette(samples)
+    painted = (frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames)
+    stream = io.BytesIO()
+    next(painted).save(
+        stream,
+        format="GIF",
+        save_all=True,
+        append_images=painted,
+        duration=round(1000 / rate),  # ms
+        loop=0,
+        disposal=1,
+    )
+    return stream.getvalue()
+
+
+def _palette(samples: Sequence[Image.Image]) -> Image.Image:
+    """One for all frames: with one of its own for each, what does not move would flicker."""
+    width, height = samples[0].size
+    sheet = Image.new("RGB", (width, height * len(samples)))
+    for number, sample in enumerate(samples):
+        sheet.paste(sample, (0, number * height))
+    return sheet.quantize(COLOURS, method=Image.Quantize.MEDIANCUT)
+
+
+BUDGET = 16.0  # s of CPU time for all frames, about: a usual robot's need a third of it
+
+# The picture's size and how many times as large it is drawn; the first that can be done in time.
+LARGE, SMALL = Size(480, 360), Size(320, 240)
+QUALITIES = (
+    *((LARGE, scale) for scale in (1.5, 1.0)),
+    *((SMALL, scale) for scale in (1.5, 1.0, 0.75)),
+)
+
+TITLE_SECONDS = 0.8  # how long the name of a behavior is shown before it
+
+
+def draw_film(
+    gallery: Gallery, recorder: Recorder, file: Path, announce: Callable[[str], None]
+) -> Film:
+    """Write a video of what was recorded; `announce` is told how far it is.
+
+    The camera stands still and sees the robots as they are at the beginning, in the middle and at
+    the end of each clip. A clip with a name begins with it on a title card, so that nobody takes
+    the cut for a jump of the robot. What takes long to draw gets a smaller picture, then fewer
+    frames.
+    """
+    clips = recorder.shown
+    count = sum(len(clip.frames) for clip in clips)
+    size, scale, cost = _quality(gallery, count)
+    stride = max(1, -int(-count * cost // BUDGET))
+    rate = recorder.rate / stride
+    stage = _set_up(gallery, [moment for clip in clips for moment in _moments(clip)], size, scale)
+    titles = max(1, round(TITLE_SECONDS * rate))
+    total = sum(len(clip.frames[::stride]) for clip in clips)
+    written = total + titles * sum(bool(clip.name) for clip in clips)
+
+    def draw_all() -> Iterator[Image.Image]:
+        number = 0
+        for clip in clips:
+            for place, now in enumerate(clip.frames[::stride]):
+                number += 1
+                announce(f"frame {number} of {total}")
+                image = _draw(stage, now, clip.name, seconds=place / rate)
+                if place == 0 and clip.name:
+                    yield from [draw_title(image, clip.name)] * titles
+                yield image
+
+    write_film(file, draw_all(), _samples(stage, clips), rate)
+    return Film(
+        file=file,
+        frames=written,
+        frames_per_second=rate,
+        width=size.width,
+        height=size.height,
+        triangles=gallery.studio.triangles,
+        is_coarse=stride > 1 or size != LARGE,
+    )
+
+
+def _quality(gallery: Gallery, frames: int) -> tuple[Size, float, float]:
+    """The size, how many times as large it is drawn, and about the CPU time of a frame (s)."""
+    for size, scale in QUALITIES:
+        cost = picture_seconds(gallery.studio, size, scale)
+        if cost * frames <= BUDGET:
+            break
+    return size, scale, cost
+
+
+def _moments(clip: Clip) -> list[Poses]:
+    return [clip.frames[0], clip.frames[len(clip.frames) // 2], clip.frames[-1]]
+
+
+def _set_up(gallery: Gallery, moments: Sequence[Poses], size: Size, scale: float) -> Stage:
+    points = []
+    for moment in moments:
+        gallery.studio.arrange(moment)
+        points.append(gallery.subject_points())
+    return Stage(
+        gallery.studio,
+        gallery.world,
+        np.vstack(points),
+        size,
+        scale,
+        without_shadow=gallery.scenery,
+    )
+
+
+def _samples(stage: Stage, clips: Sequence[Clip]) -> list[Image.Image]:
+    """Three images that have the colors of all."""
+    samples = [_draw(stage, moment, "", seconds=0.0) for moment in _moments(clips[0])]
+    return [*samples, *(draw_title(samples[0], clip.name) for clip in clips[:1] if clip.name)]
+
+
+def _draw(stage: Stage, poses: Poses, name: str, *, seconds: float) -> Image.Image:
+    stage.studio.arrange(poses)
+    image = stage.take(dither=False)
+    tile = stage.backdrop.tile
+    lines = [name, f"{seconds:.2f} s", f"1 square = {tile:g} m" if tile else ""]
+    write_caption(image, [line for line in lines if line])
+    return image

@@ -1,0 +1,1 @@
+"""Rules about robots and simulation runs, and the catalogue of all rules."""

@@ -1,0 +1,201 @@
+"""All rules over a robot, in the order in which a user should read what they find."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from wsgen.diagnostics import Severity
+from wsgen.model.kinematics import limb_joints
+from wsgen.model.robot import JointType
+from wsgen.rules import robots, runs, scenes
+
+if TYPE_CHECKING:
+    from collections.abc import Collection
+    from pathlib import Path
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.model.plan import SpawnHeight
+    from wsgen.model.robot import Robot
+    from wsgen.model.world import World
+    from wsgen.simulation.scene import RobotTrial
+
+
+# Less is play: a motion that nobody would call giving way.
+GAVE_WAY_TURNING = 0.1  # rad
+GAVE_WAY_SLIDING = 0.01  # m
+OVERSHOT = 1.5  # times the way to the limit that a joint is pushed to: so far a push carries it
+ON_THE_GROUND = 0.02  # m
+
+
+def judge_robot(
+    written: Robot, file: Path | None, *, generation: str | None = None
+) -> tuple[Diagnostic, ...]:
+    """Judge a robot as its description gives it.
+
+    `file` is what the findings name, `generation` the simulator it is for: "classic", "gz", or None
+    for either.
+    """
+    return (
+        *robots.number_beyond_engines(written.links, written.joints, file),
+        *robots.implausible_size(written.links, written.joints, file),
+        *robots.implausible_mass(written.links, written.joints, file),
+        *robots.implausible_inertia(written.links, file),
+        *robots.massless_root(written.link(written.root), written.joints, written.mass, file),
+        *robots.ros_1_plugin(written.gazebo, file),
+        *robots.nothing_to_touch(written.links, file),
+        *robots.nothing_to_see(written.links, file),
+        *robots.loose_joint(written.joints, file, generation),
+        *robots.starts_outside_limits(written.joints, file),
+    )
+
+
+def judge_trial(  # noqa: PLR0913  most have defaults
+    robot: Robot,
+    world: World,
+    trial: RobotTrial,
+    *,
+    height: SpawnHeight | None = None,
+    is_alone: bool = True,
+    scenery: Collection[str] = (),
+    pushed: Collection[str] = (),
+) -> tuple[Diagnostic, ...]:
+    """Judge what was measured of a robot; `robot` is the one Gazebo would build (lumped).
+
+    `height` is where a launch file says how high it is spawned, if one does; `is_alone` says that
+    no other robot of the scene can push it; `scenery` are the models of the world among the
+    entities of the scene; `pushed` are joints that are reported to start outside of their limits.
+    """
+    entity = trial.entity
+    collide = [link.name for link in robot.links if link.self_collide]
+    movable = 0 if robot.is_static else len(robot.movable_joints)
+    found = [
+        *runs.mass_differs_from_description(entity, robot.mass, trial.mass),
+        *runs.joints_differ_from_description(entity, movable, trial.movable_joints),
+        *runs.state_not_finite(entity, is_finite=trial.is_finite),
+        *runs.trial_cut_short(entity, is_cut_short=trial.is_cut_short),
+        *scenes.robots_in_each_other(entity, trial.overlaps, scenery),
+        *scenes.links_in_each_other(entity, trial.overlaps, collide),
+    ]
+    if robot.is_static:
+        return tuple(found)
+    if world.has_ground_plane:
+        found += runs.born_inside_the_ground(
+            entity,
+            trial.penetration,
+            trial.spawn_pose.xyz[2],
+            height,
+            is_bolted=robot.fixed_to_world,
+        )
+    if world.has_ground_plane and not robot.fixed_to_world:
+        # What stands on a platform of the world is high up, and falls from no height.
+        fall = min(trial.lowest_point, trial.lowest_point - trial.lowest_point_at_end)
+        found += runs.spawned_high_above_the_ground(entity, fall, trial.spawn_pose.xyz[2], height)
+    if trial.is_finite and not trial.is_cut_short:
+        is_pushed = any(overlap.other_entity is not None for overlap in trial.overlaps)
+        motion = _judge_motion(
+            robot, world, trial, is_alone=is_alone and not is_pushed, pushed=pushed
+        )
+        if scenery and not _is_on_the_ground(world, trial):
+            motion = [_as_on_a_slope(one) for one in motion]
+        found += motion
+    return tuple(found)
+
+
+def _is_on_the_ground(world: World, trial: RobotTrial) -> bool:
+    """Whether it ends up where a robot that leans has fallen over, and stands on no slope."""
+    return world.has_ground_plane and abs(trial.lowest_point_at_end) < ON_THE_GROUND
+
+
+def _as_on_a_slope(finding: Diagnostic) -> Diagnostic:
+    """On the models of a world it may be right that a robot leans."""
+    leans = finding.code == "SPN059" and finding.severity is Severity.ERROR
+    return replace(finding, severity=Severity.WARNING) if leans else finding
+
+
+def _judge_motion(
+    robot: Robot,
+    world: World,
+    trial: RobotTrial,
+    *,
+    is_alone: bool,
+    pushed: Collection[str],
+) -> list[Diagnostic]:
+    entity = trial.entity
+    gave_way = limbs_that_gave_way(robot, trial)
+    is_moving = trial.settled_after is None
+    found = list(
+        runs.gains_energy(
+            entity,
+            trial.energy_gain,
+            trial.mass,
+            math.hypot(*world.gravity),
+            trial.penetration,
+            is_alone=is_alone,
+        )
+    )
+    if found and is_alone:
+        return found  # what else it does comes from that
+    # It hangs or stands where it is spawned; only its joints can move.
+    if not robot.fixed_to_world:
+        found += _judge_place(world, trial, gave_way=bool(gave_way))
+    found += scenes.rests_on_its_hull(entity, trial.hull_gaps)
+    found += runs.joint_beyond_limit(entity, robot.joints, trial.joint_positions)
+    # What its limits move is not told as moved by gravity.
+    to_limits = {
+        joint.name: max(joint.limit.lower, -joint.limit.upper)
+        for joint in robot.joints
+        if joint.name in pushed and joint.limit is not None
+    }
+    by_gravity = {
+        name: travel
+        for name, travel in gave_way.items()
+        if travel > OVERSHOT * to_limits.get(name, 0.0)
+    }
+    found += runs.gives_way(by_gravity, entity, is_moving=is_moving)
+    return found
+
+
+def _judge_place(world: World, trial: RobotTrial, *, gave_way: bool) -> list[Diagnostic]:
+    entity = trial.entity
+    falls = list(
+        runs.falls_without_end(
+            entity,
+            trial.lowest_point,
+            trial.lowest_point_at_end,
+            has_ground=world.has_ground_plane,
+            is_falling=trial.is_falling,
+        )
+    )
+    if falls:
+        return falls
+    depth = -trial.lowest_point_at_end if world.has_ground_plane else 0.0
+    found = list(runs.stuck_in_the_ground(entity, depth, trial.climb))
+    # Or still being pushed out: it moves for that alone.
+    is_stuck = bool(found) or (depth > 0 and runs.is_on_its_way_out(depth, trial.climb))
+    found += runs.thrown_into_the_air(
+        entity, trial.highest_point - trial.spawn_pose.xyz[2] - trial.penetration
+    )
+    if not is_stuck:
+        found += runs.keeps_moving(
+            entity,
+            trial.settled_after,
+            trial.speed,
+            turning=trial.turning,
+            joint_speed=trial.joint_speed,
+            gave_way=gave_way,
+        )
+    found += runs.tips_over(entity, trial.tilt, gave_way=gave_way)
+    return found
+
+
+def limbs_that_gave_way(robot: Robot, trial: RobotTrial) -> dict[str, float]:
+    """The joints that moved though nobody drives them, with how far (rad or m)."""
+    types = {joint.name: joint.type for joint in robot.joints}
+    return {
+        name: trial.joint_travel[name]
+        for name in sorted(limb_joints(robot) & trial.joint_travel.keys())
+        if trial.joint_travel[name]
+        > (GAVE_WAY_SLIDING if types[name] is JointType.PRISMATIC else GAVE_WAY_TURNING)
+    }

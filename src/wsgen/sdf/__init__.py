@@ -1,0 +1,1 @@
+"""SDF: read worlds and models, their includes, frames and shapes."""

@@ -1,0 +1,301 @@
+"""What `<include>` stands for: a model in another file."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+from urllib.parse import unquote
+
+from wsgen.diagnostics import Severity
+from wsgen.files import irregular_kind
+from wsgen.sdf.lookup import (
+    address_of,
+    file_of_model,
+    gazebo_models,
+    instead_of_file,
+    is_file,
+    is_folder,
+    models_around,
+)
+from wsgen.sdf.source import load, parse_text, with_version
+from wsgen.suggestions import did_you_mean, nearest
+from wsgen.xmltree import children
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.model.robot import Robot
+    from wsgen.sdf.source import Source
+    from wsgen.xmltree import Element
+
+
+if TYPE_CHECKING:
+    ReadRobot = Callable[[Path], tuple[Robot | None, tuple[Diagnostic, ...]]]
+
+# Their Fuel addresses end in the same words, with capitals and a blank.
+GROUND_PLANE = "ground_plane"
+SUN = "sun"
+
+# What Gazebo's own is for a trial.
+GROUND_PLANE_SDF = """
+<sdf version="1.4">
+  <model name="ground_plane">
+    <static>true</static>
+    <link name="link">
+      <collision name="collision">
+        <geometry><plane><normal>0 0 1</normal><size>100 100</size></plane></geometry>
+        <surface><friction><ode><mu>100</mu><mu2>50</mu2></ode></friction></surface>
+      </collision>
+      <visual name="visual">
+        <geometry><plane><normal>0 0 1</normal><size>100 100</size></plane></geometry>
+        <material><script><name>Gazebo/Grey</name></script></material>
+      </visual>
+    </link>
+  </model>
+</sdf>
+"""
+
+# So alike two words are, as difflib counts, that one is taken for the other.
+ALIKE = 0.8
+MOST_COMPARED = 20  # names; difflib takes its time, and who has more has another trouble
+
+WHERE = (
+    "Put its folder beside this file, or into a folder of GAZEBO_MODEL_PATH (Gazebo Classic) or "
+    "GZ_SIM_RESOURCE_PATH (Gazebo Sim)."
+)
+
+
+class Includes:
+    """Finds models, and reads every file once.
+
+    Args:
+        find_model: Gives the folder of `model://NAME` or of a model of Fuel, None where there is
+            none.
+        diagnostics: Where to put what is wrong.
+        read_robot: Reads a URDF file as Gazebo has it, which SDF may include as well.
+    """
+
+    def __init__(
+        self,
+        find_model: Callable[[str], Path | None],
+        diagnostics: list[Diagnostic],
+        read_robot: ReadRobot | None = None,
+    ) -> None:
+        self._find_model = find_model
+        self._diagnostics = diagnostics
+        self._read_robot = read_robot
+        self._folders: dict[str, Path | None] = {}
+        self._files: dict[tuple[Path | None, str], Path | str] = {}  # or why there is none
+        self._sources: dict[Path, Source | None] = {}
+        self._robots: dict[Path, Robot | None] = {}
+        self._ground: Source | None = None
+        self._near_models: dict[str, str | None] = {}  # by the address that is not found
+        self._misspelt_ground: int | None = None  # the place of the diagnostic about it
+
+    def find(
+        self,
+        source: Source,
+        include: Element,
+        uri: str,
+        trail: tuple[Path, ...],
+        *,
+        is_part: bool,
+    ) -> tuple[Source, Element] | None:
+        """The model of an include and its file; None where it cannot be had, which is reported.
+
+        `trail` are the files that lead here; `is_part` says that it belongs to another model, which
+        is incomplete without it.
+        """
+        if not uri:  # nobody can have that model
+            source.missing(
+                "WLD004",
+                "The include has no <uri>: it names no model.",
+                at=include,
+                name="uri",
+                hint=how_to_have(uri),
+            )
+            return None
+        if is_ground_plane(uri):
+            return self._ground_plane()
+        found = self._files.get((source.file, uri))
+        if found is None:
+            found = self._files[source.file, uri] = self._model_file(source, uri)
+        if isinstance(found, Path) and found in trail:
+            source.error(
+                "WLD019",
+                f"`{uri}` includes itself ({_circle(trail, found)}).",
+                at=include,
+                hint="Remove one of the includes of the circle.",
+            )
+            return None
+        if isinstance(found, Path):
+            inner = self._source(found)
+            element = None if inner is None else self._model_in(inner, is_part=is_part)
+            if inner is not None and element is not None:
+                return inner, element
+            if inner is not None and next(children(inner.root, "light", "actor"), None) is not None:
+                return None  # nothing to touch
+            found = _why_no_model(found, inner)
+        # Others may be where wsgen does not look.
+        report = source.error if is_part else source.warning
+        near = self._near(source, uri)
+        if near == GROUND_PLANE:
+            self._misspelt_ground = len(self._diagnostics)
+        report(
+            "WLD004",
+            f"The model {uri} is not part of the trial: {found}.",
+            at=include,
+            hint=did_you_mean(f"model://{near}") if near else how_to_have(uri),
+        )
+        return None
+
+    def _near(self, source: Source, uri: str) -> str | None:
+        if uri not in self._near_models and len(self._near_models) < MOST_COMPARED:
+            self._near_models[uri] = _near_model(source, uri)
+        return self._near_models.get(uri)
+
+    def blame_misspelt_ground(self) -> bool:
+        """Report the misspelt address of a ground plane as why there is none; False if none is."""
+        place = self._misspelt_ground
+        if place is None:
+            return False
+        found = self._diagnostics[place]
+        self._diagnostics[place] = replace(
+            found,
+            severity=Severity.ERROR,
+            message=f"{found.message} Without it the world has no ground; "
+            "this trial uses the ground that was meant.",
+        )
+        return True
+
+    def robot(self, file: Path) -> Robot | None:
+        """The robot of a URDF file that `find` gave; what is wrong with it is reported."""
+        if file not in self._robots and self._read_robot is not None:
+            self._robots[file], found = self._read_robot(file)
+            self._diagnostics += found
+        return self._robots.get(file)
+
+    def path(self, source: Source, uri: str) -> Path | None:
+        """The file or folder of an address, whether it is there or not; None where that is unknown.
+
+        A path that is not absolute is seen from the folder of the file that it is written in.
+        """
+        scheme, separator, rest = uri.partition("://")
+        if not separator or scheme == "file":
+            written = unquote(rest) if separator else uri
+            if source.file is None:
+                return Path(written) if Path(written).is_absolute() else None
+            return source.file.parent.absolute() / written
+        if scheme in {"http", "https"}:
+            address = address_of(uri)
+            folder = None if address is None else self._folder(uri)
+            inside = "" if address is None else address.inside
+        elif scheme in {"model", "package"}:
+            name, _, inside = rest.partition("/")
+            folder = self._folder(f"model://{name}") if name else None
+        else:
+            return None
+        return folder / inside if folder is not None and inside else folder
+
+    def _folder(self, uri: str) -> Path | None:
+        """The folder of a model (or package)."""
+        if uri not in self._folders:
+            try:
+                self._folders[uri] = self._find_model(uri)
+            except (OSError, ValueError):  # a name that no folder can have
+                self._folders[uri] = None
+        return self._folders[uri]
+
+    def _model_in(self, source: Source, *, is_part: bool) -> Element | None:
+        """The model in a file: of SDF, or a robot of URDF where that can be had."""
+        if source.root.tag == "robot":
+            return source.root if self._read_robot is not None and not is_part else None
+        return next(children(source.root, "model"), None)
+
+    def _ground_plane(self) -> tuple[Source, Element] | None:
+        if self._ground is None:
+            self._ground = parse_text(GROUND_PLANE_SDF, None, self._diagnostics)
+        return self._ground and (self._ground, self._ground.root[0])
+
+    def _source(self, file: Path) -> Source | None:
+        if file not in self._sources:
+            source = load(file, self._diagnostics)
+            if source is not None and source.root.tag == "sdf":
+                source = with_version(source)
+            self._sources[file] = source
+        return self._sources[file]
+
+    def _model_file(self, source: Source, uri: str) -> Path | str:
+        """The SDF file of an address, or why there is none."""
+        path = self.path(source, uri)
+        if path is None:
+            scheme = uri.partition("://")[0]
+            return (
+                "it is in the network, and Gazebo has not loaded it on this machine yet"
+                if scheme in {"http", "https"}
+                else "its folder was not found"
+            )
+        if is_folder(path):
+            named = file_of_model(path)
+            if named is None:
+                kind = irregular_kind(path / "model.config")
+                if kind is not None:
+                    return f"{path / 'model.config'} is {kind}"
+                return f"{path} has no model.config that names a file, and no model.sdf"
+            path = named
+        return path.resolve() if is_file(path) else f"{path} is {instead_of_file(path)}"
+
+
+def how_to_have(uri: str) -> str:
+    """What to do about a model or mesh that is not there."""
+    if not uri:
+        return "Write <uri>model://NAME</uri> into it."
+    if "://" not in uri:
+        return "Check its spelling, capitals included; the path is seen from this file."
+    if uri.startswith(("http://", "https://")):
+        return (
+            f"Load it once with `gz fuel download -u '{uri}'` (Gazebo Fortress: `ign fuel`); or "
+            "put its folder into one of GZ_SIM_RESOURCE_PATH, and include model://NAME."
+        )
+    return WHERE
+
+
+def _near_model(source: Source, uri: str) -> str | None:
+    """The model that is surely meant by a `model://NAME` which is not found."""
+    scheme, _, name = uri.partition("://")
+    models = gazebo_models()
+    if scheme != "model" or name in models:
+        return None
+    names = {*models, *(models_around(source.file) if source.file else ())}
+    return nearest(name.strip("/"), names, cutoff=ALIKE)
+
+
+def is_sun(uri: str) -> bool:
+    """Whether it is the address of Gazebo's sun."""
+    return _plain_name(uri) == SUN
+
+
+def is_ground_plane(uri: str) -> bool:
+    """Whether it is the address of Gazebo's ground plane."""
+    return _plain_name(uri) == GROUND_PLANE
+
+
+def _plain_name(uri: str) -> str:
+    address = address_of(uri) if "models" in uri else None
+    last = uri.rstrip("/").rpartition("/")[2] if address is None else address.name
+    return last.lower().replace(" ", "_").replace("%20", "_")
+
+
+def _why_no_model(file: Path, source: Source | None) -> str:
+    if source is None:
+        return f"{file} cannot be read"
+    if source.root.tag == "robot":
+        return f"{file} is a URDF, and only a model that stands in the world by itself can be one"
+    return f"there is no <model> in {file}"
+
+
+def _circle(trail: tuple[Path, ...], again: Path) -> str:
+    names = [f"{file.parent.name}/{file.name}" for file in (*trail[trail.index(again) :], again)]
+    return " → ".join(names)

@@ -1,0 +1,211 @@
+"""`<joint>` of SDF: what it joins, and how the two move."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+from wsgen.model.robot import Joint, JointLimit, JointType, Mimic
+from wsgen.model.transform import UNIT, multiply, rotate, rotation_of_rpy, transpose
+from wsgen.sdf.frames import MODEL_FRAME, WORLD, frame_called, link_of, pose_in
+from wsgen.sdf.source import MODEL_FRAME_AXES, POSE_FRAMES, line_of
+from wsgen.sdf.values import TRUTH, first, number, triple, word
+from wsgen.suggestions import did_you_mean, nearest
+
+if TYPE_CHECKING:
+    from wsgen.model.transform import Matrix, Pose, Vector
+    from wsgen.sdf.frames import Node, Scope
+    from wsgen.sdf.source import Source
+    from wsgen.xmltree import Element
+
+
+TYPES = {
+    kind.value: kind
+    for kind in (JointType.FIXED, JointType.REVOLUTE, JointType.CONTINUOUS, JointType.PRISMATIC)
+}
+LEFT_OUT = ("revolute2", "universal", "ball", "screw", "gearbox")
+UNBOUNDED = 1e16  # rad, m, N or N m: so SDF writes that there is no limit
+DEFAULT_AXIS = (0.0, 0.0, 1.0)
+
+
+class Edge(NamedTuple):
+    """A joint and what it joins."""
+
+    node: Node
+    type: JointType | None  # None: one that wsgen leaves out
+    parent: Node | None  # None: the world
+    child: Node
+
+
+def read_edge(node: Node) -> Edge | None:
+    """What a joint joins; None where that cannot be said, which is reported."""
+    source, element = node.source, node.element
+    kind = element.get("type") or ""
+    child = _end(node, "child")
+    parent = None if word(element, "parent") == WORLD else _end(node, "parent")
+    if kind not in TYPES and kind not in LEFT_OUT:
+        source.error(
+            "WLD023",
+            f"`{kind}` is not a joint type." if kind else f"The joint `{node.name}` has no type.",
+            at=element,
+            hint=f"One of {', '.join((*TYPES, *LEFT_OUT))}.",
+        )
+        return None
+    if child is None or (parent is None and word(element, "parent") != WORLD):
+        return None
+    if parent is child:
+        source.error(
+            "WLD022",
+            f"The joint `{node.name}` joins the link `{child.name}` to itself.",
+            at=element,
+            hint="Name two different links as parent and child.",
+        )
+        return None
+    return Edge(node, TYPES.get(kind), parent, child)
+
+
+def _end(node: Node, tag: str) -> Node | None:
+    """The link that an end of a joint is; None where there is none, which is reported."""
+    name = word(node.element, tag)
+    if name == MODEL_FRAME and node.scope.node is not None:
+        return link_of(node.scope.node)
+    found = node.scope.lookup(name) if name else None
+    link = None if found is None else link_of(found)
+    if link is None:
+        near = nearest(name, node.scope.nodes) if name else None
+        node.source.error(
+            "WLD021",
+            f"The {tag} of the joint `{node.name}` is `{name}`, and no link is called so."
+            if name
+            else f"The joint `{node.name}` has no {tag} link.",
+            at=node.element,
+            hint=did_you_mean(near) if near else f"Add <{tag}>LINK</{tag}>.",
+        )
+    return link
+
+
+def read_joint(edge: Edge, top: Scope, names: tuple[str, str, str], pose_in_parent: Pose) -> Joint:
+    """The joint with its own name, that of its parent and that of its child.
+
+    `top` is the outermost model. Mimicked joints have to be looked up afterwards.
+    """
+    node, kind = edge.node, edge.type or JointType.FIXED
+    source, element = node.source, node.element
+    axis = first(element, "axis")
+    limit = None
+    if kind is not JointType.FIXED and axis is not None:
+        limit = _limit(source, axis)
+        is_free = limit.lower <= -UNBOUNDED and limit.upper >= UNBOUNDED
+        if kind is JointType.REVOLUTE and is_free:
+            kind = JointType.CONTINUOUS
+        if is_free or kind is JointType.CONTINUOUS:
+            limit = None
+    elif kind is JointType.REVOLUTE:
+        kind = JointType.CONTINUOUS
+    dynamics = {
+        tag: 0.0 if axis is None else number(source, axis, "dynamics", tag, default=0.0)
+        for tag in ("damping", "friction", "spring_stiffness", "spring_reference")
+    }
+    return Joint(
+        name=names[0],
+        type=kind,
+        parent=names[1],
+        child=names[2],
+        pose_in_parent=pose_in_parent,
+        axis_in_joint=DEFAULT_AXIS
+        if kind is JointType.FIXED or axis is None
+        else _axis(node, axis, top),
+        limit=limit,
+        mimic=None if axis is None else _mimic(source, axis),
+        line=line_of(element),
+        **dynamics,
+    )
+
+
+def _axis(node: Node, axis: Element, top: Scope) -> Vector:
+    """The direction of the axis, of length 1, seen from the joint."""
+    source = node.source
+    xyz = triple(source, axis, "xyz", default=DEFAULT_AXIS)
+    length = math.hypot(*xyz)
+    if length == 0 or not math.isfinite(length):
+        source.error(
+            "WLD026",
+            f"The axis of the joint `{node.name}` has no direction.",
+            at=axis,
+            hint="Name the axis that the joint moves about or along, as <xyz>0 0 1</xyz>.",
+        )
+        return DEFAULT_AXIS
+    unit = (xyz[0] / length, xyz[1] / length, xyz[2] / length)
+    rotation = _rotation_of_axis_frame(node, axis, top)
+    if rotation is None:
+        return unit
+    joint = rotation_of_rpy(pose_in(top, node).rpy)
+    return rotate(multiply(transpose(joint), rotation), unit)
+
+
+def _rotation_of_axis_frame(node: Node, axis: Element, top: Scope) -> Matrix | None:
+    """How the frame of the axis is turned in the outermost model; None: as the joint is."""
+    source = node.source
+    xyz = first(axis, "xyz")
+    name = "" if xyz is None else xyz.get("expressed_in") or ""
+    if not name and source.version < POSE_FRAMES:
+        default = "true" if source.version <= MODEL_FRAME_AXES else "false"
+        in_model = word(axis, "use_parent_model_frame") or default
+        name = MODEL_FRAME if TRUTH.get(in_model.lower(), False) else ""
+    if not name:
+        return None
+    frame = frame_called(node, name, "`expressed_in`")
+    if frame is None:
+        model = node.scope.node
+        is_top = model is None or node.scope is top
+        return UNIT if is_top or model is None else rotation_of_rpy(pose_in(top, model).rpy)
+    return rotation_of_rpy(pose_in(top, frame).rpy)
+
+
+def _limit(source: Source, axis: Element) -> JointLimit:
+    lower = _bound(source, axis, "lower", -UNBOUNDED)
+    upper = _bound(source, axis, "upper", UNBOUNDED)
+    effort = _bound(source, axis, "effort", -1.0)
+    velocity = _bound(source, axis, "velocity", -1.0)
+    if lower > upper:
+        source.warning(
+            "WLD027",
+            f"The lower limit {lower:g} is above the upper limit {upper:g}.",
+            at=axis,
+            hint="Exchange them; the trial does so.",
+        )
+        lower, upper = upper, lower
+    return JointLimit(
+        lower=lower,
+        upper=upper,
+        effort=UNBOUNDED if effort < 0 else effort,
+        velocity=UNBOUNDED if velocity < 0 else velocity,
+    )
+
+
+def _bound(source: Source, axis: Element, tag: str, default: float) -> float:
+    """A limit, which may be infinite."""
+    text = word(axis, "limit", tag).lower()
+    if text.lstrip("+-") in {"inf", "infinity"}:
+        return -UNBOUNDED if text.startswith("-") else UNBOUNDED
+    return _clamped(number(source, axis, "limit", tag, default=default))
+
+
+def _clamped(value: float) -> float:
+    return min(UNBOUNDED, max(-UNBOUNDED, value))
+
+
+def _mimic(source: Source, axis: Element) -> Mimic | None:
+    """SDF: position = multiplier × (position of the other - reference) + offset."""
+    mimic = first(axis, "mimic")
+    if mimic is None:
+        return None
+    multiplier, reference, offset = (
+        _clamped(number(source, mimic, tag, default=default))
+        for tag, default in (("multiplier", 1.0), ("reference", 0.0), ("offset", 0.0))
+    )
+    return Mimic(
+        joint=mimic.get("joint") or "",
+        multiplier=multiplier,
+        offset=offset - multiplier * reference,
+    )

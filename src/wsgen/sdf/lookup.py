@@ -1,0 +1,272 @@
+"""The file that a world's name stands for, and the folder of a model.
+
+Models of Fuel, Gazebo's library in the network: only those that are on this machine already.
+
+`model.config`: which file in the folder of a model is the model.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+from urllib.parse import unquote, urlsplit
+
+from wsgen.files import irregular_kind, read_regular
+from wsgen.xmltree import Malformed, children, parse
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping
+
+
+SERVERS = ("fuel.gazebosim.org", "fuel.ignitionrobotics.org")  # one library under two names
+CACHES = ("GZ_FUEL_CACHE_PATH", "IGN_FUEL_CACHE_PATH")
+HOME_CACHES = (".gz/fuel", ".ignition/fuel")
+NEWEST = "tip"
+FILES = "files"  # comes before the path of a file in a model
+
+
+class Address(NamedTuple):
+    """A model of Fuel, or a file in it."""
+
+    server: str
+    owner: str
+    name: str
+    version: str  # a number, or `tip`
+    inside: str  # the path of a file in the model; empty: the model itself
+
+
+def address_of(uri: str) -> Address | None:
+    """What an address means: https://SERVER/1.0/OWNER/models/NAME[/VERSION[/files/PATH]].
+
+    None for one that Fuel has not.
+    """
+    try:
+        parts = urlsplit(uri)
+    except ValueError:  # brackets that are no address of a computer
+        return None
+    if parts.scheme not in {"http", "https"}:
+        return None
+    words = [unquote(word) for word in parts.path.split("/") if word]
+    if words and words[0].replace(".", "").isdigit():  # the version of the interface
+        del words[0]
+    if len(words) < 3 or words[1] != "models" or any(set(word) <= {"."} for word in words):  # noqa: PLR2004  owner, models, name
+        return None
+    owner, _, name, *rest = words
+    version = rest.pop(0) if rest and (rest[0] == NEWEST or rest[0].isdigit()) else NEWEST
+    if rest and rest.pop(0) != FILES:
+        return None
+    if any("/" in word or "\0" in word for word in words):
+        return None
+    return Address(parts.netloc.lower(), owner, name, version, "/".join(rest))
+
+
+def find_in_cache(uri: str, environment: Mapping[str, str]) -> Path | None:
+    """The folder of a model, or of one that a file is in, as Gazebo has loaded it once.
+
+    Gazebo keeps it as CACHE/SERVER/OWNER/models/NAME/VERSION, in lower case since Citadel.
+    """
+    address = address_of(uri)
+    if address is None:
+        return None
+    servers = SERVERS if address.server in SERVERS else (address.server,)
+    for cache in _caches(environment):
+        for server in servers:
+            for words in (
+                (address.owner.lower(), "models", address.name.lower()),
+                (address.owner, "models", address.name),
+            ):
+                folder = _version_in(cache.joinpath(server, *words), address.version)
+                if folder is not None:
+                    return folder
+    return None
+
+
+def _caches(environment: Mapping[str, str]) -> list[Path]:
+    home = environment.get("HOME")
+    return [
+        *(Path(environment[variable]) for variable in CACHES if environment.get(variable)),
+        *(Path(home) / cache for cache in HOME_CACHES if home),
+    ]
+
+
+def _version_in(folder: Path, version: str) -> Path | None:
+    try:
+        versions = [entry for entry in folder.iterdir() if entry.name.isdecimal()]
+    except (OSError, ValueError):  # not there, or too long
+        return None
+    if version != NEWEST:
+        versions = [entry for entry in versions if entry.name == version]
+    return max(versions, key=lambda entry: int(entry.name), default=None)
+
+
+# Where Gazebo Classic, Gazebo Sim and Gazebo Fortress look, after the current folder.
+SEARCH_PATHS = ("GAZEBO_RESOURCE_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH")
+# Where they look for models.
+MODEL_PATHS = ("GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH")
+AROUND = 6  # so many folders above a file may be that of its package, or of its models
+SCHEMES = ("model", "package")
+
+
+def find_world(name: str, environment: Mapping[str, str]) -> Path | None:
+    """The file of a world given as a path or a name; None if a name is found nowhere.
+
+    A path that is absolute is taken as it is, whether there is a file or not.
+    """
+    if Path(name).is_absolute():
+        return Path(name)
+    for folder in (Path.cwd(), *_entries(SEARCH_PATHS, environment)):
+        for candidate in (folder / name, folder / "worlds" / name):
+            if candidate.is_file():
+                return candidate
+    return None
+
+
+def gazebo_models() -> list[str]:
+    """The names of the models that Gazebo Classic downloads by itself."""
+    return _gazebo_names(0)
+
+
+def gazebo_worlds() -> list[str]:
+    """The names of the worlds that Gazebo brings."""
+    return _gazebo_names(1)
+
+
+def _gazebo_names(block: int) -> list[str]:
+    text = Path(__file__).with_name("gazebo-names.txt").read_text(encoding="utf-8")
+    return text.split("\n\n")[block].partition("\n")[2].split()
+
+
+def world_names(environment: Mapping[str, str]) -> list[str]:
+    """The names of the world files where `find_world` looks."""
+    folders = (Path.cwd(), *_entries(SEARCH_PATHS, environment))
+    return [
+        file.name
+        for folder in folders
+        for place in (folder, folder / "worlds")
+        for pattern in ("*.world", "*.sdf")
+        for file in place.glob(pattern)
+    ]
+
+
+def model_finder(file: Path, environment: Mapping[str, str]) -> Callable[[str], Path | None]:
+    """A function from `model://NAME` to the folder of the model; None if it is found nowhere.
+
+    Addresses of Fuel are known as well, for what Gazebo has loaded from there.
+
+    It looks where Gazebo does, then around the file that names the model: in the folders above it,
+    and in their `models`. A folder with a model.config or model.sdf goes before one without.
+    """
+    above = list(file.absolute().parents)[:AROUND]
+    home = environment.get("HOME")
+    folders = [
+        *model_folders(environment),
+        *([Path(home) / ".gazebo" / "models"] if home else []),
+        *(place for folder in above for place in (folder, folder / "models")),
+    ]
+
+    def find(uri: str) -> Path | None:
+        scheme, separator, name = uri.partition("://")
+        if scheme in {"http", "https"}:
+            return find_in_cache(uri, environment)
+        name = name.strip("/")
+        if not separator or scheme not in SCHEMES or not name or ".." in Path(name).parts:
+            return None
+        found = [folder / name for folder in folders if is_folder(folder / name)]
+        return next(
+            (
+                folder
+                for folder in found
+                if is_file(folder / "model.config") or is_file(folder / "model.sdf")
+            ),
+            found[0] if found else None,
+        )
+
+    return find
+
+
+def models_around(file: Path) -> set[str]:
+    """The names of the models beside a file, and in the folders above it."""
+    return {
+        found.parent.name
+        for folder in list(file.absolute().parents)[:AROUND]
+        for place in (folder, folder / "models")
+        for found in place.glob("*/model.config")
+    }
+
+
+def model_folders(environment: Mapping[str, str]) -> list[Path]:
+    """Where the environment tells Gazebo to look for models."""
+    return _entries(MODEL_PATHS, environment)
+
+
+def is_file(path: Path) -> bool:
+    """Whether a regular file is there; False for a path that no file can have."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):  # too long; before Python 3.14 this is raised
+        return False
+
+
+def is_there(path: Path) -> bool:
+    """Whether anything is there; False for a path that nothing can have."""
+    try:
+        return path.exists()
+    except (OSError, ValueError):
+        return False
+
+
+def instead_of_file(path: Path | None) -> str:
+    """What is at a path that `is_file` says no regular file is at."""
+    return (path and irregular_kind(path)) or "not there"
+
+
+def is_folder(path: Path) -> bool:
+    """Whether a folder is there; False for a path that no folder can have."""
+    try:
+        return path.is_dir()
+    except (OSError, ValueError):
+        return False
+
+
+def _entries(variables: Iterable[str], environment: Mapping[str, str]) -> list[Path]:
+    return [
+        Path(entry)
+        for variable in variables
+        for entry in environment.get(variable, "").split(os.pathsep)
+        if entry
+    ]
+
+
+MANIFEST_LIMIT = 2**20  # bytes
+
+
+def file_of_model(folder: Path) -> Path | None:
+    """The newest SDF file that model.config names, else model.sdf."""
+    manifest = folder / "model.config"
+    named: list[tuple[tuple[int, ...], str]] = []
+    content = _read(manifest)
+    if content is not None:
+        root = parse(content)
+        if not isinstance(root, Malformed):
+            named = [
+                (_digits(sdf.get("version") or ""), (sdf.text or "").strip())
+                for sdf in children(root, "sdf")
+                if (sdf.text or "").strip()
+            ]
+    if named:
+        return folder / max(named)[1]
+    plain = folder / "model.sdf"
+    return plain if is_file(plain) else None
+
+
+def _read(manifest: Path) -> bytes | None:
+    """What is in it; None where there is no such file, or none that may be read."""
+    try:
+        return read_regular(manifest, MANIFEST_LIMIT)
+    except OSError:
+        return None
+
+
+def _digits(version: str) -> tuple[int, ...]:
+    return tuple(int(part) for part in version.split(".") if part.isascii() and part.isdigit())

@@ -1,0 +1,155 @@
+"""What the element `<world>` says beside the models that stand in it.
+
+Lights of a world, as far as a picture needs them.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+from wsgen import xmltree
+from wsgen.model.transform import rotate, rotation_of_rpy
+from wsgen.model.world import SUN_COLOUR, SUN_DIRECTION, PlacedModel, World
+from wsgen.sdf.includes import GROUND_PLANE, SUN, is_sun
+from wsgen.sdf.values import first, read_numbers, read_pose, triple, truth, word
+from wsgen.xmltree import children
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from wsgen.model.transform import Vector
+    from wsgen.sdf.source import Source
+    from wsgen.xmltree import Element
+
+
+DOWN = (0.0, 0.0, -1.0)
+WHITE = (1.0, 1.0, 1.0)
+
+
+class Lights(NamedTuple):
+    """What shines in a world."""
+
+    names: tuple[str, ...]
+    sun_direction: Vector  # of the first one from above: where it goes, of length 1
+    sun_colour: Vector  # of that one: red, green, blue, 0 to 1
+
+
+def read_lights(source: Source, world: Element) -> Lights:
+    """The lights of a world, an included sun among them."""
+    names = []
+    suns = []
+    for element in children(world, "include", "light"):
+        if element.tag == "light":
+            names.append(element.get("name") or "")
+            sun = _sun(source, element)
+            if sun is not None:
+                suns.append(sun)
+        elif is_sun(word(element, "uri")):
+            names.append(SUN)
+            suns.append((SUN_DIRECTION, SUN_COLOUR))
+    direction, colour = suns[0] if suns else (SUN_DIRECTION, SUN_COLOUR)
+    return Lights(tuple(names), direction, colour)
+
+
+def _sun(source: Source, light: Element) -> tuple[Vector, Vector] | None:
+    """Direction and colour of a directional light that shines down; None for any other."""
+    is_on = truth(source, light, "light_on", default=True)
+    if light.get("type") != "directional" or not is_on:
+        return None
+    pose, _ = read_pose(source, light)
+    written = triple(source, light, "direction", default=DOWN)
+    x, y, z = rotate(rotation_of_rpy(pose.rpy), written)
+    length = math.hypot(x, y, z)
+    if not 0 < length < math.inf or z >= 0:
+        return None
+    return (x / length, y / length, z / length), _colour(source, light)
+
+
+def _colour(source: Source, light: Element) -> Vector:
+    diffuse = first(light, "diffuse")
+    if diffuse is None:
+        return WHITE
+    count = 3 if len((diffuse.text or "").split()) == 3 else 4  # noqa: PLR2004  rgb or rgba
+    numbers = read_numbers(source, diffuse, count)
+    if numbers is None:
+        return WHITE
+    red, green, blue = (min(1.0, max(0.0, part)) for part in numbers[:3])
+    return (red, green, blue)
+
+
+# What Gazebo starts with when no world is named: both generations ship one with sun and ground.
+DEFAULT_WORLD = World(
+    name="default",
+    models=(PlacedModel(name=GROUND_PLANE, is_static=True),),
+    has_ground_plane=True,
+    lights=(SUN,),
+)
+
+STRONGEST_GRAVITY = 1000.0  # m/s²; at the surface of the Sun it is 274
+LONGEST_STEP = 0.02  # s; with longer ones contacts are missed, and no engine is stable
+
+
+def describe_world(
+    source: Source, element: Element, models: Sequence[PlacedModel], *, has_ground: bool
+) -> World:
+    """The world of an element in which these models stand."""
+    lights = read_lights(source, element)
+    return World(
+        name=element.get("name") or "default",
+        file=source.file,
+        gravity=_gravity(source, element),
+        step=_step(source, element),
+        models=tuple(models),
+        has_ground_plane=has_ground,
+        lights=lights.names,
+        sun_direction=lights.sun_direction,
+        sun_colour=lights.sun_colour,
+        plugins=tuple(plugin.get("filename", "") for plugin in element.iter("plugin")),
+    )
+
+
+def check_is_carried(source: Source, element: Element, world: World) -> None:
+    """Report a world without ground."""
+    if not world.has_ground_plane:
+        source.warning(
+            "WLD006",
+            "The world has no ground plane: whatever is spawned into it falls.",
+            at=element,
+            hint="Add <include><uri>model://ground_plane</uri></include> to the world.",
+        )
+
+
+def _gravity(source: Source, world: Element) -> tuple[float, float, float]:
+    # Until SDF 1.5 it was part of <physics>.
+    places = (world, *xmltree.children(world, "physics"))
+    for element in (e for place in places for e in xmltree.children(place, "gravity")):
+        numbers = read_numbers(source, element, 3, limit=STRONGEST_GRAVITY)
+        if numbers:
+            if numbers[2] >= 0:
+                source.warning(
+                    "WLD045",
+                    "Nothing is pulled down in this world: gravity is "
+                    f"{numbers[0]:g} {numbers[1]:g} {numbers[2]:g} m/s².",
+                    at=element,
+                    hint="On Earth it is <gravity>0 0 -9.8</gravity>.",
+                )
+            return (numbers[0], numbers[1], numbers[2])
+    return DEFAULT_WORLD.gravity
+
+
+def _step(source: Source, world: Element) -> float:
+    for physics in xmltree.children(world, "physics"):
+        for element in xmltree.children(physics, "max_step_size"):
+            numbers = read_numbers(source, element, 1)
+            if numbers and 0 < numbers[0] <= LONGEST_STEP:
+                return numbers[0]
+            if numbers:
+                source.error(
+                    "WLD007",
+                    f"The physics step of {numbers[0]:g} s is not between 0 and "
+                    f"{LONGEST_STEP:g} s.",
+                    at=element,
+                    hint="Gazebo's default is 0.001.",
+                )
+    return DEFAULT_WORLD.step

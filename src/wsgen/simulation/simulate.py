@@ -1,0 +1,293 @@
+"""The trial: spawn, let go, measure. It judges nothing."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+from wsgen.model.transform import (
+    Pose,
+    multiply,
+    rotation_of_quaternion,
+    rotation_of_rpy,
+    rpy_of_rotation,
+    transpose,
+)
+from wsgen.simulation.engine import Refused
+from wsgen.simulation.scene import LOADING, Overlapping, RobotTrial
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping, Sequence
+
+    from wsgen.model.robot import Robot
+    from wsgen.model.world import World
+    from wsgen.simulation.engine import Engine, Loaded, Overlap, State
+    from wsgen.simulation.scene import Scene, SpawnedRobot
+
+
+if TYPE_CHECKING:
+    Observer = Callable[
+        [float, Sequence[str]], None
+    ]  # simulated seconds, the robots that are there
+
+# Reading a state costs as much as several steps. Bodies keep their speed between contacts, so
+# that a look every 10 ms misses neither a jump nor the moment of coming to rest.
+LOOK_EVERY = 0.01  # s, simulated
+LONG_LOOK = 10  # looks from one look at energy and joints, which costs more, to the next
+
+FALLING_LOOKS = 20  # what is in the air for less is bouncing
+FALLS_WITH = 0.7  # of gravity; on a slope of 45 degrees what slides gets faster with half of it
+CLEARANCE = 0.005  # m, between the ground and what is spawned just above it
+
+# What a person calls standing still. Contact solvers leave about 1e-3 on a body at rest.
+REST_SPEED = 0.01  # m/s
+REST_TURNING = 0.05  # rad/s
+REST_JOINT_SPEED = 0.05  # rad/s or m/s
+REST_HELD = 0.1  # s; at the top of its jump a body is slow for less than this
+
+
+@dataclass
+class _Watch:
+    """What has been seen of one robot so far."""
+
+    spawned: SpawnedRobot
+    loaded: Loaded
+    pose: Pose  # where it was spawned, in the world
+    last: State
+    lowest_point: float
+    energy: float  # J, when spawned
+    joints: Mapping[str, float]  # positions when spawned, rad or m
+    is_finite: bool = True
+    moving_until: float = 0.0  # s
+    highest_speed: float = 0.0
+    heights: list[tuple[float, float]] = field(default_factory=list)  # s, m: of the last looks
+    highest_point: float = field(init=False)
+    energy_gain: float = 0.0
+    last_joints: Mapping[str, float] = field(init=False)
+    travel: dict[str, float] = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.highest_point = self.last.xyz[2]
+        self.last_joints = self.joints
+        self.travel = dict.fromkeys(self.joints, 0.0)
+
+    def look(self, seconds: float, state: State) -> None:
+        """Take in the state after so many seconds."""
+        if not is_finite(state):
+            self.is_finite = False
+        if not self.is_finite:
+            return  # the last finite state is what is told
+        self.last = state
+        self.heights = [*self.heights[-FALLING_LOOKS:], (seconds, state.xyz[2])]
+        self.highest_speed = max(self.highest_speed, state.speed)
+        self.highest_point = max(self.highest_point, state.xyz[2])
+        if is_moving(state):
+            self.moving_until = seconds
+
+    def climb(self) -> float:
+        """How fast its root rose, m/s, over the last looks."""
+        if len(self.heights) < 2:  # noqa: PLR2004  two points make a line
+            return 0.0
+        (first, low), (last, high) = self.heights[0], self.heights[-1]
+        return (high - low) / (last - first)
+
+    def acceleration(self) -> float:
+        """How it gets faster upwards, m/s², over the last looks."""
+        if len(self.heights) <= FALLING_LOOKS:
+            return 0.0
+        (first, low), (third, high) = self.heights[0], self.heights[-1]
+        second, middle = self.heights[FALLING_LOOKS // 2]
+        before = (middle - low) / (second - first)
+        return 2 * ((high - middle) / (third - second) - before) / (third - first)
+
+    def look_long(self, energy: float, joints: Mapping[str, float]) -> None:
+        """Take in what is looked at less often."""
+        if not self.is_finite or not all(map(math.isfinite, (energy, *joints.values()))):
+            self.is_finite = False
+            return
+        self.energy_gain = max(self.energy_gain, energy - self.energy)
+        self.last_joints = joints
+        for name, position in joints.items():
+            self.travel[name] = max(self.travel[name], abs(position - self.joints[name]))
+
+
+def is_finite(state: State) -> bool:
+    """Whether no pose or speed of it is infinite or not-a-number."""
+    numbers = (*state.xyz, *state.xyzw, state.speed, state.turning, state.joint_speed)
+    return all(map(math.isfinite, numbers))
+
+
+def is_moving(state: State) -> bool:
+    """Whether a person would not call it standing still."""
+    return (
+        state.speed > REST_SPEED
+        or state.turning > REST_TURNING
+        or state.joint_speed > REST_JOINT_SPEED
+    )
+
+
+def play(
+    engine: Engine,
+    scene: Scene,
+    announce: Callable[[str], None],
+    observe: Observer | None = None,
+) -> tuple[list[RobotTrial], dict[str, Refused]]:
+    """Spawn the robots, let them go for the scene's seconds, and measure.
+
+    Gives the trials of the robots that the engine accepted, and why it refused the others, by
+    entity. It ends when the state of one is not finite any more: nothing that touches it moves as
+    it should, and some engines print a complaint every step. `announce` is told what comes next;
+    `observe` is called when all are there, and at every look from then on.
+    """
+    spawned, refused = _spawn(engine, scene, announce)
+    watches = [  # when all are there
+        _Watch(
+            spawned=robot,
+            loaded=loaded,
+            pose=pose,
+            last=engine.state(robot.entity),
+            lowest_point=engine.lowest_point(robot.entity),
+            energy=engine.energy(robot.entity),
+            joints=engine.joint_positions(robot.entity),
+        )
+        for robot, loaded, pose in spawned
+    ]
+    overlaps = _overlaps(engine, scene)
+    entities = [watch.spawned.entity for watch in watches]
+    if observe is not None:
+        observe(0.0, entities)
+    announce(f"simulating {scene.seconds:g} s")
+    steps = round(scene.seconds / engine.step_seconds)
+    stride = max(1, round(LOOK_EVERY / engine.step_seconds))
+    done = looks = 0
+    while done < steps and all(watch.is_finite for watch in watches):
+        now = min(stride, steps - done)
+        engine.advance(now)
+        done += now
+        looks += 1
+        seconds = round(done * engine.step_seconds, 9)  # no more digits than it has
+        for watch in watches:
+            entity = watch.spawned.entity
+            watch.look(seconds, engine.state(entity))
+            if watch.is_finite and (looks % LONG_LOOK == 0 or done == steps):
+                watch.look_long(engine.energy(entity), engine.joint_positions(entity))
+        if observe is not None:
+            observe(seconds, entities)
+    is_cut_short = not all(watch.is_finite for watch in watches)
+    return [
+        _measured(engine, scene, watch, overlaps, is_cut_short=is_cut_short and watch.is_finite)
+        for watch in watches
+    ], refused
+
+
+def _overlaps(engine: Engine, scene: Scene) -> list[Overlap]:
+    """What is in each other when all are spawned, but for two robots that stay where they are."""
+    immobile = {robot.entity for robot in scene.robots if _is_immobile(robot.robot)}
+    return [
+        overlap
+        for overlap in engine.overlaps()
+        if overlap.entity == overlap.other_entity
+        or not {overlap.entity, overlap.other_entity} <= immobile
+    ]
+
+
+def _is_immobile(robot: Robot) -> bool:
+    """Whether it stays where it is spawned, as walls do that stand in a floor."""
+    return robot.is_static or robot.fixed_to_world
+
+
+def _spawn(
+    engine: Engine, scene: Scene, announce: Callable[[str], None]
+) -> tuple[list[tuple[SpawnedRobot, Loaded, Pose]], dict[str, Refused]]:
+    spawned, refused = [], {}
+    for robot in scene.robots:
+        announce(LOADING.format(entity=robot.entity))
+        outcome = engine.spawn(robot)
+        if isinstance(outcome, Refused):
+            refused[robot.entity] = outcome
+        else:
+            pose = _put_on_the_ground(engine, robot, scene.world)
+            spawned.append((robot, outcome, pose))
+    return spawned, refused
+
+
+def _put_on_the_ground(engine: Engine, robot: SpawnedRobot, world: World) -> Pose:
+    """Lower or lift a robot that is to stand on the ground; gives its pose in the world.
+
+    What is fixed to the world stays where it is.
+    """
+    pose = robot.pose_in_world
+    if _is_immobile(robot.robot) or not (robot.on_the_ground and world.has_ground_plane):
+        return pose
+    # Out of the ground first: engines know the lowest point best from above.
+    lowest = min(corner[2] for corner in engine.corners(robot.entity))
+    for _ in range(2):
+        x, y, z = pose.xyz
+        pose = replace(pose, xyz=(x, y, z + CLEARANCE - lowest))
+        engine.place(robot.entity, pose)
+        lowest = engine.lowest_point(robot.entity)
+    return pose
+
+
+def _measured(
+    engine: Engine, scene: Scene, watch: _Watch, overlaps: Sequence[Overlap], *, is_cut_short: bool
+) -> RobotTrial:
+    last = watch.last
+    rotation = rotation_of_quaternion(last.xyzw)
+    # Up in the world, in the robot's frame at the start, and back in the world at the end.
+    turned = multiply(rotation, transpose(rotation_of_rpy(watch.pose.rpy)))
+    lowest = engine.lowest_point(watch.spawned.entity) if watch.is_finite else last.xyz[2]
+    settled = watch.is_finite and watch.moving_until <= scene.seconds - REST_HELD
+    return RobotTrial(
+        entity=watch.spawned.entity,
+        links=watch.loaded.links,
+        movable_joints=watch.loaded.movable_joints,
+        mass=watch.loaded.mass,
+        spawn_pose=watch.pose,
+        overlaps=tuple(_of_one(overlaps, watch.spawned.entity)),
+        lowest_point=watch.lowest_point,
+        penetration=max(0.0, -watch.lowest_point) if scene.world.has_ground_plane else 0.0,
+        lowest_point_at_end=lowest,
+        is_finite=watch.is_finite,
+        is_cut_short=is_cut_short,
+        settled_after=watch.moving_until if settled else None,
+        rest_pose=Pose(xyz=last.xyz, rpy=rpy_of_rotation(rotation)),
+        speed=last.speed,
+        turning=last.turning,
+        joint_speed=last.joint_speed,
+        climb=watch.climb(),
+        highest_speed=watch.highest_speed,
+        highest_point=watch.highest_point,
+        tilt=math.acos(min(1.0, max(-1.0, turned[2][2]))),
+        energy_gain=watch.energy_gain,
+        joint_positions=watch.last_joints,
+        joint_travel=watch.travel,
+        is_falling=_falls(watch.acceleration(), scene.world.gravity[2]),
+        hull_gaps=tuple(engine.hull_gaps(watch.spawned.entity)) if watch.is_finite else (),
+    )
+
+
+def _falls(acceleration: float, gravity: float) -> bool:
+    """Whether that is what a body does that nothing holds up; both upwards, m/s²."""
+    return gravity < 0 and acceleration < FALLS_WITH * gravity
+
+
+def _of_one(overlaps: Sequence[Overlap], entity: str) -> Iterator[Overlapping]:
+    """The overlaps of one robot, seen from its links."""
+    for overlap in overlaps:
+        if overlap.entity == entity:
+            other = None if overlap.other_entity == entity else overlap.other_entity
+            yield Overlapping(
+                link=overlap.link,
+                other_entity=other,
+                other_link=overlap.other_link,
+                depth=overlap.depth,
+            )
+        elif overlap.other_entity == entity:
+            yield Overlapping(
+                link=overlap.other_link,
+                other_entity=overlap.entity,
+                other_link=overlap.link,
+                depth=overlap.depth,
+            )

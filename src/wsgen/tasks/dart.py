@@ -1,0 +1,16 @@
+"""The child process of a trial in DART; with its modules, it loads the engine."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from wsgen.simulation.dart import DartEngine
+from wsgen.tasks import simulation
+
+if TYPE_CHECKING:
+    from wsgen.simulation.scene import Scene
+
+
+def simulate(scene: Scene) -> dict[str, Any]:
+    """Play the scene in DART."""
+    return simulation.simulate(scene, DartEngine)

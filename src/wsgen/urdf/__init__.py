@@ -1,0 +1,1 @@
+"""URDF: read it, and make of it the SDF model that Gazebo makes."""

@@ -1,0 +1,511 @@
+"""`<gazebo>` elements: what Gazebo's parser takes out of them, and what is wrong in them.
+
+The keys are those that sdformat reads itself (`parser_urdf.cc`, ParseSDFExtension); everything
+else is copied into the SDF as it is, of which wsgen takes the part that it simulates. What the
+values do to links and joints is in `extensions`.
+
+What is wrong with single values in `<gazebo>` elements, as Gazebo's parser sees them.
+
+What `<gazebo>` elements do to the links and joints that Gazebo builds.
+
+sdformat finds the collision that a value is for by names: a collision that has a name of its own
+which does not begin with that of its link gets nothing, nor does one of a lumped link, unless it
+has no name or begins with the link's (`InsertSDFExtensionCollision` of parser_urdf.cc).
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from wsgen.model.colors import GAZEBO_COLOURS
+from wsgen.model.robot import GazeboTag, Plugin, SdfJoint, Surface
+from wsgen.suggestions import did_you_mean, nearest
+from wsgen.urdf.collector import line_of
+from wsgen.urdf.unknown_elements import nearest_element
+from wsgen.urdf.values import LEFT_OVER, NUMBER, leading_float, leading_integer
+from wsgen.xmltree import child_text, child_texts, children
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Sequence
+
+    from wsgen.model.robot import Collision, Joint, Link, Visual
+    from wsgen.urdf.collector import Findings
+    from wsgen.xmltree import Element
+
+
+SURFACE_KEYS = ("mu1", "mu2", "kp", "kd", "minDepth", "maxContacts")
+LUMPING_KEYS = ("preserveFixedJoint", "disableFixedJointLumping")
+LINK_KEYS = frozenset(
+    (
+        *SURFACE_KEYS,
+        *("maxVel", "fdir1", "laserRetro", "material"),
+        *("dampingFactor", "selfCollide", "turnGravityOff"),
+    )
+)
+JOINT_KEYS = frozenset(
+    (
+        *LUMPING_KEYS,
+        *("springReference", "springStiffness", "stopCfm", "stopErp", "fudgeFactor"),
+        *("provideFeedback", "implicitSpringDamper", "cfmDamping"),
+    )
+)
+# Keys that std::stod reads, and numbers in copied SDF, which the SDF parser reads the same way.
+NUMERIC = frozenset(
+    (
+        *("mu1", "mu2", "kp", "kd", "minDepth", "maxVel", "dampingFactor", "laserRetro"),
+        *("springReference", "springStiffness", "stopCfm", "stopErp", "fudgeFactor"),
+    )
+)
+SDF_NUMERIC = frozenset(
+    (
+        *("velocity_decay/linear", "velocity_decay/angular", "collision/max_contacts"),
+        *(f"collision/surface/friction/ode/{key}" for key in ("mu", "mu2")),
+        *(f"collision/surface/contact/ode/{key}" for key in ("kp", "kd", "min_depth")),
+    )
+)
+NOT_NEGATIVE = frozenset(
+    (
+        *("mu1", "mu2"),
+        *("collision/surface/friction/ode/mu", "collision/surface/friction/ode/mu2"),
+    )
+)
+SDF_BOOLEAN = frozenset(("gravity", "self_collide"))
+TRUTHS = frozenset(("true", "1"))
+FALSEHOODS = frozenset(("false", "0"))
+
+
+def check_value(  # noqa: PLR0913  what, where, and whether it counts
+    findings: Findings, element: Element, path: str, key: str, text: str, *, is_known: bool
+) -> None:
+    """Report a value that ends Gazebo, that it refuses, or that is surely not what was meant.
+
+    `is_known`: the reference is there; otherwise only the keys that sdformat reads at once matter.
+    """
+    if LEFT_OVER.search(text):  # reported once, for every element
+        return
+    is_copied_number = key in SDF_NUMERIC and is_known and bool(text)
+    if key in NUMERIC or key == "maxContacts" or is_copied_number:
+        _check_number(findings, element, path, key, text)
+    elif key in SDF_BOOLEAN and is_known and text:
+        if text.lower() not in TRUTHS | FALSEHOODS:
+            findings.error(
+                "ROB045",
+                f"<{key}>: `{text[:60]}` is neither true nor false: Gazebo refuses the robot.",
+                hint="Write true or false.",
+                at=element,
+                path=path,
+            )
+    elif key == "material" and text.startswith("Gazebo/") and text not in GAZEBO_COLOURS:
+        near = nearest(text, GAZEBO_COLOURS)
+        findings.warning(
+            "ROB032",
+            f"Gazebo has no material `{text}`.",
+            hint=did_you_mean(near) if near else "Take Gazebo/Grey, Gazebo/Red, …",
+            at=element,
+            path=path,
+        )
+
+
+def check_placement(
+    findings: Findings, element: Element, path: str, *, is_link: bool, is_joint: bool
+) -> None:
+    """Report a key that does nothing at what the `<gazebo>` element is about."""
+    key = str(element.tag)
+    right_place = None
+    if key in JOINT_KEYS and not is_joint:
+        right_place = "a joint"
+    elif key in LINK_KEYS and not is_link:
+        right_place = "a link"
+    elif key == "static" and (is_link or is_joint):
+        right_place = "the whole robot"
+    if right_place is None:
+        return
+    hint = 'Put it into <gazebo reference="NAME"> with the name of ' + right_place + "."
+    if key in LUMPING_KEYS:
+        hint = 'Put it into <gazebo reference="JOINT"> with the name of the fixed joint.'
+    elif key == "static":
+        hint = "Put it into a <gazebo> without reference."
+    elif key == "selfCollide" and not is_joint:
+        hint = "For all links write <self_collide>true</self_collide>, which Gazebo copies."
+    findings.warning(
+        "ROB033",
+        f"<{key}> belongs to {right_place}: here it does nothing.",
+        hint=hint,
+        at=element,
+        path=path,
+    )
+
+
+def _check_number(findings: Findings, element: Element, path: str, key: str, text: str) -> None:
+    number = leading_integer(text) if key == "maxContacts" else leading_float(text)
+    told = f"<{key.rpartition('/')[2]}>: `{text[:60]}`"
+    if number is None:
+        findings.error(
+            "ROB031",
+            f"{told} is not a number that Gazebo reads.",
+            hint="Write one number with a point. Gazebo "
+            + ("refuses the robot for" if "/" in key else "ends with an exception on")
+            + " this.",
+            at=element,
+            path=path,
+        )
+    elif key in NOT_NEGATIVE and number < 0:
+        findings.error(
+            "ROB031",
+            f"{told} is less than 0, and Gazebo refuses the robot.",
+            hint="A coefficient of friction is 0 or greater.",
+            at=element,
+            path=path,
+        )
+    elif not math.isfinite(number):
+        findings.warning(
+            "ROB031",
+            f"{told} is not finite: wsgen goes on as if it were not there.",
+            hint="Write a finite number; physics engines compute nonsense with others.",
+            at=element,
+            path=path,
+        )
+    elif not NUMBER.fullmatch(text) or (key == "maxContacts" and float(text) != number):
+        findings.warning(
+            "ROB031",
+            f"{told} is not one number: Gazebo reads the beginning, {number:g}.",
+            hint=f"Write {number:g} if that is meant.",
+            at=element,
+            path=path,
+        )
+
+
+# Of these SDF elements also what is in them is taken, under `collision/surface/friction/ode/mu`.
+COPIED = frozenset(("collision", "visual", "velocity_decay"))
+# What Gazebo adds to the model for them is not part of the trial.
+NOT_SIMULATED = frozenset(("joint", "link", "model", "include"))
+
+
+def read_tags(
+    findings: Findings,
+    root: Element,
+    link_names: set[str],
+    joint_names: set[str],
+    *,
+    is_complete: bool = True,
+) -> tuple[GazeboTag, ...]:
+    """Every `<gazebo>` element of the robot, checked.
+
+    `is_complete` says that there are no other links and joints: none whose name is missing.
+    """
+    return tuple(
+        _read_tag(findings, element, link_names, joint_names, is_complete=is_complete)
+        for element in children(root, "gazebo")
+    )
+
+
+def _read_tag(
+    findings: Findings,
+    element: Element,
+    link_names: set[str],
+    joint_names: set[str],
+    *,
+    is_complete: bool,
+) -> GazeboTag:
+    reference = element.get("reference") or None  # an empty one means the whole robot
+    path = "gazebo" if reference is None else f"gazebo[@reference='{reference}']"
+    is_known = reference is None or reference in link_names or reference in joint_names
+    if reference is not None and not is_known and is_complete:
+        _report_unknown(findings, element, path, reference, link_names | joint_names)
+    values: dict[str, str] = {}
+    for child in element:
+        if not isinstance(child.tag, str):
+            continue
+        for key, leaf in _values_in(child, child.tag):
+            values[key] = _value_of(leaf)
+            check_value(findings, leaf, f"{path}/{key}", key, values[key], is_known=is_known)
+        inside = f"{path}/{child.tag}"
+        if is_known:
+            check_placement(
+                findings,
+                child,
+                inside,
+                is_link=reference in link_names,
+                is_joint=reference in joint_names,
+            )
+        if child.tag in NOT_SIMULATED and reference is None:
+            _report_not_simulated(findings, child, inside)
+    return GazeboTag(
+        reference=reference,
+        values=values,
+        plugins=tuple(
+            Plugin(plugin.get("filename") or "", child_texts(plugin))
+            for plugin in _descendants(element, "plugin")
+        ),
+        sensors=tuple(sensor.get("name") or "" for sensor in _descendants(element, "sensor")),
+        frames=tuple(
+            part.get("name") or "" for tag in ("link", "frame") for part in children(element, tag)
+        ),
+        is_open=any(next(children(element, tag), None) is not None for tag in ("include", "model")),
+        joints=tuple(_read_joint(joint) for joint in children(element, "joint"))
+        if reference is None
+        else (),
+        line=line_of(element),
+    )
+
+
+def _read_joint(element: Element) -> SdfJoint:
+    ends = {tag: child_text(element, tag) for tag in ("parent", "child")}
+    return SdfJoint(
+        name=element.get("name") or "",
+        ends={tag: name for tag, name in ends.items() if name},
+        line=line_of(element),
+    )
+
+
+def _values_in(element: Element, key: str) -> Iterator[tuple[str, Element]]:
+    """The element, if its text may mean something, and those in it where these are copied."""
+    inside = [child for child in element if isinstance(child.tag, str)]
+    is_copied = key.partition("/")[0] in COPIED
+    if not inside or is_copied or _value_of(element):
+        yield key, element
+    if is_copied:
+        for child in inside:
+            yield from _values_in(child, f"{key}/{child.tag}")
+
+
+def _value_of(element: Element) -> str:
+    """The attribute `value`, which counts first, or the text."""
+    value = element.get("value")
+    return (element.text or "" if value is None else value).strip()
+
+
+def _report_unknown(
+    findings: Findings, element: Element, path: str, reference: str, known: set[str]
+) -> None:
+    near = nearest_element(findings, reference, known)
+    findings.warning(
+        "ROB030",
+        f"No link or joint is called `{reference}`: Gazebo ignores this element.",
+        hint=did_you_mean(near) if near else "Name a link or joint of this robot.",
+        at=element,
+        path=path,
+    )
+
+
+def _report_not_simulated(findings: Findings, element: Element, path: str) -> None:
+    findings.warning(
+        "ROB058",
+        f"Gazebo adds the SDF <{element.tag}> in a <gazebo> element to the robot; wsgen's trial "
+        "goes without it.",
+        hint="Watch this part in Gazebo itself.",
+        at=element,
+        path=path,
+    )
+
+
+def _descendants(element: Element, tag: str) -> Iterator[Element]:
+    for child in element:
+        if child.tag == tag:
+            yield child
+        yield from _descendants(child, tag)
+
+
+if TYPE_CHECKING:
+    TagsOfBody = dict[str, list[tuple[int, GazeboTag]]]  # by reference, with their places in order
+
+TRUE = frozenset(("true", "yes", "1"))  # as sdformat reads its own keys, in lower case
+FALSE = frozenset(("false", "no", "0"))
+LUMPED = "_fixed_joint_lump__"  # what sdformat puts into the names of lumped shapes
+
+FRICTION = "collision/surface/friction/ode/"
+CONTACT = "collision/surface/contact/ode/"
+# The field of Surface that a key sets, and the one of the same thing in copied SDF.
+FIELDS = {"mu1": "mu1", "mu2": "mu2", "kp": "kp", "kd": "kd", "minDepth": "min_depth"}
+SDF_FIELDS = {
+    FRICTION + "mu": "mu1",
+    FRICTION + "mu2": "mu2",
+    CONTACT + "kp": "kp",
+    CONTACT + "kd": "kd",
+    CONTACT + "min_depth": "min_depth",
+}
+
+
+def is_true(text: str | None) -> bool:
+    """Whether sdformat takes the text of one of its own keys for true."""
+    return text is not None and text.lower() in TRUE
+
+
+def is_static(tags: Iterable[GazeboTag]) -> bool:
+    """Whether the robot as a whole cannot move; the last word counts."""
+    said = [tag.values["static"] for tag in tags if not tag.reference and "static" in tag.values]
+    return bool(said) and is_true(said[-1])
+
+
+def collides_with_itself(tags: Iterable[GazeboTag]) -> bool:
+    """What holds for links that say nothing of it; the first word counts."""
+    return next(
+        (
+            tag.values["self_collide"].lower() in TRUTHS
+            for tag in tags
+            if not tag.reference and "self_collide" in tag.values
+        ),
+        False,
+    )
+
+
+def with_springs(joint: Joint, tags: Iterable[GazeboTag]) -> Joint:
+    """The joint with the spring that the tags about it give it; the last word counts."""
+    stiffness, reference = joint.spring_stiffness, joint.spring_reference
+    for tag in tags:
+        said = _finite(tag.values.get("springStiffness"))
+        stiffness = stiffness if said is None else said
+        said = _finite(tag.values.get("springReference"))
+        reference = reference if said is None else said
+    return replace(joint, spring_stiffness=stiffness, spring_reference=reference)
+
+
+def with_extensions(link: Link, tags: Sequence[GazeboTag], *, self_collide: bool) -> Link:
+    """The link with what the tags about it, and about those lumped into it, give it.
+
+    `tags` are in sdformat's order: the link's own, then those of the lumped links as they came,
+    each with its reference as written. `self_collide` is what holds where none says anything of it.
+    """
+    if not tags and not self_collide:
+        return link
+    gravity, collide, decay = _flags(tags)
+    about = _by_reference(tags)
+    return replace(
+        link,
+        # Of repeated elements the first one counts.
+        gravity=gravity[0] if gravity else link.gravity,
+        self_collide=collide[0] if collide else link.self_collide or self_collide,
+        velocity_decay=decay[0] if decay else link.velocity_decay,
+        collisions=tuple(
+            _with_surface(collision, _meant(link, collision.name, "_collision", index, about))
+            for index, collision in enumerate(link.collisions)
+        ),
+        visuals=tuple(
+            _with_colour(visual, _meant(link, visual.name, "_visual", index, about))
+            for index, visual in enumerate(link.visuals)
+        ),
+    )
+
+
+def _flags(tags: Iterable[GazeboTag]) -> tuple[list[bool], list[bool], list[float]]:
+    """The elements <gravity>, <self_collide> and <velocity_decay> that the link gets.
+
+    A key takes the place of the first such element there is, and goes to the end; copied SDF comes
+    behind the last.
+    """
+    gravity: list[bool] = []
+    collide: list[bool] = []
+    decay: list[float] = []
+    for tag in tags:
+        values = tag.values
+        if "turnGravityOff" in values:
+            gravity = [*gravity[1:], values["turnGravityOff"].lower() in FALSE]
+        if "selfCollide" in values:
+            collide = [*collide[1:], is_true(values["selfCollide"])]
+        if "dampingFactor" in values:
+            decay.append(_finite(values["dampingFactor"]) or 0.0)
+        if "gravity" in values:
+            gravity.append(values["gravity"].lower() not in FALSEHOODS)
+        if "self_collide" in values:
+            collide.append(values["self_collide"].lower() in TRUTHS)
+        if "velocity_decay" in values:
+            parts = (values.get(f"velocity_decay/{motion}") for motion in ("linear", "angular"))
+            decay.append(max(_finite(part) or 0.0 for part in parts))
+    return gravity, collide, decay
+
+
+def without_effect(link: Link, tags: Sequence[GazeboTag]) -> list[tuple[GazeboTag, str]]:
+    """Tags with values for surfaces that none of the collisions gets, with the first such key."""
+    by_reference = _by_reference(tags)
+    reached = {
+        id(tag)
+        for index, collision in enumerate(link.collisions)
+        for tag in _meant(link, collision.name, "_collision", index, by_reference)
+    }
+    return [
+        (tag, keys[0])
+        for tag in tags
+        if id(tag) not in reached
+        and (keys := [key for key in (*SURFACE_KEYS, "collision") if key in tag.values])
+    ]
+
+
+def _by_reference(tags: Iterable[GazeboTag]) -> TagsOfBody:
+    by_reference: TagsOfBody = {}
+    for place, tag in enumerate(tags):
+        by_reference.setdefault(tag.reference or "", []).append((place, tag))
+    return by_reference
+
+
+def _meant(
+    link: Link, name: str | None, ending: str, index: int, tags: TagsOfBody
+) -> list[GazeboTag]:
+    """The tags that are for one shape of a link, by its name in the SDF."""
+    full = (name or link.name) + ending + (f"_{index}" if index else "")
+    if not full.startswith(link.name):
+        full = link.name + LUMPED + full
+    if LUMPED not in full:
+        return [tag for _, tag in tags.get(link.name, ())]
+    # Any link that is named behind the mark and before the ending may be meant.
+    references = {
+        piece[: found.start()]
+        for piece in full.split(LUMPED)[1:]
+        for found in re.finditer(ending, piece)
+    } - {link.name}
+    meant = sorted(
+        (entry for reference in references for entry in tags.get(reference, ())),
+        key=lambda entry: entry[0],
+    )
+    return [tag for _, tag in meant]
+
+
+def _with_surface(collision: Collision, tags: Sequence[GazeboTag]) -> Collision:
+    if not tags:
+        return collision
+    numbers: dict[str, float] = {}
+    contacts: list[int] = []
+    for tag in tags:
+        if "collision/surface" in tag.values:  # takes the place of the whole
+            numbers.clear()
+        for fields in (SDF_FIELDS, FIELDS):
+            for key, field in fields.items():
+                number = _finite(tag.values.get(key))
+                if number is not None:
+                    numbers[field] = number
+        if "collision/max_contacts" in tag.values:
+            contacts.append(leading_integer(tag.values["collision/max_contacts"]) or 0)
+        if "maxContacts" in tag.values:
+            contacts = [*contacts[1:], leading_integer(tag.values["maxContacts"]) or 0]
+    return replace(
+        collision,
+        surface=Surface(
+            mu1=numbers.get("mu1", 1.0),
+            mu2=numbers.get("mu2", 1.0),
+            kp=numbers.get("kp"),
+            kd=numbers.get("kd"),
+            min_depth=numbers.get("min_depth"),
+            max_contacts=contacts[0] if contacts else None,
+        ),
+    )
+
+
+def _with_colour(visual: Visual, tags: Sequence[GazeboTag]) -> Visual:
+    rgba = visual.rgba
+    for tag in tags:
+        rgba = GAZEBO_COLOURS.get(tag.values.get("material", ""), rgba)
+        words = tag.values.get("visual/material/diffuse", "").split()
+        if len(words) in {3, 4} and all(NUMBER.fullmatch(word) for word in words):
+            red, green, blue, alpha = (
+                min(1.0, max(0.0, float(word))) for word in (*words, "1")[:4]
+            )
+            rgba = (red, green, blue, alpha)
+    return visual if rgba == visual.rgba else replace(visual, rgba=rgba)
+
+
+def _finite(text: str | None) -> float | None:
+    """The number that Gazebo reads; None where there is none, or no engine could use it."""
+    number = None if text is None else leading_float(text)
+    return number if number is not None and math.isfinite(number) else None

@@ -1,0 +1,456 @@
+"""URDF text to a `Robot`, with everything that is wrong in it.
+
+The rules are those of urdfdom and sdformat, because they decide what Gazebo makes of the text.
+
+The XML around a robot: whether there is a document, and whether it is finished.
+
+The characters of a file: Gazebo's parser knows UTF-8 alone.
+
+Whether links and joints make one tree.
+
+This is looked at before any engine or tool sees the file: PyBullet ends with SIGSEGV on two
+roots, a cycle or two joints of one name, and check_urdf and sdformat print without end on a cycle.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from wsgen.diagnostics import Severity
+from wsgen.files import save_as_utf8, wide_encoding
+from wsgen.markup import without_comments
+from wsgen.model.robot import Robot
+from wsgen.suggestions import did_you_mean
+from wsgen.urdf.collector import Findings, line_of
+from wsgen.urdf.gazebo import read_tags
+from wsgen.urdf.joints import read_joint
+from wsgen.urdf.links import read_link, read_materials
+from wsgen.urdf.lumping import WORLD
+from wsgen.urdf.structure import check_inertias, check_mimics, check_names
+from wsgen.urdf.unknown_elements import check_spelling, nearest_element
+from wsgen.urdf.values import LEFT_OVER
+from wsgen.xmltree import Malformed, children, parse, parse_as_tinyxml
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+    from pathlib import Path
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.model.robot import Joint
+    from wsgen.xmltree import Element
+
+
+# Gazebo's parser does not mind a version that does not exist, nor an empty line before it.
+DECLARATION = re.compile(r"^\ufeff?\s*<\?xml\s[^>]*\?>")
+INSTRUCTIONS_AHEAD = re.compile(r"(?:\s*<\?.*?\?>)*", re.DOTALL)
+CDATA = re.compile(r"<!\[CDATA\[.*?\]\]>", re.DOTALL)
+TEXT_LIMIT = 8 * 2**20  # characters, read in some seconds; the largest public URDF has 4 % of it
+VERSION = "1.0"
+# XML says that a line break in an attribute is a blank. Gazebo's parser does not know that, and
+# splits these at blanks alone.
+BROKEN_LINE = re.compile(
+    r"""\b(xyz|rpy|size|scale)\s*=\s*("[^"<]*[\t\n\r][^"<]*"|'[^'<]*[\t\n\r][^'<]*')"""
+)
+
+
+def read_document(findings: Findings, text: str) -> Element | None:
+    """The element <robot> of a text; None where there is none, which is reported."""
+    if len(text) > TEXT_LIMIT or "<!ENTITY" in text:
+        findings.error(
+            "ROB002",
+            f"The document has more than {TEXT_LIMIT} characters, and wsgen does not read it."
+            if len(text) > TEXT_LIMIT
+            else "The document declares entities.",
+            hint="Write the values out; a URDF needs neither entities nor data in it.",
+            at=None,
+        )
+        return None
+    text = DECLARATION.sub(lambda found: "\n" * found[0].count("\n"), text)
+    root = _parsed(findings, text)
+    if root is None:
+        return None
+    _forget_namespaces(root)
+    _report_instructions(findings, text)
+    if root.tag != "robot":
+        findings.error(
+            "ROB003",
+            f"The root element is <{root.tag}>, not <robot>.",
+            hint='A URDF starts with <robot name="NAME">; an SDF file is not a URDF.',
+            at=root,
+            path=str(root.tag),
+        )
+        return None
+    _check_head(findings, root)
+    _report_broken_lines(findings, text)
+    return root
+
+
+def _parsed(findings: Findings, text: str) -> Element | None:
+    root = parse(text)
+    if not isinstance(root, Malformed):
+        return root
+    lenient = parse_as_tinyxml(without_comments(text))
+    if lenient is not None:
+        findings.warning(
+            "ROB001",
+            f"Not well-formed XML: {root.message}. Gazebo's parser does not mind; xacro and others "
+            "do.",
+            hint="Write &amp; for &, no -- in comments, and declare prefixes with xmlns:PREFIX.",
+            at=root.line,
+        )
+        return lenient
+    findings.error(
+        "ROB001",
+        f"Not well-formed XML: {root.message}.",
+        hint=root.hint,
+        at=root.line,
+    )
+    return None
+
+
+def _forget_namespaces(root: Element) -> None:
+    """Gazebo's parser knows none: an element is called what is written."""
+    if not any("}" in str(tag) for tag in (root.tag, *(child.tag for child in root))):
+        return
+    for element in root.iter():
+        if isinstance(element.tag, str) and element.prefix is None:
+            element.tag = element.tag.rpartition("}")[2]
+
+
+def _report_instructions(findings: Findings, text: str) -> None:
+    ahead = INSTRUCTIONS_AHEAD.match(text)
+    start = 0 if ahead is None else ahead.end()
+    if text.find("<?", start) < 0:  # nearly always
+        return
+    rest = CDATA.sub(lambda found: " " * len(found[0]), without_comments(text[start:]))
+    place = rest.find("<?")
+    if place >= 0:
+        findings.error(
+            "ROB001",
+            "Gazebo's parser takes processing instructions (<?…?>) only before everything else.",
+            hint="Remove it, or put it into the first lines of the file.",
+            at=text.count("\n", 0, start + place) + 1,
+        )
+
+
+def _check_head(findings: Findings, root: Element) -> None:
+    if not (root.get("name") or "").strip():
+        findings.error(
+            "ROB004",
+            "The robot has no name.",
+            hint='Write <robot name="NAME">.',
+            at=root,
+            path="robot",
+        )
+    version = root.get("version")
+    if version is not None and version != VERSION:
+        findings.error(
+            "ROB047",
+            f"Gazebo's parser knows no URDF of version `{version[:60]}`, and refuses the robot.",
+            hint=f'Remove the attribute, or write version="{VERSION}".',
+            at=root,
+            path="robot",
+        )
+
+
+def _report_broken_lines(findings: Findings, text: str) -> None:
+    if not BROKEN_LINE.search(text):  # nearly always
+        return
+    for found in BROKEN_LINE.finditer(without_comments(text)):
+        findings.error(
+            "ROB016",
+            f"A line break or tab parts the numbers of `{found[1]}`.",
+            hint="Part them with blanks: Gazebo refuses anything else.",
+            at=text.count("\n", 0, found.start()) + 1,
+            path=f"@{found[1]}",
+        )
+
+
+def report_left_overs(findings: Findings, element: Element, path: str) -> None:
+    """Report what xacro should have replaced, in the element and below it."""
+    texts = [*element.attrib.values(), element.text or ""]
+    left = next((text for text in texts if LEFT_OVER.search(text)), None)
+    if left is not None:
+        findings.error(
+            "ROB017",
+            f"`{left.strip()[:60]}` is left over from xacro.",
+            hint="Expand the file with xacro first; check that the property is defined.",
+            at=element,
+            path=path,
+        )
+    for child in element:
+        if isinstance(child.tag, str):
+            name = child.get("name")
+            if "xacro" in child.tag:
+                findings.error(
+                    "ROB017",
+                    f"<{child.tag.rpartition('}')[2]}> is left over from xacro.",
+                    hint="Expand the file with xacro first; check that the macro is defined.",
+                    at=child,
+                    path=f"{path}/{child.tag.rpartition('}')[2]}",
+                )
+            report_left_overs(
+                findings, child, child.tag if name is None else f"{child.tag}[@name='{name}']"
+            )
+
+
+def decode(findings: Findings, data: bytes) -> str | None:
+    """The text of a file; None where it is none, which is reported."""
+    data = data.rstrip(b"\0")  # where a text of C ends
+    wide = wide_encoding(data)
+    if wide or b"\0" in data:
+        findings.error(
+            "ROB057",
+            f"The file is in {wide}: Gazebo and robot_state_publisher read UTF-8 alone."
+            if wide
+            else "The file is not a text: it has null bytes.",
+            hint=save_as_utf8(wide) if wide else "Name a text file in UTF-8.",
+            at=1,
+        )
+        return None
+    try:
+        return data.decode("utf-8")
+    except UnicodeDecodeError as error:
+        findings.warning(
+            "ROB057",
+            "The file is not in UTF-8, which it is read as.",
+            hint=save_as_utf8("ISO-8859-1"),
+            at=data.count(b"\n", 0, error.start) + 1,
+        )
+    return data.decode("utf-8", "replace")
+
+
+def storable(text: str) -> str:
+    """The text without halves of characters, which no file can hold, and without C's end."""
+    text = text.rstrip("\0")
+    try:
+        text.encode("utf-8")
+    except UnicodeEncodeError:
+        return text.encode("utf-8", "replace").decode("utf-8")
+    return text
+
+
+NAMED = 5  # so many names are told in a message
+
+
+def unique_names(findings: Findings, elements: Sequence[Element], code: str) -> dict[str, Element]:
+    """The elements by their names; a missing or a repeated name is reported and left out."""
+    named: dict[str, Element] = {}
+    for element in elements:
+        name = element.get("name") or ""
+        if not name.strip():
+            findings.missing(
+                "ROB006",
+                f"A {element.tag} has no name.",
+                hint=f'Write <{element.tag} name="NAME">.',
+                at=element,
+                path=str(element.tag),
+                name="name",
+            )
+        elif name in named:
+            findings.error(
+                code,
+                f"Two {element.tag}s are called `{name}` (the other one is in line "
+                f"{line_of(named[name])}).",
+                hint="Give each its own name; in a xacro macro, put a prefix parameter before it.",
+                at=element,
+                path=f"{element.tag}[@name='{name}']",
+            )
+        else:
+            named[name] = element
+    return named
+
+
+def find_root(
+    findings: Findings,
+    robot: Element,
+    links: dict[str, Element],
+    joints: Sequence[tuple[Joint, Element]],
+) -> str | None:
+    """The link that every other one hangs on; None where there is no tree, which is reported."""
+    before = len(findings.errors)
+    parent_of: dict[str, tuple[Joint, Element]] = {}
+    for joint, element in joints:
+        path = f"joint[@name='{joint.name}']"
+        if _check_ends(findings, joint, element, path, links, robot):
+            if joint.child in parent_of:
+                other = parent_of[joint.child][0]
+                findings.error(
+                    "ROB011",
+                    f"The link `{joint.child}` has two parents: `{other.parent}` by the joint "
+                    f"`{other.name}`, and `{joint.parent}`.",
+                    hint="A URDF is a tree: remove one of the joints. Closed chains need SDF.",
+                    at=element,
+                    path=path,
+                )
+            else:
+                parent_of[joint.child] = (joint, element)
+    if len(findings.errors) > before:
+        return None
+    roots = [name for name in links if name not in parent_of]
+    _report_cycle(findings, parent_of)
+    many = f"{len(roots)} links have no parent ({_some(roots)}): there must be exactly one root."
+    if len(roots) > 1 and not findings.blame_misspelt(robot, "joint", many):
+        findings.error(
+            "ROB009",
+            many,
+            hint=f"Join `{roots[1]}` to the rest with a joint whose child it is.",
+            at=links[roots[1]],
+            path=f"link[@name='{roots[1]}']",
+        )
+    return roots[0] if len(findings.errors) == before else None
+
+
+def _check_ends(  # noqa: PLR0913, PLR0917  a joint, and what it is in
+    findings: Findings,
+    joint: Joint,
+    element: Element,
+    path: str,
+    links: dict[str, Element],
+    robot: Element,
+) -> bool:
+    for end, name in (("parent", joint.parent), ("child", joint.child)):
+        message = f"The {end} of the joint `{joint.name}` is `{name}`, and no link is called so."
+        if name not in links and not findings.blame_misspelt(robot, f"link {name}", message):
+            near = nearest_element(findings, name, links)
+            findings.error(
+                "ROB013",
+                message,
+                hint=did_you_mean(near) if near else f'Add <link name="{name}">.',
+                at=element,
+                path=path,
+            )
+    if joint.parent == joint.child:
+        findings.error(
+            "ROB012",
+            f"The joint `{joint.name}` joins the link `{joint.parent}` to itself.",
+            hint="Name two different links as parent and child.",
+            at=element,
+            path=path,
+        )
+    return joint.parent in links and joint.child in links and joint.parent != joint.child
+
+
+def _report_cycle(findings: Findings, parent_of: dict[str, tuple[Joint, Element]]) -> None:
+    """Report one cycle, if any: following parents from a link leads back to a link on the way."""
+    harmless: set[str] = set()
+    for start in parent_of:
+        way: dict[str, None] = {}
+        link = start
+        while link in parent_of and link not in harmless and link not in way:
+            way[link] = None
+            link = parent_of[link][0].parent
+        if link in way:
+            names = list(way)
+            cycle = names[names.index(link) :][::-1]
+            joint, element = parent_of[link]
+            findings.error(
+                "ROB010",
+                f"The links go in a circle: {_some(cycle)}, and back to `{cycle[0]}`.",
+                hint="A URDF is a tree: remove the joint that closes the circle.",
+                at=element,
+                path=f"joint[@name='{joint.name}']",
+            )
+            return
+        harmless.update(way)
+
+
+def _some(names: Sequence[str]) -> str:
+    told = ", ".join(f"`{name}`" for name in names[:NAMED])
+    return told if len(names) <= NAMED else f"{told} and {len(names) - NAMED} more"
+
+
+LINK = re.compile(r"\blink\[@name='([^']*)'\]")
+MISSPELT = frozenset(("ROB038", "ROB077"))
+WITHOUT_EXTENT = "ROB028"
+
+
+def read_urdf(
+    text: str | bytes, *, file: Path | None
+) -> tuple[Robot | None, tuple[Diagnostic, ...]]:
+    """Read a robot and check it before any engine or tool sees it.
+
+    `text` may be the bytes of a file.
+
+    The robot is None where its links and joints do not make one tree, or the text is no URDF at
+    all. Otherwise all numbers of the robot are finite, also where the diagnostics have errors:
+    what could not be read is left out. The `<gazebo>` elements are only read; `lump` does what they
+    say, because that depends on what is lumped. `file` is what the diagnostics name.
+    """
+    findings = Findings(file)
+    text = decode(findings, text) or "" if isinstance(text, bytes) else storable(text)
+    root = None if findings.has_errors else read_document(findings, text)
+    if root is None:
+        return None, tuple(findings.diagnostics)
+    report_left_overs(findings, root, f"robot[@name='{root.get('name') or ''}']")
+    check_spelling(findings, root, "robot")
+    robot = _with_doubts(_read_robot(findings, root), findings.diagnostics)
+    check_names(findings, robot, line_of(root))
+    check_mimics(findings, robot)
+    check_inertias(findings, robot)
+    return (robot if robot.root else None), tuple(findings.diagnostics)
+
+
+def _with_doubts(robot: Robot, diagnostics: Iterable[Diagnostic]) -> Robot:
+    """The robot with those links marked in which something is wrong, misspelt or left out.
+
+    What else is odd about them comes from that, and is not worth telling; what Gazebo refuses for
+    a misspelling is.
+    """
+    wrong, unlike = set[str](), set[str]()
+    for found in diagnostics:
+        names = LINK.findall(found.element or "")
+        if found.severity is Severity.ERROR:
+            wrong.update(names)
+        elif found.code in {*MISSPELT, WITHOUT_EXTENT}:
+            unlike.update(names)
+    doubtful = wrong | unlike
+    links = (
+        replace(link, is_as_meant=link.name not in doubtful, has_error=link.name in wrong)
+        for link in robot.links
+    )
+    return replace(robot, links=tuple(links)) if doubtful else robot
+
+
+def _read_robot(findings: Findings, root: Element) -> Robot:
+    """The robot; its root is empty where links and joints make no tree."""
+    links = unique_names(findings, list(children(root, "link")), "ROB007")
+    joint_elements = unique_names(findings, list(children(root, "joint")), "ROB008")
+    if not links:
+        findings.missing(
+            "ROB005",
+            "The robot has no link.",
+            hint='Add <link name="base_link">. In a xacro file, a macro that is defined must also '
+            "be called.",
+            at=root,
+            path="robot",
+            name="link",
+        )
+    joints = [
+        (joint, element)
+        for name, element in joint_elements.items()
+        if (joint := read_joint(findings, element, name)) is not None
+    ]
+    has_all_names = all(
+        (element.get("name") or "").strip() for element in children(root, "link", "joint")
+    ) and not findings.has_misspelt(root, "link", "joint")
+    complete = len(joints) == len(list(children(root, "joint"))) and len(links) == len(
+        list(children(root, "link"))
+    )
+    # What hangs on a joint that could not be read would only look like a second root.
+    root_link = find_root(findings, root, links, joints) if links and complete else None
+    materials = read_materials(findings, root)
+    return Robot(
+        name=root.get("name") or "",
+        root=root_link or "",
+        links=tuple(
+            read_link(findings, element, name, materials) for name, element in links.items()
+        ),
+        joints=tuple(joint for joint, _ in joints),
+        gazebo=read_tags(
+            findings, root, set(links), set(joint_elements), is_complete=has_all_names
+        ),
+        fixed_to_world=root_link == WORLD,
+    )

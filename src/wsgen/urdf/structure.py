@@ -1,0 +1,138 @@
+"""What can only be said of a whole robot: names, mimic joints, inertias."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from wsgen.model.inertia import as_attributes, if_filled, principal_moments
+from wsgen.model.robot import JointType
+from wsgen.urdf.lumping import WORLD, is_impossible, joints_that_say, parts_of_impossible_sums
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from wsgen.model.robot import Robot
+    from wsgen.urdf.collector import Findings
+
+
+RESERVED = re.compile(r"__.*__", re.DOTALL)  # of SDF, as are `world` and a few that only SDF has
+
+
+def check_names(findings: Findings, robot: Robot, line_of_robot: int | None) -> None:
+    """Report names that SDF keeps for itself, and a joint that is called like a link."""
+    for name, line, path in (
+        (robot.name, line_of_robot, "robot"),
+        *((link.name, link.line, f"link[@name='{link.name}']") for link in robot.links),
+        *((joint.name, joint.line, f"joint[@name='{joint.name}']") for joint in robot.joints),
+    ):
+        is_link = path.startswith("link")
+        # Without a tree nobody knows whether it was meant to be the root.
+        is_root = is_link and (robot.fixed_to_world or not robot.root)
+        if (name == WORLD and not is_root) or RESERVED.fullmatch(name):
+            _report_reserved(findings, name, line, path)
+    links = {link.name for link in robot.links}
+    kept = joints_that_say(robot, "preserveFixedJoint")
+    kept |= joints_that_say(robot, "disableFixedJointLumping")
+    for joint in robot.joints:
+        is_lumped = joint.type is JointType.FIXED and joint.name not in kept
+        if joint.name in links and (joint.parent == WORLD or not is_lumped):
+            findings.warning(
+                "ROB034",
+                f"A link and a joint are both called `{joint.name}`: Gazebo Sim refuses the robot.",
+                hint=f"Rename the joint, to `{joint.name}_joint` for example: SDF has one space of "
+                "names.",
+                at=joint.line,
+                path=f"joint[@name='{joint.name}']",
+            )
+
+
+def _report_reserved(findings: Findings, name: str, line: int | None, path: str) -> None:
+    findings.error(
+        "ROB043",
+        f"`{name}` is a name that Gazebo keeps for itself, and it refuses the robot.",
+        hint="Make it the root of the robot, which is then fixed to the world, or rename it."
+        if name == WORLD and path.startswith("link")
+        else "Take another name; not `world`, and none with two underscores before and behind.",
+        at=line,
+        path=path,
+    )
+
+
+def check_mimics(findings: Findings, robot: Robot) -> None:
+    """Report a mimic joint whose leader does not exist, or that follows itself."""
+    leaders = {joint.name: joint.mimic.joint for joint in robot.joints if joint.mimic}
+    names = {joint.name for joint in robot.joints}
+    circular = _in_circles(leaders)
+    for joint in robot.joints:
+        if joint.mimic is None:
+            continue
+        path = f"joint[@name='{joint.name}']/mimic"
+        if joint.mimic.joint not in names:
+            findings.warning(
+                "ROB035",
+                f"The joint `{joint.name}` mimics `{joint.mimic.joint}`, and there is none: it "
+                "moves on its own.",
+                hint="Name a joint of this robot.",
+                at=joint.line,
+                path=path,
+            )
+            continue
+        if joint.name in circular:
+            findings.error(
+                "ROB036",
+                f"The joint `{joint.name}` mimics itself.",
+                hint="Let it follow a joint that does not follow it.",
+                at=joint.line,
+                path=path,
+            )
+
+
+def _in_circles(leaders: Mapping[str, str]) -> set[str]:
+    """The joints that follow themselves, directly or over others."""
+    circular: set[str] = set()
+    done: set[str] = set()
+    for start in leaders:
+        way: dict[str, None] = {}
+        name = start
+        while name in leaders and name not in done and name not in way:
+            way[name] = None
+            name = leaders[name]
+        if name in way:
+            names = list(way)
+            circular.update(names[names.index(name) :])
+        done.update(way)
+    return circular
+
+
+def check_inertias(findings: Findings, robot: Robot) -> None:
+    """Report an inertia that no body has.
+
+    It is an error where Gazebo refuses the robot for it: of links that are fixed together only the
+    sum counts.
+    """
+    impossible = [
+        (link, link.inertial)
+        for link in robot.links
+        if link.inertial is not None and is_impossible(link.inertial)
+    ]
+    if not impossible:
+        return
+    everything = {link.name for link in robot.links}
+    refused = parts_of_impossible_sums(robot) if robot.root else everything
+    for link, inertial in impossible:
+        low, middle, high = principal_moments(inertial.inertia)
+        report = findings.error if link.name in refused else findings.warning
+        filled = if_filled(link)
+        report(
+            "ROB037",
+            f"No body has the inertia of the link `{link.name}`: its principal moments are "
+            f"{low:.4g}, {middle:.4g} and {high:.4g} kg m².",
+            hint="Each must be positive, and none larger than the other two together. Compute it "
+            "from mass and shape, or export it from CAD about the centre of mass."
+            if filled is None
+            else "Each must be positive, and none larger than the other two together. If it is "
+            f"evenly filled: {as_attributes(filled)} (kg m², the products 0).",
+            at=link.line,
+            path=f"link[@name='{link.name}']/inertial/inertia",
+        )

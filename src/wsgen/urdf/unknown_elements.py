@@ -1,0 +1,174 @@
+"""What is surely misspelt in a URDF: programs leave such elements and attributes out silently."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from wsgen import suggestions
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from wsgen.urdf.collector import Findings
+    from wsgen.xmltree import Element
+
+
+SHAPED = ("origin", "geometry", "material")
+SHAPES = ("box", "cylinder", "sphere", "mesh")
+# What urdfdom and sdformat look for in an element. Others are allowed, and many tools have some.
+KNOWN = {
+    "robot": ("link", "joint", "material", "gazebo", "transmission", "ros2_control"),
+    "link": ("visual", "collision", "inertial"),
+    "joint": (
+        "origin",
+        "parent",
+        "child",
+        "axis",
+        "limit",
+        "dynamics",
+        "mimic",
+        "calibration",
+        "safety_controller",
+    ),
+    "visual": SHAPED,
+    "collision": SHAPED,
+    "inertial": ("origin", "mass", "inertia"),
+    "material": ("color", "texture"),
+    # With a reference and without; `collision` and `link` are there for who writes SDF in them.
+    "gazebo": (
+        *("material", "static", "turnGravityOff", "gravity", "dampingFactor", "maxVel"),
+        *("minDepth", "mu1", "mu2", "fdir1", "kp", "kd", "selfCollide", "self_collide"),
+        *("maxContacts", "laserRetro", "springReference", "springStiffness", "stopCfm", "stopErp"),
+        *("fudgeFactor", "provideFeedback", "implicitSpringDamper", "preserveFixedJoint"),
+        *("disableFixedJointLumping", "sensor", "plugin", "visual", "collision", "link", "joint"),
+        *("initial_joint_position", "velocity_decay", "kinematic", "enable_wind", "light"),
+    ),
+}
+# The attributes that urdfdom and sdformat look for in an element.
+ATTRIBUTES = {
+    "robot": ("name", "version"),
+    "link": ("name",),
+    "joint": ("name", "type"),
+    "visual": ("name",),
+    "collision": ("name",),
+    "origin": ("xyz", "rpy"),
+    "box": ("size",),
+    "cylinder": ("radius", "length"),
+    "sphere": ("radius",),
+    "mesh": ("filename", "scale"),
+    "mass": ("value",),
+    "inertia": ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"),
+    "parent": ("link",),
+    "child": ("link",),
+    "axis": ("xyz",),
+    "limit": ("lower", "upper", "effort", "velocity"),
+    "dynamics": ("damping", "friction"),
+    "mimic": ("joint", "multiplier", "offset"),
+    "safety_controller": ("soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"),
+    "calibration": ("rising", "falling"),
+    "material": ("name",),
+    "color": ("rgba",),
+    "texture": ("filename",),
+}
+# Attributes that some program or version of the format has.
+OTHERS = frozenset(("type", "reference_position", "quat_xyzw", "convex", "id", "group"))
+SHORT = 4  # letters; of words up to this length other orders and neighbours are compared
+# So alike two words are, as difflib counts, that one is taken for the other: `parnt` and `parent`
+# are at 0.91, `visuals` and `visual` at 0.92, `colour` and `color` at 0.91.
+ALIKE = 0.8
+# Attributes, among the few that one element has and lacks. Few people misspell the first letter,
+# and those of other programs are as alike: `frame` is no `name` (0.67), `stiction` no `friction`
+# (0.75), `power` no `lower` (0.8).
+LIKE_ATTRIBUTE = 0.82
+LIKE_INITIAL = 0.6  # with the same first letter
+
+MOST_COMPARED = 500  # names; difflib takes its time
+MOST_HINTS = 50  # findings; who has more has another trouble than spelling
+
+
+def nearest_element(findings: Findings, name: str, known: Iterable[str]) -> str | None:
+    """A known name that is nearly the same; None where there is none, or it would take too long."""
+    if len(findings.diagnostics) > MOST_HINTS:
+        return None
+    alike = sorted(other for other in known if abs(len(other) - len(name)) <= len(name) // 3)
+    return suggestions.nearest(name, alike[:MOST_COMPARED])
+
+
+def check_spelling(findings: Findings, element: Element, path: str) -> None:
+    """Report, in the element and below it, children that are nearly called as known ones."""
+    _check_attributes(findings, element, path)
+    known = KNOWN.get(str(element.tag), SHAPES if element.tag == "geometry" else ())
+    if element.tag == "gazebo":
+        _check_reference(findings, element, path)
+    for child in element:
+        if not isinstance(child.tag, str):
+            continue
+        name = child.get("name")
+        inside = child.tag if name is None else f"{child.tag}[@name='{name}']"
+        if element.tag != "robot":
+            inside = f"{path}/{child.tag}"
+        if child.tag in known:
+            check_spelling(findings, child, inside)
+            continue
+        near = meant_element(child.tag, known)
+        if near is not None:
+            findings.misspelt(
+                "ROB038",
+                f"<{element.tag}> has no <{child.tag}>: Gazebo leaves it out without a word.",
+                hint=f"Did you mean <{near}>?",
+                at=child,
+                path=inside,
+                owner=element,
+                name=near,
+            )
+
+
+def meant_element(tag: str, known: Sequence[str]) -> str | None:
+    """The element that a misspelt one must be; None where none is nearly the same."""
+    near = [other for other in known if other.lower() == tag.lower()]
+    near = near or [other for other in known if sorted(other) == sorted(tag)]
+    return near[0] if near else suggestions.nearest(tag, known, cutoff=ALIKE)
+
+
+def _check_attributes(findings: Findings, element: Element, path: str) -> None:
+    known = ATTRIBUTES.get(str(element.tag), ())
+    lacking = [name for name in known if name not in element.attrib]
+    for name in map(str, element.attrib):
+        meant = None if name in known or name in OTHERS else _meant(name, lacking)
+        if meant is not None:
+            findings.misspelt(
+                "ROB077",
+                f"<{element.tag}> has no attribute `{name}`: Gazebo leaves it out without a word.",
+                hint=suggestions.did_you_mean(meant),
+                at=element,
+                path=f"{path}/@{name}",
+                owner=element,
+                name=meant,
+            )
+
+
+def _meant(name: str, lacking: Sequence[str]) -> str | None:
+    """The attribute that a misspelt one must be, of those that the element lacks."""
+    near = [other for other in lacking if other.lower() == name.lower()]
+    if len(name) <= SHORT:  # too few letters for a likeness
+        near = near or [other for other in lacking if sorted(other) == sorted(name.lower())]
+    if near:
+        return near[0]
+    alike = [other for other in lacking if other[0] == name[:1].lower()]
+    return suggestions.nearest(name, lacking, cutoff=LIKE_ATTRIBUTE) or suggestions.nearest(
+        name, alike, cutoff=LIKE_INITIAL
+    )
+
+
+def _check_reference(findings: Findings, element: Element, path: str) -> None:
+    """Report what should be called `reference`: without it the element is about the whole robot."""
+    for attribute in map(str, element.attrib):
+        if attribute != "reference" and "reference".startswith(attribute.lower()[:3]):
+            findings.warning(
+                "ROB038",
+                f"<gazebo> has no attribute `{attribute}`: Gazebo leaves it out without a word and "
+                "takes the element for the whole robot's.",
+                hint=suggestions.did_you_mean("reference"),
+                at=element,
+                path=path,
+            )

@@ -1,0 +1,141 @@
+"""Numbers of a URDF: finite, in the C locale, and as many as there should be."""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from wsgen.urdf.collector import Findings
+    from wsgen.xmltree import Element
+
+
+# Python's float() takes more than C's strtod in the C locale: `1_000`, digits of other scripts.
+NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+LEFT_OVER = re.compile(r"\$\{|\$\(")  # of xacro
+# What C++'s std::stod and std::stoi take from the beginning of a text; what follows is ignored.
+LEADING = re.compile(
+    r"\s*([+-]?)(?:(0x(?:[0-9a-f]+\.?[0-9a-f]*|\.[0-9a-f]+)(?:p[+-]?\d+)?)"
+    r"|((?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)|(inf(?:inity)?)|(nan(?:\(\w*\))?))",
+    re.ASCII | re.IGNORECASE,
+)
+LEADING_INTEGER = re.compile(r"\s*[+-]?\d+", re.ASCII)
+SMALLEST = 2.2250738585072014e-308  # std::stod throws below it, as it does above the largest
+INT_LOWEST, INT_HIGHEST = -(2**31), 2**31 - 1
+NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)", re.IGNORECASE)
+
+
+def parse_number(text: str) -> float | str:
+    """The number, or what is wrong with it."""
+    if NUMBER.fullmatch(text):
+        number = float(text)
+        return number if math.isfinite(number) else "is too large"
+    if NOT_FINITE.fullmatch(text):
+        return "is not finite"
+    if "," in text:
+        return "has a comma"
+    return "is not a number"
+
+
+def leading_float(text: str) -> float | None:
+    """What std::stod makes of a text; None where it throws. May be infinite or not-a-number."""
+    found = LEADING.match(text)
+    if found is None:
+        return None
+    sign, hexadecimal, decimal, infinite, _ = found.groups()
+    if hexadecimal or decimal:
+        try:
+            number = float.fromhex(hexadecimal) if hexadecimal else float(decimal)
+        except OverflowError:
+            return None
+        # It also throws on a number that rounds to zero, unless all its digits are zeros.
+        mantissa = re.split("[eE]", decimal)[0] if decimal else re.split("[pP]", hexadecimal)[0]
+        is_zero = not re.search(r"[1-9a-fA-F]", mantissa)
+        if not (is_zero or SMALLEST <= number < math.inf):
+            return None
+    else:
+        number = math.inf if infinite else math.nan
+    return -number if sign == "-" else number
+
+
+def leading_integer(text: str) -> int | None:
+    """What std::stoi makes of a text; None where it throws."""
+    found = LEADING_INTEGER.match(text)
+    if found is None or not INT_LOWEST <= float(found[0]) <= INT_HIGHEST:
+        return None
+    return int(float(found[0]))
+
+
+def read_numbers(  # noqa: PLR0913  what, where, and how it is called
+    findings: Findings,
+    element: Element,
+    attribute: str,
+    count: int,
+    path: str,
+    *,
+    required: bool,
+    is_fatal: bool = True,
+) -> tuple[float, ...] | None:
+    """The numbers of an attribute; None where it is missing or wrong, which is then reported.
+
+    `is_fatal`: Gazebo refuses the robot for them, or leaves something out; it is an error then.
+    """
+    report = findings.error if is_fatal else findings.warning
+    text = element.get(attribute)
+    if text is None:
+        hint = f'Write {attribute}="{" ".join(["0.1"] * count)}" in it.'
+        told = f"`{attribute}` is missing."
+        if required and is_fatal:
+            findings.missing("ROB016", told, hint=hint, at=element, path=path, name=attribute)
+        elif required:
+            findings.warning("ROB016", told, hint=hint, at=element, path=path)
+        return None
+    if LEFT_OVER.search(text):  # reported once, for every element
+        return None
+    words = text.split()
+    numbers = [parse_number(word) for word in words]
+    problem = next(
+        (
+            f"`{word}` {found}"
+            for word, found in zip(words, numbers, strict=True)
+            if found.__class__ is str
+        ),
+        None,
+    )
+    if problem is None and len(words) != count:
+        problem = f"{len(words)} numbers instead of {count}"
+    if problem is None and count == 1 and text[-1].isspace():
+        problem = "there is a blank behind the number"
+    if problem is None:
+        return tuple(number for number in numbers if isinstance(number, float))
+    report(
+        "ROB016",
+        f'{attribute}="{text[:60]}": {problem}.',
+        hint=f"{_times(count)}, a point before the decimals and blanks between them. "
+        f"Gazebo {'refuses' if is_fatal else 'ignores'} anything else; other programs silently "
+        "read 0.",
+        at=element,
+        path=f"{path}/@{attribute}",
+    )
+    return None
+
+
+def read_number(
+    findings: Findings, element: Element, attribute: str, path: str, *, required: bool
+) -> float | None:
+    """The number of an attribute; None where it is missing or wrong, which is then reported."""
+    numbers = read_numbers(findings, element, attribute, 1, path, required=required)
+    return None if numbers is None else numbers[0]
+
+
+def read_triple(
+    findings: Findings, element: Element, attribute: str, path: str
+) -> tuple[float, float, float] | None:
+    """The three numbers of an optional attribute; None where it is missing or wrong."""
+    numbers = read_numbers(findings, element, attribute, 3, path, required=False)
+    return None if numbers is None else (numbers[0], numbers[1], numbers[2])
+
+
+def _times(count: int) -> str:
+    return "One finite number" if count == 1 else f"{count} finite numbers"

@@ -1,0 +1,229 @@
+"""`[[behaviour]]` of a package's `wsgen.toml`: read, and all that is wrong with its form."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.model.behavior import Behaviour, Drive, Reach
+from wsgen.tomlfile import find_line
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+    from pathlib import Path
+
+
+TABLE = "behaviour"
+EXAMPLE = (
+    'Write for example: [[behaviour]], name = "drives straight", drive = { linear = 0.5 }, '
+    "seconds = 2.0, moved = { x = 1.0 }; docs/behaviours.md lists the keys."
+)
+COMMON = ("name", "robot", "seconds")
+OF_DRIVE = ("drive", "moved", "tolerance")
+OF_REACH = ("joints", "within")
+KEYS = (*COMMON, *OF_DRIVE, *OF_REACH)
+TWIST = ("linear", "angular")
+PLACE = ("x", "y", "yaw")
+
+MOST = 50  # behaviours; each takes seconds of simulated time
+LONGEST_NAME = 80  # characters; it is told in a line
+LONGEST = 60.0  # s
+FASTEST = 100.0  # m/s or rad/s
+FARTHEST = FASTEST * LONGEST  # m or rad
+
+
+def read_behaviours(
+    document: Mapping[str, Any], file: Path, text: str
+) -> tuple[tuple[Behaviour, ...], tuple[Diagnostic, ...]]:
+    """The behaviours that can be used, and what is wrong with the others.
+
+    `document` is what the `text` of the file says.
+    """
+    reader = _Reader(file, text)
+    tables = document.get(TABLE, [])
+    if not isinstance(tables, list) or not all(isinstance(table, dict) for table in tables):
+        reader.wrong("`behaviour` is no list of tables.", EXAMPLE, TABLE)
+        return (), tuple(reader.found)
+    if len(tables) > MOST:
+        reader.wrong(
+            f"There are {len(tables)} behaviours; at most {MOST} are tried.",
+            "Put robots that do so much into several packages.",
+            TABLE,
+        )
+        return (), tuple(reader.found)
+    read: dict[str, Behaviour] = {}
+    for index, table in enumerate(tables):
+        behaviour = reader.behaviour(table, index, read)
+        if behaviour is not None:
+            read[behaviour.name] = behaviour
+    return tuple(read.values()), tuple(reader.found)
+
+
+class _Reader:
+    """Reads values of a file, and collects what is wrong."""
+
+    def __init__(self, file: Path, text: str) -> None:
+        self.file = file
+        self.text = text
+        self.found: list[Diagnostic] = []
+
+    def wrong(self, message: str, hint: str, *where: str) -> None:
+        """Add that something is wrong at a place: the way of keys that leads to it."""
+        self.found.append(
+            Diagnostic(
+                code="PKG060",
+                severity=Severity.ERROR,
+                message=message,
+                file=self.file,
+                line=find_line(self.text, where),
+                element=".".join(where),
+                hint=hint,
+            )
+        )
+
+    def behaviour(
+        self, table: dict[str, Any], index: int, before: Iterable[str]
+    ) -> Behaviour | None:
+        """One table; None where anything of it is wrong."""
+        count = len(self.found)
+        where = (TABLE, str(index))
+        kinds = [key for key in ("drive", "joints") if key in table]
+        if len(kinds) != 1:
+            self.wrong(
+                "A behaviour has both `drive` and `joints`."
+                if kinds
+                else "A behaviour has neither `drive` nor `joints`.",
+                "Give it one of them: what the robot drives, or where its joints go.",
+                *where,
+            )
+            kinds = []
+        allowed = {"drive": (*COMMON, *OF_DRIVE), "joints": (*COMMON, *OF_REACH)}
+        self._no_others(table, allowed[kinds[0]] if kinds else KEYS, *where)
+        name = self._name(table, before, *where)
+        seconds = self._number(table, *where, "seconds", default=None, most=LONGEST, positive=True)
+        robot = self._robot(table, *where)
+        task = self._task(table, kinds, *where)
+        if len(self.found) > count or name is None or seconds is None or task is None:
+            return None
+        line = find_line(self.text, where)
+        return Behaviour(name=name, task=task, seconds=seconds, robot=robot, line=line)
+
+    def _task(
+        self, table: dict[str, Any], kinds: Sequence[str], *where: str
+    ) -> Drive | Reach | None:
+        if "drive" in kinds:
+            return self._drive(table, *where)
+        return self._reach(table, *where) if kinds else None
+
+    def _name(self, table: dict[str, Any], before: Iterable[str], *where: str) -> str | None:
+        name = table.get("name")
+        if not isinstance(name, str) or not name.strip() or not name.isprintable():
+            self.wrong(
+                "A behaviour has no name."
+                if name is None
+                else "The `name` of a behaviour is no text on one line.",
+                'Write for example: name = "drives straight"',
+                *where,
+                "name",
+            )
+            return None
+        if len(name) > LONGEST_NAME:
+            self.wrong(
+                f"The `name` of a behaviour has more than {LONGEST_NAME} characters.",
+                "Say in a few words what the robot does.",
+                *where,
+                "name",
+            )
+        if name in before:
+            self.wrong(
+                f"Two behaviours are called `{name}`.", "Give each its own name.", *where, "name"
+            )
+        return name
+
+    def _robot(self, table: dict[str, Any], *where: str) -> str | None:
+        robot = table.get("robot")
+        if robot is None or (isinstance(robot, str) and robot):
+            return robot
+        self.wrong(
+            "The `robot` of a behaviour is not the name of one.",
+            "Write the name that it is spawned under, or leave the key out if there is one robot.",
+            *where,
+            "robot",
+        )
+        return None
+
+    def _drive(self, table: dict[str, Any], *where: str) -> Drive | None:
+        twist = self._numbers(table, *where, "drive", keys=TWIST, most=FASTEST)
+        moved = self._numbers(table, *where, "moved", keys=PLACE, most=FARTHEST)
+        tolerance = self._number(table, *where, "tolerance", default=0.1, most=1.0, positive=True)
+        if twist is None or moved is None or tolerance is None:
+            return None
+        return Drive(**twist, **moved, tolerance=tolerance)
+
+    def _reach(self, table: dict[str, Any], *where: str) -> Reach | None:
+        positions = self._numbers(table, *where, "joints", keys=None, most=FARTHEST)
+        within = self._number(table, *where, "within", default=0.05, most=10.0, positive=True)
+        if positions is None or within is None:
+            return None
+        return Reach(positions=positions, within=within)
+
+    def _numbers(
+        self, table: dict[str, Any], *where: str, keys: tuple[str, ...] | None, most: float
+    ) -> dict[str, float] | None:
+        """A table of numbers, one at least; any keys where none are given."""
+        inside = table.get(where[-1])
+        if not isinstance(inside, dict) or not inside:
+            some = " = 0.5, ".join(keys or ("joint_1", "joint_2")) + " = 0.5"
+            self.wrong(
+                f"A behaviour has no `{where[-1]}`."
+                if inside is None
+                else f"`{where[-1]}` is no table of numbers.",
+                f"Write for example: {where[-1]} = {{ {some} }}",
+                *where,
+            )
+            return None
+        if keys is not None and not self._no_others(inside, keys, *where):
+            return None
+        numbers = {
+            key: self._number(inside, *where, key, default=None, most=most) for key in inside
+        }
+        return {key: number for key, number in numbers.items() if number is not None}
+
+    def _number(
+        self,
+        table: dict[str, Any],
+        *where: str,
+        default: float | None,
+        most: float,
+        positive: bool = False,
+    ) -> float | None:
+        """The number at the last key of the way; None after saying what is wrong with it."""
+        value = table.get(where[-1], default)
+        span = f"greater than 0, and at most {most:g}" if positive else f"at most {most:g} in size"
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            self.wrong(
+                f"A behaviour has no `{where[-1]}`."
+                if value is None
+                else f"`{where[-1]}` is no number.",
+                f"Write a number {span}.",
+                *where,
+            )
+            return None
+        if not math.isfinite(value) or abs(value) > most or (positive and value <= 0):
+            self.wrong(f"`{where[-1]}` is {value:g}.", f"Write a number {span}.", *where)
+            return None
+        return float(value)
+
+    def _no_others(self, table: dict[str, Any], keys: tuple[str, ...], *where: str) -> bool:
+        """Report keys that mean nothing here; gives whether there are none."""
+        unknown = [key for key in table if key not in keys]
+        for key in unknown:
+            self.wrong(
+                f"`{where[0] if len(where) < 3 else where[-1]}` knows no key `{key}`"  # noqa: PLR2004  in a table of it
+                + (" here." if key in KEYS else "."),
+                f"It knows {', '.join(f'`{one}`' for one in keys)}.",
+                *where,
+                key,
+            )
+        return not unknown

@@ -1,1 +1,0 @@
-"""SDF worlds: read them, and find what they include."""

@@ -1,0 +1,1 @@
+"""xacro files: expand them in a child process and explain what is wrong with them."""

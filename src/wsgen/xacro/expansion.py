@@ -1,0 +1,217 @@
+"""Expand xacro files, in the calling process; the one place that imports xacro.
+
+xacro keeps its state in module globals, so they are set back before each run. A xacro file may
+hold expressions that never end: call this in a child process (`wsgen.isolation`).
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import os
+import sys
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import xacro
+
+from wsgen.files import refuse_irregular
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+
+def _open_regular(file: Any, mode: str = "r", **keywords: Any) -> Any:
+    """`open`, which waits for no named pipe and reads no device."""
+    if "r" in mode:
+        refuse_irregular(file)
+    return open(file, mode, **keywords)  # noqa: PTH123  what xacro calls
+
+
+xacro.open = _open_regular  # what it finds before the built-in one
+
+
+class CommandResult(NamedTuple):
+    """What the xacro command line does."""
+
+    stdout: str
+    stderr: str
+    code: int
+    fault: dict[str, Any] | None = None  # see `find_fault`
+    unused: Sequence[dict[str, str]] = ()  # see `_Arguments.find_unused`
+
+
+class Watch:
+    """Sees what xacro does from now on in this process, also when a launch file calls it itself.
+
+    `note` is given every text that an expanded document is written as, with the file it came from.
+    `note_unused` is given the arguments that a launch file gives to xacro and no xacro file uses.
+    """
+
+    def __init__(
+        self,
+        note: Callable[[str, str], None],
+        note_unused: Callable[[Sequence[dict[str, str]]], None],
+    ) -> None:
+        self.seconds = 0.0  # wall-clock, spent in xacro so far
+        self._note = note
+        self._note_unused = note_unused
+        self._is_running = False
+        self._parse = xacro.parse
+        xacro.parse = self._timed(self._parse_and_watch)
+        self._process = xacro.process_doc
+        xacro.process_doc = self._timed(self._process_and_watch)
+
+    def _parse_and_watch(self, inp: Any, filename: Any = None) -> Any:
+        document = self._parse(inp, filename)
+        file = getattr(inp, "name", None) if filename is None else filename
+        if isinstance(file, (str, os.PathLike)) and document is not inp:
+            path = str(Path(xacro.root_dir, file).absolute())
+            document.wsgen_file = path  # for who explains what is wrong in it
+            write = self._timed(document.toprettyxml)
+
+            def write_and_note(*arguments: Any, **keywords: Any) -> Any:
+                text = write(*arguments, **keywords)
+                self._note(text if isinstance(text, str) else text.decode(), path)
+                return text
+
+            document.toprettyxml = write_and_note  # `toxml` calls it too
+        return document
+
+    def _process_and_watch(self, doc: Any, mappings: Any = None, **keywords: Any) -> None:
+        if not isinstance(mappings, dict) or isinstance(mappings, _Arguments):
+            self._process(doc, mappings, **keywords)
+            return
+        arguments = _Arguments(mappings)
+        self._process(doc, arguments, **keywords)
+        mappings.update(arguments)  # as xacro does
+        self._note_unused(arguments.find_unused())
+
+    def _timed(self, function: Callable[..., Any]) -> Callable[..., Any]:
+        def timed(*arguments: Any, **keywords: Any) -> Any:
+            if self._is_running:
+                return function(*arguments, **keywords)
+            self._is_running = True
+            started = time.perf_counter()
+            try:
+                return function(*arguments, **keywords)
+            finally:
+                self._is_running = False
+                self.seconds += time.perf_counter() - started
+
+        return timed
+
+
+class _Arguments(dict[str, str]):
+    """The arguments that are given to xacro; remembers which of them a xacro file asks for."""
+
+    def __init__(self, given: Mapping[str, str]) -> None:
+        super().__init__(given)
+        self._given = tuple(given)
+        self._asked: set[str] = set()
+
+    def __contains__(self, name: object) -> bool:  # <xacro:arg>
+        self._asked.add(str(name))
+        return super().__contains__(name)
+
+    def __getitem__(self, name: str) -> str:  # $(arg)
+        self._asked.add(name)
+        return super().__getitem__(name)
+
+    def find_unused(self) -> list[dict[str, str]]:
+        """The given arguments that no file names: each with name, message and hint.
+
+        To be called while xacro still knows which files it has read.
+        """
+        unused = [name for name in self._given if name not in self._asked]
+        if not unused:
+            return []
+        # Read where something is wrong only, that is, seldom.
+        from wsgen.xacro.explanation import unused_arguments  # noqa: PLC0415
+
+        return unused_arguments(unused, self._asked, _files_read())
+
+
+def expand(file: Path, mappings: Mapping[str, str]) -> CommandResult:
+    """Expand a xacro file with these arguments, whose values may be any text.
+
+    `stdout` is the URDF where `code` is 0; else `fault` says what is wrong with which file.
+    """
+    return _run([str(file)], mappings)
+
+
+def expand_for_parent(file: str, mappings: Mapping[str, str]) -> dict[str, Any]:
+    """`expand` in a child process; gives the fields of the result by name."""
+    return expand(Path(file), mappings)._asdict()
+
+
+def run_command(words: Sequence[str]) -> CommandResult:
+    """Do what the command line `xacro …` does; the first word is the program."""
+    return _run(words[1:], {})
+
+
+def _run(words: Sequence[str], mappings: Mapping[str, str]) -> CommandResult:
+    _reset()
+    stdout, stderr = io.StringIO(), io.StringIO()
+    fault = None
+    unused: list[dict[str, str]] = []
+    with contextlib.redirect_stdout(stdout), contextlib.redirect_stderr(stderr):
+        try:
+            options, file = xacro.process_args(list(words))
+            arguments = options.mappings = _Arguments({**options.mappings, **mappings})
+            code, fault = _process(file, options)
+            unused = [] if code else arguments.find_unused()
+        except SystemExit as end:  # the option parser leaves like this
+            code = end.code if isinstance(end.code, int) else 1
+        except RuntimeError as error:  # an argument that is no name:=value
+            sys.stderr.write(f"{error}\n")
+            code = 1
+    return CommandResult(stdout.getvalue(), stderr.getvalue(), code, fault, unused)
+
+
+def _process(file: str, options: Any) -> tuple[int, dict[str, Any] | None]:
+    """Expand and write, as `xacro.main` does, and keep the exception that it only prints."""
+    xacro.root_dir = options.root_dir or os.curdir
+    try:
+        document = xacro.process_file(file, **vars(options))
+    except Exception as error:  # noqa: BLE001  expressions in xacro files raise anything
+        sys.stderr.write(f"error: {error}\n")
+        if options.verbosity:
+            xacro.print_location()
+        return 2, find_fault(error) or {"message": str(error) or repr(error), "file": file}
+    if options.just_deps:
+        text = " ".join(sorted(set(xacro.all_includes)))
+    else:
+        text = document.toprettyxml(indent="  ")
+    if options.output:
+        Path(options.output).write_text(text, encoding="utf-8")
+    else:
+        sys.stdout.write(text)
+    return 0, None
+
+
+def _reset() -> None:
+    """Set back what one expansion leaves for the next."""
+    xacro.init_stacks(None)
+    xacro.all_includes.clear()
+    xacro.substitution_args_context.clear()
+    xacro.verbosity = 1
+    xacro.root_dir = os.curdir
+
+
+def find_fault(error: BaseException) -> dict[str, Any] | None:
+    """What an exception that xacro raised is about; None for any other exception.
+
+    The keys are those of `wsgen.xacro.explanation`.
+    """
+    # Read where something is wrong only, that is, seldom.
+    from wsgen.xacro.explanation import explain  # noqa: PLC0415
+
+    return explain(error, _files_read())
+
+
+def _files_read() -> list[str]:
+    """The files that xacro has read, the one that it is in first."""
+    read = (*reversed(xacro.filestack or ()), *reversed(xacro.all_includes))
+    return [file and str(Path(xacro.root_dir, file)) for file in read]

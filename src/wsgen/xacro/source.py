@@ -1,0 +1,174 @@
+"""Where in the xacro files a finding about the expanded robot belongs.
+
+xacro keeps no line numbers: what is found in the expanded text is looked up by element and name in
+the file that was expanded and in those that it includes. A name that xacro puts together is found
+by its pattern, `${prefix}base_link` for one.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from wsgen.markup import elements, read_text
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.markup import Written
+
+
+ShareOf = Callable[[str], Path | None]  # package name -> its installed share folder
+
+FIND = re.compile(r"\$\(find\s+([\w-]+)\s*\)")
+COMPUTED = re.compile(r"\$\{[^}]*\}|\$\([^)]*\)")  # by xacro
+NAMED = re.compile(r"(\w+)\[@(\w+)='([^']*)'\]")  # link[@name='base_link']
+ONE_NAME = re.compile(r"\s*\$\{\s*(\w+)\s*\}\s*")  # the value of a property, and nothing else
+WRONG_VALUE = frozenset(("ROB016",))  # codes of findings about the value of an attribute
+PROPERTY = "xacro:property"
+MOST_FILES = 100  # a description in more files than this is included in circles
+
+
+def place_in_source(
+    diagnostics: Iterable[Diagnostic], *, text: str, file: Path | None, share_of: ShareOf
+) -> tuple[Diagnostic, ...]:
+    """Give findings about `text`, which `file` expanded to, the places in what a person edits.
+
+    A file that holds the text itself keeps the lines. Where an element is not found by its name,
+    or several could be meant, the finding names the file alone.
+    """
+    found = tuple(diagnostics)
+    if not found or file is None:
+        return tuple(replace(finding, line=None) for finding in found)
+    if read_text(file) == text:
+        return found
+    written = _written(file, share_of)
+    expanded = elements(file, text)
+    placed = (_placed(finding, written, expanded) for finding in found)
+    # What is wrong with a property is found wherever it is used.
+    return tuple(
+        {
+            (one.code, one.file, one.line, one.element)
+            if (one.element or "").startswith(PROPERTY)
+            else one: one
+            for one in placed
+        }.values()
+    )
+
+
+def _placed(finding: Diagnostic, written: list[Written], expanded: list[Written]) -> Diagnostic:
+    path = finding.element or ""
+    for named in NAMED.finditer(path):
+        tag, attribute, value = named.groups()
+        element = _most_like(
+            value, attribute, [element for element in written if element.tag == tag]
+        )
+        if element is None:
+            continue
+        tags = path[named.end() :].strip("/").split("/") if path[named.end() :] else []
+        attribute = tags.pop()[1:] if tags and tags[-1].startswith("@") else ""
+        own = next(
+            (one for one in expanded if one.tag == tag and one.attributes.get("name") == value),
+            None,
+        )
+        inner = _inside(element, tags, written)
+        origins = [] if own is None else _inside(own, tags, expanded)
+        # Of several alike, that with the same number, if xacro made none and left none out.
+        place, origin = element, None
+        for at, one in enumerate(origins):
+            if (one.line == finding.line or len(origins) == 1) and len(inner) == len(origins):
+                place, origin = inner[at], one
+        if attribute and origin is not None:
+            return _at_attribute(finding, attribute, place, origin, written)
+        return replace(finding, file=place.file, line=place.line)
+    return replace(finding, line=None)
+
+
+def _inside(element: Written, tags: list[str], document: list[Written]) -> list[Written]:
+    """The elements that a path of tags leads to from an element; itself if there are no tags."""
+    depth = len(element.path)
+    found = []
+    start = next(place for place, one in enumerate(document) if one is element)
+    for one in document[start:]:
+        if one is not element and (len(one.path) <= depth or one.file != element.file):
+            break
+        if list(one.path[depth:]) == tags:
+            found.append(one)
+    return found
+
+
+def _at_attribute(
+    finding: Diagnostic, attribute: str, place: Written, origin: Written, written: list[Written]
+) -> Diagnostic:
+    """The finding at the attribute, or at the property that its whole value is."""
+    raw = place.attributes.get(attribute, "")
+    used = ONE_NAME.fullmatch(raw) if finding.code in WRONG_VALUE else None
+    value = origin.attributes.get(attribute)
+    defined = [
+        (one, key)
+        for one in written
+        for key in ("value", "default")
+        if used
+        and one.tag == PROPERTY
+        and one.attributes.get("name") == used[1]
+        and one.attributes.get(key) == value
+    ]
+    if len(defined) != 1:
+        return replace(finding, file=place.file, line=place.line_of(attribute))
+    definition, key = defined[0]
+    return replace(
+        finding,
+        file=definition.file,
+        line=definition.line_of(key),
+        element=f"{PROPERTY}[@name='{definition.attributes.get('name')}']/@{key}",
+    )
+
+
+def _most_like(value: str, attribute: str, candidates: list[Written]) -> Written | None:
+    """The element whose name is the value, or can become it with the fewest letters computed."""
+    likeness: dict[int, list[Written]] = {}
+    for element in candidates:
+        name = element.attributes.get(attribute, "")
+        if name == value:
+            return element
+        literal = COMPUTED.split(name)
+        letters = sum(map(len, literal))
+        if letters and re.fullmatch(".*".join(map(re.escape, literal)), value, re.DOTALL):
+            likeness.setdefault(letters, []).append(element)
+    best = likeness[max(likeness)] if likeness else []
+    return best[0] if len(best) == 1 else None
+
+
+def _written(main: Path, share_of: ShareOf) -> list[Written]:
+    """The elements of the file and of what it includes, as far as the addresses are known."""
+    written: list[Written] = []
+    waiting = [main]
+    seen: set[Path] = set()
+    while waiting and len(seen) < MOST_FILES:
+        file = waiting.pop(0)
+        text = None if file in seen else read_text(file)
+        seen.add(file)
+        if text is None:
+            continue
+        here = elements(file, text)
+        written += here
+        addresses = [
+            element.attributes.get("filename", "")
+            for element in here
+            if element.tag == "xacro:include"
+        ]
+        waiting += filter(None, (_included(uri, file, share_of) for uri in addresses))
+    return written
+
+
+def _included(uri: str, by: Path, share_of: ShareOf) -> Path | None:
+    package = FIND.match(uri)
+    if package is not None:
+        share = share_of(package.group(1))
+        uri = uri[package.end() :].lstrip("/")
+        return None if share is None or "$" in uri else share / uri
+    return None if "$" in uri else by.parent / uri
