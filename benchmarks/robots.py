@@ -49,12 +49,12 @@ def find_robots() -> list[str]:
 
 def _loads(file: str) -> bool:
     """Whether wsgen finds a robot in it that PyBullet takes as it is."""
-    described = subprocess.run(
+    prepared = subprocess.run(
         [WSGEN, "validate", "-q", "--seconds", "0.1", "--format", "json", file],
         capture_output=True,
         check=False,
     )
-    if b'"simulated": {' not in described.stdout:
+    if b'"simulated": {' not in prepared.stdout:
         return False
     try:
         by_hand = subprocess.run(

@@ -35,7 +35,7 @@ def odd(text: str | bytes, *codes: str) -> Broken:
 
 
 def mass(number: str) -> str:
-    """A link of that mass, with a moving neighbour."""
+    """A link of that mass, with a moving neighbor."""
     return robot(
         link("a")
         + link("b", MASS.replace('mass value="1"', f'mass value="{number}"'))
@@ -137,7 +137,7 @@ MODELS = {
     "only the world": broken(robot(link("world", "")), "ROB005"),
     # sizes
     "robot of a nanometre": odd(box("1e-9 1e-9 1e-9"), "ROB048"),
-    "robot of a kilometre": odd(box("1000 1000 1000"), "ROB048"),
+    "robot of a kilometer": odd(box("1000 1000 1000"), "ROB048"),
     "robot a light year away": broken(
         robot(TWO + joint("j", "a", "b", '<origin xyz="1e16 0 0"/>')), "ROB056"
     ),

@@ -121,7 +121,7 @@ def _of_inertial(ours: Inertial, theirs: ET.Element) -> Iterator[str]:
     if not math.isclose(ours.mass, _number(theirs, "mass", math.nan), rel_tol=1e-6):
         yield "mass"
     if not _close(ours.pose_in_link.xyz, pose.xyz):
-        yield "centre of mass"
+        yield "center of mass"
     slack = max(1e-6 * max(map(abs, turned)), 1e-18)  # kg m²; below it there is nothing but noise
     if not all(
         math.isclose(one, other, rel_tol=1e-6, abs_tol=slack)

@@ -180,7 +180,7 @@ PARAMETERS = (
 )
 
 
-def coloured_dae(*shaders: str, image: str = "image.png", bind: bool = True) -> str:
+def colored_dae(*shaders: str, image: str = "image.png", bind: bool = True) -> str:
     """A square for each shader, one above the other (z = 0, 1, 2 …), each of its own material."""
     faces = "".join(
         f'<triangles count="2" material="symbol{at}"><input semantic="VERTEX" source="#v" '

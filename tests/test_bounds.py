@@ -13,11 +13,11 @@ import pytest
 
 from install_space import InstallSpace
 from templating.broken_templates import spec_for
-from wsgen.isolation.fork_server import Nursery
+from wsgen.isolation.fork_server import ForkServer
 from wsgen.model.target import TARGETS
 from wsgen.pipeline.package_validation import Validation
 from wsgen.pipeline.request import ValidateRequest
-from wsgen.pipeline.selection import Chosen
+from wsgen.pipeline.selection import SelectedPackage
 from wsgen.simulation.run import default_engine
 from wsgen.templating.manifest import load_template
 from wsgen.templating.render import render_package
@@ -45,9 +45,9 @@ DESIGN = [*RUNS, *(tuple(not high for high in run) for run in RUNS)]
 
 @pytest.fixture(scope="module")
 def run() -> Iterator[Run]:
-    """One nursery of child processes for all."""
-    with Nursery() as nursery:
-        yield nursery.run
+    """One fork server of child processes for all."""
+    with ForkServer() as fork_server:
+        yield fork_server.run
 
 
 @pytest.mark.parametrize("number", range(len(DESIGN)))
@@ -77,13 +77,13 @@ def validate(spec: PackageSpec, folder: Path, run: Run) -> list[Diagnostic]:
     share = InstallSpace(prefix).add(PACKAGE, tree)
     environment = {**os.environ, "AMENT_PREFIX_PATH": str(prefix)}
     overlay = Overlay(install=prefix, environment=environment, prefixes=(prefix,))
-    chosen = Chosen(
+    selected = SelectedPackage(
         name=PACKAGE,
         source=source,
         share=share,
         launch_file=share / "launch" / "gazebo_model.launch.py",
     )
     request = ValidateRequest(engines=(default_engine(),))
-    outcome = Validation(chosen, overlay, request, None, run).run()
+    outcome = Validation(selected, overlay, request, None, run).run()
     assert len(outcome.robots) == 1
     return list(outcome.diagnostics)

@@ -57,7 +57,7 @@ def test_no_warning(cmake: Path, tmp_path: Path) -> None:
             check=False,
         )
         # CMake names the file of a warning, ours without a folder; those of ament_cmake's own
-        # files are not ours to mend.
+        # files are not ours to fix.
         ours = re.findall(r"^CMake .*Warning.* at CMakeLists\.txt.*$", run.stderr, re.MULTILINE)
         assert (run.returncode, ours) == (0, []), run.stderr
 

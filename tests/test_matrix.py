@@ -35,7 +35,7 @@ PACKAGES = {case: case.replace("-", "_") for case in ALL}
 # the workspace has the tutorial's.
 ENTITIES = {next(case for case in ALL if ALL[case][0] == "simple"): "simple_robot"}
 # Template -> what its robot does beyond standing.
-BEHAVIOURS = {
+BEHAVIORS = {
     "arm": ["holds its pose", "reaches another pose"],
     "diff_drive": ["drives straight", "turns in place"],
 }
@@ -74,8 +74,8 @@ def test_the_robot_stands_and_there_is_nothing_to_find(
     (robot,) = package["robots"]
     assert robot["entity"] == ENTITIES.get(case, PACKAGES[case])
     assert robot["rest"]["settled_after"] is not None
-    tried = [behaviour["name"] for behaviour in robot["behaviours"] if behaviour["passed"]]
-    assert tried == BEHAVIOURS.get(ALL[case][0], [])
+    simulated = [behavior["name"] for behavior in robot["behaviors"] if behavior["passed"]]
+    assert simulated == BEHAVIORS.get(ALL[case][0], [])
 
 
 def test_no_two_packages_call_their_robots_the_same(validated: dict[str, Any]) -> None:

@@ -23,12 +23,12 @@ FOLDER = PAGE.with_suffix("")
 
 
 class Drawn(NamedTuple):
-    """A robot of the page; its model is under the licence that its package names."""
+    """A robot of the page; its model is under the license that its package names."""
 
     title: str
     package: str
     path: str
-    licence: str
+    license: str
 
 
 ROBOTS = {
@@ -64,8 +64,8 @@ HEAD = """\
 # Ten robots
 
 What `wsgen validate --picture DIR --seconds 0.1` draws of robots that other people have published
-on PyPI, without a display: colours and textures of the meshes, shadow, and the size of a square of
-the ground. The models are their authors'; each is under the licence that its package names.
+on PyPI, without a display: colors and textures of the meshes, shadow, and the size of a square of
+the ground. The models are their authors'; each is under the license that its package names.
 `pytest tests/test_pictures.py --regenerate` draws them anew; a test compares.
 """
 
@@ -118,7 +118,7 @@ def test_the_pictures_are_what_is_drawn(*, tmp_path: Path, regenerate: bool) -> 
 
 def test_the_page_shows_all_pictures(*, regenerate: bool) -> None:
     text = HEAD + "".join(
-        f"\n## {robot.title}\n\n`{robot.path}` of {robot.package} ({robot.licence})\n\n"
+        f"\n## {robot.title}\n\n`{robot.path}` of {robot.package} ({robot.license})\n\n"
         f"![{robot.title}](pictures/{name}.png)\n"
         for name, robot in ROBOTS.items()
     )

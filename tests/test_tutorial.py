@@ -78,7 +78,7 @@ def test_a_colon_in_a_comment_does_no_harm(workspace: Path) -> None:
     model = workspace / "install/gazebo_test/share/gazebo_test/model/robot.xacro"
     text = model.read_text()
     model.unlink()  # not through a link into the source
-    model.write_text(text.replace("</robot>", "<!-- height: half a metre # -->\n</robot>"))
+    model.write_text(text.replace("</robot>", "<!-- height: half a meter # -->\n</robot>"))
     run = wsgen(workspace, "launch", "gazebo_test", "gazebo_model.launch.py", "--format", "json")
     model.write_text(text)
     assert run.returncode == 0, run.stderr

@@ -212,7 +212,7 @@ WARNINGS = {
             )
         ),
     ),
-    "two colours": (
+    "two colors": (
         "ROB026",
         robot(
             '<material name="m"><color rgba="1 0 0 1"/></material>\n'
@@ -225,7 +225,7 @@ WARNINGS = {
             )
         ),
     ),
-    "colour in words": (
+    "color in words": (
         "ROB016",
         robot('<material name="m"><color rgba="red"/></material>' + link("a")),
     ),
@@ -271,12 +271,12 @@ WARNINGS = {
     "two hyphens in a comment": ("ROB001", robot("<!-- a -- b -->" + link("a"))),
     "prefix not declared": ("ROB001", robot("<sensor:camera/>" + link("a"))),
     "bare ampersand": ("ROB001", robot("<author>You & I</author>" + link("a"))),
-    "bytes as colour": (
+    "bytes as color": (
         "ROB027",
         robot('<material name="m"><color rgba="255 0 0 1"/></material>' + link("a")),
     ),
     "unknown reference": ("ROB030", robot(link("wheel") + '<gazebo reference="whel"/>')),
-    "unknown colour": (
+    "unknown color": (
         "ROB032",
         robot(link("a") + '<gazebo reference="a"><material>Gazebo/Gren</material></gazebo>'),
     ),

@@ -55,7 +55,7 @@ def find_line(text: str, where: Sequence[str]) -> int | None:
         else:
             continue
         shared = _shared(way, where)
-        # The way leads here or goes on from here; a neighbour of what is meant is no place.
+        # The way leads here or goes on from here; a neighbor of what is meant is no place.
         if shared > best and shared in {len(way), len(where)}:
             best, found = shared, number
     return found

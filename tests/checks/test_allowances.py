@@ -21,7 +21,7 @@ def test_what_is_not_allowed_stays() -> None:
     assert without_allowed([ROOT], ["ros-1-plugin"]) == (ROOT,)
 
 
-def test_a_misspelt_name_is_told_with_its_neighbour() -> None:
+def test_a_misspelt_name_is_told_with_its_neighbor() -> None:
     (found,) = unknown_rule_allowed(["masless-root"], Path("wsgen.toml"))
     assert found.code == "PKG061"
     assert "massless-root" in (found.hint or "")

@@ -15,8 +15,8 @@ def told(code: str, severity: Severity = WARNING, element: str = "robot") -> Dia
     return Diagnostic(code=code, severity=severity, message=f"About {code}.", element=element)
 
 
-def folded(*described: Diagnostic, run: Diagnostic) -> bool:
-    return not fold_consequences(described, [run]).run
+def folded(*prepared: Diagnostic, run: Diagnostic) -> bool:
+    return not fold_consequences(prepared, [run]).run
 
 
 def test_the_cause_takes_over_severity_and_message() -> None:
@@ -41,20 +41,20 @@ def test_an_information_makes_no_warning_of_a_cause_and_none_harmless() -> None:
 
 
 def test_what_nothing_explains_stays() -> None:
-    described = [told("ROB053"), told("ROB052")]
+    prepared = [told("ROB053"), told("ROB052")]
     run = [told("SPN059", ERROR), told("SPN060", INFO), told("SPN056", ERROR)]
-    result = fold_consequences(described, run)
+    result = fold_consequences(prepared, run)
     assert [found.code for found in result.run] == ["SPN059", "SPN060"]
-    assert [found.severity for found in result.described] == [ERROR, WARNING]
+    assert [found.severity for found in result.prepared] == [ERROR, WARNING]
 
 
 def test_one_consequence_has_one_cause_the_first_of_the_table() -> None:
     inertias = [told("ROB050", element=f"link[@name='{name}']/inertial/inertia") for name in "ab"]
-    described = [*inertias, told("ROB049")]
-    result = fold_consequences(described, [told("SPN061", ERROR)])
-    assert [found.severity for found in result.described] == [WARNING, WARNING, ERROR]
+    prepared = [*inertias, told("ROB049")]
+    result = fold_consequences(prepared, [told("SPN061", ERROR)])
+    assert [found.severity for found in result.prepared] == [WARNING, WARNING, ERROR]
     result = fold_consequences(inertias, [told("SPN061", ERROR)])
-    assert [found.severity for found in result.described] == [ERROR, WARNING]
+    assert [found.severity for found in result.prepared] == [ERROR, WARNING]
 
 
 def test_a_warning_about_motion_has_its_cause_in_joints_that_are_not_actuated() -> None:
@@ -90,8 +90,8 @@ def test_what_is_only_seen_explains_no_motion(code: str, element: str, *, explai
 
 def test_joints_that_their_limits_move() -> None:
     limit = "joint[@name='lift']/limit"
-    described = [told("ROB070", element=limit), told("ROB023", element="joint[@name='x']/limit")]
-    assert joints_beyond_limits(described) == {"lift"}
+    prepared = [told("ROB070", element=limit), told("ROB023", element="joint[@name='x']/limit")]
+    assert joints_beyond_limits(prepared) == {"lift"}
 
 
 def test_the_table_is_about_rules_that_exist() -> None:

@@ -1,4 +1,4 @@
-"""The judgements over how a robot moved, from facts alone."""
+"""The check over how a robot moved, from facts alone."""
 
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ def found(diagnostics: Iterable[Diagnostic]) -> list[tuple[str, Severity]]:
 )
 def test_a_robot_that_falls(start: float, end: float, *, falls: bool) -> None:
     expected = [("SPN056", Severity.ERROR)] if falls else []
-    judged = rules.falls_without_end("r", start, end, has_ground=True, is_falling=False)
-    assert found(judged) == expected
+    checked = rules.falls_without_end("r", start, end, has_ground=True, is_falling=False)
+    assert found(checked) == expected
 
 
 @pytest.mark.parametrize(
@@ -53,8 +53,8 @@ def test_without_a_ground_plane_falling_is_what_counts(
     start: float, end: float, *, is_falling: bool, falls: bool
 ) -> None:
     expected = [("SPN056", Severity.ERROR)] if falls else []
-    judged = rules.falls_without_end("r", start, end, has_ground=False, is_falling=is_falling)
-    assert found(judged) == expected
+    checked = rules.falls_without_end("r", start, end, has_ground=False, is_falling=is_falling)
+    assert found(checked) == expected
 
 
 def test_why_it_falls() -> None:

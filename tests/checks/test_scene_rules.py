@@ -1,4 +1,4 @@
-"""The judgements over robots in each other, and over two engines, from facts alone."""
+"""The check over robots in each other, and over two engines, from facts alone."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from checks.trials import STANDS
+from checks.robot_runs import STANDS
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.model.transform import Pose
 from wsgen.rules import scenes as rules

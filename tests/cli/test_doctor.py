@@ -63,7 +63,7 @@ def test_json(target: Target, capsys: pytest.CaptureFixture[str]) -> None:
     assert told["passed"] is True
     assert told["target"]["simulator"] == target.simulator
     assert told["apt"].startswith(f"sudo apt install ros-{target.distro}-ros-core ")
-    assert {"name", "met", "needed", "text", "mend"} == set(told["wsgen"][0])
+    assert {"name", "met", "needed", "text", "fix"} == set(told["wsgen"][0])
     assert not any(found["needed"] for found in told["ros"])
 
 
@@ -86,7 +86,7 @@ def test_something_is_missing(
     assert "  error  CMake  missing: CMAKE_COMMAND=/gone/cmake is no program\n" in told
     assert "try: unset CMAKE_COMMAND\n" in told
     assert "ninja" not in told
-    assert told.endswith("wsgen cannot work here until that is mended.\n")
+    assert told.endswith("wsgen cannot work here until that is fixed.\n")
     assert run(["doctor", "--format", "json"]) == 1
     assert json.loads(capsys.readouterr().out)["passed"] is False
 

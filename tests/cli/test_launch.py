@@ -247,18 +247,18 @@ def test_play_makes_a_film(
 ) -> None:
     monkeypatch.chdir(built)
     words = ("gazebo_test", "gazebo_model.launch.py", "--play", "--seconds", "0.5")
-    file = tmp_path / "film.gif"
+    file = tmp_path / "video.gif"
     code, out, err = launch(capsys, *words, "--record", str(file), "--format", "json")
     steps = [line.split()[2:4] for line in err.splitlines() if line.startswith("  ok")]
-    assert steps[-2:] == [["simulate", "simple_robot"], ["draw", "film.gif"]]
-    assert (code, json.loads(out)["packages"][0]["film"]) == (0, str(file))
-    with Image.open(file) as film:
-        assert (film.n_frames, film.info["duration"]) == (11, 50)  # every 50 ms, both ends
+    assert steps[-2:] == [["simulate", "simple_robot"], ["draw", "video.gif"]]
+    assert (code, json.loads(out)["packages"][0]["video"]) == (0, str(file))
+    with Image.open(file) as video:
+        assert (video.n_frames, video.info["duration"]) == (11, 50)  # every 50 ms, both ends
 
 
 @pytest.mark.parametrize(
     ("file", "told"),
-    [("film.png", "neither"), ("nowhere/film.gif", "does not exist"), (".", "neither")],
+    [("video.png", "neither"), ("nowhere/video.gif", "does not exist"), (".", "neither")],
 )
 def test_a_film_that_cannot_be_is_refused_before_the_trial(
     built: Path,
@@ -281,10 +281,10 @@ def test_a_film_without_its_encoder_and_a_trial_without_its_engine(
     monkeypatch.setattr("wsgen.rendering.recording.find_spec", lambda _: None)
     monkeypatch.setattr("wsgen.simulation.run.find_spec", lambda _: None)
     words = ("gazebo_test", "gazebo_model.launch.py", "--play")
-    code, _, err = launch(capsys, *words, "--engine", "bullet", "--record", "film.mp4")
+    code, _, err = launch(capsys, *words, "--engine", "bullet", "--record", "video.mp4")
     assert (code, "is not installed" in err) == (4, True)
     monkeypatch.setattr("wsgen.simulation.run.find_spec", lambda _: True)
-    code, _, err = launch(capsys, *words, "--record", "film.mp4")
+    code, _, err = launch(capsys, *words, "--record", "video.mp4")
     assert (code, "pip install 'wsgen[video]'" in err) == (4, True)
     monkeypatch.setattr("wsgen.simulation.run.find_spec", lambda _: None)
     code, _, err = launch(capsys, *words, "--engine", "dart")

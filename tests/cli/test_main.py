@@ -110,7 +110,7 @@ def test_standard_error_that_is_closed(tmp_path: Path) -> None:
         ((), {}, False),
     ],
 )
-def test_colours_of_an_error(
+def test_colors_of_an_error(
     tmp_path: Path, arguments: tuple[str, ...], environment: dict[str, str], *, colored: bool
 ) -> None:
     run = subprocess.run(
@@ -129,7 +129,7 @@ def test_colours_of_an_error(
     ("environment", "colored"),
     [({"TERM": "xterm"}, True), ({"TERM": "dumb"}, False), ({"NO_COLOR": "1"}, False)],
 )
-def test_colours_on_a_terminal(
+def test_colors_on_a_terminal(
     tmp_path: Path, environment: dict[str, str], *, colored: bool
 ) -> None:
     controller, terminal = os.openpty()
@@ -230,11 +230,11 @@ def test_what_click_refuses_is_told_as_all_errors_are(
     assert wsgen.cli.run(arguments) == 2
     told = capsys.readouterr()
     assert told.out == ""
-    said, tried = told.err.splitlines()
+    said, simulated = told.err.splitlines()
     assert said.startswith("error: ")
     assert message in said
-    assert tried.startswith("  try: ")
-    assert hint in tried
+    assert simulated.startswith("  try: ")
+    assert hint in simulated
 
 
 @pytest.mark.parametrize("name", wsgen.cli.COMMANDS)

@@ -202,7 +202,7 @@ def test_dry_run(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
         (["a_b", "--distro", "noetic"], "'noetic' is no ROS 2", "--distro lyrical"),
         (["a_b", "--distro", "jazzy", "--sim", "classic"], "not released", "jazzy --sim gz"),
         (["a_b", "--set", "mass=heavy"], "'heavy' is no number", "--set mass=1"),
-        (["a_b", "--license", "GPL"], "no text of a licence 'GPL'", "Apache-2.0"),
+        (["a_b", "--license", "GPL"], "no text of a license 'GPL'", "Apache-2.0"),
         (["a_b", "--description", ""], "description is empty", "--description"),
         (["a_b", "--description", "a\x07b"], "U+0007", "control"),
         (["a_b", "--maintainer-name", 'A "B"'], "CMake", "--maintainer-name"),
@@ -215,9 +215,9 @@ def test_wrong_request(
     assert run(["new", *GIVEN, *arguments]) == 2
     told = capsys.readouterr()
     assert told.out == ""
-    said, tried = told.err.splitlines()
+    said, simulated = told.err.splitlines()
     assert message in said
-    assert hint in tried
+    assert hint in simulated
     assert not list(here.iterdir())
 
 

@@ -81,7 +81,7 @@ def test_check_of_a_sound_template(capsys: pytest.CaptureFixture[str]) -> None:
 @pytest.mark.parametrize(
     ("manifest", "words"),
     [
-        (f"{HEAD}colour = 1\nabstract = 2\n", ["`colour`", "`abstract`", "template.toml:4"]),
+        (f"{HEAD}color = 1\nabstract = 2\n", ["`color`", "`abstract`", "template.toml:4"]),
         (HEAD + FILES, ["'nothing' is undefined", "robot.xacro.j2:1"]),
     ],
 )

@@ -253,7 +253,7 @@ def test_every_package_of_a_workspace_is_judged_or_named(workspace: Path) -> Non
         for package in document["packages"]
     }
     assert found == {PACKAGE: [], "not_built": ["PKG053"], "undecided": ["PKG054"]}
-    assert "not judged, as they spawn no robot: library" in wsgen(workspace, "validate").stdout
+    assert "not checked, as they spawn no robot: library" in wsgen(workspace, "validate").stdout
     code, _, words = validate(workspace, "undecided")
     assert code == 2
     assert "other.launch.py" in words

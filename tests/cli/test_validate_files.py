@@ -47,7 +47,7 @@ def run(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     return done
 
 
-def judged(folder: Path, *arguments: str) -> tuple[int, list[dict[str, Any]]]:
+def checked(folder: Path, *arguments: str) -> tuple[int, list[dict[str, Any]]]:
     done = run(folder, "--format", "json", *arguments)
     assert done.stdout, done.stderr
     return done.returncode, json.loads(done.stdout)["packages"]
@@ -59,7 +59,7 @@ def codes(package: dict[str, Any], severity: str = "error") -> list[str]:
 
 def test_a_robot_is_put_just_above_the_ground(tmp_path: Path) -> None:
     (tmp_path / "crate.urdf").write_text(urdf(link()))
-    code, (package,) = judged(tmp_path, "crate.urdf")
+    code, (package,) = checked(tmp_path, "crate.urdf")
     (robot,) = package["robots"]
     assert code == 0
     assert (package["package"], package["launch_file"], package["share"]) == (None, None, None)
@@ -81,7 +81,7 @@ def test_an_arm_on_the_world_swings_and_passes(tmp_path: Path) -> None:
     <origin xyz="0 0 2"/><axis xyz="0 1 0"/></joint>"""
     arm = link().replace('<mass value="2"/>', '<origin xyz="0.5 0 0"/><mass value="2"/>')
     (tmp_path / "arm.urdf").write_text(urdf('<link name="world"/>', arm, joint))
-    code, (package,) = judged(tmp_path, "arm.urdf")
+    code, (package,) = checked(tmp_path, "arm.urdf")
     assert code == 0
     assert codes(package, "info") == ["SPN060"]
     (robot,) = package["robots"]
@@ -93,7 +93,7 @@ def test_xacro_with_an_argument(tmp_path: Path) -> None:
     text = urdf('<xacro:arg name="kg" default="1"/>', link(mass="$(arg kg)"))
     text = text.replace("<robot", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"')
     (tmp_path / "crate.urdf.xacro").write_text(text)
-    code, (package,) = judged(tmp_path, "crate.urdf.xacro", "--arg", "kg:=7")
+    code, (package,) = checked(tmp_path, "crate.urdf.xacro", "--arg", "kg:=7")
     assert (code, package["robots"][0]["mass"]) == (0, 7.0)
 
 
@@ -101,7 +101,7 @@ def test_xacro_that_fails_names_file_and_line(tmp_path: Path) -> None:
     text = urdf("\n", link(mass="${unknown}"))
     text = text.replace("<robot", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"')
     (tmp_path / "crate.xacro").write_text(text)
-    code, (package,) = judged(tmp_path, "crate.xacro")
+    code, (package,) = checked(tmp_path, "crate.xacro")
     (found,) = package["diagnostics"]
     assert (code, found["code"], found["line"]) == (1, "ROB071", 5)
     assert Path(found["file"]).name == "crate.xacro"
@@ -120,7 +120,7 @@ MODEL = """<?xml version="1.0"?>
 
 def test_an_sdf_model_is_put_on_the_ground(tmp_path: Path) -> None:
     (tmp_path / "crate.sdf").write_text(MODEL.format(before="", pose="", after=""))
-    code, (package,) = judged(tmp_path, "crate.sdf")
+    code, (package,) = checked(tmp_path, "crate.sdf")
     assert code == 0
     assert package["robots"][0]["rest"]["xyz"] == pytest.approx([0, 0, 0.1], abs=0.001)
 
@@ -134,7 +134,7 @@ def test_the_models_of_a_world_stand_where_it_puts_them(tmp_path: Path) -> None:
             after="</world>",
         )
     )
-    code, (package,) = judged(tmp_path, "room.world")
+    code, (package,) = checked(tmp_path, "room.world")
     assert code == 0
     assert package["world"]["name"] == "room"
     assert package["robots"][0]["rest"]["xyz"] == pytest.approx([1, 2, 0.1], abs=0.001)
@@ -152,7 +152,7 @@ def test_packages_are_found_in_the_folders_around(tmp_path: Path) -> None:
     )
     shape = '<mesh filename="package://crates/meshes/crate.obj" scale="0.1 0.1 0.1"/>'
     (tmp_path / "somewhere" / "crate.urdf").write_text(urdf(link(shape=shape)))
-    code, (package,) = judged(tmp_path, "somewhere/crate.urdf")
+    code, (package,) = checked(tmp_path, "somewhere/crate.urdf")
     assert code == 0, package["diagnostics"]
     assert package["robots"][0]["rest"]["xyz"][2] == pytest.approx(0.1, abs=0.002)
 
@@ -169,7 +169,7 @@ def test_packages_are_found_in_the_folders_around(tmp_path: Path) -> None:
 )
 def test_files_that_are_none(tmp_path: Path, name: str, content: bytes, code: str) -> None:
     (tmp_path / name).write_bytes(content)
-    exit_code, (package,) = judged(tmp_path, name)
+    exit_code, (package,) = checked(tmp_path, name)
     assert exit_code == 1
     assert code in codes(package)
     assert package["diagnostics"][0]["file"] == name
@@ -189,7 +189,7 @@ def test_many_files_at_once_are_told_in_their_order(tmp_path: Path) -> None:
         mass = "0" if number == 3 else str(number + 1)  # Gazebo refuses what has no mass
         (tmp_path / str(number) / "model.urdf").write_text(urdf(link(mass=mass)))
         names.append(f"{number}/model.urdf")
-    code, packages = judged(tmp_path, "-j", "3", "--picture", "pictures", *names)
+    code, packages = checked(tmp_path, "-j", "3", "--picture", "pictures", *names)
     assert code == 1
     assert [package["file"] for package in packages] == names
     assert [package["passed"] for package in packages] == [True, True, True, False, True, True]
@@ -210,7 +210,7 @@ def test_a_mesh_that_would_kill_the_engine_is_refused_before(tmp_path: Path) -> 
     (tmp_path / "bad.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 999999999\n")
     (tmp_path / "bad.urdf").write_text(urdf(link(shape='<mesh filename="bad.obj"/>')))
     (tmp_path / "good.urdf").write_text(urdf(link()))
-    code, (bad, good) = judged(tmp_path, "-j", "2", "bad.urdf", "good.urdf")
+    code, (bad, good) = checked(tmp_path, "-j", "2", "bad.urdf", "good.urdf")
     assert code == 1
     assert codes(bad) == ["ROB062"]
     assert good["passed"]
@@ -235,7 +235,7 @@ def test_meshes_that_pybullet_does_not_read_are_stood_on(tmp_path: Path, kind: s
     (tmp_path / name).write_text(text)
     shape = f'<mesh filename="{name}" scale="0.5 0.5 0.5"/>'
     (tmp_path / "crate.urdf").write_text(urdf(link(shape=shape)))
-    code, (package,) = judged(tmp_path, "crate.urdf", "--picture", "pictures")
+    code, (package,) = checked(tmp_path, "crate.urdf", "--picture", "pictures")
     assert code == 0, package["diagnostics"]
     assert package["robots"][0]["rest"]["xyz"][2] == pytest.approx(0.1, abs=0.002)
     assert codes(package, "warning") == (["ROB068", "ROB068"] if kind == "ply" else [])
@@ -245,7 +245,7 @@ def test_meshes_that_pybullet_does_not_read_are_stood_on(tmp_path: Path, kind: s
 @pytest.mark.parametrize("engine", ["dart", "both"])
 def test_the_other_engine(tmp_path: Path, engine: str) -> None:
     (tmp_path / "crate.urdf").write_text(urdf(link()))
-    code, (package,) = judged(
+    code, (package,) = checked(
         tmp_path, "crate.urdf", "--engine", engine, "--picture", str(tmp_path)
     )
     (robot,) = package["robots"]
@@ -277,7 +277,7 @@ def test_engines_that_disagree_are_told(tmp_path: Path) -> None:
         </inertial><collision name="c"><geometry><sphere><radius>0.05</radius></sphere></geometry>
         </collision></link></model></world></sdf>"""
     (tmp_path / "bowl.sdf").write_text(world)
-    _, (package,) = judged(tmp_path, "bowl.sdf", "--engine", "both")
+    _, (package,) = checked(tmp_path, "bowl.sdf", "--engine", "both")
     found = [item for item in package["diagnostics"] if item["code"] == "SPN065"]
     assert [item["element"] for item in found] == ["ball"]
     assert "mm" in found[0]["message"]
@@ -305,7 +305,7 @@ def test_a_xacro_file_in_another_folder(tmp_path: Path) -> None:
     (tmp_path / "sub").mkdir()
     text = urdf(link()).replace("<robot", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"')
     (tmp_path / "sub" / "crate.xacro").write_text(text)
-    code, _ = judged(tmp_path, "sub/crate.xacro")
+    code, _ = checked(tmp_path, "sub/crate.xacro")
     assert code == 0
 
 
@@ -314,7 +314,7 @@ def test_a_world_without_models_passes_and_says_so(tmp_path: Path) -> None:
     (tmp_path / "empty.world").write_text(
         f'<sdf version="1.7"><world name="w">{ground}</world></sdf>'
     )
-    code, (package,) = judged(tmp_path, "empty.world")
+    code, (package,) = checked(tmp_path, "empty.world")
     assert (code, codes(package, "info")) == (0, ["WLD042"])
 
 
@@ -335,7 +335,7 @@ def test_walls_may_stand_in_a_floor_below_zero(tmp_path: Path) -> None:
         f'<model name="crate"><pose>0 0 -0.05 0 0 0</pose>{crate}</model>'
         "</world></sdf>"
     )
-    code, (package,) = judged(tmp_path, "room.sdf")
+    code, (package,) = checked(tmp_path, "room.sdf")
     assert (code, codes(package)) == (0, [])
     crates = [robot for robot in package["robots"] if robot["entity"] == "crate"]
     assert crates[0]["rest"]["xyz"][2] == pytest.approx(-0.1, abs=0.002)
@@ -346,7 +346,7 @@ def test_loose_parts_that_fall_for_ever_keep_it_from_rest(tmp_path: Path) -> Non
       <origin xyz="1 0 1"/></joint>"""
     ball = link("ball").replace("<collision>", "<!--").replace("</collision>", "-->")
     (tmp_path / "loose.urdf").write_text(urdf(link(), ball, floating))
-    code, (package,) = judged(tmp_path, "loose.urdf")
+    code, (package,) = checked(tmp_path, "loose.urdf")
     assert (code, codes(package)) == (1, ["ROB055"])
     (loose,) = package["diagnostics"]
     assert "does not come to rest" in loose["message"]
@@ -357,7 +357,7 @@ def test_a_broken_visual_is_left_out_of_the_picture(tmp_path: Path) -> None:
     shown = '<visual><geometry><mesh filename="bad.obj"/></geometry></visual>'
     text = urdf(link().replace("<collision>", f"{shown}<collision>"))
     (tmp_path / "crate.urdf").write_text(text)
-    code, (package,) = judged(tmp_path, "crate.urdf", "--picture", "pictures")
+    code, (package,) = checked(tmp_path, "crate.urdf", "--picture", "pictures")
     assert (code, codes(package, "warning")) == (0, ["ROB063"])
     assert Path(package["picture"]).is_file()
 
@@ -387,12 +387,12 @@ def test_a_thing_of_a_world_may_roll(tmp_path: Path) -> None:
       <geometry><plane><normal>0.5 0 1</normal></plane></geometry></collision></link></model>"""
     world = f'<sdf version="1.7"><world name="w">{slope}{ball}</world></sdf>'
     (tmp_path / "slope.world").write_text(world)
-    code, (package,) = judged(tmp_path, "slope.world")
+    code, (package,) = checked(tmp_path, "slope.world")
     moves = [item for item in package["diagnostics"] if item["element"] == "ball"]
     assert code == 0
     assert ("SPN058", "warning") in [(item["code"], item["severity"]) for item in moves]
     (tmp_path / "ball.sdf").write_text(f'<sdf version="1.7">{ball}</sdf>')
-    assert judged(tmp_path, "ball.sdf")[0] == 0  # on level ground it lies still
+    assert checked(tmp_path, "ball.sdf")[0] == 0  # on level ground it lies still
 
 
 @pytest.mark.parametrize(
@@ -418,13 +418,13 @@ def test_an_argument_that_no_xacro_file_has(tmp_path: Path) -> None:
     for name, part in (("one", has_size), ("two", "")):
         text = urdf(part, link()).replace("<robot ", f'<robot xmlns:xacro="{XACRO}" ')
         (tmp_path / f"{name}.urdf.xacro").write_text(text)
-    code, (package,) = judged(tmp_path, "one.urdf.xacro", "--arg", "sise:=1")
+    code, (package,) = checked(tmp_path, "one.urdf.xacro", "--arg", "sise:=1")
     assert (code, codes(package, "warning")) == (0, ["LCH035"])
     assert "`size`" in package["diagnostics"][0]["hint"]
     # Of several files one may be meant.
-    _, packages = judged(tmp_path, "one.urdf.xacro", "two.urdf.xacro", "--arg", "size:=1")
+    _, packages = checked(tmp_path, "one.urdf.xacro", "two.urdf.xacro", "--arg", "size:=1")
     assert [codes(package, "warning") for package in packages] == [[], []]
-    _, packages = judged(tmp_path, "one.urdf.xacro", "two.urdf.xacro", "--arg", "nope:=1")
+    _, packages = checked(tmp_path, "one.urdf.xacro", "two.urdf.xacro", "--arg", "nope:=1")
     assert [codes(package, "warning") for package in packages] == [["LCH035"], ["LCH035"]]
 
 

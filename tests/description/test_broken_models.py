@@ -17,7 +17,7 @@ import pytest
 from broken_models import HUGE, MODELS, Broken
 from urdf_texts import MASS, joint, link, robot
 from wsgen.diagnostics import Diagnostic, Severity, has_errors
-from wsgen.rules.check import judge_robot
+from wsgen.rules.check import check_robot
 from wsgen.rules.robots import implausible_mass, implausible_size, number_beyond_engines
 from wsgen.urdf.lumping import lump
 from wsgen.urdf.reader import read_urdf
@@ -34,16 +34,16 @@ import resource, sys, json
 resource.setrlimit(resource.RLIMIT_AS, (2 * 2**30, 2 * 2**30))
 sys.path[:0] = json.loads(sys.argv[2])
 from broken_models import HUGE
-from test_broken_models import judged
+from test_broken_models import checked
 model = HUGE[sys.argv[1]]()
-_, found = judged(model.text)
+_, found = checked(model.text)
 missing = sorted(model.codes.difference(one.code for one in found))
 has_errors = any(one.severity.value == "error" for one in found)
 print(json.dumps({"missing": missing, "is told right": has_errors == model.is_error}))
 """
 
 
-def judged(text: str | bytes) -> tuple[Robot | None, tuple[Diagnostic, ...]]:
+def checked(text: str | bytes) -> tuple[Robot | None, tuple[Diagnostic, ...]]:
     """Everything that is said of a robot before it is tried."""
     written, found = read_urdf(text, file=None)
     if written is None:
@@ -52,7 +52,7 @@ def judged(text: str | bytes) -> tuple[Robot | None, tuple[Diagnostic, ...]]:
     return lumped, (
         *found,
         *dropped,
-        *judge_robot(written, None),
+        *check_robot(written, None),
         *number_beyond_engines(written.links, written.joints, None),
         *implausible_size(written.links, written.joints, None),
         *implausible_mass(written.links, written.joints, None),
@@ -75,7 +75,7 @@ def numbers(value: object) -> list[float]:
 def test_clear_finding(name: str) -> None:
     model: Broken = MODELS[name]
     start = time.process_time()
-    lumped, found = judged(model.text)
+    lumped, found = checked(model.text)
     assert time.process_time() - start < SECONDS
     assert {one.code for one in found} >= model.codes
     assert has_errors(found) == model.is_error
@@ -133,10 +133,10 @@ def test_every_number_in_turn(text: str) -> None:
     """Whatever is written for a number: no exception, and no robot with numbers that are none."""
     places = list(NUMBER.finditer(EVERY_NUMBER))
     assert len(places) > 70
-    assert not has_errors(judged(EVERY_NUMBER)[1])
+    assert not has_errors(checked(EVERY_NUMBER)[1])
     for place in places:
         before, after = EVERY_NUMBER[: place.start()], EVERY_NUMBER[place.end() :]
-        lumped, found = judged(before + text + after)
+        lumped, found = checked(before + text + after)
         assert lumped is None or all(map(math.isfinite, numbers(lumped))), place
         if text in {"nan", "-inf", "1e400", "x", "٣"}:
             assert found, place

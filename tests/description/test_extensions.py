@@ -88,7 +88,7 @@ def test_nothing_to_give_values_to_is_no_finding() -> None:
     assert lumped(link("a") + about("a", "<mu1>0.2</mu1>"))[1] == ()
 
 
-def test_colours() -> None:
+def test_colors() -> None:
     made, _ = lumped(
         link("a", MASS + SEEN)
         + link("b", MASS + SEEN)

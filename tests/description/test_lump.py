@@ -60,7 +60,7 @@ def test_parallel_axis() -> None:
     assert a.inertial is not None
     assert a.inertial.mass == 4.0
     assert a.inertial.pose_in_link.xyz == (3.0, 0.0, 0.0)
-    # 1 kg at 3 m and 3 kg at 1 m from the common centre: 9 + 3 across, nothing along.
+    # 1 kg at 3 m and 3 kg at 1 m from the common center: 9 + 3 across, nothing along.
     assert a.inertial.inertia == pytest.approx((2.0, 0.0, 0.0, 14.0, 0.0, 14.0))
 
 

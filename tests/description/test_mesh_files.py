@@ -13,7 +13,7 @@ import pytest
 import mesh_samples
 from description.public_meshes import PACKAGES, differences, meshes_of
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.isolation.fork_server import Nursery
+from wsgen.isolation.fork_server import ForkServer
 from wsgen.isolation.outcome import Answered, Died, Limits
 from wsgen.meshes import worker
 from wsgen.meshes.inspection import DEATHS, inspect_meshes
@@ -29,8 +29,8 @@ IN_TEN_SECONDS = Limits(seconds=10.0, memory=2 * 2**30)
 
 @pytest.fixture(scope="module")
 def run() -> Iterator[Callable[..., Answered | Died]]:
-    with Nursery() as nursery:
-        yield nursery.run
+    with ForkServer() as fork_server:
+        yield fork_server.run
 
 
 def in_this_process(task: str, *arguments: Any, **_: Any) -> Answered | Died:
@@ -148,23 +148,23 @@ def test_a_broken_collision_is_an_error_and_a_broken_visual_a_warning(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("with_colours", [False, True])
+@pytest.mark.parametrize("with_colors", [False, True])
 def test_every_broken_file_is_told_soon(
     tmp_path: Path,
     run: Callable[..., Any],
     monkeypatch: pytest.MonkeyPatch,
     *,
-    with_colours: bool,
+    with_colors: bool,
 ) -> None:
     monkeypatch.setattr("wsgen.meshes.inspection.LIMITS", IN_TEN_SECONDS)
     broken = [
         mesh(write(tmp_path, name, content)) for name, (content, _) in mesh_samples.BROKEN.items()
     ]
-    model = robot(visuals=tuple(broken)) if with_colours else robot(*broken)
+    model = robot(visuals=tuple(broken)) if with_colors else robot(*broken)
     _, found = inspect_meshes(
-        model, file=ROBOT_FILE, folder=tmp_path, run=run, with_colours=with_colours
+        model, file=ROBOT_FILE, folder=tmp_path, run=run, with_colors=with_colors
     )
-    kind = ("ROB063", Severity.WARNING) if with_colours else ("ROB062", Severity.ERROR)
+    kind = ("ROB063", Severity.WARNING) if with_colors else ("ROB062", Severity.ERROR)
     assert kinds(found) == [kind] * len(broken)
     for one, (_, words) in zip(found, mesh_samples.BROKEN.values(), strict=True):
         assert words in one.message

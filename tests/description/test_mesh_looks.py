@@ -1,4 +1,4 @@
-"""Colours and textures of mesh files."""
+"""Colors and textures of mesh files."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from PIL import Image
 
 import mesh_samples
 from wsgen.diagnostics import Severity
-from wsgen.isolation.fork_server import Nursery
+from wsgen.isolation.fork_server import ForkServer
 from wsgen.isolation.outcome import Answered, Died
 from wsgen.meshes import worker
 from wsgen.meshes.appearance import MATERIALS, Textures
@@ -51,7 +51,7 @@ def write(folder: Path, name: str, content: bytes | str) -> Path:
 
 
 def picture(file: Path, size: int = 64, mode: str = "RGB") -> Path:
-    """Four squares, each of another colour."""
+    """Four squares, each of another color."""
     pixels = np.array(PALETTE, np.uint8).reshape(2, 2, 3)
     image = Image.fromarray(pixels).resize((size, size), Image.Resampling.NEAREST)
     image.convert(mode).save(file)
@@ -68,7 +68,7 @@ def looks(
     new = file.parent / "new"
     new.mkdir(exist_ok=True)
     changed, found = inspect_meshes(
-        model, file=None, folder=new, run=in_this_process, with_colours=True
+        model, file=None, folder=new, run=in_this_process, with_colors=True
     )
     return list(changed.links[0].visuals), found
 
@@ -89,7 +89,7 @@ def heights(visual: Visual) -> set[float]:
 
 
 def test_each_material_of_a_collada_file_is_a_visual(tmp_path: Path) -> None:
-    text = mesh_samples.coloured_dae(mesh_samples.RED, BLUE_SHADER, mesh_samples.RED)
+    text = mesh_samples.colored_dae(mesh_samples.RED, BLUE_SHADER, mesh_samples.RED)
     visuals, found = looks(write(tmp_path, "a.dae", text))
     assert found == ()
     assert [visual.rgba for visual in visuals] == [RED, BLUE]
@@ -99,8 +99,8 @@ def test_each_material_of_a_collada_file_is_a_visual(tmp_path: Path) -> None:
     assert visuals[0].texture is None
 
 
-def test_a_colour_of_the_description_overrides_those_of_the_file(tmp_path: Path) -> None:
-    text = mesh_samples.coloured_dae(mesh_samples.RED, mesh_samples.TEXTURED)
+def test_a_color_of_the_description_overrides_those_of_the_file(tmp_path: Path) -> None:
+    text = mesh_samples.colored_dae(mesh_samples.RED, mesh_samples.TEXTURED)
     visuals, found = looks(write(tmp_path, "a.dae", text), rgba=(0.0, 1.0, 0.0, 0.5))
     assert found == ()  # the texture is not missed
     (visual,) = visuals
@@ -108,8 +108,8 @@ def test_a_colour_of_the_description_overrides_those_of_the_file(tmp_path: Path)
     assert heights(visual) == {0.0, 1.0}
 
 
-def test_without_colours_a_file_stays_whole(tmp_path: Path) -> None:
-    file = write(tmp_path, "a.dae", mesh_samples.coloured_dae(mesh_samples.RED, BLUE_SHADER))
+def test_without_colors_a_file_stays_whole(tmp_path: Path) -> None:
+    file = write(tmp_path, "a.dae", mesh_samples.colored_dae(mesh_samples.RED, BLUE_SHADER))
     visual = Visual(geometry=Mesh(uri="a.dae", path=str(file)))
     model = Robot(name="r", root="arm", links=(Link(name="arm", visuals=(visual,)),))
     changed, _ = inspect_meshes(model, file=None, folder=tmp_path, run=in_this_process)
@@ -118,7 +118,7 @@ def test_without_colours_a_file_stays_whole(tmp_path: Path) -> None:
 
 
 def test_a_material_is_found_by_its_id_where_nothing_binds_it(tmp_path: Path) -> None:
-    text = mesh_samples.coloured_dae(mesh_samples.RED, BLUE_SHADER, bind=False)
+    text = mesh_samples.colored_dae(mesh_samples.RED, BLUE_SHADER, bind=False)
     visuals, _ = looks(write(tmp_path, "a.dae", text))
     assert [visual.rgba for visual in visuals] == [RED, BLUE]
 
@@ -145,7 +145,7 @@ def test_a_material_is_found_by_its_id_where_nothing_binds_it(tmp_path: Path) ->
 )
 def test_transparency_of_collada(tmp_path: Path, transparency: str, alpha: float) -> None:
     shader = mesh_samples.RED.replace("</phong>", f"{transparency}</phong>")
-    visual, _ = only(write(tmp_path, "a.dae", mesh_samples.coloured_dae(shader)))
+    visual, _ = only(write(tmp_path, "a.dae", mesh_samples.colored_dae(shader)))
     assert visual.rgba is not None
     assert visual.rgba[:3] == RED[:3]
     assert visual.rgba[3] == pytest.approx(alpha)
@@ -163,8 +163,8 @@ def test_transparency_of_collada(tmp_path: Path, transparency: str, alpha: float
         "<phong><diffuse><color>nan 0 0 1</color></diffuse></phong>",
     ],
 )
-def test_a_shader_that_gives_no_colour(tmp_path: Path, shader: str) -> None:
-    visual, found = only(write(tmp_path, "a.dae", mesh_samples.coloured_dae(shader)))
+def test_a_shader_that_gives_no_color(tmp_path: Path, shader: str) -> None:
+    visual, found = only(write(tmp_path, "a.dae", mesh_samples.colored_dae(shader)))
     assert (visual.rgba, visual.texture, found) == (None, None, ())
 
 
@@ -179,14 +179,14 @@ def test_a_shader_that_gives_no_colour(tmp_path: Path, shader: str) -> None:
     ],
 )
 def test_a_material_that_leads_nowhere(tmp_path: Path, old: str, new: str) -> None:
-    text = mesh_samples.coloured_dae(mesh_samples.RED)
+    text = mesh_samples.colored_dae(mesh_samples.RED)
     assert old in text
     visual, found = only(write(tmp_path, "a.dae", text.replace(old, new)))
     assert (visual.rgba, found) == (None, ())
 
 
 def test_an_effect_that_is_not_there_is_told(tmp_path: Path) -> None:
-    text = mesh_samples.coloured_dae(mesh_samples.RED).replace('url="#effect0"', 'url="#other"')
+    text = mesh_samples.colored_dae(mesh_samples.RED).replace('url="#effect0"', 'url="#other"')
     visual, (found,) = only(write(tmp_path, "a.dae", text))
     assert visual.rgba is None
     assert (found.code, found.severity) == ("ROB076", Severity.WARNING)
@@ -197,7 +197,7 @@ def test_an_effect_that_is_not_there_is_told(tmp_path: Path) -> None:
 def test_a_texture_of_collada(tmp_path: Path, chain: str) -> None:
     picture(tmp_path / "image.png")
     shader = mesh_samples.TEXTURED.replace("sampler", chain)
-    visual, found = only(write(tmp_path, "a.dae", mesh_samples.coloured_dae(shader)))
+    visual, found = only(write(tmp_path, "a.dae", mesh_samples.colored_dae(shader)))
     assert found == ()
     assert visual.rgba == WHITE
     assert visual.texture is not None
@@ -209,7 +209,7 @@ def test_a_texture_among_those_of_a_model(tmp_path: Path) -> None:
     (tmp_path / "meshes").mkdir()
     (tmp_path / "materials" / "textures").mkdir(parents=True)
     picture(tmp_path / "materials" / "textures" / "image.png")
-    text = mesh_samples.coloured_dae(mesh_samples.TEXTURED)
+    text = mesh_samples.colored_dae(mesh_samples.TEXTURED)
     visual, found = only(write(tmp_path / "meshes", "a.dae", text))
     assert visual.texture
     assert found == ()
@@ -217,7 +217,7 @@ def test_a_texture_among_those_of_a_model(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("image", ["image.png", "/nowhere/image.png", "x" * 5000, "\\image.png"])
 def test_a_texture_that_is_missing(tmp_path: Path, image: str) -> None:
-    text = mesh_samples.coloured_dae(mesh_samples.TEXTURED, image=image)
+    text = mesh_samples.colored_dae(mesh_samples.TEXTURED, image=image)
     visual, (found,) = only(write(tmp_path, "a.dae", text))
     assert (visual.rgba, visual.texture) == (WHITE, None)
     assert (found.code, found.severity) == ("ROB073", Severity.WARNING)
@@ -237,7 +237,7 @@ def test_a_texture_that_is_missing(tmp_path: Path, image: str) -> None:
 )
 def test_a_texture_that_leads_nowhere(tmp_path: Path, old: str, new: str) -> None:
     picture(tmp_path / "image.png")
-    text = mesh_samples.coloured_dae(mesh_samples.TEXTURED)
+    text = mesh_samples.colored_dae(mesh_samples.TEXTURED)
     assert old in text
     visual, found = only(write(tmp_path, "a.dae", text.replace(old, new)))
     assert (visual.rgba, visual.texture, found) == (WHITE, None, ())
@@ -284,7 +284,7 @@ def test_a_texture_that_cannot_be_shown(tmp_path: Path, content: bytes | str, wo
     else:
         with image.open("wb") as stream:
             stream.truncate(10**12)
-    text = mesh_samples.coloured_dae(mesh_samples.TEXTURED)
+    text = mesh_samples.colored_dae(mesh_samples.TEXTURED)
     started = time.process_time()
     visual, (found,) = only(write(tmp_path, "a.dae", text))
     assert time.process_time() - started < 5
@@ -305,7 +305,7 @@ def test_a_full_disk_is_no_fault_of_a_texture(tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", ["a.png", "a.jpg", "a.tif", "a.bmp", "a.tga", "a.dds", "a.gif"])
 def test_a_texture_is_made_a_small_png(tmp_path: Path, name: str) -> None:
     picture(tmp_path / name, size=1100)
-    text = mesh_samples.coloured_dae(mesh_samples.TEXTURED, image=name)
+    text = mesh_samples.colored_dae(mesh_samples.TEXTURED, image=name)
     visual, found = only(write(tmp_path, "a.dae", text))
     assert found == ()
     assert visual.texture is not None
@@ -318,7 +318,7 @@ def test_a_texture_is_made_a_small_png(tmp_path: Path, name: str) -> None:
 def test_a_texture_of_sixteen_bits(tmp_path: Path) -> None:
     grey = np.full((4, 4), 0x8000, np.uint16)
     Image.fromarray(grey).save(tmp_path / "image.png")
-    text = mesh_samples.coloured_dae(mesh_samples.TEXTURED)
+    text = mesh_samples.colored_dae(mesh_samples.TEXTURED)
     visual, found = only(write(tmp_path, "a.dae", text))
     assert found == ()
     assert Image.open(visual.texture or "").getpixel((0, 0)) == (128, 128, 128)
@@ -354,7 +354,7 @@ def test_each_material_of_an_obj_file_is_a_visual(tmp_path: Path) -> None:
         ("Kd spectral file.rfl", None),
     ],
 )
-def test_colours_of_obj(tmp_path: Path, lines: str, rgba: Rgba | None) -> None:
+def test_colors_of_obj(tmp_path: Path, lines: str, rgba: Rgba | None) -> None:
     visual, found = only(obj_with(tmp_path, f"newmtl one\n{lines}\n", "usemtl one\nf 1 2 3 4\n"))
     assert (visual.rgba, found) == (rgba, ())
 
@@ -434,7 +434,7 @@ def test_materials_without_number(tmp_path: Path) -> None:
     assert sum(len(read_mesh(path_of(visual)).corners) for visual in visuals) == count
 
 
-def test_colours_of_gltf(tmp_path: Path) -> None:
+def test_colors_of_gltf(tmp_path: Path) -> None:
     trimesh = pytest.importorskip("trimesh")
     scene = trimesh.Scene()
     image = Image.fromarray(np.array(PALETTE, np.uint8).reshape(2, 2, 3))
@@ -516,7 +516,7 @@ def test_dense_meshes_are_reduced_together(tmp_path: Path) -> None:
 
 def test_looks_come_out_of_the_child(tmp_path: Path) -> None:
     picture(tmp_path / "image.png")
-    text = mesh_samples.coloured_dae(mesh_samples.RED, mesh_samples.TEXTURED)
+    text = mesh_samples.colored_dae(mesh_samples.RED, mesh_samples.TEXTURED)
     mesh = Mesh(uri="a.dae", path=str(write(tmp_path, "a.dae", text)))
     link = Link(
         name="arm",
@@ -524,9 +524,9 @@ def test_looks_come_out_of_the_child(tmp_path: Path) -> None:
         collisions=(Collision(geometry=mesh),),
     )
     model = Robot(name="r", root="arm", links=(link,))
-    with Nursery() as nursery:
+    with ForkServer() as fork_server:
         changed, found = inspect_meshes(
-            model, file=None, folder=tmp_path, run=nursery.run, with_colours=True
+            model, file=None, folder=tmp_path, run=fork_server.run, with_colors=True
         )
     assert found == ()
     (new,) = changed.links
@@ -576,7 +576,7 @@ def seen_from_above(
 @pytest.mark.parametrize("shift", [0, -3, 2])
 def test_a_texture_is_drawn_right_way_up(tmp_path: Path, shift: int) -> None:
     picture(tmp_path / "image.png")
-    text = mesh_samples.coloured_dae(mesh_samples.TEXTURED)
+    text = mesh_samples.colored_dae(mesh_samples.TEXTURED)
     moved = " ".join(str(shift + part) for part in (0, 0, 1, 0, 1, 1, 0, 1))
     visual, _ = only(write(tmp_path, "a.dae", text.replace("0 0 1 0 1 1 0 1", moved)))
     assert np.allclose(seen_from_above(visual), PALETTE, atol=1)
@@ -587,7 +587,7 @@ def test_a_texture_is_drawn_right_way_up(tmp_path: Path, shift: int) -> None:
 def test_what_is_mirrored_is_seen_and_lit(
     tmp_path: Path, scale: tuple[float, float, float], node: str
 ) -> None:
-    text = mesh_samples.coloured_dae(mesh_samples.RED).replace("<node>", f"<node>{node}")
+    text = mesh_samples.colored_dae(mesh_samples.RED).replace("<node>", f"<node>{node}")
     visuals, _ = looks(write(tmp_path, "a.dae", text), scale=scale)
     (visual,) = visuals
     assert np.allclose(seen_from_above(visual), RED[:3] * np.array(255), atol=1)
@@ -596,12 +596,12 @@ def test_what_is_mirrored_is_seen_and_lit(
     )
 
 
-@pytest.mark.parametrize("with_colours", [True, False])
-def test_what_has_no_normals_is_not_black(tmp_path: Path, *, with_colours: bool) -> None:
+@pytest.mark.parametrize("with_colors", [True, False])
+def test_what_has_no_normals_is_not_black(tmp_path: Path, *, with_colors: bool) -> None:
     file = write(tmp_path, "a.stl", mesh_samples.text_stl())
     visual = Visual(geometry=Mesh(uri="a.stl", path=str(file)), rgba=RED)
     model = Robot(name="r", root="arm", links=(Link(name="arm", visuals=(visual,)),))
     changed, _ = inspect_meshes(
-        model, file=None, folder=tmp_path, run=in_this_process, with_colours=with_colours
+        model, file=None, folder=tmp_path, run=in_this_process, with_colors=with_colors
     )
     assert seen_from_above(changed.links[0].visuals[0])[0] == [255, 0, 0]

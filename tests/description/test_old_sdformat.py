@@ -10,7 +10,7 @@ from gazebo_oracle import IGN, is_taken, model_of
 from urdf_texts import MASS, joint, link, robot
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.isolation import parent
-from wsgen.pipeline.prepare import Workshop, describe
+from wsgen.pipeline.prepare import PrepareContext, describe
 from wsgen.urdf.lumping import lump
 from wsgen.urdf.reader import read_urdf
 
@@ -142,11 +142,11 @@ def test_that_is_what_it_refuses(
 def test_only_where_such_a_version_may_be(
     generation: str | None, distro: str | None, *, is_told: bool, tmp_path: Path
 ) -> None:
-    workshop = Workshop(share_of=lambda _: None, folder=tmp_path, run=parent.run)
+    context = PrepareContext(share_of=lambda _: None, folder=tmp_path, run=parent.run)
     _, found = describe(
         robot(CARRIED["no inertial"][0]).encode(),
         file=tmp_path / "robot.urdf",
-        workshop=workshop,
+        context=context,
         generation=generation,
         distro=distro,
     )
@@ -166,9 +166,9 @@ def test_what_the_simulator_of_the_target_refuses(  # noqa: PLR0917  cases
 ) -> None:
     """For a bare file it is a warning that names the simulator."""
     text = robot(link("base", MASS) + link("arm", MASS) + joint(name, "base", "arm", kind=kind))
-    workshop = Workshop(share_of=lambda _: None, folder=tmp_path, run=parent.run)
+    context = PrepareContext(share_of=lambda _: None, folder=tmp_path, run=parent.run)
     _, found = describe(
-        text.encode(), file=tmp_path / "robot.urdf", workshop=workshop, generation=generation
+        text.encode(), file=tmp_path / "robot.urdf", context=context, generation=generation
     )
     (one,) = (one for one in found if one.code == code)
     assert one.severity is severity

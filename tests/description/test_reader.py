@@ -140,7 +140,7 @@ def test_exchanged_limits_are_put_right() -> None:
     assert (model.joints[0].limit.lower, model.joints[0].limit.upper) == (1, 2)
 
 
-def test_colours() -> None:
+def test_colors() -> None:
     sphere = '<geometry><sphere radius="1"/></geometry>'
     model, found = read_urdf(
         robot(

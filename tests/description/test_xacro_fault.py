@@ -232,7 +232,7 @@ def test_faults_in_an_included_file(model: Path) -> None:
     ],
 )
 def test_what_an_included_file_defines(model: Path, content: str, line: int) -> None:
-    """The fault is found when the including file uses it; the included one is to be mended."""
+    """The fault is found when the including file uses it; the included one is to be fixed."""
     (model / "parts.xacro").write_text(body(content))
     include = '<xacro:include filename="parts.xacro"/>'
     use = "<xacro:m/>" if "macro name" in content else '<link name="${q}"/>'

@@ -7,7 +7,7 @@ from typing import Protocol
 import pytest
 
 from wsgen.isolation import parent
-from wsgen.isolation.fork_server import Nursery
+from wsgen.isolation.fork_server import ForkServer
 from wsgen.isolation.outcome import Answered, Died
 
 Run = Callable[..., Answered | Died]
@@ -20,9 +20,9 @@ class Task(Protocol):
 
 
 @pytest.fixture
-def nursery() -> Iterator[Nursery]:
-    with Nursery() as nursery:
-        yield nursery
+def fork_server() -> Iterator[ForkServer]:
+    with ForkServer() as fork_server:
+        yield fork_server
 
 
 @pytest.fixture
@@ -46,5 +46,5 @@ def run(request: pytest.FixtureRequest) -> Run:
     """Both ways to run a task; what they promise is the same."""
     if request.param == "fresh":
         return parent.run
-    nursery: Nursery = request.getfixturevalue("nursery")
-    return nursery.run
+    fork_server: ForkServer = request.getfixturevalue("fork_server")
+    return fork_server.run

@@ -122,7 +122,7 @@ def test_a_child_that_computes_for_ever(run: Run, task: Task) -> None:
     assert died.reason == "used more than 0.4 s of CPU time"
     assert died.cause == "cpu time"
     assert died.hint("Look for a loop.") == "Look for a loop."
-    if run is parent.run:  # a nursery's server waits for them
+    if run is parent.run:  # a fork server's server waits for them
         assert after.children_user - before.children_user < 5
 
 
@@ -338,7 +338,7 @@ def test_nothing_is_left_in_the_temporary_folder(
     monkeypatch.setattr("tempfile.tempdir", str(scratch))
     name = task("import os\nif arguments:\n    os.abort()\nreturn 1")
     run(name)
-    # A nursery keeps a folder for its server until it is closed.
+    # A fork server keeps a folder for its server until it is closed.
     kept = list(scratch.iterdir())
     assert len(kept) == (run is not parent.run)
     run(name, "abort")

@@ -83,10 +83,10 @@ def api() -> str:
     rows = []
     for package, listed in names().items():
         for name in sorted(listed):
-            tried = [case for case, text in cases.items() if re.search(rf"\b{name}\b", text)]
-            tried += ["own tests"] if re.search(rf"\b{name}\b", own) else []
+            found = [case for case, text in cases.items() if re.search(rf"\b{name}\b", text)]
+            found += ["own tests"] if re.search(rf"\b{name}\b", own) else []
             rows.append(
-                f"| `{package}` | `{name}` | {PARTLY.get(name, '')} | {', '.join(tried) or '-'} |"
+                f"| `{package}` | `{name}` | {PARTLY.get(name, '')} | {', '.join(found) or '-'} |"
             )
     head = "| from | name | what differs | tried in |\n|---|---|---|---|\n"
     return head + "\n".join(rows)
@@ -162,7 +162,7 @@ launch description with a real `LaunchContext`; the execution of processes is re
 every process ends at once.
 
 A line is `@T NODE package/executable namespace/name [arguments] P:{parameters}` or
-`@T PROC [command]`, where T is the simulated time in seconds, in the order in which things start.
+`@T PROC [command]`, where T is the found time in seconds, in the order in which things start.
 `<cases>` stands for the folder of the cases. In the cases, `LC` is `LaunchConfiguration`,
 `P('a', ...)` is `ExecuteProcess(cmd=['echo', 'a', ...])`, and `D` is the folder.
 

@@ -28,7 +28,7 @@ from launch.substitutions import LaunchConfiguration
 def generate_launch_description():
     return LaunchDescription([
         DeclareLaunchArgument("speed", default_value="1"),
-        LogInfo(msg=LaunchConfiguration("colour", default="red")),
+        LogInfo(msg=LaunchConfiguration("color", default="red")),
     ])
 """
 
@@ -86,7 +86,7 @@ def test_argument_that_foreign_code_may_use(space: InstallSpace, before: str) ->
 def test_argument_that_an_included_file_declares_or_reads(space: InstallSpace) -> None:
     space.add("my_robot", {"launch/inner.launch.py": INNER})
     include = "IncludeLaunchDescription([FindPackageShare('my_robot'), '/launch/inner.launch.py'])"
-    assert not space.play(include, arguments={"speed": "2", "colour": "blue"}).diagnostics
+    assert not space.play(include, arguments={"speed": "2", "color": "blue"}).diagnostics
     assert "`speed`" in only_message(space.play(include, arguments={"sped": "2"}), "LCH033")
 
 
@@ -96,7 +96,7 @@ def test_argument_of_an_include(space: InstallSpace) -> None:
         "IncludeLaunchDescription([FindPackageShare('my_robot'), '/launch/inner.launch.py'], "
         "launch_arguments={%s}.items())"
     )
-    assert not space.play(include % "'speed': '2', 'colour': 'blue'").diagnostics
+    assert not space.play(include % "'speed': '2', 'color': 'blue'").diagnostics
     plan = space.play(include % "'spede': '2'")
     assert "Did you mean `speed`?" in only_message(plan, "LCH034")
     assert plan.diagnostics[0].line is not None

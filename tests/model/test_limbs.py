@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from wsgen.model.kinematics import limb_joints
+from wsgen.model.kinematics import unactuated_joints
 from wsgen.model.robot import Inertial, Joint, JointLimit, JointType, Link, Robot
 from wsgen.model.transform import Pose
 
@@ -32,56 +32,56 @@ def robot(link: Link, one: Joint | None = None, *more: tuple[Link, Joint]) -> Ro
     )
 
 
-@pytest.mark.parametrize("centre", [(0.0, 0.0, 0.0), (0.0, 0.3, 0.0), (0.003, -0.3, 0.003)])
+@pytest.mark.parametrize("center", [(0.0, 0.0, 0.0), (0.0, 0.3, 0.0), (0.003, -0.3, 0.003)])
 def test_a_wheel_is_no_limb(centre: tuple[float, float, float]) -> None:
-    """Its centre of mass may be anywhere along its axle, and a little beside it."""
-    assert limb_joints(robot(part("wheel", centre))) == set()
+    """Its center of mass may be anywhere along its axle, and a little beside it."""
+    assert unactuated_joints(robot(part("wheel", centre))) == set()
 
 
-@pytest.mark.parametrize("centre", [(0.006, 0.0, 0.0), (0.0, 0.3, 0.2), (0.004, 0.0, 0.004)])
+@pytest.mark.parametrize("center", [(0.006, 0.0, 0.0), (0.0, 0.3, 0.2), (0.004, 0.0, 0.004)])
 def test_what_is_off_its_axle_is_a_limb(centre: tuple[float, float, float]) -> None:
-    assert limb_joints(robot(part("arm", centre))) == {"arm"}
+    assert unactuated_joints(robot(part("arm", centre))) == {"arm"}
 
 
 def test_the_axis_is_that_of_the_joint() -> None:
     slanted = replace(joint("base", "wheel"), axis_in_joint=(0.6, 0.8, 0.0))
-    assert limb_joints(robot(part("wheel", (0.3, 0.4, 0.0)), slanted)) == set()
-    assert limb_joints(robot(part("wheel", (-0.3, 0.4, 0.0)), slanted)) == {"wheel"}
+    assert unactuated_joints(robot(part("wheel", (0.3, 0.4, 0.0)), slanted)) == set()
+    assert unactuated_joints(robot(part("wheel", (-0.3, 0.4, 0.0)), slanted)) == {"wheel"}
 
 
 @pytest.mark.parametrize("kind", [JointType.REVOLUTE, JointType.PRISMATIC])
 def test_what_does_not_turn_without_end_is_a_limb(kind: JointType) -> None:
-    assert limb_joints(robot(part("arm"), joint("base", "arm", kind))) == {"arm"}
+    assert unactuated_joints(robot(part("arm"), joint("base", "arm", kind))) == {"arm"}
 
 
 def test_what_carries_something_is_a_limb() -> None:
     """A turntable with a wheel on it; a caster's fork."""
     fork = robot(part("fork"), joint("base", "fork"), (part("wheel"), joint("fork", "wheel")))
-    assert limb_joints(fork) == {"fork"}
+    assert unactuated_joints(fork) == {"fork"}
 
 
 def test_fixed_joints_and_links_without_mass() -> None:
-    assert limb_joints(robot(part("bump"), joint("base", "bump", JointType.FIXED))) == set()
-    assert limb_joints(robot(Link(name="frame"))) == {"frame"}
+    assert unactuated_joints(robot(part("bump"), joint("base", "bump", JointType.FIXED))) == set()
+    assert unactuated_joints(robot(Link(name="frame"))) == {"frame"}
 
 
 def test_the_swivel_of_a_caster_is_no_limb() -> None:
     """Gravity cannot turn it, though it carries the wheel."""
     upright = replace(joint("base", "fork"), axis_in_joint=(0.0, 0.0, 1.0))
     wheel = part("wheel"), joint("fork", "wheel")
-    assert limb_joints(robot(part("fork", (0.1, 0.0, 0.0)), upright, wheel)) == set()
+    assert unactuated_joints(robot(part("fork", (0.1, 0.0, 0.0)), upright, wheel)) == set()
     # Upright in the robot, not in its own frame.
     turned = replace(
         joint("base", "fork"),
         axis_in_joint=(0.0, 1.0, 0.0),
         pose_in_parent=Pose(rpy=(math.pi / 2, 0.0, 0.0)),
     )
-    assert limb_joints(robot(part("fork", (0.1, 0.0, 0.0)), turned, wheel)) == set()
+    assert unactuated_joints(robot(part("fork", (0.1, 0.0, 0.0)), turned, wheel)) == set()
     slanted = replace(upright, axis_in_joint=(0.0, 0.5, 0.866))
-    assert limb_joints(robot(part("fork", (0.1, 0.0, 0.0)), slanted, wheel)) == {"fork"}
+    assert unactuated_joints(robot(part("fork", (0.1, 0.0, 0.0)), slanted, wheel)) == {"fork"}
 
 
 def test_a_wheel_with_limits_that_it_never_reaches() -> None:
     limit = JointLimit(lower=-1e16, upper=1e16, effort=1.0, velocity=1.0)
     axle = replace(joint("base", "wheel", JointType.REVOLUTE), limit=limit)
-    assert limb_joints(robot(part("wheel"), axle)) == set()
+    assert unactuated_joints(robot(part("wheel"), axle)) == set()

@@ -52,7 +52,7 @@ def test_loose_parts_with_their_places() -> None:
     assert [[one.name for one in tree.joints] for tree, _ in trees] == [["a_b"], [], ["c_d"]]
     assert all(tree.loose == () for tree, _ in trees)
     assert sum(tree.mass for tree, _ in trees) == robot.mass
-    # Four steps of one metre, each a quarter turn to the left of the one before.
+    # Four steps of one meter, each a quarter turn to the left of the one before.
     assert trees[0][1] == IDENTITY
     assert trees[2][1].xyz == pytest.approx((1.0, 1.0, 0.0))
     assert abs(trees[2][1].rpy[2]) == pytest.approx(math.pi)

@@ -42,12 +42,12 @@ def test_drawing_is_told_as_a_step_of_its_own() -> None:
     heard: list[Event] = []
     one = Clock("robot", heard.append)
     with one.step("simulate", "e") as step:
-        step.drawn, step.drawing = "film.gif", 5.0
+        step.drawn, step.drawing = "video.gif", 5.0
     *_, simulated, drawn = heard
     assert isinstance(simulated, StepEnded)
     assert simulated.seconds < 0.0  # the drawing is not counted
     assert drawn == StepEnded(
-        step=("robot", "draw"), succeeded=True, seconds=5.0, detail="film.gif"
+        step=("robot", "draw"), succeeded=True, seconds=5.0, detail="video.gif"
     )
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from wsgen.isolation import parent
-from wsgen.pipeline.prepare import MOST_MODELS, Workshop, describe_models, read_file
+from wsgen.pipeline.prepare import MOST_MODELS, PrepareContext, describe_models, read_file
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -45,22 +45,22 @@ def world_of(folder: Path, count: int, shape: str) -> Path:
 def test_the_models_of_a_file_share_a_child_process(tmp_path: Path) -> None:
     pytest.importorskip("numpy")
     counting = Counting()
-    workshop = Workshop(share_of=lambda _: None, folder=tmp_path, run=counting)
-    found = read_file(world_of(tmp_path, 5, EGG), workshop, {})
-    described, diagnostics = describe_models(found, workshop)
+    context = PrepareContext(share_of=lambda _: None, folder=tmp_path, run=counting)
+    found = read_file(world_of(tmp_path, 5, EGG), context, {})
+    prepared, diagnostics = describe_models(found, context)
     assert diagnostics == ()
     assert len(counting.tasks) == 1
-    assert [model.entity for model in described] == ["m0", "m1", "m2", "m3", "m4"]
-    assert [link.name for model in described for link in model.lumped.links] == ["l"] * 5
-    assert all(model.lumped.links[0].collisions[0].geometry.path for model in described)  # type: ignore[union-attr]
+    assert [model.entity for model in prepared] == ["m0", "m1", "m2", "m3", "m4"]
+    assert [link.name for model in prepared for link in model.lumped.links] == ["l"] * 5
+    assert all(model.lumped.links[0].collisions[0].geometry.path for model in prepared)  # type: ignore[union-attr]
 
 
 def test_too_many_models_are_refused_before_anything_is_made_of_them(tmp_path: Path) -> None:
     counting = Counting()
-    workshop = Workshop(share_of=lambda _: None, folder=tmp_path, run=counting)
-    found = read_file(world_of(tmp_path, MOST_MODELS + 1, EGG), workshop, {})
-    described, (problem,) = describe_models(found, workshop)
-    assert (described, counting.tasks) == ([], [])
+    context = PrepareContext(share_of=lambda _: None, folder=tmp_path, run=counting)
+    found = read_file(world_of(tmp_path, MOST_MODELS + 1, EGG), context, {})
+    prepared, (problem,) = describe_models(found, context)
+    assert (prepared, counting.tasks) == ([], [])
     assert (problem.code, problem.file) == ("SPN035", tmp_path / "many.world")
 
 
@@ -68,7 +68,7 @@ def test_a_model_has_what_was_reported_of_it(tmp_path: Path) -> None:
     def model(name: str, tag: str) -> str:
         return f'<model name="{name}"><link name="l"><{tag}><mass>1</mass></{tag}></link></model>'
 
-    workshop = Workshop(share_of=lambda _: None, folder=tmp_path, run=parent.run)
+    context = PrepareContext(share_of=lambda _: None, folder=tmp_path, run=parent.run)
     file = tmp_path / "two.world"
     two = model("right", "inertial") + model("wrong", "inertal")
     for text, expected in (
@@ -76,5 +76,5 @@ def test_a_model_has_what_was_reported_of_it(tmp_path: Path) -> None:
         (f'<sdf version="1.9">{model("wrong", "inertal")}</sdf>', [["WLD058"]]),
     ):
         file.write_text(text)
-        described, _ = describe_models(read_file(file, workshop, {}), workshop)
-        assert [[one.code for one in model.diagnostics] for model in described] == expected
+        prepared, _ = describe_models(read_file(file, context, {}), context)
+        assert [[one.code for one in model.diagnostics] for model in prepared] == expected

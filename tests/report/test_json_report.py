@@ -7,7 +7,7 @@ from pathlib import Path
 from wsgen.build.colcon import PackageResult
 from wsgen.build.run import BuildResult
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.model.behavior import BehaviourOutcome, Drive, Reach
+from wsgen.model.behavior import BehaviorOutcome, Drive, Reach
 from wsgen.model.outcome import Outcome, PackageOutcome, Rest, RobotOutcome, Simulated
 from wsgen.model.transform import Pose
 from wsgen.model.world import PlacedModel, World
@@ -27,17 +27,17 @@ ROBOT = RobotOutcome(
         speed=0.0,
         joint_positions={"elbow": 0.5},
     ),
-    behaviours=(
-        BehaviourOutcome(
+    behaviors=(
+        BehaviorOutcome(
             name="drives", task=Drive(x=1.0, yaw=0.0), passed=True, moved=(0.98, 0.0, math.inf)
         ),
-        BehaviourOutcome(
+        BehaviorOutcome(
             name="reaches",
             task=Reach(positions={"elbow": 0.5}),
             passed=False,
             positions={"elbow": 0.3},
         ),
-        BehaviourOutcome(name="untried", task=Drive(y=0.5), passed=False),
+        BehaviorOutcome(name="untried", task=Drive(y=0.5), passed=False),
     ),
 )
 FINDING = Diagnostic(code="SPN053", severity=Severity.WARNING, message="m", file=Path("f"), line=3)
@@ -97,7 +97,7 @@ def test_every_key_of_the_contract() -> None:
                             "speed": 0.0,
                             "joint_positions": {"elbow": 0.5},
                         },
-                        "behaviours": [
+                        "behaviors": [
                             {
                                 "name": "drives",
                                 "passed": True,
@@ -135,7 +135,7 @@ def test_every_key_of_the_contract() -> None:
                 ],
                 "picture": None,
                 "world_picture": None,
-                "film": None,
+                "video": None,
                 "seconds": {"total": 1.2346},
             }
         ],
@@ -167,7 +167,7 @@ def test_the_documentation_lists_every_key() -> None:
     stages = dict.fromkeys(("launch", "expand", "load", "simulate", "total"), 1.0)
     document = json.loads(render_outcome(outcome(seconds=stages)))
     document["packages"][0]["robots"][0]["rest"]["joint_positions"] = None  # its keys are names
-    document["packages"][0]["robots"][0]["behaviours"][0]["expected"] = None  # so may be its
+    document["packages"][0]["robots"][0]["behaviors"][0]["expected"] = None  # so may be its
     assert documented_keys("wsgen validate") == keys(document)
 
 

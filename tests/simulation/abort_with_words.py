@@ -16,4 +16,4 @@ def simulate(scene: object) -> dict[str, Any]:
 
 def complain(scene: object) -> dict[str, Any]:
     os.write(1, b"pybullet build time: now\nb3Warning: no\n")
-    return {"trials": [], "refused": {}, "picture_problem": None, "seconds": {"draw": 0.0}}
+    return {"robot_runs": [], "refused": {}, "picture_problem": None, "seconds": {"draw": 0.0}}

@@ -8,10 +8,10 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from simulation.robots import GROUND, body, joint, shape, tree
-from wsgen.model.behavior import Attempt, Behaviour, DiffDrive, Drive, Reach, WheelPair
+from wsgen.model.behavior import Behavior, BehaviorRun, DiffDrive, Drive, Reach, WheelPair
 from wsgen.model.robot import Box, Cylinder, Inertial, JointLimit, JointType, Link, Mimic, Sphere
 from wsgen.model.transform import Pose
-from wsgen.simulation.behaviors import try_behaviours
+from wsgen.simulation.behaviors import run_behaviors
 from wsgen.simulation.scene import Behaved, Scene, SpawnedRobot
 from wsgen.simulation.simulate import play
 
@@ -24,7 +24,7 @@ RADIUS = 0.1  # m, of the wheels
 SEPARATION = 0.4  # m
 THIN = 0.01  # m; DART lets wheels touch the ground at their inner edges
 ON_ITS_SIDE = Pose(rpy=(math.pi / 2, 0.0, 0.0))
-AT = Pose((1.0, -2.0, RADIUS + 0.005), (0.0, 0.0, 0.7))  # behaviours are seen from the robot
+AT = Pose((1.0, -2.0, RADIUS + 0.005), (0.0, 0.0, 0.7))  # behaviors are seen from the robot
 PAIR = WheelPair(left="left", right="right", separation=SEPARATION, radius=RADIUS)
 DRIVE = DiffDrive(generation="gz", pairs=(PAIR,))
 
@@ -73,24 +73,24 @@ def arm(effort: float = 20.0, velocity: float = 1.0, *, mimics: bool = False) ->
     return tree(Link(name="world"), (lower, first), (upper, second), fixed_to_world=True)
 
 
-def drive(seconds: float = 2.0, using: DiffDrive = DRIVE, **twist: float) -> Attempt:
-    behaviour = Behaviour(name=f"d{twist}", task=Drive(**twist), seconds=seconds)
-    return Attempt(entity="e", behaviour=behaviour, drive=using)
+def drive(seconds: float = 2.0, using: DiffDrive = DRIVE, **twist: float) -> BehaviorRun:
+    behavior = Behavior(name=f"d{twist}", task=Drive(**twist), seconds=seconds)
+    return BehaviorRun(entity="e", behavior=behavior, drive=using)
 
 
-def reach(seconds: float = 3.0, **positions: float) -> Attempt:
-    behaviour = Behaviour(name=f"r{positions}", task=Reach(positions=positions), seconds=seconds)
-    return Attempt(entity="e", behaviour=behaviour)
+def reach(seconds: float = 3.0, **positions: float) -> BehaviorRun:
+    behavior = Behavior(name=f"r{positions}", task=Reach(positions=positions), seconds=seconds)
+    return BehaviorRun(entity="e", behavior=behavior)
 
 
-def tried(
-    new_engine: NewEngine, robot: Robot, *attempts: Attempt, at: Pose = AT
+def simulated(
+    new_engine: NewEngine, robot: Robot, *behavior_runs: BehaviorRun, at: Pose = AT
 ) -> tuple[Behaved, ...]:
-    """What is measured of these behaviours of the robot, which has stood before."""
+    """What is measured of these behaviors of the robot, which has stood before."""
     spawned = SpawnedRobot(entity="e", robot=robot, pose_in_world=at)
-    scene = Scene(world=GROUND, robots=(spawned,), seconds=0.5, attempts=attempts)
+    scene = Scene(world=GROUND, robots=(spawned,), seconds=0.5, behavior_runs=behavior_runs)
     with closing(new_engine(GROUND)) as engine:
-        trials, refused = play(engine, scene, lambda _: None)
+        robot_runs, refused = play(engine, scene, lambda _: None)
         assert refused == {}
-        (trial,) = try_behaviours(engine, scene, trials, lambda _: None)
-    return trial.behaviours
+        (robot_run,) = run_behaviors(engine, scene, robot_runs, lambda _: None)
+    return robot_run.behaviors

@@ -28,7 +28,7 @@ from wsgen.model.robot import (
 from wsgen.model.transform import IDENTITY, Pose
 from wsgen.model.world import World
 from wsgen.simulation.engine import Engine, Loaded, Refused
-from wsgen.simulation.scene import RobotTrial, Scene, SpawnedRobot
+from wsgen.simulation.scene import RobotRun, Scene, SpawnedRobot
 from wsgen.simulation.simulate import play
 
 if TYPE_CHECKING:
@@ -157,16 +157,16 @@ def trial_of(
     world: World = GROUND,
     seconds: float = 3.0,
     on_the_ground: bool = False,
-) -> RobotTrial:
-    """What a trial measures of a robot that is spawned at that height."""
+) -> RobotRun:
+    """What a simulation measures of a robot that is spawned at that height."""
     spawned = SpawnedRobot(
         entity="e", robot=robot, pose_in_world=Pose((0.0, 0.0, z)), on_the_ground=on_the_ground
     )
     scene = Scene(world=world, robots=(spawned,), seconds=seconds)
     with closing(new_engine(world)) as engine:
-        (trial,), refused = play(engine, scene, lambda _: None)
+        (robot_run,), refused = play(engine, scene, lambda _: None)
     assert refused == {}
-    return trial
+    return robot_run
 
 
 @contextmanager
@@ -194,12 +194,14 @@ def loaded(new_engine: NewEngine, robot: Robot) -> Loaded | Refused:
 def ball_on_mesh(new_engine: NewEngine, file: str) -> tuple[float, float]:
     """Where a ball comes to rest on a static mesh, in m, and the CPU time that it took, in s."""
     started = time.process_time()
-    scenery = Link(name="scenery", collisions=(Collision(geometry=Mesh(uri=file, path=file)),))
+    static_models = Link(
+        name="static_models", collisions=(Collision(geometry=Mesh(uri=file, path=file)),)
+    )
     ball = single(body(Sphere(radius=0.1)))
     start = Pose((math.pi / 2, 0.1, 0.3))
     other = SpawnedRobot(entity="o", robot=ball, pose_in_world=start)
     with spawned(
-        new_engine, replace(single(scenery), is_static=True), IDENTITY, other, world=VOID
+        new_engine, replace(single(static_models), is_static=True), IDENTITY, other, world=VOID
     ) as engine:
         engine.advance(2000)
         return engine.state("o").xyz[2], time.process_time() - started

@@ -10,7 +10,7 @@ from PIL import Image
 from wsgen.model.robot import Collision, Geometry, Link, Robot, Visual
 from wsgen.model.transform import IDENTITY, Pose
 from wsgen.model.world import World
-from wsgen.rendering.scene_renderer import Gallery
+from wsgen.rendering.scene_renderer import SceneRenderer
 from wsgen.simulation.scene import Scene, SpawnedRobot
 
 if TYPE_CHECKING:
@@ -35,11 +35,11 @@ def piece(
     texture: str | None = None,
     at: Pose = IDENTITY,
     name: str = "e",
-    is_scenery: bool = False,
+    is_static_model: bool = False,
 ) -> SpawnedRobot:
     """A robot of one visual."""
     link = Link(name="base", visuals=(Visual(geometry=geometry, rgba=rgba, texture=texture),))
-    return spawned(link, at=at, name=name, is_scenery=is_scenery)
+    return spawned(link, at=at, name=name, is_static_model=is_static_model)
 
 
 def touched_alone(geometry: Geometry, *, at: Pose = IDENTITY) -> SpawnedRobot:
@@ -48,19 +48,19 @@ def touched_alone(geometry: Geometry, *, at: Pose = IDENTITY) -> SpawnedRobot:
 
 
 def spawned(
-    link: Link, *, at: Pose = IDENTITY, name: str = "e", is_scenery: bool = False
+    link: Link, *, at: Pose = IDENTITY, name: str = "e", is_static_model: bool = False
 ) -> SpawnedRobot:
     robot = Robot(name="r", root=link.name, links=(link,))
-    return SpawnedRobot(entity=name, robot=robot, pose_in_world=at, is_scenery=is_scenery)
+    return SpawnedRobot(entity=name, robot=robot, pose_in_world=at, is_static_model=is_static_model)
 
 
 def gallery_of(
     *robots: SpawnedRobot,
     world: World = GROUND,
     corners: list[tuple[float, float, float]] | None = None,
-) -> Gallery:
+) -> SceneRenderer:
     """With each robot's one link where it is spawned."""
-    return Gallery(
+    return SceneRenderer(
         Scene(world=world, robots=robots),
         {one.entity: {link.name: one.pose_in_world for link in one.robot.links} for one in robots},
         {one.entity: corners or [one.pose_in_world.xyz] for one in robots},

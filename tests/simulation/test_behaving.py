@@ -1,4 +1,4 @@
-"""What is done with a behaviour, whatever the engine: placed, settled, driven, measured."""
+"""What is done with a behavior, whatever the engine: placed, settled, driven, measured."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from simulation.movers import AT, DRIVE, arm, drive, reach, two_wheeled
 from simulation.robots import GROUND, joint, tree
 from wsgen.model.robot import JointLimit, JointType, Link, Robot
 from wsgen.model.transform import quaternion_of_rpy
-from wsgen.simulation.behaviors import Servos, Wheels, controller_for, try_behaviours
+from wsgen.simulation.behaviors import Servos, Wheels, controller_for, run_behaviors
 from wsgen.simulation.engine import Motor, State
 from wsgen.simulation.fake import FakeEngine
-from wsgen.simulation.scene import Behaved, RobotTrial, Scene, SpawnedRobot, trial_from_json
-from wsgen.simulation.scene import trial_to_json as to_json
+from wsgen.simulation.scene import Behaved, RobotRun, Scene, SpawnedRobot, robot_run_from_json
+from wsgen.simulation.scene import robot_run_to_json as to_json
 from wsgen.simulation.simulate import play
 
 if TYPE_CHECKING:
-    from wsgen.model.behavior import Attempt
+    from wsgen.model.behavior import BehaviorRun
     from wsgen.model.transform import Pose
 
 
@@ -47,14 +47,17 @@ class Engine(FakeEngine):
         self.told.append("release")
 
 
-def tried(
-    engine: FakeEngine, *attempts: Attempt, robot: Robot | None = None, seconds: float = 1.0
-) -> RobotTrial:
+def simulated(
+    engine: FakeEngine,
+    *behavior_runs: BehaviorRun,
+    robot: Robot | None = None,
+    seconds: float = 1.0,
+) -> RobotRun:
     spawned = SpawnedRobot(entity="e", robot=robot or two_wheeled(), pose_in_world=AT)
-    scene = Scene(world=GROUND, robots=(spawned,), seconds=seconds, attempts=attempts)
-    trials, _ = play(engine, scene, lambda _: None)
-    (trial,) = try_behaviours(engine, scene, trials, lambda _: None)
-    return trial
+    scene = Scene(world=GROUND, robots=(spawned,), seconds=seconds, behavior_runs=behavior_runs)
+    robot_runs, _ = play(engine, scene, lambda _: None)
+    (robot_run,) = run_behaviors(engine, scene, robot_runs, lambda _: None)
+    return robot_run
 
 
 def test_a_way_is_seen_from_where_it_began() -> None:
@@ -64,22 +67,22 @@ def test_a_way_is_seen_from_where_it_began() -> None:
         angle = max(0.0, seconds - 1.1)  # stands for a second, and settles within 0.1 s
         return at(5 - 2 + 2 * math.cos(angle), 7 + 2 * math.sin(angle), math.pi / 2 + angle)
 
-    trial = tried(FakeEngine(motion), drive(seconds=8.0, linear=2.0, angular=1.0))
-    (behaved,) = trial.behaviours
+    robot_run = simulated(FakeEngine(motion), drive(seconds=8.0, linear=2.0, angular=1.0))
+    (behaved,) = robot_run.behaviors
     assert behaved.moved == pytest.approx((2 * math.sin(8.0), 2 - 2 * math.cos(8.0), 8.0), abs=1e-6)
     assert behaved.is_finite
 
 
 def test_each_begins_where_the_robot_was_spawned_and_at_rest() -> None:
     engine = Engine(lambda _: at(0.0, 0.0, 0.0))
-    trial = tried(engine, drive(seconds=0.02, linear=0.5), drive(seconds=0.01, angular=1.0))
+    robot_run = simulated(engine, drive(seconds=0.02, linear=0.5), drive(seconds=0.01, angular=1.0))
     rest = {"left": Motor(0.0, math.inf), "right": Motor(0.0, math.inf)}
     ahead = {"left": Motor(5.0, math.inf), "right": Motor(5.0, math.inf)}
     turn = {"left": Motor(-2.0, math.inf), "right": Motor(2.0, math.inf)}
     placed = ("place", "e", AT)
     first = [placed, *[rest] * 10, ahead, ahead, "release"]
     assert engine.told == [*first, placed, *[rest] * 10, turn, "release"]
-    assert [behaved.name for behaved in trial.behaviours] == [
+    assert [behaved.name for behaved in robot_run.behaviors] == [
         "d{'linear': 0.5}",
         "d{'angular': 1.0}",
     ]
@@ -88,34 +91,34 @@ def test_each_begins_where_the_robot_was_spawned_and_at_rest() -> None:
 
 def test_what_does_not_come_to_rest_begins_after_the_usual_seconds() -> None:
     engine = Engine(lambda _: at(0.0, 0.0, 0.0, speed=1.0))
-    tried(engine, drive(seconds=0.01, linear=0.5), seconds=0.5)
+    simulated(engine, drive(seconds=0.01, linear=0.5), seconds=0.5)
     assert len(engine.told) == 1 + 50 + 1 + 1
 
 
 def test_what_explodes_is_told_and_ends_there() -> None:
     engine = Engine(lambda seconds: at(seconds if seconds < 1.5 else math.nan, 0.0, 0.0))
-    trial = tried(engine, drive(seconds=2.0, linear=1.0), drive(linear=0.1))
-    first, second = trial.behaviours
+    robot_run = simulated(engine, drive(seconds=2.0, linear=1.0), drive(linear=0.1))
+    first, second = robot_run.behaviors
     assert not first.is_finite
     assert not second.is_finite
     assert all(map(math.isfinite, first.moved))
     positions = Engine(lambda _: at(0.0, 0.0, 0.0), positions=lambda _: {"left": math.inf})
-    assert not tried(positions, drive(seconds=0.1)).behaviours[0].is_finite
+    assert not simulated(positions, drive(seconds=0.1)).behaviors[0].is_finite
 
 
 def test_time_goes_on_for_who_watches() -> None:
     engine = FakeEngine(lambda _: at(0.0, 0.0, 0.0))
     spawned = SpawnedRobot(entity="e", robot=two_wheeled(), pose_in_world=AT)
-    attempts = (drive(seconds=0.1, linear=0.5), drive(seconds=0.1, linear=0.6))
-    scene = Scene(world=GROUND, robots=(spawned,), seconds=1.0, attempts=attempts)
+    behavior_runs = (drive(seconds=0.1, linear=0.5), drive(seconds=0.1, linear=0.6))
+    scene = Scene(world=GROUND, robots=(spawned,), seconds=1.0, behavior_runs=behavior_runs)
     seen: list[float] = []
     steps: list[str] = []
     begun: list[tuple[str, float]] = []
-    trials, _ = play(engine, scene, lambda _: None)
-    try_behaviours(
+    robot_runs, _ = play(engine, scene, lambda _: None)
+    run_behaviors(
         engine,
         scene,
-        trials,
+        robot_runs,
         steps.append,
         observe=lambda seconds, _: seen.append(seconds),
         begun=lambda name, seconds: begun.append((name, round(seconds, 6))),
@@ -124,18 +127,18 @@ def test_time_goes_on_for_who_watches() -> None:
     moments = [*range(110, 121), *range(130, 141)]
     assert seen == pytest.approx([moment / 100 for moment in moments])
     assert begun == [("d{'linear': 0.5}", 1.1), ("d{'linear': 0.6}", 1.3)]
-    assert steps[0] == "trying the behaviour `d{'linear': 0.5}` of `e`"
+    assert steps[0] == "trying the behavior `d{'linear': 0.5}` of `e`"
 
 
 def test_a_robot_that_is_not_there_does_nothing() -> None:
     engine = FakeEngine(lambda _: at(0.0, 0.0, 0.0))
-    assert tried(engine, replace(drive(), entity="other")).behaviours == ()
+    assert simulated(engine, replace(drive(), entity="other")).behaviors == ()
 
 
 def test_measurements_survive_the_way_between_processes() -> None:
-    trial = tried(FakeEngine(lambda _: at(0.0, 0.0, 0.0)), drive(seconds=0.1))
-    assert trial.behaviours == (Behaved("d{}", (0.0, 0.0, 0.0), {}),)
-    assert trial_from_json(to_json(trial)) == trial
+    robot_run = simulated(FakeEngine(lambda _: at(0.0, 0.0, 0.0)), drive(seconds=0.1))
+    assert robot_run.behaviors == (Behaved("d{}", (0.0, 0.0, 0.0), {}),)
+    assert robot_run_from_json(to_json(robot_run)) == robot_run
 
 
 def test_who_commands_what() -> None:

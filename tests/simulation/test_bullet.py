@@ -43,19 +43,19 @@ FRICTION, ROLLING_FRICTION = 1, 6
 
 @pytest.mark.parametrize("z", [0.0, -0.1, 0.2])
 def test_half_sunk_is_pushed_out_without_a_jump(z: float) -> None:
-    trial = trial_of(BulletEngine, single(body(CYLINDER, moment=100.0)), z)
-    assert trial.penetration == pytest.approx(0.25 - z, abs=1e-6)
-    assert trial.highest_speed < 1.2 * SEPARATION_SPEED
-    assert trial.highest_point < 0.26
-    assert trial.lowest_point_at_end == pytest.approx(0.0, abs=0.001)
+    robot_run = trial_of(BulletEngine, single(body(CYLINDER, moment=100.0)), z)
+    assert robot_run.penetration == pytest.approx(0.25 - z, abs=1e-6)
+    assert robot_run.highest_speed < 1.2 * SEPARATION_SPEED
+    assert robot_run.highest_point < 0.26
+    assert robot_run.lowest_point_at_end == pytest.approx(0.0, abs=0.001)
 
 
 def test_deep_sunk_does_not_get_out_and_is_seen() -> None:
-    trial = trial_of(BulletEngine, single(body(CYLINDER)), -1.5)
-    assert trial.penetration == pytest.approx(1.75, abs=1e-6)
-    assert trial.lowest_point_at_end < -0.5
-    assert trial.settled_after is None
-    assert trial.is_finite
+    robot_run = trial_of(BulletEngine, single(body(CYLINDER)), -1.5)
+    assert robot_run.penetration == pytest.approx(1.75, abs=1e-6)
+    assert robot_run.lowest_point_at_end < -0.5
+    assert robot_run.settled_after is None
+    assert robot_run.is_finite
 
 
 def test_more_links_than_the_engine_can_do() -> None:

@@ -25,19 +25,19 @@ def test_more_links_than_pybullet_can_do() -> None:
         )
         for n in range(300)
     ]
-    trial = trial_of(DartEngine, tree(body(PLATE, name="l0"), *chain), 0.06, seconds=0.1)
-    assert trial.links == 301
-    assert trial.mass == pytest.approx(4.0)
+    robot_run = trial_of(DartEngine, tree(body(PLATE, name="l0"), *chain), 0.06, seconds=0.1)
+    assert robot_run.links == 301
+    assert robot_run.mass == pytest.approx(4.0)
     with spawned(DartEngine, tree(body(PLATE, name="l0"), *chain)) as engine:
         assert engine.link_poses("e")["l300"].xyz == pytest.approx((3.0, 0.0, 0.0))
 
 
 def test_half_sunk_stays_there() -> None:
     """Gazebo's engine pushes no faster than 1 mm/s."""
-    trial = trial_of(DartEngine, single(body(CYLINDER)), 0.15)
-    assert trial.penetration == pytest.approx(0.1)
-    assert trial.lowest_point_at_end == pytest.approx(-0.1, abs=0.005)
-    assert trial.highest_speed < 0.01
+    robot_run = trial_of(DartEngine, single(body(CYLINDER)), 0.15)
+    assert robot_run.penetration == pytest.approx(0.1)
+    assert robot_run.lowest_point_at_end == pytest.approx(-0.1, abs=0.005)
+    assert robot_run.highest_speed < 0.01
 
 
 def test_shapes_of_two_robots_have_names_of_their_own() -> None:

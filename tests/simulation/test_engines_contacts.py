@@ -76,8 +76,8 @@ def test_friction_is_that_of_the_link(new_engine: NewEngine) -> None:
 
 def test_friction_of_the_ground_is_no_more_than_that_of_gazebos(new_engine: NewEngine) -> None:
     steep = slope(50.0)
-    trial = trial_of(new_engine, single(body(PLATE, mu=50.0)), 0.05, world=steep, seconds=0.5)
-    assert trial.speed == pytest.approx(sliding(1.0, 50.0) * 0.5, rel=0.05)
+    robot_run = trial_of(new_engine, single(body(PLATE, mu=50.0)), 0.05, world=steep, seconds=0.5)
+    assert robot_run.speed == pytest.approx(sliding(1.0, 50.0) * 0.5, rel=0.05)
 
 
 def cart(front: float, rear: float) -> Robot:
@@ -128,7 +128,7 @@ def test_friction_is_that_of_the_collision(
     assert holds.speed < 0.01
     slides = trial_of(new_engine, lumped_caster(0.0, 0.0), 0.13, world=world, seconds=1.0)
     assert slides.speed == pytest.approx(sliding(0.0, 15.0), rel=0.05)
-    # The mean of both: on one level with the centre of mass they would carry the same.
+    # The mean of both: on one level with the center of mass they would carry the same.
     world = slope(25.0)
     some = trial_of(new_engine, lumped_caster(0.2, 0.4), 0.13, world=world, seconds=1.0)
     assert sliding(0.4, 25.0) < some.speed < sliding(0.2, 25.0)
@@ -181,7 +181,7 @@ def test_links_that_only_touch_are_no_overlap(new_engine: NewEngine) -> None:
             assert engine.overlaps() == []
 
 
-def test_neighbours_may_be_in_each_other(new_engine: NewEngine) -> None:
+def test_neighbors_may_be_in_each_other(new_engine: NewEngine) -> None:
     inside = joint("base", "a", JointType.CONTINUOUS, Pose((0.1, 0.0, 0.0)))
     robot = tree(body(PLATE), (inside, body(PLATE, name="a")))
     with spawned(new_engine, robot) as engine:
@@ -256,7 +256,7 @@ def test_one_of_two_links_with_the_flag_is_not_enough(new_engine: NewEngine) -> 
     assert moved["base", "a"] == pytest.approx(0.0, abs=1e-9)
 
 
-def test_neighbours_do_not_collide_with_each_other(new_engine: NewEngine) -> None:
+def test_neighbors_do_not_collide_with_each_other(new_engine: NewEngine) -> None:
     slide = joint("base", "a", JointType.PRISMATIC, Pose((0.1, 0.0, 0.0)), axis_in_joint=(1, 0, 0))
     links = [replace(body(PLATE, name=name), self_collide=True) for name in ("base", "a")]
     with spawned(new_engine, tree(links[0], (slide, links[1])), world=SPACE) as engine:
@@ -286,8 +286,8 @@ def test_of_many_shapes_those_that_span_the_hull_hold_it_as_all_do(
 
 
 def test_a_block_of_many_shapes_slides_with_its_friction(new_engine: NewEngine) -> None:
-    trial = trial_of(new_engine, lattice(*FLAT, mu=0.2), 0.05, world=SLOPE, seconds=0.5)
-    assert trial.speed == pytest.approx(sliding(0.2) * 0.5, rel=0.05)
+    robot_run = trial_of(new_engine, lattice(*FLAT, mu=0.2), 0.05, world=SLOPE, seconds=0.5)
+    assert robot_run.speed == pytest.approx(sliding(0.2) * 0.5, rel=0.05)
 
 
 @pytest.mark.slow
@@ -309,6 +309,6 @@ def test_inside_of_the_hull_other_robots_are_touched(new_engine: NewEngine) -> N
 def test_a_thousand_boxes_do_not_take_long(new_engine: NewEngine) -> None:
     robot = lattice(*product(range(40), range(25), [0]))
     started = time.process_time()
-    trial = trial_of(new_engine, robot, on_the_ground=True, seconds=1.0)
+    robot_run = trial_of(new_engine, robot, on_the_ground=True, seconds=1.0)
     assert time.process_time() - started < 6  # 13 s and more where the ground touches all
-    assert trial.rest_pose.xyz[2] == pytest.approx(0.05, abs=1e-4)
+    assert robot_run.rest_pose.xyz[2] == pytest.approx(0.05, abs=1e-4)

@@ -118,10 +118,10 @@ def test_what_is_to_stand_on_the_ground_is_put_there(
     new_engine: NewEngine, geometry: Geometry
 ) -> None:
     for z in (-3.0, 0.0, 7.0):
-        trial = trial_of(new_engine, single(body(geometry)), z, on_the_ground=True)
-        assert trial.lowest_point == pytest.approx(0.005, abs=1e-6)
-        assert trial.penetration == 0.0
-        assert trial.settled_after is not None
+        robot_run = trial_of(new_engine, single(body(geometry)), z, on_the_ground=True)
+        assert robot_run.lowest_point == pytest.approx(0.005, abs=1e-6)
+        assert robot_run.penetration == 0.0
+        assert robot_run.settled_after is not None
 
 
 def test_placed_robots_are_at_rest_and_whole(new_engine: NewEngine) -> None:

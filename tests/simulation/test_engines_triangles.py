@@ -54,7 +54,7 @@ FLOOR = Extrusion(outlines=(square(1),), height=0.2)
 
 def static(*shapes: Geometry, at: Pose = IDENTITY) -> Robot:
     collisions = tuple(Collision(geometry=shape, pose_in_link=at) for shape in shapes)
-    return replace(single(Link(name="scenery", collisions=collisions)), is_static=True)
+    return replace(single(Link(name="static_models", collisions=collisions)), is_static=True)
 
 
 def made(robot: Robot, folder: Path) -> Robot:
@@ -67,11 +67,11 @@ def made(robot: Robot, folder: Path) -> Robot:
 
 
 def rest(
-    new_engine: NewEngine, scenery: Robot, robot: Robot, start: tuple[float, float, float]
+    new_engine: NewEngine, static_models: Robot, robot: Robot, start: tuple[float, float, float]
 ) -> State:
     """Where a robot is that fell onto some scenery."""
     other = SpawnedRobot(entity="o", robot=robot, pose_in_world=Pose(start))
-    with spawned(new_engine, scenery, IDENTITY, other, world=VOID) as engine:
+    with spawned(new_engine, static_models, IDENTITY, other, world=VOID) as engine:
         engine.advance(2000)
         return engine.state("o")
 
@@ -87,7 +87,7 @@ def test_a_ball_falls_into_a_room(new_engine: NewEngine, tmp_path: Path, x: floa
 def test_a_room_of_several_links(new_engine: NewEngine, tmp_path: Path) -> None:
     floor = static(FLOOR)
     walls = Link(name="walls", collisions=(Collision(geometry=WALLS),))
-    fixed = joint("scenery", "walls", JointType.FIXED, Pose((0.0, 0.0, 0.2)))
+    fixed = joint("static_models", "walls", JointType.FIXED, Pose((0.0, 0.0, 0.2)))
     room = made(replace(floor, links=(*floor.links, walls), joints=(fixed,)), tmp_path)
     state = rest(new_engine, room, BALL, (0.1, 0.05, 1.5))
     assert state.xyz[2] == pytest.approx(0.2 + RADIUS, abs=MARGIN)
@@ -140,7 +140,7 @@ def test_an_ellipsoid_falls_onto_its_broad_side(new_engine: NewEngine, tmp_path:
 
 @pytest.fixture
 def hills(tmp_path: Path) -> Robot:
-    """Two terraces of 5 by 2 m, 1 m and 2 m high, beside a plain; a row of pixels is a metre."""
+    """Two terraces of 5 by 2 m, 1 m and 2 m high, beside a plain; a row of pixels is a meter."""
     pixels = np.zeros((11, 11), np.uint8)
     pixels[:5, :3] = 100  # the first rows are at the highest y
     pixels[:5, 8:] = 200

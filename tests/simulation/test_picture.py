@@ -1,4 +1,4 @@
-"""Pictures: the ground, what is under it, colours, what is see-through, what nobody would see."""
+"""Pictures: the ground, what is under it, colors, what is see-through, what nobody would see."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from simulation.showpieces import (
     spawned,
     touched_alone,
 )
-from wsgen.model.colors import GAZEBO_COLOURS
+from wsgen.model.colors import GAZEBO_COLORS
 from wsgen.model.robot import Box, Collision, Cylinder, Link, Mesh, Sphere, Visual
 from wsgen.model.transform import Pose
 from wsgen.rendering.camera import Size, extent, eye_camera, view_axes
@@ -77,7 +77,7 @@ def test_a_square_is_as_large_as_it_is_said_to_be(size: float) -> None:
         across, up, away = axes @ (np.array([x * tile, y * tile, 0.0]) - camera.eye)
         column = (across / away / slope / camera.aspect + 1) / 2 * SIZE.width
         row = (1 - up / away / slope) / 2 * SIZE.height
-        return float(ground.colour[int(row), int(column)].sum() * 255)
+        return float(ground.color[int(row), int(column)].sum() * 255)
 
     centre = brightness(0, 0)  # the middle of the world is the middle of a square
     others = [brightness(x, y) for x, y in ((1, 0), (0, 1), (-1, 0), (0, -1))]
@@ -137,14 +137,14 @@ def test_a_part_that_is_nowhere_is_left_out(tmp_path: Path) -> None:
     assert is_blue(pixels).mean() > 0.1
 
 
-# Colours
+# Colors
 
 
 @pytest.mark.parametrize("name", ["Green", "Red", "Blue", "Orange", "SkyBlue", "Purple", "Grey"])
 def test_materials_keep_their_hue_and_a_lit_face_their_brightness(
     tmp_path: Path, name: str
 ) -> None:
-    rgba = GAZEBO_COLOURS[f"Gazebo/{name}"]
+    rgba = GAZEBO_COLORS[f"Gazebo/{name}"]
     pixels, _ = photograph(tmp_path, piece(Box(size=(1.0, 1.0, 0.05)), rgba=rgba))
     wanted = np.array(rgba[:3]) * 255
     top = np.array(middle(pixels))
@@ -209,9 +209,9 @@ def test_a_texture_is_shown_the_right_way_up(tmp_path: Path) -> None:
         "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvn 0 -1 0\n"
         "f 1/1/1 2/2/1 3/3/1\nf 1/1/1 3/3/1 4/4/1\n"
     )
-    colours = [(255, 0, 0), (0, 255, 0), (0, 0, 255), (255, 255, 0)]  # of the image's quarters
+    colors = [(255, 0, 0), (0, 255, 0), (0, 0, 255), (255, 255, 0)]  # of the image's quarters
     quarters = Image.new("RGB", (2, 2))
-    quarters.putdata(colours)
+    quarters.putdata(colors)
     quarters.resize((64, 64), Image.Resampling.NEAREST).save(image)
     mesh = Mesh(uri="quad.obj", path=str(file), bounds=((-1.0, 0.0, -1.0), (1.0, 0.0, 1.0)))
     wall = piece(mesh, rgba=None, texture=str(image), at=Pose((0.0, 0.0, 1.0)))
@@ -223,8 +223,8 @@ def test_a_texture_is_shown_the_right_way_up(tmp_path: Path) -> None:
         for down in (-1, 1)
         for across in (-1, 1)
     ]
-    for spot, colour in zip(spots, colours, strict=True):
-        assert ((spot > 100) == (np.array(colour) > 100)).all()
+    for spot, color in zip(spots, colors, strict=True):
+        assert ((spot > 100) == (np.array(color) > 100)).all()
 
 
 # What has nothing to show
@@ -278,9 +278,9 @@ def test_a_robot_of_nothing_still_has_a_picture(tmp_path: Path) -> None:
 def test_the_first_picture_is_about_the_robots_and_shows_what_is_near(tmp_path: Path) -> None:
     robot = piece(CUBE, rgba=BLUE, at=STANDING)
     beside = piece(CUBE, rgba=(1.0, 0.0, 0.0, 1.0), at=Pose((0.0, 1.2, 0.5)), name="crate")
-    scenery = replace(beside, is_scenery=True)
+    static_models = replace(beside, is_static_model=True)
     alone, _ = photograph(tmp_path, robot)
-    with_scenery, _ = photograph(tmp_path, robot, scenery)
+    with_scenery, _ = photograph(tmp_path, robot, static_models)
     as_robots, _ = photograph(tmp_path, robot, beside)
     is_red = (with_scenery[..., 0] > 120) & (with_scenery[..., 1:].max(axis=2) < 60)
     assert is_red.mean() > 0.02
@@ -290,18 +290,20 @@ def test_the_first_picture_is_about_the_robots_and_shows_what_is_near(tmp_path: 
 
 def test_scenery_before_a_robot_does_not_hide_it(tmp_path: Path) -> None:
     robot = piece(CUBE, rgba=BLUE, at=STANDING)
-    wall = piece(Box(size=(0.1, 6.0, 3.0)), at=Pose((2.0, 0.0, 1.5)), name="wall", is_scenery=True)
+    wall = piece(
+        Box(size=(0.1, 6.0, 3.0)), at=Pose((2.0, 0.0, 1.5)), name="wall", is_static_model=True
+    )
     pixels, _ = photograph(tmp_path, robot, wall)
     assert is_blue(pixels).sum() == pytest.approx(
         is_blue(photograph(tmp_path, robot)[0]).sum(), rel=0.02
     )
 
 
-def world_picture(folder: Path, *scenery: tuple[Box, Vector]) -> Pixels:
+def world_picture(folder: Path, *static_models: tuple[Box, Vector]) -> Pixels:
     robot = piece(CUBE, rgba=BLUE, at=STANDING)
     around = [
-        piece(box, rgba=(0.6, 0.6, 0.6, 1.0), at=Pose(at), name=str(number), is_scenery=True)
-        for number, (box, at) in enumerate(scenery)
+        piece(box, rgba=(0.6, 0.6, 0.6, 1.0), at=Pose(at), name=str(number), is_static_model=True)
+        for number, (box, at) in enumerate(static_models)
     ]
     file = folder / "world.png"
     gallery_of(robot, *around).draw_world(file)
@@ -326,7 +328,9 @@ def test_the_picture_of_the_world_is_taken_from_where_walls_hide_nothing(
 
 def test_scenery_throws_no_shadow_into_the_picture_of_the_robots(tmp_path: Path) -> None:
     robot = piece(CUBE, rgba=BLUE, at=STANDING)
-    roof = piece(Box(size=(4.0, 4.0, 0.1)), at=Pose((0.0, 0.0, 6.0)), name="roof", is_scenery=True)
+    roof = piece(
+        Box(size=(4.0, 4.0, 0.1)), at=Pose((0.0, 0.0, 6.0)), name="roof", is_static_model=True
+    )
     assert np.array_equal(photograph(tmp_path, robot)[0], photograph(tmp_path, robot, roof)[0])
 
 
@@ -345,7 +349,7 @@ def test_what_is_endless_does_not_make_all_tiny(tmp_path: Path) -> None:
 def test_a_wide_slab_at_the_height_of_the_ground_does_not_hide_its_squares(tmp_path: Path) -> None:
     robot = piece(CUBE, rgba=BLUE, at=STANDING)
     slab = piece(
-        Box(size=(100.0, 100.0, 0.1)), at=Pose((0.0, 0.0, -0.05)), name="slab", is_scenery=True
+        Box(size=(100.0, 100.0, 0.1)), at=Pose((0.0, 0.0, -0.05)), name="slab", is_static_model=True
     )
     alone, _ = photograph(tmp_path, robot)
     on_slab, _ = photograph(tmp_path, robot, slab)

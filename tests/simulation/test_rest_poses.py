@@ -26,7 +26,7 @@ from wsgen.urdf.reader import read_urdf
 if TYPE_CHECKING:
     from wsgen.model.robot import Robot
     from wsgen.model.transform import Pose
-    from wsgen.simulation.scene import RobotTrial
+    from wsgen.simulation.scene import RobotRun
 
 
 if not missing_engines(["dart"]):
@@ -83,7 +83,7 @@ def installed(ending: str, distributions: tuple[str, ...]) -> Path:
     pytest.skip(f"{' or '.join(distributions)} is not installed")
 
 
-def described(file: Path) -> Robot:
+def prepared(file: Path) -> Robot:
     """The robot as written, with the files of its meshes."""
 
     def share_of(package: str) -> Path | None:
@@ -120,9 +120,9 @@ def gazebo(tmp_path_factory: pytest.TempPathFactory) -> GazeboPhysics:
 
 
 @functools.cache
-def trials_of(ending: str) -> tuple[Robot, RobotTrial, RobotTrial]:
-    """The robot as written, and its trials in PyBullet and DART."""
-    written = described(installed(ending, ROBOTS[ending]))
+def trials_of(ending: str) -> tuple[Robot, RobotRun, RobotRun]:
+    """The robot as written, and its simulations in PyBullet and DART."""
+    written = prepared(installed(ending, ROBOTS[ending]))
     lumped, _ = lump(written)
     assert lumped is not None
     bullet, dart = (
@@ -134,10 +134,10 @@ def trials_of(ending: str) -> tuple[Robot, RobotTrial, RobotTrial]:
 @pytest.mark.parametrize("ending", ROBOTS)
 def test_both_engines_agree_on_how_it_rests(ending: str) -> None:
     written, bullet, dart = trials_of(ending)
-    for trial in (bullet, dart):
-        assert trial.settled_after is not None
-        assert trial.mass == pytest.approx(written.mass, rel=1e-6)
-        assert trial.movable_joints == len(written.movable_joints)
+    for robot_run in (bullet, dart):
+        assert robot_run.settled_after is not None
+        assert robot_run.mass == pytest.approx(written.mass, rel=1e-6)
+        assert robot_run.movable_joints == len(written.movable_joints)
     assert bullet.links == dart.links
     assert_same_rest(ending, bullet.rest_pose, dart.rest_pose, same_place=SAME_PLACE)
 
@@ -147,5 +147,5 @@ def test_both_engines_agree_with_gazebo(gazebo: GazeboPhysics, ending: str) -> N
     written, bullet, dart = trials_of(ending)
     text = installed(ending, ROBOTS[ending]).read_text(encoding="utf-8")
     rest = gazebo.rest_pose(text, written, dart.spawn_pose.xyz[2], steps=3000)
-    for trial, same_place in ((bullet, SAME_PLACE), (dart, SAME_ENGINE)):
-        assert_same_rest(ending, trial.rest_pose, rest, same_place=same_place)
+    for robot_run, same_place in ((bullet, SAME_PLACE), (dart, SAME_ENGINE)):
+        assert_same_rest(ending, robot_run.rest_pose, rest, same_place=same_place)

@@ -20,7 +20,7 @@ from wsgen.model.robot import Collision, Cylinder, Inertial, Link, Mesh, Robot, 
 from wsgen.model.transform import Pose
 from wsgen.model.world import World
 from wsgen.simulation import run
-from wsgen.simulation.run import default_engine, missing_engines, run_trial
+from wsgen.simulation.run import default_engine, missing_engines, run_simulation
 from wsgen.simulation.scene import TRYING, Scene, SpawnedRobot
 
 CYLINDER = Cylinder(radius=0.4, length=0.5)
@@ -46,11 +46,11 @@ def robot(geometry: Cylinder | Mesh = CYLINDER) -> Robot:
 
 
 def test_a_trial() -> None:
-    outcome = run_trial(scene(robot()))
-    (trial,) = outcome.trials
+    outcome = run_simulation(scene(robot()))
+    (robot_run,) = outcome.robot_runs
     assert outcome.diagnostics == ()
-    assert trial.mass == 1.0
-    assert trial.penetration == pytest.approx(0.0, abs=1e-9)
+    assert robot_run.mass == 1.0
+    assert robot_run.penetration == pytest.approx(0.0, abs=1e-9)
     assert outcome.picture is None
     assert outcome.seconds["simulate"] > 0
 
@@ -58,12 +58,12 @@ def test_a_trial() -> None:
 @pytest.mark.slow
 def test_a_trial_in_dart_gives_the_same() -> None:
     pytest.importorskip("dartpy")
-    outcome = run_trial(replace(scene(robot()), engine="dart"))
-    (bullet,) = run_trial(scene(robot())).trials
-    (trial,) = outcome.trials
+    outcome = run_simulation(replace(scene(robot()), engine="dart"))
+    (bullet,) = run_simulation(scene(robot())).robot_runs
+    (robot_run,) = outcome.robot_runs
     assert outcome.diagnostics == ()
-    assert (trial.mass, trial.links) == (bullet.mass, bullet.links)
-    assert trial.rest_pose.xyz == pytest.approx(bullet.rest_pose.xyz, abs=0.002)
+    assert (robot_run.mass, robot_run.links) == (bullet.mass, bullet.links)
+    assert robot_run.rest_pose.xyz == pytest.approx(bullet.rest_pose.xyz, abs=0.002)
 
 
 def test_engines_that_are_not_installed(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -77,7 +77,7 @@ def test_engines_that_are_not_installed(monkeypatch: pytest.MonkeyPatch) -> None
 @pytest.mark.slow
 def test_the_picture_shows_the_robot_on_the_ground(tmp_path: Path) -> None:
     file = tmp_path / "robot.png"
-    outcome = run_trial(scene(robot(), picture=file))
+    outcome = run_simulation(scene(robot(), picture=file))
     assert outcome.picture == file
     assert outcome.picture_tile == 0.2
     with Image.open(file) as picture:
@@ -94,8 +94,8 @@ def test_the_picture_shows_the_robot_on_the_ground(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_a_picture_that_cannot_be_written_is_no_reason_to_lose_the_trial(tmp_path: Path) -> None:
-    outcome = run_trial(scene(robot(), picture=tmp_path / "none" / "robot.png"))
-    assert len(outcome.trials) == 1
+    outcome = run_simulation(scene(robot(), picture=tmp_path / "none" / "robot.png"))
+    assert len(outcome.robot_runs) == 1
     assert (outcome.picture, outcome.picture_tile) == (None, None)
     assert [(one.code, one.severity) for one in outcome.diagnostics] == [("SPN034", Severity.ERROR)]
 
@@ -104,15 +104,15 @@ def test_a_picture_that_cannot_be_written_is_no_reason_to_lose_the_trial(tmp_pat
 def test_the_world_has_a_picture_if_it_holds_more_than_the_robots(tmp_path: Path) -> None:
     pictures = {"picture": tmp_path / "robot.png", "world_picture": tmp_path / "world.png"}
     alone = replace(scene(robot()), **pictures)  # type: ignore[arg-type]
-    outcome = run_trial(alone)
+    outcome = run_simulation(alone)
     assert (outcome.picture, outcome.world_picture) == (alone.picture, None)
     wall = SpawnedRobot(
         entity="wall",
         robot=replace(robot(), is_static=True),
         pose_in_world=Pose((3.0, 0.0, 0.25)),
-        is_scenery=True,
+        is_static_model=True,
     )
-    outcome = run_trial(replace(alone, robots=(*alone.robots, wall)))
+    outcome = run_simulation(replace(alone, robots=(*alone.robots, wall)))
     assert outcome.diagnostics == ()
     assert (outcome.picture, outcome.world_picture) == (alone.picture, alone.world_picture)
     with Image.open(tmp_path / "world.png") as picture:
@@ -120,7 +120,7 @@ def test_the_world_has_a_picture_if_it_holds_more_than_the_robots(tmp_path: Path
     lost = replace(
         alone, world_picture=tmp_path / "none" / "world.png", robots=(*alone.robots, wall)
     )
-    outcome = run_trial(lost)
+    outcome = run_simulation(lost)
     assert (outcome.picture, outcome.world_picture) == (alone.picture, None)
     (found,) = outcome.diagnostics
     assert (found.code, found.severity) == ("SPN034", Severity.ERROR)
@@ -130,8 +130,8 @@ def test_the_world_has_a_picture_if_it_holds_more_than_the_robots(tmp_path: Path
 def test_a_robot_that_the_engine_refuses(tmp_path: Path) -> None:
     mesh = tmp_path / "part.glb"
     mesh.write_bytes(b"glTF")
-    outcome = run_trial(scene(robot(Mesh(uri="part.glb", path=str(mesh)))))
-    assert outcome.trials == ()
+    outcome = run_simulation(scene(robot(Mesh(uri="part.glb", path=str(mesh)))))
+    assert outcome.robot_runs == ()
     assert outcome.diagnostics[0].code == "SPN032"
     assert outcome.diagnostics[0].severity is Severity.ERROR
 
@@ -140,8 +140,8 @@ def test_a_mesh_that_crashes_the_engine(tmp_path: Path) -> None:
     """Face indices out of range end PyBullet with SIGSEGV."""
     mesh = tmp_path / "part.obj"
     mesh.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 99999999\n")
-    outcome = run_trial(scene(robot(Mesh(uri="part.obj", path=str(mesh)))))
-    assert outcome.trials == ()
+    outcome = run_simulation(scene(robot(Mesh(uri="part.obj", path=str(mesh)))))
+    assert outcome.robot_runs == ()
     (death,) = outcome.diagnostics
     assert death.code == "SPN031"
     assert death.element == "e"
@@ -153,19 +153,19 @@ def test_a_mesh_that_is_nothing_is_complained_about(tmp_path: Path) -> None:
     """PyBullet takes it for a shape without points, and says so."""
     mesh = tmp_path / "part.obj"
     mesh.write_text("no mesh\n")
-    outcome = run_trial(scene(robot(Mesh(uri="part.obj", path=str(mesh)))))
+    outcome = run_simulation(scene(robot(Mesh(uri="part.obj", path=str(mesh)))))
     assert [one.code for one in outcome.diagnostics] == ["SPN033"]
     assert "part.obj" in outcome.diagnostics[0].message
 
 
 def test_out_of_time() -> None:
-    outcome = run_trial(scene(robot()), limits=Limits(seconds=0.01, wall_clock=600))
+    outcome = run_simulation(scene(robot()), limits=Limits(seconds=0.01, wall_clock=600))
     assert "used more than 0.01 s of CPU time" in outcome.diagnostics[0].message
     assert "too much for the engine" in (outcome.diagnostics[0].hint or "")
 
 
 def test_a_busy_machine_is_not_the_robots_fault() -> None:
-    outcome = run_trial(scene(robot()), limits=Limits(wall_clock=0.01))
+    outcome = run_simulation(scene(robot()), limits=Limits(wall_clock=0.01))
     assert "did not end within 0.01 s" in outcome.diagnostics[0].message
     assert "less busy" in (outcome.diagnostics[0].hint or "")
 
@@ -173,7 +173,7 @@ def test_a_busy_machine_is_not_the_robots_fault() -> None:
 def test_last_words_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(run, "TASK", "abort_with_words:simulate")
     monkeypatch.setattr(sys, "path", [*sys.path, str(HERE)])
-    (death,) = run_trial(scene(robot())).diagnostics
+    (death,) = run_simulation(scene(robot())).diagnostics
     assert "SIGABRT" in death.message
     assert "while going down" in death.message
     assert "farewell" in death.message
@@ -182,17 +182,17 @@ def test_last_words_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_complaints_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(run, "TASK", "abort_with_words:complain")
     monkeypatch.setattr(sys, "path", [*sys.path, str(HERE)])
-    (complaint,) = run_trial(scene(robot())).diagnostics
+    (complaint,) = run_simulation(scene(robot())).diagnostics
     assert (complaint.code, complaint.severity) == ("SPN033", Severity.WARNING)
     assert complaint.message.endswith("complained: b3Warning: no")
 
 
-def test_complaints_are_told_without_their_colours(tmp_path: Path) -> None:
+def test_complaints_are_told_without_their_colors(tmp_path: Path) -> None:
     pytest.importorskip("dartpy")
     mesh = tmp_path / "part.obj"
     mesh.write_text("no mesh\n")
     broken = scene(robot(Mesh(uri="part.obj", path=str(mesh))))
-    refused, complaint = run_trial(replace(broken, engine="dart")).diagnostics
+    refused, complaint = run_simulation(replace(broken, engine="dart")).diagnostics
     assert (refused.code, complaint.code) == ("SPN032", "SPN033")
     assert "complained: Warning [" in complaint.message
     assert "\x1b" not in complaint.message
@@ -200,46 +200,48 @@ def test_complaints_are_told_without_their_colours(tmp_path: Path) -> None:
 
 def test_nothing_is_left_behind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("TMPDIR", str(tmp_path))
-    run_trial(scene(robot()))
+    run_simulation(scene(robot()))
     assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.slow
-def test_behaviours_are_tried_in_the_same_child() -> None:
+def test_behaviors_are_tried_in_the_same_child() -> None:
     spawned = SpawnedRobot(entity="e", robot=two_wheeled(), pose_in_world=AT)
-    played = replace(scene(robot()), robots=(spawned,), attempts=(drive(linear=0.5),))
-    outcome = run_trial(played)
-    (trial,) = outcome.trials
-    (behaved,) = trial.behaviours
+    played = replace(scene(robot()), robots=(spawned,), behavior_runs=(drive(linear=0.5),))
+    outcome = run_simulation(played)
+    (robot_run,) = outcome.robot_runs
+    (behaved,) = robot_run.behaviors
     assert behaved.moved[0] == pytest.approx(1.0, abs=0.05)
-    assert math.dist(trial.rest_pose.xyz[:2], AT.xyz[:2]) < 0.1  # of the standing
+    assert math.dist(robot_run.rest_pose.xyz[:2], AT.xyz[:2]) < 0.1  # of the standing
 
 
 @pytest.mark.slow
-def test_a_film_shows_behaviours(tmp_path: Path) -> None:
+def test_a_film_shows_behaviors(tmp_path: Path) -> None:
     spawned = SpawnedRobot(entity="e", robot=two_wheeled(), pose_in_world=AT)
-    played = replace(scene(robot()), robots=(spawned,), attempts=(drive(linear=0.5),), seconds=0.5)
-    film = run_trial(replace(played, record=tmp_path / "f.gif")).film
-    assert film is not None
-    assert film.frames > film.frames_per_second * 2.5
+    played = replace(
+        scene(robot()), robots=(spawned,), behavior_runs=(drive(linear=0.5),), seconds=0.5
+    )
+    video = run_simulation(replace(played, record=tmp_path / "f.gif")).video
+    assert video is not None
+    assert video.frames > video.frames_per_second * 2.5
 
 
-def test_an_engine_that_dies_of_a_behaviour_tries_the_others() -> None:
-    attempts = (drive(linear=0.5), drive(linear=0.7))
-    played = replace(scene(robot()), attempts=attempts)
+def test_an_engine_that_dies_of_a_behavior_tries_the_others() -> None:
+    behavior_runs = (drive(linear=0.5), drive(linear=0.7))
+    played = replace(scene(robot()), behavior_runs=behavior_runs)
     seen: list[Scene] = []
 
     def dies(task: str, *arguments: Any, **more: Any) -> Answered | Died:
         (now,) = arguments
         seen.append(now)
-        if attempts[0] in now.attempts:
-            step = TRYING.format(entity="e", name=attempts[0].behaviour.name)
+        if behavior_runs[0] in now.behavior_runs:
+            step = TRYING.format(entity="e", name=behavior_runs[0].behavior.name)
             return Died(reason="crashed (SIGSEGV)", step=step, output="")
-        return parent.run(task, replace(now, attempts=()), **more)
+        return parent.run(task, replace(now, behavior_runs=()), **more)
 
-    outcome = run_trial(played, run=dies)
-    assert [one.attempts for one in seen] == [attempts, attempts[1:]]
-    assert len(outcome.trials) == 1
+    outcome = run_simulation(played, run=dies)
+    assert [one.behavior_runs for one in seen] == [behavior_runs, behavior_runs[1:]]
+    assert len(outcome.robot_runs) == 1
     (found,) = outcome.diagnostics
     assert (found.code, found.element) == ("SPN031", "e")
-    assert "while trying the behaviour `d{'linear': 0.5}` of `e`" in found.message
+    assert "while trying the behavior `d{'linear': 0.5}` of `e`" in found.message

@@ -101,17 +101,17 @@ def test_a_template_of_wsgen_comes_before_a_folder_of_its_name(
 def test_licenses() -> None:
     assert license_names() == ["Apache-2.0", "BSD-3-Clause", "MIT"]
     assert find_license("mit") == "MIT"
-    with pytest.raises(RequestError, match="no text of a licence 'GPL'"):
+    with pytest.raises(RequestError, match="no text of a license 'GPL'"):
         find_license("GPL")
 
 
-def test_the_origin_of_every_licence_is_recorded() -> None:
+def test_the_origin_of_every_license_is_recorded() -> None:
     folder = templates_folder() / "base" / "licenses"
     origin = (folder / "ORIGIN.md").read_text()
     for name in license_names():
         assert f"`{name}.txt.j2`" in origin
 
 
-def test_the_default_licence_is_the_projects_own() -> None:
+def test_the_default_license_is_the_projects_own() -> None:
     text = (templates_folder() / "base/licenses/Apache-2.0.txt.j2").read_text()
     assert text == (Path(__file__).parents[2] / "LICENSE").read_text()

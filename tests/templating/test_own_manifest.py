@@ -84,7 +84,7 @@ def test_targets(tmp_path: Path, targets: str, names: str) -> None:
         ('schema = 1\nextends = "crane"\n', 2, "There is no template 'crane' to extend"),
         ('schema = 1\nextends = "../x"\n', 2, "There is no template '../x' to extend"),
         (f"schema = 1\nextends = 3\n{FILES}", 2, "`extends` is an integer where a text is wanted"),
-        (f'{HEAD}colour = "red"\n', 4, "There is no key `colour` here"),
+        (f'{HEAD}color = "red"\n', 4, "There is no key `color` here"),
         (f"{HEAD}abstract = 1\n", 4, "`abstract` is an integer where true or false is wanted"),
         (f'{HEAD}targets = "gz"\n', 4, "`targets` is a text where a list is wanted"),
         (f"{HEAD}targets = []\n", 4, "`targets` names none"),
@@ -152,7 +152,7 @@ def test_what_is_wrong_is_told_with_its_line(
 
 
 def test_all_faults_are_told(tmp_path: Path) -> None:
-    folder = write_template(tmp_path, f"{HEAD}colour = 1\nabstract = 2\ntargets = 3\n")
+    folder = write_template(tmp_path, f"{HEAD}color = 1\nabstract = 2\ntargets = 3\n")
     _, faults = read_template(folder)
     assert [fault.line for fault in faults] == [4, 6, 5]
     with pytest.raises(BrokenTemplateError) as caught:

@@ -114,7 +114,7 @@ def test_answers_are_xacro_arguments() -> None:
 
 
 @pytest.mark.parametrize("name", license_names())
-def test_licence_text(name: str) -> None:
+def test_license_text(name: str) -> None:
     tree = render(license_name=name)
     assert ET.fromstring(tree["package.xml"]).findtext("license") == name
     assert ("Ada Lovelace" in tree["LICENSE"]) == (name != "Apache-2.0")

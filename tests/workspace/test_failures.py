@@ -55,7 +55,7 @@ CMAKE_CASES = {
     ),
     "calls something that nobody knows": (
         CMAKE + "frobnicate()\n",
-        ("BLD027", 9, "frobnicate", "Mend its name"),
+        ("BLD027", 9, "frobnicate", "Fix its name"),
     ),
     "installs nowhere": (
         CMAKE.replace("DESTINATION share/${PROJECT_NAME}", ""),

@@ -96,7 +96,7 @@ def test_a_machine_on_which_wsgen_can_work(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("module", "name", "mend"),
+    ("module", "name", "fix"),
     [
         ("colcon_ros", "colcon", "pip install colcon-ros"),
         ("em", "colcon", "pip install 'empy>=3.3.4,<4'"),
@@ -105,16 +105,16 @@ def test_a_machine_on_which_wsgen_can_work(tmp_path: Path) -> None:
         ("PIL", "Python libraries", "pip install pillow"),
     ],
 )
-def test_a_missing_module(tmp_path: Path, module: str, name: str, mend: str) -> None:
+def test_a_missing_module(tmp_path: Path, module: str, name: str, fix: str) -> None:
     one = machine(tmp_path, lacking=[module])
     found = own(one)[name]
     assert not check(one).passed
     assert not found.is_met
-    assert found.mend == f"/venv/bin/python -m {mend}"
+    assert found.fix == f"/venv/bin/python -m {fix}"
 
 
 @pytest.mark.parametrize(
-    ("python", "mend"),
+    ("python", "fix"),
     [
         ((3, 11), "pybullet"),
         ((3, 12), "pybullet-arm64"),
@@ -122,10 +122,10 @@ def test_a_missing_module(tmp_path: Path, module: str, name: str, mend: str) -> 
         ((3, 14), "dartpy"),
     ],
 )
-def test_no_engine(tmp_path: Path, python: tuple[int, int], mend: str) -> None:
+def test_no_engine(tmp_path: Path, python: tuple[int, int], fix: str) -> None:
     one = machine(tmp_path, lacking=["pybullet", "dartpy"], python=python)
     assert not check(one).passed
-    assert own(one)["physics engine"].mend.split()[-1] == mend
+    assert own(one)["physics engine"].fix.split()[-1] == fix
 
 
 def test_one_engine_is_enough(tmp_path: Path) -> None:
@@ -140,12 +140,12 @@ def test_pictures_are_drawn_or_it_is_said_what_keeps_them_from_it(tmp_path: Path
     (found,) = (one for one in broken.own if one.name == "pictures")
     assert (found.is_met, found.is_needed) == (False, False)
     assert found.text == "cannot be drawn: PyBullet crashed (SIGSEGV)"
-    assert found.mend == "/venv/bin/python -m pip install --force-reinstall pybullet-arm64"
+    assert found.fix == "/venv/bin/python -m pip install --force-reinstall pybullet-arm64"
     assert broken.passed  # all else can be done
     dart_alone = machine(tmp_path, python=(3, 14), lacking=["pybullet"])
     found = own(dart_alone)["pictures"]
     assert found.text.endswith("has no wheel for this Python")
-    assert (found.is_met, found.mend) == (False, "")
+    assert (found.is_met, found.fix) == (False, "")
 
 
 def test_this_machine_draws_in_a_child_whose_death_is_told(
@@ -171,15 +171,15 @@ def test_what_wsgen_can_do_without(tmp_path: Path, lacking: list[str]) -> None:
 def test_tools_that_are_missing(tmp_path: Path) -> None:
     one = machine(tmp_path, programs={})
     assert not check(one).passed
-    assert own(one)["CMake"].mend.endswith("install cmake")
-    assert own(one)["ninja or make"].mend.endswith("install ninja")
-    assert own(one)["git"].mend == ""  # there is no apt to type
+    assert own(one)["CMake"].fix.endswith("install cmake")
+    assert own(one)["ninja or make"].fix.endswith("install ninja")
+    assert own(one)["git"].fix == ""  # there is no apt to type
 
 
 def test_a_cmake_that_was_chosen_and_is_gone(tmp_path: Path) -> None:
     one = machine(tmp_path, environment={"PATH": "/bin", "CMAKE_COMMAND": "/gone/cmake"})
     assert not check(one).passed
-    assert own(one)["CMake"].mend == "unset CMAKE_COMMAND"
+    assert own(one)["CMake"].fix == "unset CMAKE_COMMAND"
 
 
 @pytest.mark.parametrize("variables", [{}, {"PATH": ""}])
@@ -192,11 +192,11 @@ def test_no_path(tmp_path: Path, variables: dict[str, str]) -> None:
 def test_no_ament_cmake(tmp_path: Path) -> None:
     found = own(machine(tmp_path, toolchain=None))["ament_cmake"]
     assert not found.is_met
-    assert "ros-ament-cmake-pytest" in found.mend
+    assert "ros-ament-cmake-pytest" in found.fix
     install_ros(tmp_path, "jazzy")
     found = own(machine(tmp_path, toolchain=None, architecture="aarch64"))["ament_cmake"]
     assert "elsewhere a ROS is needed" in found.text
-    assert found.mend == f"source {tmp_path}/opt/ros/jazzy/setup.bash"
+    assert found.fix == f"source {tmp_path}/opt/ros/jazzy/setup.bash"
 
 
 def test_ament_cmake_of_a_sourced_ros(tmp_path: Path) -> None:
@@ -214,11 +214,11 @@ def test_the_ubuntu_of_the_target_without_ros(tmp_path: Path) -> None:
     found = ros(machine(tmp_path))
     assert found["Ubuntu"] == Finding("Ubuntu", is_met=True, text="Ubuntu 22.04")
     assert found["Python"].is_met
-    assert "snapshots.ros.org/iron/final" in found["apt repository"].mend
-    assert found["ROS 2 Iron"].mend == check(machine(tmp_path)).apt
+    assert "snapshots.ros.org/iron/final" in found["apt repository"].fix
+    assert found["ROS 2 Iron"].fix == check(machine(tmp_path)).apt
     assert check(machine(tmp_path)).takes_apt
-    assert found["Gazebo Classic 11"].mend == "sudo apt install ros-iron-gazebo-ros-pkgs"
-    assert found["colcon"].mend == "sudo apt install python3-colcon-common-extensions"
+    assert found["Gazebo Classic 11"].fix == "sudo apt install ros-iron-gazebo-ros-pkgs"
+    assert found["colcon"].fix == "sudo apt install python3-colcon-common-extensions"
 
 
 def test_apt_knows_ros(tmp_path: Path) -> None:
@@ -233,7 +233,7 @@ def test_apt_knows_ros(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "target", "said", "mend"),
+    ("text", "target", "said", "fix"),
     [
         (NOBLE, IRON, "this is Ubuntu 24.04", "wsgen doctor --distro jazzy"),
         (JAMMY, JAZZY, "this is Ubuntu 22.04", "wsgen doctor --distro humble"),
@@ -242,16 +242,16 @@ def test_apt_knows_ros(tmp_path: Path) -> None:
         ("no equals sign\n=\n# ID=ubuntu\n", IRON, "a Linux without a name", "docker run"),
     ],
 )
-def test_another_system(tmp_path: Path, text: str, target: Target, said: str, mend: str) -> None:
+def test_another_system(tmp_path: Path, text: str, target: Target, said: str, fix: str) -> None:
     os_release(tmp_path, text)
     found = ros(machine(tmp_path), target)
     assert not found["Ubuntu"].is_met
     assert said in found["Ubuntu"].text
     assert f"packaged for Ubuntu {target.ubuntu}" in found["Ubuntu"].text
-    assert found["Ubuntu"].mend.startswith(mend)
+    assert found["Ubuntu"].fix.startswith(fix)
     assert "apt repository" not in found
-    assert not any("apt install" in one.mend for one in found.values())
-    assert found[target.ros].mend.endswith(f" ros:{target.distro}-ros-base")
+    assert not any("apt install" in one.fix for one in found.values())
+    assert found[target.ros].fix.endswith(f" ros:{target.distro}-ros-base")
     assert not check(machine(tmp_path), target).takes_apt
 
 
@@ -291,7 +291,7 @@ def test_no_linux(tmp_path: Path, system: str, name: str) -> None:
     one = machine(tmp_path, system=system, architecture="arm64", toolchain=None)
     assert f"this is {name}" in ros(one)["Ubuntu"].text
     assert "elsewhere a ROS is needed" in own(one)["ament_cmake"].text
-    assert own(one)["ament_cmake"].mend == ""
+    assert own(one)["ament_cmake"].fix == ""
 
 
 def test_ros_that_is_not_sourced(tmp_path: Path) -> None:
@@ -300,10 +300,10 @@ def test_ros_that_is_not_sourced(tmp_path: Path) -> None:
     found = ros(machine(tmp_path))
     assert "apt repository" not in found
     assert "not sourced" in found["ROS 2 Iron"].text
-    assert found["ROS 2 Iron"].mend == f"source {tmp_path}/opt/ros/iron/setup.bash"
+    assert found["ROS 2 Iron"].fix == f"source {tmp_path}/opt/ros/iron/setup.bash"
     packages = found["ROS packages"]
     assert "xacro" not in packages.text
-    assert "ros-iron-gazebo-ros" in packages.mend.split()
+    assert "ros-iron-gazebo-ros" in packages.fix.split()
 
 
 def test_all_of_it_is_there(tmp_path: Path) -> None:
@@ -315,7 +315,7 @@ def test_all_of_it_is_there(tmp_path: Path) -> None:
     programs = {**PROGRAMS, "gazebo": "/usr/bin/gazebo", "colcon": "/usr/bin/colcon"}
     found = check(machine(tmp_path, environment=variables, programs=programs))
     assert found.passed
-    assert all(one.is_met and not one.mend for one in found.ros)
+    assert all(one.is_met and not one.fix for one in found.ros)
 
 
 def test_another_ros_is_sourced(tmp_path: Path) -> None:
@@ -368,7 +368,7 @@ def test_every_command_can_be_typed(tmp_path: Path, target: Target) -> None:
     os_release(tmp_path, UBUNTU.format(version=target.ubuntu, name=target.fact("ubuntu_codename")))
     lacking = {"xacro", "pybullet", "dartpy", "av", "colcon_core"}
     found = check(machine(tmp_path, lacking=lacking, programs={}, toolchain=None), target)
-    commands = [one.mend for one in (*found.own, *found.ros) if one.mend]
+    commands = [one.fix for one in (*found.own, *found.ros) if one.fix]
     assert len(commands) > 8
     for command in commands:
         assert shlex.split(command)[0] in {"/venv/bin/python", "sudo", "curl", "gpg", "wsgen"}

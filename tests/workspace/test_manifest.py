@@ -1,4 +1,4 @@
-"""package.xml, read quickly and judged by catkin_pkg."""
+"""package.xml, read quickly and checked by catkin_pkg."""
 
 import subprocess
 import sys
@@ -95,7 +95,7 @@ def test_what_catkin_pkg_refuses(
     ("old", "new", "line", "told"),
     [
         ("</license>", "", 7, ("<license> is not closed", "Add </license>")),
-        ("</license>", "</licence>", 7, ("<license> is closed by </licence>", "Write </license>")),
+        ("</license>", "</license>", 7, ("<license> is closed by </license>", "Write </license>")),
         ("</package>", "", 2, ("<package> is not closed", "Add </package>")),
         ("A robot", "A & robot", 5, ("`&` stands alone", "&amp;")),
         ("A robot", "A < robot", 5, ("`<` stands alone", "&lt;")),
@@ -133,7 +133,7 @@ MAINTAINER = '<maintainer email="somebody@example.com">Somebody</maintainer>'
         ("A robot for tests.", "", "Add: <description>What the package is for.</description>"),
         ("0.0.0", "1.0", "Write three numbers: <version>1.0.0</version>"),
         ("<export>", "<depnd>a</depnd><export>", "Did you mean `depend`?"),
-        ("<export>", "<colour>a</colour><export>", "Remove or rename colour: this format"),
+        ("<export>", "<color>a</color><export>", "Remove or rename color: this format"),
         (' email="somebody@example.com"', "", 'Write: <maintainer email="...">'),
         ('format="3"', 'format="99"', "REP-149"),
     ],

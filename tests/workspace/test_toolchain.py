@@ -59,15 +59,15 @@ def test_no_toolchain(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_what_the_user_set_stays() -> None:
-    chosen = {
+    selected = {
         "CMAKE_COMMAND": "/opt/cmake",
         "CTEST_COMMAND": "/opt/ctest",
         "CMAKE_PREFIX_PATH": "/mine",
         "MINE": "1",
     }
-    variables = find_toolchain(chosen).environment({**outside(), **chosen})
-    assert {name: variables[name] for name in chosen} == {
-        **chosen,
+    variables = find_toolchain(selected).environment({**outside(), **selected})
+    assert {name: variables[name] for name in selected} == {
+        **selected,
         "CMAKE_PREFIX_PATH": f"/mine{os.pathsep}{sys.prefix}",
     }
 

@@ -1,4 +1,4 @@
-"""Links of SDF: masses, shapes, surfaces and colours."""
+"""Links of SDF: masses, shapes, surfaces and colors."""
 
 from __future__ import annotations
 
@@ -215,7 +215,7 @@ def test_surface(read: Read) -> None:
         ),
     ],
 )
-def test_colours(read: Read, material: str, rgba: tuple[float, ...] | None) -> None:
+def test_colors(read: Read, material: str, rgba: tuple[float, ...] | None) -> None:
     link = link_of(read(model(f'{MASS}<visual name="v">{BOX}{material}</visual>')))
     assert link.visuals[0].rgba == rgba
 

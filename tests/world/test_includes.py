@@ -330,6 +330,6 @@ def test_a_misspelt_ground_is_the_one_error_of_a_world_without_ground(read: Read
     (found,) = file.diagnostics
     assert (found.code, found.severity, found.line) == ("WLD004", Severity.ERROR, 3)
     assert found.hint == "Did you mean `model://ground_plane`?"
-    assert "no ground; this trial uses the ground that was meant" in found.message
+    assert "no ground; this simulation uses the ground that was meant" in found.message
     assert file.world is not None
     assert file.world.has_ground_plane  # so that what is spawned is not said to fall as well

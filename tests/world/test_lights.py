@@ -1,4 +1,4 @@
-"""Lights: a picture gets the direction and colour of the first that shines down."""
+"""Lights: a picture gets the direction and color of the first that shines down."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def sun_of(read: Read, content: str) -> World:
 
 
 @pytest.mark.parametrize(
-    ("content", "direction", "colour"),
+    ("content", "direction", "color"),
     [
         ("", *GAZEBO),
         (SUN, *GAZEBO),
@@ -56,12 +56,12 @@ def sun_of(read: Read, content: str) -> World:
     ],
 )
 def test_the_sun(
-    read: Read, content: str, direction: tuple[float, ...], colour: tuple[float, ...]
+    read: Read, content: str, direction: tuple[float, ...], color: tuple[float, ...]
 ) -> None:
     world = sun_of(read, content)
     length = math.hypot(*direction)
     assert world.sun_direction == pytest.approx([part / length for part in direction])
-    assert world.sun_colour == colour
+    assert world.sun_color == color
 
 
 def test_the_default_is_gazebos_own() -> None:

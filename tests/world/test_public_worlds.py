@@ -34,7 +34,7 @@ PACKAGES = (
     "pybullet-fleet",
 )
 ENDINGS = {".sdf", ".world"}
-# What depends on where meshes are, and on the engines of a trial, is not the parser's matter.
+# What depends on where meshes are, and on the engines of a simulation, is not the parser's matter.
 BEYOND_THE_PARSER = {"WLD032", "WLD034"}
 # What Gazebo loads, and its checker refuses.
 REFUSED_BY_THE_CHECKER = {"WLD044"}
@@ -109,7 +109,7 @@ def inertial_of(link: ET.Element) -> Inertial:
 def seen_from_outside(
     inertial: Inertial, link: Pose
 ) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Centre of mass, and the moments along the axes of the world."""
+    """Center of mass, and the moments along the axes of the world."""
     placed = Inertial(
         mass=inertial.mass,
         pose_in_link=compose(link, inertial.pose_in_link),

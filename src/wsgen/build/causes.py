@@ -127,7 +127,7 @@ def unknown_command(failure: Failure) -> Iterator[Diagnostic]:
         elif near:
             hint = did_you_mean(near)
         else:
-            hint = "Mend its name, or find the package that brings it before it is called."
+            hint = "Fix its name, or find the package that brings it before it is called."
         yield failure.diagnose(
             UNKNOWN_COMMAND, f"there is no CMake command {match[1]}().", error=error, hint=hint
         )

@@ -25,7 +25,7 @@ from typing import IO, TYPE_CHECKING, Any
 
 from wsgen.errors import NotReadableError
 from wsgen.events import OutputLine, StepEnded, StepProgressed, StepStarted, post
-from wsgen.isolation.parent_death import open_lifeline
+from wsgen.isolation.parent_death import open_parent_death_pipe
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -58,11 +58,11 @@ def run_colcon(
     signals raises) ends colcon and all that it started, then goes on as the exception that it is.
     The end of this process ends them, too.
     """
-    with tempfile.TemporaryFile() as output, open_lifeline() as lifeline:
+    with tempfile.TemporaryFile() as output, open_parent_death_pipe() as parent_death_pipe:
         request = {
             "path": [entry for entry in sys.path if entry],
             "arguments": arguments,
-            "lifeline": lifeline,
+            "parent_death_pipe": parent_death_pipe,
         }
         try:
             child = subprocess.Popen(
@@ -72,7 +72,7 @@ def run_colcon(
                 stderr=output,
                 cwd=folder,
                 env=dict(environment),
-                pass_fds=(lifeline,),
+                pass_fds=(parent_death_pipe,),
                 start_new_session=True,  # the group of processes to end
             )
         except OSError as error:

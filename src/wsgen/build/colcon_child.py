@@ -22,7 +22,7 @@ os.dup2(2, 1)
 
 
 # Not SIGKILL: make and compilers remove the files that they have half written.
-hold(request["lifeline"], signal.SIGTERM)
+hold(request["parent_death_pipe"], signal.SIGTERM)
 
 # The process is short, and importing colcon makes objects enough to keep the collector busy.
 gc.disable()

@@ -90,7 +90,7 @@ class _Job:
 
     workspace: Workspace
     inventory: Inventory
-    chosen: tuple[PackageFolder, ...]
+    selected: tuple[PackageFolder, ...]
     names: tuple[str, ...]
     colcon_arguments: tuple[str, ...]
 
@@ -128,7 +128,7 @@ def build(
     job = _Job(
         workspace=workspace,
         inventory=inventory,
-        chosen=choose_packages(workspace, inventory, packages, colcon_arguments),
+        selected=choose_packages(workspace, inventory, packages, colcon_arguments),
         names=tuple(packages),
         colcon_arguments=tuple(colcon_arguments),
     )
@@ -169,7 +169,7 @@ def _build(
 ) -> tuple[bool, tuple[Diagnostic, ...]]:
     """Build, and say whether colcon succeeded and what there is to tell."""
     post(progress.listener, StepStarted(step=STEP, detail=str(job.workspace.root)))
-    broken = tuple(finding for package in job.chosen for finding in package.diagnostics)
+    broken = tuple(finding for package in job.selected for finding in package.diagnostics)
     if job.names and has_errors(broken):
         return False, broken  # colcon would say that there is no such package
     moved = find_moved(job.workspace, job.inventory.packages, job.colcon_arguments)
@@ -238,7 +238,7 @@ def _find_toolchain(job: _Job, environment: Mapping[str, str]) -> Toolchain | No
     try:
         return find_toolchain(environment)
     except NotFoundError:
-        if any(package.build_type == "ament_cmake" for package in job.chosen):
+        if any(package.build_type == "ament_cmake" for package in job.selected):
             raise
         return None
 
@@ -270,15 +270,15 @@ def _overlooked(job: _Job, finished: Finished, progress: Progress) -> Iterator[D
     """Say what colcon passed over in silence."""
     unknown = tuple(unknown_build_types(job.inventory.packages, finished.output))
     yield from unknown
-    yield from missing_build_types(job.chosen)
+    yield from missing_build_types(job.selected)
     if finished.returncode != 0:
         return
     results = {result.name for result in progress.results}
     if not (job.names or selects_packages(job.colcon_arguments)):
-        for package in job.chosen:
+        for package in job.selected:
             if not package.diagnostics and package.name not in results:
                 yield from check_package_xml(package.path / "package.xml")
     explained = {finding.element for finding in unknown}
-    yield from passed_over(job.chosen, wanted={*job.names} - explained, built=results)
+    yield from passed_over(job.selected, wanted={*job.names} - explained, built=results)
     built = (package for package in job.inventory.packages if package.name in results)
     yield from check_installed(built, job.workspace)

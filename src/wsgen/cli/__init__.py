@@ -1,4 +1,4 @@
-"""The command line: the only place that prints, colours and exits.
+"""The command line: the only place that prints, colors and exits.
 
 Commands are imported when they are called, so that `wsgen --help` costs little more than click.
 """
@@ -41,7 +41,7 @@ COMMANDS = {
     "templates": "List the templates and their variables, or check one of yours.",
     "build": "Build the workspace with colcon and explain what fails.",
     "validate": "Play the installed launch file and see whether the robot stands.",
-    "doctor": "Say what this machine has and lacks for a target, and what mends it.",
+    "doctor": "Say what this machine has and lacks for a target, and what fixes it.",
     "launch": "Show what a launch file would start, without ROS and without starting it.",
 }
 
@@ -69,7 +69,7 @@ class CommandTable(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Find the command; a misspelt one is answered with its neighbour."""
+        """Find the command; a misspelt one is answered with its neighbor."""
         name = args[0]
         if ctx.resilient_parsing:  # the completion of what follows a name, or of a misspelt one
             command = self._import_command(name) if name in COMMANDS else None
@@ -200,7 +200,7 @@ def _report_end(end: BaseException) -> int:
 
 
 class _Colors:
-    """Whether to colour, as far as it is known: None leaves it to the terminal."""
+    """Whether to color, as far as it is known: None leaves it to the terminal."""
 
     def __init__(self) -> None:
         unwanted = os.environ.get("NO_COLOR") or os.environ.get("TERM") == "dumb"

@@ -45,7 +45,7 @@ def command(
     quiet: bool,
     verbose: bool,  # noqa: ARG001  nothing is left out
 ) -> int:
-    """Compare this machine with a target: what is there, what is missing, what mends it.
+    """Compare this machine with a target: what is there, what is missing, what fixes it.
 
     What wsgen itself needs and what only ROS needs are kept apart.
     """
@@ -91,19 +91,19 @@ def _render(examination: Examination, *, with_all: bool) -> Iterator[str]:
         yield f"{installed}; in a container of {image(target)}, not here:"
         yield f"  {in_container(examination.apt)}"
     yield ""
-    verdict = "can work here" if examination.passed else "cannot work here until that is mended"
+    verdict = "can work here" if examination.passed else "cannot work here until that is fixed"
     yield click.style(f"wsgen {verdict}.", bold=True)
 
 
 def _table(findings: Sequence[Finding]) -> Iterator[str]:
-    """A line for each, and one for what mends it."""
+    """A line for each, and one for what fixes it."""
     if not findings:
         yield "  Nothing is missing."
     width = max((len(found.name) for found in findings), default=0)
     for found in findings:
         yield f"  {_mark(found)}{found.name:{width}}  {found.text}"
-        if found.mend:
-            yield f"{'':{width + MARK_WIDTH + 4}}{click.style('try:', fg='green')} {found.mend}"
+        if found.fix:
+            yield f"{'':{width + MARK_WIDTH + 4}}{click.style('try:', fg='green')} {found.fix}"
 
 
 def _mark(found: Finding) -> str:

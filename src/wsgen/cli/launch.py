@@ -57,13 +57,13 @@ if TYPE_CHECKING:
 @click.option(
     "--play",
     is_flag=True,
-    help="Do not show it but play it: spawn what it spawns into a physics engine, and judge that.",
+    help="Do not show it but play it: spawn what it spawns into a physics engine, and check that.",
 )
 @click.option(
     "--record",
     type=click.Path(),
     metavar="FILE",
-    help="With --play: write a film of it there, a .gif, or an .mp4 (pip install 'wsgen[video]').",
+    help="With --play: write a video of it there, a .gif, or an .mp4 (pip install 'wsgen[video]').",
 )
 @picture_option
 @seconds_option
@@ -172,7 +172,7 @@ def _request(
         seconds=seconds,
         engines=chosen_engines(engine),
         picture_folder=Path(picture) if picture else None,
-        film=Path(record) if record else None,
+        video=Path(record) if record else None,
     )
 
 

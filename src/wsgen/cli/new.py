@@ -31,7 +31,7 @@ DEFAULT_WORKSPACE = "ws_gazebo"
 
 
 class NewCommand(ExampleCommand):
-    """A command whose help ends with what the templates and the licences are."""
+    """A command whose help ends with what the templates and the licenses are."""
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """List them as they are on this disk; only --help pays for it."""
@@ -138,10 +138,10 @@ def command(
             hint="Call `wsgen build` and `wsgen validate --format json` by themselves.",
         )
     target = chosen_target(ctx, distro, sim)
-    chosen = load_template(template)
+    selected = load_template(template)
     spec = make_spec(
         name,
-        template=chosen,
+        template=selected,
         target=target,
         maintainer=_choose_maintainer(maintainer_name, maintainer_email),
         license_name=license_name,
@@ -154,7 +154,7 @@ def command(
     workflow = workflow_files(ci, target)
     refuse_files(workflow, place.root)
     ignored = ignore_files(place, verbose=verbose)
-    tree = _render(spec, chosen)
+    tree = _render(spec, selected)
     if not dry_run:
         with adding_files(workflow, place.root, where_missing=ignored):
             write_package(tree, folder)

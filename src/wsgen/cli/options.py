@@ -98,7 +98,7 @@ def chosen_engines(engine: str | None) -> tuple[str, ...]:
 
 
 def _set_color(ctx: click.Context, _parameter: click.Parameter, value: str) -> None:
-    # click itself leaves colours away where the output is no terminal.
+    # click itself leaves colors away where the output is no terminal.
     if value != "auto":
         ctx.color = value == "always"
         if ctx.obj is not None:  # for what is told after the command has failed
@@ -119,7 +119,7 @@ def output_options(function: Function) -> Function:
             is_eager=True,
             expose_value=False,
             callback=_set_color,
-            help="Colours; in auto, NO_COLOR turns them off.",
+            help="Colors; in auto, NO_COLOR turns them off.",
         ),
     ):
         function = option(function)

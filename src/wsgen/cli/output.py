@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from wsgen.diagnostics import Diagnostic
-    from wsgen.model.behavior import BehaviourOutcome
+    from wsgen.model.behavior import BehaviorOutcome
     from wsgen.model.outcome import Outcome, PackageOutcome, RobotOutcome
 
 
@@ -76,7 +76,7 @@ def _place(finding: Diagnostic) -> str:
     return "  ".join(parts)
 
 
-# Lengths in metres; the whole fits into 80 columns.
+# Lengths in meters; the whole fits into 80 columns.
 HEADINGS = ("robot", "mass, kg", "joints move", "spawned at, m", "at the end, m", "")
 
 TIPS_OVER, GIVES_WAY = "SPN059", "SPN060"
@@ -91,9 +91,9 @@ def render_outcome_table(outcome: Outcome, *, verbose: bool = False) -> list[str
     if len(outcome.packages) > 1:
         lines += [*_summary(outcome), ""]
     if not outcome.is_complete:
-        lines += ["interrupted: what is not named above was not judged", ""]
+        lines += ["interrupted: what is not named above was not checked", ""]
     if outcome.left_out:
-        lines += [f"not judged, as they spawn no robot: {', '.join(outcome.left_out)}", ""]
+        lines += [f"not checked, as they spawn no robot: {', '.join(outcome.left_out)}", ""]
     return lines[:-1]
 
 
@@ -121,7 +121,7 @@ def _package(package: PackageOutcome, *, verbose: bool) -> list[str]:
     if package.robots:
         rows = [_robot(robot, package) for robot in package.robots]
         lines += ["", *_table([HEADINGS, *rows])]
-        lines += _behaviours(package)
+        lines += _behaviors(package)
     findings = render_findings(package.diagnostics, most_alike=None if verbose else MOST_ALIKE)
     if findings:
         lines += ["", *(f"  {line}" for line in findings)]
@@ -130,29 +130,29 @@ def _package(package: PackageOutcome, *, verbose: bool) -> list[str]:
         lines += ["", f"  picture      {package.picture}{scale}"]
     if package.world_picture is not None:
         lines += [f"  whole world  {package.world_picture}"]
-    if package.film is not None:
-        lines += [f"  film         {package.film}"]
+    if package.video is not None:
+        lines += [f"  video         {package.video}"]
     return lines
 
 
-def _behaviours(package: PackageOutcome) -> list[str]:
+def _behaviors(package: PackageOutcome) -> list[str]:
     """A line for each: its name, and what the robot did."""
-    tried = [(robot, one) for robot in package.robots for one in robot.behaviours]
-    several = len({robot.entity for robot, _ in tried}) > 1
+    simulated = [(robot, one) for robot in package.robots for one in robot.behaviors]
+    several = len({robot.entity for robot, _ in simulated}) > 1
     lines = []
-    for robot, one in tried:
+    for robot, one in simulated:
         mark = click.style("  ok  ", fg="green") if one.passed else click.style("failed", fg="red")
         name = f"{robot.entity}: {one.name}" if several else one.name
         lines.append(f"  {mark}  {name}: {_did(one)}")
     return ["", *lines] if lines else []
 
 
-def _did(behaviour: BehaviourOutcome) -> str:
-    if behaviour.moved is not None:
-        x, y, yaw = (_plain(value) for value in behaviour.moved)
+def _did(behavior: BehaviorOutcome) -> str:
+    if behavior.moved is not None:
+        x, y, yaw = (_plain(value) for value in behavior.moved)
         return f"{x} m ahead, {y} m to the left, turned by {yaw} rad"
-    if behaviour.positions is not None:
-        return ", ".join(f"{name} {_plain(value)}" for name, value in behaviour.positions.items())
+    if behavior.positions is not None:
+        return ", ".join(f"{name} {_plain(value)}" for name, value in behavior.positions.items())
     return "not tried"
 
 
@@ -194,7 +194,7 @@ def _verdict(robot: RobotOutcome, package: PackageOutcome) -> str:
 
 
 def _xyz(xyz: tuple[float, float, float]) -> str:
-    """Centimetres on the ground, millimetres above it; adding zero makes -0.00 plain."""
+    """Centimetres on the ground, millimeters above it; adding zero makes -0.00 plain."""
     return " ".join(
         f"{round(value, decimals) + 0.0:.{decimals}f}" if math.isfinite(value) else str(value)
         for value, decimals in zip(xyz, (2, 2, 3), strict=True)

@@ -33,7 +33,7 @@ MOST_SEARCHED = 100  # folders, for what could have been named
 
 @click.command(
     cls=ExampleCommand,
-    epilog="Build first: what is judged is the installed package. A FILE needs no package.",
+    epilog="Build first: what is checked is the installed package. A FILE needs no package.",
     examples=("wsgen validate my_robot --picture .", "wsgen validate robot.urdf --engine dart"),
 )
 @click.argument(
@@ -89,7 +89,7 @@ def command(
     quiet: bool,
     verbose: bool,
 ) -> int:
-    """Source the overlay, evaluate the installed launch file, spawn, simulate and judge.
+    """Source the overlay, evaluate the installed launch file, spawn, simulate and check.
 
     Without PACKAGE, all packages of the workspace that spawn a robot. A FILE (.urdf, .xacro, .sdf,
     .world) is tried by itself, a robot just above the ground of an empty world.

@@ -40,7 +40,7 @@ class Finding(NamedTuple):
     is_met: bool
     text: str  # what is there; or that it is missing, and for what it is wanted
     is_needed: bool = False  # by wsgen's own commands
-    mend: str = ""  # the command to type
+    fix: str = ""  # the command to type
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -103,7 +103,7 @@ def _modules(machine: Machine, name: str, modules: Mapping[str, str]) -> Finding
         is_met=not missing,
         text=f"missing: {', '.join(missing)}" if missing else "installed beside wsgen",
         is_needed=True,
-        mend=_pip(machine, *missing),
+        fix=_pip(machine, *missing),
     )
 
 
@@ -115,11 +115,11 @@ def _ament_cmake(machine: Machine) -> Finding:
         return Finding("ament_cmake", is_met=True, text=text, is_needed=True)
     has_wheels = (machine.system, machine.architecture) == ("linux", "x86_64")
     setup = _any_ros(machine)
-    mend = f"source {setup}" if setup else ""
+    fix = f"source {setup}" if setup else ""
     if has_wheels:
-        mend = _pip(machine, *WHEELS)
+        fix = _pip(machine, *WHEELS)
     where = "" if has_wheels else "; its wheels are for Linux x86_64, elsewhere a ROS is needed"
-    return Finding("ament_cmake", is_met=False, text=f"missing{where}", is_needed=True, mend=mend)
+    return Finding("ament_cmake", is_met=False, text=f"missing{where}", is_needed=True, fix=fix)
 
 
 def _any_ros(machine: Machine) -> str | None:
@@ -129,15 +129,15 @@ def _any_ros(machine: Machine) -> str | None:
 
 
 def _cmake(machine: Machine) -> Finding:
-    chosen = machine.build_environment.get("CMAKE_COMMAND")
-    if chosen:
-        found = machine.find(chosen, for_build=True)
-        text = found or f"missing: CMAKE_COMMAND={chosen} is no program"
-        mend = "" if found else "unset CMAKE_COMMAND"
+    selected = machine.build_environment.get("CMAKE_COMMAND")
+    if selected:
+        found = machine.find(selected, for_build=True)
+        text = found or f"missing: CMAKE_COMMAND={selected} is no program"
+        fix = "" if found else "unset CMAKE_COMMAND"
     else:
         found = machine.find("cmake", for_build=True)
-        text, mend = found or "missing", "" if found else _pip(machine, "cmake")
-    return Finding("CMake", is_met=bool(found), text=text, is_needed=True, mend=mend)
+        text, fix = found or "missing", "" if found else _pip(machine, "cmake")
+    return Finding("CMake", is_met=bool(found), text=text, is_needed=True, fix=fix)
 
 
 def _build_program(machine: Machine) -> Finding:
@@ -147,7 +147,7 @@ def _build_program(machine: Machine) -> Finding:
         is_met=found is not None,
         text=found or "missing",
         is_needed=True,
-        mend="" if found else _pip(machine, "ninja"),
+        fix="" if found else _pip(machine, "ninja"),
     )
 
 
@@ -161,23 +161,23 @@ def _engine(machine: Machine) -> Finding:
         is_met=False,
         text="missing: neither PyBullet nor DART",
         is_needed=True,
-        mend=_pip(machine, wanted),
+        fix=_pip(machine, wanted),
     )
 
 
 def _pictures(machine: Machine) -> Finding:
     """What `--picture` and `--record` need."""
     if not machine.has_module("pybullet"):
-        why, mend = "PyBullet draws them, and is not installed", _pip(machine, _pybullet(machine))
+        why, fix = "PyBullet draws them, and is not installed", _pip(machine, _pybullet(machine))
         if machine.python > LAST_PYTHON_WITH_PYBULLET:
-            why, mend = "PyBullet draws them, and has no wheel for this Python", ""
-        return Finding("pictures", is_met=False, text=f"cannot be drawn: {why}", mend=mend)
+            why, fix = "PyBullet draws them, and has no wheel for this Python", ""
+        return Finding("pictures", is_met=False, text=f"cannot be drawn: {why}", fix=fix)
     problem = machine.why_no_picture()
     return Finding(
         "pictures",
         is_met=problem is None,
         text="drawn by PyBullet" if problem is None else f"cannot be drawn: PyBullet {problem}",
-        mend="" if problem is None else _pip(machine, "--force-reinstall", _pybullet(machine)),
+        fix="" if problem is None else _pip(machine, "--force-reinstall", _pybullet(machine)),
     )
 
 
@@ -191,14 +191,14 @@ def _extras(machine: Machine) -> Iterator[Finding]:
     """What wsgen can do without."""
     for name, module, purpose, requirement in (
         ("DART", "dartpy", "a second engine", "wsgen[dart]"),
-        ("PyAV", "av", "films as MP4", "wsgen[video]"),
+        ("PyAV", "av", "videos as MP4", "wsgen[video]"),
     ):
         is_there = machine.has_module(module)
         yield Finding(
             name,
             is_met=is_there,
             text="installed" if is_there else f"missing; only for {purpose}",
-            mend="" if is_there else _pip(machine, requirement),
+            fix="" if is_there else _pip(machine, requirement),
         )
     for name, programs, purpose, package in (
         ("C++ compiler", ("c++", "g++", "clang++"), "packages with C++", "build-essential"),
@@ -210,7 +210,7 @@ def _extras(machine: Machine) -> Iterator[Finding]:
             name,
             is_met=found is not None,
             text=found or f"missing; only for {purpose}",
-            mend="" if found else install,
+            fix="" if found else install,
         )
 
 
@@ -242,32 +242,32 @@ def find_ros_needs(machine: Machine, target: Target) -> Iterator[Finding]:
 def _ubuntu(machine: Machine, target: Target) -> Finding:
     wanted = f"Ubuntu {target.ubuntu}"
     is_met = False
-    mend = _container(target)
+    fix = _container(target)
     if machine.system != "linux":
         text = (
             f"this is {machine.system_name}; {target.ros} is packaged for {wanted}."
             " wsgen tries packages here, a container or another machine runs them"
         )
-        return Finding(SYSTEM, is_met=False, text=text, mend=mend)
+        return Finding(SYSTEM, is_met=False, text=text, fix=fix)
     try:
         release = read_os_release(machine.root)
     except OSError as error:
         text = f"not known: {error.filename}: {error.strerror}; {target.ros} is for {wanted}"
-        return Finding(SYSTEM, is_met=False, text=text, mend=mend)
+        return Finding(SYSTEM, is_met=False, text=text, fix=fix)
     name = release.get("PRETTY_NAME") or release.get("NAME") or "a Linux without a name"
     is_ubuntu = release.get("ID") == "ubuntu"
     codename = release.get("UBUNTU_CODENAME", release.get("VERSION_CODENAME") if is_ubuntu else "")
     if is_ubuntu and release.get("VERSION_ID") == target.ubuntu:
-        is_met, text, mend = True, name, ""
+        is_met, text, fix = True, name, ""
     elif codename == target.fact("ubuntu_codename"):
-        is_met, mend = True, ""
+        is_met, fix = True, ""
         text = f"{name}, made from {wanted}: its packages are for this, and nobody tests them here"
     else:
         text = f"this is {name}; {target.ros} is packaged for {wanted}"
         fitting = _distro_for(codename or "")
         if fitting:
-            mend = f"wsgen doctor --distro {fitting}"
-    return Finding(SYSTEM, is_met=is_met, text=text, mend=mend)
+            fix = f"wsgen doctor --distro {fitting}"
+    return Finding(SYSTEM, is_met=is_met, text=text, fix=fix)
 
 
 def _distro_for(codename: str) -> str | None:
@@ -296,7 +296,7 @@ def _apt(machine: Machine, target: Target) -> Finding:
         "apt repository",
         is_met=is_met,
         text="of ROS, known to apt" if is_met else "of ROS, not known to apt",
-        mend="" if is_met else apt_source(target),
+        fix="" if is_met else apt_source(target),
     )
 
 
@@ -315,10 +315,10 @@ def _ros(machine: Machine, target: Target, *, can_install: bool) -> Finding:
         text = f"in {setup.parent}, not sourced"
         if sourced and has_prefix:
             text += f": {others}, so open a new terminal first"
-        return Finding(target.ros, is_met=False, text=text, mend=f"source {setup}")
+        return Finding(target.ros, is_met=False, text=text, fix=f"source {setup}")
     text = f"not installed; {others}" if others else "not installed"
-    mend = apt_install(target) if can_install else _container(target)
-    return Finding(target.ros, is_met=False, text=text, mend=mend)
+    fix = apt_install(target) if can_install else _container(target)
+    return Finding(target.ros, is_met=False, text=text, fix=fix)
 
 
 def _packages(machine: Machine, target: Target) -> Finding:
@@ -336,7 +336,7 @@ def _packages(machine: Machine, target: Target) -> Finding:
         "ROS packages",
         is_met=not missing,
         text=f"missing: {', '.join(missing)}" if missing else ", ".join(wanted),
-        mend=f"sudo apt install {names}" if missing else "",
+        fix=f"sudo apt install {names}" if missing else "",
     )
 
 
@@ -358,17 +358,17 @@ def _gazebo(machine: Machine, target: Target, *, can_install: bool) -> Finding:
     if found:
         return Finding(target.gazebo, is_met=True, text=found)
     name = debian_name(SIMULATOR_PACKAGES[target.simulator], target.distro)
-    mend = f"sudo apt install {name}" if can_install else ""
-    return Finding(target.gazebo, is_met=False, text="missing", mend=mend)
+    fix = f"sudo apt install {name}" if can_install else ""
+    return Finding(target.gazebo, is_met=False, text="missing", fix=fix)
 
 
 def _colcon(machine: Machine, *, can_install: bool) -> Finding:
     found = machine.find("colcon")
     if found:
         return Finding("colcon", is_met=True, text=found)
-    mend = f"sudo apt install {COLCON}" if can_install else ""
+    fix = f"sudo apt install {COLCON}" if can_install else ""
     text = "not on the PATH; `wsgen build` has its own"
-    return Finding("colcon", is_met=False, text=text, mend=mend)
+    return Finding("colcon", is_met=False, text=text, fix=fix)
 
 
 def _setup_file(machine: Machine, target: Target) -> Path:

@@ -39,7 +39,7 @@ def perform(request: dict[str, Any]) -> None:
     if sys.platform == "linux":
         from wsgen.isolation.guard import stand_guard  # noqa: PLC0415  there is none elsewhere
 
-        stand_guard(request["lifeline"], request["cpu_seconds"])
+        stand_guard(request["parent_death_pipe"], request["cpu_seconds"])
     _limit(request["memory"], request["cpu_seconds"], request["output"])
     module, _, function = request["task"].partition(":")
     try:

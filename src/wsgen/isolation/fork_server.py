@@ -1,8 +1,8 @@
 """Run many functions in child processes of their own that share the start of the interpreter.
 
 Starting an interpreter and importing a physics engine takes longer than most robots need to come
-to rest. A nursery does it once for each module, in a server that does nothing else (`server`), and
-every task runs in a child that is forked from there.
+to rest. A fork server does it once for each module, in a server that does nothing else (`server`),
+and every task runs in a child that is forked from there.
 
 Only on Linux: Windows cannot fork, on macOS the system's libraries may crash in a forked child,
 and elsewhere nothing would end the children when this process is killed. There, and where a module
@@ -34,7 +34,7 @@ from wsgen.isolation.outcome import (
     read_lateness,
     read_tail,
 )
-from wsgen.isolation.parent_death import open_lifeline
+from wsgen.isolation.parent_death import open_parent_death_pipe
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -44,14 +44,14 @@ if TYPE_CHECKING:
 MESSAGE_BYTES = 64  # a report is some words and a number
 
 
-class Nursery(contextlib.AbstractContextManager["Nursery"]):
+class ForkServer(contextlib.AbstractContextManager["ForkServer"]):
     """A context manager whose `run` means what `parent.run` means and costs less.
 
     The first task of a module starts the module's server, which imports it with this process's
     environment; every child begins with what that left and nothing of the tasks before. What
     the interpreter and the dynamic loader read at their start (`LC_ALL`, `LD_LIBRARY_PATH`) is
     this process's for every child, whatever environment it then is given. Threads may share a
-    nursery. Leaving the context ends the servers, and calls that are still waiting with them.
+    fork server. Leaving the context ends the servers, and calls that are still waiting with them.
     """
 
     def __init__(self) -> None:
@@ -85,7 +85,7 @@ class Nursery(contextlib.AbstractContextManager["Nursery"]):
 
         Raises:
             NotReadableError: The folder or the memory for the child is missing.
-            RuntimeError: The nursery is closed.
+            RuntimeError: The fork server is closed.
         """
         outcome = None
         if sys.platform == "linux":
@@ -106,11 +106,11 @@ class Nursery(contextlib.AbstractContextManager["Nursery"]):
         with (
             # Only what a dying server leaves running can disturb the cleaning up.
             tempfile.TemporaryDirectory(prefix="wsgen-", ignore_cleanup_errors=True) as name,
-            open_lifeline() as lifeline,
+            open_parent_death_pipe() as parent_death_pipe,
         ):
             scratch = Path(name)
             request = {
-                **parent.make_request(task, arguments, limits, scratch, lifeline),
+                **parent.make_request(task, arguments, limits, scratch, parent_death_pipe),
                 "environment": parent.complete(environment),
                 "folder": str(Path.cwd() / (folder or "")),
             }
@@ -118,17 +118,17 @@ class Nursery(contextlib.AbstractContextManager["Nursery"]):
                 pickle.dump(request, stream)
             with self._lock:
                 server = self._server_of(task.partition(":")[0])
-                report = server.send(scratch, lifeline)
+                report = server.send(scratch, parent_death_pipe)
             message = _wait(report, limits.wall_clock_seconds)
             if message is None:
                 return read_lateness(scratch, limits)
             if not message:
-                return self._mourn(server, scratch)
+                return self._report_lost_children(server, scratch)
             return _conclude(message, scratch, limits)
 
     def _server_of(self, module: str) -> _Server:
         if self._is_closed:
-            raise RuntimeError("The nursery is closed.")
+            raise RuntimeError("The fork server is closed.")
         server = self._servers.get(module)
         if server is None or not server.is_alive():
             if server is not None:
@@ -136,7 +136,7 @@ class Nursery(contextlib.AbstractContextManager["Nursery"]):
             server = self._servers[module] = _Server(module)
         return server
 
-    def _mourn(self, server: _Server, scratch: Path) -> Died:
+    def _report_lost_children(self, server: _Server, scratch: Path) -> Died:
         """Say that a child was lost with its server."""
         with self._lock:
             server.close()
@@ -154,17 +154,17 @@ class _Server:
         with contextlib.ExitStack() as stack, theirs:
             scratch = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="wsgen-")))
             stack.enter_context(self._control)
-            lifeline = stack.enter_context(open_lifeline())
+            parent_death_pipe = stack.enter_context(open_parent_death_pipe())
             self._output = scratch / "output"
             self.process = parent.start_interpreter(
-                output=self._output, descriptors=(theirs.fileno(), lifeline)
+                output=self._output, descriptors=(theirs.fileno(), parent_death_pipe)
             )
             stack.callback(self._end)
             orders = {
                 "path": parent.search_path(),
                 "module": module,
                 "control": theirs.fileno(),
-                "lifeline": lifeline,
+                "parent_death_pipe": parent_death_pipe,
             }
             if self.process.stdin is not None:
                 # A server that dies before it has read them is seen by its end.
@@ -176,12 +176,14 @@ class _Server:
         """Whether the server's process has not ended."""
         return self.process.poll() is None
 
-    def send(self, scratch: Path, lifeline: int) -> socket.socket:
+    def send(self, scratch: Path, parent_death_pipe: int) -> socket.socket:
         """Ask for a child; gives the socket for the report of how it ended."""
         report, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         # That the server has just died is seen by the report, which ends without a word.
         with theirs, contextlib.suppress(ConnectionError):
-            socket.send_fds(self._control, [os.fsencode(scratch)], [theirs.fileno(), lifeline])
+            socket.send_fds(
+                self._control, [os.fsencode(scratch)], [theirs.fileno(), parent_death_pipe]
+            )
         return report
 
     def close(self) -> None:

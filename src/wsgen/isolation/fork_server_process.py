@@ -1,4 +1,4 @@
-"""The server of a nursery: imports a module once and forks a child for every request.
+"""The server of a fork server: imports a module once and forks a child for every request.
 
 It has one thread and never runs a task itself. The children come back from `serve` to the lines
 that a freshly started child executes, and so end as that one does.
@@ -27,16 +27,16 @@ BELL_BYTES = 4096  # one rings for each child that ended
 
 
 def serve(orders: dict[str, Any]) -> dict[str, Any]:
-    """Import the module, then serve until the nursery closes.
+    """Import the module, then serve until the fork server closes.
 
     Args:
         orders: `module`, that of the tasks; `control`, the descriptor of the socket from which the
-            requests come; `lifeline`, as `lifeline.hold` takes it.
+            requests come; `parent-death pipe`, as `parent-death pipe.hold` takes it.
 
     Returns:
         In each forked child, its request. In the server it does not return.
     """
-    hold(orders["lifeline"], signal.SIGKILL)
+    hold(orders["parent_death_pipe"], signal.SIGKILL)
     adopt_orphans()
     # What is wrong with the module is told by each child, which imports it again.
     with suppress(Exception, SystemExit):
@@ -45,16 +45,16 @@ def serve(orders: dict[str, Any]) -> dict[str, Any]:
     sys.path_importer_cache.clear()  # a child would not see a folder that is made from now on
     gc.freeze()  # a child's collector would write to every object, and so copy its page
     request = Server(socket.socket(fileno=orders["control"])).serve()
-    os.close(orders["lifeline"])  # the child has its own
+    os.close(orders["parent_death_pipe"])  # the child has its own
     return request
 
 
 class Server:
     """Waits for requests, for children that end, and for callers who no longer wait.
 
-    A request is a message with the path of its scratch folder and two descriptors: a socket on
-    which to report how the child ended, and the child's lifeline. A caller who no longer waits
-    closes that socket, for writing at least.
+        A request is a message with the path of its scratch folder and two descriptors: a socket
+    on which to report how the child ended, and the child's parent-death pipe. A caller who no
+    longer waits closes that socket, for writing at least.
     """
 
     def __init__(self, control: socket.socket) -> None:
@@ -83,12 +83,12 @@ class Server:
             self.control, PATH_BYTES, 2, socket.MSG_CMSG_CLOEXEC
         )
         if not scratch:
-            sys.exit()  # the nursery is closed
-        report, lifeline = socket.socket(fileno=descriptors[0]), descriptors[1]
+            sys.exit()  # the fork server is closed
+        report, parent_death_pipe = socket.socket(fileno=descriptors[0]), descriptors[1]
         pid = self._fork(report)
         if pid == 0:
-            return self._become_child(Path(os.fsdecode(scratch)), report, lifeline)
-        os.close(lifeline)
+            return self._become_child(Path(os.fsdecode(scratch)), report, parent_death_pipe)
+        os.close(parent_death_pipe)
         if pid is None:
             report.close()
         else:
@@ -108,7 +108,9 @@ class Server:
             _tell(report, f"refused {error.errno}")
             return None
 
-    def _become_child(self, scratch: Path, report: socket.socket, lifeline: int) -> dict[str, Any]:
+    def _become_child(
+        self, scratch: Path, report: socket.socket, parent_death_pipe: int
+    ) -> dict[str, Any]:
         """Leave behind what is the server's, and take the place that the request names."""
         os.setsid()
         signal.set_wakeup_fd(-1)
@@ -121,7 +123,7 @@ class Server:
             _tell(report, f"refused {error.errno}")
             os._exit(1)
         report.close()
-        return {**request, "lifeline": lifeline}
+        return {**request, "parent_death_pipe": parent_death_pipe}
 
     def _give_up(self, pid: int, report: socket.socket) -> None:
         """End a child that nobody waits for, if it has not just been reaped."""

@@ -40,25 +40,25 @@ def adopt_orphans() -> None:
     ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
 
 
-def stand_guard(lifeline: int, cpu_seconds: float) -> None:
+def stand_guard(parent_death_pipe: int, cpu_seconds: float) -> None:
     """Fork; return in the child, the leader of a session, and guard it in this process.
 
     When the child ends, the guard ends what the child has started, then itself in the same way.
-    It does so, too, when the lifeline or a SIGTERM says that nobody waits, and, by SIGXCPU, when
-    child and descendants have used that much CPU time.
+    It does so, too, when the parent-death pipe or a SIGTERM says that nobody waits, and, by
+    SIGXCPU, when child and descendants have used that much CPU time.
     """
     signal.signal(signal.SIGCHLD, signal.SIG_DFL)
     signal.pthread_sigmask(signal.SIG_BLOCK, WATCHED)
-    hold(lifeline, signal.SIGTERM)
+    hold(parent_death_pipe, signal.SIGTERM)
     adopt_orphans()
-    own_lifeline, own_end = os.pipe()
+    own_parent_death_pipe, own_end = os.pipe()
     pid = os.fork()
     if pid != 0:
         _end_like(_watch(pid, cpu_seconds))
     os.setsid()
     os.close(own_end)
-    os.close(lifeline)
-    hold(own_lifeline, signal.SIGKILL)
+    os.close(parent_death_pipe)
+    hold(own_parent_death_pipe, signal.SIGKILL)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, WATCHED)
 
 

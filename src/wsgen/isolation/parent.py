@@ -25,7 +25,7 @@ from wsgen.isolation.outcome import (
     conclude,
     read_lateness,
 )
-from wsgen.isolation.parent_death import open_lifeline
+from wsgen.isolation.parent_death import open_parent_death_pipe
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -61,13 +61,13 @@ def run(
     with (
         # Only what outlives a guard that was killed can disturb the cleaning up.
         tempfile.TemporaryDirectory(prefix="wsgen-", ignore_cleanup_errors=True) as name,
-        open_lifeline() as lifeline,
+        open_parent_death_pipe() as parent_death_pipe,
     ):
         scratch = Path(name)
-        request = make_request(task, arguments, limits, scratch, lifeline)
+        request = make_request(task, arguments, limits, scratch, parent_death_pipe)
         child = start_interpreter(
             output=scratch / "output",
-            descriptors=(lifeline,),
+            descriptors=(parent_death_pipe,),
             environment=environment,
             folder=folder,
         )
@@ -86,7 +86,7 @@ def run(
 
 
 def make_request(
-    task: str, arguments: tuple[object, ...], limits: Limits, scratch: Path, lifeline: int
+    task: str, arguments: tuple[object, ...], limits: Limits, scratch: Path, parent_death_pipe: int
 ) -> dict[str, Any]:
     """What a child is told, whichever way it starts."""
     return {
@@ -97,7 +97,7 @@ def make_request(
         "cpu_seconds": limits.seconds,
         "path": search_path(),
         "scratch": str(scratch),
-        "lifeline": lifeline,
+        "parent_death_pipe": parent_death_pipe,
     }
 
 
@@ -171,7 +171,7 @@ def _end_with_guard(guard: subprocess.Popen[bytes]) -> None:
 
 
 class Run(Protocol):
-    """`wsgen.isolation.parent.run`, or the method of that name of a nursery."""
+    """`wsgen.isolation.parent.run`, or the method of that name of a fork server."""
 
     def __call__(
         self,

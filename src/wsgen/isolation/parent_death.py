@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 @contextmanager
-def open_lifeline() -> Iterator[int]:
+def open_parent_death_pipe() -> Iterator[int]:
     """Open a pipe; yield the end for the child, as a descriptor to pass on to it.
 
     At the exit both ends are closed here: a child that is still there gets its signal.
@@ -30,18 +30,18 @@ def open_lifeline() -> Iterator[int]:
         os.close(ours)
 
 
-def hold(lifeline: int, number: int) -> None:
+def hold(parent_death_pipe: int, number: int) -> None:
     """In the child, the leader of its group: have the group get this signal when the parent ends.
 
     Elsewhere than on Linux it does nothing; there the parent can end the child and no one else.
     """
     if sys.platform != "linux":
         return
-    fcntl.fcntl(lifeline, fcntl.F_SETSIG, number)
-    fcntl.fcntl(lifeline, fcntl.F_SETOWN, -os.getpgrp())
-    fcntl.fcntl(lifeline, fcntl.F_SETFL, os.O_ASYNC | os.O_NONBLOCK)
+    fcntl.fcntl(parent_death_pipe, fcntl.F_SETSIG, number)
+    fcntl.fcntl(parent_death_pipe, fcntl.F_SETOWN, -os.getpgrp())
+    fcntl.fcntl(parent_death_pipe, fcntl.F_SETFL, os.O_ASYNC | os.O_NONBLOCK)
     try:
-        is_alone = os.read(lifeline, 1) == b""  # the parent ended before the lines above
+        is_alone = os.read(parent_death_pipe, 1) == b""  # the parent ended before the lines above
     except BlockingIOError:
         return
     if is_alone:

@@ -267,7 +267,7 @@ def _wrong_value(error: BaseException) -> Explanation | None:
         known = " or ".join(dict.fromkeys(_TYPES[one] for one in accepted if one in _TYPES))
         return Explanation(
             codes.REFUSED_BY_LAUNCH,
-            f"`{name}` of {caller} must be {known}, and is {_described(argument)} "
+            f"`{name}` of {caller} must be {known}, and is {_prepared(argument)} "
             f"({_quoted(error, BRIEF)}).",
             f"Put square brackets around it: {name}=[{'{...}' if is_dictionary else '...'}]."
             if "a list" in known
@@ -298,14 +298,14 @@ _TYPES: dict[type, str] = {
 }
 
 
-def _described(value: object) -> str:
+def _prepared(value: object) -> str:
     return _TYPES.get(type(value), f"a {type(value).__name__}")
 
 
 def _not_text(error: BaseException, value: object) -> Explanation:
     """A number, or anything else that is none, where the launch system takes text."""
     is_plain = value is None or isinstance(value, (bool, int, float))
-    what = _described(value)
+    what = _prepared(value)
     if is_plain:
         kind = "number " if isinstance(value, (int, float)) and not isinstance(value, bool) else ""
         what = f"the {kind}{value}" if kind else str(value)
@@ -346,7 +346,7 @@ def _other(error: BaseException) -> Explanation:
     return Explanation(
         codes.RAISES,
         f"The launch file raises {text}.",
-        "Mend it; `ros2 launch` would fail in the same way.",
+        "Fix it; `ros2 launch` would fail in the same way.",
     )
 
 

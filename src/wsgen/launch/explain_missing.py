@@ -44,7 +44,7 @@ def of_xacro(error: BaseException, fault: dict[str, Any] | None) -> Explanation 
     return Explanation(
         codes.XACRO_FAILS,
         f"xacro fails: {fault['message']}",
-        fault.get("hint") or "Mend the xacro file; `xacro FILE` shows the same error.",
+        fault.get("hint") or "Fix the xacro file; `xacro FILE` shows the same error.",
         fault.get("file"),
         fault.get("line"),
         fault.get("element"),

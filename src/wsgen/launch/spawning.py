@@ -517,7 +517,7 @@ def _read_spawn(
             "SPN005",
             process,
             f"-{name} of the spawner is '{value}', which is no finite number.",
-            "Give metres for -x -y -z and radians for -R -P -Y.",
+            "Give meters for -x -y -z and radians for -R -P -Y.",
         )
         for name, value in bad_numbers
     ]

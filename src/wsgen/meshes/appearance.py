@@ -1,4 +1,4 @@
-"""Files for a renderer, each of one colour or texture.
+"""Files for a renderer, each of one color or texture.
 
 Fewer triangles for a picture, in which small ones are not seen.
 
@@ -269,17 +269,17 @@ MATERIALS = 64  # of a mesh; robots' have up to 30
 class Showing(NamedTuple):
     """A way in which a robot shows a mesh."""
 
-    is_painted: bool  # all of it in one colour, which is not the file's
+    is_painted: bool  # all of it in one color, which is not the file's
     scale: Scale
     times: int  # in so many places
 
 
 class Look(NamedTuple):
-    """A file that a renderer draws in one colour."""
+    """A file that a renderer draws in one color."""
 
     path: str
     rgba: tuple[float, float, float, float] | None  # 0 to 1; None: the simulator's default
-    texture: str | None  # an image, multiplied with the colour
+    texture: str | None  # an image, multiplied with the color
     low: list[float]  # the corners of the box around its triangles, m, unscaled
     high: list[float]
     triangles: int
@@ -297,7 +297,7 @@ class _Part(NamedTuple):
     high: list[float]
 
 
-class Gallery:
+class SceneRenderer:
     """Collects what is to be seen of a robot, and writes it when all is there."""
 
     def __init__(self, folder: Path) -> None:

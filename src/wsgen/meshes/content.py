@@ -50,7 +50,7 @@ def refuse_triangles(count: int) -> None:
 
 
 class Material(NamedTuple):
-    """What a surface looks like; a texture is multiplied with the colour."""
+    """What a surface looks like; a texture is multiplied with the color."""
 
     rgba: Rgba | None = None  # 0 to 1; None: the simulator's default
     image: Any = None  # the address that the mesh file gives, or an opened Pillow image

@@ -338,7 +338,7 @@ class Materials:
         diffuse = child(shader, "diffuse")
         if diffuse is not None:
             texture = child(diffuse, "texture")
-            rgba = _colour(diffuse)
+            rgba = _color(diffuse)
             if rgba is None and texture is not None:
                 rgba, image = WHITE, self._image(texture.get("texture", ""), effect)
         opacity = _opacity(shader)
@@ -360,11 +360,11 @@ class Materials:
         return None if address is None else (address.text or "").strip() or None
 
 
-def _colour(element: Element) -> Rgba | None:
+def _color(element: Element) -> Rgba | None:
     """The <color> in an element; None where there is none that can be read."""
-    colour = child(element, "color")
+    color = child(element, "color")
     try:
-        numbers = parse_floats("" if colour is None else colour.text or "", "a colour").tolist()
+        numbers = parse_floats("" if color is None else color.text or "", "a color").tolist()
     except BrokenMeshError:
         return None
     if len(numbers) not in {3, 4} or not all(map(math.isfinite, numbers)):
@@ -377,14 +377,14 @@ def _opacity(shader: Element) -> float:
     """From 0, invisible, to 1; it is 1 where <transparent> does not say how it is meant."""
     transparent = child(shader, "transparent")
     mode = None if transparent is None else transparent.get("opaque")
-    colour = None if transparent is None else _colour(transparent)
-    if mode is None or colour is None:
+    color = None if transparent is None else _color(transparent)
+    if mode is None or color is None:
         return 1.0
     factor = _factor(shader)
-    luminance = sum(part * weight for part, weight in zip(colour, LUMINANCE, strict=False))
+    luminance = sum(part * weight for part, weight in zip(color, LUMINANCE, strict=False))
     opacities = {
-        "A_ONE": colour[3] * factor,
-        "A_ZERO": 1 - colour[3] * factor,
+        "A_ONE": color[3] * factor,
+        "A_ZERO": 1 - color[3] * factor,
         "RGB_ONE": luminance * factor,
         "RGB_ZERO": 1 - luminance * factor,
     }

@@ -71,7 +71,7 @@ def find_in_use(use: MeshUse, answer: Mapping[str, Any], file: Path | None) -> I
         )
         return
     if answer["oddity"] is not None:
-        hint = "The trial takes it as Gazebo reads it; export it anew."
+        hint = "The simulation takes it as Gazebo reads it; export it anew."
         yield _finding(use, file, "ROB067", f"{answer['oddity']} ({use.path})", hint)
     if answer["triangles"] > MANY_TRIANGLES:
         yield _finding(
@@ -85,12 +85,12 @@ def find_in_use(use: MeshUse, answer: Mapping[str, Any], file: Path | None) -> I
     if lacking is not None:
         hint = "Convert it to STL, OBJ or COLLADA, which all read."
         yield _finding(use, file, "ROB068", f"is of a format that not all read: {lacking}", hint)
-    yield from _judge_extent(use, answer, file)
+    yield from _check_extent(use, answer, file)
     for code, what, hint in answer["complaints"] if use.is_visual else ():
         yield _finding(use, file, code, what, hint, severity=LOOKS.get(code, Severity.WARNING))
 
 
-def _judge_extent(
+def _check_extent(
     use: MeshUse, answer: Mapping[str, Any], file: Path | None
 ) -> Iterator[Diagnostic]:
     edges = zip(answer["low"], answer["high"], use.mesh.scale, strict=True)
@@ -103,7 +103,7 @@ def _judge_extent(
 
 
 def _size_word(extent: float) -> str:
-    return "large: its unit seems not to be the metre" if extent > LARGEST else "small"
+    return "large: its unit seems not to be the meter" if extent > LARGEST else "small"
 
 
 def _units_hint(use: MeshUse, extent: float) -> str:
@@ -151,7 +151,7 @@ def inspect_meshes(
     file: Path | None,
     folder: Path,
     run: Run = parent.run,
-    with_colours: bool = False,
+    with_colors: bool = False,
 ) -> tuple[Robot, tuple[Diagnostic, ...]]:
     """Look into every mesh that was found, and give each engine something it reads as Gazebo does.
 
@@ -160,7 +160,7 @@ def inspect_meshes(
     written anew, and the robot that is returned has the path of that. All meshes get bounds and a
     number of triangles.
 
-    With colours, a visual without a colour of its own becomes one for each material of its file,
+    With colors, a visual without a color of its own becomes one for each material of its file,
     and what is seen has no more triangles than a picture shows.
 
     Args:
@@ -168,9 +168,9 @@ def inspect_meshes(
         file: What the diagnostics name.
         folder: Where new files go; must be there as long as the returned robot is used.
         run: Starts the child process that reads the files.
-        with_colours: Whether a picture is wanted.
+        with_colors: Whether a picture is wanted.
     """
-    requests = _requests(robot, with_colours=with_colours)
+    requests = _requests(robot, with_colors=with_colors)
     if not requests:
         return robot, ()
     answers = _ask(requests, Path(tempfile.mkdtemp(prefix="meshes-", dir=folder)), run)
@@ -193,20 +193,20 @@ def _uses(link: Link) -> Iterator[MeshUse]:
             yield MeshUse(link, geometry, geometry.path, is_visual=is_visual)
 
 
-def _requests(robot: Robot, *, with_colours: bool) -> list[Request]:
+def _requests(robot: Robot, *, with_colors: bool) -> list[Request]:
     """Each file once, with what it is used for."""
     uses = [use for link in robot.links for use in _uses(link)]
     touched = {use.path for use in uses if not use.is_visual}
     seen = {use.path for use in uses if use.is_visual}
     counts: dict[str, Counter[tuple[bool, tuple[float, float, float]]]] = {}
-    for visual in (one for link in robot.links for one in link.visuals if with_colours):
+    for visual in (one for link in robot.links for one in link.visuals if with_colors):
         if isinstance(visual.geometry, Mesh) and visual.geometry.path is not None:
             counts.setdefault(visual.geometry.path, Counter())[_showing(visual)] += 1
     return [
         (
             path,
             path in touched,
-            path in seen and not with_colours,
+            path in seen and not with_colors,
             [(*showing, times) for showing, times in counts.get(path, {}).items()],
         )
         for path in dict.fromkeys(use.path for use in uses)
@@ -214,7 +214,7 @@ def _requests(robot: Robot, *, with_colours: bool) -> list[Request]:
 
 
 def _showing(visual: Visual) -> tuple[bool, tuple[float, float, float]]:
-    """Whether it has a colour of its own, and its scale."""
+    """Whether it has a color of its own, and its scale."""
     geometry = visual.geometry
     scale = geometry.scale if isinstance(geometry, Mesh) else (1.0, 1.0, 1.0)
     return visual.rgba is not None, scale
@@ -250,7 +250,7 @@ def _refused(requests: Sequence[Request], problem: str, hint: str = HINT) -> dic
 
 
 def _new_visuals(visual: Visual, answers: Mapping[str, Answer]) -> Iterator[Visual]:
-    """The visual with what to draw, for each colour of its own; nothing if it cannot be drawn."""
+    """The visual with what to draw, for each color of its own; nothing if it cannot be drawn."""
     mesh = visual.geometry
     if not isinstance(mesh, Mesh) or mesh.path is None:
         yield visual

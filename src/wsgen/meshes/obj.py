@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 def read_rows(lines: Sequence[bytes], width: int, what: str) -> NDArray[np.float64]:
     """The first numbers of each line behind its keyword, shape (n, width).
 
-    A line may have more: a weight or a colour behind the coordinates. `what` it is, for messages.
+    A line may have more: a weight or a color behind the coordinates. `what` it is, for messages.
     """
     numbers = parse_floats(b"".join([line[line.index(b" ") :] for line in lines]), f"a {what}")
     found, rest = divmod(len(numbers), len(lines) or 1)
@@ -81,7 +81,7 @@ def made_absolute(
 
 
 SIZE_LIMIT = 10**6  # bytes
-TEXTURED = 0.6  # grey that Gazebo takes for a texture to which no colour is given
+TEXTURED = 0.6  # grey that Gazebo takes for a texture to which no color is given
 # Options of a texture, and how many values they have; of numbers fewer may be given.
 WORD_OPTIONS = {"-blendu", "-blendv", "-cc", "-clamp", "-imfchan", "-type"}
 NUMBER_OPTIONS = {"-bm": 1, "-boost": 1, "-texres": 1, "-mm": 2, "-o": 3, "-s": 3, "-t": 3}
@@ -99,15 +99,15 @@ def read_materials(
     materials: dict[str, Material] = {}
     complaints = []
     for name in names:
-        tried = [_read(folder / one) for one in dict.fromkeys((name, *name.split()))]
-        text = next((text for text, _ in tried if text is not None), None)
+        simulated = [_read(folder / one) for one in dict.fromkeys((name, *name.split()))]
+        text = next((text for text, _ in simulated if text is not None), None)
         if text is not None:
             materials |= _parse(text)
             continue
         complaints.append(
             Complaint(
                 "ROB075",
-                f"has no colours, as its material library `{name}` {tried[0][1]}",
+                f"has no colors, as its material library `{name}` {simulated[0][1]}",
                 "Put the .mtl file next to the .obj, and let CMakeLists.txt install it.",
             )
         )

@@ -99,7 +99,7 @@ def read_with_library(data: bytes, kind: str, folder: Path, *, with_look: bool =
 
 
 def _patches(scene: Any) -> Iterator[Patch]:
-    """The triangles of each node with a mesh; Gazebo shows no colours of vertices."""
+    """The triangles of each node with a mesh; Gazebo shows no colors of vertices."""
     for node in scene.graph.nodes_geometry:
         matrix, name = scene.graph.get(node)
         mesh = scene.geometry[name]

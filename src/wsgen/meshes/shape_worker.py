@@ -84,7 +84,7 @@ MOST_PIXELS = 4097  # on a side; Gazebo's rendering has no larger tile either
 MOST_ROWS = 513  # of corners: half a million triangles, for which an engine takes a second
 EIGHT_BITS = 255.0
 SIXTEEN_BITS = 65535.0
-REDUCE = "Reduce it: a trial needs no more than a pixel for each wheel."
+REDUCE = "Reduce it: a simulation needs no more than a pixel for each wheel."
 SAVE_ANEW = "Save it anew as greyscale PNG, with 2ⁿ + 1 pixels on each side (129, 257, 513, …)."
 
 
@@ -135,7 +135,7 @@ def heightmap_surface(heightmap: Heightmap) -> Surface:
 def _read(file: Path) -> tuple[NDArray[Any], float]:
     """The brightness of each pixel, 0 to 1, and that of the brightest.
 
-    It is that of the red channel; which pixel is the brightest is judged by all channels.
+    It is that of the red channel; which pixel is the brightest is checked by all channels.
     """
     kind = irregular_kind(file)
     if kind is not None:

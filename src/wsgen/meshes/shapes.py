@@ -73,7 +73,7 @@ def find_in_use(
             use,
             file,
             "WLD053",
-            f"has {pixels} × {pixels} pixels; the trial takes {rows} × {rows} of them",
+            f"has {pixels} × {pixels} pixels; the simulation takes {rows} × {rows} of them",
             "Reduce the image, if that is fine enough for the robot's wheels.",
             severity=Severity.INFO,
         )

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from wsgen.isolation.child import announce
-from wsgen.meshes.appearance import Gallery, Showing
+from wsgen.meshes.appearance import SceneRenderer, Showing
 from wsgen.meshes.content import BrokenMeshError, EnormousMeshError, bounds_of, refuse_triangles
 from wsgen.meshes.reader import read_mesh
 from wsgen.meshes.stl import write_stl
@@ -46,23 +46,25 @@ def inspect(requests: Sequence[Sequence[Any]], folder: str) -> list[dict[str, An
         each `Complaint`.
     """
     answers = []
-    gallery = Gallery(Path(folder))
+    scene_renderer = SceneRenderer(Path(folder))
     asked = [Request(*fields) for fields in requests]
     for number, request in enumerate(asked):
         announce(str(number))
-        answers.append(_inspect(request, number, Path(folder), gallery))
-    looks = gallery.hang()
+        answers.append(_inspect(request, number, Path(folder), scene_renderer))
+    looks = scene_renderer.hang()
     for number, (answer, request) in enumerate(zip(answers, asked, strict=True)):
         answer["looks"] = [looks.get((number, _showing(one)), []) for one in request.showings]
     return answers
 
 
-def _inspect(request: Request, number: int, folder: Path, gallery: Gallery) -> dict[str, Any]:
+def _inspect(
+    request: Request, number: int, folder: Path, scene_renderer: SceneRenderer
+) -> dict[str, Any]:
     file, spare = Path(request.path), folder / f"{number}.stl"
     try:
         content = read_mesh(file, with_look=bool(request.showings))
         low, high = _bounds(content.corners)
-        complaints = gallery.add(number, file, content, map(_showing, request.showings))
+        complaints = scene_renderer.add(number, file, content, map(_showing, request.showings))
     except BrokenMeshError as error:
         is_enormous = isinstance(error, EnormousMeshError)
         return {"problem": error.problem, "hint": error.hint, "is_enormous": is_enormous}

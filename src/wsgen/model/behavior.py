@@ -1,6 +1,6 @@
 """What a robot must do beyond standing, and what came of it. SI units.
 
-"Ahead" is the x axis of the root link as the robot stands when a behaviour begins; headings are
+"Ahead" is the x axis of the root link as the robot stands when a behavior begins; headings are
 those of this axis on the ground.
 
 A differential drive as Gazebo's plugins have it. SI units.
@@ -25,7 +25,7 @@ class Drive:
 
     linear: float = 0.0  # m/s, ahead
     angular: float = 0.0  # rad/s, about z
-    # Where it should be at the end, seen from where it began; None is not judged.
+    # Where it should be at the end, seen from where it began; None is not checked.
     x: float | None = None  # m, ahead
     y: float | None = None  # m, to the left
     yaw: float | None = None  # rad, whole turns included
@@ -38,7 +38,7 @@ class Drive:
 
     @property
     def expected(self) -> Mapping[str, float | None]:
-        """What is judged, by name; None is not."""
+        """What is checked, by name; None is not."""
         return {"x": self.x, "y": self.y, "yaw": self.yaw}
 
 
@@ -51,13 +51,13 @@ class Reach:
 
     @property
     def expected(self) -> Mapping[str, float | None]:
-        """What is judged, by name."""
+        """What is checked, by name."""
         return dict(self.positions)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Behaviour:
-    """One `[[behaviour]]` of a package's `wsgen.toml`."""
+class Behavior:
+    """One `[[behavior]]` of a package's `wsgen.toml`."""
 
     name: str
     task: Drive | Reach
@@ -67,17 +67,17 @@ class Behaviour:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Attempt:
-    """A behaviour that can be tried, with the robot that is to show it."""
+class BehaviorRun:
+    """A behavior that can be tried, with the robot that is to show it."""
 
     entity: str
-    behaviour: Behaviour
+    behavior: Behavior
     drive: DiffDrive | None = None  # what it drives with, where it is told to
 
 
 @dataclass(frozen=True, kw_only=True)
-class BehaviourOutcome:
-    """What came of a behaviour."""
+class BehaviorOutcome:
+    """What came of a behavior."""
 
     name: str
     task: Drive | Reach

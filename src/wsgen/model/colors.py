@@ -1,4 +1,4 @@
-"""The colours that `Gazebo/<Name>` stands for: the diffuse colours of Gazebo Classic's materials.
+"""The colors that `Gazebo/<Name>` stands for: the diffuse colors of Gazebo Classic's materials.
 
 Source: the material script `gazebo.material` that Gazebo Classic ships. RGBA, 0 to 1.
 """
@@ -7,7 +7,7 @@ from __future__ import annotations
 
 Rgba = tuple[float, float, float, float]
 
-GAZEBO_COLOURS: dict[str, Rgba] = {
+GAZEBO_COLORS: dict[str, Rgba] = {
     "Gazebo/Grey": (0.7, 0.7, 0.7, 1.0),
     "Gazebo/Gray": (0.7, 0.7, 0.7, 1.0),
     "Gazebo/DarkGrey": (0.175, 0.175, 0.175, 1.0),
@@ -47,7 +47,7 @@ GAZEBO_COLOURS: dict[str, Rgba] = {
     "Gazebo/YellowGlow": (1.0, 1.0, 0.0, 1.0),
     "Gazebo/PurpleGlow": (1.0, 0.0, 1.0, 1.0),
     "Gazebo/WhiteGlow": (1.0, 1.0, 1.0, 1.0),
-    # Textures, by the colour that they give on the whole.
+    # Textures, by the color that they give on the whole.
     "Gazebo/Wood": (0.62, 0.45, 0.28, 1.0),
     "Gazebo/WoodFloor": (0.62, 0.45, 0.28, 1.0),
     "Gazebo/WoodPallet": (0.62, 0.45, 0.28, 1.0),

@@ -36,7 +36,7 @@ def matrix_of(six: Six) -> Matrix:
 
 
 def about_link_axes(inertial: Inertial) -> Six:
-    """The inertia about the centre of mass, along the axes of the link frame."""
+    """The inertia about the center of mass, along the axes of the link frame."""
     if inertial.pose_in_link.rpy == (0.0, 0.0, 0.0):
         return inertial.inertia
     rotation = rotation_of_rpy(inertial.pose_in_link.rpy)
@@ -45,7 +45,7 @@ def about_link_axes(inertial: Inertial) -> Six:
 
 
 def moved(inertia: Six, mass: float, offset: Vector) -> Six:
-    """The inertia about a point `offset` away from the centre of mass (parallel axis theorem)."""
+    """The inertia about a point `offset` away from the center of mass (parallel axis theorem)."""
     x, y, z = offset
     xx, xy, xz, yy, yz, zz = inertia
     return (
@@ -103,7 +103,7 @@ def is_possible(six: Six) -> bool:
 def of_solid(geometry: Geometry, mass: float) -> Vector | None:
     """Principal moments of an evenly filled body along its frame's axes.
 
-    They are about its centre of mass. None for a mesh, an extrusion, a heightmap.
+    They are about its center of mass. None for a mesh, an extrusion, a heightmap.
     """
     if isinstance(geometry, Box):
         x, y, z = (edge * edge for edge in geometry.size)

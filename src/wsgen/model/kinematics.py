@@ -59,13 +59,13 @@ def _places(robot: Robot) -> tuple[dict[str, Pose], dict[str, str]]:
 
 ENDLESS = 8 * math.pi  # rad between limits; some write them for wheels
 UPRIGHT = math.cos(math.radians(5))
-ON_AXIS = 0.005  # m; a wheel's centre of mass may be so far from its axle
+ON_AXIS = 0.005  # m; a wheel's center of mass may be so far from its axle
 
 
-def limb_joints(robot: Robot) -> set[str]:
+def unactuated_joints(robot: Robot) -> set[str]:
     """The names of the movable joints that are neither axles of wheels nor upright swivels.
 
-    A wheel turns without end, carries nothing that moves, and its centre of mass is on its axle. A
+    A wheel turns without end, carries nothing that moves, and its center of mass is on its axle. A
     swivel, as of a caster, turns about the vertical of the robot with all joints at zero.
     """
     carriers = {joint.parent for joint in robot.joints}

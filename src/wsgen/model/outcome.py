@@ -12,14 +12,14 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
-    from wsgen.model.behavior import BehaviourOutcome
+    from wsgen.model.behavior import BehaviorOutcome
     from wsgen.model.transform import Pose
     from wsgen.model.world import World
 
 
 @dataclass(frozen=True, kw_only=True)
 class Rest:
-    """How the robot was at the end of the trial."""
+    """How the robot was at the end of the simulation."""
 
     pose_in_world: Pose  # of the root link's frame
     settled_after: float | None  # s; None: it still moved at the end
@@ -49,7 +49,7 @@ class RobotOutcome:
     mass: float  # kg
     simulated: Simulated | None = None  # None: it did not come into the engine
     rest: Rest | None = None
-    behaviours: tuple[BehaviourOutcome, ...] = ()  # what it must do beyond standing
+    behaviors: tuple[BehaviorOutcome, ...] = ()  # what it must do beyond standing
     passed: bool = False  # no error was found about this robot
 
 
@@ -67,7 +67,7 @@ class PackageOutcome:
     picture: Path | None = None
     picture_tile: float | None = None  # m, edge of a square of the ground in the picture
     world_picture: Path | None = None  # of all that is in the world, where that is more
-    film: Path | None = None
+    video: Path | None = None
     seconds: Mapping[str, float] = field(default_factory=dict)  # wall-clock, by stage
 
     @property

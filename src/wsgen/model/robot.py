@@ -29,23 +29,23 @@ class JointType(str, Enum):
 
 @dataclass(frozen=True, kw_only=True)
 class Inertial:
-    """Mass, centre of mass and inertia tensor of a link."""
+    """Mass, center of mass and inertia tensor of a link."""
 
     mass: float  # kg
-    pose_in_link: Pose = IDENTITY  # of the frame at the centre of mass in which `inertia` is given
+    pose_in_link: Pose = IDENTITY  # of the frame at the center of mass in which `inertia` is given
     inertia: tuple[float, float, float, float, float, float]  # kg m²: ixx ixy ixz iyy iyz izz
 
 
 @dataclass(frozen=True, kw_only=True)
 class Box:
-    """A box centred on its frame."""
+    """A box centerd on its frame."""
 
     size: tuple[float, float, float]  # m, edge lengths along x, y, z
 
 
 @dataclass(frozen=True, kw_only=True)
 class Cylinder:
-    """A cylinder centred on its frame, its axis along z."""
+    """A cylinder centerd on its frame, its axis along z."""
 
     radius: float  # m
     length: float  # m
@@ -53,14 +53,14 @@ class Cylinder:
 
 @dataclass(frozen=True, kw_only=True)
 class Sphere:
-    """A sphere centred on its frame."""
+    """A sphere centerd on its frame."""
 
     radius: float  # m
 
 
 @dataclass(frozen=True, kw_only=True)
 class Capsule:
-    """A cylinder with two half spheres, centred on its frame, its axis along z."""
+    """A cylinder with two half spheres, centerd on its frame, its axis along z."""
 
     radius: float  # m
     length: float  # m, of the cylinder between the half spheres
@@ -80,7 +80,7 @@ class Mesh:
 
 @dataclass(frozen=True, kw_only=True)
 class Ellipsoid:
-    """An ellipsoid centred on its frame, its axes along x, y, z."""
+    """An ellipsoid centerd on its frame, its axes along x, y, z."""
 
     radii: tuple[float, float, float]  # m
 
@@ -109,7 +109,7 @@ class Extrusion:
 class Heightmap:
     """A surface over the plane of x and y, as high as the pixels of an image are bright.
 
-    It is centred on its frame; the first row of the image is at the highest y.
+    It is centerd on its frame; the first row of the image is at the highest y.
     """
 
     uri: str  # as written

@@ -18,7 +18,7 @@ SUN_DIRECTION = (
     _SUN[1] / math.hypot(*_SUN),
     _SUN[2] / math.hypot(*_SUN),
 )
-SUN_COLOUR = (0.8, 0.8, 0.8)
+SUN_COLOR = (0.8, 0.8, 0.8)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,7 +33,7 @@ class PlacedModel:
 
 @dataclass(frozen=True, kw_only=True)
 class World:
-    """What an SDF world file says, as far as a trial needs it; the defaults are Gazebo's."""
+    """What an SDF world file says, as far as a simulation needs it; the defaults are Gazebo's."""
 
     name: str
     file: Path | None = None  # None: the empty world that wsgen supplies
@@ -45,5 +45,5 @@ class World:
     # Of the first directional light that shines down: which way it goes, of length 1, in the world
     # frame, and its red, green and blue from 0 to 1. Without one these are Gazebo's own sun's.
     sun_direction: tuple[float, float, float] = SUN_DIRECTION
-    sun_colour: tuple[float, float, float] = SUN_COLOUR
+    sun_color: tuple[float, float, float] = SUN_COLOR
     plugins: tuple[str, ...] = ()  # file names of the plugin libraries

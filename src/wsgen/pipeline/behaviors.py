@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from wsgen.model.behavior import Attempt, BehaviourOutcome, Drive
+from wsgen.model.behavior import BehaviorOutcome, BehaviorRun, Drive
 from wsgen.rules.behaviors import (
+    check_behavior,
     commanded_beyond_limit,
     joint_cannot_be_commanded,
-    judge_behaviour,
     nothing_to_drive_with,
     robot_not_found,
 )
@@ -20,61 +20,63 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
-    from wsgen.model.behavior import Behaviour
-    from wsgen.pipeline.prepare import Described
-    from wsgen.simulation.scene import RobotTrial
+    from wsgen.model.behavior import Behavior
+    from wsgen.pipeline.prepare import PreparedRobot
+    from wsgen.simulation.scene import RobotRun
     from wsgen.workspace.settings import Settings
 
 
 @dataclass(frozen=True, kw_only=True)
-class Programme:
-    """The behaviours of a package, and the robots that are to show them."""
+class BehaviorPlan:
+    """The behaviors of a package, and the robots that are to show them."""
 
     file: Path  # that they are written in
-    entities: dict[str, str]  # which robot shows what, by the name of the behaviour
-    behaviours: tuple[Behaviour, ...]
-    attempts: tuple[Attempt, ...]  # what can be tried of them
+    entities: dict[str, str]  # which robot shows what, by the name of the behavior
+    behaviors: tuple[Behavior, ...]
+    behavior_runs: tuple[BehaviorRun, ...]  # what can be tried of them
     diagnostics: tuple[Diagnostic, ...]  # why the rest cannot
 
     @property
     def seconds(self) -> float:
         """Of simulated time, without what comes before each."""
-        return sum(attempt.behaviour.seconds for attempt in self.attempts)
+        return sum(behavior_run.behavior.seconds for behavior_run in self.behavior_runs)
 
-    def judge(self, trial: RobotTrial) -> tuple[Diagnostic, ...]:
-        """Judge what a robot did."""
-        attempts = {attempt.behaviour.name: attempt for attempt in self.attempts}
+    def check(self, robot_run: RobotRun) -> tuple[Diagnostic, ...]:
+        """Check what a robot did."""
+        behavior_runs = {
+            behavior_run.behavior.name: behavior_run for behavior_run in self.behavior_runs
+        }
         return tuple(
             found
-            for behaved in trial.behaviours
-            for found in judge_behaviour(attempts[behaved.name], behaved, self.file)
+            for behaved in robot_run.behaviors
+            for found in check_behavior(behavior_runs[behaved.name], behaved, self.file)
         )
 
     def fails(self, entity: str) -> bool:
         """Whether something that this robot should do cannot be tried."""
-        tried = {attempt.behaviour.name for attempt in self.attempts}
+        simulated = {behavior_run.behavior.name for behavior_run in self.behavior_runs}
         return any(
-            name not in tried for name, shown_by in self.entities.items() if shown_by == entity
+            name not in simulated for name, shown_by in self.entities.items() if shown_by == entity
         )
 
     def outcomes(
-        self, entity: str, trial: RobotTrial | None, diagnostics: Iterable[Diagnostic]
-    ) -> tuple[BehaviourOutcome, ...]:
-        """What came of the behaviours of a robot, with the findings of all engines."""
+        self, entity: str, robot_run: RobotRun | None, diagnostics: Iterable[Diagnostic]
+    ) -> tuple[BehaviorOutcome, ...]:
+        """What came of the behaviors of a robot, with the findings of all engines."""
         failed = {found.element for found in diagnostics}
-        measured = {} if trial is None else {one.name: one for one in trial.behaviours}
+        measured = {} if robot_run is None else {one.name: one for one in robot_run.behaviors}
         outcomes = []
-        for behaviour in self.behaviours:
-            if self.entities.get(behaviour.name) != entity:
+        for behavior in self.behaviors:
+            if self.entities.get(behavior.name) != entity:
                 continue
-            behaved = measured.get(behaviour.name)
-            task = behaviour.task
+            behaved = measured.get(behavior.name)
+            task = behavior.task
             is_drive = isinstance(task, Drive)
             outcomes.append(
-                BehaviourOutcome(
-                    name=behaviour.name,
+                BehaviorOutcome(
+                    name=behavior.name,
                     task=task,
-                    passed=behaved is not None and f"behaviour `{behaviour.name}`" not in failed,
+                    passed=behaved is not None and f"behavior `{behavior.name}`" not in failed,
                     moved=behaved.moved if behaved and is_drive else None,
                     positions={name: behaved.positions[name] for name in task.positions}
                     if behaved and not isinstance(task, Drive)
@@ -84,49 +86,49 @@ class Programme:
         return tuple(outcomes)
 
 
-def make_programme(
-    settings: Settings, described: Sequence[Described], *, generation: str | None
-) -> Programme:
-    """Give the behaviours to the robots that are spawned, as far as these can show them."""
-    robots = {robot.entity: robot for robot in described if not robot.is_scenery}
+def plan_behaviors(
+    settings: Settings, prepared: Sequence[PreparedRobot], *, generation: str | None
+) -> BehaviorPlan:
+    """Give the behaviors to the robots that are spawned, as far as these can show them."""
+    robots = {robot.entity: robot for robot in prepared if not robot.is_static_model}
     found: list[Diagnostic] = []
     entities: dict[str, str] = {}
-    attempts: list[Attempt] = []
-    for behaviour in settings.behaviours:
-        wrong = tuple(robot_not_found(behaviour, list(robots), settings.file))
+    behavior_runs: list[BehaviorRun] = []
+    for behavior in settings.behaviors:
+        wrong = tuple(robot_not_found(behavior, list(robots), settings.file))
         found += wrong
         if wrong:
             continue
-        entity = next(iter(robots)) if behaviour.robot is None else behaviour.robot
-        entities[behaviour.name] = entity
-        attempt, wrong = _attempt(behaviour, robots[entity], settings.file, generation)
+        entity = next(iter(robots)) if behavior.robot is None else behavior.robot
+        entities[behavior.name] = entity
+        behavior_run, wrong = _behavior_run(behavior, robots[entity], settings.file, generation)
         found += wrong
-        if attempt is not None:
-            attempts.append(attempt)
-    return Programme(
+        if behavior_run is not None:
+            behavior_runs.append(behavior_run)
+    return BehaviorPlan(
         file=settings.file,
         entities=entities,
-        behaviours=settings.behaviours,
-        attempts=tuple(attempts),
+        behaviors=settings.behaviors,
+        behavior_runs=tuple(behavior_runs),
         diagnostics=tuple(found),
     )
 
 
-def _attempt(
-    behaviour: Behaviour, described: Described, file: Path, generation: str | None
-) -> tuple[Attempt | None, tuple[Diagnostic, ...]]:
-    robot, task = described.lumped, behaviour.task
+def _behavior_run(
+    behavior: Behavior, prepared: PreparedRobot, file: Path, generation: str | None
+) -> tuple[BehaviorRun | None, tuple[Diagnostic, ...]]:
+    robot, task = prepared.lumped, behavior.task
     if isinstance(task, Drive):
         drive = find_diff_drive(robot, generation=generation)
         if isinstance(drive, NoDrive):
             return None, tuple(
                 nothing_to_drive_with(
-                    behaviour, drive.reason, drive.hint, file, has_plugin=drive.is_there
+                    behavior, drive.reason, drive.hint, file, has_plugin=drive.is_there
                 )
             )
-        return Attempt(entity=described.entity, behaviour=behaviour, drive=drive), ()
+        return BehaviorRun(entity=prepared.entity, behavior=behavior, drive=drive), ()
     wrong = (
-        *joint_cannot_be_commanded(behaviour, task.positions, robot, file),
-        *commanded_beyond_limit(behaviour, task.positions, robot.joints, file),
+        *joint_cannot_be_commanded(behavior, task.positions, robot, file),
+        *commanded_beyond_limit(behavior, task.positions, robot.joints, file),
     )
-    return (None if wrong else Attempt(entity=described.entity, behaviour=behaviour)), wrong
+    return (None if wrong else BehaviorRun(entity=prepared.entity, behavior=behavior)), wrong

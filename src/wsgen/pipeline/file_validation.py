@@ -11,8 +11,8 @@ from wsgen.files import read_regular
 from wsgen.model.outcome import PackageOutcome
 from wsgen.pipeline.clock import Clock
 from wsgen.pipeline.prepare import (
-    Described,
-    Workshop,
+    PrepareContext,
+    PreparedRobot,
     describe,
     describe_models,
     name_some,
@@ -20,7 +20,7 @@ from wsgen.pipeline.prepare import (
     share_around,
     share_on_model_path,
 )
-from wsgen.pipeline.run_robots import Tried, try_robots
+from wsgen.pipeline.run_robots import SimulationResult, try_robots
 from wsgen.sdf.reader import DEFAULT_WORLD
 from wsgen.urdf.reader import TEXT_LIMIT
 from wsgen.xacro.reader import expand_file
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 
 class FileValidation:
-    """Reads, simulates and judges; collects what is found on the way.
+    """Reads, simulates and checks; collects what is found on the way.
 
     A robot stands just above the ground of an empty world; the models of a world file stand where
     the file puts them.
@@ -63,51 +63,49 @@ class FileValidation:
     def run(self) -> PackageOutcome:
         """All stages, as far as they go."""
         with tempfile.TemporaryDirectory(prefix="wsgen-") as folder:
-            workshop = Workshop(
+            context = PrepareContext(
                 share_of=self._share_of,
                 folder=Path(folder),
                 run=self.run_task,
-                with_colours=self.request.is_drawn,
+                with_colors=self.request.is_drawn,
             )
-            return self._run(workshop)
+            return self._run(context)
 
-    def _run(self, workshop: Workshop) -> PackageOutcome:
+    def _run(self, context: PrepareContext) -> PackageOutcome:
         with self.clock.step("expand", self.file.name) as step:
-            world, described = self._read(workshop)
+            world, prepared = self._read(context)
             step.succeeded = not has_errors(self.diagnostics)
-        tried = Tried()
-        if described and world:
-            with self.clock.step("simulate", name_some(described)) as step:
-                tried = try_robots(world, described, self.request, self.name, run=self.run_task)
-                step.succeeded = all(robot.passed for robot in tried.robots)
-                tried.tell_drawing(step, self.request)
-            self.clock.take(tried.seconds or {})
+        simulated = SimulationResult()
+        if prepared and world:
+            with self.clock.step("simulate", name_some(prepared)) as step:
+                simulated = try_robots(world, prepared, self.request, self.name, run=self.run_task)
+                step.succeeded = all(robot.passed for robot in simulated.robots)
+                simulated.tell_drawing(step, self.request)
+            self.clock.take(simulated.seconds or {})
         return PackageOutcome(
             package=None,
             file=self.file,
             share=None,
             launch_file=None,
             world=world,
-            robots=tried.robots,
-            diagnostics=tuple(tried.told_after(self.diagnostics)),
-            picture=tried.picture,
-            picture_tile=tried.picture_tile,
-            world_picture=tried.world_picture,
-            film=tried.film,
+            robots=simulated.robots,
+            diagnostics=tuple(simulated.told_after(self.diagnostics)),
+            picture=simulated.picture,
+            picture_tile=simulated.picture_tile,
+            world_picture=simulated.world_picture,
+            video=simulated.video,
             seconds=self.clock.read(),
         )
 
-    def _read(self, workshop: Workshop) -> tuple[World | None, list[Described]]:
+    def _read(self, context: PrepareContext) -> tuple[World | None, list[PreparedRobot]]:
         if self.file.suffix.lower() in {".sdf", ".world"}:
-            return self._read_sdf(workshop)
+            return self._read_sdf(context)
         text = self._urdf()
         if text is None:
             return DEFAULT_WORLD, []
-        described, diagnostics = describe(
-            text, file=self.file, workshop=workshop, on_the_ground=True
-        )
+        prepared, diagnostics = describe(text, file=self.file, context=context, on_the_ground=True)
         self.diagnostics += diagnostics
-        return DEFAULT_WORLD, [described] if described else []
+        return DEFAULT_WORLD, [prepared] if prepared else []
 
     def _urdf(self) -> str | bytes | None:
         """The text of the robot, expanded where the file is of xacro."""
@@ -124,11 +122,11 @@ class FileValidation:
         self.diagnostics += diagnostics
         return text
 
-    def _read_sdf(self, workshop: Workshop) -> tuple[World | None, list[Described]]:
-        found = read_file(self.file, workshop, self.overlay.environment)
-        described, flawed = describe_models(found, workshop)
+    def _read_sdf(self, context: PrepareContext) -> tuple[World | None, list[PreparedRobot]]:
+        found = read_file(self.file, context, self.overlay.environment)
+        prepared, flawed = describe_models(found, context)
         self.diagnostics += (*found.diagnostics, *flawed)
-        if not described and not has_errors(self.diagnostics):
+        if not prepared and not has_errors(self.diagnostics):
             self.diagnostics.append(
                 Diagnostic(
                     code="WLD042",
@@ -138,7 +136,7 @@ class FileValidation:
                     hint="A package that spawns a robot into it tries more: wsgen validate PACKAGE",
                 )
             )
-        return found.world or DEFAULT_WORLD, described
+        return found.world or DEFAULT_WORLD, prepared
 
     def _share_of(self, package: str) -> Path | None:
         """What is sourced comes first: it is what Gazebo would find."""

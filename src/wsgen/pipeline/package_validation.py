@@ -21,8 +21,8 @@ from wsgen.launch.syntax import where_written
 from wsgen.model.outcome import PackageOutcome
 from wsgen.pipeline.clock import DRAW, Clock
 from wsgen.pipeline.prepare import (
-    Described,
-    Workshop,
+    PrepareContext,
+    PreparedRobot,
     describe,
     describe_models,
     name_some,
@@ -31,7 +31,7 @@ from wsgen.pipeline.prepare import (
     share_on_model_path,
     without_taken,
 )
-from wsgen.pipeline.run_robots import Tried, try_robots
+from wsgen.pipeline.run_robots import SimulationResult, try_robots
 from wsgen.rules.catalogue import unknown_rule_allowed, without_allowed
 from wsgen.rules.scenes import spawned_twice
 from wsgen.sdf.lookup import find_world, gazebo_worlds, is_there, world_names
@@ -47,9 +47,9 @@ if TYPE_CHECKING:
     from wsgen.isolation.parent import Run
     from wsgen.model.plan import LaunchPlan, Simulator, Spawn
     from wsgen.model.world import World
-    from wsgen.pipeline.behaviors import Programme
+    from wsgen.pipeline.behaviors import BehaviorPlan
     from wsgen.pipeline.request import ValidateRequest
-    from wsgen.pipeline.selection import Chosen
+    from wsgen.pipeline.selection import SelectedPackage
     from wsgen.workspace.overlay import Overlay
     from wsgen.workspace.settings import Settings
 
@@ -79,7 +79,7 @@ def changed_since_build(share: Path, source: Path) -> Iterator[Diagnostic]:
     Compares the installed files with those of the same name in the package's source.
 
     ## Why is this bad?
-    `ros2 launch` and this trial read the installed files: the change has no effect yet.
+    `ros2 launch` and this simulation read the installed files: the change has no effect yet.
 
     ## Use instead
     A build after every change, or one with --symlink-install.
@@ -95,7 +95,7 @@ def changed_since_build(share: Path, source: Path) -> Iterator[Diagnostic]:
             code="PKG052",
             severity=Severity.WARNING,
             message=f"Changed since the last build: {', '.join(changed[:NAMED])}{others}. "
-            "What is judged are the installed files.",
+            "What is checked are the installed files.",
             file=source / changed[0],
             hint="Run `wsgen build`, then validate again.",
         )
@@ -148,7 +148,7 @@ def unknown_world(plan: LaunchPlan, name: str, environment: Mapping[str, str]) -
         code="WLD008",
         severity=Severity.WARNING,
         message=f"No file is called {name}. If it is one of Gazebo's own worlds, Gazebo finds it; "
-        "the trial takes a ground plane instead.",
+        "the simulation takes a ground plane instead.",
         file=Path(written),
         line=line,
         element=name,
@@ -167,28 +167,28 @@ class Started(NamedTuple):
 
 
 class Validation:
-    """Evaluates, reads, simulates and judges; collects what is found on the way."""
+    """Evaluates, reads, simulates and checks; collects what is found on the way."""
 
     def __init__(
         self,
-        chosen: Chosen,
+        selected: SelectedPackage,
         overlay: Overlay,
         request: ValidateRequest,
         listener: Listener | None,
         run: Run = parent.run,
     ) -> None:
-        self.chosen = chosen
-        self.package = chosen.name
+        self.selected = selected
+        self.package = selected.name
         self.overlay = overlay
         self.request = request
         self.run_task = run
-        self.clock = Clock(chosen.name, listener)
+        self.clock = Clock(selected.name, listener)
         self.generation: str | None = None  # of the simulator: "classic" or "gz"
         self.diagnostics: list[Diagnostic] = []
         self.settings: Settings | None = None
         self.wrong_settings: tuple[Diagnostic, ...] = ()
-        if chosen.source is not None:
-            self.settings, self.wrong_settings = read_settings(chosen.source)
+        if selected.source is not None:
+            self.settings, self.wrong_settings = read_settings(selected.source)
 
     def run(self) -> PackageOutcome:
         """All stages, as far as they go."""
@@ -196,51 +196,51 @@ class Validation:
             return self._run(Path(folder))
 
     def _run(self, folder: Path) -> PackageOutcome:
-        launch_file = self.chosen.launch_file
-        if self.chosen.problem is not None:
-            self.diagnostics.append(self.chosen.problem)
+        launch_file = self.selected.launch_file
+        if self.selected.problem is not None:
+            self.diagnostics.append(self.selected.problem)
         started = self._evaluate(launch_file) if launch_file else None
-        world, tried = self._play(started, folder) if started else (None, Tried())
+        world, simulated = self._play(started, folder) if started else (None, SimulationResult())
         return PackageOutcome(
             package=self.package,
-            share=self.chosen.share,
+            share=self.selected.share,
             launch_file=launch_file,
             world=world,
-            robots=tried.robots,
+            robots=simulated.robots,
             diagnostics=self._told(),
-            picture=tried.picture,
-            picture_tile=tried.picture_tile,
-            world_picture=tried.world_picture,
-            film=tried.film,
+            picture=simulated.picture,
+            picture_tile=simulated.picture_tile,
+            world_picture=simulated.world_picture,
+            video=simulated.video,
             seconds=self.clock.read(),
         )
 
-    def _play(self, started: Started, folder: Path) -> tuple[World | None, Tried]:
+    def _play(self, started: Started, folder: Path) -> tuple[World | None, SimulationResult]:
         """Put what the plan spawns into the world that it names, and try it."""
         environment = {**self.overlay.environment, **started.plan.environment}
         on_model_path = share_on_model_path(environment)
-        workshop = Workshop(
+        context = PrepareContext(
             share_of=lambda package: self.overlay.share(package) or on_model_path(package),
             folder=folder,
             run=self.run_task,
-            with_colours=self.request.is_drawn,
+            with_colors=self.request.is_drawn,
         )
-        world, scenery = self._read_world(started, workshop, environment)
+        world, static_models = self._read_world(started, context, environment)
         if world is None:
-            return None, Tried()
+            return None, SimulationResult()
         in_world = {
-            *(model.entity for model in scenery),
+            *(model.entity for model in static_models),
             *(model.name for model in world.models if model.name),
         }
-        described = self._describe(started, workshop, environment, in_world)
-        if not described:
-            return world, Tried()
-        taken = [robot.entity for robot in described]
-        return world, self._try(world, [*without_taken(scenery, taken), *described], folder)
+        prepared = self._describe(started, context, environment, in_world)
+        if not prepared:
+            return world, SimulationResult()
+        taken = [robot.entity for robot in prepared]
+        return world, self._try(world, [*without_taken(static_models, taken), *prepared], folder)
 
     def _told(self) -> tuple[Diagnostic, ...]:
         """The findings as the package's source has them, without what it has on purpose."""
-        source, share = self.chosen.source, self.chosen.share
+        source, share = self.selected.source, self.selected.share
         settings = self.settings
         if source is None or share is None or settings is None:
             return tuple(self.diagnostics)
@@ -256,7 +256,7 @@ class Validation:
         with self.clock.step("launch", launch_file.name) as step:
             plan = evaluate(
                 launch_file,
-                package=self.package if self.chosen.share else None,
+                package=self.package if self.selected.share else None,
                 arguments=self.request.launch_arguments,
                 environment=self.overlay.environment,
                 run=self.run_task,
@@ -272,8 +272,8 @@ class Validation:
         return Started(plan, simulator, spawns) if is_evaluated else None
 
     def _read_world(
-        self, started: Started, workshop: Workshop, environment: Mapping[str, str]
-    ) -> tuple[World | None, list[Described]]:
+        self, started: Started, context: PrepareContext, environment: Mapping[str, str]
+    ) -> tuple[World | None, list[PreparedRobot]]:
         """The world that the plan starts, and the models in it."""
         name = started.simulator.world if started.simulator else None
         if not name:
@@ -289,40 +289,40 @@ class Validation:
                 step.succeeded = not has_errors([lost])
                 self.diagnostics.append(lost)
                 return DEFAULT_WORLD if file is None else None, []
-            found = read_file(file, workshop, environment)
-            scenery, flawed = describe_models(found, workshop, is_scenery=True)
+            found = read_file(file, context, environment)
+            static_models, flawed = describe_models(found, context, is_static_model=True)
             step.succeeded = not has_errors((*found.diagnostics, *flawed))
         self.diagnostics += (*found.diagnostics, *flawed)
-        return found.world, scenery
+        return found.world, static_models
 
     def _describe(
         self,
         started: Started,
-        workshop: Workshop,
+        context: PrepareContext,
         environment: Mapping[str, str],
         in_world: Collection[str],
-    ) -> list[Described]:
+    ) -> list[PreparedRobot]:
         with self.clock.step("expand", "robot description") as step:
             spawns, before = started.spawns, len(self.diagnostics)
             self.diagnostics += spawned_twice([spawn.entity for spawn in spawns], in_world)
             # Of two with one name the simulator refuses the second.
             unique = {spawn.entity: spawn for spawn in reversed(spawns)}
-            described = [
+            prepared = [
                 robot
                 for spawn in reversed(unique.values())
-                if (robot := self._describe_one(spawn, workshop, environment))
+                if (robot := self._describe_one(spawn, context, environment))
             ]
-            if spawns and not described and not has_errors(self.diagnostics):
+            if spawns and not prepared and not has_errors(self.diagnostics):
                 self.diagnostics.append(_nothing_spawned(started.plan.launch_file))
             step.succeeded = not has_errors(self.diagnostics[before:])
-        return described
+        return prepared
 
     def _describe_one(
-        self, spawn: Spawn, workshop: Workshop, environment: Mapping[str, str]
-    ) -> Described | None:
+        self, spawn: Spawn, context: PrepareContext, environment: Mapping[str, str]
+    ) -> PreparedRobot | None:
         if is_sdf(spawn.description):
-            found = read_spawned(spawn, workshop, environment)
-            models, flawed = describe_models(found, workshop)
+            found = read_spawned(spawn, context, environment)
+            models, flawed = describe_models(found, context)
             self.diagnostics += (*found.diagnostics, *flawed)
             return next(
                 (
@@ -331,46 +331,46 @@ class Validation:
                 ),
                 None,
             )
-        described, diagnostics = describe(
+        prepared, diagnostics = describe(
             spawn.description,
             file=spawn.description_file,
-            workshop=workshop,
+            context=context,
             entity=spawn.entity,
             spawn_pose=spawn.pose_in_world,
             generation=self.generation,
             distro=(self.settings and self.settings.distro) or environment.get("ROS_DISTRO"),
         )
         self.diagnostics += diagnostics
-        return replace(described, height=spawn.height) if described else None
+        return replace(prepared, height=spawn.height) if prepared else None
 
-    def _programme(self, described: list[Described]) -> Programme | None:
+    def _behavior_plan(self, prepared: list[PreparedRobot]) -> BehaviorPlan | None:
         """What the robots must do beyond standing; most packages load nothing for it."""
-        if self.settings is None or not self.settings.behaviours:
+        if self.settings is None or not self.settings.behaviors:
             return None
-        from wsgen.pipeline.behaviors import make_programme  # noqa: PLC0415
+        from wsgen.pipeline.behaviors import plan_behaviors  # noqa: PLC0415
 
-        return make_programme(self.settings, described, generation=self.generation)
+        return plan_behaviors(self.settings, prepared, generation=self.generation)
 
-    def _try(self, world: World, described: list[Described], folder: Path) -> Tried:
-        progress = folder / "progress" if self.request.film else None
+    def _try(self, world: World, prepared: list[PreparedRobot], folder: Path) -> SimulationResult:
+        progress = folder / "progress" if self.request.video else None
         with (
-            self.clock.step("simulate", name_some(described)) as step,
+            self.clock.step("simulate", name_some(prepared)) as step,
             self.clock.watch(DRAW, progress),
         ):
-            tried = try_robots(
+            simulated = try_robots(
                 world,
-                described,
+                prepared,
                 self.request,
                 self.package,
                 run=self.run_task,
-                programme=self._programme(described),
+                behavior_plan=self._behavior_plan(prepared),
                 progress=progress,
             )
-            step.succeeded = all(robot.passed for robot in tried.robots)
-            tried.tell_drawing(step, self.request)
-        self.diagnostics = tried.told_after(self.diagnostics)
-        self.clock.take(tried.seconds or {})
-        return tried
+            step.succeeded = all(robot.passed for robot in simulated.robots)
+            simulated.tell_drawing(step, self.request)
+        self.diagnostics = simulated.told_after(self.diagnostics)
+        self.clock.take(simulated.seconds or {})
+        return simulated
 
 
 def _nothing_spawned(launch_file: Path | None) -> Diagnostic:

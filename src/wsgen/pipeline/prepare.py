@@ -18,7 +18,7 @@ from wsgen.meshes.lookup import find_meshes
 from wsgen.meshes.shapes import build_solids
 from wsgen.model.robot import Robot
 from wsgen.model.transform import IDENTITY, Pose
-from wsgen.rules.check import judge_robot
+from wsgen.rules.check import check_robot
 from wsgen.sdf.lookup import is_folder, model_finder, model_folders
 from wsgen.sdf.models import read_model, read_sdf
 from wsgen.urdf.lumping import lump
@@ -44,17 +44,17 @@ ShareOf = Callable[[str], Path | None]  # package name -> its installed share fo
 
 
 @dataclass(frozen=True, kw_only=True)
-class Workshop:
+class PrepareContext:
     """What it takes to complete a description."""
 
     share_of: ShareOf
-    folder: Path  # for mesh files that are written anew; there until the trial is over
+    folder: Path  # for mesh files that are written anew; there until the simulation is over
     run: Run  # starts the child process that reads meshes
-    with_colours: bool = False  # also read what meshes look like, for a picture
+    with_colors: bool = False  # also read what meshes look like, for a picture
 
 
 @dataclass(frozen=True, kw_only=True)
-class Described:
+class PreparedRobot:
     """A robot to be spawned, as written and as Gazebo has it."""
 
     entity: str
@@ -64,7 +64,7 @@ class Described:
     spawn_pose: Pose = IDENTITY
     height: SpawnHeight | None = None  # where a launch file gives that of the spawn pose
     on_the_ground: bool = False  # as low as it can stand, instead of at the height of that pose
-    is_scenery: bool = False  # a model of the world around the robots that are tried
+    is_static_model: bool = False  # a model of the world around the robots that are tried
     may_move: bool = False  # a thing of a world that is tried: that it rolls or tips is no fault
     diagnostics: tuple[Diagnostic, ...] = ()  # about its description, as they have been reported
 
@@ -73,13 +73,13 @@ def describe(  # noqa: PLR0913  most have defaults
     text: str | bytes,
     *,
     file: Path | None,
-    workshop: Workshop,
+    context: PrepareContext,
     entity: str | None = None,
     spawn_pose: Pose = IDENTITY,
     on_the_ground: bool = False,
     generation: str | None = None,
     distro: str | None = None,
-) -> tuple[Described | None, tuple[Diagnostic, ...]]:
+) -> tuple[PreparedRobot | None, tuple[Diagnostic, ...]]:
     """Read, complete and lump the robot of a URDF text; None where there is no robot to try.
 
     `file` is what the text comes from or was expanded from, and what the diagnostics name, with
@@ -88,14 +88,14 @@ def describe(  # noqa: PLR0913  most have defaults
     ROS 2 distribution, where they are known.
     """
     written, found = read_urdf(text, file=file)
-    described = None
+    prepared = None
     if written is not None:
-        lumped, more = _as_in_gazebo(written, file, workshop)
+        lumped, more = _as_in_gazebo(written, file, context)
         found, more = _at_the_misspelling(found, more)
-        judged = judge_robot(written, file, generation=generation)
-        found = _first_of_each_inertial((*found, *more, *judged))
+        checked = check_robot(written, file, generation=generation)
+        found = _first_of_each_inertial((*found, *more, *checked))
         found = tuple(_for_simulator(found, generation, distro))
-        described = Described(
+        prepared = PreparedRobot(
             entity=entity or written.name,
             written=written,
             lumped=lumped,
@@ -104,8 +104,8 @@ def describe(  # noqa: PLR0913  most have defaults
             on_the_ground=on_the_ground,
         )
     if not isinstance(text, bytes):  # those are of the file itself, where every line is its own
-        found = place_in_source(found, text=text, file=file, share_of=workshop.share_of)
-    return described and replace(described, diagnostics=found), found
+        found = place_in_source(found, text=text, file=file, share_of=context.share_of)
+    return prepared and replace(prepared, diagnostics=found), found
 
 
 def _at_the_misspelling(
@@ -163,37 +163,37 @@ def _first_of_each_inertial(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnost
 
 
 def _as_in_gazebo(
-    written: Robot, file: Path | None, workshop: Workshop
+    written: Robot, file: Path | None, context: PrepareContext
 ) -> tuple[Robot, tuple[Diagnostic, ...]]:
     """The robot with its meshes, as Gazebo has it."""
     located, missing = find_meshes(
-        written, share_of=workshop.share_of, folder=file.parent if file else None, file=file
+        written, share_of=context.share_of, folder=file.parent if file else None, file=file
     )
-    readable, flawed = complete(located, file, workshop)
+    readable, flawed = complete(located, file, context)
     lumped, dropped = lump(readable, file=file)
     return lumped, (*missing, *flawed, *dropped)
 
 
-def name_some(described: Sequence[Described]) -> str:
+def name_some(prepared: Sequence[PreparedRobot]) -> str:
     """The names of the robots that are tried, of many the first few."""
-    names = [robot.entity for robot in described if robot.is_sound and not robot.is_scenery]
+    names = [robot.entity for robot in prepared if robot.is_sound and not robot.is_static_model]
     others = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
     return ", ".join(names[:NAMED]) + others
 
 
 def complete(
-    robot: Robot, file: Path | None, workshop: Workshop
+    robot: Robot, file: Path | None, context: PrepareContext
 ) -> tuple[Robot, tuple[Diagnostic, ...]]:
     """The robot with shapes and mesh files that every engine reads as Gazebo does."""
     readable, flawed = inspect_meshes(
         robot,
         file=file,
-        folder=workshop.folder,
-        run=workshop.run,
-        with_colours=workshop.with_colours,
+        folder=context.folder,
+        run=context.run,
+        with_colors=context.with_colors,
     )
     # Afterwards: these are not a person's meshes, whose slips would be looked for.
-    built, wrong = build_solids(readable, file=file, folder=workshop.folder, run=workshop.run)
+    built, wrong = build_solids(readable, file=file, folder=context.folder, run=context.run)
     return built, (*flawed, *wrong)
 
 
@@ -239,28 +239,28 @@ def _manifest_name(folder: Path) -> str | None:
 MOST_MODELS = 1000  # a minute of simulation for 3 s; public worlds have some dozens
 
 
-def read_file(file: Path, workshop: Workshop, environment: Mapping[str, str]) -> SdfFile:
+def read_file(file: Path, context: PrepareContext, environment: Mapping[str, str]) -> SdfFile:
     """An SDF file, with what it includes from where Gazebo looks and from around the file."""
     return read_sdf(
         file,
-        find_model=_finder(file, workshop, environment),
-        read_robot=lambda urdf: _read_included(urdf, workshop),
+        find_model=_finder(file, context, environment),
+        read_robot=lambda urdf: _read_included(urdf, context),
     )
 
 
-def read_spawned(spawn: Spawn, workshop: Workshop, environment: Mapping[str, str]) -> SdfFile:
+def read_spawned(spawn: Spawn, context: PrepareContext, environment: Mapping[str, str]) -> SdfFile:
     """The model of a spawner that is given SDF."""
     file = spawn.description_file
     return read_model(
         spawn.description,
         file=file,
-        find_model=_finder(file, workshop, environment),
+        find_model=_finder(file, context, environment),
         pose_in_world=spawn.pose_in_world,
     )
 
 
 def _finder(
-    file: Path | None, workshop: Workshop, environment: Mapping[str, str]
+    file: Path | None, context: PrepareContext, environment: Mapping[str, str]
 ) -> Callable[[str], Path | None]:
     """A function from the address of a model to its folder."""
     find = None if file is None else model_finder(file, environment)
@@ -270,26 +270,28 @@ def _finder(
         scheme, _, rest = uri.partition("://")
         name = rest.partition("/")[0]
         is_local = scheme in {"model", "package"} and name not in {"", ".", ".."}
-        return found or (workshop.share_of(name) if is_local else None)
+        return found or (context.share_of(name) if is_local else None)
 
     return find_model
 
 
-def _read_included(file: Path, workshop: Workshop) -> tuple[Robot | None, tuple[Diagnostic, ...]]:
+def _read_included(
+    file: Path, context: PrepareContext
+) -> tuple[Robot | None, tuple[Diagnostic, ...]]:
     """A URDF file that a world includes, as Gazebo has it."""
     written, found = read_urdf(file.read_bytes(), file=file)
     if written is None:
         return None, found
     located, missing = find_meshes(
-        written, share_of=workshop.share_of, folder=file.parent, file=file
+        written, share_of=context.share_of, folder=file.parent, file=file
     )
     lumped, dropped = lump(located, file=file)
     return lumped, (*found, *missing, *dropped)
 
 
 def describe_models(
-    found: SdfFile, workshop: Workshop, *, is_scenery: bool = False
-) -> tuple[list[Described], tuple[Diagnostic, ...]]:
+    found: SdfFile, context: PrepareContext, *, is_static_model: bool = False
+) -> tuple[list[PreparedRobot], tuple[Diagnostic, ...]]:
     """The models that have links, ready for an engine, and what is wrong with their meshes.
 
     Scenery is there with all that can be had of it; of a file that is tried by itself nothing is
@@ -298,17 +300,17 @@ def describe_models(
     models = [model for model in found.models if model.robot is not None]
     if len(models) > MOST_MODELS:
         return [], (_too_many(len(models), found),)
-    robots, flawed = _completed(models, workshop)
-    is_sound = is_scenery or not has_errors((*found.diagnostics, *flawed))
+    robots, flawed = _completed(models, context)
+    is_sound = is_static_model or not has_errors((*found.diagnostics, *flawed))
     return [
-        Described(
+        PreparedRobot(
             entity=model.name,
             written=written,
             lumped=robot,
             is_sound=is_sound,
             spawn_pose=model.pose_in_world,
             on_the_ground=found.world is None and not model.is_static,
-            is_scenery=is_scenery,
+            is_static_model=is_static_model,
             may_move=found.world is not None,
             diagnostics=_about(model, models, (*found.diagnostics, *flawed)),
         )
@@ -331,7 +333,7 @@ def _about(
 
 
 def _completed(
-    models: Sequence[SdfModel], workshop: Workshop
+    models: Sequence[SdfModel], context: PrepareContext
 ) -> tuple[list[Robot], tuple[Diagnostic, ...]]:
     """The robots of the models, with files that engines read.
 
@@ -356,7 +358,7 @@ def _completed(
             ),
             is_static=is_static,
         )
-        whole, flawed = complete(together, file, workshop)
+        whole, flawed = complete(together, file, context)
         diagnostics += flawed
         links = iter(whole.links)
         for number, robot in zip(numbers, robots, strict=True):
@@ -369,13 +371,15 @@ def _too_many(models: int, found: SdfFile) -> Diagnostic:
     return Diagnostic(
         code="SPN035",
         severity=Severity.ERROR,
-        message=f"The world holds {models:,} models: a trial takes at most {MOST_MODELS:,}.",
+        message=f"The world holds {models:,} models: a simulation takes at most {MOST_MODELS:,}.",
         file=found.world.file if found.world else None,
         hint="Make one static model of what never moves, or split the world.",
     )
 
 
-def without_taken(scenery: Iterable[Described], taken: Iterable[str]) -> list[Described]:
+def without_taken(
+    static_models: Iterable[PreparedRobot], taken: Iterable[str]
+) -> list[PreparedRobot]:
     """The scenery without models whose names are taken by what is spawned: one scene, one name."""
     names = set(taken)
-    return [model for model in scenery if model.entity not in names]
+    return [model for model in static_models if model.entity not in names]

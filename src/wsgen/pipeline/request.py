@@ -25,9 +25,9 @@ class ValidateRequest:
     engines: Sequence[str] = ("bullet",)  # the first one's figures are reported
     jobs: int = 1  # so many packages or files at a time
     picture_folder: Path | None = None
-    film: Path | None = None  # a .gif or .mp4 of the trial, where one thing is tried
+    video: Path | None = None  # a .gif or .mp4 of the simulation, where one thing is tried
 
     @property
     def is_drawn(self) -> bool:
         """Whether it matters what things look like."""
-        return self.picture_folder is not None or self.film is not None
+        return self.picture_folder is not None or self.video is not None

@@ -1,4 +1,4 @@
-"""Which packages are judged, and by which of their launch files.
+"""Which packages are checked, and by which of their launch files.
 
 Which launch files a package has.
 """
@@ -77,8 +77,8 @@ def _holds(file: Path, word: bytes) -> bool:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Chosen:
-    """A package to judge; without a launch file, the problem says why there is none."""
+class SelectedPackage:
+    """A package to check; without a launch file, the problem says why there is none."""
 
     name: str
     source: Path | None  # None: of an underlay
@@ -89,13 +89,13 @@ class Chosen:
 
 def choose(
     workspace: Workspace, overlay: Overlay, request: ValidateRequest
-) -> tuple[tuple[Chosen, ...], tuple[str, ...]]:
-    """The packages to judge, and the names of those that are left out as they spawn nothing.
+) -> tuple[tuple[SelectedPackage, ...], tuple[str, ...]]:
+    """The packages to check, and the names of those that are left out as they spawn nothing.
 
     Raises:
         RequestError: a package or launch file that is named does not exist, or it is not clear
             which launch file of a named package is meant.
-        NotFoundError: a named package is not built, or there is nothing to judge.
+        NotFoundError: a named package is not built, or there is nothing to check.
     """
     sources = {package.name: package.path for package in find_packages(workspace)}
     if request.packages:
@@ -108,20 +108,20 @@ def choose(
     if len(sources) == 1:
         (name,) = sources
         return (_choose_named(name, sources, workspace, overlay, request.launch_file),), ()
-    chosen, left_out = [], []
+    selected, left_out = [], []
     for name, source in sources.items():
         package = _choose_unnamed(name, source, overlay.share(name), request.launch_file)
         if package is None:
             left_out.append(name)
         else:
-            chosen.append(package)
-    if not chosen:
+            selected.append(package)
+    if not selected:
         raise NotFoundError(
             f"No package of {workspace.root} has a launch file that spawns a robot"
             + (f" called {request.launch_file}." if request.launch_file else "."),
             hint="Name a package to see what it lacks: wsgen validate PACKAGE",
         )
-    return tuple(chosen), tuple(left_out)
+    return tuple(selected), tuple(left_out)
 
 
 def _choose_named(
@@ -130,7 +130,7 @@ def _choose_named(
     workspace: Workspace,
     overlay: Overlay,
     wanted: str | None,
-) -> Chosen:
+) -> SelectedPackage:
     if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_-]*", name):
         near = name.strip("./").rpartition("/")[2]
         raise RequestError(
@@ -146,32 +146,32 @@ def _choose_named(
         file = name_launch_file(share, wanted)
         if file is None:
             raise no_such_launch_file(name, wanted, files)
-        return Chosen(name=name, source=source, share=share, launch_file=file)
+        return SelectedPackage(name=name, source=source, share=share, launch_file=file)
     if not files:
         problem = _no_launch_file(source, share)
-        return Chosen(name=name, source=source, share=share, problem=problem)
+        return SelectedPackage(name=name, source=source, share=share, problem=problem)
     spawning = [file for file in files if may_spawn(file)] or list(files)
     if len(spawning) > 1:
         raise RequestError(
             f"{name} has several launch files that may spawn a robot.",
             hint=f"Choose one with --launch: {', '.join(file.name for file in spawning)}.",
         )
-    return Chosen(name=name, source=source, share=share, launch_file=spawning[0])
+    return SelectedPackage(name=name, source=source, share=share, launch_file=spawning[0])
 
 
 def _choose_unnamed(
     name: str, source: Path, share: Path | None, wanted: str | None
-) -> Chosen | None:
+) -> SelectedPackage | None:
     """One of several packages; None where neither source nor install space spawns a robot.
 
-    What is wrong with one package is its own problem, so that the others are judged.
+    What is wrong with one package is its own problem, so that the others are checked.
     """
     files = find_launch_files(share) if share else ()
     if wanted is not None:
         file = name_launch_file(share, wanted) if share else None
         if file is None:
             return None
-        return Chosen(name=name, source=source, share=share, launch_file=file)
+        return SelectedPackage(name=name, source=source, share=share, launch_file=file)
     spawning = [file for file in files if may_spawn(file)]
     written = find_launch_files(source)
     misnamed = None if written else find_misnamed(source)
@@ -179,7 +179,7 @@ def _choose_unnamed(
         written = (misnamed[0],)
     written = tuple(file for file in written if may_spawn(file))
     if len(spawning) == 1:
-        return Chosen(name=name, source=source, share=share, launch_file=spawning[0])
+        return SelectedPackage(name=name, source=source, share=share, launch_file=spawning[0])
     if spawning:
         problem = _several_launch_files(name, spawning)
     elif not written:
@@ -188,7 +188,7 @@ def _choose_unnamed(
         problem = _not_built(name, source)
     else:
         problem = _no_launch_file(source, share)
-    return Chosen(name=name, source=source, share=share, problem=problem)
+    return SelectedPackage(name=name, source=source, share=share, problem=problem)
 
 
 def no_such_launch_file(package: str, wanted: str, files: Sequence[Path]) -> RequestError:

@@ -17,11 +17,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen import tomlfile
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.isolation.fork_server import Nursery
+from wsgen.isolation.fork_server import ForkServer
 from wsgen.model.package import Maintainer
 from wsgen.pipeline.package_validation import Validation
 from wsgen.pipeline.request import ValidateRequest
-from wsgen.pipeline.selection import Chosen, find_launch_files, may_spawn
+from wsgen.pipeline.selection import SelectedPackage, find_launch_files, may_spawn
 from wsgen.simulation.run import default_engine
 from wsgen.templating.render import installed_folders
 from wsgen.templating.render_apart import render_tree_apart
@@ -74,7 +74,7 @@ def _malformed(file: Path, form: str, why: str, line: int | None) -> Diagnostic:
         message=f"{file.name} is not {form}: {why}.",
         file=file,
         line=line,
-        hint="Mend the source; `wsgen new -t FOLDER` writes the file to look at.",
+        hint="Fix the source; `wsgen new -t FOLDER` writes the file to look at.",
     )
 
 
@@ -101,9 +101,9 @@ def check_template(template: Template) -> tuple[Diagnostic, ...]:
     Files that are named are paths in the package, but for those of the template itself.
     """
     cases = tuple(_cases(template))
-    with tempfile.TemporaryDirectory(prefix="wsgen-") as folder, Nursery() as nursery:
+    with tempfile.TemporaryDirectory(prefix="wsgen-") as folder, ForkServer() as fork_server:
         found = {
-            case: _check_case(case, template, Path(folder, str(number)), nursery.run)
+            case: _check_case(case, template, Path(folder, str(number)), fork_server.run)
             for number, case in enumerate(cases)
         }
     return _gather(found)
@@ -159,8 +159,8 @@ def _try(source: Path, overlay: Overlay, run: Run) -> Iterator[Diagnostic]:
     share = overlay.prefixes[0] / "share" / PACKAGE
     request = ValidateRequest(engines=(default_engine(),))
     for file in filter(may_spawn, find_launch_files(share)):
-        chosen = Chosen(name=PACKAGE, source=source, share=share, launch_file=file)
-        yield from Validation(chosen, overlay, request, None, run).run().diagnostics
+        selected = SelectedPackage(name=PACKAGE, source=source, share=share, launch_file=file)
+        yield from Validation(selected, overlay, request, None, run).run().diagnostics
 
 
 def _relative(found: Diagnostic, folder: Path) -> Diagnostic:

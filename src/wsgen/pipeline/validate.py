@@ -1,4 +1,4 @@
-"""The stages of `wsgen validate`: overlay, launch plan, robot and world, trial, verdict.
+"""The stages of `wsgen validate`: overlay, launch plan, robot and world, simulation, verdict.
 
 Play one launch file, of whatever package or of none.
 """
@@ -19,8 +19,8 @@ from wsgen.isolation import parent
 from wsgen.model.outcome import Outcome
 from wsgen.pipeline.package_validation import Validation
 from wsgen.pipeline.request import ValidateRequest
-from wsgen.pipeline.selection import Chosen, choose
-from wsgen.rendering.recording import lacks_encoder, why_no_film
+from wsgen.pipeline.selection import SelectedPackage, choose
+from wsgen.rendering.recording import lacks_encoder, why_no_video
 from wsgen.simulation.run import missing_engines
 from wsgen.workspace.layout import find_packages
 from wsgen.workspace.overlay import Overlay, source_overlay
@@ -67,7 +67,7 @@ def validate(
     prepare(request)
     overlay = _overlay(workspace, request, environment)
     told = OneAtATime(listener)
-    packages: Sequence[Chosen] = ()
+    packages: Sequence[SelectedPackage] = ()
     left_out: tuple[str, ...] = ()
     if workspace is not None and (request.packages or not request.files):
         packages, left_out = choose(workspace, overlay, request)
@@ -121,12 +121,12 @@ def _run_several(
     ended: list[PackageOutcome],
 ) -> None:
     """Run them, `jobs` at a time, with child processes that share their start."""
-    from wsgen.isolation.fork_server import Nursery  # noqa: PLC0415  of no use for one
+    from wsgen.isolation.fork_server import ForkServer  # noqa: PLC0415  of no use for one
 
-    # Leaving the nursery ends the children for which the threads wait.
+    # Leaving the fork server ends the children for which the threads wait.
     with ExitStack() as stack:
         pool = _thread_pool(stack, jobs)
-        todo = subjects(stack.enter_context(Nursery()).run)
+        todo = subjects(stack.enter_context(ForkServer()).run)
         stack.callback(told.close)  # what loses its child then has not failed
         if pool is None:
             for subject in todo:
@@ -260,31 +260,31 @@ def play(  # noqa: PLR0913  what to play, where, how
     workspace: Workspace | None = None,
     listener: Listener | None = None,
 ) -> Outcome:
-    """Evaluate a launch file, spawn what it spawns, simulate and judge it.
+    """Evaluate a launch file, spawn what it spawns, simulate and check it.
 
     `package` is the one that the file belongs to, if any; `workspace` may have its source. Of the
     request everything counts that says how to try, and nothing that says what.
 
     Raises:
-        RequestError: there can be no such film.
-        NotFoundError: an engine or the encoder of the film is not installed.
+        RequestError: there can be no such video.
+        NotFoundError: an engine or the encoder of the video is not installed.
         NotReadableError: the folder for the pictures cannot be made.
     """
     prepare(request)
-    if request.film is not None and lacks_encoder(request.film):
+    if request.video is not None and lacks_encoder(request.video):
         raise NotFoundError(
             "PyAV, which writes .mp4, is not installed.",
             hint="Install it: pip install 'wsgen[video]'; or name a .gif.",
         )
-    problem = None if request.film is None else why_no_film(request.film)
+    problem = None if request.video is None else why_no_video(request.video)
     if problem is not None:
         raise RequestError(f"Cannot record a video: {problem}.", hint="Name a .gif, for example.")
     written = [] if workspace is None else find_packages(workspace)
-    chosen = Chosen(
+    selected = SelectedPackage(
         name=package or launch_file.stem,
         source=next((found.path for found in written if found.name == package), None),
         share=overlay.share(package) if package else None,
         launch_file=launch_file,
     )
-    outcome = Validation(chosen, overlay, request, listener).run()
+    outcome = Validation(selected, overlay, request, listener).run()
     return Outcome(packages=(replace(outcome, package=package),))

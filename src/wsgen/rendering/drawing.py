@@ -1,4 +1,4 @@
-"""What the child process of a trial draws when it is over, and what kept it from doing so."""
+"""What the child process of a simulation draws when it is over, and what kept it from doing so."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wsgen.errors import WsgenError
 from wsgen.isolation.child import announce
-from wsgen.rendering.recording import Recorder, why_no_film
-from wsgen.simulation.scene import DRAWING, FILMING
+from wsgen.rendering.recording import Recorder, why_no_video
+from wsgen.simulation.scene import DRAWING, RECORDING
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Container
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from wsgen.model.transform import Vector
     from wsgen.rendering.render_items import Poses
-    from wsgen.rendering.scene_renderer import Gallery
+    from wsgen.rendering.scene_renderer import SceneRenderer
     from wsgen.simulation.engine import Engine
     from wsgen.simulation.scene import Scene
 
@@ -32,7 +32,7 @@ class Standing(NamedTuple):
 
 
 def remember(engine: Engine, scene: Scene, refused: Container[str]) -> Standing | None:
-    """Look at everything, if a picture or a film is wanted."""
+    """Look at everything, if a picture or a video is wanted."""
     if (scene.picture, scene.world_picture, scene.record) == (None, None, None):
         return None
     entities = [robot.entity for robot in scene.robots if robot.entity not in refused]
@@ -47,11 +47,11 @@ def remember(engine: Engine, scene: Scene, refused: Container[str]) -> Standing 
 
 
 def recorder_for(engine: Engine, scene: Scene) -> Recorder | None:
-    """Who is to watch the trial, if a film of it is wanted and can be written."""
-    if scene.record is None or why_no_film(scene.record) is not None:
+    """Who is to watch the simulation, if a video of it is wanted and can be written."""
+    if scene.record is None or why_no_video(scene.record) is not None:
         return None
     static = [robot.entity for robot in scene.robots if robot.robot.is_static]
-    behaving = sum(attempt.behaviour.seconds for attempt in scene.attempts)
+    behaving = sum(behavior_run.behavior.seconds for behavior_run in scene.behavior_runs)
     return Recorder(engine.link_poses, max(scene.seconds, behaving), immobile=static)
 
 
@@ -62,24 +62,26 @@ def draw(
 
     Returns:
         `picture_tile` and `world_picture_tile`, the edge of a square in the picture (m) or None;
-        `film`, the fields of a `Film` but its file. For what was wanted and could not be drawn
+        `video`, the fields of a `Video` but its file. For what was wanted and could not be drawn
         there is a reason instead: `picture_problem`, `world_picture_problem`, `film_problem`.
     """
     told: dict[str, Any] = {}
     if scene.record is not None and recorder is None:
-        told["film_problem"] = why_no_film(scene.record)
-    has_scenery = any(robot.is_scenery for robot in scene.robots if robot.entity not in refused)
+        told["film_problem"] = why_no_video(scene.record)
+    has_static_models = any(
+        robot.is_static_model for robot in scene.robots if robot.entity not in refused
+    )
     wanted = {
         "picture": scene.picture is not None,
-        "world_picture": scene.world_picture is not None and has_scenery,
-        "film": recorder is not None,
+        "world_picture": scene.world_picture is not None and has_static_models,
+        "video": recorder is not None,
     }
     if standing is None or not any(wanted.values()):
         return told
     announce(DRAWING)
     try:
-        told |= _draw_all(scene, refused, recorder, standing, has_scenery=has_scenery)
-    except Exception as error:  # noqa: BLE001  whatever it is, the trial counts without pictures
+        told |= _draw_all(scene, refused, recorder, standing, has_static_models=has_static_models)
+    except Exception as error:  # noqa: BLE001  whatever it is, the simulation counts without pictures
         told |= {
             f"{kind}_problem": _reason(error) for kind, is_wanted in wanted.items() if is_wanted
         }
@@ -92,44 +94,47 @@ def _draw_all(
     recorder: Recorder | None,
     standing: Standing,
     *,
-    has_scenery: bool,
+    has_static_models: bool,
 ) -> dict[str, Any]:
-    # NumPy's and Pillow's loading would cost every trial as much as its simulation does, and where
+    # NumPy's and Pillow's loading would cost every simulation as much as its simulation does, and
+    # where
     # PyBullet has no wheels there is no picture.
-    from wsgen.rendering.scene_renderer import Gallery  # noqa: PLC0415
+    from wsgen.rendering.scene_renderer import SceneRenderer  # noqa: PLC0415
 
-    gallery = Gallery(scene, standing.poses, standing.corners, refused)
+    scene_renderer = SceneRenderer(scene, standing.poses, standing.corners, refused)
     told: dict[str, Any] = {}
     if scene.picture is not None:
         file = scene.picture
-        told |= _attempt("picture", "picture_tile", lambda: gallery.draw(file))
-    if scene.world_picture is not None and has_scenery:
+        told |= _behavior_run("picture", "picture_tile", lambda: scene_renderer.draw(file))
+    if scene.world_picture is not None and has_static_models:
         world_file = scene.world_picture
-        told |= _attempt(
-            "world_picture", "world_picture_tile", lambda: gallery.draw_world(world_file)
+        told |= _behavior_run(
+            "world_picture", "world_picture_tile", lambda: scene_renderer.draw_world(world_file)
         )
     if scene.record is not None and recorder is not None:
-        film_file, progress = scene.record, scene.progress
-        told |= _attempt("film", "film", lambda: _film(gallery, recorder, film_file, progress))
+        video_file, progress = scene.record, scene.progress
+        told |= _behavior_run(
+            "video", "video", lambda: _video(scene_renderer, recorder, video_file, progress)
+        )
     return told
 
 
-def _film(
-    gallery: Gallery, recorder: Recorder, file: Path, progress: Path | None
+def _video(
+    scene_renderer: SceneRenderer, recorder: Recorder, file: Path, progress: Path | None
 ) -> dict[str, Any]:
-    from wsgen.rendering.video import draw_film  # noqa: PLC0415  as above
+    from wsgen.rendering.video import draw_video  # noqa: PLC0415  as above
 
     def tell(frame: str) -> None:
-        announce(f"{FILMING}: {frame}")
+        announce(f"{RECORDING}: {frame}")
         if progress is not None:
-            progress.write_text(f"{FILMING}: {frame}", encoding="utf-8")
+            progress.write_text(f"{RECORDING}: {frame}", encoding="utf-8")
 
-    announce(FILMING)
-    film = draw_film(gallery, recorder, file, tell)
-    return {key: value for key, value in asdict(film).items() if key != "file"}
+    announce(RECORDING)
+    video = draw_video(scene_renderer, recorder, file, tell)
+    return {key: value for key, value in asdict(video).items() if key != "file"}
 
 
-def _attempt(kind: str, key: str, task: Callable[[], object]) -> dict[str, Any]:
+def _behavior_run(kind: str, key: str, task: Callable[[], object]) -> dict[str, Any]:
     """What the task gives, under that key, or why it gives nothing."""
     try:
         return {key: task()}

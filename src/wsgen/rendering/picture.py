@@ -41,7 +41,7 @@ FAINT = 0.35  # how much of what is under the ground shines through
 # Of 256 levels, either way: without it the levels of a surface that slowly turns from the light
 # are seen as bands.
 DITHER = 1.0
-CAPTION_COLOUR = (70, 78, 88)
+CAPTION_COLOR = (70, 78, 88)
 CAPTION_SIZE, CAPTION_MARGIN = 1 / 40, 1 / 51  # of the picture's height
 CAPTION_LEADING = 4  # pixels between lines
 CAPTION_SCALE = 4  # so many times as large the letters are drawn
@@ -74,9 +74,9 @@ def _image(shot: Shot, opacity: Floats, *, has_ground: bool) -> Image.Image:
     alpha = (_of_bodies(shot, opacity) * 255).astype(np.uint8)
     if has_ground:
         alpha = np.where(is_under_ground(shot), (alpha * FAINT).astype(np.uint8), alpha)
-    colour = shot.rgba.copy()
-    colour[..., 3] = alpha
-    return Image.fromarray(colour)
+    color = shot.rgba.copy()
+    color[..., 3] = alpha
+    return Image.fromarray(color)
 
 
 def _of_bodies(shot: Shot, table: NDArray[Any]) -> NDArray[Any]:
@@ -116,11 +116,11 @@ def compose(front: Image.Image, background: Floats, size: Size, *, dither: bool)
         front = front.resize((size.width, size.height), Image.Resampling.BOX)
     seen = np.asarray(front, dtype=np.float32)
     cover = seen[..., 3:] / 255
-    colour = seen[..., :3]
+    color = seen[..., :3]
     if dither:  # the same every time
         noise = np.random.default_rng(0).random(cover.shape, dtype=np.float32)
-        colour = colour + (noise * 2 - 1) * np.float32(DITHER)
-    picture = background * 255 * (1 - cover) + colour * cover
+        color = color + (noise * 2 - 1) * np.float32(DITHER)
+    picture = background * 255 * (1 - cover) + color * cover
     return Image.fromarray((picture + 0.5).clip(0, 255).astype(np.uint8))
 
 
@@ -128,7 +128,7 @@ def write_caption(image: Image.Image, lines: Sequence[str]) -> None:
     """Write into the lower left corner."""
     margin = round(image.height * CAPTION_MARGIN)
     letters = _letters("\n".join(lines), max(11, round(image.height * CAPTION_SIZE)))
-    image.paste(CAPTION_COLOUR, (margin, image.height - margin - letters.height), letters)
+    image.paste(CAPTION_COLOR, (margin, image.height - margin - letters.height), letters)
 
 
 def _letters(text: str, size: int) -> Image.Image:
@@ -207,7 +207,7 @@ class Backdrop:
         self._hits = (rays[..., 2] < DOWN) & (has_ground and height > 0)
         self.is_ground_seen = bool(self._hits.any())
         reach = np.where(self._hits, -height / np.where(self._hits, rays[..., 2], -1.0), 0.0)
-        self.colour = _sky(rays, has_ground=has_ground and height > 0)
+        self.color = _sky(rays, has_ground=has_ground and height > 0)
         self.tile: float | None = None
         if self.is_ground_seen:
             pixel = math.radians(FIELD_OF_VIEW) / size.height / tile
@@ -226,7 +226,7 @@ class Backdrop:
         haze = (haze * haze * (3 - 2 * haze))[..., None]
         ground = tiles + haze * (np.array(SKY_LOW, dtype=np.float32) - tiles)
         self._lit = 1 - haze[..., 0]  # haze hides shadows, too
-        self.colour = np.where(self._hits[..., None], ground, self.colour)
+        self.color = np.where(self._hits[..., None], ground, self.color)
 
     def look_past(self, is_free: NDArray[np.bool_]) -> None:
         """Have no tile where the ground is seen nowhere: all else than `is_free` is before it.
@@ -245,7 +245,7 @@ class Backdrop:
         `opacity` says how much light each body takes, by its number, 0 to 1.
         """
         if light is None or not self.is_ground_seen:
-            return self.colour
+            return self.color
         pixels = light.camera.width
         bodies = light.body
         mask = np.where(bodies >= 0, opacity[np.maximum(bodies, 0)] * 255, 0).astype(np.uint8)
@@ -259,7 +259,7 @@ class Backdrop:
             Image.Resampling.BILINEAR,
         )
         shade = np.asarray(seen, dtype=np.float32) * np.float32(SHADE / 255) * self._hits
-        shaded: Floats = self.colour * (1 - shade * self._lit)[..., None]
+        shaded: Floats = self.color * (1 - shade * self._lit)[..., None]
         return shaded
 
 
@@ -281,7 +281,7 @@ def _back(camera: Camera) -> tuple[float, float, float]:
 
 
 def _sky(rays: Floats, *, has_ground: bool) -> Floats:
-    """The sky; without a ground below it, one plain colour all around."""
+    """The sky; without a ground below it, one plain color all around."""
     low, high = np.array(SKY_LOW, dtype=np.float32), np.array(SKY_HIGH, dtype=np.float32)
     if not has_ground:
         return np.broadcast_to(low, rays.shape)

@@ -1,4 +1,4 @@
-"""Remembers where all links are while a trial goes on, and says whether a film can be made."""
+"""Record where all links are during a simulation; say whether a video can be made."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ if TYPE_CHECKING:
 
 
 EVERY = 5  # hundredths of a second, what GIF counts time in: 20 frames a second
-MOST_FRAMES = 600  # of a long trial there are fewer a second
+MOST_FRAMES = 600  # of a long simulation there are fewer a second
 ENCODER = "av"  # PyAV, which brings FFmpeg with it; wheels for every Python that wsgen runs on
 
 
 def lacks_encoder(file: Path) -> bool:
-    """Whether a film of that name needs PyAV, which is not installed."""
+    """Whether a video of that name needs PyAV, which is not installed."""
     return file.suffix.lower() == ".mp4" and find_spec(ENCODER) is None
 
 
-def why_no_film(file: Path) -> str | None:
-    """What keeps a film from being written there, in a sentence with what to do; None if nothing.
+def why_no_video(file: Path) -> str | None:
+    """What keeps a video from being written there, in a sentence with what to do; None if nothing.
 
-    It is cheap; ask before a trial.
+    It is cheap; ask before a simulation.
     """
     if file.suffix.lower() not in {".gif", ".mp4"}:
-        return f"a film is a .gif or an .mp4, and `{file.name}` is neither"
+        return f"a video is a .gif or an .mp4, and `{file.name}` is neither"
     if lacks_encoder(file):
         return "an .mp4 needs PyAV: take a .gif, or pip install 'wsgen[video]'"
     if not file.parent.is_dir():
@@ -52,7 +52,7 @@ class Clip:
 
 
 class Recorder:
-    """An observer of a trial: keeps the poses of all links at a fixed rate.
+    """An observer of a simulation: keeps the poses of all links at a fixed rate.
 
     `link_poses` gives those of a robot, as an engine does; robots that are `immobile` are asked
     about once. `seconds` is how long the video is about to be, in simulated time.

@@ -125,8 +125,8 @@ Rgba = tuple[float, float, float, float]
 Poses = dict[str, "Mapping[str, Pose]"]  # of links, in the world: entity, then link
 
 UNPAINTED: Rgba = (0.75, 0.75, 0.78, 1.0)  # about what Gazebo shows without a material
-UNPAINTED_SCENERY: Rgba = (0.60, 0.57, 0.53, 1.0)  # so that a robot is told from what it is on
-WHITE: Rgba = (1.0, 1.0, 1.0, 1.0)  # leaves a texture its colours
+UNPAINTED_STATIC_MODEL: Rgba = (0.60, 0.57, 0.53, 1.0)  # so that a robot is told from what it is on
+WHITE: Rgba = (1.0, 1.0, 1.0, 1.0)  # leaves a texture its colors
 COLLISION: Rgba = (1.0, 0.44, 0.0, 0.5)  # what Gazebo paints collisions with
 BLACKEST = 0.1  # Gazebo's `FlatBlack`
 TRIANGLES_OF_A_MESH = 5_000
@@ -134,7 +134,7 @@ INVISIBLE = 0.1  # what has less alpha is not to be seen
 
 
 @dataclass(frozen=True, kw_only=True)
-class Exhibit:
+class RenderItem:
     """Something that is drawn."""
 
     entity: str  # the robot and the link that carry it
@@ -176,26 +176,26 @@ class Exhibit:
         return pose if all(map(math.isfinite, (*pose.xyz, *pose.rpy))) else None
 
 
-def list_exhibits(scene: Scene, refused: Container[str]) -> list[Exhibit]:
+def list_render_items(scene: Scene, refused: Container[str]) -> list[RenderItem]:
     """What can be drawn of the robots that the engine took.
 
     A link without a visual that can be drawn shows its collisions, unless its maker has made its
     visuals invisible; a robot of which nothing is seen then shows those, too.
     """
     return [
-        exhibit
+        render_item
         for robot in scene.robots
         if robot.entity not in refused
-        for exhibit in _of_robot(robot, is_subject=robot in subjects(scene))
+        for render_item in _of_robot(robot, is_subject=robot in subjects(scene))
     ]
 
 
 def subjects(scene: Scene) -> Sequence[SpawnedRobot]:
     """The robots that a picture is about: all, where there is nothing but scenery."""
-    return [robot for robot in scene.robots if not robot.is_scenery] or scene.robots
+    return [robot for robot in scene.robots if not robot.is_static_model] or scene.robots
 
 
-def _of_robot(robot: SpawnedRobot, *, is_subject: bool) -> list[Exhibit]:
+def _of_robot(robot: SpawnedRobot, *, is_subject: bool) -> list[RenderItem]:
     links = robot.robot.links
     seen = [one for link in links for one in _of_link(robot.entity, link, is_subject=is_subject)]
     return seen or [
@@ -203,16 +203,16 @@ def _of_robot(robot: SpawnedRobot, *, is_subject: bool) -> list[Exhibit]:
     ]
 
 
-def _of_link(entity: str, link: Link, *, is_subject: bool) -> Iterator[Exhibit]:
+def _of_link(entity: str, link: Link, *, is_subject: bool) -> Iterator[RenderItem]:
     visuals = [
         (visual, geometry) for visual in link.visuals if (geometry := _drawable(visual.geometry))
     ]
     if not visuals:
         yield from _collisions(entity, link, is_subject=is_subject)
     for visual, geometry in visuals:
-        rgba = _colour(visual, UNPAINTED if is_subject else UNPAINTED_SCENERY)
+        rgba = _color(visual, UNPAINTED if is_subject else UNPAINTED_STATIC_MODEL)
         if rgba[3] >= INVISIBLE:
-            yield Exhibit(
+            yield RenderItem(
                 entity=entity,
                 link=link.name,
                 geometry=geometry,
@@ -223,11 +223,11 @@ def _of_link(entity: str, link: Link, *, is_subject: bool) -> Iterator[Exhibit]:
             )
 
 
-def _collisions(entity: str, link: Link, *, is_subject: bool) -> Iterator[Exhibit]:
+def _collisions(entity: str, link: Link, *, is_subject: bool) -> Iterator[RenderItem]:
     for collision in link.collisions:
         geometry = _drawable(collision.geometry)
         if geometry is not None:
-            yield Exhibit(
+            yield RenderItem(
                 entity=entity,
                 link=link.name,
                 geometry=geometry,
@@ -245,8 +245,8 @@ def _drawable(geometry: Geometry) -> Primitive | Mesh | None:
     return geometry if isinstance(geometry, (Box, Cylinder, Sphere, Capsule)) else None
 
 
-def _colour(visual: Visual, unpainted: Rgba) -> Rgba:
-    """Its colour, but for black, which is painted as little brighter as shows its edges."""
+def _color(visual: Visual, unpainted: Rgba) -> Rgba:
+    """Its color, but for black, which is painted as little brighter as shows its edges."""
     red, green, blue, alpha = visual.rgba or (WHITE if visual.texture else unpainted)
     is_black = max(red, green, blue) < BLACKEST
     return (BLACKEST, BLACKEST, BLACKEST, alpha) if is_black else (red, green, blue, alpha)

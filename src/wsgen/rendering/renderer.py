@@ -1,4 +1,4 @@
-"""A studio with PyBullet's software renderer, which needs no display: bodies to be photographed."""
+"""The renderer: PyBullet's software renderer, which needs no display."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from wsgen.model.robot import Box, Mesh
 from wsgen.model.transform import IDENTITY, quaternion_of_rpy, rotation_of_rpy
 from wsgen.rendering.camera import Shot, Size, eye_camera
-from wsgen.rendering.render_items import Exhibit, tessellate
+from wsgen.rendering.render_items import RenderItem, tessellate
 from wsgen.simulation.bullet_client import Client
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from wsgen.rendering.render_items import Poses
 
 
-# A face that looks into the light is as bright as its colour, as in Gazebo; one that looks away
+# A face that looks into the light is as bright as its color, as in Gazebo; one that looks away
 # keeps this share.
 LIGHT_AMBIENT = 0.55
 LIGHT_SPECULAR = 0.05
@@ -36,23 +36,23 @@ UNLIT = 0.75  # how bright something is of which nobody knows where it faces
 SOLID = 0.95  # of alpha: what has less is see-through
 
 
-class Studio:
+class Renderer:
     """A world with nothing but what is to be seen, at first at its origin."""
 
-    def __init__(self, exhibits: Iterable[Exhibit], *, towards_light: Vector) -> None:
+    def __init__(self, render_items: Iterable[RenderItem], *, towards_light: Vector) -> None:
         self._client = Client()
         self._light = towards_light
-        self._bodies = [(exhibit, self._place(exhibit)) for exhibit in exhibits]
+        self._bodies = [(render_item, self._place(render_item)) for render_item in render_items]
         self._poses: dict[int, Pose] = {}  # of the bodies that are anywhere
 
-    def _place(self, exhibit: Exhibit) -> int:
-        client, geometry = self._client, exhibit.geometry
+    def _place(self, render_item: RenderItem) -> int:
+        client, geometry = self._client, render_item.geometry
         if isinstance(geometry, Mesh):
             shape = client.createVisualShape(
                 client.GEOM_MESH,
                 fileName=geometry.path,
                 meshScale=geometry.scale,
-                rgbaColor=exhibit.rgba,
+                rgbaColor=render_item.rgba,
             )
         else:
             surface = tessellate(geometry)
@@ -62,26 +62,26 @@ class Studio:
                 indices=surface.indices,
                 normals=surface.normals,
                 uvs=[(0.0, 0.0)] * len(surface.vertices),
-                rgbaColor=exhibit.rgba,
+                rgbaColor=render_item.rgba,
             )
         body = int(client.createMultiBody(baseVisualShapeIndex=shape))
-        if exhibit.texture is not None:
-            image = client.loadTexture(exhibit.texture)
-            client.changeVisualShape(body, -1, textureUniqueId=image, rgbaColor=exhibit.rgba)
+        if render_item.texture is not None:
+            image = client.loadTexture(render_item.texture)
+            client.changeVisualShape(body, -1, textureUniqueId=image, rgbaColor=render_item.rgba)
         return body
 
     @property
     def opacity(self) -> list[float]:
         """Of each body by its number, 0 to 1."""
         table = [1.0] * (max((body for _, body in self._bodies), default=0) + 1)
-        for exhibit, body in self._bodies:
-            table[body] = exhibit.rgba[3] if exhibit.rgba[3] < SOLID else 1.0
+        for render_item, body in self._bodies:
+            table[body] = render_item.rgba[3] if render_item.rgba[3] < SOLID else 1.0
         return table
 
     @property
     def triangles(self) -> int:
         """How many are drawn of all bodies."""
-        return sum(exhibit.triangles for exhibit, _ in self._bodies)
+        return sum(render_item.triangles for render_item, _ in self._bodies)
 
     def shot_seconds(self, pixels: float) -> float:
         """About the CPU time that a shot of so many pixels takes on a usual computer, s."""
@@ -90,55 +90,59 @@ class Studio:
 
     def arrange(self, poses: Poses) -> None:
         """Put everything where its link is; what is nowhere keeps its place, or is not shown."""
-        for exhibit, body in self._bodies:
-            pose = exhibit.pose(poses)
+        for render_item, body in self._bodies:
+            pose = render_item.pose(poses)
             if pose is not None:
                 self._poses[body] = pose
                 self._client.resetBasePositionAndOrientation(
                     body, pose.xyz, quaternion_of_rpy(pose.rpy)
                 )
             elif body not in self._poses:
-                self._show(exhibit, body, alpha=0.0)
+                self._show(render_item, body, alpha=0.0)
 
-    def points(self, which: Callable[[Exhibit], bool] = lambda _: True) -> dict[int, Floats]:
+    def points(self, which: Callable[[RenderItem], bool] = lambda _: True) -> dict[int, Floats]:
         """Points (n by 3, m, in the world) that bodies lie between, by the bodies' numbers.
 
         Left out are those that nobody knows any of.
         """
         return {
             body: np.array(points) @ np.array(rotation_of_rpy(pose.rpy)).T + pose.xyz
-            for exhibit, body in self._bodies
-            if which(exhibit) and (pose := self._poses.get(body)) and (points := exhibit.points())
+            for render_item, body in self._bodies
+            if which(render_item)
+            and (pose := self._poses.get(body))
+            and (points := render_item.points())
         }
 
-    def numbers(self, which: Callable[[Exhibit], bool]) -> set[int]:
-        """The numbers of the bodies of such exhibits."""
-        return {body for exhibit, body in self._bodies if which(exhibit)}
+    def numbers(self, which: Callable[[RenderItem], bool]) -> set[int]:
+        """The numbers of the bodies of such render items."""
+        return {body for render_item, body in self._bodies if which(render_item)}
 
-    def remove(self, which: Callable[[Exhibit, Floats], bool]) -> None:
-        """Take out what is such an exhibit and lies between such points."""
+    def remove(self, which: Callable[[RenderItem, Floats], bool]) -> None:
+        """Take out what is such a render item and lies between such points."""
         around = self.points()
         gone = {
             body
-            for exhibit, body in self._bodies
-            if body in around and which(exhibit, around[body])
+            for render_item, body in self._bodies
+            if body in around and which(render_item, around[body])
         }
         for body in gone:
             self._client.removeBody(body)
-        self._bodies = [(exhibit, body) for exhibit, body in self._bodies if body not in gone]
+        self._bodies = [
+            (render_item, body) for render_item, body in self._bodies if body not in gone
+        ]
 
     def shoot(self, camera: Camera, *, without: Container[int] = ()) -> Shot:
-        """What the studio looks like through a camera, without some of the bodies.
+        """What the renderer looks like through a camera, without some of the bodies.
 
         What is see-through is seen as solid.
         """
         left_out = [one for one in self._bodies if one[1] in without]
-        for exhibit, body in left_out:
-            self._show(exhibit, body, alpha=0.0)  # the renderer leaves that out
+        for render_item, body in left_out:
+            self._show(render_item, body, alpha=0.0)  # the renderer leaves that out
         shot = self._shoot(camera)
-        for exhibit, body in left_out:
+        for render_item, body in left_out:
             if body in self._poses:
-                self._show(exhibit, body, alpha=1.0)
+                self._show(render_item, body, alpha=1.0)
         return shot
 
     def _shoot(self, camera: Camera) -> Shot:
@@ -166,23 +170,23 @@ class Studio:
         return Shot(camera, view, projection, rgba, depth, body)
 
     def _paint_unlit(self, rgba: NDArray[np.uint8], body: NDArray[np.int32]) -> None:
-        """Give what has no normals its colour: many STL files have none, and are drawn in black."""
-        colours = {
-            number: exhibit.rgba
-            for exhibit, number in self._bodies
-            if isinstance(exhibit.geometry, Mesh)
-            and str(exhibit.geometry.path).lower().endswith("stl")
+        """Give what has no normals its color: many STL files have none, and are drawn in black."""
+        colors = {
+            number: render_item.rgba
+            for render_item, number in self._bodies
+            if isinstance(render_item.geometry, Mesh)
+            and str(render_item.geometry.path).lower().endswith("stl")
         }
-        if not colours:
+        if not colors:
             return
         rgb, numbers = rgba.reshape(-1, 4)[:, :3], body.reshape(-1)
         for number in np.unique(numbers[~rgb.any(axis=1)]).tolist():
-            if number in colours:
+            if number in colors:
                 is_unlit = (numbers == number) & ~rgb.any(axis=1)
-                rgb[is_unlit] = [round(255 * UNLIT * part) for part in colours[number][:3]]
+                rgb[is_unlit] = [round(255 * UNLIT * part) for part in colors[number][:3]]
 
-    def _show(self, exhibit: Exhibit, body: int, *, alpha: float) -> None:
-        self._client.changeVisualShape(body, -1, rgbaColor=(*exhibit.rgba[:3], alpha))
+    def _show(self, render_item: RenderItem, body: int, *, alpha: float) -> None:
+        self._client.changeVisualShape(body, -1, rgbaColor=(*render_item.rgba[:3], alpha))
 
     def close(self) -> None:
         """Give everything back."""
@@ -192,13 +196,13 @@ class Studio:
 def draw_a_box() -> bool:
     """Whether this machine's PyBullet can draw: a box, of which something must be seen."""
     box = Box(size=(1.0, 1.0, 1.0))
-    studio = Studio(
-        [Exhibit(entity="", link="", geometry=box, rgba=(1.0, 0.0, 0.0, 1.0))],
+    renderer = Renderer(
+        [RenderItem(entity="", link="", geometry=box, rgba=(1.0, 0.0, 0.0, 1.0))],
         towards_light=(0.0, 0.0, 1.0),
     )
-    studio.arrange({"": {"": IDENTITY}})
-    (points,) = studio.points().values()
-    shot = studio.shoot(eye_camera(points, Size(8, 6)))
+    renderer.arrange({"": {"": IDENTITY}})
+    (points,) = renderer.points().values()
+    shot = renderer.shoot(eye_camera(points, Size(8, 6)))
     return bool((shot.body >= 0).any() and shot.rgba[shot.body >= 0].any())
 
 

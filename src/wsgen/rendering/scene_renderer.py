@@ -1,11 +1,11 @@
 """The pictures of a scene: one of its robots, and a second one of all that is around them.
 
-Load it when a picture is wanted: NumPy's and Pillow's loading would cost every trial as much as
-its simulation does.
+Load it when a picture is wanted: NumPy's and Pillow's loading would cost every simulation as much
+as its simulation does.
 
 A first, coarse shot: it shows how far bodies reach more closely than the boxes around them.
 
-A camera and a light before what stands in a studio, and the ground behind it.
+A camera and a light before what stands in a renderer, and the ground behind it.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ from wsgen.rendering.picture import (
     write_caption,
     write_png,
 )
-from wsgen.rendering.render_items import list_exhibits, subjects
-from wsgen.rendering.renderer import Studio
+from wsgen.rendering.render_items import list_render_items, subjects
+from wsgen.rendering.renderer import Renderer
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Container, Iterator, Mapping, Sequence
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from wsgen.model.transform import Vector
     from wsgen.model.world import World
     from wsgen.rendering.camera import Floats, Shot
-    from wsgen.rendering.render_items import Exhibit, Poses
+    from wsgen.rendering.render_items import Poses, RenderItem
     from wsgen.simulation.scene import Scene
 
 
@@ -52,7 +52,7 @@ CLOSER = 1.2  # how much more than has been found the last shot takes in
 
 
 def seen_points(
-    studio: Studio,
+    renderer: Renderer,
     numbers: Collection[int],
     around: Mapping[int, Floats],
     whole: Container[int],
@@ -61,7 +61,7 @@ def seen_points(
     """Points (n by 3, m, in the world) that bodies lie between.
 
     Args:
-        studio: What they stand in.
+        renderer: What they stand in.
         numbers: Which bodies.
         around: Points that each lies between; some may be missing.
         whole: Bodies of which those points are not of a box around them but their own.
@@ -71,23 +71,23 @@ def seen_points(
     missing = [body for body in numbers if body not in around]
     boxed = [body for body in numbers if body not in whole]
     points = np.vstack([guess, *around.values()])
-    shots = [_shoot(studio, points, missing)]
+    shots = [_shoot(renderer, points, missing)]
     while not _is_complete(shots[-1], missing) and len(shots) < MOST_SHOTS:
         points = _widen(points, GROWTH)
-        shots.append(_shoot(studio, points, missing))
+        shots.append(_shoot(renderer, points, missing))
     clear, seen = _reach(shots[-1], boxed)
     if len(shots) > 1 and clear:  # from so far away they were small; now it is known where they are
-        clear, seen = _reach(_shoot(studio, _widen(seen, CLOSER), missing), boxed)
+        clear, seen = _reach(_shoot(renderer, _widen(seen, CLOSER), missing), boxed)
     unseen = [points for body, points in around.items() if body not in clear]
     return np.vstack([seen, *unseen, *([guess] if set(missing) - clear else [])])
 
 
-def _shoot(studio: Studio, points: Floats, missing: Collection[int]) -> Shot:
+def _shoot(renderer: Renderer, points: Floats, missing: Collection[int]) -> Shot:
     camera = eye_camera(points, PROBE, behind=points)
     if missing:  # they may be nearer or farther than what is known
         distance = math.dist(camera.eye, camera.target)
         camera = replace(camera, near=distance * NEAREST, far=distance / NEAREST)
-    return studio.shoot(camera)
+    return renderer.shoot(camera)
 
 
 def _is_complete(shot: Shot, missing: Collection[int]) -> bool:
@@ -142,19 +142,19 @@ def _cosine(one: Vector, other: Vector) -> float:
     return product / max(math.hypot(*one) * math.hypot(*other), 1e-12)
 
 
-def finest_scale(studio: Studio, size: Size, seconds: float) -> float:
+def finest_scale(renderer: Renderer, size: Size, seconds: float) -> float:
     """How many times as large as a picture it can be drawn in so much CPU time, about."""
-    affordable = (one for one in SCALES if picture_seconds(studio, size, one) <= seconds)
+    affordable = (one for one in SCALES if picture_seconds(renderer, size, one) <= seconds)
     return next(affordable, SCALES[-1])
 
 
-def picture_seconds(studio: Studio, size: Size, scale: float) -> float:
+def picture_seconds(renderer: Renderer, size: Size, scale: float) -> float:
     """About the CPU time that a picture of this size takes on a usual computer, s."""
     pixels = size.width * size.height
-    seconds = studio.shot_seconds(pixels * scale**2)
-    seconds += studio.shot_seconds(_shadow_pixels(size, scale) ** 2)
-    if min(studio.opacity) < 1:
-        seconds += studio.shot_seconds(pixels)
+    seconds = renderer.shot_seconds(pixels * scale**2)
+    seconds += renderer.shot_seconds(_shadow_pixels(size, scale) ** 2)
+    if min(renderer.opacity) < 1:
+        seconds += renderer.shot_seconds(pixels)
     return seconds + pixels * (PIXEL_SECONDS + scale**2 * DRAWN_PIXEL_SECONDS)
 
 
@@ -164,11 +164,11 @@ def _shadow_pixels(size: Size, scale: float) -> int:
 
 
 class Stage:
-    """Takes pictures of a studio, of one size, from one place."""
+    """Takes pictures of a renderer, of one size, from one place."""
 
     def __init__(  # noqa: PLR0913  a set-up has this many parts
         self,
-        studio: Studio,
+        renderer: Renderer,
         world: World,
         points: Floats,
         size: Size,
@@ -182,9 +182,9 @@ class Stage:
         A picture of `size` is drawn `scale` times as large, so that its edges are smooth. The
         camera is in the direction `towards`; of the bodies `without_shadow` none is drawn.
         """
-        self.studio = studio
+        self.renderer = renderer
         self.size = size
-        everything = [points, *studio.points().values()]
+        everything = [points, *renderer.points().values()]
         self.scale = scale
         drawn = Size(round(size.width * self.scale), round(size.height * self.scale))
         self.camera = eye_camera(points, drawn, behind=np.vstack(everything), towards=towards)
@@ -194,16 +194,16 @@ class Stage:
         shadow = _shadow_pixels(size, scale)
         self._light = sun and sun_camera(points, sun, shadow)
         self._without_shadow = without_shadow
-        self._opacity = np.array(studio.opacity, dtype=np.float32)
+        self._opacity = np.array(renderer.opacity, dtype=np.float32)
 
     def take(self, *, dither: bool) -> Image:
         """A picture of how things are now; `dither` makes it smoother and its file larger."""
-        shot = self.studio.shoot(self.camera)
+        shot = self.renderer.shoot(self.camera)
         self.backdrop.look_past(shot.body < 0)
         behind = self._behind_veils() if (self._opacity < 1).any() else None
         light = None
         if self._light is not None and self.backdrop.is_ground_seen:
-            light = self.studio.shoot(self._light, without=self._without_shadow)
+            light = self.renderer.shoot(self._light, without=self._without_shadow)
             light.body[is_under_ground(light)] = -1  # that throws no shadow upwards
         front = robots(shot, behind, self._opacity, has_ground=self.backdrop.is_ground_seen)
         background = self.backdrop.shadowed(light, self._opacity)
@@ -213,7 +213,7 @@ class Stage:
         """What is behind that which is see-through; it need not be sharp."""
         camera = replace(self.camera, width=self.size.width, height=self.size.height)
         veils = np.flatnonzero(self._opacity < 1).tolist()
-        return self.studio.shoot(camera if self.scale > 1 else self.camera, without=veils)
+        return self.renderer.shoot(camera if self.scale > 1 else self.camera, without=veils)
 
 
 PICTURE, WORLD_PICTURE = Size(960, 720), Size(480, 360)
@@ -237,7 +237,7 @@ GROUND_THICKNESS = 0.01  # m
 ALOFT = 0.25  # of the robots' size: what is as high above the ground does not stand on it
 
 
-class Gallery:
+class SceneRenderer:
     """Takes the pictures of a scene, with the links where they are at some moment.
 
     `corners` are points of each robot (m, in the world), for meshes of which nobody knows the size
@@ -252,26 +252,26 @@ class Gallery:
         refused: Container[str] = (),
     ) -> None:
         self.world = scene.world
-        self.exhibits = list_exhibits(scene, refused)
-        self.studio = Studio(self.exhibits, towards_light=lights(scene.world)[0])
-        self.studio.arrange(poses)
+        self.render_items = list_render_items(scene, refused)
+        self.renderer = Renderer(self.render_items, towards_light=lights(scene.world)[0])
+        self.renderer.arrange(poses)
         self._corners = corners
         self._subjects = [robot.entity for robot in subjects(scene) if robot.entity not in refused]
         if scene.world.has_ground_plane:
-            self.studio.remove(_lies_in_the_ground)
+            self.renderer.remove(_lies_in_the_ground)
         # The shadow of what is not in the picture would come from nowhere.
-        self.scenery = self.studio.numbers(lambda exhibit: not exhibit.is_subject)
+        self.static_models = self.renderer.numbers(lambda render_item: not render_item.is_subject)
 
     def draw(self, file: Path) -> float | None:
         """Write a PNG of the robots; gives the edge of the ground's squares, m, if any are seen."""
         points = self.subject_points()
         stage = Stage(
-            self.studio,
+            self.renderer,
             self.world,
             points,
             PICTURE,
-            finest_scale(self.studio, PICTURE, PATIENCE),
-            without_shadow=self.scenery,
+            finest_scale(self.renderer, PICTURE, PATIENCE),
+            without_shadow=self.static_models,
         )
         image = stage.take(dither=True)
         write_caption(image, [*self._captions(points), *_legend(stage.backdrop.tile)])
@@ -283,12 +283,12 @@ class Gallery:
         points = self.subject_points()
         middle = (points.min(axis=0) + points.max(axis=0)) / 2
         room = max(AROUND_LEAST, AROUND_SIZES * extent(points))
-        scenery = self.studio.points(lambda exhibit: not exhibit.is_subject)
-        near = [of_it for of_it in scenery.values() if abs(of_it - middle).max() < room]
+        static_models = self.renderer.points(lambda render_item: not render_item.is_subject)
+        near = [of_it for of_it in static_models.values() if abs(of_it - middle).max() < room]
         framed = np.vstack([points, *near])
         towards = self._best_view(framed)
-        scale = finest_scale(self.studio, WORLD_PICTURE, PATIENCE)
-        stage = Stage(self.studio, self.world, framed, WORLD_PICTURE, scale, towards=towards)
+        scale = finest_scale(self.renderer, WORLD_PICTURE, PATIENCE)
+        stage = Stage(self.renderer, self.world, framed, WORLD_PICTURE, scale, towards=towards)
         image = stage.take(dither=True)
         write_caption(image, [*_legend(stage.backdrop.tile)])
         write_png(image, file)
@@ -296,10 +296,10 @@ class Gallery:
 
     def _best_view(self, points: Floats) -> Vector:
         """From which corner the robots are seen best; from the usual one, if well enough."""
-        robots = list(self.studio.numbers(lambda exhibit: exhibit.is_subject))
+        robots = list(self.renderer.numbers(lambda render_item: render_item.is_subject))
         seen = []
         for towards in VIEWS:
-            shot = self.studio.shoot(eye_camera(points, WORLD_PICTURE, towards=towards))
+            shot = self.renderer.shoot(eye_camera(points, WORLD_PICTURE, towards=towards))
             seen.append(np.count_nonzero(np.isin(shot.body, robots)))
         return next(
             view for view, count in zip(VIEWS, seen, strict=True) if count >= ENOUGH * max(seen)
@@ -307,34 +307,36 @@ class Gallery:
 
     def subject_points(self) -> Floats:
         """Points that the robots lie between, as they are now (n by 3, m, in the world)."""
-        around = self.studio.points(lambda exhibit: exhibit.is_subject)
+        around = self.renderer.points(lambda render_item: render_item.is_subject)
         guess = self._corners_of_unknown()
         if not around and not len(guess):
             raise ValueError("nothing of it is anywhere: its poses are no numbers")
-        numbers = self.studio.numbers(lambda exhibit: exhibit.is_subject)
+        numbers = self.renderer.numbers(lambda render_item: render_item.is_subject)
         if not numbers:
             return guess
-        whole = self.studio.numbers(lambda exhibit: not isinstance(exhibit.geometry, Mesh))
+        whole = self.renderer.numbers(
+            lambda render_item: not isinstance(render_item.geometry, Mesh)
+        )
         if whole >= numbers:
             return np.vstack([guess, *around.values()])
-        return seen_points(self.studio, numbers, around, whole, guess)
+        return seen_points(self.renderer, numbers, around, whole, guess)
 
     def _corners_of_unknown(self) -> Floats:
-        """Corners of the robots of which something may be outside of what exhibits lie between."""
+        """Corners of the robots that may reach beyond the bounds of the render items."""
         corners: list[Vector] = []
         for entity in self._subjects:
-            own = [exhibit for exhibit in self.exhibits if exhibit.entity == entity]
-            if not own or not all(exhibit.has_known_size for exhibit in own):
+            own = [render_item for render_item in self.render_items if render_item.entity == entity]
+            if not own or not all(render_item.has_known_size for render_item in own):
                 corners += self._corners[entity]
         points: Floats = np.array(corners, dtype=np.float64).reshape(-1, 3)
         return points[np.isfinite(points).all(axis=1)]
 
     def _captions(self, points: Floats) -> Iterator[str]:
         """What a person would not see in the picture."""
-        shown = [exhibit for exhibit in self.exhibits if exhibit.is_subject]
+        shown = [render_item for render_item in self.render_items if render_item.is_subject]
         if not shown:
             yield "nothing can be seen of it: no visual, no collision"
-        elif any(exhibit.is_collision for exhibit in shown):
+        elif any(render_item.is_collision for render_item in shown):
             yield "orange: collisions of links without a visual"
         if not self.world.has_ground_plane:
             return
@@ -345,11 +347,11 @@ class Gallery:
             yield f"{_length(low)} above the ground"
 
 
-def _lies_in_the_ground(exhibit: Exhibit, points: Floats) -> bool:
+def _lies_in_the_ground(render_item: RenderItem, points: Floats) -> bool:
     """Whether it is the ground, which is drawn in another way."""
     edges = np.ptp(points, axis=0)
     is_wide = min(edges[0], edges[1]) > GROUND_EDGE
-    return not exhibit.is_subject and is_wide and abs(points[:, 2].max()) < GROUND_THICKNESS
+    return not render_item.is_subject and is_wide and abs(points[:, 2].max()) < GROUND_THICKNESS
 
 
 def _legend(tile: float | None) -> Iterator[str]:

@@ -1,6 +1,6 @@
-"""Draws the video of a trial: of each behavior, or of the robots from the spawning to the end.
+"""Draws the video of a simulation: of each behavior, or of the robots from the spawning to the end.
 
-Images become a film: a GIF by Pillow, or an MP4 by PyAV.
+Images become a video: a GIF by Pillow, or an MP4 by PyAV.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from wsgen.files import write_file
 from wsgen.rendering.camera import Size
 from wsgen.rendering.picture import draw_title, write_caption
 from wsgen.rendering.scene_renderer import Stage, picture_seconds
-from wsgen.simulation.scene import Film
+from wsgen.simulation.scene import Video
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -23,13 +23,13 @@ if TYPE_CHECKING:
 
     from wsgen.rendering.recording import Clip, Recorder
     from wsgen.rendering.render_items import Poses
-    from wsgen.rendering.scene_renderer import Gallery
+    from wsgen.rendering.scene_renderer import SceneRenderer
 
 
-COLOURS = 255  # and one that says that a pixel is as before
+COLORS = 255  # and one that says that a pixel is as before
 
 
-def write_film(
+def write_video(
     file: Path, frames: Iterator[Image.Image], samples: Sequence[Image.Image], rate: float
 ) -> None:
     """Write the frames, so many a second, as they come.
@@ -37,7 +37,7 @@ def write_film(
     Args:
         file: Its ending says what it becomes, `.gif` or `.mp4`. It is written when all is done.
         frames: All of one size, with an even number of rows and columns.
-        samples: Images with the film's colours.
+        samples: Images with the video's colors.
         rate: Frames a second.
     """
     if file.suffix.lower() == ".mp4":
@@ -73,7 +73,7 @@ def _palette(samples: Sequence[Image.Image]) -> Image.Image:
     sheet = Image.new("RGB", (width, height * len(samples)))
     for number, sample in enumerate(samples):
         sheet.paste(sample, (0, number * height))
-    return sheet.quantize(COLOURS, method=Image.Quantize.MEDIANCUT)
+    return sheet.quantize(COLORS, method=Image.Quantize.MEDIANCUT)
 
 
 BUDGET = 16.0  # s of CPU time for all frames, about: a usual robot's need a third of it
@@ -88,9 +88,9 @@ QUALITIES = (
 TITLE_SECONDS = 0.8  # how long the name of a behavior is shown before it
 
 
-def draw_film(
-    gallery: Gallery, recorder: Recorder, file: Path, announce: Callable[[str], None]
-) -> Film:
+def draw_video(
+    scene_renderer: SceneRenderer, recorder: Recorder, file: Path, announce: Callable[[str], None]
+) -> Video:
     """Write a video of what was recorded; `announce` is told how far it is.
 
     The camera stands still and sees the robots as they are at the beginning, in the middle and at
@@ -100,10 +100,12 @@ def draw_film(
     """
     clips = recorder.shown
     count = sum(len(clip.frames) for clip in clips)
-    size, scale, cost = _quality(gallery, count)
+    size, scale, cost = _quality(scene_renderer, count)
     stride = max(1, -int(-count * cost // BUDGET))
     rate = recorder.rate / stride
-    stage = _set_up(gallery, [moment for clip in clips for moment in _moments(clip)], size, scale)
+    stage = _set_up(
+        scene_renderer, [moment for clip in clips for moment in _moments(clip)], size, scale
+    )
     titles = max(1, round(TITLE_SECONDS * rate))
     total = sum(len(clip.frames[::stride]) for clip in clips)
     written = total + titles * sum(bool(clip.name) for clip in clips)
@@ -119,22 +121,22 @@ def draw_film(
                     yield from [draw_title(image, clip.name)] * titles
                 yield image
 
-    write_film(file, draw_all(), _samples(stage, clips), rate)
-    return Film(
+    write_video(file, draw_all(), _samples(stage, clips), rate)
+    return Video(
         file=file,
         frames=written,
         frames_per_second=rate,
         width=size.width,
         height=size.height,
-        triangles=gallery.studio.triangles,
+        triangles=scene_renderer.renderer.triangles,
         is_coarse=stride > 1 or size != LARGE,
     )
 
 
-def _quality(gallery: Gallery, frames: int) -> tuple[Size, float, float]:
+def _quality(scene_renderer: SceneRenderer, frames: int) -> tuple[Size, float, float]:
     """The size, how many times as large it is drawn, and about the CPU time of a frame (s)."""
     for size, scale in QUALITIES:
-        cost = picture_seconds(gallery.studio, size, scale)
+        cost = picture_seconds(scene_renderer.renderer, size, scale)
         if cost * frames <= BUDGET:
             break
     return size, scale, cost
@@ -144,18 +146,20 @@ def _moments(clip: Clip) -> list[Poses]:
     return [clip.frames[0], clip.frames[len(clip.frames) // 2], clip.frames[-1]]
 
 
-def _set_up(gallery: Gallery, moments: Sequence[Poses], size: Size, scale: float) -> Stage:
+def _set_up(
+    scene_renderer: SceneRenderer, moments: Sequence[Poses], size: Size, scale: float
+) -> Stage:
     points = []
     for moment in moments:
-        gallery.studio.arrange(moment)
-        points.append(gallery.subject_points())
+        scene_renderer.renderer.arrange(moment)
+        points.append(scene_renderer.subject_points())
     return Stage(
-        gallery.studio,
-        gallery.world,
+        scene_renderer.renderer,
+        scene_renderer.world,
         np.vstack(points),
         size,
         scale,
-        without_shadow=gallery.scenery,
+        without_shadow=scene_renderer.static_models,
     )
 
 
@@ -166,7 +170,7 @@ def _samples(stage: Stage, clips: Sequence[Clip]) -> list[Image.Image]:
 
 
 def _draw(stage: Stage, poses: Poses, name: str, *, seconds: float) -> Image.Image:
-    stage.studio.arrange(poses)
+    stage.renderer.arrange(poses)
     image = stage.take(dither=False)
     tile = stage.backdrop.tile
     lines = [name, f"{seconds:.2f} s", f"1 square = {tile:g} m" if tile else ""]

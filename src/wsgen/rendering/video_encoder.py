@@ -1,7 +1,7 @@
 """The one door to PyAV, which writes MP4.
 
 It has wheels for every Python that wsgen runs on, and encodes in this process. The alternatives
-start a program: imageio-ffmpeg brings one for every film, and the one on the path may have been
+start a program: imageio-ffmpeg brings one for every video, and the one on the path may have been
 built without H.264.
 """
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
     from wsgen.doctor.machine import Finding
     from wsgen.doctor.report import Examination
-    from wsgen.model.behavior import BehaviourOutcome
+    from wsgen.model.behavior import BehaviorOutcome
     from wsgen.model.outcome import Outcome, PackageOutcome, RobotOutcome
     from wsgen.model.plan import Include, LaunchArgument, LaunchPlan, Process, Unresolved
     from wsgen.model.transform import Pose
@@ -100,7 +100,7 @@ def _package(package: PackageOutcome) -> dict[str, Any]:
         "diagnostics": [diagnostic_to_json(found) for found in package.diagnostics],
         "picture": _path(package.picture),
         "world_picture": _path(package.world_picture),
-        "film": _path(package.film),
+        "video": _path(package.video),
         "seconds": {stage: round(value, 4) for stage, value in package.seconds.items()},
     }
 
@@ -130,20 +130,20 @@ def _robot(robot: RobotOutcome) -> dict[str, Any]:
             "speed": _number(rest.speed),
             "joint_positions": _numbers(dict(rest.joint_positions)),
         },
-        "behaviours": [_behaviour(behaviour) for behaviour in robot.behaviours],
+        "behaviors": [_behavior(behavior) for behavior in robot.behaviors],
     }
 
 
-def _behaviour(behaviour: BehaviourOutcome) -> dict[str, Any]:
-    moved, positions = behaviour.moved, behaviour.positions
+def _behavior(behavior: BehaviorOutcome) -> dict[str, Any]:
+    moved, positions = behavior.moved, behavior.positions
     return {
-        "name": behaviour.name,
-        "passed": behaviour.passed,
+        "name": behavior.name,
+        "passed": behavior.passed,
         "moved": None
         if moved is None
         else _numbers(dict(zip(("x", "y", "yaw"), moved, strict=True))),
         "joints": None if positions is None else _numbers(dict(positions)),
-        "expected": _numbers(behaviour.task.expected),
+        "expected": _numbers(behavior.task.expected),
     }
 
 
@@ -319,5 +319,5 @@ def _finding(found: Finding) -> dict[str, object]:
         "met": found.is_met,
         "needed": found.is_needed,
         "text": found.text,
-        "mend": found.mend or None,
+        "fix": found.fix or None,
     }

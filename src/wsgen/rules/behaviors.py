@@ -1,6 +1,6 @@
 """Rules over what a robot must do beyond standing: does it do it?
 
-The parameters are facts in SI units; a rule yields what it finds. All findings name the behaviour
+The parameters are facts in SI units; a rule yields what it finds. All findings name the behavior
 and its place in `wsgen.toml`.
 
 Rules over what a robot must do beyond standing: can it be tried?
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
-    from wsgen.model.behavior import Attempt, Behaviour, DiffDrive, Reach
+    from wsgen.model.behavior import Behavior, BehaviorRun, DiffDrive, Reach
     from wsgen.model.robot import Joint, Robot
     from wsgen.simulation.scene import Behaved
 
@@ -30,21 +30,23 @@ SEEN = 0.01  # m or rad; of less there is no telling what is wrong
 ALIKE = 1.05  # sizes that differ by less are the same
 
 
-def judge_behaviour(attempt: Attempt, behaved: Behaved, file: Path) -> tuple[Diagnostic, ...]:
-    """All rules over one behaviour that was tried."""
-    behaviour = attempt.behaviour
+def check_behavior(
+    behavior_run: BehaviorRun, behaved: Behaved, file: Path
+) -> tuple[Diagnostic, ...]:
+    """All rules over one behavior that was tried."""
+    behavior = behavior_run.behavior
     if not behaved.is_finite:
-        return tuple(behaviour_explodes(behaviour, file))
-    if isinstance(behaviour.task, Drive):
+        return tuple(behavior_explodes(behavior, file))
+    if isinstance(behavior.task, Drive):
         return (
-            *moves_otherwise(behaviour, behaviour.task, behaved.moved, attempt.drive, file),
-            *turns_otherwise(behaviour, behaviour.task, behaved.moved[2], attempt.drive, file),
+            *moves_otherwise(behavior, behavior.task, behaved.moved, behavior_run.drive, file),
+            *turns_otherwise(behavior, behavior.task, behaved.moved[2], behavior_run.drive, file),
         )
-    return tuple(joints_not_reached(behaviour, behaviour.task, behaved.positions, file))
+    return tuple(joints_not_reached(behavior, behavior.task, behaved.positions, file))
 
 
 def moves_otherwise(
-    behaviour: Behaviour,
+    behavior: Behavior,
     task: Drive,
     moved: tuple[float, float, float],
     drive: DiffDrive | None,
@@ -78,16 +80,16 @@ def moves_otherwise(
         )
         yield error_about(
             "SPN085",
-            behaviour,
+            behavior,
             file,
-            f"after {behaviour.seconds:g} s the robot is at x = {_told(x)} m, y = {_told(y)} m "
+            f"after {behavior.seconds:g} s the robot is at x = {_told(x)} m, y = {_told(y)} m "
             f"from where it began; {wanted} is wanted, give or take {slack:.2g} m.",
             _why_it_moves_otherwise(task, x, drive),
         )
 
 
 def turns_otherwise(
-    behaviour: Behaviour, task: Drive, turned: float, drive: DiffDrive | None, file: Path
+    behavior: Behavior, task: Drive, turned: float, drive: DiffDrive | None, file: Path
 ) -> Iterator[Diagnostic]:
     """The robot does not turn as it should.
 
@@ -107,16 +109,16 @@ def turns_otherwise(
     if abs(turned - task.yaw) > slack:
         yield error_about(
             "SPN086",
-            behaviour,
+            behavior,
             file,
-            f"in {behaviour.seconds:g} s the robot turns by {_told(turned)} rad; "
+            f"in {behavior.seconds:g} s the robot turns by {_told(turned)} rad; "
             f"{task.yaw:g} rad is wanted, give or take {slack:.2g} rad.",
             _why_it_turns_otherwise(task, turned, drive),
         )
 
 
 def joints_not_reached(
-    behaviour: Behaviour, task: Reach, positions: Mapping[str, float], file: Path
+    behavior: Behavior, task: Reach, positions: Mapping[str, float], file: Path
 ) -> Iterator[Diagnostic]:
     """Joints are not where they were sent.
 
@@ -145,16 +147,16 @@ def joints_not_reached(
         )
         yield error_about(
             "SPN087",
-            behaviour,
+            behavior,
             file,
-            f"after {behaviour.seconds:g} s {told}.",
+            f"after {behavior.seconds:g} s {told}.",
             "Raise `effort` in the <limit> of joints that carry much, or `velocity` of those that "
             "are late; give it more `seconds`; look for what the robot runs into.",
         )
 
 
-def behaviour_explodes(behaviour: Behaviour, file: Path) -> Iterator[Diagnostic]:
-    """A position became infinite or not-a-number while a behaviour was tried.
+def behavior_explodes(behavior: Behavior, file: Path) -> Iterator[Diagnostic]:
+    """A position became infinite or not-a-number while a behavior was tried.
 
     ## What it does
     Looks at every pose and joint.
@@ -167,7 +169,7 @@ def behaviour_explodes(behaviour: Behaviour, file: Path) -> Iterator[Diagnostic]
     """
     yield error_about(
         "SPN088",
-        behaviour,
+        behavior,
         file,
         "the robot's pose became infinite or not-a-number.",
         "Check masses, inertias and the limits of effort: SI units, none zero, none huge.",
@@ -230,15 +232,15 @@ def _told(number: float) -> str:
     return f"{round(number, 3) + 0.0:g}"
 
 
-def error_about(code: str, behaviour: Behaviour, file: Path, message: str, hint: str) -> Diagnostic:
-    """An error that names the behaviour and its place."""
+def error_about(code: str, behavior: Behavior, file: Path, message: str, hint: str) -> Diagnostic:
+    """An error that names the behavior and its place."""
     return Diagnostic(
         code=code,
         severity=Severity.ERROR,
-        message=f"`{behaviour.name}`: {message}",
+        message=f"`{behavior.name}`: {message}",
         file=file,
-        line=behaviour.line,
-        element=f"behaviour `{behaviour.name}`",
+        line=behavior.line,
+        element=f"behavior `{behavior.name}`",
         hint=hint,
     )
 
@@ -249,37 +251,37 @@ AT_LIMIT = 1e-6  # rad or m; limits are rounded when they are written
 
 
 def robot_not_found(
-    behaviour: Behaviour, entities: Sequence[str], file: Path
+    behavior: Behavior, entities: Sequence[str], file: Path
 ) -> Iterator[Diagnostic]:
-    """It is not clear which robot a behaviour is for.
+    """It is not clear which robot a behavior is for.
 
     ## What it does
     Compares `robot` with the names that the launch file spawns robots under.
 
     ## Why is this bad?
-    The behaviour is not tried.
+    The behavior is not tried.
 
     ## Use instead
     `robot` with one of these names; without it there must be one robot alone.
     """
-    if behaviour.robot in entities or (behaviour.robot is None and len(entities) == 1):
+    if behavior.robot in entities or (behavior.robot is None and len(entities) == 1):
         return
     there = ", ".join(f"`{entity}`" for entity in entities)
     yield error_about(
         "SPN080",
-        behaviour,
+        behavior,
         file,
-        f"no robot is spawned as `{behaviour.robot}`."
-        if behaviour.robot is not None
+        f"no robot is spawned as `{behavior.robot}`."
+        if behavior.robot is not None
         else f"{len(entities)} robots are spawned, and it does not say which one is meant.",
         f'Write robot = "NAME" into it; there are {there}.',
     )
 
 
 def nothing_to_drive_with(
-    behaviour: Behaviour, reason: str, hint: str, file: Path, *, has_plugin: bool
+    behavior: Behavior, reason: str, hint: str, file: Path, *, has_plugin: bool
 ) -> Iterator[Diagnostic]:
-    """A behaviour drives a robot that nothing drives in Gazebo.
+    """A behavior drives a robot that nothing drives in Gazebo.
 
     ## What it does
     Looks in the description for the plugin of a differential drive, for its joints and its sizes.
@@ -291,19 +293,19 @@ def nothing_to_drive_with(
     `gz-sim-diff-drive-system` or `libgazebo_ros_diff_drive.so` with the joints of the wheels.
     """
     code = "SPN082" if has_plugin else "SPN081"
-    yield error_about(code, behaviour, file, f"the robot cannot be driven: {reason}.", hint)
+    yield error_about(code, behavior, file, f"the robot cannot be driven: {reason}.", hint)
 
 
 def joint_cannot_be_commanded(
-    behaviour: Behaviour, positions: Mapping[str, float], robot: Robot, file: Path
+    behavior: Behavior, positions: Mapping[str, float], robot: Robot, file: Path
 ) -> Iterator[Diagnostic]:
-    """A behaviour moves a joint that does not exist, or that moves by itself.
+    """A behavior moves a joint that does not exist, or that moves by itself.
 
     ## What it does
     Compares `joints` with the joints of the robot that Gazebo builds.
 
     ## Why is this bad?
-    The behaviour is not tried.
+    The behavior is not tried.
 
     ## Use instead
     The name of a revolute, continuous or prismatic joint that mimics no other.
@@ -317,7 +319,7 @@ def joint_cannot_be_commanded(
         mimics = joint.mimic.joint if joint is not None and joint.mimic is not None else None
         yield error_about(
             "SPN083",
-            behaviour,
+            behavior,
             file,
             f"the robot has no joint `{name}` that can move."
             if mimics is None
@@ -329,9 +331,9 @@ def joint_cannot_be_commanded(
 
 
 def commanded_beyond_limit(
-    behaviour: Behaviour, positions: Mapping[str, float], joints: Sequence[Joint], file: Path
+    behavior: Behavior, positions: Mapping[str, float], joints: Sequence[Joint], file: Path
 ) -> Iterator[Diagnostic]:
-    """A behaviour sends a joint beyond its limits.
+    """A behavior sends a joint beyond its limits.
 
     ## What it does
     Compares the positions of `joints` with the limits in the description.
@@ -350,7 +352,7 @@ def commanded_beyond_limit(
         if not limit.lower - AT_LIMIT <= position <= limit.upper + AT_LIMIT:
             yield error_about(
                 "SPN084",
-                behaviour,
+                behavior,
                 file,
                 f"the joint `{joint.name}` is sent to {position:g}, beyond its limits "
                 f"{limit.lower:g} and {limit.upper:g}.",

@@ -70,16 +70,16 @@ JOINT = re.compile(r"\bjoint\[@name='([^']*)'\]")
 class Folded(NamedTuple):
     """The diagnostics of one robot, each cause once."""
 
-    described: tuple[Diagnostic, ...]  # as many as before, with what follows from them
+    prepared: tuple[Diagnostic, ...]  # as many as before, with what follows from them
     run: tuple[Diagnostic, ...]  # what nothing in the description explains
 
 
-def fold_consequences(described: Iterable[Diagnostic], run: Iterable[Diagnostic]) -> Folded:
+def fold_consequences(prepared: Iterable[Diagnostic], run: Iterable[Diagnostic]) -> Folded:
     """Fold what follows from the description of a robot into the diagnostics about that.
 
     `run` is what has been found in the run of this robot, in any engine.
     """
-    causes = list(described)
+    causes = list(prepared)
     followed: dict[int, list[Diagnostic]] = {}
     left = []
     for found in run:
@@ -93,11 +93,11 @@ def fold_consequences(described: Iterable[Diagnostic], run: Iterable[Diagnostic]
     return Folded(tuple(causes), tuple(left))
 
 
-def joints_beyond_limits(described: Iterable[Diagnostic]) -> frozenset[str]:
+def joints_beyond_limits(prepared: Iterable[Diagnostic]) -> frozenset[str]:
     """The joints that are reported to start outside of their limits, which move them."""
     return frozenset(
         name
-        for found in described
+        for found in prepared
         if found.code == "ROB070"
         for name in JOINT.findall(found.element or "")
     )

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Severity
-from wsgen.model.kinematics import limb_joints
+from wsgen.model.kinematics import unactuated_joints
 from wsgen.model.robot import JointType
 from wsgen.rules import robots, runs, scenes
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from wsgen.model.plan import SpawnHeight
     from wsgen.model.robot import Robot
     from wsgen.model.world import World
-    from wsgen.simulation.scene import RobotTrial
+    from wsgen.simulation.scene import RobotRun
 
 
 # Less is play: a motion that nobody would call giving way.
@@ -29,10 +29,10 @@ OVERSHOT = 1.5  # times the way to the limit that a joint is pushed to: so far a
 ON_THE_GROUND = 0.02  # m
 
 
-def judge_robot(
+def check_robot(
     written: Robot, file: Path | None, *, generation: str | None = None
 ) -> tuple[Diagnostic, ...]:
-    """Judge a robot as its description gives it.
+    """Check a robot as its description gives it.
 
     `file` is what the findings name, `generation` the simulator it is for: "classic", "gz", or None
     for either.
@@ -51,61 +51,63 @@ def judge_robot(
     )
 
 
-def judge_trial(  # noqa: PLR0913  most have defaults
+def check_run(  # noqa: PLR0913  most have defaults
     robot: Robot,
     world: World,
-    trial: RobotTrial,
+    robot_run: RobotRun,
     *,
     height: SpawnHeight | None = None,
     is_alone: bool = True,
-    scenery: Collection[str] = (),
+    static_models: Collection[str] = (),
     pushed: Collection[str] = (),
 ) -> tuple[Diagnostic, ...]:
-    """Judge what was measured of a robot; `robot` is the one Gazebo would build (lumped).
+    """Check what was measured of a robot; `robot` is the one Gazebo would build (lumped).
 
     `height` is where a launch file says how high it is spawned, if one does; `is_alone` says that
     no other robot of the scene can push it; `scenery` are the models of the world among the
     entities of the scene; `pushed` are joints that are reported to start outside of their limits.
     """
-    entity = trial.entity
+    entity = robot_run.entity
     collide = [link.name for link in robot.links if link.self_collide]
     movable = 0 if robot.is_static else len(robot.movable_joints)
     found = [
-        *runs.mass_differs_from_description(entity, robot.mass, trial.mass),
-        *runs.joints_differ_from_description(entity, movable, trial.movable_joints),
-        *runs.state_not_finite(entity, is_finite=trial.is_finite),
-        *runs.trial_cut_short(entity, is_cut_short=trial.is_cut_short),
-        *scenes.robots_in_each_other(entity, trial.overlaps, scenery),
-        *scenes.links_in_each_other(entity, trial.overlaps, collide),
+        *runs.mass_differs_from_description(entity, robot.mass, robot_run.mass),
+        *runs.joints_differ_from_description(entity, movable, robot_run.movable_joints),
+        *runs.state_not_finite(entity, is_finite=robot_run.is_finite),
+        *runs.run_cut_short(entity, is_cut_short=robot_run.is_cut_short),
+        *scenes.robots_in_each_other(entity, robot_run.overlaps, static_models),
+        *scenes.links_in_each_other(entity, robot_run.overlaps, collide),
     ]
     if robot.is_static:
         return tuple(found)
     if world.has_ground_plane:
         found += runs.born_inside_the_ground(
             entity,
-            trial.penetration,
-            trial.spawn_pose.xyz[2],
+            robot_run.penetration,
+            robot_run.spawn_pose.xyz[2],
             height,
             is_bolted=robot.fixed_to_world,
         )
     if world.has_ground_plane and not robot.fixed_to_world:
         # What stands on a platform of the world is high up, and falls from no height.
-        fall = min(trial.lowest_point, trial.lowest_point - trial.lowest_point_at_end)
-        found += runs.spawned_high_above_the_ground(entity, fall, trial.spawn_pose.xyz[2], height)
-    if trial.is_finite and not trial.is_cut_short:
-        is_pushed = any(overlap.other_entity is not None for overlap in trial.overlaps)
-        motion = _judge_motion(
-            robot, world, trial, is_alone=is_alone and not is_pushed, pushed=pushed
+        fall = min(robot_run.lowest_point, robot_run.lowest_point - robot_run.lowest_point_at_end)
+        found += runs.spawned_high_above_the_ground(
+            entity, fall, robot_run.spawn_pose.xyz[2], height
         )
-        if scenery and not _is_on_the_ground(world, trial):
+    if robot_run.is_finite and not robot_run.is_cut_short:
+        is_pushed = any(overlap.other_entity is not None for overlap in robot_run.overlaps)
+        motion = _check_motion(
+            robot, world, robot_run, is_alone=is_alone and not is_pushed, pushed=pushed
+        )
+        if static_models and not _is_on_the_ground(world, robot_run):
             motion = [_as_on_a_slope(one) for one in motion]
         found += motion
     return tuple(found)
 
 
-def _is_on_the_ground(world: World, trial: RobotTrial) -> bool:
+def _is_on_the_ground(world: World, robot_run: RobotRun) -> bool:
     """Whether it ends up where a robot that leans has fallen over, and stands on no slope."""
-    return world.has_ground_plane and abs(trial.lowest_point_at_end) < ON_THE_GROUND
+    return world.has_ground_plane and abs(robot_run.lowest_point_at_end) < ON_THE_GROUND
 
 
 def _as_on_a_slope(finding: Diagnostic) -> Diagnostic:
@@ -114,24 +116,24 @@ def _as_on_a_slope(finding: Diagnostic) -> Diagnostic:
     return replace(finding, severity=Severity.WARNING) if leans else finding
 
 
-def _judge_motion(
+def _check_motion(
     robot: Robot,
     world: World,
-    trial: RobotTrial,
+    robot_run: RobotRun,
     *,
     is_alone: bool,
     pushed: Collection[str],
 ) -> list[Diagnostic]:
-    entity = trial.entity
-    gave_way = limbs_that_gave_way(robot, trial)
-    is_moving = trial.settled_after is None
+    entity = robot_run.entity
+    gave_way = passive_joints(robot, robot_run)
+    is_moving = robot_run.settled_after is None
     found = list(
         runs.gains_energy(
             entity,
-            trial.energy_gain,
-            trial.mass,
+            robot_run.energy_gain,
+            robot_run.mass,
             math.hypot(*world.gravity),
-            trial.penetration,
+            robot_run.penetration,
             is_alone=is_alone,
         )
     )
@@ -139,9 +141,9 @@ def _judge_motion(
         return found  # what else it does comes from that
     # It hangs or stands where it is spawned; only its joints can move.
     if not robot.fixed_to_world:
-        found += _judge_place(world, trial, gave_way=bool(gave_way))
-    found += scenes.rests_on_its_hull(entity, trial.hull_gaps)
-    found += runs.joint_beyond_limit(entity, robot.joints, trial.joint_positions)
+        found += _check_place(world, robot_run, gave_way=bool(gave_way))
+    found += scenes.rests_on_its_hull(entity, robot_run.hull_gaps)
+    found += runs.joint_beyond_limit(entity, robot.joints, robot_run.joint_positions)
     # What its limits move is not told as moved by gravity.
     to_limits = {
         joint.name: max(joint.limit.lower, -joint.limit.upper)
@@ -157,45 +159,45 @@ def _judge_motion(
     return found
 
 
-def _judge_place(world: World, trial: RobotTrial, *, gave_way: bool) -> list[Diagnostic]:
-    entity = trial.entity
+def _check_place(world: World, robot_run: RobotRun, *, gave_way: bool) -> list[Diagnostic]:
+    entity = robot_run.entity
     falls = list(
         runs.falls_without_end(
             entity,
-            trial.lowest_point,
-            trial.lowest_point_at_end,
+            robot_run.lowest_point,
+            robot_run.lowest_point_at_end,
             has_ground=world.has_ground_plane,
-            is_falling=trial.is_falling,
+            is_falling=robot_run.is_falling,
         )
     )
     if falls:
         return falls
-    depth = -trial.lowest_point_at_end if world.has_ground_plane else 0.0
-    found = list(runs.stuck_in_the_ground(entity, depth, trial.climb))
+    depth = -robot_run.lowest_point_at_end if world.has_ground_plane else 0.0
+    found = list(runs.stuck_in_the_ground(entity, depth, robot_run.climb))
     # Or still being pushed out: it moves for that alone.
-    is_stuck = bool(found) or (depth > 0 and runs.is_on_its_way_out(depth, trial.climb))
+    is_stuck = bool(found) or (depth > 0 and runs.is_on_its_way_out(depth, robot_run.climb))
     found += runs.thrown_into_the_air(
-        entity, trial.highest_point - trial.spawn_pose.xyz[2] - trial.penetration
+        entity, robot_run.highest_point - robot_run.spawn_pose.xyz[2] - robot_run.penetration
     )
     if not is_stuck:
         found += runs.keeps_moving(
             entity,
-            trial.settled_after,
-            trial.speed,
-            turning=trial.turning,
-            joint_speed=trial.joint_speed,
+            robot_run.settled_after,
+            robot_run.speed,
+            turning=robot_run.turning,
+            joint_speed=robot_run.joint_speed,
             gave_way=gave_way,
         )
-    found += runs.tips_over(entity, trial.tilt, gave_way=gave_way)
+    found += runs.tips_over(entity, robot_run.tilt, gave_way=gave_way)
     return found
 
 
-def limbs_that_gave_way(robot: Robot, trial: RobotTrial) -> dict[str, float]:
+def passive_joints(robot: Robot, robot_run: RobotRun) -> dict[str, float]:
     """The joints that moved though nobody drives them, with how far (rad or m)."""
     types = {joint.name: joint.type for joint in robot.joints}
     return {
-        name: trial.joint_travel[name]
-        for name in sorted(limb_joints(robot) & trial.joint_travel.keys())
-        if trial.joint_travel[name]
+        name: robot_run.joint_travel[name]
+        for name in sorted(unactuated_joints(robot) & robot_run.joint_travel.keys())
+        if robot_run.joint_travel[name]
         > (GAVE_WAY_SLIDING if types[name] is JointType.PRISMATIC else GAVE_WAY_TURNING)
     }

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from wsgen.model.transform import Pose
 
 
-# Doubles have 16 digits: beyond it a metre, a kilogram is lost in rounding, and squares overflow.
+# Doubles have 16 digits: beyond it a meter, a kilogram is lost in rounding, and squares overflow.
 BEYOND = 1e15
 LARGEST = 100.0  # m; a ship, a crane
 SMALLEST = 1e-3  # m; contacts of engines are as thick
@@ -51,7 +51,7 @@ def number_beyond_engines(
     `<mass value="1e308"/>`.
 
     ## Use instead
-    Kilograms and metres.
+    Kilograms and meters.
     """
     for link in links:
         for what, numbers in _numbers_of_link(link):
@@ -76,7 +76,7 @@ def implausible_size(
     Meshes are not measured.
 
     ## Why is this bad?
-    Lengths of a URDF are metres. Written in millimetres, the robot is a thousand times too large,
+    Lengths of a URDF are meters. Written in millimeters, the robot is a thousand times too large,
     and falls as slowly as a mountain would; too small, and it is thinner than the contacts of the
     engine.
 
@@ -84,7 +84,7 @@ def implausible_size(
     `<box size="400 300 200"/>` for a box of 40 cm.
 
     ## Use instead
-    Metres; for a mesh in millimetres scale="0.001 0.001 0.001".
+    Metres; for a mesh in millimeters scale="0.001 0.001 0.001".
     """
     extent = _extent(links, joints)
     has_meshes = any(isinstance(geometry, Mesh) for link in links for geometry, _ in _shapes(link))
@@ -97,9 +97,9 @@ def implausible_size(
             file=file,
             line=links[0].line,
             element="robot",
-            hint="Lengths of a URDF are in metres: divide millimetres by 1000."
+            hint="Lengths of a URDF are in meters: divide millimeters by 1000."
             if extent > LARGEST
-            else "Lengths of a URDF are in metres; a physics engine needs some millimetres.",
+            else "Lengths of a URDF are in meters; a physics engine needs some millimeters.",
         )
 
 
@@ -168,7 +168,7 @@ def _beyond(
             file=file,
             line=line,
             element=f"{place}/{what}",
-            hint="Write it in metres, kilograms and seconds.",
+            hint="Write it in meters, kilograms and seconds.",
         )
 
 
@@ -310,7 +310,7 @@ def implausible_inertia(links: Iterable[Link], file: Path | None) -> Iterator[Di
             code="ROB050",
             severity=Severity.WARNING,
             message=f"The inertia of the link `{link.name}` ({largest:.4g} kg m²) is "
-            f"{_ratio(times)} that of {_described(shape)} of {link.inertial.mass:g} kg.",
+            f"{_ratio(times)} that of {_prepared(shape)} of {link.inertial.mass:g} kg.",
             file=file,
             line=link.line,
             element=f"link[@name='{link.name}']/inertial/inertia",
@@ -509,7 +509,7 @@ def _rounded(number: float) -> str:
     return f"{float(f'{number:.3g}'):.9g}"
 
 
-def _described(geometry: Primitive) -> str:
+def _prepared(geometry: Primitive) -> str:
     if isinstance(geometry, Box):
         return "a box of " + " x ".join(f"{edge:g}" for edge in geometry.size) + " m"
     if isinstance(geometry, Sphere):

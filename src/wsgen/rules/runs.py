@@ -1,8 +1,8 @@
-"""Rules over what a trial measured: did the robot arrive whole, and on the ground?
+"""Rules over what a simulation measured: did the robot arrive whole, and on the ground?
 
 The parameters are facts in SI units; a rule yields what it finds.
 
-Rules over how a robot moved in a trial: does it stand, and if not, why?
+Rules over how a robot moved in a simulation: does it stand, and if not, why?
 
 The parameters are facts in SI units; a rule yields what it finds. A limb is a joint that gravity
 can move, other than the axle of a wheel: what gives way there needs a controller, not a better
@@ -27,7 +27,9 @@ if TYPE_CHECKING:
 MASS_TOLERANCE = 1e-6  # relative; the engine computes in double precision
 CONTACT_SLACK = 0.005  # m; collision margins and contact softness stay below this
 RISING = 0.01  # m/s; slower is no way out: DART lifts what is in the ground by 1 mm/s
-WAY_OUT = 3.0  # s; what rises so fast that it is out by then, as long as a trial is, is not stuck
+WAY_OUT = (
+    3.0  # s; what rises so fast that it is out by then, as long as a simulation is, is not stuck
+)
 HIGH_SPAWN = 1.0  # m; a fall from here hurts a real robot
 
 
@@ -40,7 +42,7 @@ def mass_differs_from_description(
     Compares the engine's total mass with that of the robot Gazebo would build.
 
     ## Why is this bad?
-    Every force, speed and contact of the trial would be another robot's.
+    Every force, speed and contact of the simulation would be another robot's.
 
     ## Use instead
     Nothing the user writes causes this; report it with the robot's description.
@@ -52,7 +54,7 @@ def mass_differs_from_description(
             message=f"The engine simulates {simulated_mass:g} kg, the description says "
             f"{described_mass:g} kg.",
             element=entity,
-            hint="Report this with the robot's description: the trial is not to be believed.",
+            hint="Report this with the robot's description: the simulation is not to be believed.",
         )
 
 
@@ -77,7 +79,7 @@ def joints_differ_from_description(
             message=f"The engine moves {simulated_joints} joints, the description has "
             f"{described_joints}.",
             element=entity,
-            hint="Report this with the robot's description: the trial is not to be believed.",
+            hint="Report this with the robot's description: the simulation is not to be believed.",
         )
 
 
@@ -85,7 +87,7 @@ def state_not_finite(entity: str, *, is_finite: bool) -> Iterator[Diagnostic]:
     """The robot's position became infinite or not-a-number.
 
     ## What it does
-    Looks at every pose and speed of the trial.
+    Looks at every pose and speed of the simulation.
 
     ## Why is this bad?
     The simulation has exploded; Gazebo ends with an assertion or shows nothing.
@@ -103,7 +105,7 @@ def state_not_finite(entity: str, *, is_finite: bool) -> Iterator[Diagnostic]:
         )
 
 
-def trial_cut_short(entity: str, *, is_cut_short: bool) -> Iterator[Diagnostic]:
+def run_cut_short(entity: str, *, is_cut_short: bool) -> Iterator[Diagnostic]:
     """The simulation ended early, because another robot's state was not finite.
 
     ## What it does
@@ -143,7 +145,7 @@ def born_inside_the_ground(
     The simulator pushes the robot out; depending on the engine it jumps, tips over or sticks.
 
     ## Use instead
-    A spawn height of at least the depth that is named, plus a few millimetres.
+    A spawn height of at least the depth that is named, plus a few millimeters.
     """
     if penetration > CONTACT_SLACK:
         yield Diagnostic(
@@ -164,7 +166,7 @@ def born_inside_the_ground(
 def spawned_high_above_the_ground(
     entity: str, clearance: float, spawn_z: float, height: SpawnHeight | None = None
 ) -> Iterator[Diagnostic]:
-    """The robot is dropped from more than a metre.
+    """The robot is dropped from more than a meter.
 
     ## What it does
     Measures the lowest point of the robot's collision shapes when it is spawned.
@@ -173,7 +175,7 @@ def spawned_high_above_the_ground(
     The impact moves joints and bends the result; a real robot would break.
 
     ## Use instead
-    A spawn height a few millimetres above the ground.
+    A spawn height a few millimeters above the ground.
     """
     if clearance > HIGH_SPAWN:
         yield Diagnostic(
@@ -197,8 +199,8 @@ def stuck_in_the_ground(entity: str, depth_at_end: float, climb: float) -> Itera
     """At the end the robot is still in the ground.
 
     ## What it does
-    Measures the lowest point of the robot's collision shapes at the end of the trial. A robot that
-    is still rising, and would be out within 3 s, is not judged.
+    Measures the lowest point of the robot's collision shapes at the end of the simulation. A robot
+    that     is still rising, and would be out within 3 s, is not checked.
 
     ## Why is this bad?
     It sinks in or cannot get out: contacts are too soft, or shapes lock each other.
@@ -343,14 +345,14 @@ def gains_energy(  # noqa: PLR0913  facts
     """The robot's energy grows although nobody drives it.
 
     ## What it does
-    Compares kinetic and potential energy during the trial with that when spawned; what pushes it
-    out of the ground is allowed for. Where several robots can push each other, it is a warning.
+    Compares kinetic and potential energy during the simulation with that when spawned; what pushes
+    it out of the ground is allowed for. Where several robots can push each other, it is a warning.
 
     ## Why is this bad?
     Energy that comes from nowhere is the mark of an unstable model: it shakes, and then explodes.
 
     ## Use instead
-    Inertias of the real parts (none a thousand times smaller than its neighbour's), joint limits
+    Inertias of the real parts (none a thousand times smaller than its neighbor's), joint limits
     that hold the start position, collision shapes that do not overlap, a shorter physics step.
     """
     weight = mass * max(gravity, STANDARD_GRAVITY)
@@ -362,7 +364,7 @@ def gains_energy(  # noqa: PLR0913  facts
             if is_alone
             else f"The robot gains {gain:.3g} J: it is unstable, or another robot pushes it.",
             element=entity,
-            hint="Look for links far lighter than their neighbours, inertias that are too small, "
+            hint="Look for links far lighter than their neighbors, inertias that are too small, "
             "and overlapping collision shapes; or shorten the world's max_step_size.",
         )
 
@@ -406,7 +408,7 @@ def keeps_moving(  # noqa: PLR0913  facts
     joint_speed: float,
     gave_way: bool,
 ) -> Iterator[Diagnostic]:
-    """The robot does not come to rest within the trial.
+    """The robot does not come to rest within the simulation.
 
     ## What it does
     Looks whether the robot's speed stays low from some moment on. A robot that stands while its
@@ -417,7 +419,7 @@ def keeps_moving(  # noqa: PLR0913  facts
 
     ## Use instead
     Friction on what touches the ground, inertias of the right size, joints with damping; or a
-    longer trial (--seconds).
+    longer simulation (--seconds).
     """
     if settled_after is None and not (gave_way and speed < SEEN and turning < SEEN):
         is_slow = speed < CREEPING and turning < ROCKING
@@ -445,7 +447,7 @@ def tips_over(entity: str, tilt: float, *, gave_way: bool) -> Iterator[Diagnosti
     Measures the angle by which the robot's up axis has turned away from where it was spawned.
 
     ## Why is this bad?
-    Its centre of mass is not above what it stands on, or it was pushed over. With limbs that gave
+    Its center of mass is not above what it stands on, or it was pushed over. With limbs that gave
     way it is a warning: controllers that hold them may keep it upright.
 
     ## Use instead

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from wsgen.model.transform import Pose
     from wsgen.simulation.engine import HullGap
-    from wsgen.simulation.scene import Overlapping, RobotTrial
+    from wsgen.simulation.scene import Overlapping, RobotRun
 
 
 SHALLOW = 0.02  # m; out of so much the engine pushes a robot without a jump
@@ -29,7 +29,7 @@ SAME_JOINT = 0.1  # rad or m
 
 
 def robots_in_each_other(
-    entity: str, overlaps: Sequence[Overlapping], scenery: Collection[str] = ()
+    entity: str, overlaps: Sequence[Overlapping], static_models: Collection[str] = ()
 ) -> Iterator[Diagnostic]:
     """Two robots are spawned inside each other, or one inside a model of the world.
 
@@ -50,7 +50,9 @@ def robots_in_each_other(
         )
         # Told once: of the robot that is in the world's model, else of the first by name.
         is_told = (
-            entity < str(other) if (entity in scenery) == (other in scenery) else (other in scenery)
+            entity < str(other)
+            if (entity in static_models) == (other in static_models)
+            else (other in static_models)
         )
         if is_told:
             yield Diagnostic(
@@ -102,8 +104,8 @@ def rests_on_its_hull(entity: str, gaps: Sequence[HullGap]) -> Iterator[Diagnost
     """A mesh rests on something with its convex hull, where Gazebo would let it sink in.
 
     ## What it does
-    At the end of the trial, looks at what touches something else than level ground: how far is it
-    from the nearest triangle of the mesh? Up to 5 mm are nothing.
+    At the end of the simulation, looks at what touches something else than level ground: how far
+    is it from the nearest triangle of the mesh? Up to 5 mm are nothing.
 
     ## Why is this bad?
     PyBullet collides the convex hull of a mesh, Gazebo its triangles: a fork that stands over a
@@ -125,7 +127,7 @@ def rests_on_its_hull(entity: str, gaps: Sequence[HullGap]) -> Iterator[Diagnost
         )
 
 
-def engines_disagree(first: RobotTrial, second: RobotTrial) -> Iterator[Diagnostic]:
+def engines_disagree(first: RobotRun, second: RobotRun) -> Iterator[Diagnostic]:
     """Two engines do not agree on what becomes of the robot.
 
     ## What it does
@@ -150,13 +152,13 @@ def engines_disagree(first: RobotTrial, second: RobotTrial) -> Iterator[Diagnost
         )
 
 
-def _differences(first: RobotTrial, second: RobotTrial) -> Iterator[str]:
+def _differences(first: RobotRun, second: RobotRun) -> Iterator[str]:
     if not math.isclose(first.mass, second.mass, rel_tol=1e-6):
         yield f"mass {first.mass:g} and {second.mass:g} kg"
     if first.movable_joints != second.movable_joints:
         yield f"{first.movable_joints} and {second.movable_joints} joints"
     if not (first.is_finite and second.is_finite):
-        return  # told by each engine's own trial
+        return  # told by each engine's own simulation
     if (first.settled_after is None) != (second.settled_after is None):
         names = ("PyBullet", "DART") if second.settled_after is None else ("DART", "PyBullet")
         yield f"only in {names[0]} it comes to rest"

@@ -61,7 +61,7 @@ class Tree:
             other = self.edge_of.get(child)
             edge.node.source.warning(
                 "WLD025",
-                f"The joint `{name}` is left out of the trial: it closes a chain"
+                f"The joint `{name}` is left out of the simulation: it closes a chain"
                 + (f" (`{child}` hangs on the joint `{other[0]}` already)." if other else "."),
                 at=edge.node.element,
                 hint="Gazebo Sim leaves such a joint out as well; Gazebo Classic has it.",
@@ -75,11 +75,11 @@ class Tree:
         child = self.name_of[id(edge.child)]
         edge.node.source.warning(
             "WLD024",
-            f"The joint `{name}` is left out of the trial: no engine of wsgen has "
+            f"The joint `{name}` is left out of the simulation: no engine of wsgen has "
             f"{edge.node.element.get('type')} joints."
             + ("" if child in self.edge_of else f" The link `{child}` is loose without it."),
             at=edge.node.element,
-            hint="Gazebo has them; the trial says nothing about this joint.",
+            hint="Gazebo has them; the simulation says nothing about this joint.",
         )
 
     def frame(self, link: str) -> Pose:
@@ -202,7 +202,7 @@ def _leads_to(start: str, end: str, leader_of: dict[str, str]) -> bool:
 def _report(node: Node, name: str, leader: str) -> None:
     node.source.error(
         "WLD028",
-        f"The joint `{name}` mimics `{leader}`, which is no joint of the trial that moves by "
+        f"The joint `{name}` mimics `{leader}`, which is no joint of the simulation that moves by "
         "itself.",
         at=node.element,
         hint="Name another joint of this model: revolute, continuous or prismatic.",

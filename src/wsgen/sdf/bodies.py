@@ -54,7 +54,7 @@ def computed(
 ) -> Inertial | None:
     """The inertial of a link from its collisions; None where they have no volume.
 
-    A mesh, an extrusion or a heightmap adds nothing, which is reported. The centre of mass of a
+    A mesh, an extrusion or a heightmap adds nothing, which is reported. The center of mass of a
     cone is taken for half way up, as sdformat 15 does. A mass that is given scales the whole, as in
     Gazebo Sim since Ionic.
     """
@@ -67,7 +67,7 @@ def computed(
         source.warning(
             "WLD040",
             "The inertia is to be computed from a mesh, polyline or heightmap: "
-            "the trial takes its other shapes alone.",
+            "the simulation takes its other shapes alone.",
             at=inertial,
             hint="Give mass and inertia in numbers.",
         )
@@ -220,7 +220,7 @@ def _check(
             f"{low:.4g}, {middle:.4g} and {high:.4g} kg m².",
             at=element,
             hint="Each must be positive, and none larger than the other two together. Compute it "
-            "from mass and shape, or export it from CAD about the centre of mass.",
+            "from mass and shape, or export it from CAD about the center of mass.",
         )
 
 

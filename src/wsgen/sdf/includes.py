@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 GROUND_PLANE = "ground_plane"
 SUN = "sun"
 
-# What Gazebo's own is for a trial.
+# What Gazebo's own is for a simulation.
 GROUND_PLANE_SDF = """
 <sdf version="1.4">
   <model name="ground_plane">
@@ -145,7 +145,7 @@ class Includes:
             self._misspelt_ground = len(self._diagnostics)
         report(
             "WLD004",
-            f"The model {uri} is not part of the trial: {found}.",
+            f"The model {uri} is not part of the simulation: {found}.",
             at=include,
             hint=did_you_mean(f"model://{near}") if near else how_to_have(uri),
         )
@@ -166,7 +166,7 @@ class Includes:
             found,
             severity=Severity.ERROR,
             message=f"{found.message} Without it the world has no ground; "
-            "this trial uses the ground that was meant.",
+            "this simulation uses the ground that was meant.",
         )
         return True
 

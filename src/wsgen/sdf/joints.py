@@ -172,7 +172,7 @@ def _limit(source: Source, axis: Element) -> JointLimit:
             "WLD027",
             f"The lower limit {lower:g} is above the upper limit {upper:g}.",
             at=axis,
-            hint="Exchange them; the trial does so.",
+            hint="Exchange them; the simulation does so.",
         )
         lower, upper = upper, lower
     return JointLimit(

@@ -192,7 +192,7 @@ class SdfModel(NamedTuple):
     is_ground: bool = False
 
 
-class Inhabitants(NamedTuple):
+class WorldModels(NamedTuple):
     """What stands in a world."""
 
     placed: tuple[PlacedModel, ...]  # all of them
@@ -201,8 +201,8 @@ class Inhabitants(NamedTuple):
     carry: bool  # something is there that others can stand on
 
 
-def read_inhabitants(world: Scope, includes: Includes) -> Inhabitants:
-    """The models of a world; what else is in it and not part of a trial is reported."""
+def read_world_models(world: Scope, includes: Includes) -> WorldModels:
+    """The models of a world; what else is in it and not part of a simulation is reported."""
     for node in world.nodes.values():
         resolve(node)
     models = []
@@ -223,7 +223,7 @@ def read_inhabitants(world: Scope, includes: Includes) -> Inhabitants:
         )
         for node in world.own("model")
     )
-    return Inhabitants(placed, tuple(models), has_ground, has_ground or carry)
+    return WorldModels(placed, tuple(models), has_ground, has_ground or carry)
 
 
 def read_standing(includes: Includes, node: Node) -> SdfModel:
@@ -240,7 +240,7 @@ def read_standing(includes: Includes, node: Node) -> SdfModel:
             scope.source.warning(
                 "WLD048",
                 f"The model `{scope.name}` is static, and part of one that is not: Gazebo holds it "
-                "still, the trial lets it move.",
+                "still, the simulation lets it move.",
                 at=scope.element,
                 hint="Make the outer model static, or let the inner one stand beside it.",
             )
@@ -295,7 +295,7 @@ def _report_left_out(world: Scope) -> None:
     for element in children(world.element, "joint", "population", "actor"):
         world.source.warning(
             "WLD004",
-            f"The {element.tag} {element.get('name') or ''} of the world is not part of the trial.",
+            f"The {element.tag} {element.get('name') or ''} of the world is not simulated.",
             at=element,
             hint="The robots are tried without it.",
         )
@@ -365,7 +365,7 @@ def _finished(diagnostics: list[Diagnostic], found: SdfFile | None) -> SdfFile:
 
 
 def _read(source: Source, includes: Includes) -> SdfFile | None:
-    element = _chosen(source)
+    element = _selected(source)
     if element is None:
         return None
     source = with_version(source)
@@ -384,7 +384,7 @@ def _read_spawned(source: Source, includes: Includes, pose: Pose | None) -> SdfF
             hint="Nothing needs to be done.",
         )
         return None
-    element = _chosen(source)
+    element = _selected(source)
     if element is None:
         return None
     if element.tag == "world":
@@ -398,7 +398,7 @@ def _read_spawned(source: Source, includes: Includes, pose: Pose | None) -> SdfF
     return SdfFile(models=_alone(with_version(source), element, includes, pose))
 
 
-def _chosen(source: Source) -> Element | None:
+def _selected(source: Source) -> Element | None:
     """The world or model that is read; that there is none, or more, is reported."""
     found = list(children(source.root, "world", "model")) if source.root.tag == "sdf" else []
     if not found:
@@ -445,10 +445,10 @@ def _read_world(source: Source, element: Element, includes: Includes) -> SdfFile
             at=element,
             hint='Write <world name="NAME">; Gazebo Sim refuses the file without.',
         )
-    inhabitants = read_inhabitants(Contents(includes).world(source, element), includes)
-    world = describe_world(source, element, inhabitants.placed, has_ground=inhabitants.has_ground)
-    if not inhabitants.carry:
+    world_models = read_world_models(Contents(includes).world(source, element), includes)
+    world = describe_world(source, element, world_models.placed, has_ground=world_models.has_ground)
+    if not world_models.carry:
         if includes.blame_misspelt_ground():
-            world = replace(world, has_ground_plane=True)  # what was meant, for the trial
+            world = replace(world, has_ground_plane=True)  # what was meant, for the simulation
         check_is_carried(source, element, world)
-    return SdfFile(world=world, models=inhabitants.models)
+    return SdfFile(world=world, models=world_models.models)

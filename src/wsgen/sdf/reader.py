@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen import xmltree
 from wsgen.model.transform import rotate, rotation_of_rpy
-from wsgen.model.world import SUN_COLOUR, SUN_DIRECTION, PlacedModel, World
+from wsgen.model.world import SUN_COLOR, SUN_DIRECTION, PlacedModel, World
 from wsgen.sdf.includes import GROUND_PLANE, SUN, is_sun
 from wsgen.sdf.values import first, read_numbers, read_pose, triple, truth, word
 from wsgen.xmltree import children
@@ -32,7 +32,7 @@ class Lights(NamedTuple):
 
     names: tuple[str, ...]
     sun_direction: Vector  # of the first one from above: where it goes, of length 1
-    sun_colour: Vector  # of that one: red, green, blue, 0 to 1
+    sun_color: Vector  # of that one: red, green, blue, 0 to 1
 
 
 def read_lights(source: Source, world: Element) -> Lights:
@@ -47,13 +47,13 @@ def read_lights(source: Source, world: Element) -> Lights:
                 suns.append(sun)
         elif is_sun(word(element, "uri")):
             names.append(SUN)
-            suns.append((SUN_DIRECTION, SUN_COLOUR))
-    direction, colour = suns[0] if suns else (SUN_DIRECTION, SUN_COLOUR)
-    return Lights(tuple(names), direction, colour)
+            suns.append((SUN_DIRECTION, SUN_COLOR))
+    direction, color = suns[0] if suns else (SUN_DIRECTION, SUN_COLOR)
+    return Lights(tuple(names), direction, color)
 
 
 def _sun(source: Source, light: Element) -> tuple[Vector, Vector] | None:
-    """Direction and colour of a directional light that shines down; None for any other."""
+    """Direction and color of a directional light that shines down; None for any other."""
     is_on = truth(source, light, "light_on", default=True)
     if light.get("type") != "directional" or not is_on:
         return None
@@ -63,10 +63,10 @@ def _sun(source: Source, light: Element) -> tuple[Vector, Vector] | None:
     length = math.hypot(x, y, z)
     if not 0 < length < math.inf or z >= 0:
         return None
-    return (x / length, y / length, z / length), _colour(source, light)
+    return (x / length, y / length, z / length), _color(source, light)
 
 
-def _colour(source: Source, light: Element) -> Vector:
+def _color(source: Source, light: Element) -> Vector:
     diffuse = first(light, "diffuse")
     if diffuse is None:
         return WHITE
@@ -104,7 +104,7 @@ def describe_world(
         has_ground_plane=has_ground,
         lights=lights.names,
         sun_direction=lights.sun_direction,
-        sun_colour=lights.sun_colour,
+        sun_color=lights.sun_color,
         plugins=tuple(plugin.get("filename", "") for plugin in element.iter("plugin")),
     )
 

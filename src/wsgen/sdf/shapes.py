@@ -1,10 +1,10 @@
 """`<visual>`, `<collision>` and `<geometry>` of SDF.
 
-`<ellipsoid>`, `<polyline>` and `<heightmap>` of SDF: what becomes a mesh in a trial.
+`<ellipsoid>`, `<polyline>` and `<heightmap>` of SDF: what becomes a mesh in a simulation.
 
 `<material>` and `<surface>` of SDF: how shapes look, and how they touch.
 
-Planes: half-spaces without end in Gazebo, the ground or large boxes in a trial.
+Planes: half-spaces without end in Gazebo, the ground or large boxes in a simulation.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.model.colors import GAZEBO_COLOURS
+from wsgen.model.colors import GAZEBO_COLORS
 from wsgen.model.robot import (
     Box,
     Capsule,
@@ -128,11 +128,11 @@ def read_heightmap(
     if path.suffix.lower() not in IMAGES:
         source.warning(
             "WLD031",
-            f"The heightmap `{uri}` ({owner.tag} of the link `{link}`) is left out of the trial: "
+            f"The heightmap `{uri}` ({owner.tag} of the link `{link}`) is not simulated: "
             f"it is no PNG or JPEG, so Gazebo takes it for elevation data, which wsgen reads not.",
             at=shape,
             hint="Convert it to a greyscale PNG (gdal_translate -ot UInt16 -scale), and say its "
-            "<size> in metres.",
+            "<size> in meters.",
         )
         return None
     pos = triple(source, shape, "pos", default=(0.0, 0.0, 0.0))
@@ -140,7 +140,7 @@ def read_heightmap(
         source.warning(
             "WLD054",
             "The <pos> of this heightmap moves what is seen alone: Gazebo Sim's physics, and the "
-            "trial, leave the collision where it is.",
+            "simulation, leave the collision where it is.",
             at=shape,
             hint="Move it with the <pose> of the collision and of the visual.",
         )
@@ -175,7 +175,7 @@ def is_sized(source: Source, shape: Element, sizes: tuple[float, ...]) -> bool:
         "WLD034",
         f"A size of this {shape.tag} is not between 0 and {FARTHEST:g} m.",
         at=shape,
-        hint="Give every length, radius and scale a sensible number of metres: Gazebo's "
+        hint="Give every length, radius and scale a sensible number of meters: Gazebo's "
         "physics engine ends the program on most shapes without extent.",
     )
     return False
@@ -186,17 +186,17 @@ Rgba = tuple[float, float, float, float]
 MOST_CONTACTS = 10_000  # of two shapes; more is a slip
 
 
-def read_colour(source: Source, visual: Element) -> Rgba | None:
+def read_color(source: Source, visual: Element) -> Rgba | None:
     """Diffuse, else what the name of a script stands for, else ambient."""
     material = first(visual, "material")
     if material is None:
         return None
-    script = GAZEBO_COLOURS.get(word(material, "script", "name"))
-    colour = _rgba(source, material, "diffuse") or script or _rgba(source, material, "ambient")
+    script = GAZEBO_COLORS.get(word(material, "script", "name"))
+    color = _rgba(source, material, "diffuse") or script or _rgba(source, material, "ambient")
     transparency = number(source, visual, "transparency", default=0.0)
-    if colour is None or transparency == 0:
-        return colour
-    return (*colour[:3], min(1.0, max(0.0, colour[3] * (1 - transparency))))
+    if color is None or transparency == 0:
+        return color
+    return (*color[:3], min(1.0, max(0.0, color[3] * (1 - transparency))))
 
 
 def read_surface(source: Source, collision: Element) -> Surface:
@@ -258,7 +258,7 @@ class ShapeReader:
                     Visual(
                         geometry=geometry,
                         pose_in_link=pose,
-                        rgba=read_colour(self.source, element),
+                        rgba=read_color(self.source, element),
                         name=element.get("name"),
                     )
                 )
@@ -332,7 +332,7 @@ class ShapeReader:
             self.source.warning(
                 "WLD031",
                 f"The {shape.tag} ({owner.tag} of the link `{self.link}`) is left out of the "
-                "trial: no engine of wsgen has such a shape.",
+                "simulation: no engine of wsgen has such a shape.",
                 at=shape,
                 hint="Make it of boxes, spheres, cylinders, capsules or a mesh.",
             )
@@ -415,8 +415,8 @@ def read_planes(node: Node, model: Scope, model_in_world: Pose) -> Planes:
     """The planes of a link of a model, seen from the link's own frame.
 
     One that is level, at z = 0 and of a static model is the ground. Others of static models carry
-    as far as anybody goes in a trial. What moves is left out, which is reported: no engine has a
-    half-space that does.
+    as far as anybody goes in a simulation. What moves is left out, which is reported: no engine
+    has a half-space that does.
     """
     found = list(_planes_of(node.element))
     if not found:
@@ -436,7 +436,7 @@ def read_planes(node: Node, model: Scope, model_in_world: Pose) -> Planes:
         elif not is_static:
             source.warning(
                 "WLD031",
-                f"The plane of the link `{node.name}` is left out of the trial: Gazebo's planes "
+                f"The plane of the link `{node.name}` is not simulated: Gazebo's planes "
                 "have no end, and only one that is static can be tried.",
                 at=shape,
                 hint="Make the model static, or make a plate of a thin box.",
@@ -513,7 +513,7 @@ def _size(source: Source, shape: Element) -> tuple[float, float] | None:
         "WLD034",
         f"The size of this plane is not between 0 and {FARTHEST:g} m.",
         at=shape,
-        hint="Give both edges of what is to be seen a sensible number of metres.",
+        hint="Give both edges of what is to be seen a sensible number of meters.",
     )
     return None
 
@@ -522,6 +522,6 @@ def _seen(source: Source, owner: Element, upward: Pose, size: tuple[float, float
     return Visual(
         geometry=Box(size=(*size, SHEET)),
         pose_in_link=_below(upward, SHEET),
-        rgba=read_colour(source, owner),
+        rgba=read_color(source, owner),
         name=owner.get("name"),
     )

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 TRUTH = {"true": True, "1": True, "false": False, "0": False}
 ROTATIONS = {"euler_rpy": 6, "quat_xyzw": 7}  # and how many numbers such a pose has
-FARTHEST = 1e9  # m; numbers beyond are a slip, and lose everything smaller than a millimetre
+FARTHEST = 1e9  # m; numbers beyond are a slip, and lose everything smaller than a millimeter
 
 
 def first(element: Element, *path: str) -> Element | None:

@@ -1,6 +1,6 @@
-"""Tries what a robot must do beyond standing, and measures. It judges nothing.
+"""Tries what a robot must do beyond standing, and measures. It checks nothing.
 
-What moves a robot in a behaviour: its diff drive plugin, or ros2_control, as in Gazebo.
+What moves a robot in a behavior: its diff drive plugin, or ros2_control, as in Gazebo.
 
 A controller says, once every `UPDATE`, which motors the joints have until the next time.
 """
@@ -21,11 +21,11 @@ from wsgen.simulation.simulate import REST_HELD, is_finite, is_moving
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from wsgen.model.behavior import Attempt, DiffDrive, Reach
+    from wsgen.model.behavior import BehaviorRun, DiffDrive, Reach
     from wsgen.model.robot import Joint, Robot
     from wsgen.model.transform import Pose
     from wsgen.simulation.engine import Engine, State
-    from wsgen.simulation.scene import RobotTrial, Scene
+    from wsgen.simulation.scene import RobotRun, Scene
     from wsgen.simulation.simulate import Observer
 
 
@@ -37,7 +37,7 @@ HELD = (JointType.REVOLUTE, JointType.PRISMATIC)
 
 
 class Controller(Protocol):
-    """Whoever gives the commands of a behaviour."""
+    """Whoever gives the commands of a behavior."""
 
     is_begun: bool  # before, it keeps the robot as it was spawned
 
@@ -45,12 +45,12 @@ class Controller(Protocol):
         """The motors from now to the next update; `positions` are those of the joints now."""
 
 
-def controller_for(attempt: Attempt, robot: Robot) -> Controller:
-    """Who gives the commands of a behaviour that can be tried."""
-    task = attempt.behaviour.task
+def controller_for(behavior_run: BehaviorRun, robot: Robot) -> Controller:
+    """Who gives the commands of a behavior that can be tried."""
+    task = behavior_run.behavior.task
     if isinstance(task, Drive):
-        assert attempt.drive is not None  # noqa: S101  without one there is no such attempt
-        return Wheels(attempt.drive, task, robot)
+        assert behavior_run.drive is not None  # noqa: S101  without one there is no such attempt
+        return Wheels(behavior_run.drive, task, robot)
     return Servos(task, robot)
 
 
@@ -149,30 +149,33 @@ def _limited(joint: Joint, speed: float) -> Motor:
     return Motor(min(fastest, max(-fastest, speed)), effort)
 
 
-def try_behaviours(  # noqa: PLR0913  as `play`, and its outcome
+def run_behaviors(  # noqa: PLR0913  as `play`, and its outcome
     engine: Engine,
     scene: Scene,
-    trials: Sequence[RobotTrial],
+    robot_runs: Sequence[RobotRun],
     announce: Callable[[str], None],
     *,
     observe: Observer | None = None,
     begun: Callable[[str, float], None] = lambda _name, _seconds: None,
-) -> list[RobotTrial]:
-    """Try the scene's behaviours one after the other; gives the trials with what was measured.
+) -> list[RobotRun]:
+    """Try the scene's behaviors one after the other; gives the simulations with what was measured.
 
     For each all robots are put to where they were spawned, and come to rest first. The arguments
-    are those of `trial.play`, which was before; simulated time goes on. `begun` is told the name of
-    a behavior and the simulated time when the robot is at rest and begins it; `observe` sees what
+    are those of `simulation.play`, which was before; simulated time goes on. `begun` is told the
+    name of a behavior and the simulated time when the robot is at rest and begins it; `observe`
+    sees what
     it does from then on.
     """
-    spawned = {trial.entity: trial.spawn_pose for trial in trials}
+    spawned = {robot_run.entity: robot_run.spawn_pose for robot_run in robot_runs}
     session = _Session(engine, scene, spawned, observe, begun)
     measured: dict[str, list[Behaved]] = {entity: [] for entity in spawned}
-    for attempt in scene.attempts:
-        if attempt.entity in spawned:
-            announce(TRYING.format(entity=attempt.entity, name=attempt.behaviour.name))
-            measured[attempt.entity].append(session.attempt(attempt))
-    return [replace(trial, behaviours=tuple(measured[trial.entity])) for trial in trials]
+    for behavior_run in scene.behavior_runs:
+        if behavior_run.entity in spawned:
+            announce(TRYING.format(entity=behavior_run.entity, name=behavior_run.behavior.name))
+            measured[behavior_run.entity].append(session.behavior_run(behavior_run))
+    return [
+        replace(robot_run, behaviors=tuple(measured[robot_run.entity])) for robot_run in robot_runs
+    ]
 
 
 class _Session:
@@ -195,24 +198,24 @@ class _Session:
         self.steps = max(1, round(UPDATE / engine.step_seconds))  # in an update
         self.seconds = scene.seconds  # simulated until now
 
-    def attempt(self, attempt: Attempt) -> Behaved:
-        """Try one behaviour."""
+    def behavior_run(self, behavior_run: BehaviorRun) -> Behaved:
+        """Try one behavior."""
         self._begin_anew()
-        behaviour = attempt.behaviour
-        controller = controller_for(attempt, self.robots[attempt.entity])
-        self._settle(attempt.entity, controller)
-        way = _Way(self.engine.state(attempt.entity))
+        behavior = behavior_run.behavior
+        controller = controller_for(behavior_run, self.robots[behavior_run.entity])
+        self._settle(behavior_run.entity, controller)
+        way = _Way(self.engine.state(behavior_run.entity))
         controller.is_begun = True
-        self.begun(behaviour.name, self.seconds)
+        self.begun(behavior.name, self.seconds)
         self._show()
-        for _ in range(self._updates(behaviour.seconds)):
-            way.go(self._update(attempt.entity, controller))
+        for _ in range(self._updates(behavior.seconds)):
+            way.go(self._update(behavior_run.entity, controller))
             if not way.is_finite:
                 break
-        positions = self.engine.joint_positions(attempt.entity)
-        self.engine.release(attempt.entity)
+        positions = self.engine.joint_positions(behavior_run.entity)
+        self.engine.release(behavior_run.entity)
         numbers_are_finite = all(map(math.isfinite, positions.values()))
-        return Behaved(behaviour.name, way.moved, positions, way.is_finite and numbers_are_finite)
+        return Behaved(behavior.name, way.moved, positions, way.is_finite and numbers_are_finite)
 
     def _begin_anew(self) -> None:
         for entity, pose in self.spawned.items():

@@ -142,15 +142,15 @@ GROUND = Robot(
 PLUMB = -11.0  # m, z of its upper side
 
 # What stands flat lands on one point at first, because PyBullet finds a cylinder's contacts with
-# the ground one a step. After a fall of several metres that gives it a push: a flat cylinder that
+# the ground one a step. After a fall of several meters that gives it a push: a flat cylinder that
 # falls 5 m ends up 0.2 m aside, in DART, Gazebo's engine, under where it was spawned. No setting
-# of PyBullet's mends it for all heights; where a robot lies after a fall is not to be believed.
+# of PyBullet's fixes it for all heights; where a robot lies after a fall is not to be believed.
 
 # How much of an overlap the contact solver removes in one step (PyBullet's default), and how fast
 # two bodies may be pushed apart by that. PyBullet has no such bound: out of an overlap of 0.25 m it
 # shoots a robot 20 m high. Gazebo's engines have one (max_vel of ODE, the largest error reduction
 # velocity of DART). At this speed a robot leaves the ground with a hop of 3 mm, and 0.6 m of
-# overlap are gone within the usual trial.
+# overlap are gone within the usual simulation.
 OVERLAP_SHARE = 0.08
 SEPARATION_SPEED = 0.25  # m/s
 LIMIT_SHARE = 0.01  # of the way back to a limit, in one step; DART's error reduction parameter
@@ -181,7 +181,7 @@ class BulletEngine:
             fixedTimeStep=world.step,
             # Without this a second robot from the same path would be the first one again.
             enableFileCaching=0,
-            # The same scene must give the same trial on every run.
+            # The same scene must give the same simulation on every run.
             deterministicOverlappingPairs=1,
         )
         if world.has_ground_plane:

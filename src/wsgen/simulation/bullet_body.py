@@ -406,7 +406,7 @@ class BulletBody:
             client.resetJointState(self.number, index, 0.0)
 
     def root_pose(self) -> Pose:
-        """The frame of the root link; PyBullet's base is the frame at its centre of mass."""
+        """The frame of the root link; PyBullet's base is the frame at its center of mass."""
         return compose(self._centre(ROOT), self._root_from_base)
 
     def joint_states(self) -> list[tuple[float, float]]:
@@ -444,7 +444,7 @@ class BulletBody:
         return total
 
     def _motion(self, index: int) -> tuple[Pose, Vector, Vector]:
-        """Pose and velocities of a link's centre of mass, along its principal axes."""
+        """Pose and velocities of a link's center of mass, along its principal axes."""
         client = self._client
         if index == ROOT:
             return (self._centre(ROOT), *client.getBaseVelocity(self.number))

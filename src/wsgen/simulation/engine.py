@@ -1,4 +1,4 @@
-"""What a trial needs of a physics engine.
+"""What a simulation needs of a physics engine.
 
 Which links of a robot are next to each other, and which may touch each other.
 """
@@ -45,7 +45,7 @@ class State:
 
     xyz: tuple[float, float, float]  # m, of the root link's frame
     xyzw: tuple[float, float, float, float]  # orientation of the root link, unit quaternion
-    speed: float  # m/s, of the root link's centre of mass; of loose parts that of the fastest
+    speed: float  # m/s, of the root link's center of mass; of loose parts that of the fastest
     turning: float  # rad/s, of the root link, likewise
     joint_speed: float  # rad/s or m/s, of the fastest joint; 0 without movable joints
 
@@ -111,7 +111,7 @@ class Engine(Protocol):
     def hull_gaps(self, entity: str) -> Sequence[HullGap]:
         """Where a robot touches something with the convex hulls of its meshes alone, right now.
 
-        Only what is several millimetres off; never on level ground, where it makes no difference.
+        Only what is several millimeters off; never on level ground, where it makes no difference.
         """
 
     def advance(self, steps: int) -> None:
@@ -138,7 +138,7 @@ TOUCHING = 1e-3  # m; PyBullet's margin around convex shapes: less than this is 
 Place = tuple[str, str]  # entity and link
 
 
-def neighbours(robot: Robot) -> set[frozenset[str]]:
+def neighbors(robot: Robot) -> set[frozenset[str]]:
     """The pairs of links that a joint joins."""
     return {frozenset((joint.parent, joint.child)) for joint in (*robot.joints, *robot.loose)}
 
@@ -150,7 +150,7 @@ def may_touch(robot: Robot) -> set[frozenset[str]]:
     the flag of the whole model alone; with one, PyBullet's convex hulls would push robots apart
     whose meshes do not touch.
     """
-    joined = neighbours(robot)
+    joined = neighbors(robot)
     collide = {link.name for link in robot.links if link.self_collide}
     return {
         pair
@@ -166,7 +166,7 @@ def deepest_overlaps(
 
     Left out are the shapes of one link, links that a joint joins, and what only touches.
     """
-    joined = {entity: neighbours(robot) for entity, robot in robots.items()}
+    joined = {entity: neighbors(robot) for entity, robot in robots.items()}
     deepest: dict[tuple[Place, Place], float] = {}
     for one, other, depth in found:
         (entity, link), (other_entity, other_link) = pair = min(one, other), max(one, other)

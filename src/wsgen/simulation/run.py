@@ -13,12 +13,12 @@ from wsgen.isolation import parent
 from wsgen.isolation.outcome import DEFAULT_LIMITS, Died
 from wsgen.simulation.scene import (
     DRAWING,
-    FILMING,
     LOADING,
+    RECORDING,
     TRYING,
-    Film,
-    TrialOutcome,
-    trial_from_json,
+    SimulationOutcome,
+    Video,
+    robot_run_from_json,
 )
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ TASK = "wsgen.tasks.{engine}:simulate"
 MODULES = {"bullet": "pybullet", "dart": "dartpy"}
 MANY_TRIANGLES = 20_000  # with fewer, a frame's time goes into its pixels
 LAST_WORDS = 600  # characters of a dead engine's output that are told
-COLOURS = re.compile(r"\x1b\[[0-9;]*m")  # DART's warnings are yellow
+COLORS = re.compile(r"\x1b\[[0-9;]*m")  # DART's warnings are yellow
 GREETINGS = ("pybullet build time",)  # what PyBullet prints when all is well
 
 
@@ -47,9 +47,9 @@ def default_engine() -> str:
     return "dart" if missing_engines(["bullet"]) else "bullet"
 
 
-def run_trial(
+def run_simulation(
     scene: Scene, *, limits: Limits = DEFAULT_LIMITS, run: Run = parent.run
-) -> TrialOutcome:
+) -> SimulationOutcome:
     """Simulate the scene; the engine's crash, hang or complaint becomes a diagnostic.
 
     `run` starts the child process.
@@ -60,24 +60,24 @@ def run_trial(
     if isinstance(outcome, Died):
         found, rest = _blame(scene, outcome)
         if rest is None:
-            return TrialOutcome(diagnostics=(found,), seconds={"simulate": seconds})
-        again = run_trial(rest, limits=limits, run=run)
+            return SimulationOutcome(diagnostics=(found,), seconds={"simulate": seconds})
+        again = run_simulation(rest, limits=limits, run=run)
         return replace(again, diagnostics=(found, *again.diagnostics))
     answer = outcome.value
     measured = answer["seconds"]
-    film = _film(scene, answer)
-    return TrialOutcome(
-        trials=tuple(trial_from_json(trial) for trial in answer["trials"]),
+    video = _video(scene, answer)
+    return SimulationOutcome(
+        robot_runs=tuple(robot_run_from_json(robot_run) for robot_run in answer["robot_runs"]),
         diagnostics=(
             *_refusals(answer),
             *_complaints(scene, outcome.output),
             *_undrawn(answer),
-            *_coarse(film),
+            *_coarse(video),
         ),
         picture=scene.picture if "picture_tile" in answer else None,
         picture_tile=answer.get("picture_tile"),
         world_picture=scene.world_picture if "world_picture_tile" in answer else None,
-        film=film,
+        video=video,
         # Starting the child and the engine is what is left of the whole.
         seconds={**measured, "load": seconds - sum(measured.values())},
     )
@@ -88,14 +88,16 @@ def _blame(scene: Scene, death: Died) -> tuple[Diagnostic, Scene | None]:
     if death.step == DRAWING:
         found = _no_picture("picture", f"the engine {death.reason} while it drew it")
         return found, replace(scene, picture=None, world_picture=None)
-    if death.step.startswith(FILMING):
-        found = _no_film(f"the engine {death.reason} while it was {death.step}")
+    if death.step.startswith(RECORDING):
+        found = _no_video(f"the engine {death.reason} while it was {death.step}")
         return found, replace(scene, record=None)
-    for attempt in scene.attempts:
-        if death.step == TRYING.format(entity=attempt.entity, name=attempt.behaviour.name):
-            others = tuple(other for other in scene.attempts if other is not attempt)
-            (robot,) = (one for one in scene.robots if one.entity == attempt.entity)
-            return _death(replace(scene, robots=(robot,)), death), replace(scene, attempts=others)
+    for behavior_run in scene.behavior_runs:
+        if death.step == TRYING.format(entity=behavior_run.entity, name=behavior_run.behavior.name):
+            others = tuple(other for other in scene.behavior_runs if other is not behavior_run)
+            (robot,) = (one for one in scene.robots if one.entity == behavior_run.entity)
+            return _death(replace(scene, robots=(robot,)), death), replace(
+                scene, behavior_runs=others
+            )
     for robot in scene.robots:
         if death.step == LOADING.format(entity=robot.entity):
             found = _death(replace(scene, robots=(robot,)), death)
@@ -105,8 +107,10 @@ def _blame(scene: Scene, death: Died) -> tuple[Diagnostic, Scene | None]:
 
 def _without(scene: Scene, entity: str) -> Scene | None:
     robots = tuple(robot for robot in scene.robots if robot.entity != entity)
-    attempts = tuple(attempt for attempt in scene.attempts if attempt.entity != entity)
-    return replace(scene, robots=robots, attempts=attempts) if robots else None
+    behavior_runs = tuple(
+        behavior_run for behavior_run in scene.behavior_runs if behavior_run.entity != entity
+    )
+    return replace(scene, robots=robots, behavior_runs=behavior_runs) if robots else None
 
 
 def _death(scene: Scene, death: Died) -> Diagnostic:
@@ -142,7 +146,7 @@ def _undrawn(answer: dict[str, Any]) -> Iterator[Diagnostic]:
         if problem is not None:
             yield _no_picture(what, problem)
     if answer.get("film_problem") is not None:
-        yield _no_film(answer["film_problem"])
+        yield _no_video(answer["film_problem"])
 
 
 def _no_picture(what: str, problem: str) -> Diagnostic:
@@ -155,7 +159,7 @@ def _no_picture(what: str, problem: str) -> Diagnostic:
     )
 
 
-def _no_film(problem: str) -> Diagnostic:
+def _no_video(problem: str) -> Diagnostic:
     return Diagnostic(
         code="SPN070",
         severity=Severity.ERROR,
@@ -165,21 +169,23 @@ def _no_film(problem: str) -> Diagnostic:
     )
 
 
-def _film(scene: Scene, answer: dict[str, Any]) -> Film | None:
-    return Film(file=scene.record, **answer["film"]) if scene.record and "film" in answer else None
+def _video(scene: Scene, answer: dict[str, Any]) -> Video | None:
+    return (
+        Video(file=scene.record, **answer["video"]) if scene.record and "video" in answer else None
+    )
 
 
-def _coarse(film: Film | None) -> Iterator[Diagnostic]:
+def _coarse(video: Video | None) -> Iterator[Diagnostic]:
     """Say so if there is so much to draw that the video has less than others."""
-    if film is not None and film.is_coarse:
+    if video is not None and video.is_coarse:
         yield Diagnostic(
             code="SPN071",
             severity=Severity.INFO,
-            message=f"The video has {film.frames_per_second:.3g} frames per second of {film.width} "
-            f"by {film.height} pixels, to be drawn in time: {film.frames} frames of "
-            f"{film.triangles:,} triangles.",
+            message=f"The video has {video.frames_per_second:.3g} frames/s of {video.width} "
+            f"by {video.height} pixels, to be drawn in time: {video.frames} frames of "
+            f"{video.triangles:,} triangles.",
             hint="Reduce the visual meshes."
-            if film.triangles > MANY_TRIANGLES
+            if video.triangles > MANY_TRIANGLES
             else "Record fewer simulated seconds, in --seconds or in the behaviors.",
         )
 
@@ -192,12 +198,12 @@ def _complaints(scene: Scene, output: str) -> Iterator[Diagnostic]:
             severity=Severity.WARNING,
             message=f"The physics engine complained: {words[:LAST_WORDS]}",
             element=_entities(scene),
-            hint="The trial went on; what the engine names may be missing from it.",
+            hint="The simulation went on; what the engine names may be missing from it.",
         )
 
 
 def _without_greetings(output: str) -> str:
-    lines = (line.strip() for line in COLOURS.sub("", output).splitlines())
+    lines = (line.strip() for line in COLORS.sub("", output).splitlines())
     return "\n".join(line for line in lines if line and not line.startswith(GREETINGS))
 
 

@@ -13,16 +13,16 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
-    from wsgen.model.behavior import Attempt
+    from wsgen.model.behavior import BehaviorRun
     from wsgen.model.robot import Robot
     from wsgen.model.world import World
 
 
 # What the child process announces; by it the parent knows what the engine died of.
 LOADING = "loading the robot `{entity}`"
-TRYING = "trying the behaviour `{name}` of `{entity}`"
+TRYING = "trying the behavior `{name}` of `{entity}`"
 DRAWING = "drawing the picture"
-FILMING = "drawing the video"  # goes on with how far it is
+RECORDING = "drawing the video"  # goes on with how far it is
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,7 +33,7 @@ class SpawnedRobot:
     robot: Robot  # as Gazebo has it: lumped
     pose_in_world: Pose = IDENTITY  # of the root link's frame
     on_the_ground: bool = False  # spawned at that pose, but as low as it can stand
-    is_scenery: bool = False  # a part of the world: pictures are not about it
+    is_static_model: bool = False  # a part of the world: pictures are not about it
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,11 +43,13 @@ class Scene:
     world: World
     robots: tuple[SpawnedRobot, ...]
     seconds: float = 3.0  # simulated
-    attempts: tuple[Attempt, ...] = ()  # afterwards, one by one, from where all were spawned
+    behavior_runs: tuple[
+        BehaviorRun, ...
+    ] = ()  # afterwards, one by one, from where all were spawned
     engine: str = "bullet"  # a key of `run.MODULES`
     picture: Path | None = None  # where to put a PNG of the end; its folder must exist
     world_picture: Path | None = None  # likewise of all around, if there is scenery
-    record: Path | None = None  # where to put a film of the trial, .gif or .mp4; likewise
+    record: Path | None = None  # where to put a video of the simulation, .gif or .mp4; likewise
     progress: Path | None = None  # where to write, now and then, how far the video is
 
 
@@ -62,7 +64,7 @@ class Overlapping:
 
 
 class Behaved(NamedTuple):
-    """What was measured of a behaviour, at its end."""
+    """What was measured of a behavior, at its end."""
 
     name: str
     # m, m, rad: the root link's frame, along x and y of where it was when it began, and how far it
@@ -73,8 +75,8 @@ class Behaved(NamedTuple):
 
 
 @dataclass(frozen=True, kw_only=True)
-class RobotTrial:
-    """What was measured of one robot. It states facts; `wsgen.checks` judges them."""
+class RobotRun:
+    """What was measured of one robot. It states facts; `wsgen.checks` checks them."""
 
     entity: str
     links: int  # that the engine simulates
@@ -87,11 +89,11 @@ class RobotTrial:
     lowest_point_at_end: float  # m
     is_finite: bool  # no pose or speed was infinite or not-a-number
     settled_after: float | None  # s; from then on it was at rest; None: it still moved at the end
-    rest_pose: Pose  # of the root link's frame (not the centre of mass), at the end
-    speed: float  # m/s, of the root link's centre of mass, at the end
+    rest_pose: Pose  # of the root link's frame (not the center of mass), at the end
+    speed: float  # m/s, of the root link's center of mass, at the end
     turning: float  # rad/s, of the root link, at the end
     joint_speed: float  # rad/s or m/s, of the fastest joint, at the end
-    highest_speed: float  # m/s, of the root link's centre of mass
+    highest_speed: float  # m/s, of the root link's center of mass
     highest_point: float  # m, z of the root link's frame
     tilt: float  # rad, between what was up in the robot when spawned and up, at the end
     energy_gain: float  # J, the most that it had above what it had when spawned
@@ -101,16 +103,16 @@ class RobotTrial:
     is_cut_short: bool = False  # it ended before its time: another robot's state was not finite
     is_falling: bool = False  # nothing holds it up: at the end it gets faster with gravity
     hull_gaps: tuple[HullGap, ...] = ()  # at the end
-    behaviours: tuple[Behaved, ...] = ()  # that were tried
+    behaviors: tuple[Behaved, ...] = ()  # that were tried
 
 
 @dataclass(frozen=True, kw_only=True)
-class Film:
-    """A video of a trial: of its behaviors, or of the standing from the spawning to the end."""
+class Video:
+    """A video of a simulation: of its behaviors, or of the robot from spawning to the end."""
 
     file: Path
     frames: int
-    frames_per_second: float  # of simulated time, which is also the film's
+    frames_per_second: float  # of simulated time, which is also the video's
     width: int  # pixels
     height: int
     triangles: int  # that a frame shows
@@ -118,25 +120,25 @@ class Film:
 
 
 @dataclass(frozen=True, kw_only=True)
-class TrialOutcome:
-    """How a scene went. Without trials it could not be played, and the diagnostics say why."""
+class SimulationOutcome:
+    """How a scene went. Without simulations it could not be played, and the diagnostics say why."""
 
-    trials: tuple[RobotTrial, ...] = ()  # of the robots that the engine accepted
+    robot_runs: tuple[RobotRun, ...] = ()  # of the robots that the engine accepted
     diagnostics: tuple[Diagnostic, ...] = ()
     picture: Path | None = None
     picture_tile: float | None = None  # m, edge of the ground's squares in it, if any are seen
     world_picture: Path | None = None
-    film: Film | None = None
+    video: Video | None = None
     seconds: Mapping[str, float] = field(default_factory=dict)  # wall-clock: load, simulate, draw
 
 
-def trial_to_json(trial: RobotTrial) -> dict[str, Any]:
-    """The trial as JSON has it; `trial_from_json` is the way back."""
-    return asdict(trial)
+def robot_run_to_json(robot_run: RobotRun) -> dict[str, Any]:
+    """The simulation as JSON has it; `robot_run_from_json` is the way back."""
+    return asdict(robot_run)
 
 
-def trial_from_json(value: Mapping[str, Any]) -> RobotTrial:
-    """The trial that `trial_to_json` made this of."""
+def robot_run_from_json(value: Mapping[str, Any]) -> RobotRun:
+    """The simulation that `robot_run_to_json` made this of."""
     poses = {
         key: Pose(tuple(value[key]["xyz"]), tuple(value[key]["rpy"]))
         for key in ("spawn_pose", "rest_pose")
@@ -145,8 +147,8 @@ def trial_from_json(value: Mapping[str, Any]) -> RobotTrial:
     gaps = tuple(HullGap(*gap) for gap in value["hull_gaps"])
     behaved = tuple(
         Behaved(name, tuple(moved), positions, is_finite)
-        for name, moved, positions, is_finite in value["behaviours"]
+        for name, moved, positions, is_finite in value["behaviors"]
     )
-    return RobotTrial(
-        **{**value, **poses, "overlaps": overlaps, "hull_gaps": gaps, "behaviours": behaved}
+    return RobotRun(
+        **{**value, **poses, "overlaps": overlaps, "hull_gaps": gaps, "behaviors": behaved}
     )

@@ -1,4 +1,4 @@
-"""The trial: spawn, let go, measure. It judges nothing."""
+"""The simulation: spawn, let go, measure. It checks nothing."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from wsgen.model.transform import (
     transpose,
 )
 from wsgen.simulation.engine import Refused
-from wsgen.simulation.scene import LOADING, Overlapping, RobotTrial
+from wsgen.simulation.scene import LOADING, Overlapping, RobotRun
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -132,10 +132,10 @@ def play(
     scene: Scene,
     announce: Callable[[str], None],
     observe: Observer | None = None,
-) -> tuple[list[RobotTrial], dict[str, Refused]]:
+) -> tuple[list[RobotRun], dict[str, Refused]]:
     """Spawn the robots, let them go for the scene's seconds, and measure.
 
-    Gives the trials of the robots that the engine accepted, and why it refused the others, by
+    Gives the simulations of the robots that the engine accepted, and why it refused the others, by
     entity. It ends when the state of one is not finite any more: nothing that touches it moves as
     it should, and some engines print a complaint every step. `announce` is told what comes next;
     `observe` is called when all are there, and at every look from then on.
@@ -232,14 +232,14 @@ def _put_on_the_ground(engine: Engine, robot: SpawnedRobot, world: World) -> Pos
 
 def _measured(
     engine: Engine, scene: Scene, watch: _Watch, overlaps: Sequence[Overlap], *, is_cut_short: bool
-) -> RobotTrial:
+) -> RobotRun:
     last = watch.last
     rotation = rotation_of_quaternion(last.xyzw)
     # Up in the world, in the robot's frame at the start, and back in the world at the end.
     turned = multiply(rotation, transpose(rotation_of_rpy(watch.pose.rpy)))
     lowest = engine.lowest_point(watch.spawned.entity) if watch.is_finite else last.xyz[2]
     settled = watch.is_finite and watch.moving_until <= scene.seconds - REST_HELD
-    return RobotTrial(
+    return RobotRun(
         entity=watch.spawned.entity,
         links=watch.loaded.links,
         movable_joints=watch.loaded.movable_joints,

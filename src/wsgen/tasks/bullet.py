@@ -1,4 +1,4 @@
-"""The child process of a trial in PyBullet; with its modules, it loads the engine."""
+"""The child process of a simulation in PyBullet; with its modules, it loads the engine."""
 
 from __future__ import annotations
 

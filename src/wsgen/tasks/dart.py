@@ -1,4 +1,4 @@
-"""The child process of a trial in DART; with its modules, it loads the engine."""
+"""The child process of a simulation in DART; with its modules, it loads the engine."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the child process of a trial does, with whatever engine."""
+"""What the child process of a simulation does, with whatever engine."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from wsgen.isolation.child import announce
 from wsgen.rendering.drawing import draw, recorder_for, remember
-from wsgen.simulation.scene import trial_to_json
+from wsgen.simulation.scene import robot_run_to_json
 from wsgen.simulation.simulate import play
 
 if TYPE_CHECKING:
@@ -19,26 +19,26 @@ if TYPE_CHECKING:
     from wsgen.model.world import World
     from wsgen.rendering.recording import Recorder
     from wsgen.simulation.engine import Engine
-    from wsgen.simulation.scene import RobotTrial, Scene
+    from wsgen.simulation.scene import RobotRun, Scene
 
 
 UNBUFFERED = 2  # _IONBF of C's stdio, on Linux and macOS
 
 
 def simulate(scene: Scene, make_engine: Callable[[World], Engine]) -> dict[str, Any]:
-    """Play the scene in an engine; gives what `wsgen.simulation.run` makes a TrialOutcome of."""
+    """Simulate the scene in an engine; `wsgen.simulation.run` makes a SimulationOutcome of it."""
     _let_last_words_out()
     engine = make_engine(scene.world)
     recorder = recorder_for(engine, scene)
     started = time.perf_counter()
-    trials, refused = play(engine, scene, announce, recorder)
+    robot_runs, refused = play(engine, scene, announce, recorder)
     standing = remember(engine, scene, refused)
-    if scene.attempts:
-        trials = _try(engine, scene, trials, recorder)
+    if scene.behavior_runs:
+        robot_runs = _try(engine, scene, robot_runs, recorder)
     simulated = time.perf_counter()
-    drawn = draw(scene, refused, recorder, standing) if trials else {}
+    drawn = draw(scene, refused, recorder, standing) if robot_runs else {}
     return {
-        "trials": [trial_to_json(trial) for trial in trials],
+        "robot_runs": [robot_run_to_json(robot_run) for robot_run in robot_runs],
         "refused": {entity: [why.reason, why.hint] for entity, why in refused.items()},
         **drawn,
         "seconds": {
@@ -49,14 +49,16 @@ def simulate(scene: Scene, make_engine: Callable[[World], Engine]) -> dict[str, 
 
 
 def _try(
-    engine: Engine, scene: Scene, trials: list[RobotTrial], recorder: Recorder | None
-) -> list[RobotTrial]:
-    """The trials with what the robots did beyond standing; most scenes load nothing for it."""
-    from wsgen.simulation.behaviors import try_behaviours  # noqa: PLC0415
+    engine: Engine, scene: Scene, robot_runs: list[RobotRun], recorder: Recorder | None
+) -> list[RobotRun]:
+    """The simulations with what the robots did beyond standing; most scenes load nothing for it."""
+    from wsgen.simulation.behaviors import run_behaviors  # noqa: PLC0415
 
     if recorder is None:
-        return try_behaviours(engine, scene, trials, announce)
-    return try_behaviours(engine, scene, trials, announce, observe=recorder, begun=recorder.begin)
+        return run_behaviors(engine, scene, robot_runs, announce)
+    return run_behaviors(
+        engine, scene, robot_runs, announce, observe=recorder, begun=recorder.begin
+    )
 
 
 def _let_last_words_out() -> None:

@@ -107,7 +107,7 @@ def _trust(descriptor: int) -> None:
 
 # The first that an exception is of.
 _HINTS: tuple[tuple[type[Exception], str], ...] = (
-    (jinja2.TemplateSyntaxError, "Mend the tag in this line."),
+    (jinja2.TemplateSyntaxError, "Fix the tag in this line."),
     (
         jinja2.TemplateNotFound,
         "Name a file below the template's folder, or wsgen:TEMPLATE/FILE for one of wsgen's.",
@@ -118,11 +118,11 @@ _HINTS: tuple[tuple[type[Exception], str], ...] = (
     ),
     (
         jinja2.UndefinedError,
-        "Mend the name, or declare the variable; docs/templates.md lists what there is.",
+        "Fix the name, or declare the variable; docs/templates.md lists what there is.",
     ),
     (RecursionError, "Break the circle."),
     (TimeoutError, "See what is repeated here, and how often."),
-    (Exception, "Mend the expression in this line."),
+    (Exception, "Fix the expression in this line."),
 )
 
 

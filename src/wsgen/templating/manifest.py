@@ -109,7 +109,7 @@ class ManifestFile:
         except RecursionError:
             return self._unreadable("is nested too deeply", "Write plain tables.")
         except ValueError as error:
-            return self._unreadable(f"is no TOML: {error}", "Mend it at the place that is named.")
+            return self._unreadable(f"is no TOML: {error}", "Fix it at the place that is named.")
         if not document:
             return self._unreadable("is no file with anything in it", f"Write: schema = {SCHEMA}")
         if document.get("schema") != SCHEMA:

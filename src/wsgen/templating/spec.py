@@ -1,6 +1,6 @@
 """From the words of a request to a PackageSpec; what is wrong with the request is found here.
 
-The licences whose texts come with wsgen.
+The licenses whose texts come with wsgen.
 """
 
 from __future__ import annotations
@@ -34,14 +34,14 @@ def find_license(name: str) -> str:
     """The SPDX identifier in its own spelling; capitals do not matter in `name`.
 
     Raises:
-        RequestError: no text of such a licence is here.
+        RequestError: no text of such a license is here.
     """
     known = license_names()
     for license_name in known:
         if license_name.lower() == name.lower():
             return license_name
     raise RequestError(
-        f"wsgen has no text of a licence {name!r}.",
+        f"wsgen has no text of a license {name!r}.",
         hint=f"Take --license {' or '.join(known)}; for another one change the file LICENSE and the"
         " <license> of package.xml afterwards.",
     )

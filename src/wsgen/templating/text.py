@@ -1,6 +1,6 @@
 """Text that users give: what of it can stand in a package, and how it is written into each format.
 
-Users' text goes into package.xml, wsgen.toml, README.md and the licence, nowhere else. All other
+Users' text goes into package.xml, wsgen.toml, README.md and the license, nowhere else. All other
 files get names that `model.names` has checked, and numbers.
 """
 

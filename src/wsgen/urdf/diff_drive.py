@@ -139,7 +139,7 @@ def _size(values: Mapping[str, tuple[str, ...]], key: str, default: float, at: i
     size = _number(values, key, default, at)
     if not size > 0:
         raise _UnusableError(
-            f"the <{key}> of its diff drive plugin is {size:g}", "Write a length in metres."
+            f"the <{key}> of its diff drive plugin is {size:g}", "Write a length in meters."
         )
     return size
 

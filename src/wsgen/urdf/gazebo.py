@@ -20,7 +20,7 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from wsgen.model.colors import GAZEBO_COLOURS
+from wsgen.model.colors import GAZEBO_COLORS
 from wsgen.model.robot import GazeboTag, Plugin, SdfJoint, Surface
 from wsgen.suggestions import did_you_mean, nearest
 from wsgen.urdf.collector import line_of
@@ -98,8 +98,8 @@ def check_value(  # noqa: PLR0913  what, where, and whether it counts
                 at=element,
                 path=path,
             )
-    elif key == "material" and text.startswith("Gazebo/") and text not in GAZEBO_COLOURS:
-        near = nearest(text, GAZEBO_COLOURS)
+    elif key == "material" and text.startswith("Gazebo/") and text not in GAZEBO_COLORS:
+        near = nearest(text, GAZEBO_COLORS)
         findings.warning(
             "ROB032",
             f"Gazebo has no material `{text}`.",
@@ -180,7 +180,7 @@ def _check_number(findings: Findings, element: Element, path: str, key: str, tex
 
 # Of these SDF elements also what is in them is taken, under `collision/surface/friction/ode/mu`.
 COPIED = frozenset(("collision", "visual", "velocity_decay"))
-# What Gazebo adds to the model for them is not part of the trial.
+# What Gazebo adds to the model for them is not part of the simulation.
 NOT_SIMULATED = frozenset(("joint", "link", "model", "include"))
 
 
@@ -294,8 +294,8 @@ def _report_unknown(
 def _report_not_simulated(findings: Findings, element: Element, path: str) -> None:
     findings.warning(
         "ROB058",
-        f"Gazebo adds the SDF <{element.tag}> in a <gazebo> element to the robot; wsgen's trial "
-        "goes without it.",
+        f"Gazebo adds the SDF <{element.tag}> in a <gazebo> element to the robot; wsgen "
+        "does not simulate it.",
         hint="Watch this part in Gazebo itself.",
         at=element,
         path=path,
@@ -384,7 +384,7 @@ def with_extensions(link: Link, tags: Sequence[GazeboTag], *, self_collide: bool
             for index, collision in enumerate(link.collisions)
         ),
         visuals=tuple(
-            _with_colour(visual, _meant(link, visual.name, "_visual", index, about))
+            _with_color(visual, _meant(link, visual.name, "_visual", index, about))
             for index, visual in enumerate(link.visuals)
         ),
     )
@@ -492,10 +492,10 @@ def _with_surface(collision: Collision, tags: Sequence[GazeboTag]) -> Collision:
     )
 
 
-def _with_colour(visual: Visual, tags: Sequence[GazeboTag]) -> Visual:
+def _with_color(visual: Visual, tags: Sequence[GazeboTag]) -> Visual:
     rgba = visual.rgba
     for tag in tags:
-        rgba = GAZEBO_COLOURS.get(tag.values.get("material", ""), rgba)
+        rgba = GAZEBO_COLORS.get(tag.values.get("material", ""), rgba)
         words = tag.values.get("visual/material/diffuse", "").split()
         if len(words) in {3, 4} and all(NUMBER.fullmatch(word) for word in words):
             red, green, blue, alpha = (

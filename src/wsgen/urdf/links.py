@@ -7,7 +7,7 @@ it cannot read, without refusing the robot: what comes behind is lost.
 
 `<material>` of a URDF.
 
-Gazebo goes on without a colour that it cannot read; on a material that is defined twice for the
+Gazebo goes on without a color that it cannot read; on a material that is defined twice for the
 whole robot its parser refuses the robot.
 """
 
@@ -57,13 +57,13 @@ def read_materials(findings: Findings, root: Element) -> dict[str, Rgba | None]:
         name = material.get("name") or ""
         if name and _has(material, "color", "texture"):
             path = f"material[@name='{name}']"
-            colour = _read_colour(findings, material, path)
-            if materials.setdefault(name, colour) != colour:
+            color = _read_color(findings, material, path)
+            if materials.setdefault(name, color) != color:
                 findings.warning(
                     "ROB026",
-                    f"The material `{name}` has two colours.",
+                    f"The material `{name}` has two colors.",
                     hint="Define it once, or give the second one another name: Gazebo takes the "
-                    "first colour for both, other programs may not.",
+                    "first color for both, other programs may not.",
                     at=material,
                     path=path,
                 )
@@ -79,7 +79,7 @@ def _report_repeated(findings: Findings, root: Element) -> None:
             findings.error(
                 "ROB059",
                 f"The material `{name or ''}` is defined twice for the whole robot, and Gazebo "
-                "refuses the robot, be the colours equal or not.",
+                "refuses the robot, be the colors equal or not.",
                 hint="Remove one of the definitions; in xacro, put them into a file of their own "
                 "that is included once.",
                 at=material,
@@ -92,40 +92,40 @@ def _has(element: Element, *tags: str) -> bool:
     return next(children(element, *tags), None) is not None
 
 
-def used_colour(
+def used_color(
     findings: Findings, material: Element, path: str, materials: Mapping[str, Rgba | None]
 ) -> Rgba | None:
-    """The colour of a visual's material; None where it has none."""
+    """The color of a visual's material; None where it has none."""
     name = material.get("name") or ""
     if name in materials:
         return materials[name]
     if _has(material, "color"):
-        return _read_colour(findings, material, path)
+        return _read_color(findings, material, path)
     if name and not _has(material, "texture"):
         findings.warning(
             "ROB025",
             f"The material `{name}` is not defined.",
             hint=f'Add <material name="{name}"><color rgba="0.5 0.5 0.5 1"/></material> to the '
-            "robot; without it simulators show their default colour.",
+            "robot; without it simulators show their default color.",
             at=material,
             path=path,
         )
     return None
 
 
-def _read_colour(findings: Findings, material: Element, path: str) -> Rgba | None:
-    for colour in children(material, "color"):
+def _read_color(findings: Findings, material: Element, path: str) -> Rgba | None:
+    for color in children(material, "color"):
         rgba = read_numbers(
-            findings, colour, "rgba", 4, f"{path}/color", required=True, is_fatal=False
+            findings, color, "rgba", 4, f"{path}/color", required=True, is_fatal=False
         )
         if rgba is None:
             return None
         if not all(0 <= number <= 1 for number in rgba):
             findings.warning(
                 "ROB027",
-                f'rgba="{colour.get("rgba")}" is not between 0 and 1.',
+                f'rgba="{color.get("rgba")}" is not between 0 and 1.',
                 hint="Divide by 255 if these are bytes.",
-                at=colour,
+                at=color,
                 path=f"{path}/color",
             )
         red, green, blue, alpha = (min(1.0, max(0.0, number)) for number in rgba)
@@ -171,7 +171,7 @@ def read_visual(
                 path=f"{path}/material",
                 name="name",
             )
-        rgba = used_colour(findings, material, f"{path}/material", materials)
+        rgba = used_color(findings, material, f"{path}/material", materials)
         break
     geometry = _read_geometry(findings, element, path)
     if pose is None or not is_named:
@@ -275,7 +275,7 @@ def _without_extent(findings: Findings, shape: Element, path: str, what: str) ->
         findings.warning(
             "ROB028",
             f"{told}: there is nothing to see of it.",
-            hint="Remove the <visual>, or give every length, radius and scale a number of metres.",
+            hint="Remove the <visual>, or give every length, radius and scale a number of meters.",
             at=shape,
             path=path,
         )
@@ -283,7 +283,7 @@ def _without_extent(findings: Findings, shape: Element, path: str, what: str) ->
         findings.error(
             "ROB028",
             f"{told}.",
-            hint="Give every length, radius and scale a positive number of metres: Gazebo's "
+            hint="Give every length, radius and scale a positive number of meters: Gazebo's "
             "physics engine ends the program on such a shape. Mirror meshes in the file.",
             at=shape,
             path=path,

@@ -73,7 +73,7 @@ class Body:
         return sum(link.inertial.mass for link, _ in self.parts if link.inertial is not None)
 
     def inertial(self) -> Inertial | None:
-        """All together, about the common centre of mass, along the axes of the link frame.
+        """All together, about the common center of mass, along the axes of the link frame.
 
         A part without mass adds its inertia all the same, as in sdformat.
         """
@@ -173,7 +173,7 @@ def _kept_joints(robot: Robot) -> set[str]:
 def _add_up_masses(
     robot: Robot, below: dict[str, list[Joint]], kept: set[str], bodies: dict[str, Body]
 ) -> None:
-    """Note which lumped links have no mass, and where a common centre of mass becomes 0/0.
+    """Note which lumped links have no mass, and where a common center of mass becomes 0/0.
 
     sdformat puts every link into its parent when all below it are done; a parent without <inertial>
     counts as 0 kg there.
@@ -203,7 +203,7 @@ def _add_up_masses(
 
 def _sum(parts: list[Inertial]) -> Inertial:
     mass = sum(part.mass for part in parts)
-    if not mass:  # there is no centre, and Gazebo makes no body of it
+    if not mass:  # there is no center, and Gazebo makes no body of it
         return replace(parts[0], mass=0.0)
     x, y, z = (
         sum(part.mass * part.pose_in_link.xyz[axis] for part in parts) / mass for axis in range(3)
@@ -406,7 +406,7 @@ def without_inertia(body: Body, lumped: Link, file: Path | None) -> Iterator[Dia
 
 
 def two_zero_masses(robot: Robot, body: Body, file: Path | None) -> Iterator[Diagnostic]:
-    """Gazebo computes the common centre of two zero masses as 0/0 and refuses the robot."""
+    """Gazebo computes the common center of two zero masses as 0/0 and refuses the robot."""
     if body.two_zeros is None or (robot.fixed_to_world and body.link.name == robot.root):
         return
     parent, child = body.two_zeros
@@ -416,7 +416,7 @@ def two_zero_masses(robot: Robot, body: Body, file: Path | None) -> Iterator[Dia
         code="ROB041",
         severity=Severity.ERROR,
         message=f"The links `{child}` and `{parent}` are fixed together and have no mass: "
-        "their centre of mass is not a number, and Gazebo refuses the robot.",
+        "their center of mass is not a number, and Gazebo refuses the robot.",
         file=file,
         line=blamed.line,
         element=f"link[@name='{blamed.name}']/inertial/mass",
@@ -430,7 +430,7 @@ def is_impossible(inertial: Inertial) -> bool:
 
 
 def impossible_sum(body: Body, link: Link, file: Path | None) -> Iterator[Diagnostic]:
-    """The reader has judged single links; here the sum of sound ones is new."""
+    """The reader has checked single links; here the sum of sound ones is new."""
     if len(body.parts) == 1 or link.inertial is None or is_possible(link.inertial.inertia):
         return
     if any(part.inertial is not None and is_impossible(part.inertial) for part, _ in body.parts):
@@ -480,7 +480,7 @@ LOOSE = frozenset((JointType.FLOATING, JointType.PLANAR))
 def lump(robot: Robot, *, file: Path | None = None) -> tuple[Robot, tuple[Diagnostic, ...]]:
     """Lump fixed joints into their parents, drop what Gazebo drops, and do what its tags say.
 
-    Poses, centres of mass and inertias of the result are seen from the links that are left, which
+    Poses, centers of mass and inertias of the result are seen from the links that are left, which
     keep their names and frames; the order of links and joints is kept. The robot must be a tree,
     as `read_urdf` gives it. `file` is what the diagnostics name.
     """

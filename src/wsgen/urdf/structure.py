@@ -129,7 +129,7 @@ def check_inertias(findings: Findings, robot: Robot) -> None:
             f"No body has the inertia of the link `{link.name}`: its principal moments are "
             f"{low:.4g}, {middle:.4g} and {high:.4g} kg m².",
             hint="Each must be positive, and none larger than the other two together. Compute it "
-            "from mass and shape, or export it from CAD about the centre of mass."
+            "from mass and shape, or export it from CAD about the center of mass."
             if filled is None
             else "Each must be positive, and none larger than the other two together. If it is "
             f"evenly filled: {as_attributes(filled)} (kg m², the products 0).",

@@ -72,9 +72,9 @@ ATTRIBUTES = {
 }
 # Attributes that some program or version of the format has.
 OTHERS = frozenset(("type", "reference_position", "quat_xyzw", "convex", "id", "group"))
-SHORT = 4  # letters; of words up to this length other orders and neighbours are compared
+SHORT = 4  # letters; of words up to this length other orders and neighbors are compared
 # So alike two words are, as difflib counts, that one is taken for the other: `parnt` and `parent`
-# are at 0.91, `visuals` and `visual` at 0.92, `colour` and `color` at 0.91.
+# are at 0.91, `visuals` and `visual` at 0.92, `color` and `color` at 0.91.
 ALIKE = 0.8
 # Attributes, among the few that one element has and lacks. Few people misspell the first letter,
 # and those of other programs are as alike: `frame` is no `name` (0.67), `stiction` no `friction`

@@ -1,4 +1,4 @@
-"""`[[behaviour]]` of a package's `wsgen.toml`: read, and all that is wrong with its form."""
+"""`[[behavior]]` of a package's `wsgen.toml`: read, and all that is wrong with its form."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.model.behavior import Behaviour, Drive, Reach
+from wsgen.model.behavior import Behavior, Drive, Reach
 from wsgen.tomlfile import find_line
 
 if TYPE_CHECKING:
@@ -14,10 +14,10 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
-TABLE = "behaviour"
+TABLE = "behavior"
 EXAMPLE = (
-    'Write for example: [[behaviour]], name = "drives straight", drive = { linear = 0.5 }, '
-    "seconds = 2.0, moved = { x = 1.0 }; docs/behaviours.md lists the keys."
+    'Write for example: [[behavior]], name = "drives straight", drive = { linear = 0.5 }, '
+    "seconds = 2.0, moved = { x = 1.0 }; docs/behaviors.md lists the keys."
 )
 COMMON = ("name", "robot", "seconds")
 OF_DRIVE = ("drive", "moved", "tolerance")
@@ -26,37 +26,37 @@ KEYS = (*COMMON, *OF_DRIVE, *OF_REACH)
 TWIST = ("linear", "angular")
 PLACE = ("x", "y", "yaw")
 
-MOST = 50  # behaviours; each takes seconds of simulated time
+MOST = 50  # behaviors; each takes seconds of simulated time
 LONGEST_NAME = 80  # characters; it is told in a line
 LONGEST = 60.0  # s
 FASTEST = 100.0  # m/s or rad/s
 FARTHEST = FASTEST * LONGEST  # m or rad
 
 
-def read_behaviours(
+def read_behaviors(
     document: Mapping[str, Any], file: Path, text: str
-) -> tuple[tuple[Behaviour, ...], tuple[Diagnostic, ...]]:
-    """The behaviours that can be used, and what is wrong with the others.
+) -> tuple[tuple[Behavior, ...], tuple[Diagnostic, ...]]:
+    """The behaviors that can be used, and what is wrong with the others.
 
     `document` is what the `text` of the file says.
     """
     reader = _Reader(file, text)
     tables = document.get(TABLE, [])
     if not isinstance(tables, list) or not all(isinstance(table, dict) for table in tables):
-        reader.wrong("`behaviour` is no list of tables.", EXAMPLE, TABLE)
+        reader.wrong("`behavior` is no list of tables.", EXAMPLE, TABLE)
         return (), tuple(reader.found)
     if len(tables) > MOST:
         reader.wrong(
-            f"There are {len(tables)} behaviours; at most {MOST} are tried.",
+            f"There are {len(tables)} behaviors; at most {MOST} are tried.",
             "Put robots that do so much into several packages.",
             TABLE,
         )
         return (), tuple(reader.found)
-    read: dict[str, Behaviour] = {}
+    read: dict[str, Behavior] = {}
     for index, table in enumerate(tables):
-        behaviour = reader.behaviour(table, index, read)
-        if behaviour is not None:
-            read[behaviour.name] = behaviour
+        behavior = reader.behavior(table, index, read)
+        if behavior is not None:
+            read[behavior.name] = behavior
     return tuple(read.values()), tuple(reader.found)
 
 
@@ -82,18 +82,16 @@ class _Reader:
             )
         )
 
-    def behaviour(
-        self, table: dict[str, Any], index: int, before: Iterable[str]
-    ) -> Behaviour | None:
+    def behavior(self, table: dict[str, Any], index: int, before: Iterable[str]) -> Behavior | None:
         """One table; None where anything of it is wrong."""
         count = len(self.found)
         where = (TABLE, str(index))
         kinds = [key for key in ("drive", "joints") if key in table]
         if len(kinds) != 1:
             self.wrong(
-                "A behaviour has both `drive` and `joints`."
+                "A behavior has both `drive` and `joints`."
                 if kinds
-                else "A behaviour has neither `drive` nor `joints`.",
+                else "A behavior has neither `drive` nor `joints`.",
                 "Give it one of them: what the robot drives, or where its joints go.",
                 *where,
             )
@@ -107,7 +105,7 @@ class _Reader:
         if len(self.found) > count or name is None or seconds is None or task is None:
             return None
         line = find_line(self.text, where)
-        return Behaviour(name=name, task=task, seconds=seconds, robot=robot, line=line)
+        return Behavior(name=name, task=task, seconds=seconds, robot=robot, line=line)
 
     def _task(
         self, table: dict[str, Any], kinds: Sequence[str], *where: str
@@ -120,9 +118,9 @@ class _Reader:
         name = table.get("name")
         if not isinstance(name, str) or not name.strip() or not name.isprintable():
             self.wrong(
-                "A behaviour has no name."
+                "A behavior has no name."
                 if name is None
-                else "The `name` of a behaviour is no text on one line.",
+                else "The `name` of a behavior is no text on one line.",
                 'Write for example: name = "drives straight"',
                 *where,
                 "name",
@@ -130,14 +128,14 @@ class _Reader:
             return None
         if len(name) > LONGEST_NAME:
             self.wrong(
-                f"The `name` of a behaviour has more than {LONGEST_NAME} characters.",
+                f"The `name` of a behavior has more than {LONGEST_NAME} characters.",
                 "Say in a few words what the robot does.",
                 *where,
                 "name",
             )
         if name in before:
             self.wrong(
-                f"Two behaviours are called `{name}`.", "Give each its own name.", *where, "name"
+                f"Two behaviors are called `{name}`.", "Give each its own name.", *where, "name"
             )
         return name
 
@@ -146,7 +144,7 @@ class _Reader:
         if robot is None or (isinstance(robot, str) and robot):
             return robot
         self.wrong(
-            "The `robot` of a behaviour is not the name of one.",
+            "The `robot` of a behavior is not the name of one.",
             "Write the name that it is spawned under, or leave the key out if there is one robot.",
             *where,
             "robot",
@@ -176,7 +174,7 @@ class _Reader:
         if not isinstance(inside, dict) or not inside:
             some = " = 0.5, ".join(keys or ("joint_1", "joint_2")) + " = 0.5"
             self.wrong(
-                f"A behaviour has no `{where[-1]}`."
+                f"A behavior has no `{where[-1]}`."
                 if inside is None
                 else f"`{where[-1]}` is no table of numbers.",
                 f"Write for example: {where[-1]} = {{ {some} }}",
@@ -203,7 +201,7 @@ class _Reader:
         span = f"greater than 0, and at most {most:g}" if positive else f"at most {most:g} in size"
         if isinstance(value, bool) or not isinstance(value, int | float):
             self.wrong(
-                f"A behaviour has no `{where[-1]}`."
+                f"A behavior has no `{where[-1]}`."
                 if value is None
                 else f"`{where[-1]}` is no number.",
                 f"Write a number {span}.",

@@ -33,7 +33,7 @@ TAGS = (
     *("group_depend", "member_of_group"),
 )
 
-# Tried in order; the words of the complaint that are in parentheses go into the hint.
+# SimulationResult in order; the words of the complaint that are in parentheses go into the hint.
 HINTS = (
     (r"Only one <(\w+)>", "Keep one <{0}>."),
     (r'more than one "(\w+)"', "Keep one <{0}>."),

@@ -13,12 +13,12 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from wsgen.model.behavior import Behaviour
+    from wsgen.model.behavior import Behavior
 
 
 FILE = "wsgen.toml"
 # What `wsgen new` records, and what a person may wish.
-KNOWN = ("schema", "wsgen", "template", "target", "package", "answers", "validate", "behaviour")
+KNOWN = ("schema", "wsgen", "template", "target", "package", "answers", "validate", "behavior")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,7 +27,7 @@ class Settings:
 
     file: Path
     allow: tuple[str, ...] = ()  # names of rules whose findings the package has on purpose
-    behaviours: tuple[Behaviour, ...] = ()  # what its robot must do beyond standing
+    behaviors: tuple[Behavior, ...] = ()  # what its robot must do beyond standing
     distro: str | None = None  # that the package is for, as `wsgen new` has recorded it
 
 
@@ -44,10 +44,10 @@ def read_settings(package: Path) -> tuple[Settings, tuple[Diagnostic, ...]]:
         )
     except ValueError as error:
         return Settings(file=file), (
-            _lost(file, f"{FILE} is not TOML: {error}.", "Mend it, or remove it."),
+            _lost(file, f"{FILE} is not TOML: {error}.", "Fix it, or remove it."),
         )
-    behaviours, found = _behaviours(document, file)
-    settings = Settings(file=file, behaviours=behaviours, distro=_distro(document))
+    behaviors, found = _behaviors(document, file)
+    settings = Settings(file=file, behaviors=behaviors, distro=_distro(document))
     found = (*_unknown(document, file), *found)
     allow = _allow(document)
     if allow is None:
@@ -75,19 +75,19 @@ def _distro(document: dict[str, Any]) -> str | None:
     return distro if isinstance(distro, str) else None
 
 
-def _behaviours(
+def _behaviors(
     document: dict[str, Any], file: Path
-) -> tuple[tuple[Behaviour, ...], tuple[Diagnostic, ...]]:
+) -> tuple[tuple[Behavior, ...], tuple[Diagnostic, ...]]:
     """Most packages have none, and load nothing for them."""
-    if "behaviour" not in document:
+    if "behavior" not in document:
         return (), ()
-    from wsgen.workspace.behaviors import read_behaviours  # noqa: PLC0415
+    from wsgen.workspace.behaviors import read_behaviors  # noqa: PLC0415
 
-    return read_behaviours(document, file, file.read_text(encoding="utf-8"))
+    return read_behaviors(document, file, file.read_text(encoding="utf-8"))
 
 
 def _unknown(document: dict[str, Any], file: Path) -> Iterator[Diagnostic]:
-    """What nobody reads is a mistake: a behaviour that is misspelt would never be tried."""
+    """What nobody reads is a mistake: a behavior that is misspelt would never be tried."""
     for key in document:
         if key not in KNOWN:
             yield _lost(file, f"{FILE} knows no key `{key}`.", suggest(key.lower(), KNOWN))

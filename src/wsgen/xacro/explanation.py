@@ -54,7 +54,7 @@ OWN_ELEMENTS = {
     "unless": ("value",),
 }
 TOLD = 60  # characters of an expression or a value
-USUAL = "Mend the xacro file; `xacro FILE` shows the same error."
+USUAL = "Fix the xacro file; `xacro FILE` shows the same error."
 
 
 def message_of(found: Trace) -> str:

@@ -221,7 +221,7 @@ def _evaluate(context: LaunchContext, name: str, value: Any, location: Location 
             return read
         if isinstance(read, list):
             return _require_uniform(read)
-        # What would be needed to mend it is the same as where YAML cannot read it at all.
+        # What would be needed to fix it is the same as where YAML cannot read it at all.
         raise _not_yaml(name)
     return value
 

@@ -22,11 +22,11 @@ def generate_launch_description():
         DeclareLaunchArgument(
             'world', default_value=world, description='World file (SDF) that Gazebo loads'),
         DeclareLaunchArgument(
-            'x', default_value='0.0', description='Where the robot appears, along x, in metres'),
+            'x', default_value='0.0', description='Where the robot appears, along x, in meters'),
         DeclareLaunchArgument(
-            'y', default_value='0.0', description='Where the robot appears, along y, in metres'),
+            'y', default_value='0.0', description='Where the robot appears, along y, in meters'),
         DeclareLaunchArgument(
-            'z', default_value='0.0', description='Where the robot appears, along z, in metres'),
+            'z', default_value='0.0', description='Where the robot appears, along z, in meters'),
         DeclareLaunchArgument(
             'headless', default_value='false',
             description='Run Gazebo without a window: true or false'),

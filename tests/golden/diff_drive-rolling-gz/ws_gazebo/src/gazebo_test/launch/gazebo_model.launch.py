@@ -20,13 +20,13 @@ def generate_launch_description():
         DeclareLaunchArgument(
             'world', default_value=world, description='World file (SDF) that Gazebo loads'),
         DeclareLaunchArgument(
-            'x', default_value='0.0', description='Where the robot appears, along x, in metres'),
+            'x', default_value='0.0', description='Where the robot appears, along x, in meters'),
         DeclareLaunchArgument(
-            'y', default_value='0.0', description='Where the robot appears, along y, in metres'),
+            'y', default_value='0.0', description='Where the robot appears, along y, in meters'),
         # The wheels touch the ground at z = 0; 1 cm more lets the robot fall a little.
         DeclareLaunchArgument(
             'z', default_value='0.01',
-            description='Where the robot appears, above the ground, in metres'),
+            description='Where the robot appears, above the ground, in meters'),
         DeclareLaunchArgument(
             'headless', default_value='false',
             description='Run Gazebo without a window: true or false'),

@@ -19,13 +19,13 @@ def generate_launch_description():
         DeclareLaunchArgument(
             'world', default_value=world, description='World file (SDF) that Gazebo loads'),
         DeclareLaunchArgument(
-            'x', default_value='0.0', description='Where the robot appears, along x, in metres'),
+            'x', default_value='0.0', description='Where the robot appears, along x, in meters'),
         DeclareLaunchArgument(
-            'y', default_value='0.0', description='Where the robot appears, along y, in metres'),
+            'y', default_value='0.0', description='Where the robot appears, along y, in meters'),
         # At half its length the cylinder would touch the ground; 5 cm more let it fall a little.
         DeclareLaunchArgument(
             'z', default_value='0.3',
-            description='Where the centre of the robot appears, above the ground, in metres'),
+            description='Where the center of the robot appears, above the ground, in meters'),
         DeclareLaunchArgument(
             'gui', default_value='true', description='Open the window of Gazebo: true or false'),
         DeclareLaunchArgument(

@@ -1,4 +1,4 @@
-"""Films of trials: what is recorded, what is written, and what keeps one from being written."""
+"""Videos of simulations: what is recorded and written, and what prevents a video."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ from wsgen.isolation.outcome import DEFAULT_LIMITS, Answered, Died, Limits
 from wsgen.model.robot import Box, Collision, Inertial, Link, Mesh, Robot, Visual
 from wsgen.model.transform import Pose
 from wsgen.rendering import recording, video
-from wsgen.rendering.recording import Clip, Recorder, why_no_film
-from wsgen.rendering.scene_renderer import Gallery
-from wsgen.simulation.run import run_trial
-from wsgen.simulation.scene import FILMING, Film, Scene, SpawnedRobot
+from wsgen.rendering.recording import Clip, Recorder, why_no_video
+from wsgen.rendering.scene_renderer import SceneRenderer
+from wsgen.simulation.run import run_simulation
+from wsgen.simulation.scene import RECORDING, Scene, SpawnedRobot, Video
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -73,13 +73,13 @@ def upright(pixels: Pixels) -> float:
 
 
 def test_a_film_shows_the_robot_from_the_start_to_the_end(tmp_path: Path) -> None:
-    file = tmp_path / "film.gif"
+    file = tmp_path / "video.gif"
     progress = tmp_path / "progress"
-    outcome = run_trial(replace(scene(file), progress=progress))
+    outcome = run_simulation(replace(scene(file), progress=progress))
     assert outcome.diagnostics == ()
-    assert len(outcome.trials) == 1
+    assert len(outcome.robot_runs) == 1
     assert progress.read_text() == "drawing the video: frame 31 of 31"
-    made = outcome.film
+    made = outcome.video
     assert made is not None
     assert (made.file, made.frames, made.frames_per_second) == (file, 31, 20.0)
     assert (made.width, made.height, made.is_coarse) == (480, 360, False)
@@ -94,33 +94,33 @@ def test_a_film_shows_the_robot_from_the_start_to_the_end(tmp_path: Path) -> Non
 
 
 def test_the_background_of_a_film_stands_still(tmp_path: Path) -> None:
-    file = tmp_path / "film.gif"
-    run_trial(scene(file))
+    file = tmp_path / "video.gif"
+    run_simulation(scene(file))
     pictures, _ = frames_of(file)
     sky = np.stack([picture[:15] for picture in pictures])
     assert np.ptp(sky, axis=0).max() == 0
 
 
 def test_a_film_and_a_picture_of_one_trial(tmp_path: Path) -> None:
-    wanted = replace(scene(tmp_path / "film.gif", 0.2), picture=tmp_path / "end.png")
-    outcome = run_trial(wanted)
+    wanted = replace(scene(tmp_path / "video.gif", 0.2), picture=tmp_path / "end.png")
+    outcome = run_simulation(wanted)
     assert outcome.picture == wanted.picture
-    assert outcome.film is not None
-    assert outcome.film.frames == 5
-    assert sorted(file.name for file in tmp_path.iterdir()) == ["end.png", "film.gif"]
+    assert outcome.video is not None
+    assert outcome.video.frames == 5
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["end.png", "video.gif"]
 
 
 def test_a_film_in_dart(tmp_path: Path) -> None:
     pytest.importorskip("dartpy")
-    outcome = run_trial(replace(scene(tmp_path / "film.gif", 0.2), engine="dart"))
-    assert outcome.film is not None
-    assert outcome.film.frames == 5
+    outcome = run_simulation(replace(scene(tmp_path / "video.gif", 0.2), engine="dart"))
+    assert outcome.video is not None
+    assert outcome.video.frames == 5
 
 
 def test_an_mp4_has_the_same_frames(tmp_path: Path) -> None:
     av = pytest.importorskip("av")
-    file = tmp_path / "film.mp4"
-    outcome = run_trial(scene(file))
+    file = tmp_path / "video.mp4"
+    outcome = run_simulation(scene(file))
     assert outcome.diagnostics == ()
     with av.open(str(file)) as container:
         stream = container.streams.video[0]
@@ -171,19 +171,21 @@ def test_long_trials_have_fewer_frames_a_second(seconds: float, rate: float) -> 
     assert (100 / recorder.rate) % 1 == pytest.approx(0.0)  # what GIF can count
 
 
-def made_of(file: Path, frames: list[Poses], told: list[str]) -> Film:
+def made_of(file: Path, frames: list[Poses], told: list[str]) -> Video:
     robot = pole()
-    gallery = Gallery(Scene(world=GROUND, robots=(robot,)), frames[0], {"e": [(0, 0, 0)]})
+    scene_renderer = SceneRenderer(
+        Scene(world=GROUND, robots=(robot,)), frames[0], {"e": [(0, 0, 0)]}
+    )
     recorder = Recorder(lambda _: {}, 1.0)
     recorder.clips = [Clip(frames=frames)]
-    return video.draw_film(gallery, recorder, file, told.append)
+    return video.draw_video(scene_renderer, recorder, file, told.append)
 
 
 def test_what_takes_long_to_draw_gets_fewer_and_smaller_frames(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     frames: list[Poses] = [{"e": {"base": Pose((0.0, 0.0, 0.5 + n / 20))}} for n in range(21)]
-    file, told = tmp_path / "film.gif", list[str]()
+    file, told = tmp_path / "video.gif", list[str]()
     usual = made_of(file, frames, told)
     assert not usual.is_coarse
     assert told[:2] == ["frame 1 of 21", "frame 2 of 21"]
@@ -200,10 +202,10 @@ def test_what_takes_long_to_draw_gets_fewer_and_smaller_frames(
 def test_what_a_video_is_like_depends_on_what_is_drawn_alone() -> None:
     def quality(triangles: int, frames: int) -> tuple[Size, float]:
         mesh = Mesh(uri="m", path=None, triangles=triangles)
-        gallery = gallery_of(piece(Box(size=SIZE)))
-        exhibit = replace(gallery.exhibits[0], geometry=mesh)
-        gallery.studio._bodies = [(exhibit, 0)]
-        return video._quality(gallery, frames)[:2]
+        scene_renderer = gallery_of(piece(Box(size=SIZE)))
+        render_item = replace(scene_renderer.render_items[0], geometry=mesh)
+        scene_renderer.renderer._bodies = [(render_item, 0)]
+        return video._quality(scene_renderer, frames)[:2]
 
     assert quality(12, 61) == (video.LARGE, 1.5)
     assert quality(12, 601)[0] == video.SMALL
@@ -223,9 +225,11 @@ def test_a_coarse_video_says_what_made_it_so(tmp_path: Path, triangles: int, wor
     }
 
     def run(*_: object, **__: object) -> Answered:
-        return Answered(value={"trials": [], "refused": {}, "film": made, "seconds": {}}, output="")
+        return Answered(
+            value={"robot_runs": [], "refused": {}, "video": made, "seconds": {}}, output=""
+        )
 
-    (found,) = run_trial(scene(tmp_path / "film.gif"), run=run).diagnostics
+    (found,) = run_simulation(scene(tmp_path / "video.gif"), run=run).diagnostics
     assert (found.code, found.severity) == ("SPN071", Severity.INFO)
     assert f"600 frames of {triangles:,} triangles" in found.message
     assert word in (found.hint or "")
@@ -235,14 +239,14 @@ def test_a_video_of_behaviors_names_each_on_a_card(tmp_path: Path) -> None:
     robot = pole()
     moments: list[Poses] = [{"e": {"base": Pose((x, 0.0, 0.5))}} for x in (0.0, 1.0)]
     begin, end = moments
-    gallery = Gallery(Scene(world=GROUND, robots=(robot,)), begin, {"e": [(0, 0, 0)]})
+    scene_renderer = SceneRenderer(Scene(world=GROUND, robots=(robot,)), begin, {"e": [(0, 0, 0)]})
     recorder = Recorder(lambda _: {}, 1.0)
     recorder.clips += [Clip("there", [begin, end]), Clip("and back again " * 9, [begin, end])]
     told: list[str] = []
-    made = video.draw_film(gallery, recorder, tmp_path / "film.gif", told.append)
+    made = video.draw_video(scene_renderer, recorder, tmp_path / "video.gif", told.append)
     assert told == [f"frame {number} of 4" for number in (1, 2, 3, 4)]
     assert made.frames == 4 + 2 * 16  # a card of 0.8 s before each
-    pictures, times = frames_of(tmp_path / "film.gif")
+    pictures, times = frames_of(tmp_path / "video.gif")
     cards = [not (is_blue(one) & (one[..., 0] < 100)).any() for one in pictures]  # pale
     assert cards == [True, False, False, True, False, False]  # equal ones are one picture
     assert times == [800, 50, 50, 800, 50, 50]
@@ -256,70 +260,70 @@ def test_a_video_of_behaviors_names_each_on_a_card(tmp_path: Path) -> None:
 def test_a_robot_that_is_nowhere_at_the_end_stays_where_it_was(tmp_path: Path) -> None:
     there, nowhere = Pose((0.0, 0.0, 0.5)), Pose((float("nan"), 0.0, 0.0))
     frames: list[Poses] = [{"e": {"base": pose}} for pose in (there, there, nowhere)]
-    file = tmp_path / "film.gif"
+    file = tmp_path / "video.gif"
     made_of(file, frames, [])
     pictures, _ = frames_of(file)
     assert is_blue(pictures[-1]).sum() == is_blue(pictures[0]).sum() > 1000
 
 
-# What keeps a film from being made
+# What keeps a video from being made
 
 
 def refused(outcome_of: Scene) -> str:
-    """The trial counts, and the video's problem is an error."""
-    outcome = run_trial(outcome_of)
-    assert len(outcome.trials) == 1
-    assert outcome.film is None
+    """The simulation counts, and the video's problem is an error."""
+    outcome = run_simulation(outcome_of)
+    assert len(outcome.robot_runs) == 1
+    assert outcome.video is None
     (found,) = outcome.diagnostics
     assert (found.code, found.severity) == ("SPN070", Severity.ERROR)
     return found.message
 
 
-@pytest.mark.parametrize("name", ["film.avi", "film", "film.gif.txt"])
+@pytest.mark.parametrize("name", ["video.avi", "video", "video.gif.txt"])
 def test_a_suffix_that_is_no_film(tmp_path: Path, name: str) -> None:
     assert ".gif or an .mp4" in refused(scene(tmp_path / name, 0.1))
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_folder_that_is_not_there(tmp_path: Path) -> None:
-    assert "does not exist" in refused(scene(tmp_path / "none" / "film.gif", 0.1))
+    assert "does not exist" in refused(scene(tmp_path / "none" / "video.gif", 0.1))
 
 
 def test_a_folder_in_the_place_of_the_file(tmp_path: Path) -> None:
-    (tmp_path / "film.gif").mkdir()
-    assert "cannot be written" in refused(scene(tmp_path / "film.gif", 0.1))
+    (tmp_path / "video.gif").mkdir()
+    assert "cannot be written" in refused(scene(tmp_path / "video.gif", 0.1))
 
 
 def test_a_pipe_in_the_place_of_the_file(tmp_path: Path) -> None:
-    os.mkfifo(tmp_path / "film.gif")
-    assert "cannot be written" in refused(scene(tmp_path / "film.gif", 0.1))
+    os.mkfifo(tmp_path / "video.gif")
+    assert "cannot be written" in refused(scene(tmp_path / "video.gif", 0.1))
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
 def test_a_folder_that_may_not_be_written_to(tmp_path: Path) -> None:
     tmp_path.chmod(0o500)
-    assert "cannot be written" in refused(scene(tmp_path / "film.gif", 0.1))
+    assert "cannot be written" in refused(scene(tmp_path / "video.gif", 0.1))
 
 
 def test_a_disk_that_is_full(tmp_path: Path) -> None:
-    (tmp_path / "film.gif").symlink_to("/dev/full")
-    assert "the disk is full" in refused(scene(tmp_path / "film.gif", 0.1))
-    assert (tmp_path / "film.gif").is_char_device()  # it is written to, not replaced
+    (tmp_path / "video.gif").symlink_to("/dev/full")
+    assert "the disk is full" in refused(scene(tmp_path / "video.gif", 0.1))
+    assert (tmp_path / "video.gif").is_char_device()  # it is written to, not replaced
 
 
 def test_without_the_encoder_an_mp4_is_refused_with_what_to_do(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(recording, "ENCODER", "no_such_encoder")
-    problem = why_no_film(tmp_path / "film.mp4")
+    problem = why_no_video(tmp_path / "video.mp4")
     assert problem is not None
     assert "take a .gif" in problem
     assert "pip install 'wsgen[video]'" in problem
-    assert why_no_film(tmp_path / "film.gif") is None
+    assert why_no_video(tmp_path / "video.gif") is None
 
 
 def test_an_engine_that_dies_while_it_films_costs_the_film_alone(tmp_path: Path) -> None:
-    wanted = replace(scene(tmp_path / "film.gif", 0.1), picture=tmp_path / "end.png")
+    wanted = replace(scene(tmp_path / "video.gif", 0.1), picture=tmp_path / "end.png")
     asked: list[Scene] = []
 
     def dies_once(
@@ -329,12 +333,12 @@ def test_an_engine_that_dies_while_it_films_costs_the_film_alone(tmp_path: Path)
         assert isinstance(now, Scene)
         asked.append(now)
         if now.record is not None:
-            return Died(reason="crashed (SIGSEGV)", step=f"{FILMING}: frame 2 of 3", output="")
+            return Died(reason="crashed (SIGSEGV)", step=f"{RECORDING}: frame 2 of 3", output="")
         return Answered(
-            value={"trials": [], "refused": {}, "picture_tile": 0.5, "seconds": {}}, output=""
+            value={"robot_runs": [], "refused": {}, "picture_tile": 0.5, "seconds": {}}, output=""
         )
 
-    outcome = run_trial(wanted, run=dies_once)
+    outcome = run_simulation(wanted, run=dies_once)
     assert [one.record for one in asked] == [wanted.record, None]
     assert outcome.picture == wanted.picture
     (found,) = outcome.diagnostics

@@ -35,10 +35,10 @@ signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))
 ONE = "run('foreign_spin:spin', sys.argv[3], limits=Limits(seconds=600))"
 SEVERAL = """
 from concurrent.futures import ThreadPoolExecutor
-from wsgen.isolation.fork_server import Nursery
-with ThreadPoolExecutor(2) as pool, Nursery() as nursery:
+from wsgen.isolation.fork_server import ForkServer
+with ThreadPoolExecutor(2) as pool, ForkServer() as fork server:
     calls = [
-        pool.submit(nursery.run, "foreign_spin:spin", file, limits=Limits(seconds=600))
+        pool.submit(fork server.run, "foreign_spin:spin", file, limits=Limits(seconds=600))
         for file in sys.argv[3:]
     ]
     for call in calls:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from simulation.movers import DRIVE, PAIR, arm, drive, reach, tried, two_wheeled
+from simulation.movers import DRIVE, PAIR, arm, drive, reach, simulated, two_wheeled
 from simulation.robots import BAR_MOMENT, SPACE, VOID, G, NewEngine, lift, pendulum, spawned
 from wsgen.model.behavior import Bounds
 from wsgen.model.robot import JointLimit
@@ -17,7 +17,7 @@ from wsgen.simulation.engine import Motor
 
 @pytest.mark.slow
 def test_a_robot_of_the_right_size_goes_where_it_is_told(new_engine: NewEngine) -> None:
-    ahead, turned, both = tried(
+    ahead, turned, both = simulated(
         new_engine,
         two_wheeled(),
         drive(linear=0.5),
@@ -42,7 +42,7 @@ def test_a_robot_of_the_right_size_goes_where_it_is_told(new_engine: NewEngine) 
 
 @pytest.mark.slow
 def test_it_goes_back_and_turns_right(new_engine: NewEngine) -> None:
-    back, right = tried(new_engine, two_wheeled(), drive(linear=-0.5), drive(angular=-1.0))
+    back, right = simulated(new_engine, two_wheeled(), drive(linear=-0.5), drive(angular=-1.0))
     assert back.moved[0] == pytest.approx(-1.0, abs=0.05)
     assert right.moved[2] == pytest.approx(-2.0, rel=0.06)
 
@@ -51,7 +51,7 @@ def test_it_goes_back_and_turns_right(new_engine: NewEngine) -> None:
 def test_wrong_sizes_in_the_plugin_are_seen(new_engine: NewEngine) -> None:
     large = replace(DRIVE, pairs=(replace(PAIR, radius=0.2),))
     wide = replace(DRIVE, pairs=(replace(PAIR, separation=0.8),))
-    slow, fast = tried(
+    slow, fast = simulated(
         new_engine, two_wheeled(), drive(using=large, linear=0.5), drive(using=wide, angular=0.5)
     )
     assert slow.moved[0] == pytest.approx(0.5, rel=0.05)
@@ -63,7 +63,7 @@ def test_what_the_plugin_bounds(new_engine: NewEngine) -> None:
     slowly = replace(DRIVE, linear=Bounds(fastest=0.2))
     gently = replace(DRIVE, linear=Bounds(braking=-0.25, acceleration=0.25))
     classic = replace(DRIVE, torque=5.0, rim=Bounds(braking=-0.25, acceleration=0.25))
-    slow, gentle, rims = tried(
+    slow, gentle, rims = simulated(
         new_engine,
         two_wheeled(),
         *(drive(using=using, linear=0.5) for using in (slowly, gently, classic)),
@@ -78,14 +78,14 @@ def test_what_the_plugin_bounds(new_engine: NewEngine) -> None:
 def test_wheels_without_strength_stay(new_engine: NewEngine, torque: float | None) -> None:
     """Gazebo Classic asks the plugin how strong they are, Gazebo Sim the joint."""
     robot = two_wheeled(JointLimit(effort=0.0, velocity=30.0))
-    (stays,) = tried(new_engine, robot, drive(using=replace(DRIVE, torque=torque), linear=0.5))
+    (stays,) = simulated(new_engine, robot, drive(using=replace(DRIVE, torque=torque), linear=0.5))
     assert abs(stays.moved[0]) < 0.02
 
 
 @pytest.mark.slow
 def test_joints_of_gazebo_sim_keep_their_speed_limit(new_engine: NewEngine) -> None:
     robot = two_wheeled(JointLimit(effort=5.0, velocity=2.0))
-    sim, classic = tried(
+    sim, classic = simulated(
         new_engine,
         robot,
         drive(linear=0.5),
@@ -96,7 +96,7 @@ def test_joints_of_gazebo_sim_keep_their_speed_limit(new_engine: NewEngine) -> N
 
 
 def test_an_arm_holds_and_reaches(new_engine: NewEngine) -> None:
-    held, reached = tried(new_engine, arm(), reach(j1=0.0), reach(j1=-0.5, j2=0.8), at=Pose())
+    held, reached = simulated(new_engine, arm(), reach(j1=0.0), reach(j1=-0.5, j2=0.8), at=Pose())
     assert held.positions == {
         "j1": pytest.approx(0.0, abs=0.01),
         "j2": pytest.approx(0.0, abs=0.01),
@@ -108,26 +108,26 @@ def test_an_arm_holds_and_reaches(new_engine: NewEngine) -> None:
 
 
 def test_an_arm_is_no_faster_than_its_limit(new_engine: NewEngine) -> None:
-    (late,) = tried(new_engine, arm(), reach(seconds=0.5, j2=1.2), at=Pose())
+    (late,) = simulated(new_engine, arm(), reach(seconds=0.5, j2=1.2), at=Pose())
     assert late.positions["j2"] == pytest.approx(0.5, abs=0.03)
 
 
 def test_a_weak_arm_sags(new_engine: NewEngine) -> None:
     """10 N m carry two thirds of what hangs on the first joint."""
-    (sags,) = tried(new_engine, arm(effort=10.0), reach(j1=0.0), at=Pose())
+    (sags,) = simulated(new_engine, arm(effort=10.0), reach(j1=0.0), at=Pose())
     assert 0.3 < sags.positions["j1"] < 1.5  # down is the positive way
     assert sags.positions["j2"] == pytest.approx(0.0, abs=0.05)
 
 
 def test_bounds_below_zero_are_none(new_engine: NewEngine) -> None:
-    (reached,) = tried(
+    (reached,) = simulated(
         new_engine, arm(effort=-1.0, velocity=-1.0), reach(j1=-1.0, j2=1.0), at=Pose()
     )
     assert reached.positions["j1"] == pytest.approx(-1.0, abs=0.01)
 
 
 def test_a_joint_that_mimics_follows(new_engine: NewEngine) -> None:
-    (reached,) = tried(new_engine, arm(mimics=True), reach(j1=-0.4), at=Pose())
+    (reached,) = simulated(new_engine, arm(mimics=True), reach(j1=-0.4), at=Pose())
     assert reached.positions["j2"] == pytest.approx(0.9, abs=0.02)
 
 

@@ -1,4 +1,4 @@
-"""The judgements over a trial, from facts alone."""
+"""The check over a simulation, from facts alone."""
 
 from collections.abc import Iterable
 from dataclasses import replace

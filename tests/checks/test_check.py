@@ -1,4 +1,4 @@
-"""All rules together: which findings a robot and a trial end with."""
+"""All rules together: which findings a robot and a simulation end with."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import pytest
 
-from checks.trials import STANDS
+from checks.robot_runs import STANDS
 from wsgen.model.robot import Inertial, Joint, JointLimit, JointType, Link, Robot
 from wsgen.model.transform import Pose
 from wsgen.model.world import World
-from wsgen.rules.check import judge_robot, judge_trial, limbs_that_gave_way
-from wsgen.simulation.scene import Overlapping, RobotTrial
+from wsgen.rules.check import check_robot, check_run, passive_joints
+from wsgen.simulation.scene import Overlapping, RobotRun
 
 WORLD = World(name="w", has_ground_plane=True)
 BODY = Inertial(mass=1.0, inertia=(0.1, 0.0, 0.0, 0.1, 0.0, 0.1))
@@ -34,16 +34,16 @@ HANGS = replace(STANDS, movable_joints=1, joint_positions={"arm": 0.0}, joint_tr
 GAVE_WAY = replace(HANGS, joint_positions={"arm": 0.9}, joint_travel={"arm": 0.9})
 
 
-def codes(trial: RobotTrial, *, robot: Robot = ROBOT, world: World = WORLD) -> list[str]:
-    return [found.code for found in judge_trial(robot, world, trial)]
+def codes(robot_run: RobotRun, *, robot: Robot = ROBOT, world: World = WORLD) -> list[str]:
+    return [found.code for found in check_run(robot, world, robot_run)]
 
 
 def test_what_its_limits_push_is_not_told_as_moved_by_gravity() -> None:
-    assert [found.code for found in judge_trial(ARM, WORLD, GAVE_WAY)] == ["SPN060"]
+    assert [found.code for found in check_run(ARM, WORLD, GAVE_WAY)] == ["SPN060"]
     beyond = with_joint(JointType.REVOLUTE, JointLimit(lower=0.8, upper=2.0))
-    assert judge_trial(beyond, WORLD, GAVE_WAY, pushed={"arm"}) == ()
+    assert check_run(beyond, WORLD, GAVE_WAY, pushed={"arm"}) == ()
     near = with_joint(JointType.REVOLUTE, JointLimit(lower=0.2, upper=2.0))
-    found = judge_trial(near, WORLD, GAVE_WAY, pushed={"arm"})
+    found = check_run(near, WORLD, GAVE_WAY, pushed={"arm"})
     assert [one.code for one in found] == ["SPN060"]
 
 
@@ -80,27 +80,29 @@ def test_each_fault_is_found_and_nothing_else(
 
 
 def test_without_a_ground_there_is_nothing_to_be_born_in() -> None:
-    trial = replace(STANDS, lowest_point=5.0)
-    assert codes(trial, world=replace(WORLD, has_ground_plane=False)) == []
+    robot_run = replace(STANDS, lowest_point=5.0)
+    assert codes(robot_run, world=replace(WORLD, has_ground_plane=False)) == []
 
 
 def test_out_of_the_ground_is_not_into_the_air() -> None:
     """It comes up by as much as it was in it."""
-    trial = replace(STANDS, penetration=0.6, lowest_point=-0.6, highest_point=0.9, energy_gain=6.0)
-    assert codes(trial) == ["SPN053"]
-    assert codes(replace(trial, highest_point=1.5)) == ["SPN053", "SPN057"]
+    robot_run = replace(
+        STANDS, penetration=0.6, lowest_point=-0.6, highest_point=0.9, energy_gain=6.0
+    )
+    assert codes(robot_run) == ["SPN053"]
+    assert codes(replace(robot_run, highest_point=1.5)) == ["SPN053", "SPN057"]
 
 
 def test_energy_is_measured_in_the_gravity_of_the_world() -> None:
-    trial = replace(STANDS, energy_gain=1.5)
-    assert codes(trial) == ["SPN061"]
-    assert codes(trial, world=replace(WORLD, gravity=(0.0, 15.0, -15.0))) == []
+    robot_run = replace(STANDS, energy_gain=1.5)
+    assert codes(robot_run) == ["SPN061"]
+    assert codes(robot_run, world=replace(WORLD, gravity=(0.0, 15.0, -15.0))) == []
 
 
 def test_a_robot_that_is_fixed_to_the_world_stands_by_that() -> None:
     fixed = replace(ARM, fixed_to_world=True)
-    trial = replace(HANGS, lowest_point=2.0, lowest_point_at_end=-0.01, tilt=1.0)
-    assert codes(trial, robot=fixed) == []
+    robot_run = replace(HANGS, lowest_point=2.0, lowest_point_at_end=-0.01, tilt=1.0)
+    assert codes(robot_run, robot=fixed) == []
     swings = replace(GAVE_WAY, settled_after=None, lowest_point_at_end=-9.0, highest_point=9.0)
     assert codes(swings, robot=fixed) == ["SPN060"]
     assert codes(replace(swings, energy_gain=99.0), robot=fixed) == ["SPN061"]
@@ -108,10 +110,12 @@ def test_a_robot_that_is_fixed_to_the_world_stands_by_that() -> None:
 
 def test_a_static_robot_has_nothing_but_its_figures() -> None:
     static = replace(ARM, is_static=True)
-    trial = replace(STANDS, lowest_point=-3.0, penetration=3.0, lowest_point_at_end=-3.0, tilt=1.0)
-    assert codes(trial, robot=static) == []
-    assert codes(replace(trial, movable_joints=1), robot=static) == ["SPN051"]
-    assert codes(replace(trial, overlaps=(IN_ANOTHER,)), robot=static) == ["SPN063"]
+    robot_run = replace(
+        STANDS, lowest_point=-3.0, penetration=3.0, lowest_point_at_end=-3.0, tilt=1.0
+    )
+    assert codes(robot_run, robot=static) == []
+    assert codes(replace(robot_run, movable_joints=1), robot=static) == ["SPN051"]
+    assert codes(replace(robot_run, overlaps=(IN_ANOTHER,)), robot=static) == ["SPN063"]
 
 
 def test_limbs_that_give_way_excuse_the_robot() -> None:
@@ -119,7 +123,7 @@ def test_limbs_that_give_way_excuse_the_robot() -> None:
     swings = replace(GAVE_WAY, settled_after=None, joint_speed=2.0)
     assert codes(swings, robot=ARM) == ["SPN060"]
     pulled = replace(swings, speed=0.5, tilt=1.0)
-    found = judge_trial(ARM, WORLD, pulled)
+    found = check_run(ARM, WORLD, pulled)
     assert [(one.code, one.severity.value) for one in found] == [
         ("SPN058", "warning"),
         ("SPN059", "warning"),
@@ -128,15 +132,15 @@ def test_limbs_that_give_way_excuse_the_robot() -> None:
 
 
 def test_a_joint_that_is_torn_beyond_its_limit() -> None:
-    trial = replace(HANGS, joint_positions={"arm": 1.5}, joint_travel={"arm": 1.5})
-    assert codes(trial, robot=ARM) == ["SPN062", "SPN060"]
+    robot_run = replace(HANGS, joint_positions={"arm": 1.5}, joint_travel={"arm": 1.5})
+    assert codes(robot_run, robot=ARM) == ["SPN062", "SPN060"]
 
 
 def test_links_in_each_other_count_where_they_may_collide() -> None:
-    trial = replace(HANGS, overlaps=(INSIDE,))
-    assert codes(trial, robot=ARM) == []
+    robot_run = replace(HANGS, overlaps=(INSIDE,))
+    assert codes(robot_run, robot=ARM) == []
     links = tuple(replace(link, self_collide=True) for link in ARM.links)
-    assert codes(trial, robot=replace(ARM, links=links)) == ["SPN064"]
+    assert codes(robot_run, robot=replace(ARM, links=links)) == ["SPN064"]
 
 
 @pytest.mark.parametrize(
@@ -150,16 +154,16 @@ def test_links_in_each_other_count_where_they_may_collide() -> None:
     ],
 )
 def test_play_is_no_giving_way(kind: JointType, travel: float, *, gave_way: bool) -> None:
-    trial = replace(HANGS, joint_travel={"arm": travel})
+    robot_run = replace(HANGS, joint_travel={"arm": travel})
     expected = {"arm": travel} if gave_way else {}
-    assert limbs_that_gave_way(with_joint(kind), trial) == expected
+    assert passive_joints(with_joint(kind), robot_run) == expected
 
 
 def test_wheels_that_roll_do_not_give_way() -> None:
     robot = with_joint(JointType.CONTINUOUS)
     wheel = replace(robot.links[1], inertial=BODY)
     robot = replace(robot, links=(robot.links[0], wheel))
-    assert limbs_that_gave_way(robot, replace(HANGS, joint_travel={"arm": 9.0})) == {}
+    assert passive_joints(robot, replace(HANGS, joint_travel={"arm": 9.0})) == {}
 
 
 def test_all_rules_over_a_description_are_asked() -> None:
@@ -183,5 +187,5 @@ def test_all_rules_over_a_description_are_asked() -> None:
         links=(*links, Link(name="jolts", inertial=BODY)),
         joints=joints,
     )
-    found = [one.code for one in judge_robot(robot, None)]
+    found = [one.code for one in check_robot(robot, None)]
     assert found == ["ROB051", "ROB053", "ROB055", "ROB070"]

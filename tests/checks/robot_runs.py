@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from wsgen.model.transform import Pose
-from wsgen.simulation.scene import RobotTrial
+from wsgen.simulation.scene import RobotRun
 
 SPAWNED = Pose((0.0, 0.0, 0.3))
-STANDS = RobotTrial(
+STANDS = RobotRun(
     entity="r",
     links=1,
     movable_joints=0,

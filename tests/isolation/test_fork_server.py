@@ -1,4 +1,4 @@
-"""What a nursery promises beyond `parent.run`: one start for all, and none in another's way."""
+"""What a fork server promises beyond `parent.run`: one start for all, and none in another's way."""
 
 import os
 import signal
@@ -12,7 +12,7 @@ import pytest
 
 from isolation.conftest import Task
 from isolation.processes import is_alive, parent_of, wait_while
-from wsgen.isolation.fork_server import Nursery
+from wsgen.isolation.fork_server import ForkServer
 from wsgen.isolation.fork_server_process import Server
 from wsgen.isolation.outcome import Answered, Died, Limits
 
@@ -47,14 +47,14 @@ def read_family(file: Path) -> tuple[int, int]:
     return parent_of(parent_of(child)), child
 
 
-def test_the_module_is_imported_once(nursery: Nursery, task: Task, tmp_path: Path) -> None:
+def test_the_module_is_imported_once(fork_server: ForkServer, task: Task, tmp_path: Path) -> None:
     log = tmp_path / "log"
     name = task(
         SERVER.replace("return", "server =")
         + "global count\ncount += 1\nreturn [count, os.getpid(), server]",
         before=f"count = 0\nopen({str(log)!r}, 'a').write('imported ')",
     )
-    counts, pids, servers = zip(*(value(nursery.run(name)) for _ in range(3)), strict=True)
+    counts, pids, servers = zip(*(value(fork_server.run(name)) for _ in range(3)), strict=True)
     assert log.read_text() == "imported "
     assert counts == (1, 1, 1)
     assert len(set(pids)) == 3
@@ -63,32 +63,35 @@ def test_the_module_is_imported_once(nursery: Nursery, task: Task, tmp_path: Pat
 
 
 def test_what_one_module_imports_is_not_in_the_others_children(
-    nursery: Nursery, task: Task
+    fork_server: ForkServer, task: Task
 ) -> None:
     body = "import sys\nreturn 'colorsys' in sys.modules"
-    assert value(nursery.run(task(body, before="import colorsys"))) is True
-    assert value(nursery.run(task(body))) is False
+    assert value(fork_server.run(task(body, before="import colorsys"))) is True
+    assert value(fork_server.run(task(body))) is False
 
 
-def test_every_child_leads_a_session_of_its_own(nursery: Nursery, task: Task) -> None:
+def test_every_child_leads_a_session_of_its_own(fork_server: ForkServer, task: Task) -> None:
     name = task("import os\nreturn [os.getpid(), os.getpgrp(), os.getsid(0)]")
-    first, second = value(nursery.run(name)), value(nursery.run(name))
+    first, second = value(fork_server.run(name)), value(fork_server.run(name))
     assert isinstance(first, list)
     assert len(set(first)) == 1
     assert first != second
 
 
-def test_children_have_nothing_open_but_their_own(nursery: Nursery, task: Task) -> None:
-    # Standard streams, lifeline, and what lists them; one child is there while the other looks.
+def test_children_have_nothing_open_but_their_own(fork_server: ForkServer, task: Task) -> None:
+    # Standard streams, parent-death pipe, and what lists them; one child is there while the other
+    # looks.
     name = task(
         "import os, time\ntime.sleep(arguments[0])\nreturn len(os.listdir('/proc/self/fd'))"
     )
     with ThreadPoolExecutor() as pool:
-        numbers = [value(call) for call in pool.map(lambda wait: nursery.run(name, wait), (0.5, 0))]
+        numbers = [
+            value(call) for call in pool.map(lambda wait: fork_server.run(name, wait), (0.5, 0))
+        ]
     assert numbers == [5, 5]
 
 
-def test_the_servers_state_that_is_not_the_childs(nursery: Nursery, task: Task) -> None:
+def test_the_servers_state_that_is_not_the_childs(fork_server: ForkServer, task: Task) -> None:
     name = task(
         """
         import gc, signal
@@ -96,28 +99,28 @@ def test_the_servers_state_that_is_not_the_childs(nursery: Nursery, task: Task) 
         return [is_frozen, signal.getsignal(signal.SIGCHLD), signal.set_wakeup_fd(-1)]
         """
     )
-    assert value(nursery.run(name)) == [True, signal.SIG_DFL, -1]
+    assert value(fork_server.run(name)) == [True, signal.SIG_DFL, -1]
 
 
-def test_what_the_import_prints_is_no_childs(nursery: Nursery, task: Task) -> None:
+def test_what_the_import_prints_is_no_childs(fork_server: ForkServer, task: Task) -> None:
     before = "import sys\nprint('welcome')\nprint('to physics', file=sys.stderr)"
-    answer = nursery.run(task("print('well')", before=before))
+    answer = fork_server.run(task("print('well')", before=before))
     assert answer == Answered(value=None, output="well")
 
 
 def test_a_folder_that_is_made_later(
-    nursery: Nursery, task: Task, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    fork_server: ForkServer, task: Task, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     late = tmp_path / "late"
     monkeypatch.syspath_prepend(str(late))
     name = task("if arguments:\n    import made_later\n    return made_later.answer")
-    nursery.run(name)
+    fork_server.run(name)
     late.mkdir()
     (late / "made_later.py").write_text("answer = 42\n")
-    assert value(nursery.run(name, "import")) == 42
+    assert value(fork_server.run(name, "import")) == 42
 
 
-def test_calls_from_several_threads(nursery: Nursery, task: Task, tmp_path: Path) -> None:
+def test_calls_from_several_threads(fork_server: ForkServer, task: Task, tmp_path: Path) -> None:
     # Each waits for all the others: that the calls come back shows that they ran at one time.
     name = task(
         """
@@ -135,31 +138,33 @@ def test_calls_from_several_threads(nursery: Nursery, task: Task, tmp_path: Path
         """
     )
     with ThreadPoolExecutor(4) as pool:
-        crash, leave, *answers = pool.map(lambda i: nursery.run(name, i, str(tmp_path)), range(4))
+        crash, leave, *answers = pool.map(
+            lambda i: fork_server.run(name, i, str(tmp_path)), range(4)
+        )
     assert crash == Died(reason="crashed (SIGSEGV)", step="", output="")
     assert leave == Died(reason="ended with exit code 5 and no answer", step="", output="")
     assert answers == [Answered(value=i, output=f"I am {i}") for i in (2, 3)]
 
 
 def test_a_call_without_time_left_does_not_disturb_the_others(
-    nursery: Nursery, task: Task, tmp_path: Path
+    fork_server: ForkServer, task: Task, tmp_path: Path
 ) -> None:
     name = task("import time\ntime.sleep(arguments[0])\nreturn arguments[0]")
-    nursery.run(name, 0)
+    fork_server.run(name, 0)
     with ThreadPoolExecutor() as pool:
-        late = pool.submit(nursery.run, name, 600, limits=Limits(wall_clock=0.2))
-        calm = pool.submit(nursery.run, name, 0.6)
+        late = pool.submit(fork_server.run, name, 600, limits=Limits(wall_clock=0.2))
+        calm = pool.submit(fork_server.run, name, 0.6)
         death = late.result()
         assert isinstance(death, Died)
         assert death.cause == "wall-clock time"
         assert value(calm.result()) == 0.6
 
 
-def test_a_server_that_is_killed(nursery: Nursery, task: Task, tmp_path: Path) -> None:
+def test_a_server_that_is_killed(fork_server: ForkServer, task: Task, tmp_path: Path) -> None:
     name = task(f"if arguments:{WAIT}".replace("\n", "\n    ") + SERVER)
-    first = value(nursery.run(name))
+    first = value(fork_server.run(name))
     with ThreadPoolExecutor() as pool:
-        call = pool.submit(nursery.run, name, str(tmp_path / "family"))
+        call = pool.submit(fork_server.run, name, str(tmp_path / "family"))
         server, child = read_family(tmp_path / "family")
         assert server == first
         os.kill(server, signal.SIGKILL)
@@ -167,32 +172,32 @@ def test_a_server_that_is_killed(nursery: Nursery, task: Task, tmp_path: Path) -
     assert isinstance(died, Died)
     assert died.reason == "was lost with the process that had started it, which crashed (SIGKILL)"
     wait_while(lambda: is_alive(child))
-    assert value(nursery.run(name)) not in (first, os.getpid())
+    assert value(fork_server.run(name)) not in (first, os.getpid())
 
 
-def test_a_server_that_is_killed_between_calls(nursery: Nursery, task: Task) -> None:
+def test_a_server_that_is_killed_between_calls(fork_server: ForkServer, task: Task) -> None:
     name = task(SERVER)
-    first = value(nursery.run(name))
+    first = value(fork_server.run(name))
     assert isinstance(first, int)
     os.kill(first, signal.SIGKILL)
     wait_while(lambda: is_alive(first))
-    assert value(nursery.run(name)) != first
+    assert value(fork_server.run(name)) != first
 
 
 def test_a_server_that_dies_as_it_is_asked(
-    nursery: Nursery, task: Task, monkeypatch: pytest.MonkeyPatch
+    fork_server: ForkServer, task: Task, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     name = task(SERVER)
-    server = value(nursery.run(name))
+    server = value(fork_server.run(name))
     assert isinstance(server, int)
     os.kill(server, signal.SIGKILL)
     wait_while(lambda: is_alive(server))
     with monkeypatch.context() as patch:
         patch.setattr("wsgen.isolation.fork_server._Server.is_alive", lambda *_: True)
-        died = nursery.run(name)
+        died = fork_server.run(name)
     assert isinstance(died, Died)
     assert "was lost" in died.reason
-    assert value(nursery.run(name)) != server
+    assert value(fork_server.run(name)) != server
 
 
 def test_a_child_that_was_reaped_meanwhile_is_not_killed() -> None:
@@ -207,52 +212,52 @@ def test_a_child_that_was_reaped_meanwhile_is_not_killed() -> None:
         another.kill()
 
 
-def test_a_module_that_crashes_when_it_is_imported(nursery: Nursery, task: Task) -> None:
+def test_a_module_that_crashes_when_it_is_imported(fork_server: ForkServer, task: Task) -> None:
     before = "import os\nprint('no graphics', flush=True)\nos.kill(os.getpid(), 11)"
-    died = nursery.run(task("return 1", before=before))
+    died = fork_server.run(task("return 1", before=before))
     assert isinstance(died, Died)
     assert died.reason.endswith("crashed (SIGSEGV)")
     assert died.output == "no graphics"
 
 
-def test_a_module_that_is_never_imported(nursery: Nursery, task: Task) -> None:
+def test_a_module_that_is_never_imported(fork_server: ForkServer, task: Task) -> None:
     name = task("return 1", before="import time\ntime.sleep(1)")
-    died = nursery.run(name, limits=Limits(wall_clock=0.2))
+    died = fork_server.run(name, limits=Limits(wall_clock=0.2))
     assert isinstance(died, Died)
     assert died.cause == "wall-clock time"
-    assert value(nursery.run(name)) == 1
+    assert value(fork_server.run(name)) == 1
 
 
-def test_a_module_that_starts_threads_is_not_forked(nursery: Nursery, task: Task) -> None:
+def test_a_module_that_starts_threads_is_not_forked(fork_server: ForkServer, task: Task) -> None:
     before = """
         import os, threading, time
         threading.Thread(target=time.sleep, args=(600,), daemon=True).start()
         """
     name = task(SERVER, before=before)
-    assert value(nursery.run(name)) == os.getpid()
+    assert value(fork_server.run(name)) == os.getpid()
 
 
 @pytest.mark.slow
-def test_the_modules_of_wsgen_start_no_threads(nursery: Nursery, task: Task) -> None:
+def test_the_modules_of_wsgen_start_no_threads(fork_server: ForkServer, task: Task) -> None:
     for module in ("wsgen.tasks.bullet", "wsgen.tasks.launch", "numpy", "lxml.etree"):
         name = task(SERVER, before=f"import {module}")
-        assert value(nursery.run(name)) != os.getpid(), module
+        assert value(fork_server.run(name)) != os.getpid(), module
 
 
 def test_nothing_is_forked_elsewhere(
-    nursery: Nursery, task: Task, monkeypatch: pytest.MonkeyPatch
+    fork_server: ForkServer, task: Task, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("sys.platform", "darwin")
-    assert value(nursery.run(task(SERVER))) == os.getpid()
+    assert value(fork_server.run(task(SERVER))) == os.getpid()
 
 
 def test_the_end_of_a_nursery(task: Task, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "scratch").mkdir()
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "scratch"))
     outcomes = []
-    with Nursery() as nursery:
+    with ForkServer() as fork_server:
         name, file = task(WAIT), tmp_path / "family"
-        thread = threading.Thread(target=lambda: outcomes.append(nursery.run(name, str(file))))
+        thread = threading.Thread(target=lambda: outcomes.append(fork_server.run(name, str(file))))
         thread.start()
         server, child = read_family(file)
     thread.join(120)
@@ -260,10 +265,12 @@ def test_the_end_of_a_nursery(task: Task, tmp_path: Path, monkeypatch: pytest.Mo
     wait_while(lambda: is_alive(server) or is_alive(child))
     assert list((tmp_path / "scratch").iterdir()) == []
     with pytest.raises(RuntimeError, match="closed"):
-        nursery.run(name)
+        fork_server.run(name)
 
 
-def test_an_interrupted_call_leaves_nothing(nursery: Nursery, task: Task, tmp_path: Path) -> None:
+def test_an_interrupted_call_leaves_nothing(
+    fork_server: ForkServer, task: Task, tmp_path: Path
+) -> None:
     def interrupt() -> None:
         family.extend(read_family(tmp_path / "family"))
         os.kill(os.getpid(), signal.SIGINT)
@@ -273,7 +280,7 @@ def test_an_interrupted_call_leaves_nothing(nursery: Nursery, task: Task, tmp_pa
     thread = threading.Thread(target=interrupt)
     thread.start()
     with pytest.raises(KeyboardInterrupt):
-        nursery.run(name, str(tmp_path / "family"))
+        fork_server.run(name, str(tmp_path / "family"))
     thread.join()
     server, child = family
     wait_while(lambda: is_alive(child))

@@ -41,14 +41,14 @@ ROBOT = """<robot name="r"><link name="base_link">
   <wheel_separation>0.4</wheel_separation><wheel_diameter>{diameter}</wheel_diameter>
 </plugin></gazebo></robot>
 """
-BEHAVIOURS = """
-[[behaviour]]
+BEHAVIORS = """
+[[behavior]]
 name = "drives straight"
 drive = { linear = 0.5 }
 seconds = 2.0
 moved = { x = 1.0, y = 0.0, yaw = 0.0 }
 
-[[behaviour]]
+[[behavior]]
 name = "turns"
 drive = { angular = 1.0 }
 seconds = 1.5
@@ -70,27 +70,27 @@ def workspace(built: Path, tmp_path: Path) -> Path:
     return copy
 
 
-def give(workspace: Path, text: str, behaviours: str = BEHAVIOURS) -> None:
+def give(workspace: Path, text: str, behaviors: str = BEHAVIORS) -> None:
     """Write the robot where it is installed and in its source; and what it must do."""
     source = workspace / "src" / PACKAGE
     for folder in (workspace / SHARE, source):
         file = folder / "model" / "robot.xacro"
         file.unlink()
         file.write_text(text, encoding="utf-8")
-    written = (source / "wsgen.toml").read_text(encoding="utf-8").partition("\n[[behaviour]]")[0]
-    (source / "wsgen.toml").write_text(written + behaviours, encoding="utf-8")
+    written = (source / "wsgen.toml").read_text(encoding="utf-8").partition("\n[[behavior]]")[0]
+    (source / "wsgen.toml").write_text(written + behaviors, encoding="utf-8")
 
 
-def behaviours_of(document: dict[str, Any]) -> list[dict[str, Any]]:
+def behaviors_of(document: dict[str, Any]) -> list[dict[str, Any]]:
     (robot,) = document["packages"][0]["robots"]
-    told: list[dict[str, Any]] = robot["behaviours"]
+    told: list[dict[str, Any]] = robot["behaviors"]
     return told
 
 
 def test_a_robot_that_does_what_it_must(workspace: Path) -> None:
     code, document, _ = validate(workspace)
     assert code == 0, errors(document)
-    straight, turns = behaviours_of(document)
+    straight, turns = behaviors_of(document)
     assert (straight["name"], straight["passed"], straight["joints"]) == (
         "drives straight",
         True,
@@ -123,29 +123,29 @@ def test_a_wheel_size_that_is_wrong_in_the_plugin_is_found(workspace: Path, engi
     assert "wheel_diameter = 0.4 m" in found[0]["hint"]
     assert found[0]["file"].endswith(f"src/{PACKAGE}/wsgen.toml")
     line = Path(found[0]["file"]).read_text().splitlines()[found[0]["line"] - 1]
-    assert line == "[[behaviour]]"
-    assert [one["passed"] for one in behaviours_of(document)] == [False, False]
+    assert line == "[[behavior]]"
+    assert [one["passed"] for one in behaviors_of(document)] == [False, False]
     run = wsgen(workspace, "validate")
     assert "failed  drives straight: 0." in run.stdout
 
 
 @pytest.mark.parametrize(
-    ("behaviours", "code", "words"),
+    ("behaviors", "code", "words"),
     [
-        ('[[behaviour]]\nname = "a"\ndrive = { linear = 1 }\nmoved = { x = 1 }\n', "PKG060", None),
-        ("[[behaviour]]\n", "PKG060", None),
-        (BEHAVIOURS.replace("seconds", 'robot = "other"\nseconds'), "SPN080", "there are `"),
+        ('[[behavior]]\nname = "a"\ndrive = { linear = 1 }\nmoved = { x = 1 }\n', "PKG060", None),
+        ("[[behavior]]\n", "PKG060", None),
+        (BEHAVIORS.replace("seconds", 'robot = "other"\nseconds'), "SPN080", "there are `"),
         (
-            '[[behaviour]]\nname = "a"\njoints = { elbow = 1 }\nseconds = 1\n',
+            '[[behavior]]\nname = "a"\njoints = { elbow = 1 }\nseconds = 1\n',
             "SPN083",
             "`left`, `right`",
         ),
     ],
 )
 def test_what_cannot_be_tried_is_an_error(
-    workspace: Path, behaviours: str, code: str, words: str | None
+    workspace: Path, behaviors: str, code: str, words: str | None
 ) -> None:
-    give(workspace, robot(), "\n" + behaviours)
+    give(workspace, robot(), "\n" + behaviors)
     returned, document, _ = validate(workspace)
     assert returned == 1
     found = errors(document)
@@ -154,7 +154,7 @@ def test_what_cannot_be_tried_is_an_error(
     if words is not None:
         assert words in found[0]["hint"]
     if code == "SPN083":
-        assert behaviours_of(document) == [
+        assert behaviors_of(document) == [
             {"name": "a", "passed": False, "moved": None, "joints": None, "expected": {"elbow": 1}}
         ]
         assert "failed  a: not tried" in wsgen(workspace, "validate").stdout
@@ -171,10 +171,10 @@ def test_a_robot_without_a_drive_cannot_drive(workspace: Path) -> None:
     assert "starts Gazebo Classic" in errors(document)[0]["message"]
 
 
-def test_a_trial_without_behaviours_loads_nothing_for_them(built: Path) -> None:
+def test_a_trial_without_behaviors_loads_nothing_for_them(built: Path) -> None:
     script = (
         "import json, sys\nfrom wsgen.cli import run\ncode = run(['validate', '-q'])\n"
-        "print(json.dumps([code, [name for name in sys.modules if 'behaviour' in name "
+        "print(json.dumps([code, [name for name in sys.modules if 'behavior' in name "
         "or 'diff_drive' in name]]))"
     )
     command = [sys.executable, "-c", script]

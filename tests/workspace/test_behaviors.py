@@ -1,47 +1,47 @@
-"""`[[behaviour]]` of `wsgen.toml`: what is read, and what is refused, with its place."""
+"""`[[behavior]]` of `wsgen.toml`: what is read, and what is refused, with its place."""
 
 from pathlib import Path
 
 import pytest
 
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.model.behavior import Behaviour, Drive, Reach
+from wsgen.model.behavior import Behavior, Drive, Reach
 from wsgen.workspace.settings import read_settings
 
-DRIVES = """[[behaviour]]
+DRIVES = """[[behavior]]
 name = "drives"
 drive = { linear = 0.5 }
 seconds = 2
 moved = { x = 1, yaw = 0.0 }
 """
-REACHES = """[[behaviour]]
+REACHES = """[[behavior]]
 name = "reaches"
 robot = "arm"
 seconds = 3.5
 within = 0.1
-[behaviour.joints]
+[behavior.joints]
 joint_1 = -0.5
 "a b" = 1
 """
 
 
-def read(folder: Path, text: str) -> tuple[tuple[Behaviour, ...], tuple[Diagnostic, ...]]:
+def read(folder: Path, text: str) -> tuple[tuple[Behavior, ...], tuple[Diagnostic, ...]]:
     (folder / "wsgen.toml").write_text(text, encoding="utf-8")
     settings, found = read_settings(folder)
-    return settings.behaviours, found
+    return settings.behaviors, found
 
 
 def test_what_is_written_is_read(tmp_path: Path) -> None:
-    behaviours, found = read(tmp_path, f"schema = 1\n{DRIVES}\n{REACHES}")
+    behaviors, found = read(tmp_path, f"schema = 1\n{DRIVES}\n{REACHES}")
     assert found == ()
-    assert behaviours == (
-        Behaviour(
+    assert behaviors == (
+        Behavior(
             name="drives",
             task=Drive(linear=0.5, x=1.0, yaw=0.0, tolerance=0.1),
             seconds=2.0,
             line=2,
         ),
-        Behaviour(
+        Behavior(
             name="reaches",
             task=Reach(positions={"joint_1": -0.5, "a b": 1.0}, within=0.1),
             seconds=3.5,
@@ -52,7 +52,7 @@ def test_what_is_written_is_read(tmp_path: Path) -> None:
 
 
 def test_none_are_none(tmp_path: Path) -> None:
-    assert read(tmp_path, "behaviour = []\n") == ((), ())
+    assert read(tmp_path, "behavior = []\n") == ((), ())
     assert read(tmp_path, "schema = 1\n") == ((), ())
 
 
@@ -95,60 +95,58 @@ def test_what_is_wrong_is_named_with_its_line(
 ) -> None:
     written = DRIVES.replace(instead_of, text)
     assert written != DRIVES
-    behaviours, found = read(tmp_path, written)
-    assert behaviours == ()
+    behaviors, found = read(tmp_path, written)
+    assert behaviors == ()
     assert [(one.code, one.severity) for one in found] == [("PKG060", Severity.ERROR)]
-    assert (found[0].line, found[0].element) == (line, f"behaviour.{element}")
+    assert (found[0].line, found[0].element) == (line, f"behavior.{element}")
     assert message in found[0].message
     assert found[0].hint
 
 
 def test_two_of_one_name(tmp_path: Path) -> None:
-    behaviours, found = read(tmp_path, f"{DRIVES}\n{DRIVES}")
-    assert [behaviour.name for behaviour in behaviours] == ["drives"]
-    assert [(one.message, one.line) for one in found] == [
-        ("Two behaviours are called `drives`.", 8)
-    ]
+    behaviors, found = read(tmp_path, f"{DRIVES}\n{DRIVES}")
+    assert [behavior.name for behavior in behaviors] == ["drives"]
+    assert [(one.message, one.line) for one in found] == [("Two behaviors are called `drives`.", 8)]
 
 
 def test_wrong_values_of_joints(tmp_path: Path) -> None:
-    behaviours, found = read(tmp_path, REACHES.replace("-0.5", "nan").replace("0.1", "0"))
-    assert behaviours == ()
+    behaviors, found = read(tmp_path, REACHES.replace("-0.5", "nan").replace("0.1", "0"))
+    assert behaviors == ()
     assert [(one.element, one.line) for one in found] == [
-        ("behaviour.0.joints.joint_1", 7),
-        ("behaviour.0.within", 5),
+        ("behavior.0.joints.joint_1", 7),
+        ("behavior.0.within", 5),
     ]
 
 
 def test_what_is_right_counts_beside_what_is_wrong(tmp_path: Path) -> None:
-    behaviours, found = read(tmp_path, DRIVES.replace("seconds = 2", "") + REACHES)
-    assert [behaviour.name for behaviour in behaviours] == ["reaches"]
+    behaviors, found = read(tmp_path, DRIVES.replace("seconds = 2", "") + REACHES)
+    assert [behavior.name for behavior in behaviors] == ["reaches"]
     assert len(found) == 1
 
 
-@pytest.mark.parametrize("text", ["behaviour = 3", "behaviour = [1]", "[behaviour]\nname = 'a'"])
+@pytest.mark.parametrize("text", ["behavior = 3", "behavior = [1]", "[behavior]\nname = 'a'"])
 def test_no_list_of_tables(tmp_path: Path, text: str) -> None:
-    behaviours, found = read(tmp_path, text)
-    assert behaviours == ()
+    behaviors, found = read(tmp_path, text)
+    assert behaviors == ()
     assert [(one.code, one.line) for one in found] == [("PKG060", 1)]
 
 
 def test_too_many(tmp_path: Path) -> None:
     tables = "".join(DRIVES.replace("drives", f"d{number}") for number in range(51))
-    behaviours, found = read(tmp_path, tables)
-    assert behaviours == ()
-    assert "51 behaviours" in found[0].message
+    behaviors, found = read(tmp_path, tables)
+    assert behaviors == ()
+    assert "51 behaviors" in found[0].message
 
 
-@pytest.mark.parametrize("key", ["behaviours", "behavior", "behavour", "Behaviour"])
+@pytest.mark.parametrize("key", ["behaviors", "behavior", "behavour", "Behavior"])
 def test_a_key_that_is_nearly_right(tmp_path: Path, key: str) -> None:
-    behaviours, found = read(tmp_path, DRIVES.replace("[[behaviour]]", f"[[{key}]]"))
-    assert behaviours == ()
+    behaviors, found = read(tmp_path, DRIVES.replace("[[behavior]]", f"[[{key}]]"))
+    assert behaviors == ()
     assert f"no key `{key}`" in found[0].message
-    assert (found[0].severity, found[0].hint) == (Severity.ERROR, "Did you mean `behaviour`?")
+    assert (found[0].severity, found[0].hint) == (Severity.ERROR, "Did you mean `behavior`?")
 
 
 def test_what_is_allowed_is_read_beside_it(tmp_path: Path) -> None:
     (tmp_path / "wsgen.toml").write_text(f'{DRIVES}[validate]\nallow = ["massless-root"]\n')
     settings, found = read_settings(tmp_path)
-    assert (len(settings.behaviours), settings.allow, found) == (1, ("massless-root",), ())
+    assert (len(settings.behaviors), settings.allow, found) == (1, ("massless-root",), ())

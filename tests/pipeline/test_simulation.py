@@ -1,4 +1,4 @@
-"""Trials in one engine or two: what is told of each, and who passes."""
+"""Simulations in one engine or two: what is told of each, and who passes."""
 
 from __future__ import annotations
 
@@ -10,30 +10,30 @@ import pytest
 
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.isolation.outcome import Answered, Died
-from wsgen.model.behavior import Behaviour, Reach
+from wsgen.model.behavior import Behavior, Reach
 from wsgen.model.robot import Inertial, Joint, JointType, Link, Robot
 from wsgen.model.transform import Pose
 from wsgen.model.world import World
-from wsgen.pipeline import run_robots as trials
-from wsgen.pipeline.behaviors import make_programme
-from wsgen.pipeline.prepare import Described
+from wsgen.pipeline import run_robots as robot_runs
+from wsgen.pipeline.behaviors import plan_behaviors
+from wsgen.pipeline.prepare import PreparedRobot
 from wsgen.pipeline.request import ValidateRequest
-from wsgen.pipeline.run_robots import Tried, try_robots
+from wsgen.pipeline.run_robots import SimulationResult, try_robots
 from wsgen.simulation.contact_shapes import MOST_LINKS
-from wsgen.simulation.scene import DRAWING, LOADING, RobotTrial, Scene, trial_to_json
+from wsgen.simulation.scene import DRAWING, LOADING, RobotRun, Scene, robot_run_to_json
 from wsgen.workspace.settings import Settings
 
 BODY = Inertial(mass=1.0, inertia=(0.1, 0.0, 0.0, 0.1, 0.0, 0.1))
 WORLD = World(name="w", has_ground_plane=True)
 
 
-def described(entity: str) -> Described:
+def prepared(entity: str) -> PreparedRobot:
     robot = Robot(name="r", root="base", links=(Link(name="base", inertial=BODY),))
-    return Described(entity=entity, written=robot, lumped=robot)
+    return PreparedRobot(entity=entity, written=robot, lumped=robot)
 
 
 def stands(entity: str, **more: Any) -> dict[str, Any]:
-    trial = RobotTrial(
+    robot_run = RobotRun(
         **{
             "entity": entity,
             "links": 1,
@@ -59,7 +59,7 @@ def stands(entity: str, **more: Any) -> dict[str, Any]:
             **more,
         }
     )
-    return trial_to_json(trial)
+    return robot_run_to_json(robot_run)
 
 
 class Engines:
@@ -79,7 +79,7 @@ class Engines:
         more = self.dart if "dart" in task else {}
         return Answered(
             value={
-                "trials": [stands(robot.entity, **more) for robot in scene.robots],
+                "robot_runs": [stands(robot.entity, **more) for robot in scene.robots],
                 "refused": {},
                 "picture_tile": None,
                 "picture_problem": None,
@@ -89,14 +89,14 @@ class Engines:
         )
 
 
-def tried(engines: Engines, *entities: str, both: bool = False) -> Tried:
+def simulated(engines: Engines, *entities: str, both: bool = False) -> SimulationResult:
     request = ValidateRequest(engines=("bullet", "dart") if both else ("bullet",))
-    robots = [described(entity) for entity in entities]
+    robots = [prepared(entity) for entity in entities]
     return try_robots(WORLD, robots, request, "name", run=engines)
 
 
 def test_a_robot_that_kills_the_engine_is_named_and_the_others_are_tried() -> None:
-    outcome = tried(Engines(kills="b"), "a", "b", "c")
+    outcome = simulated(Engines(kills="b"), "a", "b", "c")
     assert [(robot.entity, robot.passed) for robot in outcome.robots] == [
         ("a", True),
         ("b", False),
@@ -113,7 +113,7 @@ def test_an_engine_that_dies_while_it_draws_costs_the_picture_alone(tmp_path: Pa
             return super().__call__(task, *arguments, **more)
 
     request = ValidateRequest(picture_folder=tmp_path)
-    outcome = try_robots(WORLD, [described("a")], request, "name", run=DiesDrawing())
+    outcome = try_robots(WORLD, [prepared("a")], request, "name", run=DiesDrawing())
     assert [robot.passed for robot in outcome.robots] == [True]
     assert [(found.code, found.severity) for found in outcome.diagnostics] == [
         ("SPN034", Severity.ERROR)
@@ -122,7 +122,7 @@ def test_an_engine_that_dies_while_it_draws_costs_the_picture_alone(tmp_path: Pa
 
 
 def test_both_engines_must_pass_a_robot() -> None:
-    outcome = tried(Engines(lowest_point_at_end=-0.3), "a", both=True)
+    outcome = simulated(Engines(lowest_point_at_end=-0.3), "a", both=True)
     assert [robot.passed for robot in outcome.robots] == [False]
     (found,) = [finding for finding in outcome.diagnostics if finding.code == "SPN055"]
     assert found.message.startswith("In DART: ")
@@ -144,15 +144,15 @@ class Falling(Engines):
     def __call__(self, task: str, *arguments: Any, **more: Any) -> Answered | Died:
         answered = super().__call__(task, *arguments, **more)
         assert isinstance(answered, Answered)
-        for trial in answered.value["trials"]:
-            trial.update(FALLS if trial["entity"] in self.falling else {})
+        for robot_run in answered.value["robot_runs"]:
+            robot_run.update(FALLS if robot_run["entity"] in self.falling else {})
         return answered
 
 
 @pytest.mark.parametrize("engines", [("bullet",), ("bullet", "dart")])
 def test_a_consequence_is_told_with_its_cause_of_the_same_robot(engines: tuple[str, ...]) -> None:
-    without = replace(described("a"), diagnostics=(NOTHING_TO_TOUCH,))
-    robots = [without, described("b")]
+    without = replace(prepared("a"), diagnostics=(NOTHING_TO_TOUCH,))
+    robots = [without, prepared("b")]
     request = ValidateRequest(engines=engines)
     outcome = try_robots(WORLD, robots, request, "name", run=Falling("a", "b"))
     assert [robot.passed for robot in outcome.robots] == [False, False]
@@ -165,8 +165,8 @@ def test_a_consequence_is_told_with_its_cause_of_the_same_robot(engines: tuple[s
 
 
 def test_scenery_that_falls_for_what_is_told_of_it_stays_a_warning() -> None:
-    ball = replace(described("ball"), is_scenery=True, diagnostics=(NOTHING_TO_TOUCH,))
-    robots = [ball, described("a")]
+    ball = replace(prepared("ball"), is_static_model=True, diagnostics=(NOTHING_TO_TOUCH,))
+    robots = [ball, prepared("a")]
     outcome = try_robots(WORLD, robots, ValidateRequest(), "name", run=Falling("ball"))
     (cause,) = outcome.told_after([NOTHING_TO_TOUCH])
     assert cause.severity is Severity.WARNING
@@ -184,12 +184,12 @@ def test_more_links_than_pybullet_can_do_go_to_dart(
         for link in links[1:]
     )
     robot = Robot(name="r", root="l0", links=links, joints=joints)
-    large = Described(entity="large", written=robot, lumped=robot)
+    large = PreparedRobot(entity="large", written=robot, lumped=robot)
     request = ValidateRequest(engines=("bullet", "dart") if both else ("bullet",))
     for missing, tried_in, codes in (([], ["dart"], ["SPN089"]), (["dart"], request.engines, [])):
-        monkeypatch.setattr(trials, "missing_engines", lambda _, missing=missing: missing)
+        monkeypatch.setattr(robot_runs, "missing_engines", lambda _, missing=missing: missing)
         engines = Engines()
-        outcome = try_robots(WORLD, [large, described("a")], request, "name", run=engines)
+        outcome = try_robots(WORLD, [large, prepared("a")], request, "name", run=engines)
         assert [scene.engine for scene in engines.scenes] == list(tried_in)
         found = [one for one in outcome.diagnostics if one.code == "SPN089"]
         assert [(one.code, one.element) for one in found] == [(code, "large") for code in codes]
@@ -198,7 +198,7 @@ def test_more_links_than_pybullet_can_do_go_to_dart(
 def test_what_both_engines_find_is_told_once() -> None:
     engines = Engines()
     engines.dart = {}
-    outcome = tried(engines, "a", both=True)
+    outcome = simulated(engines, "a", both=True)
     assert outcome.diagnostics == ()
     assert [scene.engine for scene in engines.scenes] == ["bullet", "dart"]
 
@@ -210,17 +210,17 @@ def test_an_engine_that_dies_in_one_of_two_is_no_pass() -> None:
                 return Died(reason="took longer than 1 s", step="simulating 3 s", output="")
             return super().__call__(task, *arguments, **more)
 
-    outcome = tried(OnlyDartDies(), "a", both=True)
+    outcome = simulated(OnlyDartDies(), "a", both=True)
     assert [robot.passed for robot in outcome.robots] == [False]
     assert [found.code for found in outcome.diagnostics] == ["SPN031"]
 
 
-def test_behaviours_are_given_to_their_robots_and_judged() -> None:
+def test_behaviors_are_given_to_their_robots_and_judged() -> None:
     """Of two robots one moves as it should; what cannot be tried fails its robot too."""
     arm = Joint(name="elbow", type=JointType.CONTINUOUS, parent="base", child="arm")
     robots = [
         replace(
-            described(entity),
+            prepared(entity),
             lumped=Robot(
                 name="r",
                 root="base",
@@ -231,35 +231,40 @@ def test_behaviours_are_given_to_their_robots_and_judged() -> None:
         for entity in ("a", "b", "c")
     ]
 
-    def behaviour(name: str, robot: str, joint: str = "elbow") -> Behaviour:
+    def behavior(name: str, robot: str, joint: str = "elbow") -> Behavior:
         task = Reach(positions={joint: 0.5})
-        return Behaviour(name=name, task=task, seconds=1.0, robot=robot)
+        return Behavior(name=name, task=task, seconds=1.0, robot=robot)
 
     settings = Settings(
         file=Path("wsgen.toml"),
-        behaviours=(
-            behaviour("reaches", "a"),
-            behaviour("misses", "b"),
-            behaviour("has not", "c", "knee"),
-            behaviour("is not", "d"),
+        behaviors=(
+            behavior("reaches", "a"),
+            behavior("misses", "b"),
+            behavior("has not", "c", "knee"),
+            behavior("is not", "d"),
         ),
     )
-    programme = make_programme(settings, robots, generation=None)
-    assert [attempt.entity for attempt in programme.attempts] == ["a", "b"]
+    behavior_plan = plan_behaviors(settings, robots, generation=None)
+    assert [behavior_run.entity for behavior_run in behavior_plan.behavior_runs] == ["a", "b"]
 
     class Moves(Engines):
         def __call__(self, task: str, *arguments: Any, **more: Any) -> Answered | Died:
             answered = super().__call__(task, *arguments, **more)
             assert isinstance(answered, Answered)
-            for trial, (name, position) in zip(
-                answered.value["trials"], (("reaches", 0.5), ("misses", 0.1)), strict=False
+            for robot_run, (name, position) in zip(
+                answered.value["robot_runs"], (("reaches", 0.5), ("misses", 0.1)), strict=False
             ):
-                trial["behaviours"] = [[name, [0.0, 0.0, 0.0], {"elbow": position}, True]]
+                robot_run["behaviors"] = [[name, [0.0, 0.0, 0.0], {"elbow": position}, True]]
             return answered
 
     engines = Moves(mass=2.0, movable_joints=1)
     outcome = try_robots(
-        WORLD, robots, ValidateRequest(engines=("dart",)), "n", run=engines, programme=programme
+        WORLD,
+        robots,
+        ValidateRequest(engines=("dart",)),
+        "n",
+        run=engines,
+        behavior_plan=behavior_plan,
     )
     assert [(one.entity, one.passed) for one in outcome.robots] == [
         ("a", True),
@@ -268,11 +273,11 @@ def test_behaviours_are_given_to_their_robots_and_judged() -> None:
     ]
     assert [found.code for found in outcome.diagnostics] == ["SPN083", "SPN080", "SPN087"]
     assert [
-        [(one.name, one.passed, one.positions) for one in robot.behaviours]
+        [(one.name, one.passed, one.positions) for one in robot.behaviors]
         for robot in outcome.robots
     ] == [
         [("reaches", True, {"elbow": 0.5})],
         [("misses", False, {"elbow": 0.1})],
         [("has not", False, None)],
     ]
-    assert engines.scenes[0].attempts == programme.attempts
+    assert engines.scenes[0].behavior_runs == behavior_plan.behavior_runs

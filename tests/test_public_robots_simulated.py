@@ -31,9 +31,9 @@ WHY = {
     "ROB028": "Gazebo's engine ends the program on a collision mesh that is mirrored by its scale",
     "ROB037": "Gazebo refuses the inertia (Error 18)",
     "ROB040": "a link without mass: Gazebo refuses the robot, or cuts the link off with all below",
-    "ROB041": "Gazebo computes a centre of mass as 0/0 and refuses the robot",
+    "ROB041": "Gazebo computes a center of mass as 0/0 and refuses the robot",
 }
-# What only the trial shows, and why it is right.
+# What only the simulation shows, and why it is right.
 NO_COLLISION = {"ROB053"}, "it has no <collision>, and falls through the ground in Gazebo as well"
 NOT_BOLTED = {"SPN059"}, "it is not joined to a link `world`, and falls over in Gazebo as well"
 NO_MESHES = {"ROB060"}, "the package does not hold the meshes that the file names"
@@ -68,7 +68,7 @@ it was not tried. z is the height of the root link at the end. Errors are bold;
 pytestmark = [pytest.mark.slow, pytest.mark.oracle]
 
 
-def judge(files: dict[str, Path]) -> dict[str, dict[str, Any]]:
+def check(files: dict[str, Path]) -> dict[str, dict[str, Any]]:
     """What wsgen says, by the short name of the robot."""
     done = subprocess.run(
         [
@@ -88,19 +88,19 @@ def codes(package: dict[str, Any], severity: str) -> set[str]:
 
 
 def test_every_error_has_its_reason_and_the_page_says_so(*, regenerate: bool) -> None:
-    """One test, because one run of wsgen judges them all."""
+    """One test, because one run of wsgen checks them all."""
     files = {name: file for package, path, name in ROBOTS if (file := find_robot(package, path))}
     if not files:
         pytest.skip("the packages with robots are not installed")
-    judged = judge(files)
-    errors = {name: codes(package, "error") for name, package in judged.items()}
+    checked = check(files)
+    errors = {name: codes(package, "error") for name, package in checked.items()}
     expected = {name: expected_errors(name) for name in files}
     wrong = {name: found for name, found in errors.items() if found != expected[name]}
     assert wrong == {}
-    assert all(judged[name]["passed"] == (not errors[name]) for name in files)
-    if len(judged) < len(ROBOTS):
+    assert all(checked[name]["passed"] == (not errors[name]) for name in files)
+    if len(checked) < len(ROBOTS):
         pytest.skip("packages with robots are not installed: the page is not compared")
-    rows = [row(package, name, judged[name]) for package, _, name in ROBOTS]
+    rows = [row(package, name, checked[name]) for package, _, name in ROBOTS]
     reasons = [f"- {name}: {reason(name)}." for _, _, name in ROBOTS if errors[name]]
     text = HEAD + "\n".join(rows) + "\n\n## Errors\n\n" + "\n".join(reasons) + "\n"
     if regenerate:
@@ -109,23 +109,23 @@ def test_every_error_has_its_reason_and_the_page_says_so(*, regenerate: bool) ->
 
 
 def expected_errors(name: str) -> set[str]:
-    described = REFUSED.get(name, set()) | CUT.get(name, set())
-    return described | IN_THE_TRIAL.get(name, (set(), ""))[0]
+    prepared = REFUSED.get(name, set()) | CUT.get(name, set())
+    return prepared | IN_THE_TRIAL.get(name, (set(), ""))[0]
 
 
 def reason(name: str) -> str:
-    described = sorted(REFUSED.get(name, set()) | CUT.get(name, set()))
-    tried = [IN_THE_TRIAL[name][1]] if name in IN_THE_TRIAL else []
-    return "; ".join([*(f"{WHY[code]} ({code})" for code in described), *tried])
+    prepared = sorted(REFUSED.get(name, set()) | CUT.get(name, set()))
+    simulated = [IN_THE_TRIAL[name][1]] if name in IN_THE_TRIAL else []
+    return "; ".join([*(f"{WHY[code]} ({code})" for code in prepared), *simulated])
 
 
-def row(package: str, name: str, judged: dict[str, Any]) -> str:
-    robot = judged["robots"][0] if judged["robots"] else {}
+def row(package: str, name: str, checked: dict[str, Any]) -> str:
+    robot = checked["robots"][0] if checked["robots"] else {}
     simulated = robot.get("simulated")
     cells = [name, package]
     if simulated:
         rest = robot["rest"]
-        is_limp = "SPN060" in codes(judged, "info")
+        is_limp = "SPN060" in codes(checked, "info")
         after = "moves" if rest["settled_after"] is None else f"{rest['settled_after']:.1f} s"
         cells += [
             str(simulated["links"]),
@@ -133,11 +133,11 @@ def row(package: str, name: str, judged: dict[str, Any]) -> str:
             f"{simulated['mass']:.3f}",
             f"{after}, limp" if is_limp else after,
             f"{round(rest['xyz'][2], 2) + 0.0:.2f}" if not is_limp else "",
-            f"{judged['seconds']['total']:.1f}",
+            f"{checked['seconds']['total']:.1f}",
         ]
     else:
         cells += ["-"] * 6
-    found = sorted(codes(judged, "error")), sorted(codes(judged, "warning"))
+    found = sorted(codes(checked, "error")), sorted(codes(checked, "warning"))
     cells.append(" ".join([*(f"**{code}**" for code in found[0]), *found[1]]))
     return f"| {' | '.join(cells)} |"
 

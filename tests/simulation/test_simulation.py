@@ -1,4 +1,4 @@
-"""The logic of a trial, over an engine that plays a script."""
+"""The logic of a simulation, over an engine that plays a script."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from wsgen.simulation.engine import Overlap, State
 from wsgen.simulation.fake import FakeEngine
 from wsgen.simulation.scene import (
     Overlapping,
-    RobotTrial,
+    RobotRun,
     Scene,
     SpawnedRobot,
-    trial_from_json,
-    trial_to_json,
+    robot_run_from_json,
+    robot_run_to_json,
 )
 from wsgen.simulation.simulate import CLEARANCE, play
 
@@ -50,34 +50,34 @@ def trial_of(
     robot: Robot = BALL,
     on_the_ground: bool = False,
     **script: object,
-) -> RobotTrial:
+) -> RobotRun:
     world = World(name="w", has_ground_plane=ground)
     spawned = SpawnedRobot(
         entity="e", robot=robot, pose_in_world=spawn, on_the_ground=on_the_ground
     )
     engine = FakeEngine(motion, **{"reach": 0.5, **script})  # type: ignore[arg-type]
-    (trial,), refused = play(engine, Scene(world=world, robots=(spawned,)), lambda _: None)
+    (robot_run,), refused = play(engine, Scene(world=world, robots=(spawned,)), lambda _: None)
     assert refused == {}
-    return trial
+    return robot_run
 
 
 def test_what_the_engine_says() -> None:
-    trial = trial_of(lambda _: still(1.0))
-    assert (trial.links, trial.movable_joints, trial.mass) == (1, 0, 2.0)
-    assert (trial.lowest_point, trial.penetration) == (0.5, 0.0)
-    assert trial.settled_after == 0.0
+    robot_run = trial_of(lambda _: still(1.0))
+    assert (robot_run.links, robot_run.movable_joints, robot_run.mass) == (1, 0, 2.0)
+    assert (robot_run.lowest_point, robot_run.penetration) == (0.5, 0.0)
+    assert robot_run.settled_after == 0.0
 
 
 def test_settling() -> None:
-    trial = trial_of(lambda seconds: still(1.0, speed=1.0 if seconds < 0.7005 else 0.001))
-    assert trial.settled_after == pytest.approx(0.7)
-    assert trial.highest_speed == 1.0
-    assert trial.speed == 0.001
+    robot_run = trial_of(lambda seconds: still(1.0, speed=1.0 if seconds < 0.7005 else 0.001))
+    assert robot_run.settled_after == pytest.approx(0.7)
+    assert robot_run.highest_speed == 1.0
+    assert robot_run.speed == 0.001
 
 
 def test_slow_at_the_last_moment_is_not_at_rest() -> None:
-    trial = trial_of(lambda seconds: still(1.0, speed=1.0 if seconds < 2.95 else 0.0))
-    assert trial.settled_after is None
+    robot_run = trial_of(lambda seconds: still(1.0, speed=1.0 if seconds < 2.95 else 0.0))
+    assert robot_run.settled_after is None
 
 
 @pytest.mark.parametrize(
@@ -92,9 +92,9 @@ def test_turning_and_swinging_are_motion(state: State) -> None:
 
 
 def test_penetration_is_that_at_the_start() -> None:
-    trial = trial_of(lambda seconds: still(0.2 if seconds == 0 else 0.5))
-    assert trial.penetration == pytest.approx(0.3)
-    assert trial.lowest_point_at_end == 0.0
+    robot_run = trial_of(lambda seconds: still(0.2 if seconds == 0 else 0.5))
+    assert robot_run.penetration == pytest.approx(0.3)
+    assert robot_run.lowest_point_at_end == 0.0
 
 
 def test_no_penetration_without_ground() -> None:
@@ -102,8 +102,8 @@ def test_no_penetration_without_ground() -> None:
 
 
 def test_highest_point() -> None:
-    trial = trial_of(lambda seconds: still(1.0 + math.sin(seconds)))
-    assert trial.highest_point == pytest.approx(2.0, abs=1e-4)
+    robot_run = trial_of(lambda seconds: still(1.0 + math.sin(seconds)))
+    assert robot_run.highest_point == pytest.approx(2.0, abs=1e-4)
 
 
 def test_tilt_is_seen_from_the_spawn_pose() -> None:
@@ -116,22 +116,24 @@ def test_tilt_is_seen_from_the_spawn_pose() -> None:
 
 
 def test_not_a_number() -> None:
-    trial = trial_of(lambda seconds: still(math.nan if seconds > 1 else 2.0))
-    assert not trial.is_finite
-    assert trial.settled_after is None
-    assert trial.rest_pose.xyz[2] == 2.0  # the last that was finite
+    robot_run = trial_of(lambda seconds: still(math.nan if seconds > 1 else 2.0))
+    assert not robot_run.is_finite
+    assert robot_run.settled_after is None
+    assert robot_run.rest_pose.xyz[2] == 2.0  # the last that was finite
 
 
 def test_a_joint_that_is_not_a_number() -> None:
-    trial = trial_of(lambda _: still(1.0), positions=lambda t: {"j": math.nan if t > 1 else 0.1})
-    assert not trial.is_finite
-    assert trial.joint_positions == {"j": 0.1}
+    robot_run = trial_of(
+        lambda _: still(1.0), positions=lambda t: {"j": math.nan if t > 1 else 0.1}
+    )
+    assert not robot_run.is_finite
+    assert robot_run.joint_positions == {"j": 0.1}
 
 
 def test_an_energy_that_is_not_a_number() -> None:
-    trial = trial_of(lambda _: still(1.0), energy=lambda t: math.inf if t > 1 else 3.0)
-    assert not trial.is_finite
-    assert trial.energy_gain == 0.0
+    robot_run = trial_of(lambda _: still(1.0), energy=lambda t: math.inf if t > 1 else 3.0)
+    assert not robot_run.is_finite
+    assert robot_run.energy_gain == 0.0
 
 
 def test_what_is_not_finite_any_more_ends_the_trial() -> None:
@@ -148,9 +150,9 @@ def test_one_state_that_is_not_finite_ends_the_trial_of_all() -> None:
         still(math.nan) if entity == "b" and engine.steps > 500 else state(entity)
     )
     robots = tuple(SpawnedRobot(entity=entity, robot=BALL) for entity in "ab")
-    trials, _ = play(engine, Scene(world=World(name="w"), robots=robots), lambda _: None)
+    robot_runs, _ = play(engine, Scene(world=World(name="w"), robots=robots), lambda _: None)
     assert engine.steps * engine.step_seconds == pytest.approx(0.51)
-    assert [(trial.is_finite, trial.is_cut_short) for trial in trials] == [
+    assert [(robot_run.is_finite, robot_run.is_cut_short) for robot_run in robot_runs] == [
         (True, True),
         (False, False),
     ]
@@ -162,32 +164,34 @@ def test_how_fast_it_rises_at_the_end() -> None:
 
 
 def test_the_most_energy_that_was_gained() -> None:
-    trial = trial_of(lambda _: still(1.0), energy=lambda t: 5.0 + (2.0 if 1 < t < 2 else -1.0 * t))
-    assert trial.energy_gain == 2.0
+    robot_run = trial_of(
+        lambda _: still(1.0), energy=lambda t: 5.0 + (2.0 if 1 < t < 2 else -1.0 * t)
+    )
+    assert robot_run.energy_gain == 2.0
     losing = trial_of(lambda _: still(1.0), energy=lambda t: 5.0 - t)
     assert losing.energy_gain == 0.0
 
 
 def test_how_far_joints_travel_and_where_they_end() -> None:
-    trial = trial_of(
+    robot_run = trial_of(
         lambda _: still(1.0),
         positions=lambda t: {"swings": 0.5 - 0.5 * math.cos(math.pi * t), "stays": 0.25},
     )
-    assert trial.joint_positions == {"swings": pytest.approx(1.0), "stays": 0.25}
-    assert trial.joint_travel == {"swings": pytest.approx(1.0), "stays": 0.0}
+    assert robot_run.joint_positions == {"swings": pytest.approx(1.0), "stays": 0.25}
+    assert robot_run.joint_travel == {"swings": pytest.approx(1.0), "stays": 0.0}
     back = trial_of(lambda _: still(1.0), positions=lambda t: {"j": 0.1 + math.sin(math.pi * t)})
     assert back.joint_travel == {"j": pytest.approx(1.0, abs=0.01)}
 
 
 def test_what_is_to_stand_on_the_ground_is_put_just_above_it() -> None:
     """It moves as from there: what it rose and sank is seen from where it was put."""
-    trial = trial_of(lambda t: still(7.0 - (0.005 if t else 0.0)), on_the_ground=True)
-    assert trial.spawn_pose.xyz == pytest.approx((0.0, 0.0, 0.5 + CLEARANCE))
-    assert trial.lowest_point == pytest.approx(CLEARANCE)
-    assert trial.penetration == 0.0
-    assert trial.rest_pose.xyz[2] == pytest.approx(0.5)
-    assert trial.lowest_point_at_end == pytest.approx(0.0, abs=1e-9)
-    assert trial.highest_point == pytest.approx(0.5 + CLEARANCE)
+    robot_run = trial_of(lambda t: still(7.0 - (0.005 if t else 0.0)), on_the_ground=True)
+    assert robot_run.spawn_pose.xyz == pytest.approx((0.0, 0.0, 0.5 + CLEARANCE))
+    assert robot_run.lowest_point == pytest.approx(CLEARANCE)
+    assert robot_run.penetration == 0.0
+    assert robot_run.rest_pose.xyz[2] == pytest.approx(0.5)
+    assert robot_run.lowest_point_at_end == pytest.approx(0.0, abs=1e-9)
+    assert robot_run.highest_point == pytest.approx(0.5 + CLEARANCE)
 
 
 def test_the_place_and_heading_are_kept_when_it_is_put_on_the_ground() -> None:
@@ -205,9 +209,9 @@ def test_the_place_and_heading_are_kept_when_it_is_put_on_the_ground() -> None:
     ],
 )
 def test_what_cannot_stand_on_the_ground_stays_where_it_is(robot: Robot, *, ground: bool) -> None:
-    trial = trial_of(lambda _: still(1.0), robot=robot, ground=ground, on_the_ground=True)
-    assert trial.spawn_pose == SPAWN
-    assert trial.lowest_point == 0.5
+    robot_run = trial_of(lambda _: still(1.0), robot=robot, ground=ground, on_the_ground=True)
+    assert robot_run.spawn_pose == SPAWN
+    assert robot_run.lowest_point == 0.5
 
 
 def test_what_is_spawned_in_the_ground_stays_there_unless_told() -> None:
@@ -220,8 +224,8 @@ def test_overlaps_are_seen_from_both_sides() -> None:
         lambda _: still(1.0),
         overlapping=(Overlap("a", "arm", "b", "leg", 0.25), Overlap("b", "leg", "b", "foot", 0.5)),
     )
-    trials, _ = play(engine, Scene(world=World(name="w"), robots=robots), lambda _: None)
-    assert {trial.entity: trial.overlaps for trial in trials} == {
+    robot_runs, _ = play(engine, Scene(world=World(name="w"), robots=robots), lambda _: None)
+    assert {robot_run.entity: robot_run.overlaps for robot_run in robot_runs} == {
         "a": (Overlapping(link="arm", other_entity="b", other_link="leg", depth=0.25),),
         "b": (
             Overlapping(link="leg", other_entity="a", other_link="arm", depth=0.25),
@@ -261,32 +265,32 @@ def test_refused_robots_do_not_stop_the_others() -> None:
     said: list[str] = []
     robots = tuple(SpawnedRobot(entity=name, robot=BALL) for name in ("good", "bad"))
     engine = FakeEngine(lambda _: still(1.0), refuses=frozenset({"bad"}))
-    trials, refused = play(engine, Scene(world=World(name="w"), robots=robots), said.append)
-    assert [trial.entity for trial in trials] == ["good"]
+    robot_runs, refused = play(engine, Scene(world=World(name="w"), robots=robots), said.append)
+    assert [robot_run.entity for robot_run in robot_runs] == ["good"]
     assert set(refused) == {"bad"}
     assert said == ["loading the robot `good`", "loading the robot `bad`", "simulating 3 s"]
 
 
 def test_a_trial_travels_as_json() -> None:
-    trial = trial_of(
+    robot_run = trial_of(
         lambda _: still(1.0),
         positions=lambda t: {"j": t},
         energy=lambda t: t,
         overlapping=(Overlap("e", "a", "f", "b", 0.1), Overlap("e", "a", "e", "c", 0.2)),
     )
-    assert len(trial.overlaps) == 2
-    assert trial_from_json(json.loads(json.dumps(trial_to_json(trial)))) == trial
+    assert len(robot_run.overlaps) == 2
+    assert robot_run_from_json(json.loads(json.dumps(robot_run_to_json(robot_run)))) == robot_run
 
 
 @pytest.mark.parametrize(
     ("acceleration", "falls"), [(-9.8, True), (-4.9, False), (0.0, False), (9.8, False)]
 )
 def test_falling_is_getting_faster_with_gravity(acceleration: float, *, falls: bool) -> None:
-    trial = trial_of(lambda t: still(1.0 - t + acceleration * t * t / 2), ground=False)
-    assert trial.is_falling == falls
+    robot_run = trial_of(lambda t: still(1.0 - t + acceleration * t * t / 2), ground=False)
+    assert robot_run.is_falling == falls
 
 
 def test_what_rolls_off_an_edge_falls_at_the_end() -> None:
-    trial = trial_of(lambda t: still(1.0 - 4.9 * max(0.0, t - 2.8) ** 2), ground=False)
-    assert trial.is_falling
+    robot_run = trial_of(lambda t: still(1.0 - 4.9 * max(0.0, t - 2.8) ** 2), ground=False)
+    assert robot_run.is_falling
     assert not trial_of(lambda t: still(1.0 - 4.9 * min(t, 0.4) ** 2), ground=False).is_falling

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 import pytest
 
 from wsgen.diagnostics import Severity
-from wsgen.model.behavior import Attempt, Behaviour, Bounds, DiffDrive, Drive, Reach, WheelPair
+from wsgen.model.behavior import Behavior, BehaviorRun, Bounds, DiffDrive, Drive, Reach, WheelPair
 from wsgen.model.robot import Joint, JointLimit, JointType, Link, Mimic, Robot
 from wsgen.rules.behaviors import (
+    check_behavior,
     commanded_beyond_limit,
     joint_cannot_be_commanded,
-    judge_behaviour,
     nothing_to_drive_with,
     robot_not_found,
 )
@@ -32,11 +32,11 @@ DRIVE = DiffDrive(generation="gz", pairs=(PAIR,))
 POSITIONS = {"a": 0.5, "b": -0.5}
 
 
-def behaviour(task: Drive | Reach = STRAIGHT, robot: str | None = None) -> Behaviour:
-    return Behaviour(name="does it", task=task, seconds=2.0, robot=robot, line=7)
+def behavior(task: Drive | Reach = STRAIGHT, robot: str | None = None) -> Behavior:
+    return Behavior(name="does it", task=task, seconds=2.0, robot=robot, line=7)
 
 
-def judged(
+def checked(
     task: Drive | Reach,
     moved: tuple[float, float, float] = (0.0, 0.0, 0.0),
     *,
@@ -44,13 +44,13 @@ def judged(
     positions: dict[str, float] | None = None,
     is_finite: bool = True,
 ) -> tuple[Diagnostic, ...]:
-    attempt = Attempt(entity="e", behaviour=behaviour(task), drive=drive)
-    return judge_behaviour(attempt, Behaved("does it", moved, positions or {}, is_finite), FILE)
+    behavior_run = BehaviorRun(entity="e", behavior=behavior(task), drive=drive)
+    return check_behavior(behavior_run, Behaved("does it", moved, positions or {}, is_finite), FILE)
 
 
 def codes(task: Drive, *moved: float) -> list[str]:
     x, y, yaw = moved
-    return [found.code for found in judged(task, (x, y, yaw))]
+    return [found.code for found in checked(task, (x, y, yaw))]
 
 
 @pytest.mark.parametrize(
@@ -93,13 +93,13 @@ def test_what_is_not_named_is_not_judged() -> None:
 
 
 def test_a_finding_names_what_was_wanted_and_where_that_is_written() -> None:
-    (found,) = judged(STRAIGHT, (0.5, 0.0, -1e-9))
+    (found,) = checked(STRAIGHT, (0.5, 0.0, -1e-9))
     assert found.message == (
         "`does it`: after 2 s the robot is at x = 0.5 m, y = 0 m from where it began; "
         "x = 1 m, y = 0 m is wanted, give or take 0.1 m."
     )
     assert (found.file, found.line, found.severity) == (FILE, 7, Severity.ERROR)
-    assert found.element == "behaviour `does it`"
+    assert found.element == "behavior `does it`"
 
 
 @pytest.mark.parametrize(
@@ -130,29 +130,29 @@ def test_a_finding_names_what_was_wanted_and_where_that_is_written() -> None:
 def test_what_would_explain_it(
     task: Drive, moved: tuple[float, float, float], drive: DiffDrive, hint: str
 ) -> None:
-    (found,) = judged(task, moved, drive=drive)
+    (found,) = checked(task, moved, drive=drive)
     assert found.hint is not None
     assert hint in found.hint
 
 
 def test_joints() -> None:
     task = Reach(positions=POSITIONS)
-    assert judged(task, positions={"a": 0.54, "b": -0.54, "c": 9.0}) == ()
-    (found,) = judged(task, positions={"a": 0.4, "b": -0.5})
+    assert checked(task, positions={"a": 0.54, "b": -0.54, "c": 9.0}) == ()
+    (found,) = checked(task, positions={"a": 0.4, "b": -0.5})
     assert found.code == "SPN087"
     assert found.message == "`does it`: after 2 s a is at 0.4 (not 0.5)."
     wide = replace(task, within=0.2)
-    assert judged(wide, positions={"a": 0.4, "b": -0.5}) == ()
+    assert checked(wide, positions={"a": 0.4, "b": -0.5}) == ()
 
 
 def test_of_many_joints_some_are_told() -> None:
     positions = dict.fromkeys("abcdefg", 1.0)
-    (found,) = judged(Reach(positions=positions), positions=dict.fromkeys("abcdefg", 0.0))
+    (found,) = checked(Reach(positions=positions), positions=dict.fromkeys("abcdefg", 0.0))
     assert "e is at 0 (not 1) and 2 more." in found.message
 
 
 def test_what_explodes_is_judged_by_nothing_else() -> None:
-    assert [one.code for one in judged(STRAIGHT, (9.0, 9.0, 9.0), is_finite=False)] == ["SPN088"]
+    assert [one.code for one in checked(STRAIGHT, (9.0, 9.0, 9.0), is_finite=False)] == ["SPN088"]
 
 
 @pytest.mark.parametrize(
@@ -165,7 +165,7 @@ def test_what_explodes_is_judged_by_nothing_else() -> None:
     ],
 )
 def test_which_robot_is_meant(robot: str | None, entities: list[str], message: str | None) -> None:
-    found = list(robot_not_found(behaviour(robot=robot), entities, FILE))
+    found = list(robot_not_found(behavior(robot=robot), entities, FILE))
     assert [one.code for one in found] == ([] if message is None else ["SPN080"])
     if message is not None:
         assert message in found[0].message
@@ -175,7 +175,7 @@ def test_which_robot_is_meant(robot: str | None, entities: list[str], message: s
 
 @pytest.mark.parametrize(("has_plugin", "code"), [(True, "SPN082"), (False, "SPN081")])
 def test_nothing_to_drive_with(*, has_plugin: bool, code: str) -> None:
-    (found,) = nothing_to_drive_with(behaviour(), "why", "Do.", FILE, has_plugin=has_plugin)
+    (found,) = nothing_to_drive_with(behavior(), "why", "Do.", FILE, has_plugin=has_plugin)
     assert (found.code, found.hint) == (code, "Do.")
     assert found.message == "`does it`: the robot cannot be driven: why."
 
@@ -194,21 +194,21 @@ def test_joints_that_take_no_commands() -> None:
     follower = replace(joint("b"), mimic=Mimic(joint="a"))
     arm = robot(joint("a"), follower, joint("f", JointType.FIXED))
     positions = {"a": 0.0, "b": 0.0, "f": 0.0, "x": 0.0}
-    found = list(joint_cannot_be_commanded(behaviour(), positions, arm, FILE))
+    found = list(joint_cannot_be_commanded(behavior(), positions, arm, FILE))
     assert [one.code for one in found] == ["SPN083"] * 3
     assert "`b` follows `a`" in found[0].message
     assert "no joint `f` that can move" in found[1].message
     assert found[2].hint == "There are `a`."
     (still,) = joint_cannot_be_commanded(
-        behaviour(), {"a": 0.0}, robot(joint("a"), is_static=True), FILE
+        behavior(), {"a": 0.0}, robot(joint("a"), is_static=True), FILE
     )
     assert "no joint `a`" in still.message
 
 
 def test_commands_beyond_limits() -> None:
     joints = (joint("a", limit=0.5), joint("b", JointType.CONTINUOUS, limit=0.1), joint("c"))
-    found = list(commanded_beyond_limit(behaviour(), POSITIONS, joints, FILE))
+    found = list(commanded_beyond_limit(behavior(), POSITIONS, joints, FILE))
     assert found == []
-    (over,) = commanded_beyond_limit(behaviour(), {"a": -0.6, "b": 9.0}, joints, FILE)
+    (over,) = commanded_beyond_limit(behavior(), {"a": -0.6, "b": 9.0}, joints, FILE)
     assert over.code == "SPN084"
     assert "`a` is sent to -0.6, beyond its limits -0.5 and 0.5" in over.message
