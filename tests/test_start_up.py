@@ -93,8 +93,10 @@ def test_doctor_loads_no_library(tmp_path: Path) -> None:
     modules = loaded(tmp_path, "doctor")
     packages = {name.split(".")[1] for name in modules if name.startswith("wsgen.")}
     assert packages <= {
+        "build",
         "cli",
         "diagnostics",
+        "doctor",
         "errors",
         "files",
         "isolation",  # a child draws a picture

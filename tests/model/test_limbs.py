@@ -14,8 +14,8 @@ from wsgen.model.transform import Pose
 MOMENTS = (0.1, 0.0, 0.0, 0.1, 0.0, 0.1)
 
 
-def part(name: str, centre: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Link:
-    inertial = Inertial(mass=1.0, pose_in_link=Pose(centre), inertia=MOMENTS)
+def part(name: str, center: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Link:
+    inertial = Inertial(mass=1.0, pose_in_link=Pose(center), inertia=MOMENTS)
     return Link(name=name, inertial=inertial)
 
 
@@ -33,14 +33,14 @@ def robot(link: Link, one: Joint | None = None, *more: tuple[Link, Joint]) -> Ro
 
 
 @pytest.mark.parametrize("center", [(0.0, 0.0, 0.0), (0.0, 0.3, 0.0), (0.003, -0.3, 0.003)])
-def test_a_wheel_is_no_limb(centre: tuple[float, float, float]) -> None:
+def test_a_wheel_is_no_limb(center: tuple[float, float, float]) -> None:
     """Its center of mass may be anywhere along its axle, and a little beside it."""
-    assert unactuated_joints(robot(part("wheel", centre))) == set()
+    assert unactuated_joints(robot(part("wheel", center))) == set()
 
 
 @pytest.mark.parametrize("center", [(0.006, 0.0, 0.0), (0.0, 0.3, 0.2), (0.004, 0.0, 0.004)])
-def test_what_is_off_its_axle_is_a_limb(centre: tuple[float, float, float]) -> None:
-    assert unactuated_joints(robot(part("arm", centre))) == {"arm"}
+def test_what_is_off_its_axle_is_a_limb(center: tuple[float, float, float]) -> None:
+    assert unactuated_joints(robot(part("arm", center))) == {"arm"}
 
 
 def test_the_axis_is_that_of_the_joint() -> None:

@@ -73,7 +73,7 @@ def test_shapes_rest_on_their_surface(
     assert robot_run.settled_after is not None
 
 
-def test_the_pose_is_that_of_the_link_not_of_its_centre_of_mass(new_engine: NewEngine) -> None:
+def test_the_pose_is_that_of_the_link_not_of_its_center_of_mass(new_engine: NewEngine) -> None:
     """A box whose link frame lies in its bottom, with turned principal axes."""
     link = body(Box(size=(1.0, 1.0, 0.2)), at=Pose((0.2, 0.1, 0.1), (0.0, 0.0, 0.5)))
     robot_run = trial_of(new_engine, single(link), 0.002)

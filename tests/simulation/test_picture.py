@@ -79,9 +79,9 @@ def test_a_square_is_as_large_as_it_is_said_to_be(size: float) -> None:
         row = (1 - up / away / slope) / 2 * SIZE.height
         return float(ground.color[int(row), int(column)].sum() * 255)
 
-    centre = brightness(0, 0)  # the middle of the world is the middle of a square
+    center = brightness(0, 0)  # the middle of the world is the middle of a square
     others = [brightness(x, y) for x, y in ((1, 0), (0, 1), (-1, 0), (0, -1))]
-    assert all(abs(centre - other) > 30 for other in others)
+    assert all(abs(center - other) > 30 for other in others)
     assert max(others) - min(others) < 15
 
 

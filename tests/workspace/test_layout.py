@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from workspace.building import PACKAGE_XML, write_package
+from build.building import PACKAGE_XML, write_package
 from wsgen.errors import NotFoundError, RequestError
 from wsgen.workspace.layout import (
     Workspace,

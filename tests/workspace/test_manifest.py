@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from workspace.building import PACKAGE_XML
+from build.building import PACKAGE_XML
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.workspace.manifest import Manifest, read_manifest
 from wsgen.workspace.package_xml import check_package_xml

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from workspace.building import build_here, link_programs, outside, write_package
+from build.building import build_here, link_programs, outside, write_package
 from wsgen.errors import NotFoundError, NotReadableError, RequestError
 from wsgen.workspace.layout import Workspace
 from wsgen.workspace.overlay import require_share, source_overlay

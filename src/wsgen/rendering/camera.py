@@ -114,8 +114,8 @@ def _camera(  # noqa: PLR0913  an optical set-up has this many parts
     nearest place for the camera. Likewise for y; the farther of the two places is taken.
     """
     axes = view_axes(towards)
-    centre = points.mean(axis=0)  # far from the origin digits would be lost
-    x, y, z = axes @ (points - centre).T
+    center = points.mean(axis=0)  # far from the origin digits would be lost
+    x, y, z = axes @ (points - center).T
     slope_y = math.tan(math.radians(field_of_view / 2)) * (1 - 2 * margin)
     slope_x = slope_y * size.width / size.height
     left, right = (x - slope_x * z).max(), (x + slope_x * z).min()
@@ -123,10 +123,10 @@ def _camera(  # noqa: PLR0913  an optical set-up has this many parts
     depth = min((right - left) / (2 * slope_x), (high - low) / (2 * slope_y))
     eye = np.array([(left + right) / 2, (low + high) / 2, depth])
     nearest, middle = z.min() - depth, (z.min() + z.max()) / 2 - depth
-    farther = [] if behind is None else (axes[2] @ (behind - centre).T - depth).tolist()
+    farther = [] if behind is None else (axes[2] @ (behind - center).T - depth).tolist()
     return Camera(
-        eye=_vector(axes.T @ eye + centre),
-        target=_vector(axes.T @ (eye + np.array([0, 0, middle])) + centre),
+        eye=_vector(axes.T @ eye + center),
+        target=_vector(axes.T @ (eye + np.array([0, 0, middle])) + center),
         field_of_view=field_of_view,
         aspect=size.width / size.height,
         up=_vector(axes[1]),

@@ -78,18 +78,18 @@ def computed(
     mass = sum(part.mass for part in parts)
     if not 0 < mass < HEAVIEST:
         return None
-    centre = _centre(parts, mass)
+    center = _center(parts, mass)
     sums = [0.0] * 6
     for part in parts:
-        x, y, z = (at - to for at, to in zip(part.pose_in_link.xyz, centre, strict=True))
-        about_centre = moved(about_link_axes(part), part.mass, (x, y, z))
-        sums = [a + b for a, b in zip(sums, about_centre, strict=True)]
+        x, y, z = (at - to for at, to in zip(part.pose_in_link.xyz, center, strict=True))
+        about_center = moved(about_link_axes(part), part.mass, (x, y, z))
+        sums = [a + b for a, b in zip(sums, about_center, strict=True)]
     given = optional_number(source, inertial, "mass")
     scale = 1.0 if given is None or given <= 0 else given / mass
     ixx, ixy, ixz, iyy, iyz, izz = (moment * scale for moment in sums)
     return Inertial(
         mass=mass * scale,
-        pose_in_link=Pose(xyz=centre),
+        pose_in_link=Pose(xyz=center),
         inertia=(ixx, ixy, ixz, iyy, iyz, izz),
     )
 
@@ -102,7 +102,7 @@ def _part(collision: Collision, density: float) -> Inertial:
     )
 
 
-def _centre(parts: Sequence[Inertial], mass: float) -> tuple[float, float, float]:
+def _center(parts: Sequence[Inertial], mass: float) -> tuple[float, float, float]:
     x, y, z = (
         sum(part.mass * part.pose_in_link.xyz[axis] for part in parts) / mass for axis in range(3)
     )

@@ -392,9 +392,9 @@ class BulletBody:
             )
         for index in self._weightless:
             mass = self._dynamics[index][0]
-            centre = self._centre(index)
+            center = self._center(index)
             lift = tuple(-mass * part for part in gravity)
-            client.applyExternalForce(self.number, index, lift, centre.xyz, client.WORLD_FRAME)
+            client.applyExternalForce(self.number, index, lift, center.xyz, client.WORLD_FRAME)
 
     def place(self, pose_in_world: Pose) -> None:
         """Put it somewhere, at rest, its joints at zero."""
@@ -407,7 +407,7 @@ class BulletBody:
 
     def root_pose(self) -> Pose:
         """The frame of the root link; PyBullet's base is the frame at its center of mass."""
-        return compose(self._centre(ROOT), self._root_from_base)
+        return compose(self._center(ROOT), self._root_from_base)
 
     def joint_states(self) -> list[tuple[float, float]]:
         """Position and speed of the movable joints, in their order."""
@@ -435,25 +435,25 @@ class BulletBody:
             mass, moments = self._dynamics[index][0], self._dynamics[index][2]
             if not mass:
                 continue
-            centre, linear, angular = self._motion(index)
-            turning = rotate(transpose(rotation_of_rpy(centre.rpy)), angular)
+            center, linear, angular = self._motion(index)
+            turning = rotate(transpose(rotation_of_rpy(center.rpy)), angular)
             total += mass * (sum(part * part for part in linear) / 2)
             total += sum(m * w * w for m, w in zip(moments, turning, strict=True)) / 2
             if index not in self._weightless:
-                total -= mass * sum(g * x for g, x in zip(gravity, centre.xyz, strict=True))
+                total -= mass * sum(g * x for g, x in zip(gravity, center.xyz, strict=True))
         return total
 
     def _motion(self, index: int) -> tuple[Pose, Vector, Vector]:
         """Pose and velocities of a link's center of mass, along its principal axes."""
         client = self._client
         if index == ROOT:
-            return (self._centre(ROOT), *client.getBaseVelocity(self.number))
+            return (self._center(ROOT), *client.getBaseVelocity(self.number))
         state = client.getLinkState(
             self.number, index, computeLinkVelocity=1, computeForwardKinematics=1
         )
         return _pose(state[0], state[1]), state[6], state[7]
 
-    def _centre(self, index: int) -> Pose:
+    def _center(self, index: int) -> Pose:
         if index == ROOT:
             return _pose(*self._client.getBasePositionAndOrientation(self.number))
         state = self._client.getLinkState(self.number, index, computeForwardKinematics=1)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 import mesh_samples
-from description.public_meshes import PACKAGES, differences, meshes_of
+from meshes.public_meshes import PACKAGES, differences, meshes_of
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.isolation.fork_server import ForkServer
 from wsgen.isolation.outcome import Answered, Died, Limits

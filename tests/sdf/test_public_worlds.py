@@ -179,9 +179,9 @@ def compare_links(theirs: ET.Element, model: SdfModel, robot: Robot) -> None:
         assert link.inertial is not None
         assert link.inertial.mass == pytest.approx(expected.mass, rel=1e-9)
         place = compose(pose_of(theirs), pose_of(element))
-        centre, moments = seen_from_outside(link.inertial, frames[link.name])
-        their_centre, their_moments = seen_from_outside(expected, place)
-        assert centre == pytest.approx(their_centre, rel=1e-6, abs=1e-7)
+        center, moments = seen_from_outside(link.inertial, frames[link.name])
+        their_center, their_moments = seen_from_outside(expected, place)
+        assert center == pytest.approx(their_center, rel=1e-6, abs=1e-7)
         assert moments == pytest.approx(
             their_moments, rel=1e-6, abs=1e-6 * max(map(abs, their_moments))
         )

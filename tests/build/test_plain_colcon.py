@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from workspace.building import (
+from build.building import (
     CMAKE,
     COLCON,
     LINTED,

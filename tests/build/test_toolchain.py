@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from workspace.building import SHELL_PROGRAMS, link_programs, outside
+from build.building import SHELL_PROGRAMS, link_programs, outside
 from wsgen.build.toolchain import (
     AMENT_CMAKE,
     SourcedRos,

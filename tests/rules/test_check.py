@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from checks.robot_runs import STANDS
+from rules.robot_runs import STANDS
 from wsgen.model.robot import Inertial, Joint, JointLimit, JointType, Link, Robot
 from wsgen.model.transform import Pose
 from wsgen.model.world import World

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from workspace.building import (
+from build.building import (
     CMAKE,
     COLCON,
     LINTED,

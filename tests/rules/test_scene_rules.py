@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from checks.robot_runs import STANDS
+from rules.robot_runs import STANDS
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.model.transform import Pose
 from wsgen.rules import scenes as rules

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from workspace.building import (
+from build.building import (
     CMAKE,
     LINTED,
     PACKAGE_XML,

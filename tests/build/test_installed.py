@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from workspace.building import CMAKE, build_here, write_package
+from build.building import CMAKE, build_here, write_package
 from wsgen.build.run import BuildResult
 from wsgen.diagnostics import Diagnostic, Severity
 
