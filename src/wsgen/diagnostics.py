@@ -1,4 +1,4 @@
-"""What is wrong with the user's files, as values."""
+"""What is wrong with the user's files, as values, and the rules that report it."""
 
 from __future__ import annotations
 
@@ -21,19 +21,63 @@ class Severity(str, Enum):
 
 @dataclass(frozen=True, kw_only=True)
 class Diagnostic:
-    """One finding.
+    """One place in the user's files, or one thing that the robot does, that a rule is about."""
 
-    `code` is stable and never reused (families PKG, BLD, ROB, WLD, LCH, SPN, TPL; the list is in
-    `wsgen.rules.catalogue`); `hint` is what to do about it.
-    """
-
-    code: str
+    code: str  # of the rule; stable and never reused
+    name: str = ""  # of the rule
     severity: Severity
     message: str
     file: Path | None = None
     line: int | None = None  # 1-based
     element: str | None = None  # XML path or name of the link, joint, argument meant
-    hint: str | None = None
+    hint: str | None = None  # what to do about it
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rule:
+    """A kind of diagnostic; a constant of the module that checks it.
+
+    `wsgen rule` and docs/rules.md show what it says of itself, as Markdown; `example` and `instead`
+    are code of a user, or what a user does. `wsgen.rules.catalogue` collects all rules.
+    """
+
+    code: str  # a family (PKG, BLD, ROB, WLD, LCH, SPN, TPL) and a number
+    name: str  # reads after "allow"
+    severity: Severity
+    severity_varies: str = ""  # when it is another one: "an error in Gazebo Sim, which refuses it"
+    summary: str  # one sentence
+    what: str = ""  # what is checked, where the summary does not say all
+    why: str  # why it is bad
+    example: str
+    instead: str
+
+    def at(  # noqa: PLR0913  the fields of a diagnostic
+        self,
+        file: Path | None,
+        line: int | None = None,
+        element: str | None = None,
+        *,
+        message: str,
+        hint: str | None = None,
+        severity: Severity | None = None,
+    ) -> Diagnostic:
+        """Report it at a place.
+
+        Raises:
+            ValueError: The severity is not the rule's, and the rule does not say that it varies.
+        """
+        if severity not in {None, self.severity} and not self.severity_varies:
+            raise ValueError(f"{self.code} is always reported as {self.severity.value}.")
+        return Diagnostic(
+            code=self.code,
+            name=self.name,
+            severity=severity or self.severity,
+            message=message,
+            file=file,
+            line=line,
+            element=element,
+            hint=hint,
+        )
 
 
 def has_errors(diagnostics: Iterable[Diagnostic]) -> bool:

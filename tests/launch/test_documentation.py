@@ -16,7 +16,7 @@ import pytest
 from conformance import CASES, CONFORMANCE, NOT_YET, REFUSALS, answers, lines, packages_of_cases
 from wsgen.diagnostics import Severity
 from wsgen.launch import known_packages, missing_modules
-from wsgen.rules.catalogue import RULES
+from wsgen.rules.catalogue import all_rules
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -162,7 +162,7 @@ launch description with a real `LaunchContext`; the execution of processes is re
 every process ends at once.
 
 A line is `@T NODE package/executable namespace/name [arguments] P:{parameters}` or
-`@T PROC [command]`, where T is the found time in seconds, in the order in which things start.
+`@T PROC [command]`, where T is the simulated time in seconds, in the order in which things start.
 `<cases>` stands for the folder of the cases. In the cases, `LC` is `LaunchConfiguration`,
 `P('a', ...)` is `ExecuteProcess(cmd=['echo', 'a', ...])`, and `D` is the folder.
 
@@ -186,7 +186,7 @@ def test_the_fidelity_page_is_what_is_measured(space: InstallSpace, *, regenerat
             verdict = f"**not the same**: {NOT_YET[name]}.\n\n```\n{chr(10).join(found)}\n```"
         elif errors:
             (error,) = errors
-            rule = next(rule.name for rule in RULES if rule.code == error.code)
+            rule = next(rule.name for rule in all_rules() if rule.code == error.code)
             verdict = f"refuses too, with {error.code} ({rule}): “{REFUSALS[name]}”."
             refused += 1
         else:

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.rules.catalogue import unknown_rule_allowed, without_allowed
+from wsgen.rules.allowances import unknown_rule_allowed, without_allowed
 
 ROOT = Diagnostic(code="ROB051", severity=Severity.WARNING, message="massless")
 DROPPED = Diagnostic(code="ROB040", severity=Severity.ERROR, message="dropped")

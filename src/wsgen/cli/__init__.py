@@ -42,6 +42,7 @@ COMMANDS = {
     "build": "Build the workspace with colcon and explain what fails.",
     "validate": "Play the installed launch file and see whether the robot stands.",
     "doctor": "Say what this machine has and lacks for a target, and what fixes it.",
+    "rule": "Show what the diagnostics mean: all rules, or the documentation of one.",
     "launch": "Show what a launch file would start, without ROS and without starting it.",
 }
 

@@ -13,7 +13,7 @@ import click
 
 from wsgen.cli.words import short_path
 from wsgen.diagnostics import Severity
-from wsgen.rules.catalogue import RULES
+from wsgen.rules._remaining import REMAINING
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 COLORS = {Severity.ERROR: "red", Severity.WARNING: "yellow", Severity.INFO: "blue"}
 ORDER = tuple(COLORS)
-NAMES = {rule.code: rule.name for rule in RULES}
+NAMES = {code: name for code, name, _ in REMAINING}
 
 
 def render_findings(

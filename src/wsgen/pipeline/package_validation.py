@@ -32,7 +32,7 @@ from wsgen.pipeline.prepare import (
     without_taken,
 )
 from wsgen.pipeline.run_robots import SimulationResult, try_robots
-from wsgen.rules.catalogue import unknown_rule_allowed, without_allowed
+from wsgen.rules.allowances import unknown_rule_allowed, without_allowed
 from wsgen.rules.scenes import spawned_twice
 from wsgen.sdf.lookup import find_world, gazebo_worlds, is_there, world_names
 from wsgen.sdf.reader import DEFAULT_WORLD

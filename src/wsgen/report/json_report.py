@@ -11,6 +11,7 @@ What `wsgen doctor` found, for programs; docs/doctor.md lists the keys.
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import math
 from typing import TYPE_CHECKING, Any
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.build.run import BuildResult
-    from wsgen.diagnostics import Diagnostic
+    from wsgen.diagnostics import Diagnostic, Rule
     from wsgen.doctor.machine import Finding
     from wsgen.doctor.report import Examination
     from wsgen.model.behavior import BehaviorOutcome
@@ -321,3 +322,15 @@ def _finding(found: Finding) -> dict[str, object]:
         "text": found.text,
         "fix": found.fix or None,
     }
+
+
+RULE_VERSION = 1
+
+
+def render_rules(rules: Iterable[Rule]) -> str:
+    """Rules with their documentation, for `wsgen rule`."""
+    document = {
+        "version": RULE_VERSION,
+        "rules": [{**dataclasses.asdict(rule), "severity": rule.severity.value} for rule in rules],
+    }
+    return json.dumps(document, indent=2, ensure_ascii=False) + "\n"
