@@ -8,20 +8,31 @@ MALFORMED_XML = Rule(
     code="ROB001",
     name="malformed-xml",
     severity=Severity.ERROR,
+    severity_varies="a warning where Gazebo's parser reads the file all the same",
     summary="A URDF or SDF file is not well-formed XML.",
-    why="",
-    example="",
-    instead="",
+    why=(
+        "Gazebo reads nothing of such a file. A few mistakes, as a bare `&` or `--` in a "
+        "comment, only stop stricter programs: xacro, robot_state_publisher and editors."
+    ),
+    example='<robot name="r">\n  <link name="base_link">\n</robot>',
+    instead='<robot name="r">\n  <link name="base_link"/>\n</robot>',
 )
 
 OVERSIZED_FILE = Rule(
     code="ROB002",
     name="oversized-file",
     severity=Severity.ERROR,
-    summary="A URDF or SDF file is too large.",
-    why="",
-    example="",
-    instead="",
+    summary="A URDF or SDF file is too large, or declares entities.",
+    why=(
+        "wsgen reads every file within bounded time and memory. The largest public URDF has 4 % "
+        "of the limit, so a larger file is nearly always a mistake; Gazebo's parser knows no "
+        "entities."
+    ),
+    example='<!DOCTYPE robot [<!ENTITY radius "0.1">]>',
+    instead=(
+        'Write the values out, or use `<xacro:property name="radius" value="0.1"/>` in a xacro '
+        "file."
+    ),
 )
 
 NO_LINK = Rule(
@@ -29,9 +40,12 @@ NO_LINK = Rule(
     name="no-link",
     severity=Severity.ERROR,
     summary="A robot or a model that can move has no link.",
-    why="",
-    example="",
-    instead="",
+    why=(
+        "Gazebo refuses a robot without links, and physics has nothing to move. A link called "
+        "`world` in a URDF does not count: it only fixes the robot to the world."
+    ),
+    example='<robot name="r"/>',
+    instead='<robot name="r">\n  <link name="base_link"/>\n</robot>',
 )
 
 UNNAMED_ELEMENT = Rule(
@@ -39,9 +53,12 @@ UNNAMED_ELEMENT = Rule(
     name="unnamed-element",
     severity=Severity.ERROR,
     summary="A link, joint, material, model or shape has no name.",
-    why="",
-    example="",
-    instead="",
+    why=(
+        "Joints, transforms and plugins refer to parts by name. Gazebo's parser refuses a part "
+        "without a name, or leaves out what follows it."
+    ),
+    example="<link/>",
+    instead='<link name="base_link"/>',
 )
 
 SELF_JOINT = Rule(
@@ -49,9 +66,19 @@ SELF_JOINT = Rule(
     name="self-joint",
     severity=Severity.ERROR,
     summary="A joint connects a link to itself.",
-    why="",
-    example="",
-    instead="",
+    why="A link cannot move against itself. Gazebo refuses the robot.",
+    example=(
+        '<joint name="arm_joint" type="fixed">\n'
+        '  <parent link="arm"/>\n'
+        '  <child link="arm"/>\n'
+        "</joint>"
+    ),
+    instead=(
+        '<joint name="arm_joint" type="fixed">\n'
+        '  <parent link="base_link"/>\n'
+        '  <child link="arm"/>\n'
+        "</joint>"
+    ),
 )
 
 UNKNOWN_LINK = Rule(
@@ -59,9 +86,26 @@ UNKNOWN_LINK = Rule(
     name="unknown-link",
     severity=Severity.ERROR,
     summary="A joint names a link that does not exist.",
-    why="",
-    example="",
-    instead="",
+    why=(
+        "Gazebo refuses the robot. The name is usually misspelled, or lacks the prefix that a "
+        "xacro macro puts before it."
+    ),
+    example=(
+        '<link name="base_link"/>\n'
+        '<link name="arm"/>\n'
+        '<joint name="arm_joint" type="fixed">\n'
+        '  <parent link="base"/>\n'
+        '  <child link="arm"/>\n'
+        "</joint>"
+    ),
+    instead=(
+        '<link name="base_link"/>\n'
+        '<link name="arm"/>\n'
+        '<joint name="arm_joint" type="fixed">\n'
+        '  <parent link="base_link"/>\n'
+        '  <child link="arm"/>\n'
+        "</joint>"
+    ),
 )
 
 UNKNOWN_JOINT_TYPE = Rule(
@@ -69,19 +113,30 @@ UNKNOWN_JOINT_TYPE = Rule(
     name="unknown-joint-type",
     severity=Severity.ERROR,
     summary="A joint has an unknown type.",
-    why="",
-    example="",
-    instead="",
+    why=(
+        "Gazebo refuses the robot. URDF and SDF have different types: `continuous` and "
+        "`floating` are of URDF, `universal` and `screw` of SDF."
+    ),
+    example='<joint name="arm_joint" type="rotating">',
+    instead='<joint name="arm_joint" type="revolute">',
 )
 
 NOT_A_NUMBER = Rule(
     code="ROB016",
     name="not-a-number",
     severity=Severity.ERROR,
+    severity_varies="a warning in the color of a URDF, which Gazebo ignores",
     summary="A number is missing or is not a number.",
-    why="",
-    example="",
-    instead="",
+    what=(
+        "Numbers must be finite, have a decimal point, be separated by blanks, and be as many "
+        "as the attribute or element takes."
+    ),
+    why=(
+        "Gazebo refuses the robot or leaves out the element. Other programs silently read 0, "
+        "so that the same file gives different robots."
+    ),
+    example='<origin xyz="0,1 0 0"/>',
+    instead='<origin xyz="0.1 0 0"/>',
 )
 
 ZERO_AXIS = Rule(
@@ -89,9 +144,9 @@ ZERO_AXIS = Rule(
     name="zero-axis",
     severity=Severity.ERROR,
     summary="The axis of a joint has length 0.",
-    why="",
-    example="",
-    instead="",
+    why="The joint has no direction to move in. Gazebo refuses the robot.",
+    example='<axis xyz="0 0 0"/>',
+    instead='<axis xyz="0 0 1"/>',
 )
 
 NEGATIVE_MASS = Rule(
@@ -99,39 +154,51 @@ NEGATIVE_MASS = Rule(
     name="negative-mass",
     severity=Severity.ERROR,
     summary="A mass is negative.",
-    why="",
-    example="",
-    instead="",
+    why="No body has a negative mass: Gazebo drops the link or refuses the robot.",
+    example='<mass value="-1"/>',
+    instead='<mass value="1"/>',
 )
 
 SWAPPED_LIMITS = Rule(
     code="ROB023",
     name="swapped-limits",
-    severity=Severity.ERROR,
+    severity=Severity.WARNING,
     summary="The lower limit of a joint is above the upper limit.",
-    why="",
-    example="",
-    instead="",
+    why="Gazebo and wsgen swap such limits; other programs take the joint for one without limits.",
+    example='<limit lower="1" upper="-1" effort="10" velocity="1"/>',
+    instead='<limit lower="-1" upper="1" effort="10" velocity="1"/>',
 )
 
 NO_SHAPE = Rule(
     code="ROB024",
     name="no-shape",
     severity=Severity.ERROR,
+    severity_varies="a warning in SDF, where Gazebo leaves the shape out",
     summary="A <geometry> has no known shape.",
-    why="",
-    example="",
-    instead="",
+    why=(
+        "Gazebo's URDF parser stops reading the link there and silently leaves out everything "
+        "behind it."
+    ),
+    example='<geometry>\n  <cube size="1 1 1"/>\n</geometry>',
+    instead='<geometry>\n  <box size="1 1 1"/>\n</geometry>',
 )
 
 ZERO_SIZE = Rule(
     code="ROB028",
     name="zero-size",
     severity=Severity.ERROR,
+    severity_varies="a warning for a `<visual>` of a URDF, and for the `<size>` of a plane",
     summary="A size or scale is not greater than 0.",
-    why="",
-    example="",
-    instead="",
+    what=(
+        "Looks at lengths, radii and scales of shapes and meshes. A visual mesh may be "
+        "mirrored by a negative scale."
+    ),
+    why=(
+        "The physics engine of Gazebo ends the whole program on a collision without extent; a "
+        "visual without extent is not visible."
+    ),
+    example='<cylinder radius="0" length="0.1"/>',
+    instead='<cylinder radius="0.05" length="0.1"/>',
 )
 
 ONE_NAME_FOR_LINK_AND_JOINT = Rule(
@@ -139,39 +206,66 @@ ONE_NAME_FOR_LINK_AND_JOINT = Rule(
     name="one-name-for-link-and-joint",
     severity=Severity.WARNING,
     summary="A link and a joint have the same name.",
-    why="",
-    example="",
-    instead="",
+    why=(
+        "Links, joints and frames share one namespace since SDF 1.7: Gazebo Sim refuses the "
+        "robot. Gazebo Classic loads it."
+    ),
+    example='<link name="arm"/>\n<joint name="arm" type="revolute">',
+    instead='<link name="arm"/>\n<joint name="arm_joint" type="revolute">',
 )
 
 UNKNOWN_MIMICKED_JOINT = Rule(
     code="ROB035",
     name="unknown-mimicked-joint",
     severity=Severity.ERROR,
+    severity_varies="a warning in a URDF, where the joint moves on its own",
     summary="A joint mimics a joint that does not exist.",
-    why="",
-    example="",
-    instead="",
+    why="Nothing moves the joint: it swings freely instead of following another joint.",
+    example=(
+        '<joint name="right_finger_joint" type="prismatic">\n'
+        '  <mimic joint="finger_joint"/>\n'
+        "</joint>"
+    ),
+    instead=(
+        '<joint name="right_finger_joint" type="prismatic">\n'
+        '  <mimic joint="left_finger_joint"/>\n'
+        "</joint>"
+    ),
 )
 
 IMPOSSIBLE_INERTIA = Rule(
     code="ROB037",
     name="impossible-inertia",
     severity=Severity.ERROR,
+    severity_varies=(
+        "a warning in a URDF where Gazebo loads the robot all the same: the link is lumped "
+        "into another one, or its inertia is zero"
+    ),
     summary="No body can have the inertia of a link.",
-    why="",
-    example="",
-    instead="",
+    what=(
+        "The principal moments must be positive, and none may be larger than the sum of the "
+        "other two."
+    ),
+    why=(
+        "Gazebo refuses the robot, and physics engines let it spin or explode. Of links that "
+        "are fixed together, only the sum matters."
+    ),
+    example='<inertia ixx="1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/>',
+    instead='<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/>',
 )
 
 MISSPELLED_ELEMENT = Rule(
     code="ROB038",
     name="misspelled-element",
     severity=Severity.WARNING,
+    severity_varies="an error where Gazebo refuses the robot for what is then missing",
     summary="The name of an element is nearly that of one that Gazebo reads.",
-    why="",
-    example="",
-    instead="",
+    why=(
+        "Gazebo silently ignores elements that it does not know, so that a mass, a shape or a "
+        "limit is missing."
+    ),
+    example='<inertail>\n  <mass value="1"/>\n</inertail>',
+    instead='<inertial>\n  <mass value="1"/>\n</inertial>',
 )
 
 RESERVED_NAME = Rule(
@@ -179,19 +273,28 @@ RESERVED_NAME = Rule(
     name="reserved-name",
     severity=Severity.ERROR,
     summary="A name is reserved by SDF.",
-    why="",
-    example="",
-    instead="",
+    why=(
+        "SDF reserves `world` and names that begin and end with two underscores, and Gazebo "
+        "refuses robots that use them. A link `world` is allowed as the root of a URDF, which "
+        "is then fixed to the world."
+    ),
+    example='<link name="__base__"/>',
+    instead='<link name="base_link"/>',
 )
 
 NOT_UTF_8 = Rule(
     code="ROB057",
     name="not-utf-8",
     severity=Severity.ERROR,
+    severity_varies="a warning where only single characters are wrong",
     summary="A URDF or SDF file is not encoded in UTF-8.",
-    why="",
-    example="",
-    instead="",
+    why=(
+        "Gazebo and robot_state_publisher read UTF-8 only, whatever the XML declaration says. "
+        "Files in UTF-16 or with null bytes are not read at all; in others, letters such as ä "
+        "become wrong."
+    ),
+    example="A robot.urdf that an editor saved as ISO-8859-1 or UTF-16.",
+    instead="iconv -f ISO-8859-1 -t UTF-8 robot.urdf > robot_utf8.urdf",
 )
 
 MISSING_COLLISION_MESH = Rule(
@@ -199,9 +302,24 @@ MISSING_COLLISION_MESH = Rule(
     name="missing-collision-mesh",
     severity=Severity.ERROR,
     summary="The mesh file of a <collision> does not exist.",
-    why="",
-    example="",
-    instead="",
+    why=(
+        "Without its mesh, the part passes through others: Gazebo prints an error and goes on. "
+        "A file that exists in the source folder also has to be installed."
+    ),
+    example=(
+        "<collision>\n"
+        "  <geometry>\n"
+        '    <mesh filename="package://my_robot/mesh/arm.stl"/>\n'
+        "  </geometry>\n"
+        "</collision>"
+    ),
+    instead=(
+        "<collision>\n"
+        "  <geometry>\n"
+        '    <mesh filename="package://my_robot/meshes/arm.stl"/>\n'
+        "  </geometry>\n"
+        "</collision>"
+    ),
 )
 
 MISSING_VISUAL_MESH = Rule(
@@ -209,9 +327,24 @@ MISSING_VISUAL_MESH = Rule(
     name="missing-visual-mesh",
     severity=Severity.WARNING,
     summary="The mesh file of a <visual> does not exist.",
-    why="",
-    example="",
-    instead="",
+    why=(
+        "The part is invisible: Gazebo prints an error and goes on. A file that exists in the "
+        "source folder also has to be installed."
+    ),
+    example=(
+        "<visual>\n"
+        "  <geometry>\n"
+        '    <mesh filename="package://my_robot/mesh/arm.dae"/>\n'
+        "  </geometry>\n"
+        "</visual>"
+    ),
+    instead=(
+        "<visual>\n"
+        "  <geometry>\n"
+        '    <mesh filename="package://my_robot/meshes/arm.dae"/>\n'
+        "  </geometry>\n"
+        "</visual>"
+    ),
 )
 
 UNREADABLE_DESCRIPTION = Rule(
@@ -219,17 +352,24 @@ UNREADABLE_DESCRIPTION = Rule(
     name="unreadable-description",
     severity=Severity.ERROR,
     summary="A URDF, xacro or SDF file cannot be read.",
-    why="",
-    example="",
-    instead="",
+    why=(
+        "The file does not exist, is not a regular file, or its permissions do not allow "
+        "reading it. Nothing can be checked or spawned."
+    ),
+    example="wsgen validate my_robot/urdf",
+    instead="wsgen validate my_robot/urdf/robot.urdf.xacro",
 )
 
 MISSPELLED_ATTRIBUTE = Rule(
     code="ROB077",
     name="misspelled-attribute",
     severity=Severity.WARNING,
+    severity_varies="an error where Gazebo refuses the robot for what is then missing",
     summary="The name of an attribute is nearly that of one that Gazebo reads.",
-    why="",
-    example="",
-    instead="",
+    why=(
+        "Gazebo silently ignores attributes that it does not know, and takes the default value "
+        "instead."
+    ),
+    example='<origin xzy="0 0 1"/>',
+    instead='<origin xyz="0 0 1"/>',
 )
