@@ -205,6 +205,7 @@ ONE_NAME_FOR_LINK_AND_JOINT = Rule(
     code="ROB034",
     name="one-name-for-link-and-joint",
     severity=Severity.WARNING,
+    severity_varies="an error in Gazebo Sim, which refuses the robot",
     summary="A link and a joint have the same name.",
     why=(
         "Links, joints and frames share one namespace since SDF 1.7: Gazebo Sim refuses the "

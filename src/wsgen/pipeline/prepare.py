@@ -22,7 +22,7 @@ from wsgen.rules.check import check_robot
 from wsgen.sdf.lookup import is_folder, model_finder, model_folders
 from wsgen.sdf.models import read_model, read_sdf
 from wsgen.urdf.lumping import lump
-from wsgen.urdf.reader import MISSPELT, read_urdf
+from wsgen.urdf.reader import MISSPELLED, read_urdf
 from wsgen.urdf.unknown_elements import meant_element
 from wsgen.xacro.source import place_in_source
 from wsgen.xmltree import Malformed, child_text, parse
@@ -118,7 +118,7 @@ def _at_the_misspelling(
             place
             for place, cause in enumerate(told)
             if error.severity is Severity.ERROR
-            and cause.code in MISSPELT
+            and cause.code in MISSPELLED
             and _is_in_inertial(cause.element or "", error.element or "")
         )
         place = next(places, None)

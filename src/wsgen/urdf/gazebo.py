@@ -20,6 +20,7 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from wsgen.diagnostics import Rule, Severity
 from wsgen.model.colors import GAZEBO_COLORS
 from wsgen.model.robot import GazeboTag, Plugin, SdfJoint, Surface
 from wsgen.suggestions import did_you_mean, nearest
@@ -32,9 +33,94 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
     from wsgen.model.robot import Collision, Joint, Link, Visual
-    from wsgen.urdf.collector import Findings
+    from wsgen.urdf.collector import Collector
     from wsgen.xmltree import Element
 
+
+UNKNOWN_REFERENCE = Rule(
+    code="ROB030",
+    name="unknown-reference",
+    severity=Severity.WARNING,
+    summary="A `<gazebo>` element refers to no link or joint of the robot.",
+    why=(
+        "Gazebo silently ignores the element: the link keeps its default friction, color and "
+        "sensors."
+    ),
+    example=('<link name="base_link"/>\n<gazebo reference="base">\n  <mu1>0.2</mu1>\n</gazebo>'),
+    instead=(
+        '<link name="base_link"/>\n<gazebo reference="base_link">\n  <mu1>0.2</mu1>\n</gazebo>'
+    ),
+)
+
+GAZEBO_NOT_A_NUMBER = Rule(
+    code="ROB031",
+    name="gazebo-not-a-number",
+    severity=Severity.ERROR,
+    severity_varies=(
+        "a warning where Gazebo reads a number from the beginning of the text, or one that is "
+        "not finite"
+    ),
+    summary="A number in a `<gazebo>` element is not a number or is out of range.",
+    why=(
+        "Gazebo converts these texts without a check: it terminates with an exception, refuses "
+        "the robot, or reads only the beginning of the text."
+    ),
+    example=('<gazebo reference="wheel">\n  <mu1>low</mu1>\n</gazebo>'),
+    instead=('<gazebo reference="wheel">\n  <mu1>0.1</mu1>\n</gazebo>'),
+)
+
+UNKNOWN_GAZEBO_MATERIAL = Rule(
+    code="ROB032",
+    name="unknown-gazebo-material",
+    severity=Severity.WARNING,
+    summary="A `<gazebo>` element names a material that Gazebo does not have.",
+    why="Gazebo shows the part in its default color.",
+    example=('<gazebo reference="base_link">\n  <material>Gazebo/Gray</material>\n</gazebo>'),
+    instead=('<gazebo reference="base_link">\n  <material>Gazebo/Grey</material>\n</gazebo>'),
+)
+
+MISPLACED_GAZEBO_ELEMENT = Rule(
+    code="ROB033",
+    name="misplaced-gazebo-element",
+    severity=Severity.WARNING,
+    summary="A setting in a `<gazebo>` element has no effect on what the element refers to.",
+    why=(
+        "Some settings apply to links, some to joints and some to the whole robot. Gazebo "
+        "silently ignores the others."
+    ),
+    example=("<gazebo>\n  <mu1>0.2</mu1>\n</gazebo>"),
+    instead=('<gazebo reference="base_link">\n  <mu1>0.2</mu1>\n</gazebo>'),
+)
+
+GAZEBO_NOT_A_BOOLEAN = Rule(
+    code="ROB045",
+    name="gazebo-not-a-boolean",
+    severity=Severity.ERROR,
+    summary="A flag in a `<gazebo>` element is neither true nor false.",
+    why="Gazebo copies the element into SDF, where the parser refuses the robot.",
+    example=('<gazebo reference="arm">\n  <gravity>off</gravity>\n</gazebo>'),
+    instead=('<gazebo reference="arm">\n  <gravity>false</gravity>\n</gazebo>'),
+)
+
+SDF_NOT_SIMULATED = Rule(
+    code="ROB058",
+    name="sdf-not-simulated",
+    severity=Severity.WARNING,
+    summary="wsgen does not simulate a model, link or joint in a `<gazebo>` element.",
+    why=(
+        "Gazebo adds these SDF elements to the robot, so the robot in Gazebo has parts that "
+        "wsgen's simulation does not have."
+    ),
+    example=(
+        "<gazebo>\n"
+        '  <joint name="closing_joint" type="revolute">\n'
+        "    <parent>arm</parent>\n"
+        "    <child>hand</child>\n"
+        "  </joint>\n"
+        "</gazebo>"
+    ),
+    instead="Run this part of the robot in Gazebo itself.",
+)
 
 SURFACE_KEYS = ("mu1", "mu2", "kp", "kd", "minDepth", "maxContacts")
 LUMPING_KEYS = ("preserveFixedJoint", "disableFixedJointLumping")
@@ -78,7 +164,7 @@ FALSEHOODS = frozenset(("false", "0"))
 
 
 def check_value(  # noqa: PLR0913  what, where, and whether it counts
-    findings: Findings, element: Element, path: str, key: str, text: str, *, is_known: bool
+    collector: Collector, element: Element, path: str, key: str, text: str, *, is_known: bool
 ) -> None:
     """Report a value that ends Gazebo, that it refuses, or that is surely not what was meant.
 
@@ -88,11 +174,11 @@ def check_value(  # noqa: PLR0913  what, where, and whether it counts
         return
     is_copied_number = key in SDF_NUMERIC and is_known and bool(text)
     if key in NUMERIC or key == "maxContacts" or is_copied_number:
-        _check_number(findings, element, path, key, text)
+        _check_number(collector, element, path, key, text)
     elif key in SDF_BOOLEAN and is_known and text:
         if text.lower() not in TRUTHS | FALSEHOODS:
-            findings.error(
-                "ROB045",
+            collector.report(
+                GAZEBO_NOT_A_BOOLEAN,
                 f"<{key}>: `{text[:60]}` is neither true nor false: Gazebo refuses the robot.",
                 hint="Write true or false.",
                 at=element,
@@ -100,8 +186,8 @@ def check_value(  # noqa: PLR0913  what, where, and whether it counts
             )
     elif key == "material" and text.startswith("Gazebo/") and text not in GAZEBO_COLORS:
         near = nearest(text, GAZEBO_COLORS)
-        findings.warning(
-            "ROB032",
+        collector.report(
+            UNKNOWN_GAZEBO_MATERIAL,
             f"Gazebo has no material `{text}`.",
             hint=did_you_mean(near) if near else "Take Gazebo/Grey, Gazebo/Red, …",
             at=element,
@@ -110,7 +196,7 @@ def check_value(  # noqa: PLR0913  what, where, and whether it counts
 
 
 def check_placement(
-    findings: Findings, element: Element, path: str, *, is_link: bool, is_joint: bool
+    collector: Collector, element: Element, path: str, *, is_link: bool, is_joint: bool
 ) -> None:
     """Report a key that does nothing at what the `<gazebo>` element is about."""
     key = str(element.tag)
@@ -130,8 +216,8 @@ def check_placement(
         hint = "Put it into a <gazebo> without reference."
     elif key == "selfCollide" and not is_joint:
         hint = "For all links write <self_collide>true</self_collide>, which Gazebo copies."
-    findings.warning(
-        "ROB033",
+    collector.report(
+        MISPLACED_GAZEBO_ELEMENT,
         f"<{key}> belongs to {right_place}: here it does nothing.",
         hint=hint,
         at=element,
@@ -139,12 +225,12 @@ def check_placement(
     )
 
 
-def _check_number(findings: Findings, element: Element, path: str, key: str, text: str) -> None:
+def _check_number(collector: Collector, element: Element, path: str, key: str, text: str) -> None:
     number = leading_integer(text) if key == "maxContacts" else leading_float(text)
     told = f"<{key.rpartition('/')[2]}>: `{text[:60]}`"
     if number is None:
-        findings.error(
-            "ROB031",
+        collector.report(
+            GAZEBO_NOT_A_NUMBER,
             f"{told} is not a number that Gazebo reads.",
             hint="Write one number with a point. Gazebo "
             + ("refuses the robot for" if "/" in key else "ends with an exception on")
@@ -153,28 +239,30 @@ def _check_number(findings: Findings, element: Element, path: str, key: str, tex
             path=path,
         )
     elif key in NOT_NEGATIVE and number < 0:
-        findings.error(
-            "ROB031",
+        collector.report(
+            GAZEBO_NOT_A_NUMBER,
             f"{told} is less than 0, and Gazebo refuses the robot.",
             hint="A coefficient of friction is 0 or greater.",
             at=element,
             path=path,
         )
     elif not math.isfinite(number):
-        findings.warning(
-            "ROB031",
+        collector.report(
+            GAZEBO_NOT_A_NUMBER,
             f"{told} is not finite: wsgen goes on as if it were not there.",
             hint="Write a finite number; physics engines compute nonsense with others.",
             at=element,
             path=path,
+            severity=Severity.WARNING,
         )
     elif not NUMBER.fullmatch(text) or (key == "maxContacts" and float(text) != number):
-        findings.warning(
-            "ROB031",
+        collector.report(
+            GAZEBO_NOT_A_NUMBER,
             f"{told} is not one number: Gazebo reads the beginning, {number:g}.",
             hint=f"Write {number:g} if that is meant.",
             at=element,
             path=path,
+            severity=Severity.WARNING,
         )
 
 
@@ -185,7 +273,7 @@ NOT_SIMULATED = frozenset(("joint", "link", "model", "include"))
 
 
 def read_tags(
-    findings: Findings,
+    collector: Collector,
     root: Element,
     link_names: set[str],
     joint_names: set[str],
@@ -197,13 +285,13 @@ def read_tags(
     `is_complete` says that there are no other links and joints: none whose name is missing.
     """
     return tuple(
-        _read_tag(findings, element, link_names, joint_names, is_complete=is_complete)
+        _read_tag(collector, element, link_names, joint_names, is_complete=is_complete)
         for element in children(root, "gazebo")
     )
 
 
 def _read_tag(
-    findings: Findings,
+    collector: Collector,
     element: Element,
     link_names: set[str],
     joint_names: set[str],
@@ -214,25 +302,25 @@ def _read_tag(
     path = "gazebo" if reference is None else f"gazebo[@reference='{reference}']"
     is_known = reference is None or reference in link_names or reference in joint_names
     if reference is not None and not is_known and is_complete:
-        _report_unknown(findings, element, path, reference, link_names | joint_names)
+        _report_unknown(collector, element, path, reference, link_names | joint_names)
     values: dict[str, str] = {}
     for child in element:
         if not isinstance(child.tag, str):
             continue
         for key, leaf in _values_in(child, child.tag):
             values[key] = _value_of(leaf)
-            check_value(findings, leaf, f"{path}/{key}", key, values[key], is_known=is_known)
+            check_value(collector, leaf, f"{path}/{key}", key, values[key], is_known=is_known)
         inside = f"{path}/{child.tag}"
         if is_known:
             check_placement(
-                findings,
+                collector,
                 child,
                 inside,
                 is_link=reference in link_names,
                 is_joint=reference in joint_names,
             )
         if child.tag in NOT_SIMULATED and reference is None:
-            _report_not_simulated(findings, child, inside)
+            _report_not_simulated(collector, child, inside)
     return GazeboTag(
         reference=reference,
         values=values,
@@ -279,11 +367,11 @@ def _value_of(element: Element) -> str:
 
 
 def _report_unknown(
-    findings: Findings, element: Element, path: str, reference: str, known: set[str]
+    collector: Collector, element: Element, path: str, reference: str, known: set[str]
 ) -> None:
-    near = nearest_element(findings, reference, known)
-    findings.warning(
-        "ROB030",
+    near = nearest_element(collector, reference, known)
+    collector.report(
+        UNKNOWN_REFERENCE,
         f"No link or joint is called `{reference}`: Gazebo ignores this element.",
         hint=did_you_mean(near) if near else "Name a link or joint of this robot.",
         at=element,
@@ -291,9 +379,9 @@ def _report_unknown(
     )
 
 
-def _report_not_simulated(findings: Findings, element: Element, path: str) -> None:
-    findings.warning(
-        "ROB058",
+def _report_not_simulated(collector: Collector, element: Element, path: str) -> None:
+    collector.report(
+        SDF_NOT_SIMULATED,
         f"Gazebo adds the SDF <{element.tag}> in a <gazebo> element to the robot; wsgen "
         "does not simulate it.",
         hint="Watch this part in Gazebo itself.",

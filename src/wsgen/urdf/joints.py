@@ -9,6 +9,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from wsgen.description_rules import NOT_A_NUMBER, SWAPPED_LIMITS, UNKNOWN_JOINT_TYPE, ZERO_AXIS
+from wsgen.diagnostics import Rule, Severity
 from wsgen.model.robot import Joint, JointLimit, JointType, Mimic
 from wsgen.model.transform import IDENTITY
 from wsgen.suggestions import did_you_mean
@@ -19,9 +21,56 @@ from wsgen.urdf.values import read_number, read_triple
 from wsgen.xmltree import children
 
 if TYPE_CHECKING:
-    from wsgen.urdf.collector import Findings
+    from wsgen.urdf.collector import Collector
     from wsgen.xmltree import Element
 
+
+INCOMPLETE_JOINT = Rule(
+    code="ROB014",
+    name="incomplete-joint",
+    severity=Severity.ERROR,
+    summary="A joint has no parent or child, or its `<mimic>` names no joint.",
+    why="urdfdom cannot build the tree of links, and refuses the robot.",
+    example=('<joint name="arm_joint" type="fixed">\n  <child link="arm"/>\n</joint>'),
+    instead=(
+        '<joint name="arm_joint" type="fixed">\n'
+        '  <parent link="base_link"/>\n'
+        '  <child link="arm"/>\n'
+        "</joint>"
+    ),
+)
+
+UNNORMALIZED_AXIS = Rule(
+    code="ROB019",
+    name="unnormalized-axis",
+    severity=Severity.WARNING,
+    summary="The axis of a joint does not have length 1.",
+    what="Lengths within 0.001 of 1 are accepted: hand-written axes have three digits.",
+    why="Gazebo normalizes the axis; other programs scale the motion of the joint with its length.",
+    example='<axis xyz="0 0 2"/>',
+    instead='<axis xyz="0 0 1"/>',
+)
+
+MISSING_LIMIT = Rule(
+    code="ROB020",
+    name="missing-limit",
+    severity=Severity.ERROR,
+    summary="A revolute or prismatic joint has no `<limit>`.",
+    why="urdfdom refuses the robot. A joint that turns without limits is continuous.",
+    example=(
+        '<joint name="arm_joint" type="revolute">\n'
+        '  <parent link="base_link"/>\n'
+        '  <child link="arm"/>\n'
+        "</joint>"
+    ),
+    instead=(
+        '<joint name="arm_joint" type="revolute">\n'
+        '  <parent link="base_link"/>\n'
+        '  <child link="arm"/>\n'
+        '  <limit lower="-1" upper="1" effort="10" velocity="1"/>\n'
+        "</joint>"
+    ),
+)
 
 NEED_LIMITS = (JointType.REVOLUTE, JointType.PRISMATIC)
 HAVE_AXIS = (JointType.REVOLUTE, JointType.PRISMATIC, JointType.CONTINUOUS, JointType.PLANAR)
@@ -38,10 +87,10 @@ IGNORED = {
 UNIT_TOLERANCE = 1e-3  # of the length of an axis; hand-written axes have three digits
 
 
-def read_joint(findings: Findings, element: Element, name: str) -> Joint | None:
+def read_joint(collector: Collector, element: Element, name: str) -> Joint | None:
     """A joint; None where it does not say what it joins, or how."""
     path = f"joint[@name='{name}']"
-    kind = _read_type(findings, element, path)
+    kind = _read_type(collector, element, path)
     ends = {
         tag: next((child.get("link") or "" for child in children(element, tag)), "")
         for tag in ("parent", "child")
@@ -49,8 +98,8 @@ def read_joint(findings: Findings, element: Element, name: str) -> Joint | None:
     for tag, link in ends.items():
         if not link:
             end = next(children(element, tag), None)
-            findings.missing(
-                "ROB014",
+            collector.report_missing(
+                INCOMPLETE_JOINT,
                 f"The joint `{name}` has no {tag} link.",
                 hint=f'Add <{tag} link="LINK"/>.',
                 at=element if end is None else end,
@@ -59,31 +108,33 @@ def read_joint(findings: Findings, element: Element, name: str) -> Joint | None:
             )
     if kind is None or not all(ends.values()):
         return None
-    damping, friction = _read_dynamics(findings, element, path)
-    _check_ignored(findings, element, path)
+    damping, friction = _read_dynamics(collector, element, path)
+    _check_ignored(collector, element, path)
     return Joint(
         name=name,
         type=kind,
         parent=ends["parent"],
         child=ends["child"],
-        pose_in_parent=read_origin(findings, element, path) or IDENTITY,
-        axis_in_joint=_read_axis(findings, element, path) if kind in HAVE_AXIS else (1.0, 0.0, 0.0),
-        limit=_read_limit(findings, element, path, kind),
+        pose_in_parent=read_origin(collector, element, path) or IDENTITY,
+        axis_in_joint=_read_axis(collector, element, path)
+        if kind in HAVE_AXIS
+        else (1.0, 0.0, 0.0),
+        limit=_read_limit(collector, element, path, kind),
         damping=damping,
         friction=friction,
-        mimic=_read_mimic(findings, element, path),
+        mimic=_read_mimic(collector, element, path),
         line=line_of(element),
     )
 
 
-def _read_type(findings: Findings, element: Element, path: str) -> JointType | None:
+def _read_type(collector: Collector, element: Element, path: str) -> JointType | None:
     kind = element.get("type")
     if kind in {known.value for known in JointType}:
         return JointType(kind)
     types = [known.value for known in JointType]
     near = None if kind is None else meant_element(kind, types)
-    findings.missing(
-        "ROB015",
+    collector.report_missing(
+        UNKNOWN_JOINT_TYPE,
         "The joint has no type." if kind is None else f"`{kind}` is not a joint type.",
         hint=did_you_mean(near) if near else f"One of {', '.join(types)}.",
         at=element,
@@ -93,15 +144,15 @@ def _read_type(findings: Findings, element: Element, path: str) -> JointType | N
     return None
 
 
-def _read_axis(findings: Findings, element: Element, path: str) -> tuple[float, float, float]:
+def _read_axis(collector: Collector, element: Element, path: str) -> tuple[float, float, float]:
     for axis in children(element, "axis"):
-        xyz = read_triple(findings, axis, "xyz", f"{path}/axis")
+        xyz = read_triple(collector, axis, "xyz", f"{path}/axis")
         if xyz is None and "xyz" in axis.attrib:
             break
         length = math.hypot(*xyz) if xyz is not None else 0.0
         if xyz is None or length == 0:
-            findings.missing(
-                "ROB018",
+            collector.report_missing(
+                ZERO_AXIS,
                 "The axis has no direction (0 0 0).",
                 hint='Name the axis that the joint moves about or along, as xyz="0 0 1".',
                 at=axis,
@@ -110,8 +161,8 @@ def _read_axis(findings: Findings, element: Element, path: str) -> tuple[float, 
             )
             break
         if abs(length - 1) > UNIT_TOLERANCE:
-            findings.warning(
-                "ROB019",
+            collector.report(
+                UNNORMALIZED_AXIS,
                 f"The axis has length {length:.4g}, not 1.",
                 hint="Divide it by its length: some programs scale the joint's motion with it.",
                 at=axis,
@@ -122,17 +173,18 @@ def _read_axis(findings: Findings, element: Element, path: str) -> tuple[float, 
 
 
 def _read_limit(
-    findings: Findings, element: Element, path: str, kind: JointType
+    collector: Collector, element: Element, path: str, kind: JointType
 ) -> JointLimit | None:
     path = f"{path}/limit"
     for limit in children(element, "limit"):
         lower, upper, effort, velocity = (
-            read_number(findings, limit, name, path, required=name in {"effort", "velocity"}) or 0.0
+            read_number(collector, limit, name, path, required=name in {"effort", "velocity"})
+            or 0.0
             for name in ("lower", "upper", "effort", "velocity")
         )
         if kind in NEED_LIMITS and lower > upper:
-            findings.warning(
-                "ROB023",
+            collector.report(
+                SWAPPED_LIMITS,
                 f"The lower limit {lower:g} is above the upper limit {upper:g}.",
                 hint="Exchange them; Gazebo does so, other programs take the joint for a free one.",
                 at=limit,
@@ -141,8 +193,8 @@ def _read_limit(
             lower, upper = upper, lower
         return JointLimit(lower=lower, upper=upper, effort=effort, velocity=velocity)
     if kind in NEED_LIMITS:
-        findings.missing(
-            "ROB020",
+        collector.report_missing(
+            MISSING_LIMIT,
             f"A {kind.value} joint needs <limit>.",
             hint='Add <limit lower="-1" upper="1" effort="10" velocity="1"/> (rad or m, N m or N)'
             + (", or make the joint continuous." if kind is JointType.REVOLUTE else "."),
@@ -153,31 +205,31 @@ def _read_limit(
     return None
 
 
-def _read_dynamics(findings: Findings, element: Element, path: str) -> tuple[float, float]:
+def _read_dynamics(collector: Collector, element: Element, path: str) -> tuple[float, float]:
     path = f"{path}/dynamics"
     for dynamics in children(element, "dynamics"):
         if not {"damping", "friction"} & set(dynamics.attrib):
-            findings.error(
-                "ROB016",
+            collector.report(
+                NOT_A_NUMBER,
                 "<dynamics> has neither `damping` nor `friction`, and Gazebo refuses the robot.",
                 hint='Write <dynamics damping="0.1"/> (N m s/rad or N s/m), or remove it.',
                 at=dynamics,
                 path=path,
             )
         damping, friction = (
-            read_number(findings, dynamics, name, path, required=False) or 0.0
+            read_number(collector, dynamics, name, path, required=False) or 0.0
             for name in ("damping", "friction")
         )
         return damping, friction
     return 0.0, 0.0
 
 
-def _read_mimic(findings: Findings, element: Element, path: str) -> Mimic | None:
+def _read_mimic(collector: Collector, element: Element, path: str) -> Mimic | None:
     path = f"{path}/mimic"
     for mimic in children(element, "mimic"):
         if mimic.get("joint") is None:
-            findings.missing(
-                "ROB014",
+            collector.report_missing(
+                INCOMPLETE_JOINT,
                 "<mimic> names no joint.",
                 hint='Write <mimic joint="JOINT"/>.',
                 at=mimic,
@@ -185,18 +237,18 @@ def _read_mimic(findings: Findings, element: Element, path: str) -> Mimic | None
                 name="joint",
             )
             return None
-        multiplier = read_number(findings, mimic, "multiplier", path, required=False)
+        multiplier = read_number(collector, mimic, "multiplier", path, required=False)
         return Mimic(
             joint=mimic.get("joint") or "",
             multiplier=1.0 if multiplier is None else multiplier,
-            offset=read_number(findings, mimic, "offset", path, required=False) or 0.0,
+            offset=read_number(collector, mimic, "offset", path, required=False) or 0.0,
         )
     return None
 
 
-def _check_ignored(findings: Findings, element: Element, path: str) -> None:
+def _check_ignored(collector: Collector, element: Element, path: str) -> None:
     for tag, attributes in IGNORED.items():
         for ignored in children(element, tag):
             for attribute, required in attributes.items():
-                read_number(findings, ignored, attribute, f"{path}/{tag}", required=required)
+                read_number(collector, ignored, attribute, f"{path}/{tag}", required=required)
             break

@@ -16,6 +16,8 @@ from __future__ import annotations
 from enum import Enum
 from typing import TYPE_CHECKING
 
+from wsgen.description_rules import NEGATIVE_MASS, NO_SHAPE, UNNAMED_ELEMENT, ZERO_SIZE
+from wsgen.diagnostics import Rule, Severity
 from wsgen.model.robot import (
     Box,
     Collision,
@@ -36,17 +38,104 @@ from wsgen.xmltree import children
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from wsgen.urdf.collector import Findings
+    from wsgen.urdf.collector import Collector
     from wsgen.xmltree import Element
 
+
+INCOMPLETE_INERTIAL = Rule(
+    code="ROB021",
+    name="incomplete-inertial",
+    severity=Severity.ERROR,
+    summary="An `<inertial>` has no `<mass>` or no `<inertia>`.",
+    why=(
+        "urdfdom stops reading the link there: the shapes of the link are lost, and Gazebo "
+        "drops a link without mass."
+    ),
+    example=('<inertial>\n  <mass value="1"/>\n</inertial>'),
+    instead=(
+        "<inertial>\n"
+        '  <mass value="1"/>\n'
+        '  <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/>\n'
+        "</inertial>"
+    ),
+)
+
+UNDEFINED_MATERIAL = Rule(
+    code="ROB025",
+    name="undefined-material",
+    severity=Severity.WARNING,
+    summary="A visual uses a material that is not defined.",
+    why="Gazebo and RViz show the part in their default color.",
+    example=(
+        "<visual>\n"
+        '  <geometry><sphere radius="0.1"/></geometry>\n'
+        '  <material name="blue"/>\n'
+        "</visual>"
+    ),
+    instead=('<material name="blue">\n  <color rgba="0 0 1 1"/>\n</material>'),
+)
+
+TWO_COLORED_MATERIAL = Rule(
+    code="ROB026",
+    name="two-colored-material",
+    severity=Severity.WARNING,
+    summary="A material is defined with two colors.",
+    why="Gazebo uses the first color for both; other programs may use the second.",
+    example=(
+        '<material name="blue"><color rgba="0 0 1 1"/></material>\n'
+        "…\n"
+        '<material name="blue"><color rgba="0 0 0.5 1"/></material>'
+    ),
+    instead=(
+        '<material name="blue"><color rgba="0 0 1 1"/></material>\n'
+        "…\n"
+        '<material name="dark_blue"><color rgba="0 0 0.5 1"/></material>'
+    ),
+)
+
+COLOR_OUT_OF_RANGE = Rule(
+    code="ROB027",
+    name="color-out-of-range",
+    severity=Severity.WARNING,
+    summary="A color component is not between 0 and 1.",
+    why="Simulators clamp the components, so that 0 to 255 values become white.",
+    example='<color rgba="255 128 0 1"/>',
+    instead='<color rgba="1 0.5 0 1"/>',
+)
+
+UNNAMED_MESH = Rule(
+    code="ROB029",
+    name="unnamed-mesh",
+    severity=Severity.ERROR,
+    summary="A mesh has no file name.",
+    why="urdfdom stops reading the link there and silently leaves out everything behind it.",
+    example='<mesh scale="0.001 0.001 0.001"/>',
+    instead='<mesh filename="package://my_robot/meshes/arm.stl" scale="0.001 0.001 0.001"/>',
+)
+
+DUPLICATE_MATERIAL = Rule(
+    code="ROB059",
+    name="duplicate-material",
+    severity=Severity.ERROR,
+    summary="A material is defined twice for the whole robot.",
+    why=(
+        "urdfdom refuses the robot, even if the colors are equal. It usually happens when a "
+        "xacro file with materials is included twice."
+    ),
+    example=(
+        '<material name="blue"><color rgba="0 0 1 1"/></material>\n'
+        '<material name="blue"><color rgba="0 0 1 1"/></material>'
+    ),
+    instead='<material name="blue"><color rgba="0 0 1 1"/></material>',
+)
 
 Rgba = tuple[float, float, float, float]
 
 
-def read_materials(findings: Findings, root: Element) -> dict[str, Rgba | None]:
+def read_materials(collector: Collector, root: Element) -> dict[str, Rgba | None]:
     """The materials by name, those of the robot and those in its links; None: a texture only."""
     materials: dict[str, Rgba | None] = {}
-    _report_repeated(findings, root)
+    _report_repeated(collector, root)
     inside = [
         material
         for link in children(root, "link")
@@ -57,10 +146,10 @@ def read_materials(findings: Findings, root: Element) -> dict[str, Rgba | None]:
         name = material.get("name") or ""
         if name and _has(material, "color", "texture"):
             path = f"material[@name='{name}']"
-            color = _read_color(findings, material, path)
+            color = _read_color(collector, material, path)
             if materials.setdefault(name, color) != color:
-                findings.warning(
-                    "ROB026",
+                collector.report(
+                    TWO_COLORED_MATERIAL,
                     f"The material `{name}` has two colors.",
                     hint="Define it once, or give the second one another name: Gazebo takes the "
                     "first color for both, other programs may not.",
@@ -70,14 +159,14 @@ def read_materials(findings: Findings, root: Element) -> dict[str, Rgba | None]:
     return materials
 
 
-def _report_repeated(findings: Findings, root: Element) -> None:
+def _report_repeated(collector: Collector, root: Element) -> None:
     """Materials of the whole robot; urdfdom counts those that it cannot read as well."""
     names: set[str | None] = set()
     for material in children(root, "material"):
         name = material.get("name")
         if name in names:
-            findings.error(
-                "ROB059",
+            collector.report(
+                DUPLICATE_MATERIAL,
                 f"The material `{name or ''}` is defined twice for the whole robot, and Gazebo "
                 "refuses the robot, be the colors equal or not.",
                 hint="Remove one of the definitions; in xacro, put them into a file of their own "
@@ -93,17 +182,17 @@ def _has(element: Element, *tags: str) -> bool:
 
 
 def used_color(
-    findings: Findings, material: Element, path: str, materials: Mapping[str, Rgba | None]
+    collector: Collector, material: Element, path: str, materials: Mapping[str, Rgba | None]
 ) -> Rgba | None:
     """The color of a visual's material; None where it has none."""
     name = material.get("name") or ""
     if name in materials:
         return materials[name]
     if _has(material, "color"):
-        return _read_color(findings, material, path)
+        return _read_color(collector, material, path)
     if name and not _has(material, "texture"):
-        findings.warning(
-            "ROB025",
+        collector.report(
+            UNDEFINED_MATERIAL,
             f"The material `{name}` is not defined.",
             hint=f'Add <material name="{name}"><color rgba="0.5 0.5 0.5 1"/></material> to the '
             "robot; without it simulators show their default color.",
@@ -113,16 +202,16 @@ def used_color(
     return None
 
 
-def _read_color(findings: Findings, material: Element, path: str) -> Rgba | None:
+def _read_color(collector: Collector, material: Element, path: str) -> Rgba | None:
     for color in children(material, "color"):
         rgba = read_numbers(
-            findings, color, "rgba", 4, f"{path}/color", required=True, is_fatal=False
+            collector, color, "rgba", 4, f"{path}/color", required=True, is_fatal=False
         )
         if rgba is None:
             return None
         if not all(0 <= number <= 1 for number in rgba):
-            findings.warning(
-                "ROB027",
+            collector.report(
+                COLOR_OUT_OF_RANGE,
                 f'rgba="{color.get("rgba")}" is not between 0 and 1.',
                 hint="Divide by 255 if these are bytes.",
                 at=color,
@@ -140,12 +229,12 @@ class Unusable(Enum):
     WITHOUT_EXTENT = "Gazebo's parser takes it, and no engine can"
 
 
-def read_origin(findings: Findings, element: Element, path: str) -> Pose | None:
+def read_origin(collector: Collector, element: Element, path: str) -> Pose | None:
     """The pose in `<origin>`, that of the frame itself where there is none; None where wrong."""
     for origin in children(element, "origin"):
         path = f"{path}/origin"
         xyz, rpy = (
-            read_triple(findings, origin, attribute, path)
+            read_triple(collector, origin, attribute, path)
             if attribute in origin.attrib
             else (0.0, 0.0, 0.0)
             for attribute in ("xyz", "rpy")
@@ -155,25 +244,25 @@ def read_origin(findings: Findings, element: Element, path: str) -> Pose | None:
 
 
 def read_visual(
-    findings: Findings, element: Element, path: str, materials: Mapping[str, Rgba | None]
+    collector: Collector, element: Element, path: str, materials: Mapping[str, Rgba | None]
 ) -> Visual | Unusable:
     """Something to see."""
-    pose = read_origin(findings, element, path)
+    pose = read_origin(collector, element, path)
     rgba, is_named = None, True
     for material in children(element, "material"):
         is_named = material.get("name") is not None
         if not is_named:
-            findings.missing(
-                "ROB006",
+            collector.report_missing(
+                UNNAMED_ELEMENT,
                 "The material has no name.",
                 hint='Write <material name="NAME">: Gazebo stops reading the link here.',
                 at=material,
                 path=f"{path}/material",
                 name="name",
             )
-        rgba = used_color(findings, material, f"{path}/material", materials)
+        rgba = used_color(collector, material, f"{path}/material", materials)
         break
-    geometry = _read_geometry(findings, element, path)
+    geometry = _read_geometry(collector, element, path)
     if pose is None or not is_named:
         return Unusable.UNREADABLE
     if isinstance(geometry, Unusable):
@@ -181,10 +270,10 @@ def read_visual(
     return Visual(geometry=geometry, pose_in_link=pose, rgba=rgba, name=element.get("name"))
 
 
-def read_collision(findings: Findings, element: Element, path: str) -> Collision | Unusable:
+def read_collision(collector: Collector, element: Element, path: str) -> Collision | Unusable:
     """Something to touch."""
-    pose = read_origin(findings, element, path)
-    geometry = _read_geometry(findings, element, path)
+    pose = read_origin(collector, element, path)
+    geometry = _read_geometry(collector, element, path)
     if pose is None:
         return Unusable.UNREADABLE
     if isinstance(geometry, Unusable):
@@ -192,16 +281,16 @@ def read_collision(findings: Findings, element: Element, path: str) -> Collision
     return Collision(geometry=geometry, pose_in_link=pose, name=element.get("name"))
 
 
-def _read_geometry(findings: Findings, owner: Element, path: str) -> Geometry | Unusable:
+def _read_geometry(collector: Collector, owner: Element, path: str) -> Geometry | Unusable:
     path = f"{path}/geometry"
     for geometry in children(owner, "geometry"):
         # The first element counts, whatever it is.
         shape = next((child for child in geometry if isinstance(child.tag, str)), None)
         if shape is not None and shape.tag in SHAPES:
-            return _read_shape(findings, shape, f"{path}/{shape.tag}")
+            return _read_shape(collector, shape, f"{path}/{shape.tag}")
         near = None if shape is None else meant_element(shape.tag, SHAPES)
-        findings.missing(
-            "ROB024",
+        collector.report_missing(
+            NO_SHAPE,
             "The geometry is empty."
             if shape is None
             else f"Gazebo knows no shape <{shape.tag}> in a URDF.",
@@ -211,8 +300,8 @@ def _read_geometry(findings: Findings, owner: Element, path: str) -> Geometry | 
             name=near or "",
         )
         return Unusable.UNREADABLE
-    findings.missing(
-        "ROB024",
+    collector.report_missing(
+        NO_SHAPE,
         "<geometry> is missing.",
         hint="Add <geometry> with a shape in it, or remove the element.",
         at=owner,
@@ -222,24 +311,24 @@ def _read_geometry(findings: Findings, owner: Element, path: str) -> Geometry | 
     return Unusable.UNREADABLE
 
 
-def _read_shape(findings: Findings, shape: Element, path: str) -> Geometry | Unusable:
+def _read_shape(collector: Collector, shape: Element, path: str) -> Geometry | Unusable:
     if shape.tag == "mesh":
-        return _read_mesh(findings, shape, path)
+        return _read_mesh(collector, shape, path)
     sizes: tuple[float, ...] | None
     if shape.tag == "box":
-        sizes = read_numbers(findings, shape, "size", 3, path, required=True)
+        sizes = read_numbers(collector, shape, "size", 3, path, required=True)
     else:
-        radius = read_number(findings, shape, "radius", path, required=True)
+        radius = read_number(collector, shape, "radius", path, required=True)
         length = (
             1.0
             if shape.tag == "sphere"
-            else read_number(findings, shape, "length", path, required=True)
+            else read_number(collector, shape, "length", path, required=True)
         )
         sizes = None if radius is None or length is None else (radius, length)
     if sizes is None:
         return Unusable.UNREADABLE
     if not all(size > 0 for size in sizes):
-        return _without_extent(findings, shape, path, "A size")
+        return _without_extent(collector, shape, path, "A size")
     if shape.tag == "box":
         return Box(size=(sizes[0], sizes[1], sizes[2]))
     if shape.tag == "sphere":
@@ -247,14 +336,14 @@ def _read_shape(findings: Findings, shape: Element, path: str) -> Geometry | Unu
     return Cylinder(radius=sizes[0], length=sizes[1])
 
 
-def _read_mesh(findings: Findings, shape: Element, path: str) -> Mesh | Unusable:
+def _read_mesh(collector: Collector, shape: Element, path: str) -> Mesh | Unusable:
     scale: tuple[float, float, float] | None = (1.0, 1.0, 1.0)
     if "scale" in shape.attrib:
-        scale = read_triple(findings, shape, "scale", path)
+        scale = read_triple(collector, shape, "scale", path)
     uri = (shape.get("filename") or "").strip()
     if not uri:
-        findings.missing(
-            "ROB029",
+        collector.report_missing(
+            UNNAMED_MESH,
             "The mesh has no file name.",
             hint='Write <mesh filename="package://PACKAGE/meshes/FILE.stl"/>.',
             at=shape,
@@ -265,23 +354,24 @@ def _read_mesh(findings: Findings, shape: Element, path: str) -> Mesh | Unusable
         return Unusable.UNREADABLE
     # A mirrored mesh can be seen, but Gazebo's physics engine ends on it.
     if 0 in scale or (min(scale) < 0 and not _is_only_seen(path)):
-        return _without_extent(findings, shape, path, "The scale")
+        return _without_extent(collector, shape, path, "The scale")
     return Mesh(uri=uri, scale=scale)
 
 
-def _without_extent(findings: Findings, shape: Element, path: str, what: str) -> Unusable:
+def _without_extent(collector: Collector, shape: Element, path: str, what: str) -> Unusable:
     told = f"{what} of this {shape.tag} is not greater than 0"
     if _is_only_seen(path):
-        findings.warning(
-            "ROB028",
+        collector.report(
+            ZERO_SIZE,
             f"{told}: there is nothing to see of it.",
             hint="Remove the <visual>, or give every length, radius and scale a number of meters.",
             at=shape,
             path=path,
+            severity=Severity.WARNING,
         )
     else:
-        findings.error(
-            "ROB028",
+        collector.report(
+            ZERO_SIZE,
             f"{told}.",
             hint="Give every length, radius and scale a positive number of meters: Gazebo's "
             "physics engine ends the program on such a shape. Mirror meshes in the file.",
@@ -303,26 +393,26 @@ MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
 def read_link(
-    findings: Findings, element: Element, name: str, materials: Mapping[str, Rgba | None]
+    collector: Collector, element: Element, name: str, materials: Mapping[str, Rgba | None]
 ) -> Link:
     """A link as Gazebo's parser reads it; what is wrong in it is reported and left out."""
     path = f"link[@name='{name}']"
-    before = len(findings.errors)
+    before = len(collector.errors)
     # Of repeated elements the first one counts, as for Gazebo's parser.
     first = next(children(element, "inertial"), None)
-    inertial, is_whole = (None, True) if first is None else _read_inertial(findings, first, path)
+    inertial, is_whole = (None, True) if first is None else _read_inertial(collector, first, path)
     visuals = [
-        read_visual(findings, visual, f"{path}/visual", materials)
+        read_visual(collector, visual, f"{path}/visual", materials)
         for visual in children(element, "visual")
     ]
     collisions = [
-        read_collision(findings, collision, f"{path}/collision")
+        read_collision(collector, collision, f"{path}/collision")
         for collision in children(element, "collision")
     ]
     seen = _until_unreadable(visuals) if is_whole else 0
     touched = _until_unreadable(collisions) if is_whole and seen == len(visuals) else 0
     _report_lost(
-        findings,
+        collector,
         before,
         len(visuals) - seen - (is_whole and seen < len(visuals)),
         len(collisions)
@@ -345,43 +435,45 @@ def _until_unreadable(shapes: Sequence[Visual | Collision | Unusable]) -> int:
     )
 
 
-def _report_lost(findings: Findings, error: int, visuals: int, collisions: int) -> None:
+def _report_lost(collector: Collector, error: int, visuals: int, collisions: int) -> None:
     lost = [
         f"{count} {kind}{'s' if count > 1 else ''}"
         for count, kind in ((visuals, "visual"), (collisions, "collision"))
         if count
     ]
-    if lost and error < len(findings.errors):  # not where what is left over of xacro is the cause
-        findings.add_consequence(
+    if lost and error < len(collector.errors):  # not where what is left over of xacro is the cause
+        collector.add_consequence(
             error,
             "Gazebo's parser stops reading the link there, and leaves out what comes behind: "
             f"{' and '.join(lost)}.",
         )
 
 
-def _read_inertial(findings: Findings, element: Element, path: str) -> tuple[Inertial | None, bool]:
+def _read_inertial(
+    collector: Collector, element: Element, path: str
+) -> tuple[Inertial | None, bool]:
     """The inertial as Gazebo has it, and whether all of it can be read.
 
     Where only the moments are wrong, the mass is kept, with moments of zero.
     """
     path = f"{path}/inertial"
-    pose = read_origin(findings, element, path)
+    pose = read_origin(collector, element, path)
     parts: dict[str, Element] = {}
     for part in children(element, "mass", "inertia"):
         parts.setdefault(str(part.tag), part)
     lacking = [tag for tag in EXAMPLES if tag not in parts]
     if lacking:
-        findings.missing(
-            "ROB021",
+        collector.report_missing(
+            INCOMPLETE_INERTIAL,
             f"<inertial> has no <{'> and no <'.join(lacking)}>.",
             hint=f"Add {' and '.join(EXAMPLES[tag] for tag in lacking)} (kg, kg m²).",
             at=element,
             path=path,
             name=lacking[0],
         )
-    mass = _read_mass(findings, parts["mass"], path) if "mass" in parts else None
+    mass = _read_mass(collector, parts["mass"], path) if "mass" in parts else None
     moments = [
-        read_number(findings, parts["inertia"], moment, f"{path}/inertia", required=True)
+        read_number(collector, parts["inertia"], moment, f"{path}/inertia", required=True)
         for moment in MOMENTS
         if "inertia" in parts
     ]
@@ -393,11 +485,11 @@ def _read_inertial(findings: Findings, element: Element, path: str) -> tuple[Ine
     return Inertial(mass=mass, pose_in_link=pose, inertia=(ixx, ixy, ixz, iyy, iyz, izz)), is_whole
 
 
-def _read_mass(findings: Findings, element: Element, path: str) -> float | None:
-    mass = read_number(findings, element, "value", f"{path}/mass", required=True)
+def _read_mass(collector: Collector, element: Element, path: str) -> float | None:
+    mass = read_number(collector, element, "value", f"{path}/mass", required=True)
     if mass is not None and mass < 0:
-        findings.error(
-            "ROB022",
+        collector.report(
+            NEGATIVE_MASS,
             f"The mass is negative ({mass:g} kg).",
             hint="Give the link its mass in kilograms.",
             at=element,

@@ -13,7 +13,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.description_rules import IMPOSSIBLE_INERTIA, NO_LINK
+from wsgen.diagnostics import Rule, Severity
 from wsgen.model.inertia import about_link_axes, as_attributes, if_filled, is_possible, moved
 from wsgen.model.robot import Inertial, JointLimit, JointType
 from wsgen.model.transform import IDENTITY, Pose, compose
@@ -30,9 +31,173 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
+    from wsgen.diagnostics import Diagnostic
     from wsgen.model.inertia import Six
     from wsgen.model.robot import Collision, GazeboTag, Joint, Link, Robot, Visual
 
+
+DROPPED_LINK = Rule(
+    code="ROB040",
+    name="dropped-link",
+    severity=Severity.ERROR,
+    summary="Gazebo drops a link without mass, and everything that is attached to it.",
+    why=(
+        "sdformat drops a link without mass unless a fixed joint attaches it to a link with "
+        "mass. The robot in Gazebo lacks the link, its joint and everything below it; older "
+        "versions do not even print a warning."
+    ),
+    example=('<link name="wheel">\n  <collision>…</collision>\n</link>'),
+    instead=(
+        '<link name="wheel">\n'
+        "  <inertial>\n"
+        '    <mass value="0.5"/>\n'
+        '    <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/>\n'
+        "  </inertial>\n"
+        "  <collision>…</collision>\n"
+        "</link>"
+    ),
+)
+
+TWO_ZERO_MASSES = Rule(
+    code="ROB041",
+    name="two-zero-masses",
+    severity=Severity.ERROR,
+    summary="Two links of mass 0 are attached by a fixed joint.",
+    why=(
+        "sdformat lumps them and divides by their total mass: the center of mass is not a "
+        "number, and Gazebo refuses the robot."
+    ),
+    example=(
+        "<inertial>\n"
+        '  <mass value="0"/>\n'
+        '  <inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/>\n'
+        "</inertial>"
+    ),
+    instead="Remove the `<inertial>` of links that are only frames.",
+)
+
+IMPOSSIBLE_SUM = Rule(
+    code="ROB042",
+    name="impossible-sum",
+    severity=Severity.ERROR,
+    summary="Links that fixed joints attach to each other have together an impossible inertia.",
+    why=(
+        "sdformat lumps the links into one body, and Gazebo refuses a robot with a body of "
+        "impossible inertia."
+    ),
+    example=(
+        "<inertial>\n"
+        '  <mass value="0"/>\n'
+        '  <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="9"/>\n'
+        "</inertial>"
+    ),
+    instead="Remove the `<inertial>` of the link without mass, or correct it.",
+)
+
+GAZEBO_VALUE_WITHOUT_EFFECT = Rule(
+    code="ROB046",
+    name="gazebo-value-without-effect",
+    severity=Severity.WARNING,
+    summary="A surface value in a `<gazebo>` element applies to no collision.",
+    why=(
+        "sdformat finds the collisions of a link by the names that it gives them. A collision "
+        "whose own name does not begin with that of its link is not found, and keeps the "
+        "default friction."
+    ),
+    example=(
+        '<link name="wheel">\n'
+        '  <collision name="rubber">…</collision>\n'
+        "</link>\n"
+        '<gazebo reference="wheel">\n'
+        "  <mu1>0.2</mu1>\n"
+        "</gazebo>"
+    ),
+    instead=(
+        '<link name="wheel">\n'
+        "  <collision>…</collision>\n"
+        "</link>\n"
+        '<gazebo reference="wheel">\n'
+        "  <mu1>0.2</mu1>\n"
+        "</gazebo>"
+    ),
+)
+
+UNKNOWN_END_OF_SDF_JOINT = Rule(
+    code="ROB078",
+    name="unknown-end-of-sdf-joint",
+    severity=Severity.ERROR,
+    summary="An SDF joint in a `<gazebo>` element names a link that does not exist.",
+    why=(
+        "Gazebo adds the joint to the robot, and refuses the robot because the joint has no "
+        "such link."
+    ),
+    example=(
+        "<gazebo>\n"
+        '  <joint name="closing_joint" type="revolute">\n'
+        "    <parent>arm</parent>\n"
+        "    <child>hnad</child>\n"
+        "  </joint>\n"
+        "</gazebo>"
+    ),
+    instead=(
+        "<gazebo>\n"
+        '  <joint name="closing_joint" type="revolute">\n'
+        "    <parent>arm</parent>\n"
+        "    <child>hand</child>\n"
+        "  </joint>\n"
+        "</gazebo>"
+    ),
+)
+
+LUMPED_END_OF_SDF_JOINT = Rule(
+    code="ROB079",
+    name="lumped-end-of-sdf-joint",
+    severity=Severity.WARNING,
+    summary="An SDF joint in a `<gazebo>` element names a link that is lumped into another one.",
+    why=(
+        "Gazebo with sdformat before 9.9, 12.7 and 13.1 (Debian 12 and Ubuntu 22.04 have such "
+        "versions) does not find the lumped link, and refuses the robot."
+    ),
+    example=(
+        "<gazebo>\n"
+        '  <joint name="closing_joint" type="revolute">\n'
+        "    <parent>arm</parent>\n"
+        "    <child>flange</child>\n"
+        "  </joint>\n"
+        "</gazebo>"
+    ),
+    instead=(
+        '<gazebo reference="flange_joint">\n'
+        "  <preserveFixedJoint>true</preserveFixedJoint>\n"
+        "</gazebo>"
+    ),
+)
+
+DROPPED_BY_OLD_SDFORMAT = Rule(
+    code="ROB080",
+    name="dropped-by-old-sdformat",
+    severity=Severity.WARNING,
+    summary="Older versions of sdformat drop what moves on a link without mass.",
+    why=(
+        "sdformat before 9.10.1, 12.7.2 and 13.5 (Debian 12 and Ubuntu 22.04 have such "
+        "versions) drops every link that is attached to a lumped link without mass by a "
+        "movable joint."
+    ),
+    example=(
+        '<link name="wheel_mount"/>\n'
+        '<joint name="mount_joint" type="fixed">…</joint>\n'
+        '<joint name="wheel_joint" type="continuous">\n'
+        '  <parent link="wheel_mount"/>\n'
+        '  <child link="wheel"/>\n'
+        "</joint>"
+    ),
+    instead=(
+        '<joint name="wheel_joint" type="continuous">\n'
+        '  <parent link="base_link"/>\n'
+        '  <child link="wheel"/>\n'
+        "</joint>"
+    ),
+)
 
 NO_MASS = 1e-6  # kg; sdformat before its pull request 1238 took less for nothing
 WORLD = "world"  # sdformat's word for what never moves; it knows no other way to say so in a URDF
@@ -251,13 +416,11 @@ def dropped_links(
     for name in names:
         blamed = _lacks_mass(bodies[name])
         message = _told(robot, bodies, name, blamed)
-        yield Diagnostic(
-            code="ROB040",
-            severity=Severity.ERROR,
+        yield DROPPED_LINK.at(
+            file,
+            blamed.line,
+            f"link[@name='{blamed.name}']",
             message=message,
-            file=file,
-            line=blamed.line,
-            element=f"link[@name='{blamed.name}']",
             hint=f"Give `{blamed.name}` an <inertial> with a mass"
             + (", or fix a link with mass to it by a fixed joint." if blamed.name == name else "."),
         )
@@ -318,15 +481,13 @@ def dropped_by_old_sdformat(
             lost = [link for link in below if link in bodies]
             mass = sum(bodies[link].mass for link in lost)
             if mass and body.is_as_meant:
-                yield Diagnostic(
-                    code="ROB080",
-                    severity=Severity.WARNING,
+                yield DROPPED_BY_OLD_SDFORMAT.at(
+                    file,
+                    links[massless].line,
+                    f"link[@name='{massless}']",
                     message=f"`{massless}` has no mass, and sdformat before 9.10.1, 12.7.2 and "
                     "13.5 (Debian 12 and Ubuntu 22.04 have such) drops what moves on it: "
                     f"{_named(lost)}, {mass:.4g} kg.",
-                    file=file,
-                    line=links[massless].line,
-                    element=f"link[@name='{massless}']",
                     hint=f"Give `{massless}` an <inertial> with a small mass, or join "
                     f"{_named(lost[:1])} to `{name}`.",
                 )
@@ -350,37 +511,39 @@ def sdf_joint_ends(
     above = {joint.child: joint.name for joint in robot.joints}
     for joint in (joint for tag in robot.gazebo for joint in tag.joints):
         for end, link in joint.ends.items():
-            told = f"The SDF joint `{joint.name}` in <gazebo> has `{link}` as {end}"
             name = body_of.get(link)
             if name == link or link in others or "::" in link:
                 continue
-            yield Diagnostic(
-                code="ROB078" if name is None else "ROB079",
-                severity=Severity.ERROR if name is None else Severity.WARNING,
-                message=f"{told}, and no link is called so: Gazebo refuses the robot."
-                if name is None
-                else f"{told}, which is lumped into `{name}`: Gazebo with sdformat before 9.9, "
-                "12.7 and 13.1 (Debian 12 and Ubuntu 22.04 have such) refuses the robot.",
-                file=file,
-                line=joint.line,
-                element=f"gazebo/joint[@name='{joint.name}']/{end}",
-                hint="Name a link of this robot."
-                if name is None
-                else f'Write <gazebo reference="{above[link]}"><preserveFixedJoint>true'
-                f"</preserveFixedJoint></gazebo>, or name `{name}`.",
-            )
+            what = f"The SDF joint `{joint.name}` in <gazebo> has `{link}` as {end}"
+            place = f"gazebo/joint[@name='{joint.name}']/{end}"
+            if name is None:
+                yield UNKNOWN_END_OF_SDF_JOINT.at(
+                    file,
+                    joint.line,
+                    place,
+                    message=f"{what}, but no link has that name: Gazebo refuses the robot.",
+                    hint="Name a link of this robot.",
+                )
+            else:
+                yield LUMPED_END_OF_SDF_JOINT.at(
+                    file,
+                    joint.line,
+                    place,
+                    message=f"{what}, which is lumped into `{name}`: Gazebo with sdformat before "
+                    "9.9, 12.7 and 13.1 (Debian 12 and Ubuntu 22.04 have such) refuses the robot.",
+                    hint=f'Write <gazebo reference="{above[link]}"><preserveFixedJoint>true'
+                    f"</preserveFixedJoint></gazebo>, or name `{name}`.",
+                )
 
 
 def nothing_but_the_world(robot: Robot, file: Path | None) -> Iterator[Diagnostic]:
     """A root called `world` is no link of its own."""
     if robot.fixed_to_world and len(robot.links) == 1:
-        yield Diagnostic(
-            code="ROB005",
-            severity=Severity.ERROR,
+        yield NO_LINK.at(
+            file,
+            robot.links[0].line,
+            "link[@name='world']",
             message="The robot has no link besides `world`, and Gazebo refuses it.",
-            file=file,
-            line=robot.links[0].line,
-            element="link[@name='world']",
             hint="Join a link to it, or give it another name.",
         )
 
@@ -391,14 +554,13 @@ def without_inertia(body: Body, lumped: Link, file: Path | None) -> Iterator[Dia
         return
     # The link that is written with that mass, which may be another one than gives the name.
     link = next(part for part, _ in body.parts if part.inertial is not None)
-    yield Diagnostic(
-        code="ROB037",
+    yield IMPOSSIBLE_INERTIA.at(
+        file,
+        link.line,
+        f"link[@name='{link.name}']/inertial/inertia",
         severity=Severity.WARNING,
         message=f"The link `{link.name}` has a mass of {lumped.inertial.mass:g} kg and no inertia: "
         "the slightest touch makes it spin.",
-        file=file,
-        line=link.line,
-        element=f"link[@name='{link.name}']/inertial/inertia",
         hint="Compute it from mass and shape, or export it from CAD."
         if (moments := if_filled(link)) is None
         else f"If it is evenly filled: {as_attributes(moments)} (kg m², the products 0).",
@@ -412,14 +574,12 @@ def two_zero_masses(robot: Robot, body: Body, file: Path | None) -> Iterator[Dia
     parent, child = body.two_zeros
     links = {part.name: part for part, _ in body.parts}
     blamed = links[child] if links[child].inertial is not None else links[parent]
-    yield Diagnostic(
-        code="ROB041",
-        severity=Severity.ERROR,
+    yield TWO_ZERO_MASSES.at(
+        file,
+        blamed.line,
+        f"link[@name='{blamed.name}']/inertial/mass",
         message=f"The links `{child}` and `{parent}` are fixed together and have no mass: "
         "their center of mass is not a number, and Gazebo refuses the robot.",
-        file=file,
-        line=blamed.line,
-        element=f"link[@name='{blamed.name}']/inertial/mass",
         hint=f"Remove <inertial> from `{blamed.name}`: no inertia is better than a zero mass.",
     )
 
@@ -435,14 +595,12 @@ def impossible_sum(body: Body, link: Link, file: Path | None) -> Iterator[Diagno
         return
     if any(part.inertial is not None and is_impossible(part.inertial) for part, _ in body.parts):
         return
-    yield Diagnostic(
-        code="ROB042",
-        severity=Severity.ERROR,
+    yield IMPOSSIBLE_SUM.at(
+        file,
+        link.line,
+        f"link[@name='{link.name}']",
         message=f"With the links that are fixed to it, `{link.name}` has an inertia that no body "
         "has, and Gazebo refuses the robot.",
-        file=file,
-        line=link.line,
-        element=f"link[@name='{link.name}']",
         hint=f"Correct the inertia of {', '.join(f'`{name}`' for name in body.lumped[:NAMED])}"
         f" or of `{link.name}` itself.",
     )
@@ -457,14 +615,12 @@ def values_without_effect(
         if not about.collisions:
             continue
         where = "" if about is body.link else f", which is lumped into `{link.name}`"
-        yield Diagnostic(
-            code="ROB046",
-            severity=Severity.WARNING,
+        yield GAZEBO_VALUE_WITHOUT_EFFECT.at(
+            file,
+            tag.line,
+            f"gazebo[@reference='{about.name}']/{key}",
             message=f"<{key}> has no effect: Gazebo finds no collision of the link "
             f"`{about.name}`{where} by the name that it looks for.",
-            file=file,
-            line=tag.line,
-            element=f"gazebo[@reference='{about.name}']/{key}",
             hint=f"Remove the attribute `name` from the collisions of `{about.name}`."
             if any(collision.name for collision in about.collisions)
             else f"Give `{about.name}` a name that does not begin with `{link.name}`.",

@@ -18,12 +18,25 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from wsgen.diagnostics import Severity
+from wsgen.description_rules import (
+    MALFORMED_XML,
+    MISSPELLED_ATTRIBUTE,
+    MISSPELLED_ELEMENT,
+    NO_LINK,
+    NOT_A_NUMBER,
+    NOT_UTF_8,
+    OVERSIZED_FILE,
+    SELF_JOINT,
+    UNKNOWN_LINK,
+    UNNAMED_ELEMENT,
+    ZERO_SIZE,
+)
+from wsgen.diagnostics import Rule, Severity
 from wsgen.files import save_as_utf8, wide_encoding
 from wsgen.markup import without_comments
 from wsgen.model.robot import Robot
 from wsgen.suggestions import did_you_mean
-from wsgen.urdf.collector import Findings, line_of
+from wsgen.urdf.collector import Collector, line_of
 from wsgen.urdf.gazebo import read_tags
 from wsgen.urdf.joints import read_joint
 from wsgen.urdf.links import read_link, read_materials
@@ -42,6 +55,137 @@ if TYPE_CHECKING:
     from wsgen.xmltree import Element
 
 
+NOT_A_ROBOT = Rule(
+    code="ROB003",
+    name="not-a-robot",
+    severity=Severity.ERROR,
+    summary="The root element of a URDF is not `<robot>`.",
+    why=(
+        "urdfdom reads `<robot>` only. An SDF file is checked as SDF when its name ends in "
+        ".sdf or .world."
+    ),
+    example=('<robots name="r">\n  <link name="base_link"/>\n</robots>'),
+    instead=('<robot name="r">\n  <link name="base_link"/>\n</robot>'),
+)
+
+UNNAMED_ROBOT = Rule(
+    code="ROB004",
+    name="unnamed-robot",
+    severity=Severity.ERROR,
+    summary="The robot has no name.",
+    why="urdfdom refuses a robot without a name, and so do Gazebo and robot_state_publisher.",
+    example="<robot>",
+    instead='<robot name="my_robot">',
+)
+
+DUPLICATE_LINK = Rule(
+    code="ROB007",
+    name="duplicate-link",
+    severity=Severity.ERROR,
+    summary="Two links have the same name.",
+    why=(
+        "urdfdom refuses the robot. It usually happens when a xacro macro is called twice "
+        "without a prefix."
+    ),
+    example=('<link name="wheel"/>\n<link name="wheel"/>'),
+    instead=('<link name="left_wheel"/>\n<link name="right_wheel"/>'),
+)
+
+DUPLICATE_JOINT = Rule(
+    code="ROB008",
+    name="duplicate-joint",
+    severity=Severity.ERROR,
+    summary="Two joints have the same name.",
+    why="urdfdom refuses the robot, and PyBullet crashes on it.",
+    example=(
+        '<joint name="wheel_joint" type="continuous">…</joint>\n'
+        '<joint name="wheel_joint" type="continuous">…</joint>'
+    ),
+    instead=(
+        '<joint name="left_wheel_joint" type="continuous">…</joint>\n'
+        '<joint name="right_wheel_joint" type="continuous">…</joint>'
+    ),
+)
+
+SEVERAL_ROOTS = Rule(
+    code="ROB009",
+    name="several-roots",
+    severity=Severity.ERROR,
+    summary="More than one link has no parent.",
+    why=(
+        "A URDF is a tree with one root link. Gazebo and robot_state_publisher refuse the "
+        "robot, and PyBullet crashes on it."
+    ),
+    example=('<link name="base_link"/>\n<link name="camera"/>'),
+    instead=(
+        '<link name="base_link"/>\n'
+        '<link name="camera"/>\n'
+        '<joint name="camera_joint" type="fixed">\n'
+        '  <parent link="base_link"/>\n'
+        '  <child link="camera"/>\n'
+        "</joint>"
+    ),
+)
+
+LINK_CYCLE = Rule(
+    code="ROB010",
+    name="link-cycle",
+    severity=Severity.ERROR,
+    summary="The links form a cycle.",
+    why=(
+        "A URDF is a tree. On a cycle `check_urdf` and `gz sdf` print without end, and "
+        "PyBullet crashes."
+    ),
+    example=(
+        '<joint name="a" type="fixed"><parent link="arm"/><child link="hand"/></joint>\n'
+        '<joint name="b" type="fixed"><parent link="hand"/><child link="arm"/></joint>'
+    ),
+    instead=(
+        '<joint name="a" type="fixed"><parent link="base_link"/><child link="arm"/></joint>\n'
+        '<joint name="b" type="fixed"><parent link="arm"/><child link="hand"/></joint>'
+    ),
+)
+
+TWO_PARENTS = Rule(
+    code="ROB011",
+    name="two-parents",
+    severity=Severity.ERROR,
+    summary="A link is the child of two joints.",
+    why=(
+        "A URDF is a tree: each link has one parent, and urdfdom refuses the robot. Closed "
+        "chains need SDF."
+    ),
+    example=(
+        '<joint name="a" type="fixed"><parent link="left_arm"/><child link="hand"/></joint>\n'
+        '<joint name="b" type="fixed"><parent link="right_arm"/><child link="hand"/></joint>'
+    ),
+    instead='<joint name="a" type="fixed"><parent link="left_arm"/><child link="hand"/></joint>',
+)
+
+UNEXPANDED_XACRO = Rule(
+    code="ROB017",
+    name="unexpanded-xacro",
+    severity=Severity.ERROR,
+    summary="A URDF contains an element or expression of xacro.",
+    why=(
+        "Gazebo and robot_state_publisher do not know xacro: they refuse the text or read 0 in "
+        "its place. Usually a launch file reads the .xacro file without expanding it, or a "
+        "macro or property is not defined."
+    ),
+    example=("with open('robot.urdf.xacro') as file:\n    robot_description = file.read()"),
+    instead="robot_description = xacro.process_file('robot.urdf.xacro').toxml()",
+)
+
+UNKNOWN_URDF_VERSION = Rule(
+    code="ROB047",
+    name="unknown-urdf-version",
+    severity=Severity.ERROR,
+    summary="The version of a URDF is not 1.0.",
+    why="urdfdom knows version 1.0 only, and refuses the robot.",
+    example='<robot name="my_robot" version="2.0">',
+    instead='<robot name="my_robot">',
+)
+
 # Gazebo's parser does not mind a version that does not exist, nor an empty line before it.
 DECLARATION = re.compile(r"^\ufeff?\s*<\?xml\s[^>]*\?>")
 INSTRUCTIONS_AHEAD = re.compile(r"(?:\s*<\?.*?\?>)*", re.DOTALL)
@@ -55,11 +199,11 @@ BROKEN_LINE = re.compile(
 )
 
 
-def read_document(findings: Findings, text: str) -> Element | None:
+def read_document(collector: Collector, text: str) -> Element | None:
     """The element <robot> of a text; None where there is none, which is reported."""
     if len(text) > TEXT_LIMIT or "<!ENTITY" in text:
-        findings.error(
-            "ROB002",
+        collector.report(
+            OVERSIZED_FILE,
             f"The document has more than {TEXT_LIMIT} characters, and wsgen does not read it."
             if len(text) > TEXT_LIMIT
             else "The document declares entities.",
@@ -68,41 +212,42 @@ def read_document(findings: Findings, text: str) -> Element | None:
         )
         return None
     text = DECLARATION.sub(lambda found: "\n" * found[0].count("\n"), text)
-    root = _parsed(findings, text)
+    root = _parsed(collector, text)
     if root is None:
         return None
     _forget_namespaces(root)
-    _report_instructions(findings, text)
+    _report_instructions(collector, text)
     if root.tag != "robot":
-        findings.error(
-            "ROB003",
+        collector.report(
+            NOT_A_ROBOT,
             f"The root element is <{root.tag}>, not <robot>.",
             hint='A URDF starts with <robot name="NAME">; an SDF file is not a URDF.',
             at=root,
             path=str(root.tag),
         )
         return None
-    _check_head(findings, root)
-    _report_broken_lines(findings, text)
+    _check_head(collector, root)
+    _report_broken_lines(collector, text)
     return root
 
 
-def _parsed(findings: Findings, text: str) -> Element | None:
+def _parsed(collector: Collector, text: str) -> Element | None:
     root = parse(text)
     if not isinstance(root, Malformed):
         return root
     lenient = parse_as_tinyxml(without_comments(text))
     if lenient is not None:
-        findings.warning(
-            "ROB001",
+        collector.report(
+            MALFORMED_XML,
             f"Not well-formed XML: {root.message}. Gazebo's parser does not mind; xacro and others "
             "do.",
             hint="Write &amp; for &, no -- in comments, and declare prefixes with xmlns:PREFIX.",
             at=root.line,
+            severity=Severity.WARNING,
         )
         return lenient
-    findings.error(
-        "ROB001",
+    collector.report(
+        MALFORMED_XML,
         f"Not well-formed XML: {root.message}.",
         hint=root.hint,
         at=root.line,
@@ -119,7 +264,7 @@ def _forget_namespaces(root: Element) -> None:
             element.tag = element.tag.rpartition("}")[2]
 
 
-def _report_instructions(findings: Findings, text: str) -> None:
+def _report_instructions(collector: Collector, text: str) -> None:
     ahead = INSTRUCTIONS_AHEAD.match(text)
     start = 0 if ahead is None else ahead.end()
     if text.find("<?", start) < 0:  # nearly always
@@ -127,18 +272,18 @@ def _report_instructions(findings: Findings, text: str) -> None:
     rest = CDATA.sub(lambda found: " " * len(found[0]), without_comments(text[start:]))
     place = rest.find("<?")
     if place >= 0:
-        findings.error(
-            "ROB001",
+        collector.report(
+            MALFORMED_XML,
             "Gazebo's parser takes processing instructions (<?…?>) only before everything else.",
             hint="Remove it, or put it into the first lines of the file.",
             at=text.count("\n", 0, start + place) + 1,
         )
 
 
-def _check_head(findings: Findings, root: Element) -> None:
+def _check_head(collector: Collector, root: Element) -> None:
     if not (root.get("name") or "").strip():
-        findings.error(
-            "ROB004",
+        collector.report(
+            UNNAMED_ROBOT,
             "The robot has no name.",
             hint='Write <robot name="NAME">.',
             at=root,
@@ -146,8 +291,8 @@ def _check_head(findings: Findings, root: Element) -> None:
         )
     version = root.get("version")
     if version is not None and version != VERSION:
-        findings.error(
-            "ROB047",
+        collector.report(
+            UNKNOWN_URDF_VERSION,
             f"Gazebo's parser knows no URDF of version `{version[:60]}`, and refuses the robot.",
             hint=f'Remove the attribute, or write version="{VERSION}".',
             at=root,
@@ -155,12 +300,12 @@ def _check_head(findings: Findings, root: Element) -> None:
         )
 
 
-def _report_broken_lines(findings: Findings, text: str) -> None:
+def _report_broken_lines(collector: Collector, text: str) -> None:
     if not BROKEN_LINE.search(text):  # nearly always
         return
     for found in BROKEN_LINE.finditer(without_comments(text)):
-        findings.error(
-            "ROB016",
+        collector.report(
+            NOT_A_NUMBER,
             f"A line break or tab parts the numbers of `{found[1]}`.",
             hint="Part them with blanks: Gazebo refuses anything else.",
             at=text.count("\n", 0, found.start()) + 1,
@@ -168,13 +313,13 @@ def _report_broken_lines(findings: Findings, text: str) -> None:
         )
 
 
-def report_left_overs(findings: Findings, element: Element, path: str) -> None:
+def report_left_overs(collector: Collector, element: Element, path: str) -> None:
     """Report what xacro should have replaced, in the element and below it."""
     texts = [*element.attrib.values(), element.text or ""]
     left = next((text for text in texts if LEFT_OVER.search(text)), None)
     if left is not None:
-        findings.error(
-            "ROB017",
+        collector.report(
+            UNEXPANDED_XACRO,
             f"`{left.strip()[:60]}` is left over from xacro.",
             hint="Expand the file with xacro first; check that the property is defined.",
             at=element,
@@ -184,25 +329,25 @@ def report_left_overs(findings: Findings, element: Element, path: str) -> None:
         if isinstance(child.tag, str):
             name = child.get("name")
             if "xacro" in child.tag:
-                findings.error(
-                    "ROB017",
+                collector.report(
+                    UNEXPANDED_XACRO,
                     f"<{child.tag.rpartition('}')[2]}> is left over from xacro.",
                     hint="Expand the file with xacro first; check that the macro is defined.",
                     at=child,
                     path=f"{path}/{child.tag.rpartition('}')[2]}",
                 )
             report_left_overs(
-                findings, child, child.tag if name is None else f"{child.tag}[@name='{name}']"
+                collector, child, child.tag if name is None else f"{child.tag}[@name='{name}']"
             )
 
 
-def decode(findings: Findings, data: bytes) -> str | None:
+def decode(collector: Collector, data: bytes) -> str | None:
     """The text of a file; None where it is none, which is reported."""
     data = data.rstrip(b"\0")  # where a text of C ends
     wide = wide_encoding(data)
     if wide or b"\0" in data:
-        findings.error(
-            "ROB057",
+        collector.report(
+            NOT_UTF_8,
             f"The file is in {wide}: Gazebo and robot_state_publisher read UTF-8 alone."
             if wide
             else "The file is not a text: it has null bytes.",
@@ -213,11 +358,12 @@ def decode(findings: Findings, data: bytes) -> str | None:
     try:
         return data.decode("utf-8")
     except UnicodeDecodeError as error:
-        findings.warning(
-            "ROB057",
+        collector.report(
+            NOT_UTF_8,
             "The file is not in UTF-8, which it is read as.",
             hint=save_as_utf8("ISO-8859-1"),
             at=data.count(b"\n", 0, error.start) + 1,
+            severity=Severity.WARNING,
         )
     return data.decode("utf-8", "replace")
 
@@ -235,14 +381,16 @@ def storable(text: str) -> str:
 NAMED = 5  # so many names are told in a message
 
 
-def unique_names(findings: Findings, elements: Sequence[Element], code: str) -> dict[str, Element]:
+def unique_names(
+    collector: Collector, elements: Sequence[Element], duplicate: Rule
+) -> dict[str, Element]:
     """The elements by their names; a missing or a repeated name is reported and left out."""
     named: dict[str, Element] = {}
     for element in elements:
         name = element.get("name") or ""
         if not name.strip():
-            findings.missing(
-                "ROB006",
+            collector.report_missing(
+                UNNAMED_ELEMENT,
                 f"A {element.tag} has no name.",
                 hint=f'Write <{element.tag} name="NAME">.',
                 at=element,
@@ -250,8 +398,8 @@ def unique_names(findings: Findings, elements: Sequence[Element], code: str) -> 
                 name="name",
             )
         elif name in named:
-            findings.error(
-                code,
+            collector.report(
+                duplicate,
                 f"Two {element.tag}s are called `{name}` (the other one is in line "
                 f"{line_of(named[name])}).",
                 hint="Give each its own name; in a xacro macro, put a prefix parameter before it.",
@@ -264,21 +412,21 @@ def unique_names(findings: Findings, elements: Sequence[Element], code: str) -> 
 
 
 def find_root(
-    findings: Findings,
+    collector: Collector,
     robot: Element,
     links: dict[str, Element],
     joints: Sequence[tuple[Joint, Element]],
 ) -> str | None:
     """The link that every other one hangs on; None where there is no tree, which is reported."""
-    before = len(findings.errors)
+    before = len(collector.errors)
     parent_of: dict[str, tuple[Joint, Element]] = {}
     for joint, element in joints:
         path = f"joint[@name='{joint.name}']"
-        if _check_ends(findings, joint, element, path, links, robot):
+        if _check_ends(collector, joint, element, path, links, robot):
             if joint.child in parent_of:
                 other = parent_of[joint.child][0]
-                findings.error(
-                    "ROB011",
+                collector.report(
+                    TWO_PARENTS,
                     f"The link `{joint.child}` has two parents: `{other.parent}` by the joint "
                     f"`{other.name}`, and `{joint.parent}`.",
                     hint="A URDF is a tree: remove one of the joints. Closed chains need SDF.",
@@ -287,24 +435,24 @@ def find_root(
                 )
             else:
                 parent_of[joint.child] = (joint, element)
-    if len(findings.errors) > before:
+    if len(collector.errors) > before:
         return None
     roots = [name for name in links if name not in parent_of]
-    _report_cycle(findings, parent_of)
+    _report_cycle(collector, parent_of)
     many = f"{len(roots)} links have no parent ({_some(roots)}): there must be exactly one root."
-    if len(roots) > 1 and not findings.blame_misspelt(robot, "joint", many):
-        findings.error(
-            "ROB009",
+    if len(roots) > 1 and not collector.blame_misspelled(robot, "joint", many):
+        collector.report(
+            SEVERAL_ROOTS,
             many,
             hint=f"Join `{roots[1]}` to the rest with a joint whose child it is.",
             at=links[roots[1]],
             path=f"link[@name='{roots[1]}']",
         )
-    return roots[0] if len(findings.errors) == before else None
+    return roots[0] if len(collector.errors) == before else None
 
 
 def _check_ends(  # noqa: PLR0913, PLR0917  a joint, and what it is in
-    findings: Findings,
+    collector: Collector,
     joint: Joint,
     element: Element,
     path: str,
@@ -313,18 +461,18 @@ def _check_ends(  # noqa: PLR0913, PLR0917  a joint, and what it is in
 ) -> bool:
     for end, name in (("parent", joint.parent), ("child", joint.child)):
         message = f"The {end} of the joint `{joint.name}` is `{name}`, and no link is called so."
-        if name not in links and not findings.blame_misspelt(robot, f"link {name}", message):
-            near = nearest_element(findings, name, links)
-            findings.error(
-                "ROB013",
+        if name not in links and not collector.blame_misspelled(robot, f"link {name}", message):
+            near = nearest_element(collector, name, links)
+            collector.report(
+                UNKNOWN_LINK,
                 message,
                 hint=did_you_mean(near) if near else f'Add <link name="{name}">.',
                 at=element,
                 path=path,
             )
     if joint.parent == joint.child:
-        findings.error(
-            "ROB012",
+        collector.report(
+            SELF_JOINT,
             f"The joint `{joint.name}` joins the link `{joint.parent}` to itself.",
             hint="Name two different links as parent and child.",
             at=element,
@@ -333,7 +481,7 @@ def _check_ends(  # noqa: PLR0913, PLR0917  a joint, and what it is in
     return joint.parent in links and joint.child in links and joint.parent != joint.child
 
 
-def _report_cycle(findings: Findings, parent_of: dict[str, tuple[Joint, Element]]) -> None:
+def _report_cycle(collector: Collector, parent_of: dict[str, tuple[Joint, Element]]) -> None:
     """Report one cycle, if any: following parents from a link leads back to a link on the way."""
     harmless: set[str] = set()
     for start in parent_of:
@@ -346,8 +494,8 @@ def _report_cycle(findings: Findings, parent_of: dict[str, tuple[Joint, Element]
             names = list(way)
             cycle = names[names.index(link) :][::-1]
             joint, element = parent_of[link]
-            findings.error(
-                "ROB010",
+            collector.report(
+                LINK_CYCLE,
                 f"The links go in a circle: {_some(cycle)}, and back to `{cycle[0]}`.",
                 hint="A URDF is a tree: remove the joint that closes the circle.",
                 at=element,
@@ -363,8 +511,7 @@ def _some(names: Sequence[str]) -> str:
 
 
 LINK = re.compile(r"\blink\[@name='([^']*)'\]")
-MISSPELT = frozenset(("ROB038", "ROB077"))
-WITHOUT_EXTENT = "ROB028"
+MISSPELLED = frozenset((MISSPELLED_ELEMENT.code, MISSPELLED_ATTRIBUTE.code))
 
 
 def read_urdf(
@@ -379,18 +526,18 @@ def read_urdf(
     what could not be read is left out. The `<gazebo>` elements are only read; `lump` does what they
     say, because that depends on what is lumped. `file` is what the diagnostics name.
     """
-    findings = Findings(file)
-    text = decode(findings, text) or "" if isinstance(text, bytes) else storable(text)
-    root = None if findings.has_errors else read_document(findings, text)
+    collector = Collector(file)
+    text = decode(collector, text) or "" if isinstance(text, bytes) else storable(text)
+    root = None if collector.has_errors else read_document(collector, text)
     if root is None:
-        return None, tuple(findings.diagnostics)
-    report_left_overs(findings, root, f"robot[@name='{root.get('name') or ''}']")
-    check_spelling(findings, root, "robot")
-    robot = _with_doubts(_read_robot(findings, root), findings.diagnostics)
-    check_names(findings, robot, line_of(root))
-    check_mimics(findings, robot)
-    check_inertias(findings, robot)
-    return (robot if robot.root else None), tuple(findings.diagnostics)
+        return None, tuple(collector.diagnostics)
+    report_left_overs(collector, root, f"robot[@name='{root.get('name') or ''}']")
+    check_spelling(collector, root, "robot")
+    robot = _with_doubts(_read_robot(collector, root), collector.diagnostics)
+    check_names(collector, robot, line_of(root))
+    check_mimics(collector, robot)
+    check_inertias(collector, robot)
+    return (robot if robot.root else None), tuple(collector.diagnostics)
 
 
 def _with_doubts(robot: Robot, diagnostics: Iterable[Diagnostic]) -> Robot:
@@ -404,7 +551,7 @@ def _with_doubts(robot: Robot, diagnostics: Iterable[Diagnostic]) -> Robot:
         names = LINK.findall(found.element or "")
         if found.severity is Severity.ERROR:
             wrong.update(names)
-        elif found.code in {*MISSPELT, WITHOUT_EXTENT}:
+        elif found.code in {*MISSPELLED, ZERO_SIZE.code}:
             unlike.update(names)
     doubtful = wrong | unlike
     links = (
@@ -414,13 +561,13 @@ def _with_doubts(robot: Robot, diagnostics: Iterable[Diagnostic]) -> Robot:
     return replace(robot, links=tuple(links)) if doubtful else robot
 
 
-def _read_robot(findings: Findings, root: Element) -> Robot:
+def _read_robot(collector: Collector, root: Element) -> Robot:
     """The robot; its root is empty where links and joints make no tree."""
-    links = unique_names(findings, list(children(root, "link")), "ROB007")
-    joint_elements = unique_names(findings, list(children(root, "joint")), "ROB008")
+    links = unique_names(collector, list(children(root, "link")), DUPLICATE_LINK)
+    joint_elements = unique_names(collector, list(children(root, "joint")), DUPLICATE_JOINT)
     if not links:
-        findings.missing(
-            "ROB005",
+        collector.report_missing(
+            NO_LINK,
             "The robot has no link.",
             hint='Add <link name="base_link">. In a xacro file, a macro that is defined must also '
             "be called.",
@@ -431,26 +578,26 @@ def _read_robot(findings: Findings, root: Element) -> Robot:
     joints = [
         (joint, element)
         for name, element in joint_elements.items()
-        if (joint := read_joint(findings, element, name)) is not None
+        if (joint := read_joint(collector, element, name)) is not None
     ]
     has_all_names = all(
         (element.get("name") or "").strip() for element in children(root, "link", "joint")
-    ) and not findings.has_misspelt(root, "link", "joint")
+    ) and not collector.has_misspelled(root, "link", "joint")
     complete = len(joints) == len(list(children(root, "joint"))) and len(links) == len(
         list(children(root, "link"))
     )
     # What hangs on a joint that could not be read would only look like a second root.
-    root_link = find_root(findings, root, links, joints) if links and complete else None
-    materials = read_materials(findings, root)
+    root_link = find_root(collector, root, links, joints) if links and complete else None
+    materials = read_materials(collector, root)
     return Robot(
         name=root.get("name") or "",
         root=root_link or "",
         links=tuple(
-            read_link(findings, element, name, materials) for name, element in links.items()
+            read_link(collector, element, name, materials) for name, element in links.items()
         ),
         joints=tuple(joint for joint, _ in joints),
         gazebo=read_tags(
-            findings, root, set(links), set(joint_elements), is_complete=has_all_names
+            collector, root, set(links), set(joint_elements), is_complete=has_all_names
         ),
         fixed_to_world=root_link == WORLD,
     )

@@ -5,6 +5,13 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
+from wsgen.description_rules import (
+    IMPOSSIBLE_INERTIA,
+    ONE_NAME_FOR_LINK_AND_JOINT,
+    RESERVED_NAME,
+    UNKNOWN_MIMICKED_JOINT,
+)
+from wsgen.diagnostics import Rule, Severity
 from wsgen.model.inertia import as_attributes, if_filled, principal_moments
 from wsgen.model.robot import JointType
 from wsgen.urdf.lumping import WORLD, is_impossible, joints_that_say, parts_of_impossible_sums
@@ -13,13 +20,32 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from wsgen.model.robot import Robot
-    from wsgen.urdf.collector import Findings
+    from wsgen.urdf.collector import Collector
 
+
+MIMIC_CYCLE = Rule(
+    code="ROB036",
+    name="mimic-cycle",
+    severity=Severity.ERROR,
+    summary="A joint mimics itself, directly or through other joints.",
+    why=(
+        "None of these joints leads: their positions are not determined, and programs that "
+        "follow the cycle may never finish."
+    ),
+    example=(
+        '<joint name="left_joint" type="revolute"><mimic joint="right_joint"/>…</joint>\n'
+        '<joint name="right_joint" type="revolute"><mimic joint="left_joint"/>…</joint>'
+    ),
+    instead=(
+        '<joint name="left_joint" type="revolute">…</joint>\n'
+        '<joint name="right_joint" type="revolute"><mimic joint="left_joint"/>…</joint>'
+    ),
+)
 
 RESERVED = re.compile(r"__.*__", re.DOTALL)  # of SDF, as are `world` and a few that only SDF has
 
 
-def check_names(findings: Findings, robot: Robot, line_of_robot: int | None) -> None:
+def check_names(collector: Collector, robot: Robot, line_of_robot: int | None) -> None:
     """Report names that SDF keeps for itself, and a joint that is called like a link."""
     for name, line, path in (
         (robot.name, line_of_robot, "robot"),
@@ -30,15 +56,15 @@ def check_names(findings: Findings, robot: Robot, line_of_robot: int | None) -> 
         # Without a tree nobody knows whether it was meant to be the root.
         is_root = is_link and (robot.fixed_to_world or not robot.root)
         if (name == WORLD and not is_root) or RESERVED.fullmatch(name):
-            _report_reserved(findings, name, line, path)
+            _report_reserved(collector, name, line, path)
     links = {link.name for link in robot.links}
     kept = joints_that_say(robot, "preserveFixedJoint")
     kept |= joints_that_say(robot, "disableFixedJointLumping")
     for joint in robot.joints:
         is_lumped = joint.type is JointType.FIXED and joint.name not in kept
         if joint.name in links and (joint.parent == WORLD or not is_lumped):
-            findings.warning(
-                "ROB034",
+            collector.report(
+                ONE_NAME_FOR_LINK_AND_JOINT,
                 f"A link and a joint are both called `{joint.name}`: Gazebo Sim refuses the robot.",
                 hint=f"Rename the joint, to `{joint.name}_joint` for example: SDF has one space of "
                 "names.",
@@ -47,9 +73,9 @@ def check_names(findings: Findings, robot: Robot, line_of_robot: int | None) -> 
             )
 
 
-def _report_reserved(findings: Findings, name: str, line: int | None, path: str) -> None:
-    findings.error(
-        "ROB043",
+def _report_reserved(collector: Collector, name: str, line: int | None, path: str) -> None:
+    collector.report(
+        RESERVED_NAME,
         f"`{name}` is a name that Gazebo keeps for itself, and it refuses the robot.",
         hint="Make it the root of the robot, which is then fixed to the world, or rename it."
         if name == WORLD and path.startswith("link")
@@ -59,7 +85,7 @@ def _report_reserved(findings: Findings, name: str, line: int | None, path: str)
     )
 
 
-def check_mimics(findings: Findings, robot: Robot) -> None:
+def check_mimics(collector: Collector, robot: Robot) -> None:
     """Report a mimic joint whose leader does not exist, or that follows itself."""
     leaders = {joint.name: joint.mimic.joint for joint in robot.joints if joint.mimic}
     names = {joint.name for joint in robot.joints}
@@ -69,18 +95,19 @@ def check_mimics(findings: Findings, robot: Robot) -> None:
             continue
         path = f"joint[@name='{joint.name}']/mimic"
         if joint.mimic.joint not in names:
-            findings.warning(
-                "ROB035",
+            collector.report(
+                UNKNOWN_MIMICKED_JOINT,
                 f"The joint `{joint.name}` mimics `{joint.mimic.joint}`, and there is none: it "
                 "moves on its own.",
                 hint="Name a joint of this robot.",
                 at=joint.line,
                 path=path,
+                severity=Severity.WARNING,
             )
             continue
         if joint.name in circular:
-            findings.error(
-                "ROB036",
+            collector.report(
+                MIMIC_CYCLE,
                 f"The joint `{joint.name}` mimics itself.",
                 hint="Let it follow a joint that does not follow it.",
                 at=joint.line,
@@ -105,7 +132,7 @@ def _in_circles(leaders: Mapping[str, str]) -> set[str]:
     return circular
 
 
-def check_inertias(findings: Findings, robot: Robot) -> None:
+def check_inertias(collector: Collector, robot: Robot) -> None:
     """Report an inertia that no body has.
 
     It is an error where Gazebo refuses the robot for it: of links that are fixed together only the
@@ -122,10 +149,9 @@ def check_inertias(findings: Findings, robot: Robot) -> None:
     refused = parts_of_impossible_sums(robot) if robot.root else everything
     for link, inertial in impossible:
         low, middle, high = principal_moments(inertial.inertia)
-        report = findings.error if link.name in refused else findings.warning
         filled = if_filled(link)
-        report(
-            "ROB037",
+        collector.report(
+            IMPOSSIBLE_INERTIA,
             f"No body has the inertia of the link `{link.name}`: its principal moments are "
             f"{low:.4g}, {middle:.4g} and {high:.4g} kg m².",
             hint="Each must be positive, and none larger than the other two together. Compute it "
@@ -135,4 +161,5 @@ def check_inertias(findings: Findings, robot: Robot) -> None:
             f"evenly filled: {as_attributes(filled)} (kg m², the products 0).",
             at=link.line,
             path=f"link[@name='{link.name}']/inertial/inertia",
+            severity=Severity.ERROR if link.name in refused else Severity.WARNING,
         )

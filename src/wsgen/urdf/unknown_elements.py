@@ -5,11 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wsgen import suggestions
+from wsgen.description_rules import MISSPELLED_ATTRIBUTE, MISSPELLED_ELEMENT
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from wsgen.urdf.collector import Findings
+    from wsgen.urdf.collector import Collector
     from wsgen.xmltree import Element
 
 
@@ -83,23 +84,23 @@ LIKE_ATTRIBUTE = 0.82
 LIKE_INITIAL = 0.6  # with the same first letter
 
 MOST_COMPARED = 500  # names; difflib takes its time
-MOST_HINTS = 50  # findings; who has more has another trouble than spelling
+MOST_HINTS = 50  # collector; who has more has another trouble than spelling
 
 
-def nearest_element(findings: Findings, name: str, known: Iterable[str]) -> str | None:
+def nearest_element(collector: Collector, name: str, known: Iterable[str]) -> str | None:
     """A known name that is nearly the same; None where there is none, or it would take too long."""
-    if len(findings.diagnostics) > MOST_HINTS:
+    if len(collector.diagnostics) > MOST_HINTS:
         return None
     alike = sorted(other for other in known if abs(len(other) - len(name)) <= len(name) // 3)
     return suggestions.nearest(name, alike[:MOST_COMPARED])
 
 
-def check_spelling(findings: Findings, element: Element, path: str) -> None:
+def check_spelling(collector: Collector, element: Element, path: str) -> None:
     """Report, in the element and below it, children that are nearly called as known ones."""
-    _check_attributes(findings, element, path)
+    _check_attributes(collector, element, path)
     known = KNOWN.get(str(element.tag), SHAPES if element.tag == "geometry" else ())
     if element.tag == "gazebo":
-        _check_reference(findings, element, path)
+        _check_reference(collector, element, path)
     for child in element:
         if not isinstance(child.tag, str):
             continue
@@ -108,12 +109,12 @@ def check_spelling(findings: Findings, element: Element, path: str) -> None:
         if element.tag != "robot":
             inside = f"{path}/{child.tag}"
         if child.tag in known:
-            check_spelling(findings, child, inside)
+            check_spelling(collector, child, inside)
             continue
         near = meant_element(child.tag, known)
         if near is not None:
-            findings.misspelt(
-                "ROB038",
+            collector.report_misspelled(
+                MISSPELLED_ELEMENT,
                 f"<{element.tag}> has no <{child.tag}>: Gazebo leaves it out without a word.",
                 hint=f"Did you mean <{near}>?",
                 at=child,
@@ -130,14 +131,14 @@ def meant_element(tag: str, known: Sequence[str]) -> str | None:
     return near[0] if near else suggestions.nearest(tag, known, cutoff=ALIKE)
 
 
-def _check_attributes(findings: Findings, element: Element, path: str) -> None:
+def _check_attributes(collector: Collector, element: Element, path: str) -> None:
     known = ATTRIBUTES.get(str(element.tag), ())
     lacking = [name for name in known if name not in element.attrib]
     for name in map(str, element.attrib):
         meant = None if name in known or name in OTHERS else _meant(name, lacking)
         if meant is not None:
-            findings.misspelt(
-                "ROB077",
+            collector.report_misspelled(
+                MISSPELLED_ATTRIBUTE,
                 f"<{element.tag}> has no attribute `{name}`: Gazebo leaves it out without a word.",
                 hint=suggestions.did_you_mean(meant),
                 at=element,
@@ -160,12 +161,12 @@ def _meant(name: str, lacking: Sequence[str]) -> str | None:
     )
 
 
-def _check_reference(findings: Findings, element: Element, path: str) -> None:
+def _check_reference(collector: Collector, element: Element, path: str) -> None:
     """Report what should be called `reference`: without it the element is about the whole robot."""
     for attribute in map(str, element.attrib):
         if attribute != "reference" and "reference".startswith(attribute.lower()[:3]):
-            findings.warning(
-                "ROB038",
+            collector.report(
+                MISSPELLED_ELEMENT,
                 f"<gazebo> has no attribute `{attribute}`: Gazebo leaves it out without a word and "
                 "takes the element for the whole robot's.",
                 hint=suggestions.did_you_mean("reference"),

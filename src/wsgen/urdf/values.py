@@ -6,8 +6,11 @@ import math
 import re
 from typing import TYPE_CHECKING
 
+from wsgen.description_rules import NOT_A_NUMBER
+from wsgen.diagnostics import Severity
+
 if TYPE_CHECKING:
-    from wsgen.urdf.collector import Findings
+    from wsgen.urdf.collector import Collector
     from wsgen.xmltree import Element
 
 
@@ -68,7 +71,7 @@ def leading_integer(text: str) -> int | None:
 
 
 def read_numbers(  # noqa: PLR0913  what, where, and how it is called
-    findings: Findings,
+    collector: Collector,
     element: Element,
     attribute: str,
     count: int,
@@ -81,15 +84,18 @@ def read_numbers(  # noqa: PLR0913  what, where, and how it is called
 
     `is_fatal`: Gazebo refuses the robot for them, or leaves something out; it is an error then.
     """
-    report = findings.error if is_fatal else findings.warning
     text = element.get(attribute)
     if text is None:
         hint = f'Write {attribute}="{" ".join(["0.1"] * count)}" in it.'
-        told = f"`{attribute}` is missing."
+        message = f"`{attribute}` is missing."
         if required and is_fatal:
-            findings.missing("ROB016", told, hint=hint, at=element, path=path, name=attribute)
+            collector.report_missing(
+                NOT_A_NUMBER, message, hint=hint, at=element, path=path, name=attribute
+            )
         elif required:
-            findings.warning("ROB016", told, hint=hint, at=element, path=path)
+            collector.report(
+                NOT_A_NUMBER, message, hint=hint, at=element, path=path, severity=Severity.WARNING
+            )
         return None
     if LEFT_OVER.search(text):  # reported once, for every element
         return None
@@ -109,31 +115,32 @@ def read_numbers(  # noqa: PLR0913  what, where, and how it is called
         problem = "there is a blank behind the number"
     if problem is None:
         return tuple(number for number in numbers if isinstance(number, float))
-    report(
-        "ROB016",
+    collector.report(
+        NOT_A_NUMBER,
         f'{attribute}="{text[:60]}": {problem}.',
         hint=f"{_times(count)}, a point before the decimals and blanks between them. "
         f"Gazebo {'refuses' if is_fatal else 'ignores'} anything else; other programs silently "
         "read 0.",
         at=element,
         path=f"{path}/@{attribute}",
+        severity=Severity.ERROR if is_fatal else Severity.WARNING,
     )
     return None
 
 
 def read_number(
-    findings: Findings, element: Element, attribute: str, path: str, *, required: bool
+    collector: Collector, element: Element, attribute: str, path: str, *, required: bool
 ) -> float | None:
     """The number of an attribute; None where it is missing or wrong, which is then reported."""
-    numbers = read_numbers(findings, element, attribute, 1, path, required=required)
+    numbers = read_numbers(collector, element, attribute, 1, path, required=required)
     return None if numbers is None else numbers[0]
 
 
 def read_triple(
-    findings: Findings, element: Element, attribute: str, path: str
+    collector: Collector, element: Element, attribute: str, path: str
 ) -> tuple[float, float, float] | None:
     """The three numbers of an optional attribute; None where it is missing or wrong."""
-    numbers = read_numbers(findings, element, attribute, 3, path, required=False)
+    numbers = read_numbers(collector, element, attribute, 3, path, required=False)
     return None if numbers is None else (numbers[0], numbers[1], numbers[2])
 
 

@@ -1,4 +1,4 @@
-"""Expand a xacro file in a child process, and say what is wrong where it cannot be."""
+"""Expand a xacro file in a child process, and report what is wrong if that fails."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.isolation import parent
 from wsgen.isolation.outcome import Died, Limits
 
@@ -18,6 +18,21 @@ if TYPE_CHECKING:
 
 TASK = "wsgen.xacro.expansion:expand_for_parent"
 LIMITS = Limits(seconds=30.0, memory=2 * 2**30)
+
+XACRO_FILE_FAILS = Rule(
+    code="ROB071",
+    name="xacro-file-fails",
+    severity=Severity.ERROR,
+    summary="xacro cannot expand a file.",
+    why=(
+        "The file has no URDF: the launch file stops with the same error, and no robot is spawned."
+    ),
+    example=(
+        '<xacro:property name="radius" value="0,1"/>\n'
+        '<cylinder radius="${2 * radius}" length="0.1"/>'
+    ),
+    instead='<xacro:property name="radius" value="0.1"/>',
+)
 
 
 def expand_file(
@@ -41,18 +56,12 @@ def expand_file(
         folder=file.parent,
     )
     if isinstance(outcome, Died):
-        return None, (
-            _fault(
-                file,
-                {
-                    "message": f"Expanding the file {outcome.reason}",
-                    "hint": outcome.hint("Look for an expression or a macro that never ends."),
-                },
-            ),
-        )
+        hint = outcome.hint("Look for an expression or a macro that never ends.")
+        failure = {"message": f"Expanding the file {outcome.reason}", "hint": hint}
+        return None, (_failure(file, failure),)
     if outcome.value["code"] != 0:
-        fault = outcome.value["fault"] or {"message": outcome.value["stderr"].strip()}
-        return None, (_fault(file, fault),)
+        failure = outcome.value["fault"] or {"message": outcome.value["stderr"].strip()}
+        return None, (_failure(file, failure),)
     return str(outcome.value["stdout"]), tuple(
         Diagnostic(
             code="LCH035",
@@ -66,18 +75,17 @@ def expand_file(
     )
 
 
-def _fault(file: Path, fault: Mapping[str, Any]) -> Diagnostic:
-    where = fault.get("file")
-    message = str(fault["message"]).rstrip(".")
+def _failure(file: Path, failure: Mapping[str, Any]) -> Diagnostic:
+    where = failure.get("file")
+    message = str(failure["message"]).rstrip(".")
+    hint = failure.get("hint") or "Arguments of the file are given with --arg name:=value."
     if "AMENT_PREFIX_PATH" in message:
-        fault = {**fault, "hint": "Build and source a workspace with the packages of $(find …)."}
+        hint = "Build and source a workspace with the packages of $(find …)."
         message = "a package of $(find …) was not found: no workspace is sourced"
-    return Diagnostic(
-        code="ROB071",
-        severity=Severity.ERROR,
+    return XACRO_FILE_FAILS.at(
+        Path(os.fspath(where)) if where else file,
+        failure.get("line"),
+        failure.get("element"),
         message=f"xacro cannot expand the file: {message}.",
-        file=Path(os.fspath(where)) if where else file,
-        line=fault.get("line"),
-        element=fault.get("element"),
-        hint=fault.get("hint") or "Arguments of the file are given with --arg name:=value.",
+        hint=hint,
     )
