@@ -37,91 +37,6 @@ if TYPE_CHECKING:
     from wsgen.xmltree import Element
 
 
-UNKNOWN_REFERENCE = Rule(
-    code="ROB030",
-    name="unknown-reference",
-    severity=Severity.WARNING,
-    summary="A `<gazebo>` element refers to no link or joint of the robot.",
-    why=(
-        "Gazebo silently ignores the element: the link keeps its default friction, color and "
-        "sensors."
-    ),
-    example=('<link name="base_link"/>\n<gazebo reference="base">\n  <mu1>0.2</mu1>\n</gazebo>'),
-    instead=(
-        '<link name="base_link"/>\n<gazebo reference="base_link">\n  <mu1>0.2</mu1>\n</gazebo>'
-    ),
-)
-
-GAZEBO_NOT_A_NUMBER = Rule(
-    code="ROB031",
-    name="gazebo-not-a-number",
-    severity=Severity.ERROR,
-    severity_varies=(
-        "a warning where Gazebo reads a number from the beginning of the text, or one that is "
-        "not finite"
-    ),
-    summary="A number in a `<gazebo>` element is not a number or is out of range.",
-    why=(
-        "Gazebo converts these texts without a check: it terminates with an exception, refuses "
-        "the robot, or reads only the beginning of the text."
-    ),
-    example=('<gazebo reference="wheel">\n  <mu1>low</mu1>\n</gazebo>'),
-    instead=('<gazebo reference="wheel">\n  <mu1>0.1</mu1>\n</gazebo>'),
-)
-
-UNKNOWN_GAZEBO_MATERIAL = Rule(
-    code="ROB032",
-    name="unknown-gazebo-material",
-    severity=Severity.WARNING,
-    summary="A `<gazebo>` element names a material that Gazebo does not have.",
-    why="Gazebo shows the part in its default color.",
-    example=('<gazebo reference="base_link">\n  <material>Gazebo/Gray</material>\n</gazebo>'),
-    instead=('<gazebo reference="base_link">\n  <material>Gazebo/Grey</material>\n</gazebo>'),
-)
-
-MISPLACED_GAZEBO_ELEMENT = Rule(
-    code="ROB033",
-    name="misplaced-gazebo-element",
-    severity=Severity.WARNING,
-    summary="A setting in a `<gazebo>` element has no effect on what the element refers to.",
-    why=(
-        "Some settings apply to links, some to joints and some to the whole robot. Gazebo "
-        "silently ignores the others."
-    ),
-    example=("<gazebo>\n  <mu1>0.2</mu1>\n</gazebo>"),
-    instead=('<gazebo reference="base_link">\n  <mu1>0.2</mu1>\n</gazebo>'),
-)
-
-GAZEBO_NOT_A_BOOLEAN = Rule(
-    code="ROB045",
-    name="gazebo-not-a-boolean",
-    severity=Severity.ERROR,
-    summary="A flag in a `<gazebo>` element is neither true nor false.",
-    why="Gazebo copies the element into SDF, where the parser refuses the robot.",
-    example=('<gazebo reference="arm">\n  <gravity>off</gravity>\n</gazebo>'),
-    instead=('<gazebo reference="arm">\n  <gravity>false</gravity>\n</gazebo>'),
-)
-
-SDF_NOT_SIMULATED = Rule(
-    code="ROB058",
-    name="sdf-not-simulated",
-    severity=Severity.WARNING,
-    summary="wsgen does not simulate a model, link or joint in a `<gazebo>` element.",
-    why=(
-        "Gazebo adds these SDF elements to the robot, so the robot in Gazebo has parts that "
-        "wsgen's simulation does not have."
-    ),
-    example=(
-        "<gazebo>\n"
-        '  <joint name="closing_joint" type="revolute">\n'
-        "    <parent>arm</parent>\n"
-        "    <child>hand</child>\n"
-        "  </joint>\n"
-        "</gazebo>"
-    ),
-    instead="Run this part of the robot in Gazebo itself.",
-)
-
 SURFACE_KEYS = ("mu1", "mu2", "kp", "kd", "minDepth", "maxContacts")
 LUMPING_KEYS = ("preserveFixedJoint", "disableFixedJointLumping")
 LINK_KEYS = frozenset(
@@ -161,115 +76,110 @@ NOT_NEGATIVE = frozenset(
 SDF_BOOLEAN = frozenset(("gravity", "self_collide"))
 TRUTHS = frozenset(("true", "1"))
 FALSEHOODS = frozenset(("false", "0"))
-
-
-def check_value(  # noqa: PLR0913  what, where, and whether it counts
-    collector: Collector, element: Element, path: str, key: str, text: str, *, is_known: bool
-) -> None:
-    """Report a value that ends Gazebo, that it refuses, or that is surely not what was meant.
-
-    `is_known`: the reference is there; otherwise only the keys that sdformat reads at once matter.
-    """
-    if LEFT_OVER.search(text):  # reported once, for every element
-        return
-    is_copied_number = key in SDF_NUMERIC and is_known and bool(text)
-    if key in NUMERIC or key == "maxContacts" or is_copied_number:
-        _check_number(collector, element, path, key, text)
-    elif key in SDF_BOOLEAN and is_known and text:
-        if text.lower() not in TRUTHS | FALSEHOODS:
-            collector.report(
-                GAZEBO_NOT_A_BOOLEAN,
-                f"<{key}>: `{text[:60]}` is neither true nor false: Gazebo refuses the robot.",
-                hint="Write true or false.",
-                at=element,
-                path=path,
-            )
-    elif key == "material" and text.startswith("Gazebo/") and text not in GAZEBO_COLORS:
-        near = nearest(text, GAZEBO_COLORS)
-        collector.report(
-            UNKNOWN_GAZEBO_MATERIAL,
-            f"Gazebo has no material `{text}`.",
-            hint=did_you_mean(near) if near else "Take Gazebo/Grey, Gazebo/Red, …",
-            at=element,
-            path=path,
-        )
-
-
-def check_placement(
-    collector: Collector, element: Element, path: str, *, is_link: bool, is_joint: bool
-) -> None:
-    """Report a key that does nothing at what the `<gazebo>` element is about."""
-    key = str(element.tag)
-    right_place = None
-    if key in JOINT_KEYS and not is_joint:
-        right_place = "a joint"
-    elif key in LINK_KEYS and not is_link:
-        right_place = "a link"
-    elif key == "static" and (is_link or is_joint):
-        right_place = "the whole robot"
-    if right_place is None:
-        return
-    hint = 'Put it into <gazebo reference="NAME"> with the name of ' + right_place + "."
-    if key in LUMPING_KEYS:
-        hint = 'Put it into <gazebo reference="JOINT"> with the name of the fixed joint.'
-    elif key == "static":
-        hint = "Put it into a <gazebo> without reference."
-    elif key == "selfCollide" and not is_joint:
-        hint = "For all links write <self_collide>true</self_collide>, which Gazebo copies."
-    collector.report(
-        MISPLACED_GAZEBO_ELEMENT,
-        f"<{key}> belongs to {right_place}: here it does nothing.",
-        hint=hint,
-        at=element,
-        path=path,
-    )
-
-
-def _check_number(collector: Collector, element: Element, path: str, key: str, text: str) -> None:
-    number = leading_integer(text) if key == "maxContacts" else leading_float(text)
-    told = f"<{key.rpartition('/')[2]}>: `{text[:60]}`"
-    if number is None:
-        collector.report(
-            GAZEBO_NOT_A_NUMBER,
-            f"{told} is not a number that Gazebo reads.",
-            hint="Write one number with a point. Gazebo "
-            + ("refuses the robot for" if "/" in key else "ends with an exception on")
-            + " this.",
-            at=element,
-            path=path,
-        )
-    elif key in NOT_NEGATIVE and number < 0:
-        collector.report(
-            GAZEBO_NOT_A_NUMBER,
-            f"{told} is less than 0, and Gazebo refuses the robot.",
-            hint="A coefficient of friction is 0 or greater.",
-            at=element,
-            path=path,
-        )
-    elif not math.isfinite(number):
-        collector.report(
-            GAZEBO_NOT_A_NUMBER,
-            f"{told} is not finite: wsgen goes on as if it were not there.",
-            hint="Write a finite number; physics engines compute nonsense with others.",
-            at=element,
-            path=path,
-            severity=Severity.WARNING,
-        )
-    elif not NUMBER.fullmatch(text) or (key == "maxContacts" and float(text) != number):
-        collector.report(
-            GAZEBO_NOT_A_NUMBER,
-            f"{told} is not one number: Gazebo reads the beginning, {number:g}.",
-            hint=f"Write {number:g} if that is meant.",
-            at=element,
-            path=path,
-            severity=Severity.WARNING,
-        )
-
-
 # Of these SDF elements also what is in them is taken, under `collision/surface/friction/ode/mu`.
 COPIED = frozenset(("collision", "visual", "velocity_decay"))
 # What Gazebo adds to the model for them is not part of the simulation.
 NOT_SIMULATED = frozenset(("joint", "link", "model", "include"))
+TRUE = frozenset(("true", "yes", "1"))  # as sdformat reads its own keys, in lower case
+FALSE = frozenset(("false", "no", "0"))
+LUMPED = "_fixed_joint_lump__"  # what sdformat puts into the names of lumped shapes
+FRICTION = "collision/surface/friction/ode/"
+CONTACT = "collision/surface/contact/ode/"
+# The field of Surface that a key sets, and the one of the same thing in copied SDF.
+FIELDS = {"mu1": "mu1", "mu2": "mu2", "kp": "kp", "kd": "kd", "minDepth": "min_depth"}
+SDF_FIELDS = {
+    FRICTION + "mu": "mu1",
+    FRICTION + "mu2": "mu2",
+    CONTACT + "kp": "kp",
+    CONTACT + "kd": "kd",
+    CONTACT + "min_depth": "min_depth",
+}
+TagsOfBody = dict[str, list[tuple[int, GazeboTag]]]  # by reference, with their places in order
+
+UNKNOWN_REFERENCE = Rule(
+    code="ROB030",
+    name="unknown-reference",
+    severity=Severity.WARNING,
+    summary="A `<gazebo>` element refers to no link or joint of the robot.",
+    why=(
+        "Gazebo silently ignores the element: the link keeps its default friction, color and "
+        "sensors."
+    ),
+    example='<link name="base_link"/>\n<gazebo reference="base">\n  <mu1>0.2</mu1>\n</gazebo>',
+    instead=(
+        '<link name="base_link"/>\n<gazebo reference="base_link">\n  <mu1>0.2</mu1>\n</gazebo>'
+    ),
+)
+
+GAZEBO_NOT_A_NUMBER = Rule(
+    code="ROB031",
+    name="gazebo-not-a-number",
+    severity=Severity.ERROR,
+    severity_varies=(
+        "a warning where Gazebo reads a number from the beginning of the text, or one that is "
+        "not finite"
+    ),
+    summary="A number in a `<gazebo>` element is not a number or is out of range.",
+    why=(
+        "Gazebo converts these texts without a check: it terminates with an exception, refuses "
+        "the robot, or reads only the beginning of the text."
+    ),
+    example='<gazebo reference="wheel">\n  <mu1>low</mu1>\n</gazebo>',
+    instead='<gazebo reference="wheel">\n  <mu1>0.1</mu1>\n</gazebo>',
+)
+
+UNKNOWN_GAZEBO_MATERIAL = Rule(
+    code="ROB032",
+    name="unknown-gazebo-material",
+    severity=Severity.WARNING,
+    summary="A `<gazebo>` element names a material that Gazebo does not have.",
+    why="Gazebo shows the part in its default color.",
+    example='<gazebo reference="base_link">\n  <material>Gazebo/Gray</material>\n</gazebo>',
+    instead='<gazebo reference="base_link">\n  <material>Gazebo/Grey</material>\n</gazebo>',
+)
+
+MISPLACED_GAZEBO_ELEMENT = Rule(
+    code="ROB033",
+    name="misplaced-gazebo-element",
+    severity=Severity.WARNING,
+    summary="A setting in a `<gazebo>` element has no effect on what the element refers to.",
+    why=(
+        "Some settings apply to links, some to joints and some to the whole robot. Gazebo "
+        "silently ignores the others."
+    ),
+    example="<gazebo>\n  <mu1>0.2</mu1>\n</gazebo>",
+    instead='<gazebo reference="base_link">\n  <mu1>0.2</mu1>\n</gazebo>',
+)
+
+GAZEBO_NOT_A_BOOLEAN = Rule(
+    code="ROB045",
+    name="gazebo-not-a-boolean",
+    severity=Severity.ERROR,
+    summary="A flag in a `<gazebo>` element is neither true nor false.",
+    why="Gazebo copies the element into SDF, where the parser refuses the robot.",
+    example='<gazebo reference="arm">\n  <gravity>off</gravity>\n</gazebo>',
+    instead='<gazebo reference="arm">\n  <gravity>false</gravity>\n</gazebo>',
+)
+
+SDF_NOT_SIMULATED = Rule(
+    code="ROB058",
+    name="sdf-not-simulated",
+    severity=Severity.WARNING,
+    summary="wsgen does not simulate a model, link or joint in a `<gazebo>` element.",
+    why=(
+        "Gazebo adds these SDF elements to the robot, so the robot in Gazebo has parts that "
+        "wsgen's simulation does not have."
+    ),
+    example=(
+        "<gazebo>\n"
+        '  <joint name="closing_joint" type="revolute">\n'
+        "    <parent>arm</parent>\n"
+        "    <child>hand</child>\n"
+        "  </joint>\n"
+        "</gazebo>"
+    ),
+    instead="Run this part of the robot in Gazebo itself.",
+)
 
 
 def read_tags(
@@ -366,6 +276,13 @@ def _value_of(element: Element) -> str:
     return (element.text or "" if value is None else value).strip()
 
 
+def _descendants(element: Element, tag: str) -> Iterator[Element]:
+    for child in element:
+        if child.tag == tag:
+            yield child
+        yield from _descendants(child, tag)
+
+
 def _report_unknown(
     collector: Collector, element: Element, path: str, reference: str, known: set[str]
 ) -> None:
@@ -390,31 +307,107 @@ def _report_not_simulated(collector: Collector, element: Element, path: str) -> 
     )
 
 
-def _descendants(element: Element, tag: str) -> Iterator[Element]:
-    for child in element:
-        if child.tag == tag:
-            yield child
-        yield from _descendants(child, tag)
+def check_value(  # noqa: PLR0913  what, where, and whether it counts
+    collector: Collector, element: Element, path: str, key: str, text: str, *, is_known: bool
+) -> None:
+    """Report a value that ends Gazebo, that it refuses, or that is surely not what was meant.
+
+    `is_known`: the reference is there; otherwise only the keys that sdformat reads at once matter.
+    """
+    if LEFT_OVER.search(text):  # reported once, for every element
+        return
+    is_copied_number = key in SDF_NUMERIC and is_known and bool(text)
+    if key in NUMERIC or key == "maxContacts" or is_copied_number:
+        _check_number(collector, element, path, key, text)
+    elif key in SDF_BOOLEAN and is_known and text:
+        if text.lower() not in TRUTHS | FALSEHOODS:
+            collector.report(
+                GAZEBO_NOT_A_BOOLEAN,
+                f"<{key}>: `{text[:60]}` is neither true nor false: Gazebo refuses the robot.",
+                hint="Write true or false.",
+                at=element,
+                path=path,
+            )
+    elif key == "material" and text.startswith("Gazebo/") and text not in GAZEBO_COLORS:
+        near = nearest(text, GAZEBO_COLORS)
+        collector.report(
+            UNKNOWN_GAZEBO_MATERIAL,
+            f"Gazebo has no material `{text}`.",
+            hint=did_you_mean(near) if near else "Take Gazebo/Grey, Gazebo/Red, …",
+            at=element,
+            path=path,
+        )
 
 
-if TYPE_CHECKING:
-    TagsOfBody = dict[str, list[tuple[int, GazeboTag]]]  # by reference, with their places in order
+def _check_number(collector: Collector, element: Element, path: str, key: str, text: str) -> None:
+    number = leading_integer(text) if key == "maxContacts" else leading_float(text)
+    told = f"<{key.rpartition('/')[2]}>: `{text[:60]}`"
+    if number is None:
+        collector.report(
+            GAZEBO_NOT_A_NUMBER,
+            f"{told} is not a number that Gazebo reads.",
+            hint="Write one number with a point. Gazebo "
+            + ("refuses the robot for" if "/" in key else "ends with an exception on")
+            + " this.",
+            at=element,
+            path=path,
+        )
+    elif key in NOT_NEGATIVE and number < 0:
+        collector.report(
+            GAZEBO_NOT_A_NUMBER,
+            f"{told} is less than 0, and Gazebo refuses the robot.",
+            hint="A coefficient of friction is 0 or greater.",
+            at=element,
+            path=path,
+        )
+    elif not math.isfinite(number):
+        collector.report(
+            GAZEBO_NOT_A_NUMBER,
+            f"{told} is not finite: wsgen goes on as if it were not there.",
+            hint="Write a finite number; physics engines compute nonsense with others.",
+            at=element,
+            path=path,
+            severity=Severity.WARNING,
+        )
+    elif not NUMBER.fullmatch(text) or (key == "maxContacts" and float(text) != number):
+        collector.report(
+            GAZEBO_NOT_A_NUMBER,
+            f"{told} is not one number: Gazebo reads the beginning, {number:g}.",
+            hint=f"Write {number:g} if that is meant.",
+            at=element,
+            path=path,
+            severity=Severity.WARNING,
+        )
 
-TRUE = frozenset(("true", "yes", "1"))  # as sdformat reads its own keys, in lower case
-FALSE = frozenset(("false", "no", "0"))
-LUMPED = "_fixed_joint_lump__"  # what sdformat puts into the names of lumped shapes
 
-FRICTION = "collision/surface/friction/ode/"
-CONTACT = "collision/surface/contact/ode/"
-# The field of Surface that a key sets, and the one of the same thing in copied SDF.
-FIELDS = {"mu1": "mu1", "mu2": "mu2", "kp": "kp", "kd": "kd", "minDepth": "min_depth"}
-SDF_FIELDS = {
-    FRICTION + "mu": "mu1",
-    FRICTION + "mu2": "mu2",
-    CONTACT + "kp": "kp",
-    CONTACT + "kd": "kd",
-    CONTACT + "min_depth": "min_depth",
-}
+def check_placement(
+    collector: Collector, element: Element, path: str, *, is_link: bool, is_joint: bool
+) -> None:
+    """Report a key that does nothing at what the `<gazebo>` element is about."""
+    key = str(element.tag)
+    right_place = None
+    if key in JOINT_KEYS and not is_joint:
+        right_place = "a joint"
+    elif key in LINK_KEYS and not is_link:
+        right_place = "a link"
+    elif key == "static" and (is_link or is_joint):
+        right_place = "the whole robot"
+    if right_place is None:
+        return
+    hint = 'Put it into <gazebo reference="NAME"> with the name of ' + right_place + "."
+    if key in LUMPING_KEYS:
+        hint = 'Put it into <gazebo reference="JOINT"> with the name of the fixed joint.'
+    elif key == "static":
+        hint = "Put it into a <gazebo> without reference."
+    elif key == "selfCollide" and not is_joint:
+        hint = "For all links write <self_collide>true</self_collide>, which Gazebo copies."
+    collector.report(
+        MISPLACED_GAZEBO_ELEMENT,
+        f"<{key}> belongs to {right_place}: here it does nothing.",
+        hint=hint,
+        at=element,
+        path=path,
+    )
 
 
 def is_true(text: str | None) -> bool:

@@ -31,7 +31,7 @@ INCOMPLETE_JOINT = Rule(
     severity=Severity.ERROR,
     summary="A joint has no parent or child, or its `<mimic>` names no joint.",
     why="urdfdom cannot build the tree of links, and refuses the robot.",
-    example=('<joint name="arm_joint" type="fixed">\n  <child link="arm"/>\n</joint>'),
+    example='<joint name="arm_joint" type="fixed">\n  <child link="arm"/>\n</joint>',
     instead=(
         '<joint name="arm_joint" type="fixed">\n'
         '  <parent link="base_link"/>\n'

@@ -42,6 +42,13 @@ if TYPE_CHECKING:
     from wsgen.xmltree import Element
 
 
+Rgba = tuple[float, float, float, float]
+EXAMPLES = {  # of what an <inertial> must have
+    "mass": '<mass value="1"/>',
+    "inertia": '<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/>',
+}
+MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+
 INCOMPLETE_INERTIAL = Rule(
     code="ROB021",
     name="incomplete-inertial",
@@ -51,7 +58,7 @@ INCOMPLETE_INERTIAL = Rule(
         "urdfdom stops reading the link there: the shapes of the link are lost, and Gazebo "
         "drops a link without mass."
     ),
-    example=('<inertial>\n  <mass value="1"/>\n</inertial>'),
+    example='<inertial>\n  <mass value="1"/>\n</inertial>',
     instead=(
         "<inertial>\n"
         '  <mass value="1"/>\n'
@@ -72,7 +79,7 @@ UNDEFINED_MATERIAL = Rule(
         '  <material name="blue"/>\n'
         "</visual>"
     ),
-    instead=('<material name="blue">\n  <color rgba="0 0 1 1"/>\n</material>'),
+    instead='<material name="blue">\n  <color rgba="0 0 1 1"/>\n</material>',
 )
 
 TWO_COLORED_MATERIAL = Rule(
@@ -129,97 +136,111 @@ DUPLICATE_MATERIAL = Rule(
     instead='<material name="blue"><color rgba="0 0 1 1"/></material>',
 )
 
-Rgba = tuple[float, float, float, float]
 
-
-def read_materials(collector: Collector, root: Element) -> dict[str, Rgba | None]:
-    """The materials by name, those of the robot and those in its links; None: a texture only."""
-    materials: dict[str, Rgba | None] = {}
-    _report_repeated(collector, root)
-    inside = [
-        material
-        for link in children(root, "link")
-        for visual in children(link, "visual")
-        for material in children(visual, "material")
+def read_link(
+    collector: Collector, element: Element, name: str, materials: Mapping[str, Rgba | None]
+) -> Link:
+    """A link as Gazebo's parser reads it; what is wrong in it is reported and left out."""
+    path = f"link[@name='{name}']"
+    before = len(collector.errors)
+    # Of repeated elements the first one counts, as for Gazebo's parser.
+    first = next(children(element, "inertial"), None)
+    inertial, is_whole = (None, True) if first is None else _read_inertial(collector, first, path)
+    visuals = [
+        read_visual(collector, visual, f"{path}/visual", materials)
+        for visual in children(element, "visual")
     ]
-    for material in (*children(root, "material"), *inside):
-        name = material.get("name") or ""
-        if name and _has(material, "color", "texture"):
-            path = f"material[@name='{name}']"
-            color = _read_color(collector, material, path)
-            if materials.setdefault(name, color) != color:
-                collector.report(
-                    TWO_COLORED_MATERIAL,
-                    f"The material `{name}` has two colors.",
-                    hint="Define it once, or give the second one another name: Gazebo takes the "
-                    "first color for both, other programs may not.",
-                    at=material,
-                    path=path,
-                )
-    return materials
+    collisions = [
+        read_collision(collector, collision, f"{path}/collision")
+        for collision in children(element, "collision")
+    ]
+    seen = _until_unreadable(visuals) if is_whole else 0
+    touched = _until_unreadable(collisions) if is_whole and seen == len(visuals) else 0
+    _report_lost(
+        collector,
+        before,
+        len(visuals) - seen - (is_whole and seen < len(visuals)),
+        len(collisions)
+        - touched
+        - (is_whole and seen == len(visuals) and touched < len(collisions)),
+    )
+    return Link(
+        name=name,
+        inertial=inertial,
+        visuals=tuple(one for one in visuals[:seen] if not isinstance(one, Unusable)),
+        collisions=tuple(one for one in collisions[:touched] if not isinstance(one, Unusable)),
+        line=line_of(element),
+    )
 
 
-def _report_repeated(collector: Collector, root: Element) -> None:
-    """Materials of the whole robot; urdfdom counts those that it cannot read as well."""
-    names: set[str | None] = set()
-    for material in children(root, "material"):
-        name = material.get("name")
-        if name in names:
-            collector.report(
-                DUPLICATE_MATERIAL,
-                f"The material `{name or ''}` is defined twice for the whole robot, and Gazebo "
-                "refuses the robot, be the colors equal or not.",
-                hint="Remove one of the definitions; in xacro, put them into a file of their own "
-                "that is included once.",
-                at=material,
-                path=f"material[@name='{name or ''}']",
-            )
-        names.add(name)
+def _until_unreadable(shapes: Sequence[Visual | Collision | Unusable]) -> int:
+    """How many of them come before the first that Gazebo's parser cannot read."""
+    return next(
+        (index for index, shape in enumerate(shapes) if shape is Unusable.UNREADABLE), len(shapes)
+    )
 
 
-def _has(element: Element, *tags: str) -> bool:
-    return next(children(element, *tags), None) is not None
+def _report_lost(collector: Collector, error: int, visuals: int, collisions: int) -> None:
+    lost = [
+        f"{count} {kind}{'s' if count > 1 else ''}"
+        for count, kind in ((visuals, "visual"), (collisions, "collision"))
+        if count
+    ]
+    if lost and error < len(collector.errors):  # not where what is left over of xacro is the cause
+        collector.add_consequence(
+            error,
+            "Gazebo's parser stops reading the link there, and leaves out what comes behind: "
+            f"{' and '.join(lost)}.",
+        )
 
 
-def used_color(
-    collector: Collector, material: Element, path: str, materials: Mapping[str, Rgba | None]
-) -> Rgba | None:
-    """The color of a visual's material; None where it has none."""
-    name = material.get("name") or ""
-    if name in materials:
-        return materials[name]
-    if _has(material, "color"):
-        return _read_color(collector, material, path)
-    if name and not _has(material, "texture"):
-        collector.report(
-            UNDEFINED_MATERIAL,
-            f"The material `{name}` is not defined.",
-            hint=f'Add <material name="{name}"><color rgba="0.5 0.5 0.5 1"/></material> to the '
-            "robot; without it simulators show their default color.",
-            at=material,
+def _read_inertial(
+    collector: Collector, element: Element, path: str
+) -> tuple[Inertial | None, bool]:
+    """The inertial as Gazebo has it, and whether all of it can be read.
+
+    Where only the moments are wrong, the mass is kept, with moments of zero.
+    """
+    path = f"{path}/inertial"
+    pose = read_origin(collector, element, path)
+    parts: dict[str, Element] = {}
+    for part in children(element, "mass", "inertia"):
+        parts.setdefault(str(part.tag), part)
+    lacking = [tag for tag in EXAMPLES if tag not in parts]
+    if lacking:
+        collector.report_missing(
+            INCOMPLETE_INERTIAL,
+            f"<inertial> has no <{'> and no <'.join(lacking)}>.",
+            hint=f"Add {' and '.join(EXAMPLES[tag] for tag in lacking)} (kg, kg m²).",
+            at=element,
             path=path,
+            name=lacking[0],
         )
-    return None
+    mass = _read_mass(collector, parts["mass"], path) if "mass" in parts else None
+    moments = [
+        read_number(collector, parts["inertia"], moment, f"{path}/inertia", required=True)
+        for moment in MOMENTS
+        if "inertia" in parts
+    ]
+    is_whole = pose is not None and mass is not None and bool(moments) and None not in moments
+    if pose is None or mass is None or mass < 0:
+        return None, is_whole
+    numbers = [moment or 0.0 for moment in moments] if is_whole else [0.0] * len(MOMENTS)
+    ixx, ixy, ixz, iyy, iyz, izz = numbers
+    return Inertial(mass=mass, pose_in_link=pose, inertia=(ixx, ixy, ixz, iyy, iyz, izz)), is_whole
 
 
-def _read_color(collector: Collector, material: Element, path: str) -> Rgba | None:
-    for color in children(material, "color"):
-        rgba = read_numbers(
-            collector, color, "rgba", 4, f"{path}/color", required=True, is_fatal=False
+def _read_mass(collector: Collector, element: Element, path: str) -> float | None:
+    mass = read_number(collector, element, "value", f"{path}/mass", required=True)
+    if mass is not None and mass < 0:
+        collector.report(
+            NEGATIVE_MASS,
+            f"The mass is negative ({mass:g} kg).",
+            hint="Give the link its mass in kilograms.",
+            at=element,
+            path=f"{path}/mass",
         )
-        if rgba is None:
-            return None
-        if not all(0 <= number <= 1 for number in rgba):
-            collector.report(
-                COLOR_OUT_OF_RANGE,
-                f'rgba="{color.get("rgba")}" is not between 0 and 1.',
-                hint="Divide by 255 if these are bytes.",
-                at=color,
-                path=f"{path}/color",
-            )
-        red, green, blue, alpha = (min(1.0, max(0.0, number)) for number in rgba)
-        return (red, green, blue, alpha)
-    return None
+    return mass
 
 
 class Unusable(Enum):
@@ -385,114 +406,91 @@ def _is_only_seen(path: str) -> bool:
     return "/visual/" in path
 
 
-EXAMPLES = {  # of what an <inertial> must have
-    "mass": '<mass value="1"/>',
-    "inertia": '<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/>',
-}
-MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-
-
-def read_link(
-    collector: Collector, element: Element, name: str, materials: Mapping[str, Rgba | None]
-) -> Link:
-    """A link as Gazebo's parser reads it; what is wrong in it is reported and left out."""
-    path = f"link[@name='{name}']"
-    before = len(collector.errors)
-    # Of repeated elements the first one counts, as for Gazebo's parser.
-    first = next(children(element, "inertial"), None)
-    inertial, is_whole = (None, True) if first is None else _read_inertial(collector, first, path)
-    visuals = [
-        read_visual(collector, visual, f"{path}/visual", materials)
-        for visual in children(element, "visual")
+def read_materials(collector: Collector, root: Element) -> dict[str, Rgba | None]:
+    """The materials by name, those of the robot and those in its links; None: a texture only."""
+    materials: dict[str, Rgba | None] = {}
+    _report_repeated(collector, root)
+    inside = [
+        material
+        for link in children(root, "link")
+        for visual in children(link, "visual")
+        for material in children(visual, "material")
     ]
-    collisions = [
-        read_collision(collector, collision, f"{path}/collision")
-        for collision in children(element, "collision")
-    ]
-    seen = _until_unreadable(visuals) if is_whole else 0
-    touched = _until_unreadable(collisions) if is_whole and seen == len(visuals) else 0
-    _report_lost(
-        collector,
-        before,
-        len(visuals) - seen - (is_whole and seen < len(visuals)),
-        len(collisions)
-        - touched
-        - (is_whole and seen == len(visuals) and touched < len(collisions)),
-    )
-    return Link(
-        name=name,
-        inertial=inertial,
-        visuals=tuple(one for one in visuals[:seen] if not isinstance(one, Unusable)),
-        collisions=tuple(one for one in collisions[:touched] if not isinstance(one, Unusable)),
-        line=line_of(element),
-    )
+    for material in (*children(root, "material"), *inside):
+        name = material.get("name") or ""
+        if name and _has(material, "color", "texture"):
+            path = f"material[@name='{name}']"
+            color = _read_color(collector, material, path)
+            if materials.setdefault(name, color) != color:
+                collector.report(
+                    TWO_COLORED_MATERIAL,
+                    f"The material `{name}` has two colors.",
+                    hint="Define it once, or give the second one another name: Gazebo takes the "
+                    "first color for both, other programs may not.",
+                    at=material,
+                    path=path,
+                )
+    return materials
 
 
-def _until_unreadable(shapes: Sequence[Visual | Collision | Unusable]) -> int:
-    """How many of them come before the first that Gazebo's parser cannot read."""
-    return next(
-        (index for index, shape in enumerate(shapes) if shape is Unusable.UNREADABLE), len(shapes)
-    )
+def _report_repeated(collector: Collector, root: Element) -> None:
+    """Materials of the whole robot; urdfdom counts those that it cannot read as well."""
+    names: set[str | None] = set()
+    for material in children(root, "material"):
+        name = material.get("name")
+        if name in names:
+            collector.report(
+                DUPLICATE_MATERIAL,
+                f"The material `{name or ''}` is defined twice for the whole robot, and Gazebo "
+                "refuses the robot, be the colors equal or not.",
+                hint="Remove one of the definitions; in xacro, put them into a file of their own "
+                "that is included once.",
+                at=material,
+                path=f"material[@name='{name or ''}']",
+            )
+        names.add(name)
 
 
-def _report_lost(collector: Collector, error: int, visuals: int, collisions: int) -> None:
-    lost = [
-        f"{count} {kind}{'s' if count > 1 else ''}"
-        for count, kind in ((visuals, "visual"), (collisions, "collision"))
-        if count
-    ]
-    if lost and error < len(collector.errors):  # not where what is left over of xacro is the cause
-        collector.add_consequence(
-            error,
-            "Gazebo's parser stops reading the link there, and leaves out what comes behind: "
-            f"{' and '.join(lost)}.",
-        )
+def _has(element: Element, *tags: str) -> bool:
+    return next(children(element, *tags), None) is not None
 
 
-def _read_inertial(
-    collector: Collector, element: Element, path: str
-) -> tuple[Inertial | None, bool]:
-    """The inertial as Gazebo has it, and whether all of it can be read.
-
-    Where only the moments are wrong, the mass is kept, with moments of zero.
-    """
-    path = f"{path}/inertial"
-    pose = read_origin(collector, element, path)
-    parts: dict[str, Element] = {}
-    for part in children(element, "mass", "inertia"):
-        parts.setdefault(str(part.tag), part)
-    lacking = [tag for tag in EXAMPLES if tag not in parts]
-    if lacking:
-        collector.report_missing(
-            INCOMPLETE_INERTIAL,
-            f"<inertial> has no <{'> and no <'.join(lacking)}>.",
-            hint=f"Add {' and '.join(EXAMPLES[tag] for tag in lacking)} (kg, kg m²).",
-            at=element,
-            path=path,
-            name=lacking[0],
-        )
-    mass = _read_mass(collector, parts["mass"], path) if "mass" in parts else None
-    moments = [
-        read_number(collector, parts["inertia"], moment, f"{path}/inertia", required=True)
-        for moment in MOMENTS
-        if "inertia" in parts
-    ]
-    is_whole = pose is not None and mass is not None and bool(moments) and None not in moments
-    if pose is None or mass is None or mass < 0:
-        return None, is_whole
-    numbers = [moment or 0.0 for moment in moments] if is_whole else [0.0] * len(MOMENTS)
-    ixx, ixy, ixz, iyy, iyz, izz = numbers
-    return Inertial(mass=mass, pose_in_link=pose, inertia=(ixx, ixy, ixz, iyy, iyz, izz)), is_whole
-
-
-def _read_mass(collector: Collector, element: Element, path: str) -> float | None:
-    mass = read_number(collector, element, "value", f"{path}/mass", required=True)
-    if mass is not None and mass < 0:
+def used_color(
+    collector: Collector, material: Element, path: str, materials: Mapping[str, Rgba | None]
+) -> Rgba | None:
+    """The color of a visual's material; None where it has none."""
+    name = material.get("name") or ""
+    if name in materials:
+        return materials[name]
+    if _has(material, "color"):
+        return _read_color(collector, material, path)
+    if name and not _has(material, "texture"):
         collector.report(
-            NEGATIVE_MASS,
-            f"The mass is negative ({mass:g} kg).",
-            hint="Give the link its mass in kilograms.",
-            at=element,
-            path=f"{path}/mass",
+            UNDEFINED_MATERIAL,
+            f"The material `{name}` is not defined.",
+            hint=f'Add <material name="{name}"><color rgba="0.5 0.5 0.5 1"/></material> to the '
+            "robot; without it simulators show their default color.",
+            at=material,
+            path=path,
         )
-    return mass
+    return None
+
+
+def _read_color(collector: Collector, material: Element, path: str) -> Rgba | None:
+    for color in children(material, "color"):
+        rgba = read_numbers(
+            collector, color, "rgba", 4, f"{path}/color", required=True, is_fatal=False
+        )
+        if rgba is None:
+            return None
+        if not all(0 <= number <= 1 for number in rgba):
+            collector.report(
+                COLOR_OUT_OF_RANGE,
+                f'rgba="{color.get("rgba")}" is not between 0 and 1.',
+                hint="Divide by 255 if these are bytes.",
+                at=color,
+                path=f"{path}/color",
+            )
+        red, green, blue, alpha = (min(1.0, max(0.0, number)) for number in rgba)
+        return (red, green, blue, alpha)
+    return None

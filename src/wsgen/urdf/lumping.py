@@ -36,6 +36,14 @@ if TYPE_CHECKING:
     from wsgen.model.robot import Collision, GazeboTag, Joint, Link, Robot, Visual
 
 
+NO_MASS = 1e-6  # kg; sdformat before its pull request 1238 took less for nothing
+WORLD = "world"  # sdformat's word for what never moves; it knows no other way to say so in a URDF
+NAMED = 8  # so many names are told in a message
+# Of a fixed joint whose lumping is disabled: no movement, by any force.
+HELD = JointLimit(lower=0.0, upper=0.0, effort=-1.0, velocity=-1.0)
+# Gazebo makes no joint of these: what hangs on them is loose.
+LOOSE = frozenset((JointType.FLOATING, JointType.PLANAR))
+
 DROPPED_LINK = Rule(
     code="ROB040",
     name="dropped-link",
@@ -46,7 +54,7 @@ DROPPED_LINK = Rule(
         "mass. The robot in Gazebo lacks the link, its joint and everything below it; older "
         "versions do not even print a warning."
     ),
-    example=('<link name="wheel">\n  <collision>…</collision>\n</link>'),
+    example='<link name="wheel">\n  <collision>…</collision>\n</link>',
     instead=(
         '<link name="wheel">\n'
         "  <inertial>\n"
@@ -199,8 +207,97 @@ DROPPED_BY_OLD_SDFORMAT = Rule(
     ),
 )
 
-NO_MASS = 1e-6  # kg; sdformat before its pull request 1238 took less for nothing
-WORLD = "world"  # sdformat's word for what never moves; it knows no other way to say so in a URDF
+
+def lump(robot: Robot, *, file: Path | None = None) -> tuple[Robot, tuple[Diagnostic, ...]]:
+    """Lump fixed joints into their parents, drop what Gazebo drops, and do what its tags say.
+
+    Poses, centers of mass and inertias of the result are seen from the links that are left, which
+    keep their names and frames; the order of links and joints is kept. The robot must be a tree,
+    as `read_urdf` gives it. `file` is what the diagnostics name.
+    """
+    bodies = bodies_of(robot)
+    kept, dropped = drop_massless(robot, bodies)
+    reported = {name for name, body in bodies.items() if body.has_error}
+    diagnostics = [
+        *nothing_but_the_world(robot, file),
+        *sdf_joint_ends(robot, bodies, file),
+        *dropped_by_old_sdformat(robot, bodies, kept, file),
+        *dropped_links(
+            robot, bodies, [name for name in dropped if not bodies[name].has_error], file
+        ),
+    ]
+    tags = _tags_by_reference(robot)
+    collides = collides_with_itself(robot.gazebo)
+    links: dict[str, Link] = {}
+    for name in kept:
+        body = bodies[name]
+        links[name] = _link_of(robot, body)
+        about = [tag for part, _ in body.parts for tag in tags.get(part.name, ())]
+        if name not in reported:
+            diagnostics += two_zero_masses(robot, body, file)
+            diagnostics += impossible_sum(body, links[name], file)
+            diagnostics += without_inertia(body, links[name], file)
+        if body.is_as_meant:
+            diagnostics += values_without_effect(body, links[name], about, file)
+        links[name] = with_extensions(links[name], about, self_collide=collides)
+    joints = {joint.child: joint for name in kept for joint in bodies[name].joints}
+    return _assembled(robot, bodies, links, joints, tags), tuple(diagnostics)
+
+
+def _tags_by_reference(robot: Robot) -> dict[str, list[GazeboTag]]:
+    tags: dict[str, list[GazeboTag]] = {}
+    for tag in robot.gazebo:
+        if tag.reference:
+            tags.setdefault(tag.reference, []).append(tag)
+    return tags
+
+
+def _link_of(robot: Robot, body: Body) -> Link:
+    """Gazebo makes no body of a root called `world`: what mass it is given counts for nothing."""
+    is_world = robot.fixed_to_world and body.link.name == robot.root
+    if len(body.parts) == 1:
+        return replace(body.link, inertial=None) if is_world else body.link
+    return replace(
+        body.link,
+        inertial=None if is_world else body.inertial(),
+        visuals=body.visuals(),
+        collisions=body.collisions(),
+    )
+
+
+def _assembled(
+    robot: Robot,
+    bodies: Mapping[str, Body],
+    links: Mapping[str, Link],
+    joints: Mapping[str, Joint],
+    tags: Mapping[str, list[GazeboTag]],
+) -> Robot:
+    preserved = joints_that_say(robot, "preserveFixedJoint")
+    held = joints_that_say(robot, "disableFixedJointLumping") - preserved
+    body_of = {part.name: name for name, body in bodies.items() for part, _ in body.parts}
+    left = [
+        with_springs(_as_gazebo_has_it(joints[joint.child], held), tags.get(joint.name, ()))
+        for joint in robot.joints
+        if joint.child in joints and joint.child in links
+    ]
+    return replace(
+        robot,
+        links=tuple(links[link.name] for link in robot.links if link.name in links),
+        joints=tuple(joint for joint in left if joint.type not in LOOSE),
+        loose=tuple(joint for joint in left if joint.type in LOOSE),
+        gazebo=tuple(
+            replace(tag, reference=body_of.get(tag.reference or "", tag.reference))
+            for tag in robot.gazebo
+        ),
+        is_static=is_static(robot.gazebo),
+    )
+
+
+def _as_gazebo_has_it(joint: Joint, held: set[str]) -> Joint:
+    """A fixed joint whose lumping is disabled becomes a revolute one that cannot turn."""
+    if joint.type is not JointType.FIXED or joint.name not in held:
+        return joint
+    return replace(joint, type=JointType.REVOLUTE, limit=HELD, axis_in_joint=(0.0, 0.0, 1.0))
 
 
 @dataclass
@@ -302,30 +399,6 @@ def bodies_of(robot: Robot) -> dict[str, Body]:
     return bodies
 
 
-def parts_of_impossible_sums(robot: Robot) -> set[str]:
-    """The links that are fixed together to something whose inertia no body has.
-
-    The robot must be a tree. A link that nothing is fixed to counts as well.
-    """
-    return {
-        part.name
-        for body in bodies_of(robot).values()
-        if (inertial := body.inertial()) is not None
-        and inertial.mass > 0
-        and not is_possible(inertial.inertia)
-        for part, _ in body.parts
-    }
-
-
-def joints_that_say(robot: Robot, key: str) -> set[str]:
-    """The names of the joints about which a `<gazebo>` element says that this is true."""
-    return {
-        tag.reference
-        for tag in robot.gazebo
-        if tag.reference is not None and is_true(tag.values.get(key))
-    }
-
-
 def _kept_joints(robot: Robot) -> set[str]:
     """The fixed joints that sdformat does not lump."""
     return (
@@ -393,7 +466,33 @@ def _sum(parts: list[Inertial]) -> Inertial:
     )
 
 
-NAMED = 8  # so many names are told in a message
+def parts_of_impossible_sums(robot: Robot) -> set[str]:
+    """The links that are fixed together to something whose inertia no body has.
+
+    The robot must be a tree. A link that nothing is fixed to counts as well.
+    """
+    return {
+        part.name
+        for body in bodies_of(robot).values()
+        if (inertial := body.inertial()) is not None
+        and inertial.mass > 0
+        and not is_possible(inertial.inertia)
+        for part, _ in body.parts
+    }
+
+
+def is_impossible(inertial: Inertial) -> bool:
+    """Whether no body of this mass has this inertia; that of a zero mass means nothing."""
+    return inertial.mass > 0 and not is_possible(inertial.inertia)
+
+
+def joints_that_say(robot: Robot, key: str) -> set[str]:
+    """The names of the joints about which a `<gazebo>` element says that this is true."""
+    return {
+        tag.reference
+        for tag in robot.gazebo
+        if tag.reference is not None and is_true(tag.values.get(key))
+    }
 
 
 def drop_massless(robot: Robot, bodies: Mapping[str, Body]) -> tuple[list[str], list[str]]:
@@ -407,6 +506,84 @@ def drop_massless(robot: Robot, bodies: Mapping[str, Body]) -> tuple[list[str], 
         else:
             dropped.append(name)
     return kept, dropped
+
+
+def nothing_but_the_world(robot: Robot, file: Path | None) -> Iterator[Diagnostic]:
+    """A root called `world` is no link of its own."""
+    if robot.fixed_to_world and len(robot.links) == 1:
+        yield NO_LINK.at(
+            file,
+            robot.links[0].line,
+            "link[@name='world']",
+            message="The robot has no link besides `world`, and Gazebo refuses it.",
+            hint="Join a link to it, or give it another name.",
+        )
+
+
+def sdf_joint_ends(
+    robot: Robot, bodies: Mapping[str, Body], file: Path | None
+) -> Iterator[Diagnostic]:
+    """Joints of SDF in `<gazebo>` that join what is no link of the model."""
+    body_of = {part.name: name for name, body in bodies.items() for part, _ in body.parts}
+    if any(tag.is_open for tag in robot.gazebo):
+        return
+    others = {joint.name for joint in robot.joints} | {"world", "__model__"}
+    others |= {name for tag in robot.gazebo for name in tag.frames}
+    above = {joint.child: joint.name for joint in robot.joints}
+    for joint in (joint for tag in robot.gazebo for joint in tag.joints):
+        for end, link in joint.ends.items():
+            name = body_of.get(link)
+            if name == link or link in others or "::" in link:
+                continue
+            what = f"The SDF joint `{joint.name}` in <gazebo> has `{link}` as {end}"
+            place = f"gazebo/joint[@name='{joint.name}']/{end}"
+            if name is None:
+                yield UNKNOWN_END_OF_SDF_JOINT.at(
+                    file,
+                    joint.line,
+                    place,
+                    message=f"{what}, but no link has that name: Gazebo refuses the robot.",
+                    hint="Name a link of this robot.",
+                )
+            else:
+                yield LUMPED_END_OF_SDF_JOINT.at(
+                    file,
+                    joint.line,
+                    place,
+                    message=f"{what}, which is lumped into `{name}`: Gazebo with sdformat before "
+                    "9.9, 12.7 and 13.1 (Debian 12 and Ubuntu 22.04 have such) refuses the robot.",
+                    hint=f'Write <gazebo reference="{above[link]}"><preserveFixedJoint>true'
+                    f"</preserveFixedJoint></gazebo>, or name `{name}`.",
+                )
+
+
+def dropped_by_old_sdformat(
+    robot: Robot, bodies: Mapping[str, Body], kept: Sequence[str], file: Path | None
+) -> Iterator[Diagnostic]:
+    """What hangs on a lumped link without mass, which older versions drop with it."""
+    joints: dict[str, list[Joint]] = {}
+    for joint in robot.joints:
+        joints.setdefault(joint.parent, []).append(joint)
+    links = {link.name: link for link in robot.links}
+    for name in kept:
+        body = bodies[name]
+        for massless in reversed(body.massless):
+            below = [massless]
+            for link in below:
+                below += [joint.child for joint in joints.pop(link, ())]
+            lost = [link for link in below if link in bodies]
+            mass = sum(bodies[link].mass for link in lost)
+            if mass and body.is_as_meant:
+                yield DROPPED_BY_OLD_SDFORMAT.at(
+                    file,
+                    links[massless].line,
+                    f"link[@name='{massless}']",
+                    message=f"`{massless}` has no mass, and sdformat before 9.10.1, 12.7.2 and "
+                    "13.5 (Debian 12 and Ubuntu 22.04 have such) drops what moves on it: "
+                    f"{_named(lost)}, {mass:.4g} kg.",
+                    hint=f"Give `{massless}` an <inertial> with a small mass, or join "
+                    f"{_named(lost[:1])} to `{name}`.",
+                )
 
 
 def dropped_links(
@@ -464,107 +641,10 @@ def _lacks_mass(body: Body) -> Link:
     )
 
 
-def dropped_by_old_sdformat(
-    robot: Robot, bodies: Mapping[str, Body], kept: Sequence[str], file: Path | None
-) -> Iterator[Diagnostic]:
-    """What hangs on a lumped link without mass, which older versions drop with it."""
-    joints: dict[str, list[Joint]] = {}
-    for joint in robot.joints:
-        joints.setdefault(joint.parent, []).append(joint)
-    links = {link.name: link for link in robot.links}
-    for name in kept:
-        body = bodies[name]
-        for massless in reversed(body.massless):
-            below = [massless]
-            for link in below:
-                below += [joint.child for joint in joints.pop(link, ())]
-            lost = [link for link in below if link in bodies]
-            mass = sum(bodies[link].mass for link in lost)
-            if mass and body.is_as_meant:
-                yield DROPPED_BY_OLD_SDFORMAT.at(
-                    file,
-                    links[massless].line,
-                    f"link[@name='{massless}']",
-                    message=f"`{massless}` has no mass, and sdformat before 9.10.1, 12.7.2 and "
-                    "13.5 (Debian 12 and Ubuntu 22.04 have such) drops what moves on it: "
-                    f"{_named(lost)}, {mass:.4g} kg.",
-                    hint=f"Give `{massless}` an <inertial> with a small mass, or join "
-                    f"{_named(lost[:1])} to `{name}`.",
-                )
-
-
 def _named(names: Sequence[str]) -> str:
     """The names; of many, the first few."""
     told = ", ".join(f"`{name}`" for name in names[:NAMED])
     return told + (f" and {len(names) - NAMED} more" if len(names) > NAMED else "")
-
-
-def sdf_joint_ends(
-    robot: Robot, bodies: Mapping[str, Body], file: Path | None
-) -> Iterator[Diagnostic]:
-    """Joints of SDF in `<gazebo>` that join what is no link of the model."""
-    body_of = {part.name: name for name, body in bodies.items() for part, _ in body.parts}
-    if any(tag.is_open for tag in robot.gazebo):
-        return
-    others = {joint.name for joint in robot.joints} | {"world", "__model__"}
-    others |= {name for tag in robot.gazebo for name in tag.frames}
-    above = {joint.child: joint.name for joint in robot.joints}
-    for joint in (joint for tag in robot.gazebo for joint in tag.joints):
-        for end, link in joint.ends.items():
-            name = body_of.get(link)
-            if name == link or link in others or "::" in link:
-                continue
-            what = f"The SDF joint `{joint.name}` in <gazebo> has `{link}` as {end}"
-            place = f"gazebo/joint[@name='{joint.name}']/{end}"
-            if name is None:
-                yield UNKNOWN_END_OF_SDF_JOINT.at(
-                    file,
-                    joint.line,
-                    place,
-                    message=f"{what}, but no link has that name: Gazebo refuses the robot.",
-                    hint="Name a link of this robot.",
-                )
-            else:
-                yield LUMPED_END_OF_SDF_JOINT.at(
-                    file,
-                    joint.line,
-                    place,
-                    message=f"{what}, which is lumped into `{name}`: Gazebo with sdformat before "
-                    "9.9, 12.7 and 13.1 (Debian 12 and Ubuntu 22.04 have such) refuses the robot.",
-                    hint=f'Write <gazebo reference="{above[link]}"><preserveFixedJoint>true'
-                    f"</preserveFixedJoint></gazebo>, or name `{name}`.",
-                )
-
-
-def nothing_but_the_world(robot: Robot, file: Path | None) -> Iterator[Diagnostic]:
-    """A root called `world` is no link of its own."""
-    if robot.fixed_to_world and len(robot.links) == 1:
-        yield NO_LINK.at(
-            file,
-            robot.links[0].line,
-            "link[@name='world']",
-            message="The robot has no link besides `world`, and Gazebo refuses it.",
-            hint="Join a link to it, or give it another name.",
-        )
-
-
-def without_inertia(body: Body, lumped: Link, file: Path | None) -> Iterator[Diagnostic]:
-    """A mass without any inertia, which no engine can turn; `lumped` is all of the body."""
-    if lumped.inertial is None or any(lumped.inertial.inertia):
-        return
-    # The link that is written with that mass, which may be another one than gives the name.
-    link = next(part for part, _ in body.parts if part.inertial is not None)
-    yield IMPOSSIBLE_INERTIA.at(
-        file,
-        link.line,
-        f"link[@name='{link.name}']/inertial/inertia",
-        severity=Severity.WARNING,
-        message=f"The link `{link.name}` has a mass of {lumped.inertial.mass:g} kg and no inertia: "
-        "the slightest touch makes it spin.",
-        hint="Compute it from mass and shape, or export it from CAD."
-        if (moments := if_filled(link)) is None
-        else f"If it is evenly filled: {as_attributes(moments)} (kg m², the products 0).",
-    )
 
 
 def two_zero_masses(robot: Robot, body: Body, file: Path | None) -> Iterator[Diagnostic]:
@@ -584,11 +664,6 @@ def two_zero_masses(robot: Robot, body: Body, file: Path | None) -> Iterator[Dia
     )
 
 
-def is_impossible(inertial: Inertial) -> bool:
-    """Whether no body of this mass has this inertia; that of a zero mass means nothing."""
-    return inertial.mass > 0 and not is_possible(inertial.inertia)
-
-
 def impossible_sum(body: Body, link: Link, file: Path | None) -> Iterator[Diagnostic]:
     """The reader has checked single links; here the sum of sound ones is new."""
     if len(body.parts) == 1 or link.inertial is None or is_possible(link.inertial.inertia):
@@ -603,6 +678,25 @@ def impossible_sum(body: Body, link: Link, file: Path | None) -> Iterator[Diagno
         "has, and Gazebo refuses the robot.",
         hint=f"Correct the inertia of {', '.join(f'`{name}`' for name in body.lumped[:NAMED])}"
         f" or of `{link.name}` itself.",
+    )
+
+
+def without_inertia(body: Body, lumped: Link, file: Path | None) -> Iterator[Diagnostic]:
+    """A mass without any inertia, which no engine can turn; `lumped` is all of the body."""
+    if lumped.inertial is None or any(lumped.inertial.inertia):
+        return
+    # The link that is written with that mass, which may be another one than gives the name.
+    link = next(part for part, _ in body.parts if part.inertial is not None)
+    yield IMPOSSIBLE_INERTIA.at(
+        file,
+        link.line,
+        f"link[@name='{link.name}']/inertial/inertia",
+        severity=Severity.WARNING,
+        message=f"The link `{link.name}` has a mass of {lumped.inertial.mass:g} kg and no inertia: "
+        "the slightest touch makes it spin.",
+        hint="Compute it from mass and shape, or export it from CAD."
+        if (moments := if_filled(link)) is None
+        else f"If it is evenly filled: {as_attributes(moments)} (kg m², the products 0).",
     )
 
 
@@ -625,101 +719,3 @@ def values_without_effect(
             if any(collision.name for collision in about.collisions)
             else f"Give `{about.name}` a name that does not begin with `{link.name}`.",
         )
-
-
-# Of a fixed joint whose lumping is disabled: no movement, by any force.
-HELD = JointLimit(lower=0.0, upper=0.0, effort=-1.0, velocity=-1.0)
-# Gazebo makes no joint of these: what hangs on them is loose.
-LOOSE = frozenset((JointType.FLOATING, JointType.PLANAR))
-
-
-def lump(robot: Robot, *, file: Path | None = None) -> tuple[Robot, tuple[Diagnostic, ...]]:
-    """Lump fixed joints into their parents, drop what Gazebo drops, and do what its tags say.
-
-    Poses, centers of mass and inertias of the result are seen from the links that are left, which
-    keep their names and frames; the order of links and joints is kept. The robot must be a tree,
-    as `read_urdf` gives it. `file` is what the diagnostics name.
-    """
-    bodies = bodies_of(robot)
-    kept, dropped = drop_massless(robot, bodies)
-    reported = {name for name, body in bodies.items() if body.has_error}
-    diagnostics = [
-        *nothing_but_the_world(robot, file),
-        *sdf_joint_ends(robot, bodies, file),
-        *dropped_by_old_sdformat(robot, bodies, kept, file),
-        *dropped_links(
-            robot, bodies, [name for name in dropped if not bodies[name].has_error], file
-        ),
-    ]
-    tags = _tags_by_reference(robot)
-    collides = collides_with_itself(robot.gazebo)
-    links: dict[str, Link] = {}
-    for name in kept:
-        body = bodies[name]
-        links[name] = _link_of(robot, body)
-        about = [tag for part, _ in body.parts for tag in tags.get(part.name, ())]
-        if name not in reported:
-            diagnostics += two_zero_masses(robot, body, file)
-            diagnostics += impossible_sum(body, links[name], file)
-            diagnostics += without_inertia(body, links[name], file)
-        if body.is_as_meant:
-            diagnostics += values_without_effect(body, links[name], about, file)
-        links[name] = with_extensions(links[name], about, self_collide=collides)
-    joints = {joint.child: joint for name in kept for joint in bodies[name].joints}
-    return _assembled(robot, bodies, links, joints, tags), tuple(diagnostics)
-
-
-def _tags_by_reference(robot: Robot) -> dict[str, list[GazeboTag]]:
-    tags: dict[str, list[GazeboTag]] = {}
-    for tag in robot.gazebo:
-        if tag.reference:
-            tags.setdefault(tag.reference, []).append(tag)
-    return tags
-
-
-def _link_of(robot: Robot, body: Body) -> Link:
-    """Gazebo makes no body of a root called `world`: what mass it is given counts for nothing."""
-    is_world = robot.fixed_to_world and body.link.name == robot.root
-    if len(body.parts) == 1:
-        return replace(body.link, inertial=None) if is_world else body.link
-    return replace(
-        body.link,
-        inertial=None if is_world else body.inertial(),
-        visuals=body.visuals(),
-        collisions=body.collisions(),
-    )
-
-
-def _assembled(
-    robot: Robot,
-    bodies: Mapping[str, Body],
-    links: Mapping[str, Link],
-    joints: Mapping[str, Joint],
-    tags: Mapping[str, list[GazeboTag]],
-) -> Robot:
-    preserved = joints_that_say(robot, "preserveFixedJoint")
-    held = joints_that_say(robot, "disableFixedJointLumping") - preserved
-    body_of = {part.name: name for name, body in bodies.items() for part, _ in body.parts}
-    left = [
-        with_springs(_as_gazebo_has_it(joints[joint.child], held), tags.get(joint.name, ()))
-        for joint in robot.joints
-        if joint.child in joints and joint.child in links
-    ]
-    return replace(
-        robot,
-        links=tuple(links[link.name] for link in robot.links if link.name in links),
-        joints=tuple(joint for joint in left if joint.type not in LOOSE),
-        loose=tuple(joint for joint in left if joint.type in LOOSE),
-        gazebo=tuple(
-            replace(tag, reference=body_of.get(tag.reference or "", tag.reference))
-            for tag in robot.gazebo
-        ),
-        is_static=is_static(robot.gazebo),
-    )
-
-
-def _as_gazebo_has_it(joint: Joint, held: set[str]) -> Joint:
-    """A fixed joint whose lumping is disabled becomes a revolute one that cannot turn."""
-    if joint.type is not JointType.FIXED or joint.name not in held:
-        return joint
-    return replace(joint, type=JointType.REVOLUTE, limit=HELD, axis_in_joint=(0.0, 0.0, 1.0))

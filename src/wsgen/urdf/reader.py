@@ -26,8 +26,6 @@ from wsgen.description_rules import (
     NOT_A_NUMBER,
     NOT_UTF_8,
     OVERSIZED_FILE,
-    SELF_JOINT,
-    UNKNOWN_LINK,
     UNNAMED_ELEMENT,
     ZERO_SIZE,
 )
@@ -35,14 +33,13 @@ from wsgen.diagnostics import Rule, Severity
 from wsgen.files import save_as_utf8, wide_encoding
 from wsgen.markup import without_comments
 from wsgen.model.robot import Robot
-from wsgen.suggestions import did_you_mean
 from wsgen.urdf.collector import Collector, line_of
 from wsgen.urdf.gazebo import read_tags
 from wsgen.urdf.joints import read_joint
 from wsgen.urdf.links import read_link, read_materials
 from wsgen.urdf.lumping import WORLD
-from wsgen.urdf.structure import check_inertias, check_mimics, check_names
-from wsgen.urdf.unknown_elements import check_spelling, nearest_element
+from wsgen.urdf.structure import check_inertias, check_mimics, check_names, find_root
+from wsgen.urdf.unknown_elements import check_spelling
 from wsgen.urdf.values import LEFT_OVER
 from wsgen.xmltree import Malformed, children, parse, parse_as_tinyxml
 
@@ -51,9 +48,22 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
-    from wsgen.model.robot import Joint
     from wsgen.xmltree import Element
 
+
+TEXT_LIMIT = 8 * 2**20  # characters, read in some seconds; the largest public URDF has 4 % of it
+VERSION = "1.0"
+# Gazebo's parser does not mind a version that does not exist, nor an empty line before it.
+DECLARATION = re.compile(r"^\ufeff?\s*<\?xml\s[^>]*\?>")
+INSTRUCTIONS_AHEAD = re.compile(r"(?:\s*<\?.*?\?>)*", re.DOTALL)
+CDATA = re.compile(r"<!\[CDATA\[.*?\]\]>", re.DOTALL)
+# XML says that a line break in an attribute is a blank. Gazebo's parser does not know that, and
+# splits these at blanks alone.
+BROKEN_LINE = re.compile(
+    r"""\b(xyz|rpy|size|scale)\s*=\s*("[^"<]*[\t\n\r][^"<]*"|'[^'<]*[\t\n\r][^'<]*')"""
+)
+LINK = re.compile(r"\blink\[@name='([^']*)'\]")
+MISSPELLED = frozenset((MISSPELLED_ELEMENT.code, MISSPELLED_ATTRIBUTE.code))
 
 NOT_A_ROBOT = Rule(
     code="ROB003",
@@ -64,8 +74,8 @@ NOT_A_ROBOT = Rule(
         "urdfdom reads `<robot>` only. An SDF file is checked as SDF when its name ends in "
         ".sdf or .world."
     ),
-    example=('<robots name="r">\n  <link name="base_link"/>\n</robots>'),
-    instead=('<robot name="r">\n  <link name="base_link"/>\n</robot>'),
+    example='<robots name="r">\n  <link name="base_link"/>\n</robots>',
+    instead='<robot name="r">\n  <link name="base_link"/>\n</robot>',
 )
 
 UNNAMED_ROBOT = Rule(
@@ -87,8 +97,8 @@ DUPLICATE_LINK = Rule(
         "urdfdom refuses the robot. It usually happens when a xacro macro is called twice "
         "without a prefix."
     ),
-    example=('<link name="wheel"/>\n<link name="wheel"/>'),
-    instead=('<link name="left_wheel"/>\n<link name="right_wheel"/>'),
+    example='<link name="wheel"/>\n<link name="wheel"/>',
+    instead='<link name="left_wheel"/>\n<link name="right_wheel"/>',
 )
 
 DUPLICATE_JOINT = Rule(
@@ -107,61 +117,6 @@ DUPLICATE_JOINT = Rule(
     ),
 )
 
-SEVERAL_ROOTS = Rule(
-    code="ROB009",
-    name="several-roots",
-    severity=Severity.ERROR,
-    summary="More than one link has no parent.",
-    why=(
-        "A URDF is a tree with one root link. Gazebo and robot_state_publisher refuse the "
-        "robot, and PyBullet crashes on it."
-    ),
-    example=('<link name="base_link"/>\n<link name="camera"/>'),
-    instead=(
-        '<link name="base_link"/>\n'
-        '<link name="camera"/>\n'
-        '<joint name="camera_joint" type="fixed">\n'
-        '  <parent link="base_link"/>\n'
-        '  <child link="camera"/>\n'
-        "</joint>"
-    ),
-)
-
-LINK_CYCLE = Rule(
-    code="ROB010",
-    name="link-cycle",
-    severity=Severity.ERROR,
-    summary="The links form a cycle.",
-    why=(
-        "A URDF is a tree. On a cycle `check_urdf` and `gz sdf` print without end, and "
-        "PyBullet crashes."
-    ),
-    example=(
-        '<joint name="a" type="fixed"><parent link="arm"/><child link="hand"/></joint>\n'
-        '<joint name="b" type="fixed"><parent link="hand"/><child link="arm"/></joint>'
-    ),
-    instead=(
-        '<joint name="a" type="fixed"><parent link="base_link"/><child link="arm"/></joint>\n'
-        '<joint name="b" type="fixed"><parent link="arm"/><child link="hand"/></joint>'
-    ),
-)
-
-TWO_PARENTS = Rule(
-    code="ROB011",
-    name="two-parents",
-    severity=Severity.ERROR,
-    summary="A link is the child of two joints.",
-    why=(
-        "A URDF is a tree: each link has one parent, and urdfdom refuses the robot. Closed "
-        "chains need SDF."
-    ),
-    example=(
-        '<joint name="a" type="fixed"><parent link="left_arm"/><child link="hand"/></joint>\n'
-        '<joint name="b" type="fixed"><parent link="right_arm"/><child link="hand"/></joint>'
-    ),
-    instead='<joint name="a" type="fixed"><parent link="left_arm"/><child link="hand"/></joint>',
-)
-
 UNEXPANDED_XACRO = Rule(
     code="ROB017",
     name="unexpanded-xacro",
@@ -172,7 +127,7 @@ UNEXPANDED_XACRO = Rule(
         "its place. Usually a launch file reads the .xacro file without expanding it, or a "
         "macro or property is not defined."
     ),
-    example=("with open('robot.urdf.xacro') as file:\n    robot_description = file.read()"),
+    example="with open('robot.urdf.xacro') as file:\n    robot_description = file.read()",
     instead="robot_description = xacro.process_file('robot.urdf.xacro').toxml()",
 )
 
@@ -186,17 +141,161 @@ UNKNOWN_URDF_VERSION = Rule(
     instead='<robot name="my_robot">',
 )
 
-# Gazebo's parser does not mind a version that does not exist, nor an empty line before it.
-DECLARATION = re.compile(r"^\ufeff?\s*<\?xml\s[^>]*\?>")
-INSTRUCTIONS_AHEAD = re.compile(r"(?:\s*<\?.*?\?>)*", re.DOTALL)
-CDATA = re.compile(r"<!\[CDATA\[.*?\]\]>", re.DOTALL)
-TEXT_LIMIT = 8 * 2**20  # characters, read in some seconds; the largest public URDF has 4 % of it
-VERSION = "1.0"
-# XML says that a line break in an attribute is a blank. Gazebo's parser does not know that, and
-# splits these at blanks alone.
-BROKEN_LINE = re.compile(
-    r"""\b(xyz|rpy|size|scale)\s*=\s*("[^"<]*[\t\n\r][^"<]*"|'[^'<]*[\t\n\r][^'<]*')"""
-)
+
+def read_urdf(
+    text: str | bytes, *, file: Path | None
+) -> tuple[Robot | None, tuple[Diagnostic, ...]]:
+    """Read a robot and check it before any engine or tool sees it.
+
+    `text` may be the bytes of a file.
+
+    The robot is None where its links and joints do not make one tree, or the text is no URDF at
+    all. Otherwise all numbers of the robot are finite, also where the diagnostics have errors:
+    what could not be read is left out. The `<gazebo>` elements are only read; `lump` does what they
+    say, because that depends on what is lumped. `file` is what the diagnostics name.
+    """
+    collector = Collector(file)
+    text = decode(collector, text) or "" if isinstance(text, bytes) else storable(text)
+    root = None if collector.has_errors else read_document(collector, text)
+    if root is None:
+        return None, tuple(collector.diagnostics)
+    report_left_overs(collector, root, f"robot[@name='{root.get('name') or ''}']")
+    check_spelling(collector, root, "robot")
+    robot = _with_doubts(_read_robot(collector, root), collector.diagnostics)
+    check_names(collector, robot, line_of(root))
+    check_mimics(collector, robot)
+    check_inertias(collector, robot)
+    return (robot if robot.root else None), tuple(collector.diagnostics)
+
+
+def _with_doubts(robot: Robot, diagnostics: Iterable[Diagnostic]) -> Robot:
+    """The robot with those links marked in which something is wrong, misspelt or left out.
+
+    What else is odd about them comes from that, and is not worth telling; what Gazebo refuses for
+    a misspelling is.
+    """
+    wrong, unlike = set[str](), set[str]()
+    for found in diagnostics:
+        names = LINK.findall(found.element or "")
+        if found.severity is Severity.ERROR:
+            wrong.update(names)
+        elif found.code in {*MISSPELLED, ZERO_SIZE.code}:
+            unlike.update(names)
+    doubtful = wrong | unlike
+    links = (
+        replace(link, is_as_meant=link.name not in doubtful, has_error=link.name in wrong)
+        for link in robot.links
+    )
+    return replace(robot, links=tuple(links)) if doubtful else robot
+
+
+def _read_robot(collector: Collector, root: Element) -> Robot:
+    """The robot; its root is empty where links and joints make no tree."""
+    links = unique_names(collector, list(children(root, "link")), DUPLICATE_LINK)
+    joint_elements = unique_names(collector, list(children(root, "joint")), DUPLICATE_JOINT)
+    if not links:
+        collector.report_missing(
+            NO_LINK,
+            "The robot has no link.",
+            hint='Add <link name="base_link">. In a xacro file, a macro that is defined must also '
+            "be called.",
+            at=root,
+            path="robot",
+            name="link",
+        )
+    joints = [
+        (joint, element)
+        for name, element in joint_elements.items()
+        if (joint := read_joint(collector, element, name)) is not None
+    ]
+    has_all_names = all(
+        (element.get("name") or "").strip() for element in children(root, "link", "joint")
+    ) and not collector.has_misspelled(root, "link", "joint")
+    complete = len(joints) == len(list(children(root, "joint"))) and len(links) == len(
+        list(children(root, "link"))
+    )
+    # What hangs on a joint that could not be read would only look like a second root.
+    root_link = find_root(collector, root, links, joints) if links and complete else None
+    materials = read_materials(collector, root)
+    return Robot(
+        name=root.get("name") or "",
+        root=root_link or "",
+        links=tuple(
+            read_link(collector, element, name, materials) for name, element in links.items()
+        ),
+        joints=tuple(joint for joint, _ in joints),
+        gazebo=read_tags(
+            collector, root, set(links), set(joint_elements), is_complete=has_all_names
+        ),
+        fixed_to_world=root_link == WORLD,
+    )
+
+
+def unique_names(
+    collector: Collector, elements: Sequence[Element], duplicate: Rule
+) -> dict[str, Element]:
+    """The elements by their names; a missing or a repeated name is reported and left out."""
+    named: dict[str, Element] = {}
+    for element in elements:
+        name = element.get("name") or ""
+        if not name.strip():
+            collector.report_missing(
+                UNNAMED_ELEMENT,
+                f"A {element.tag} has no name.",
+                hint=f'Write <{element.tag} name="NAME">.',
+                at=element,
+                path=str(element.tag),
+                name="name",
+            )
+        elif name in named:
+            collector.report(
+                duplicate,
+                f"Two {element.tag}s are called `{name}` (the other one is in line "
+                f"{line_of(named[name])}).",
+                hint="Give each its own name; in a xacro macro, put a prefix parameter before it.",
+                at=element,
+                path=f"{element.tag}[@name='{name}']",
+            )
+        else:
+            named[name] = element
+    return named
+
+
+def decode(collector: Collector, data: bytes) -> str | None:
+    """The text of a file; None where it is none, which is reported."""
+    data = data.rstrip(b"\0")  # where a text of C ends
+    wide = wide_encoding(data)
+    if wide or b"\0" in data:
+        collector.report(
+            NOT_UTF_8,
+            f"The file is in {wide}: Gazebo and robot_state_publisher read UTF-8 alone."
+            if wide
+            else "The file is not a text: it has null bytes.",
+            hint=save_as_utf8(wide) if wide else "Name a text file in UTF-8.",
+            at=1,
+        )
+        return None
+    try:
+        return data.decode("utf-8")
+    except UnicodeDecodeError as error:
+        collector.report(
+            NOT_UTF_8,
+            "The file is not in UTF-8, which it is read as.",
+            hint=save_as_utf8("ISO-8859-1"),
+            at=data.count(b"\n", 0, error.start) + 1,
+            severity=Severity.WARNING,
+        )
+    return data.decode("utf-8", "replace")
+
+
+def storable(text: str) -> str:
+    """The text without halves of characters, which no file can hold, and without C's end."""
+    text = text.rstrip("\0")
+    try:
+        text.encode("utf-8")
+    except UnicodeEncodeError:
+        return text.encode("utf-8", "replace").decode("utf-8")
+    return text
 
 
 def read_document(collector: Collector, text: str) -> Element | None:
@@ -339,265 +438,3 @@ def report_left_overs(collector: Collector, element: Element, path: str) -> None
             report_left_overs(
                 collector, child, child.tag if name is None else f"{child.tag}[@name='{name}']"
             )
-
-
-def decode(collector: Collector, data: bytes) -> str | None:
-    """The text of a file; None where it is none, which is reported."""
-    data = data.rstrip(b"\0")  # where a text of C ends
-    wide = wide_encoding(data)
-    if wide or b"\0" in data:
-        collector.report(
-            NOT_UTF_8,
-            f"The file is in {wide}: Gazebo and robot_state_publisher read UTF-8 alone."
-            if wide
-            else "The file is not a text: it has null bytes.",
-            hint=save_as_utf8(wide) if wide else "Name a text file in UTF-8.",
-            at=1,
-        )
-        return None
-    try:
-        return data.decode("utf-8")
-    except UnicodeDecodeError as error:
-        collector.report(
-            NOT_UTF_8,
-            "The file is not in UTF-8, which it is read as.",
-            hint=save_as_utf8("ISO-8859-1"),
-            at=data.count(b"\n", 0, error.start) + 1,
-            severity=Severity.WARNING,
-        )
-    return data.decode("utf-8", "replace")
-
-
-def storable(text: str) -> str:
-    """The text without halves of characters, which no file can hold, and without C's end."""
-    text = text.rstrip("\0")
-    try:
-        text.encode("utf-8")
-    except UnicodeEncodeError:
-        return text.encode("utf-8", "replace").decode("utf-8")
-    return text
-
-
-NAMED = 5  # so many names are told in a message
-
-
-def unique_names(
-    collector: Collector, elements: Sequence[Element], duplicate: Rule
-) -> dict[str, Element]:
-    """The elements by their names; a missing or a repeated name is reported and left out."""
-    named: dict[str, Element] = {}
-    for element in elements:
-        name = element.get("name") or ""
-        if not name.strip():
-            collector.report_missing(
-                UNNAMED_ELEMENT,
-                f"A {element.tag} has no name.",
-                hint=f'Write <{element.tag} name="NAME">.',
-                at=element,
-                path=str(element.tag),
-                name="name",
-            )
-        elif name in named:
-            collector.report(
-                duplicate,
-                f"Two {element.tag}s are called `{name}` (the other one is in line "
-                f"{line_of(named[name])}).",
-                hint="Give each its own name; in a xacro macro, put a prefix parameter before it.",
-                at=element,
-                path=f"{element.tag}[@name='{name}']",
-            )
-        else:
-            named[name] = element
-    return named
-
-
-def find_root(
-    collector: Collector,
-    robot: Element,
-    links: dict[str, Element],
-    joints: Sequence[tuple[Joint, Element]],
-) -> str | None:
-    """The link that every other one hangs on; None where there is no tree, which is reported."""
-    before = len(collector.errors)
-    parent_of: dict[str, tuple[Joint, Element]] = {}
-    for joint, element in joints:
-        path = f"joint[@name='{joint.name}']"
-        if _check_ends(collector, joint, element, path, links, robot):
-            if joint.child in parent_of:
-                other = parent_of[joint.child][0]
-                collector.report(
-                    TWO_PARENTS,
-                    f"The link `{joint.child}` has two parents: `{other.parent}` by the joint "
-                    f"`{other.name}`, and `{joint.parent}`.",
-                    hint="A URDF is a tree: remove one of the joints. Closed chains need SDF.",
-                    at=element,
-                    path=path,
-                )
-            else:
-                parent_of[joint.child] = (joint, element)
-    if len(collector.errors) > before:
-        return None
-    roots = [name for name in links if name not in parent_of]
-    _report_cycle(collector, parent_of)
-    many = f"{len(roots)} links have no parent ({_some(roots)}): there must be exactly one root."
-    if len(roots) > 1 and not collector.blame_misspelled(robot, "joint", many):
-        collector.report(
-            SEVERAL_ROOTS,
-            many,
-            hint=f"Join `{roots[1]}` to the rest with a joint whose child it is.",
-            at=links[roots[1]],
-            path=f"link[@name='{roots[1]}']",
-        )
-    return roots[0] if len(collector.errors) == before else None
-
-
-def _check_ends(  # noqa: PLR0913, PLR0917  a joint, and what it is in
-    collector: Collector,
-    joint: Joint,
-    element: Element,
-    path: str,
-    links: dict[str, Element],
-    robot: Element,
-) -> bool:
-    for end, name in (("parent", joint.parent), ("child", joint.child)):
-        message = f"The {end} of the joint `{joint.name}` is `{name}`, and no link is called so."
-        if name not in links and not collector.blame_misspelled(robot, f"link {name}", message):
-            near = nearest_element(collector, name, links)
-            collector.report(
-                UNKNOWN_LINK,
-                message,
-                hint=did_you_mean(near) if near else f'Add <link name="{name}">.',
-                at=element,
-                path=path,
-            )
-    if joint.parent == joint.child:
-        collector.report(
-            SELF_JOINT,
-            f"The joint `{joint.name}` joins the link `{joint.parent}` to itself.",
-            hint="Name two different links as parent and child.",
-            at=element,
-            path=path,
-        )
-    return joint.parent in links and joint.child in links and joint.parent != joint.child
-
-
-def _report_cycle(collector: Collector, parent_of: dict[str, tuple[Joint, Element]]) -> None:
-    """Report one cycle, if any: following parents from a link leads back to a link on the way."""
-    harmless: set[str] = set()
-    for start in parent_of:
-        way: dict[str, None] = {}
-        link = start
-        while link in parent_of and link not in harmless and link not in way:
-            way[link] = None
-            link = parent_of[link][0].parent
-        if link in way:
-            names = list(way)
-            cycle = names[names.index(link) :][::-1]
-            joint, element = parent_of[link]
-            collector.report(
-                LINK_CYCLE,
-                f"The links go in a circle: {_some(cycle)}, and back to `{cycle[0]}`.",
-                hint="A URDF is a tree: remove the joint that closes the circle.",
-                at=element,
-                path=f"joint[@name='{joint.name}']",
-            )
-            return
-        harmless.update(way)
-
-
-def _some(names: Sequence[str]) -> str:
-    told = ", ".join(f"`{name}`" for name in names[:NAMED])
-    return told if len(names) <= NAMED else f"{told} and {len(names) - NAMED} more"
-
-
-LINK = re.compile(r"\blink\[@name='([^']*)'\]")
-MISSPELLED = frozenset((MISSPELLED_ELEMENT.code, MISSPELLED_ATTRIBUTE.code))
-
-
-def read_urdf(
-    text: str | bytes, *, file: Path | None
-) -> tuple[Robot | None, tuple[Diagnostic, ...]]:
-    """Read a robot and check it before any engine or tool sees it.
-
-    `text` may be the bytes of a file.
-
-    The robot is None where its links and joints do not make one tree, or the text is no URDF at
-    all. Otherwise all numbers of the robot are finite, also where the diagnostics have errors:
-    what could not be read is left out. The `<gazebo>` elements are only read; `lump` does what they
-    say, because that depends on what is lumped. `file` is what the diagnostics name.
-    """
-    collector = Collector(file)
-    text = decode(collector, text) or "" if isinstance(text, bytes) else storable(text)
-    root = None if collector.has_errors else read_document(collector, text)
-    if root is None:
-        return None, tuple(collector.diagnostics)
-    report_left_overs(collector, root, f"robot[@name='{root.get('name') or ''}']")
-    check_spelling(collector, root, "robot")
-    robot = _with_doubts(_read_robot(collector, root), collector.diagnostics)
-    check_names(collector, robot, line_of(root))
-    check_mimics(collector, robot)
-    check_inertias(collector, robot)
-    return (robot if robot.root else None), tuple(collector.diagnostics)
-
-
-def _with_doubts(robot: Robot, diagnostics: Iterable[Diagnostic]) -> Robot:
-    """The robot with those links marked in which something is wrong, misspelt or left out.
-
-    What else is odd about them comes from that, and is not worth telling; what Gazebo refuses for
-    a misspelling is.
-    """
-    wrong, unlike = set[str](), set[str]()
-    for found in diagnostics:
-        names = LINK.findall(found.element or "")
-        if found.severity is Severity.ERROR:
-            wrong.update(names)
-        elif found.code in {*MISSPELLED, ZERO_SIZE.code}:
-            unlike.update(names)
-    doubtful = wrong | unlike
-    links = (
-        replace(link, is_as_meant=link.name not in doubtful, has_error=link.name in wrong)
-        for link in robot.links
-    )
-    return replace(robot, links=tuple(links)) if doubtful else robot
-
-
-def _read_robot(collector: Collector, root: Element) -> Robot:
-    """The robot; its root is empty where links and joints make no tree."""
-    links = unique_names(collector, list(children(root, "link")), DUPLICATE_LINK)
-    joint_elements = unique_names(collector, list(children(root, "joint")), DUPLICATE_JOINT)
-    if not links:
-        collector.report_missing(
-            NO_LINK,
-            "The robot has no link.",
-            hint='Add <link name="base_link">. In a xacro file, a macro that is defined must also '
-            "be called.",
-            at=root,
-            path="robot",
-            name="link",
-        )
-    joints = [
-        (joint, element)
-        for name, element in joint_elements.items()
-        if (joint := read_joint(collector, element, name)) is not None
-    ]
-    has_all_names = all(
-        (element.get("name") or "").strip() for element in children(root, "link", "joint")
-    ) and not collector.has_misspelled(root, "link", "joint")
-    complete = len(joints) == len(list(children(root, "joint"))) and len(links) == len(
-        list(children(root, "link"))
-    )
-    # What hangs on a joint that could not be read would only look like a second root.
-    root_link = find_root(collector, root, links, joints) if links and complete else None
-    materials = read_materials(collector, root)
-    return Robot(
-        name=root.get("name") or "",
-        root=root_link or "",
-        links=tuple(
-            read_link(collector, element, name, materials) for name, element in links.items()
-        ),
-        joints=tuple(joint for joint, _ in joints),
-        gazebo=read_tags(
-            collector, root, set(links), set(joint_elements), is_complete=has_all_names
-        ),
-        fixed_to_world=root_link == WORLD,
-    )

@@ -9,19 +9,82 @@ from wsgen.description_rules import (
     IMPOSSIBLE_INERTIA,
     ONE_NAME_FOR_LINK_AND_JOINT,
     RESERVED_NAME,
+    SELF_JOINT,
+    UNKNOWN_LINK,
     UNKNOWN_MIMICKED_JOINT,
 )
 from wsgen.diagnostics import Rule, Severity
 from wsgen.model.inertia import as_attributes, if_filled, principal_moments
 from wsgen.model.robot import JointType
+from wsgen.suggestions import did_you_mean
 from wsgen.urdf.lumping import WORLD, is_impossible, joints_that_say, parts_of_impossible_sums
+from wsgen.urdf.unknown_elements import nearest_element
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
-    from wsgen.model.robot import Robot
+    from wsgen.model.robot import Joint, Robot
     from wsgen.urdf.collector import Collector
+    from wsgen.xmltree import Element
 
+
+RESERVED = re.compile(r"__.*__", re.DOTALL)  # of SDF, as are `world` and a few that only SDF has
+NAMED = 5  # so many names are told in a message
+
+SEVERAL_ROOTS = Rule(
+    code="ROB009",
+    name="several-roots",
+    severity=Severity.ERROR,
+    summary="More than one link has no parent.",
+    why=(
+        "A URDF is a tree with one root link. Gazebo and robot_state_publisher refuse the "
+        "robot, and PyBullet crashes on it."
+    ),
+    example='<link name="base_link"/>\n<link name="camera"/>',
+    instead=(
+        '<link name="base_link"/>\n'
+        '<link name="camera"/>\n'
+        '<joint name="camera_joint" type="fixed">\n'
+        '  <parent link="base_link"/>\n'
+        '  <child link="camera"/>\n'
+        "</joint>"
+    ),
+)
+
+LINK_CYCLE = Rule(
+    code="ROB010",
+    name="link-cycle",
+    severity=Severity.ERROR,
+    summary="The links form a cycle.",
+    why=(
+        "A URDF is a tree. On a cycle `check_urdf` and `gz sdf` print without end, and "
+        "PyBullet crashes."
+    ),
+    example=(
+        '<joint name="a" type="fixed"><parent link="arm"/><child link="hand"/></joint>\n'
+        '<joint name="b" type="fixed"><parent link="hand"/><child link="arm"/></joint>'
+    ),
+    instead=(
+        '<joint name="a" type="fixed"><parent link="base_link"/><child link="arm"/></joint>\n'
+        '<joint name="b" type="fixed"><parent link="arm"/><child link="hand"/></joint>'
+    ),
+)
+
+TWO_PARENTS = Rule(
+    code="ROB011",
+    name="two-parents",
+    severity=Severity.ERROR,
+    summary="A link is the child of two joints.",
+    why=(
+        "A URDF is a tree: each link has one parent, and urdfdom refuses the robot. Closed "
+        "chains need SDF."
+    ),
+    example=(
+        '<joint name="a" type="fixed"><parent link="left_arm"/><child link="hand"/></joint>\n'
+        '<joint name="b" type="fixed"><parent link="right_arm"/><child link="hand"/></joint>'
+    ),
+    instead='<joint name="a" type="fixed"><parent link="left_arm"/><child link="hand"/></joint>',
+)
 
 MIMIC_CYCLE = Rule(
     code="ROB036",
@@ -42,7 +105,104 @@ MIMIC_CYCLE = Rule(
     ),
 )
 
-RESERVED = re.compile(r"__.*__", re.DOTALL)  # of SDF, as are `world` and a few that only SDF has
+
+def find_root(
+    collector: Collector,
+    robot: Element,
+    links: dict[str, Element],
+    joints: Sequence[tuple[Joint, Element]],
+) -> str | None:
+    """The link that every other one hangs on; None where there is no tree, which is reported."""
+    before = len(collector.errors)
+    parent_of: dict[str, tuple[Joint, Element]] = {}
+    for joint, element in joints:
+        path = f"joint[@name='{joint.name}']"
+        if _check_ends(collector, joint, element, path, links, robot):
+            if joint.child in parent_of:
+                other = parent_of[joint.child][0]
+                collector.report(
+                    TWO_PARENTS,
+                    f"The link `{joint.child}` has two parents: `{other.parent}` by the joint "
+                    f"`{other.name}`, and `{joint.parent}`.",
+                    hint="A URDF is a tree: remove one of the joints. Closed chains need SDF.",
+                    at=element,
+                    path=path,
+                )
+            else:
+                parent_of[joint.child] = (joint, element)
+    if len(collector.errors) > before:
+        return None
+    roots = [name for name in links if name not in parent_of]
+    _report_cycle(collector, parent_of)
+    many = f"{len(roots)} links have no parent ({_some(roots)}): there must be exactly one root."
+    if len(roots) > 1 and not collector.blame_misspelled(robot, "joint", many):
+        collector.report(
+            SEVERAL_ROOTS,
+            many,
+            hint=f"Join `{roots[1]}` to the rest with a joint whose child it is.",
+            at=links[roots[1]],
+            path=f"link[@name='{roots[1]}']",
+        )
+    return roots[0] if len(collector.errors) == before else None
+
+
+def _check_ends(  # noqa: PLR0913, PLR0917  a joint, and what it is in
+    collector: Collector,
+    joint: Joint,
+    element: Element,
+    path: str,
+    links: dict[str, Element],
+    robot: Element,
+) -> bool:
+    for end, name in (("parent", joint.parent), ("child", joint.child)):
+        message = f"The {end} of the joint `{joint.name}` is `{name}`, and no link is called so."
+        if name not in links and not collector.blame_misspelled(robot, f"link {name}", message):
+            near = nearest_element(collector, name, links)
+            collector.report(
+                UNKNOWN_LINK,
+                message,
+                hint=did_you_mean(near) if near else f'Add <link name="{name}">.',
+                at=element,
+                path=path,
+            )
+    if joint.parent == joint.child:
+        collector.report(
+            SELF_JOINT,
+            f"The joint `{joint.name}` joins the link `{joint.parent}` to itself.",
+            hint="Name two different links as parent and child.",
+            at=element,
+            path=path,
+        )
+    return joint.parent in links and joint.child in links and joint.parent != joint.child
+
+
+def _report_cycle(collector: Collector, parent_of: dict[str, tuple[Joint, Element]]) -> None:
+    """Report one cycle, if any: following parents from a link leads back to a link on the way."""
+    harmless: set[str] = set()
+    for start in parent_of:
+        way: dict[str, None] = {}
+        link = start
+        while link in parent_of and link not in harmless and link not in way:
+            way[link] = None
+            link = parent_of[link][0].parent
+        if link in way:
+            names = list(way)
+            cycle = names[names.index(link) :][::-1]
+            joint, element = parent_of[link]
+            collector.report(
+                LINK_CYCLE,
+                f"The links go in a circle: {_some(cycle)}, and back to `{cycle[0]}`.",
+                hint="A URDF is a tree: remove the joint that closes the circle.",
+                at=element,
+                path=f"joint[@name='{joint.name}']",
+            )
+            return
+        harmless.update(way)
+
+
+def _some(names: Sequence[str]) -> str:
+    told = ", ".join(f"`{name}`" for name in names[:NAMED])
+    return told if len(names) <= NAMED else f"{told} and {len(names) - NAMED} more"
 
 
 def check_names(collector: Collector, robot: Robot, line_of_robot: int | None) -> None:
