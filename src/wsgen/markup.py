@@ -1,6 +1,6 @@
 """The elements of xacro files as they are written, each with its line; xacro keeps none.
 
-Comments are not looked into, so that what is commented out is never taken for what is meant.
+Comments are skipped, so that commented-out elements are never found.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 SIZE_LIMIT = 8 * 2**20  # bytes; the largest public xacro files have 2 % of it
-# One without end goes to the end: to look for an end from each would take for ever.
+# One without end goes to the end of the text: searching an end from each `<!--` would be quadratic.
 COMMENT = re.compile(r"<!--.*?(?:-->|\Z)", re.DOTALL)
 
 

@@ -1,6 +1,6 @@
-"""Where the mistake is in a file that is not XML: a parser notices it later than it was made.
+"""Find the mistake in a file that is not well-formed XML; a parser notices it only further down.
 
-Only expat of the standard library, which reads nothing but the bytes it is given.
+It uses only expat of the standard library, which reads nothing but the bytes it is given.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ LONGEST_TAG = 2000  # bytes; the patterns take their time
 
 
 class Mistake(NamedTuple):
-    """Why a file is not XML."""
+    """Why a file is not well-formed XML."""
 
     message: str  # without a full stop
     line: int  # 1-based, of what has to be changed
@@ -32,7 +32,7 @@ class Mistake(NamedTuple):
 
 
 def find_mistake(data: bytes, encoding: str | None = None) -> Mistake | None:
-    """What is wrong in a file, where, and what to do; None where expat finds no mistake.
+    """The mistake in a file: where it is, and what to do; None where expat finds none.
 
     Args:
         data: the file.

@@ -63,25 +63,27 @@ def parse(content: str | bytes) -> Element | Malformed:
 def parse_as_tinyxml(text: str) -> Element | None:
     """The root element of a document without comments that is only nearly well-formed.
 
-    It may have what tinyxml2, the parser of Gazebo and of robot_state_publisher, does not mind:
-    bare ampersands, entities and prefixes that are not declared. None where it has anything else.
+    It may have what tinyxml2, the parser of Gazebo and of robot_state_publisher, accepts: bare
+    ampersands, entities and prefixes that are not declared. None where it has anything else.
     """
     parser = _parser("utf-8", recover=True)
     try:
         root = etree.fromstring(text.encode("utf-8"), parser)
     except etree.XMLSyntaxError:
         return None
-    slips = [slip for slip in parser.error_log if slip.type not in HARMLESS]
-    is_harmless = all("EntityRef" in slip.message for slip in slips)  # others have no name either
+    errors = [error for error in parser.error_log if error.type not in HARMLESS]
+    is_harmless = all(
+        "EntityRef" in error.message for error in errors
+    )  # others have no name either
     return root if is_harmless else None
 
 
 def parse_numbers(content: bytes) -> Element | Malformed:
     """The root element of a file whose texts are long lists of numbers.
 
-    It is read as tinyxml2 reads it: byte for byte, whatever encoding it declares, and what follows
-    the root element is none of its business. As texts of any length are taken, a document type,
-    whose entities could grow without end, is not.
+    It is read as tinyxml2 reads it: byte for byte, whatever encoding it declares, without what
+    follows the root element. Texts may have any length; a document type, whose entities could grow
+    without end, is refused.
     """
     if b"<!DOCTYPE" in content:
         return Malformed(message="it declares a document type", line=1)
@@ -90,11 +92,11 @@ def parse_numbers(content: bytes) -> Element | Malformed:
         root = etree.fromstring(content.removeprefix(BYTE_ORDER_MARK), parser)
     except etree.XMLSyntaxError as error:
         return Malformed(message=error.msg or "not well-formed", line=error.lineno or 1)
-    for slip in parser.error_log:
-        if slip.type == etree.ErrorTypes.ERR_DOCUMENT_END:
+    for noted in parser.error_log:
+        if noted.type == etree.ErrorTypes.ERR_DOCUMENT_END:
             break
-        if slip.type not in HARMLESS:
-            return Malformed(message=slip.message, line=slip.line or 1)
+        if noted.type not in HARMLESS:
+            return Malformed(message=noted.message, line=noted.line or 1)
     return Malformed(message="the document is empty", line=1) if root is None else root
 
 

@@ -196,7 +196,7 @@ def test_what_is_lost_is_told_with_the_cause(tmp_path: Path) -> None:
     assert found.hint == "Did you mean `value`?"
     assert found.message == (
         "<mass> has no attribute `valeu`: `value` is missing. Gazebo's parser stops reading the "
-        "link there, and leaves out what comes behind: 1 visual and 1 collision."
+        "link there and leaves out what follows: 1 visual and 1 collision."
     )
 
 

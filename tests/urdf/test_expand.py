@@ -81,15 +81,15 @@ def test_what_is_wrong_is_said_with_its_place(
     result = expand(file, {})
     assert result.code != 0
     assert not result.stdout
-    assert result.fault is not None
-    assert result.fault["file"] == str(file)
-    assert result.fault.get("line") == line
-    assert words in result.fault["message"]
-    assert result.fault["hint"]
+    assert result.error is not None
+    assert result.error["file"] == str(file)
+    assert result.error.get("line") == line
+    assert words in result.error["message"]
+    assert result.error["hint"]
 
 
 def test_a_file_that_is_not_there(tmp_path: Path) -> None:
     result = expand(tmp_path / "no.xacro", {})
     assert result.code != 0
-    assert result.fault is not None
-    assert result.fault["missing"] == str(tmp_path / "no.xacro")
+    assert result.error is not None
+    assert result.error["missing"] == str(tmp_path / "no.xacro")

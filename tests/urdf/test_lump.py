@@ -245,7 +245,7 @@ def test_blamed_is_the_link_that_should_have_mass(mass: float | None) -> None:
     (found,) = lump(robot(empty, joints))[1]
     assert found.element == "link[@name='base']"
     assert "`base` has no <inertial>" in found.message or "mass of 0 kg" in found.message
-    assert "`dummy`, which it is fixed to, has no mass either" in found.message
+    assert "`dummy`, which a fixed joint attaches it to, has no mass either" in found.message
     assert "`frame`" in found.message
     assert "`base`" in (found.hint or "")
     (found,) = lump(robot([body("root"), *empty], [turning("root", "dummy"), *joints]))[1]

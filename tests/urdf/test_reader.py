@@ -194,7 +194,7 @@ def test_what_cannot_be_read_ends_the_link() -> None:
     assert (len(read.visuals), len(read.collisions)) == (1, 0)
     (told,) = found
     assert told.code == "ROB024"
-    assert told.message.endswith("leaves out what comes behind: 2 visuals and 1 collision.")
+    assert told.message.endswith("leaves out what follows: 2 visuals and 1 collision.")
 
 
 @pytest.mark.parametrize(
@@ -215,7 +215,7 @@ def test_what_is_left_of_an_inertial(inertial: str, mass: float | None) -> None:
     assert (read.inertial.mass if read.inertial else None) == mass
     assert read.inertial is None or read.inertial.inertia == (0.0,) * 6
     assert read.collisions == ()
-    assert "leaves out what comes behind: 1 collision." in found[0].message
+    assert "leaves out what follows: 1 collision." in found[0].message
 
 
 def test_a_mirrored_mesh_can_be_seen() -> None:

@@ -1,4 +1,4 @@
-"""What is told of a fault in a xacro file: the very line, and what to do."""
+"""The explanation of an error in a xacro file: the very line, and what to do."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 import xacro
 
-from wsgen.xacro.expansion import Watch, expand, find_fault
+from wsgen.xacro.expansion import Watch, expand, explain_error
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -113,7 +113,7 @@ def model(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ),
         ("</visual>", "</visul>", 23, "<visual> is closed by </visul>", "Write </visual>"),
         ("</visual>", "", 21, "<visual> is not closed", "Add </visual>"),
-        ("give", "\ngive \udcff", 4, "0xff is no UTF-8", "UTF-8"),
+        ("give", "\ngive \udcff", 4, "0xff is not valid UTF-8", "UTF-8"),
         (
             ' xmlns:xacro="http://www.ros.org/wiki/xacro"',
             "",
@@ -124,8 +124,8 @@ def model(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ("<visual>", '<visual a:b="1">', 2, "line 21 uses the prefix `a:`", 'xmlns:a="ADDRESS"'),
         ("<xacro:include", "<xacro:inclde", 7, "xacro:inclde", "mean `include`?"),
         ("<xacro:property", "<xacro:propery", 5, "xacro:propery", "mean `property`?"),
-        ("filename", "filname", 7, "none called `filname`", "mean `filename`?"),
-        ("property name", "property nmae", 5, "none called `nmae`", "mean `name`?"),
+        ("filename", "filname", 7, "does not know `filname`", "mean `filename`?"),
+        ("property name", "property nmae", 5, "does not know `nmae`", "mean `name`?"),
         (
             'property name="mass"',
             "property",
@@ -135,24 +135,24 @@ def model(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ),
         ('"length" value', '"length" vlaue', 6, "no attribute `vlaue`", "mean `value`?"),
         ("<xacro:property name", "<property name", 17, "'mass' is not", "<xacro:property>"),
-        ("$(find", "$(fnd", 7, "knows no command `fnd`", "mean `find`?"),
+        ("$(find", "$(fnd", 7, "has no command `fnd`", "mean `find`?"),
     ],
 )
 def test_the_line_and_the_hint(  # noqa: PLR0917  cases
     model: Path, old: str, new: str, line: int, words: str, hint: str
 ) -> None:
-    fault = fault_of(model, ROBOT.replace(old, new, 1))
+    explanation = explanation_of(model, ROBOT.replace(old, new, 1))
     assert new.encode("utf-8", "surrogateescape") in (model / "robot.xacro").read_bytes()
-    assert (fault["file"], fault["line"]) == (str(model / "robot.xacro"), line)
-    assert words in fault["message"]
-    assert hint in fault["hint"]
+    assert (explanation["file"], explanation["line"]) == (str(model / "robot.xacro"), line)
+    assert words in explanation["message"]
+    assert hint in explanation["hint"]
 
 
-def fault_of(model: Path, content: str) -> dict[str, Any]:
+def explanation_of(model: Path, content: str) -> dict[str, Any]:
     (model / "robot.xacro").write_bytes(content.encode("utf-8", "surrogateescape"))
-    fault = expand(model / "robot.xacro", {}).fault
-    assert fault is not None
-    return fault
+    explanation = expand(model / "robot.xacro", {}).error
+    assert explanation is not None
+    return explanation
 
 
 def body(*lines: str) -> str:
@@ -170,9 +170,9 @@ def body(*lines: str) -> str:
     ],
 )
 def test_what_is_defined_too_late(model: Path, use: str, definition: str, hint: str) -> None:
-    fault = fault_of(model, body(use, definition))
-    assert fault["line"] == 2
-    assert hint in fault["hint"]
+    explanation = explanation_of(model, body(use, definition))
+    assert explanation["line"] == 2
+    assert hint in explanation["hint"]
 
 
 @pytest.mark.parametrize("encoding", ["utf-16", "utf-16-be"])
@@ -182,13 +182,13 @@ def test_utf_16(model: Path, encoding: str) -> None:
     file.write_bytes(body('<link name="a"/>').encode(encoding))
     found = expand(file, {})
     if found.code:  # without a mark of the byte order, expat finds the encoding
-        assert found.fault is not None
-        assert "UTF-16" in found.fault["message"]
-        assert "iconv -f UTF-16 -t UTF-8" in found.fault["hint"]
+        assert found.error is not None
+        assert "UTF-16" in found.error["message"]
+        assert "iconv -f UTF-16 -t UTF-8" in found.error["hint"]
     (model / "parts.xacro").write_bytes(body('<link name="a"/>').encode("utf-16"))
-    fault = fault_of(model, body('<xacro:include filename="parts.xacro"/>'))
-    assert fault["file"] == str(model / "parts.xacro")
-    assert "UTF-16" in fault["message"]
+    explanation = explanation_of(model, body('<xacro:include filename="parts.xacro"/>'))
+    assert explanation["file"] == str(model / "parts.xacro")
+    assert "UTF-16" in explanation["message"]
 
 
 @pytest.mark.parametrize(
@@ -208,20 +208,20 @@ def test_what_is_no_regular_file(model: Path, use: str, monkeypatch: pytest.Monk
         ("link", "a link to a device (/dev/zero)"),
         (str(model), "a folder"),
     ):
-        fault = fault_of(model, body(use.replace("FILE", name)))
-        assert fault["message"].endswith(f"is {kind}, not a regular file")
-        assert fault["line"] == 2
+        explanation = explanation_of(model, body(use.replace("FILE", name)))
+        assert explanation["message"].endswith(f"is {kind}, not a regular file")
+        assert explanation["line"] == 2
     with socket.socket(socket.AF_UNIX) as end:
         monkeypatch.chdir(model)  # an address of a socket has few characters
         end.bind("s")
-        assert "is a socket" in fault_of(model, body(use.replace("FILE", "s")))["message"]
+        assert "is a socket" in explanation_of(model, body(use.replace("FILE", "s")))["message"]
 
 
-def test_faults_in_an_included_file(model: Path) -> None:
+def test_errors_in_an_included_file(model: Path) -> None:
     include = '<xacro:include filename="robot.gazebo"/>'
-    fault = fault_of(model, body(include))
-    assert (fault["file"], fault["line"]) == (str(model / "robot.gazebo"), 1)
-    assert "'length' is not defined" in fault["message"]
+    explanation = explanation_of(model, body(include))
+    assert (explanation["file"], explanation["line"]) == (str(model / "robot.gazebo"), 1)
+    assert "'length' is not defined" in explanation["message"]
 
 
 @pytest.mark.parametrize(
@@ -232,21 +232,21 @@ def test_faults_in_an_included_file(model: Path) -> None:
     ],
 )
 def test_what_an_included_file_defines(model: Path, content: str, line: int) -> None:
-    """The fault is found when the including file uses it; the included one is to be fixed."""
+    """The error is found when the including file uses it; the included one is to be fixed."""
     (model / "parts.xacro").write_text(body(content))
     include = '<xacro:include filename="parts.xacro"/>'
     use = "<xacro:m/>" if "macro name" in content else '<link name="${q}"/>'
-    fault = fault_of(model, body(include, use))
-    assert (fault["file"], fault["line"]) == (str(model / "parts.xacro"), line)
+    explanation = explanation_of(model, body(include, use))
+    assert (explanation["file"], explanation["line"]) == (str(model / "parts.xacro"), line)
 
 
 def test_a_number_from_the_command_line(model: Path) -> None:
     file = model / "robot.xacro"
     file.write_text(ROBOT)
-    fault = expand(file, {"mass": "1,5"}).fault
-    assert fault is not None
-    assert fault["line"] == 11
-    assert "the value of `mass` is the text '1,5'" in fault["message"]
+    explanation = expand(file, {"mass": "1,5"}).error
+    assert explanation is not None
+    assert explanation["line"] == 11
+    assert "the value of `mass` is the text '1,5'" in explanation["message"]
 
 
 @pytest.mark.parametrize(
@@ -257,17 +257,17 @@ def test_a_number_from_the_command_line(model: Path) -> None:
     ],
 )
 def test_circles(model: Path, content: str) -> None:
-    fault = fault_of(model, content)
-    assert "in a circle" in fault["message"]
-    assert fault["line"] == 2
+    explanation = explanation_of(model, content)
+    assert "infinite recursion" in explanation["message"]
+    assert explanation["line"] == 2
 
 
 def test_a_package_that_is_not_here(model: Path) -> None:
     """Which of them need not be here, the launch file's evaluation knows."""
-    fault = fault_of(model, ROBOT.replace("$(find my_robot)", "$(find gazebo_ros)"))
-    assert fault["missing"].endswith("/opt/share/gazebo_ros/model/robot.gazebo")
-    fault = fault_of(model, ROBOT.replace("$(find my_robot)", "$(find no_robot)"))
-    assert (fault["package"], fault["line"]) == ("no_robot", 7)
+    explanation = explanation_of(model, ROBOT.replace("$(find my_robot)", "$(find gazebo_ros)"))
+    assert explanation["missing"].endswith("/opt/share/gazebo_ros/model/robot.gazebo")
+    explanation = explanation_of(model, ROBOT.replace("$(find my_robot)", "$(find no_robot)"))
+    assert (explanation["package"], explanation["line"]) == ("no_robot", 7)
 
 
 def test_a_document_that_the_caller_opened(model: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -280,12 +280,12 @@ def test_a_document_that_the_caller_opened(model: Path, monkeypatch: pytest.Monk
         file.write_text(content)
         with file.open() as stream, pytest.raises(Exception) as caught:  # noqa: PT011  any
             xacro.process_doc(xacro.parse(stream))
-        fault = find_fault(caught.value)
-        assert fault is not None
-        assert (fault["file"], fault["line"]) == (str(file), line)
+        explanation = explain_error(caught.value)
+        assert explanation is not None
+        assert (explanation["file"], explanation["line"]) == (str(file), line)
 
 
 def test_what_is_not_from_xacro() -> None:
     with pytest.raises(ZeroDivisionError) as caught:
         _ = 1 / 0
-    assert find_fault(caught.value) is None
+    assert explain_error(caught.value) is None

@@ -28,7 +28,7 @@ def evaluate_launch(
         package,
         arguments,
         run_xacro=_run_xacro,
-        find_xacro_fault=expansion.find_fault,
+        find_xacro_fault=expansion.explain_error,
         only_arguments=only_arguments,
     )
     return {**plan, "seconds_in_xacro": watch.seconds}
@@ -36,4 +36,4 @@ def evaluate_launch(
 
 def _run_xacro(words: Sequence[str]) -> CommandOutcome:
     result = expansion.run_command(words)
-    return CommandOutcome(result.stdout, result.stderr, result.code, result.fault, result.unused)
+    return CommandOutcome(result.stdout, result.stderr, result.code, result.error, result.unused)

@@ -1,1 +1,1 @@
-"""URDF: read it, and make of it the SDF model that Gazebo makes."""
+"""URDF: read and check a robot, and convert it to what Gazebo makes of it."""

@@ -1,12 +1,8 @@
-"""`<gazebo>` elements: what Gazebo's parser takes out of them, and what is wrong in them.
+"""`<gazebo>` elements: read and check them, and apply them to links and joints as Gazebo does.
 
 The keys are those that sdformat reads itself (`parser_urdf.cc`, ParseSDFExtension); everything
-else is copied into the SDF as it is, of which wsgen takes the part that it simulates. What the
-values do to links and joints is in `extensions`.
-
-What is wrong with single values in `<gazebo>` elements, as Gazebo's parser sees them.
-
-What `<gazebo>` elements do to the links and joints that Gazebo builds.
+else is copied into the SDF as it is, of which wsgen takes the part that it simulates. `read_tags`
+reads and checks; what the values do depends on what is lumped, and is applied then.
 
 sdformat finds the collision that a value is for by names: a collision that has a name of its own
 which does not begin with that of its link gets nothing, nor does one of a lumped link, unless it
@@ -219,10 +215,10 @@ def _read_tag(
             continue
         for key, leaf in _values_in(child, child.tag):
             values[key] = _value_of(leaf)
-            check_value(collector, leaf, f"{path}/{key}", key, values[key], is_known=is_known)
+            _check_value(collector, leaf, f"{path}/{key}", key, values[key], is_known=is_known)
         inside = f"{path}/{child.tag}"
         if is_known:
-            check_placement(
+            _check_placement(
                 collector,
                 child,
                 inside,
@@ -289,7 +285,7 @@ def _report_unknown(
     near = nearest_element(collector, reference, known)
     collector.report(
         UNKNOWN_REFERENCE,
-        f"No link or joint is called `{reference}`: Gazebo ignores this element.",
+        f"No link or joint has the name `{reference}`: Gazebo ignores this element.",
         hint=did_you_mean(near) if near else "Name a link or joint of this robot.",
         at=element,
         path=path,
@@ -301,16 +297,16 @@ def _report_not_simulated(collector: Collector, element: Element, path: str) -> 
         SDF_NOT_SIMULATED,
         f"Gazebo adds the SDF <{element.tag}> in a <gazebo> element to the robot; wsgen "
         "does not simulate it.",
-        hint="Watch this part in Gazebo itself.",
+        hint="Run this part in Gazebo itself.",
         at=element,
         path=path,
     )
 
 
-def check_value(  # noqa: PLR0913  what, where, and whether it counts
+def _check_value(  # noqa: PLR0913  what, where, and whether it counts
     collector: Collector, element: Element, path: str, key: str, text: str, *, is_known: bool
 ) -> None:
-    """Report a value that ends Gazebo, that it refuses, or that is surely not what was meant.
+    """Report a value that terminates Gazebo, that it refuses, or that is surely not what was meant.
 
     `is_known`: the reference is there; otherwise only the keys that sdformat reads at once matter.
     """
@@ -333,7 +329,7 @@ def check_value(  # noqa: PLR0913  what, where, and whether it counts
         collector.report(
             UNKNOWN_GAZEBO_MATERIAL,
             f"Gazebo has no material `{text}`.",
-            hint=did_you_mean(near) if near else "Take Gazebo/Grey, Gazebo/Red, …",
+            hint=did_you_mean(near) if near else "Use Gazebo/Grey, Gazebo/Red, …",
             at=element,
             path=path,
         )
@@ -341,21 +337,20 @@ def check_value(  # noqa: PLR0913  what, where, and whether it counts
 
 def _check_number(collector: Collector, element: Element, path: str, key: str, text: str) -> None:
     number = leading_integer(text) if key == "maxContacts" else leading_float(text)
-    told = f"<{key.rpartition('/')[2]}>: `{text[:60]}`"
+    what = f"<{key.rpartition('/')[2]}>: `{text[:60]}`"
     if number is None:
         collector.report(
             GAZEBO_NOT_A_NUMBER,
-            f"{told} is not a number that Gazebo reads.",
-            hint="Write one number with a point. Gazebo "
-            + ("refuses the robot for" if "/" in key else "ends with an exception on")
-            + " this.",
+            f"{what} is not a number that Gazebo reads.",
+            hint="Write one number with a decimal point. Gazebo "
+            + ("refuses the robot." if "/" in key else "terminates with an exception."),
             at=element,
             path=path,
         )
     elif key in NOT_NEGATIVE and number < 0:
         collector.report(
             GAZEBO_NOT_A_NUMBER,
-            f"{told} is less than 0, and Gazebo refuses the robot.",
+            f"{what} is less than 0, and Gazebo refuses the robot.",
             hint="A coefficient of friction is 0 or greater.",
             at=element,
             path=path,
@@ -363,8 +358,8 @@ def _check_number(collector: Collector, element: Element, path: str, key: str, t
     elif not math.isfinite(number):
         collector.report(
             GAZEBO_NOT_A_NUMBER,
-            f"{told} is not finite: wsgen goes on as if it were not there.",
-            hint="Write a finite number; physics engines compute nonsense with others.",
+            f"{what} is not finite: wsgen ignores it.",
+            hint="Write a finite number.",
             at=element,
             path=path,
             severity=Severity.WARNING,
@@ -372,7 +367,7 @@ def _check_number(collector: Collector, element: Element, path: str, key: str, t
     elif not NUMBER.fullmatch(text) or (key == "maxContacts" and float(text) != number):
         collector.report(
             GAZEBO_NOT_A_NUMBER,
-            f"{told} is not one number: Gazebo reads the beginning, {number:g}.",
+            f"{what} is not one number: Gazebo reads the beginning, {number:g}.",
             hint=f"Write {number:g} if that is meant.",
             at=element,
             path=path,
@@ -380,7 +375,7 @@ def _check_number(collector: Collector, element: Element, path: str, key: str, t
         )
 
 
-def check_placement(
+def _check_placement(
     collector: Collector, element: Element, path: str, *, is_link: bool, is_joint: bool
 ) -> None:
     """Report a key that does nothing at what the `<gazebo>` element is about."""
@@ -403,7 +398,7 @@ def check_placement(
         hint = "For all links write <self_collide>true</self_collide>, which Gazebo copies."
     collector.report(
         MISPLACED_GAZEBO_ELEMENT,
-        f"<{key}> belongs to {right_place}: here it does nothing.",
+        f"<{key}> belongs to {right_place}: here it has no effect.",
         hint=hint,
         at=element,
         path=path,
@@ -416,13 +411,13 @@ def is_true(text: str | None) -> bool:
 
 
 def is_static(tags: Iterable[GazeboTag]) -> bool:
-    """Whether the robot as a whole cannot move; the last word counts."""
+    """Whether the robot as a whole cannot move; the last setting counts."""
     said = [tag.values["static"] for tag in tags if not tag.reference and "static" in tag.values]
     return bool(said) and is_true(said[-1])
 
 
 def collides_with_itself(tags: Iterable[GazeboTag]) -> bool:
-    """What holds for links that say nothing of it; the first word counts."""
+    """What holds for links without a setting of their own; the first one counts."""
     return next(
         (
             tag.values["self_collide"].lower() in TRUTHS
@@ -434,7 +429,7 @@ def collides_with_itself(tags: Iterable[GazeboTag]) -> bool:
 
 
 def with_springs(joint: Joint, tags: Iterable[GazeboTag]) -> Joint:
-    """The joint with the spring that the tags about it give it; the last word counts."""
+    """The joint with the spring that the tags about it give it; the last one counts."""
     stiffness, reference = joint.spring_stiffness, joint.spring_reference
     for tag in tags:
         said = _finite(tag.values.get("springStiffness"))

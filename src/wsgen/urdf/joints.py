@@ -1,7 +1,7 @@
 """`<joint>` of a URDF.
 
-Gazebo ignores <calibration> and <safety_controller>, but its parser refuses a robot for what is
-wrong in them, and for a wrong <limit> also where the joint needs none.
+Gazebo ignores <calibration> and <safety_controller>, but its parser refuses a robot whose numbers
+in them are invalid; so it does with an invalid <limit> of a joint that needs none.
 """
 
 from __future__ import annotations
@@ -88,7 +88,7 @@ UNIT_TOLERANCE = 1e-3  # of the length of an axis; hand-written axes have three 
 
 
 def read_joint(collector: Collector, element: Element, name: str) -> Joint | None:
-    """A joint; None where it does not say what it joins, or how."""
+    """A joint; None where it has no type, parent or child."""
     path = f"joint[@name='{name}']"
     kind = _read_type(collector, element, path)
     ends = {
@@ -136,7 +136,7 @@ def _read_type(collector: Collector, element: Element, path: str) -> JointType |
     collector.report_missing(
         UNKNOWN_JOINT_TYPE,
         "The joint has no type." if kind is None else f"`{kind}` is not a joint type.",
-        hint=did_you_mean(near) if near else f"One of {', '.join(types)}.",
+        hint=did_you_mean(near) if near else f"Use one of {', '.join(types)}.",
         at=element,
         path=path,
         name="type" if kind is None else "",
@@ -153,8 +153,8 @@ def _read_axis(collector: Collector, element: Element, path: str) -> tuple[float
         if xyz is None or length == 0:
             collector.report_missing(
                 ZERO_AXIS,
-                "The axis has no direction (0 0 0).",
-                hint='Name the axis that the joint moves about or along, as xyz="0 0 1".',
+                "The axis has length 0.",
+                hint='Write the axis that the joint moves about or along, for example xyz="0 0 1".',
                 at=axis,
                 path=f"{path}/axis",
                 name="" if "xyz" in axis.attrib else "xyz",
@@ -186,7 +186,7 @@ def _read_limit(
             collector.report(
                 SWAPPED_LIMITS,
                 f"The lower limit {lower:g} is above the upper limit {upper:g}.",
-                hint="Exchange them; Gazebo does so, other programs take the joint for a free one.",
+                hint="Swap them. Gazebo does so; other programs ignore such limits.",
                 at=limit,
                 path=path,
             )

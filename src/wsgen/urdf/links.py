@@ -1,14 +1,8 @@
-"""`<link>` and `<inertial>` of a URDF.
+"""`<link>` of a URDF with what is in it: inertial, visuals, collisions and materials.
 
 urdfdom reads a link's inertial, then its visuals, then its collisions, and stops at the first that
-it cannot read, without refusing the robot: what comes behind is lost.
-
-`<visual>`, `<collision>`, `<geometry>` and `<origin>` of a URDF.
-
-`<material>` of a URDF.
-
-Gazebo goes on without a color that it cannot read; on a material that is defined twice for the
-whole robot its parser refuses the robot.
+it cannot read, without refusing the robot: everything behind it is lost. It ignores a color that
+it cannot read, and refuses a robot that defines a material twice at the top level.
 """
 
 from __future__ import annotations
@@ -140,18 +134,18 @@ DUPLICATE_MATERIAL = Rule(
 def read_link(
     collector: Collector, element: Element, name: str, materials: Mapping[str, Rgba | None]
 ) -> Link:
-    """A link as Gazebo's parser reads it; what is wrong in it is reported and left out."""
+    """A link as Gazebo's parser reads it; what it cannot read is reported and left out."""
     path = f"link[@name='{name}']"
     before = len(collector.errors)
     # Of repeated elements the first one counts, as for Gazebo's parser.
     first = next(children(element, "inertial"), None)
     inertial, is_whole = (None, True) if first is None else _read_inertial(collector, first, path)
     visuals = [
-        read_visual(collector, visual, f"{path}/visual", materials)
+        _read_visual(collector, visual, f"{path}/visual", materials)
         for visual in children(element, "visual")
     ]
     collisions = [
-        read_collision(collector, collision, f"{path}/collision")
+        _read_collision(collector, collision, f"{path}/collision")
         for collision in children(element, "collision")
     ]
     seen = _until_unreadable(visuals) if is_whole else 0
@@ -186,10 +180,10 @@ def _report_lost(collector: Collector, error: int, visuals: int, collisions: int
         for count, kind in ((visuals, "visual"), (collisions, "collision"))
         if count
     ]
-    if lost and error < len(collector.errors):  # not where what is left over of xacro is the cause
+    if lost and error < len(collector.errors):  # not where unexpanded xacro is the cause
         collector.add_consequence(
             error,
-            "Gazebo's parser stops reading the link there, and leaves out what comes behind: "
+            "Gazebo's parser stops reading the link there and leaves out what follows: "
             f"{' and '.join(lost)}.",
         )
 
@@ -199,7 +193,7 @@ def _read_inertial(
 ) -> tuple[Inertial | None, bool]:
     """The inertial as Gazebo has it, and whether all of it can be read.
 
-    Where only the moments are wrong, the mass is kept, with moments of zero.
+    Where only the moments cannot be read, the mass is kept, with moments of zero.
     """
     path = f"{path}/inertial"
     pose = read_origin(collector, element, path)
@@ -247,11 +241,11 @@ class Unusable(Enum):
     """Why a shape is not part of the robot."""
 
     UNREADABLE = "urdfdom stops reading the link at it"
-    WITHOUT_EXTENT = "Gazebo's parser takes it, and no engine can"
+    WITHOUT_EXTENT = "Gazebo's parser accepts it, and no engine does"
 
 
 def read_origin(collector: Collector, element: Element, path: str) -> Pose | None:
-    """The pose in `<origin>`, that of the frame itself where there is none; None where wrong."""
+    """The pose in `<origin>`, the identity without one; None where it cannot be read."""
     for origin in children(element, "origin"):
         path = f"{path}/origin"
         xyz, rpy = (
@@ -264,10 +258,10 @@ def read_origin(collector: Collector, element: Element, path: str) -> Pose | Non
     return IDENTITY
 
 
-def read_visual(
+def _read_visual(
     collector: Collector, element: Element, path: str, materials: Mapping[str, Rgba | None]
 ) -> Visual | Unusable:
-    """Something to see."""
+    """A `<visual>`."""
     pose = read_origin(collector, element, path)
     rgba, is_named = None, True
     for material in children(element, "material"):
@@ -281,7 +275,7 @@ def read_visual(
                 path=f"{path}/material",
                 name="name",
             )
-        rgba = used_color(collector, material, f"{path}/material", materials)
+        rgba = _used_color(collector, material, f"{path}/material", materials)
         break
     geometry = _read_geometry(collector, element, path)
     if pose is None or not is_named:
@@ -291,8 +285,8 @@ def read_visual(
     return Visual(geometry=geometry, pose_in_link=pose, rgba=rgba, name=element.get("name"))
 
 
-def read_collision(collector: Collector, element: Element, path: str) -> Collision | Unusable:
-    """Something to touch."""
+def _read_collision(collector: Collector, element: Element, path: str) -> Collision | Unusable:
+    """A `<collision>`."""
     pose = read_origin(collector, element, path)
     geometry = _read_geometry(collector, element, path)
     if pose is None:
@@ -312,9 +306,7 @@ def _read_geometry(collector: Collector, owner: Element, path: str) -> Geometry 
         near = None if shape is None else meant_element(shape.tag, SHAPES)
         collector.report_missing(
             NO_SHAPE,
-            "The geometry is empty."
-            if shape is None
-            else f"Gazebo knows no shape <{shape.tag}> in a URDF.",
+            "The geometry is empty." if shape is None else f"URDF has no shape <{shape.tag}>.",
             hint=f"Put one of {', '.join(f'<{name}>' for name in SHAPES)} into it.",
             at=geometry,
             path=path,
@@ -373,18 +365,18 @@ def _read_mesh(collector: Collector, shape: Element, path: str) -> Mesh | Unusab
         )
     if scale is None or not uri:
         return Unusable.UNREADABLE
-    # A mirrored mesh can be seen, but Gazebo's physics engine ends on it.
+    # A mirrored mesh is visible, but Gazebo's physics engine terminates on it.
     if 0 in scale or (min(scale) < 0 and not _is_only_seen(path)):
         return _without_extent(collector, shape, path, "The scale")
     return Mesh(uri=uri, scale=scale)
 
 
 def _without_extent(collector: Collector, shape: Element, path: str, what: str) -> Unusable:
-    told = f"{what} of this {shape.tag} is not greater than 0"
+    message = f"{what} of this {shape.tag} is not greater than 0"
     if _is_only_seen(path):
         collector.report(
             ZERO_SIZE,
-            f"{told}: there is nothing to see of it.",
+            f"{message}: it is not visible.",
             hint="Remove the <visual>, or give every length, radius and scale a number of meters.",
             at=shape,
             path=path,
@@ -393,9 +385,9 @@ def _without_extent(collector: Collector, shape: Element, path: str, what: str) 
     else:
         collector.report(
             ZERO_SIZE,
-            f"{told}.",
+            f"{message}.",
             hint="Give every length, radius and scale a positive number of meters: Gazebo's "
-            "physics engine ends the program on such a shape. Mirror meshes in the file.",
+            "physics engine terminates the program on such a shape. Mirror meshes in their files.",
             at=shape,
             path=path,
         )
@@ -441,10 +433,10 @@ def _report_repeated(collector: Collector, root: Element) -> None:
         if name in names:
             collector.report(
                 DUPLICATE_MATERIAL,
-                f"The material `{name or ''}` is defined twice for the whole robot, and Gazebo "
-                "refuses the robot, be the colors equal or not.",
-                hint="Remove one of the definitions; in xacro, put them into a file of their own "
-                "that is included once.",
+                f"The material `{name or ''}` is defined twice for the whole robot: Gazebo "
+                "refuses the robot, even if the colors are equal.",
+                hint="Remove one of the definitions. In xacro, put them into a separate file that "
+                "is included once.",
                 at=material,
                 path=f"material[@name='{name or ''}']",
             )
@@ -455,7 +447,7 @@ def _has(element: Element, *tags: str) -> bool:
     return next(children(element, *tags), None) is not None
 
 
-def used_color(
+def _used_color(
     collector: Collector, material: Element, path: str, materials: Mapping[str, Rgba | None]
 ) -> Rgba | None:
     """The color of a visual's material; None where it has none."""
@@ -469,7 +461,7 @@ def used_color(
             UNDEFINED_MATERIAL,
             f"The material `{name}` is not defined.",
             hint=f'Add <material name="{name}"><color rgba="0.5 0.5 0.5 1"/></material> to the '
-            "robot; without it simulators show their default color.",
+            "robot; without it, simulators show their default color.",
             at=material,
             path=path,
         )

@@ -1,11 +1,8 @@
 """The robot that Gazebo builds from a URDF: fixed joints lumped, massless links dropped.
 
 The rules are those of sdformat's `parser_urdf.cc` since its pull request 1238 (March 2023, in
-12.7.2, 13.5 and 14.0); before it, a lumped link without mass also cut off its children.
-
-Which links Gazebo makes one body of, and what the body weighs.
-
-What Gazebo leaves out or refuses when it lumps fixed joints.
+12.7.2, 13.5 and 14.0); before it, a lumped link without mass also cut off its children. What
+Gazebo leaves out, or refuses, on the way is reported.
 """
 
 from __future__ import annotations
@@ -38,7 +35,7 @@ if TYPE_CHECKING:
 
 NO_MASS = 1e-6  # kg; sdformat before its pull request 1238 took less for nothing
 WORLD = "world"  # sdformat's word for what never moves; it knows no other way to say so in a URDF
-NAMED = 8  # so many names are told in a message
+NAMED = 8  # at most so many names stand in a message
 # Of a fixed joint whose lumping is disabled: no movement, by any force.
 HELD = JointLimit(lower=0.0, upper=0.0, effort=-1.0, velocity=-1.0)
 # Gazebo makes no joint of these: what hangs on them is loose.
@@ -209,20 +206,20 @@ DROPPED_BY_OLD_SDFORMAT = Rule(
 
 
 def lump(robot: Robot, *, file: Path | None = None) -> tuple[Robot, tuple[Diagnostic, ...]]:
-    """Lump fixed joints into their parents, drop what Gazebo drops, and do what its tags say.
+    """Lump fixed joints into their parents, drop what Gazebo drops, apply its tags.
 
     Poses, centers of mass and inertias of the result are seen from the links that are left, which
     keep their names and frames; the order of links and joints is kept. The robot must be a tree,
     as `read_urdf` gives it. `file` is what the diagnostics name.
     """
-    bodies = bodies_of(robot)
-    kept, dropped = drop_massless(robot, bodies)
+    bodies = _bodies_of(robot)
+    kept, dropped = _drop_massless(robot, bodies)
     reported = {name for name, body in bodies.items() if body.has_error}
     diagnostics = [
-        *nothing_but_the_world(robot, file),
-        *sdf_joint_ends(robot, bodies, file),
-        *dropped_by_old_sdformat(robot, bodies, kept, file),
-        *dropped_links(
+        *_only_world(robot, file),
+        *_check_sdf_joints(robot, bodies, file),
+        *_dropped_by_old_sdformat(robot, bodies, kept, file),
+        *_report_dropped(
             robot, bodies, [name for name in dropped if not bodies[name].has_error], file
         ),
     ]
@@ -234,11 +231,11 @@ def lump(robot: Robot, *, file: Path | None = None) -> tuple[Robot, tuple[Diagno
         links[name] = _link_of(robot, body)
         about = [tag for part, _ in body.parts for tag in tags.get(part.name, ())]
         if name not in reported:
-            diagnostics += two_zero_masses(robot, body, file)
-            diagnostics += impossible_sum(body, links[name], file)
-            diagnostics += without_inertia(body, links[name], file)
+            diagnostics += _two_zero_masses(robot, body, file)
+            diagnostics += _impossible_sum(body, links[name], file)
+            diagnostics += _without_inertia(body, links[name], file)
         if body.is_as_meant:
-            diagnostics += values_without_effect(body, links[name], about, file)
+            diagnostics += _values_without_effect(body, links[name], about, file)
         links[name] = with_extensions(links[name], about, self_collide=collides)
     joints = {joint.child: joint for name in kept for joint in bodies[name].joints}
     return _assembled(robot, bodies, links, joints, tags), tuple(diagnostics)
@@ -347,7 +344,7 @@ class Body:
         return parts[0] if len(parts) == 1 else _sum(parts) if parts else None
 
     def visuals(self) -> tuple[Visual, ...]:
-        """What can be seen, in the body's frame; the lumped ones are named as sdformat does."""
+        """The visuals in the body's frame; the lumped ones are named as sdformat does."""
         return tuple(
             replace(
                 visual,
@@ -359,7 +356,7 @@ class Body:
         )
 
     def collisions(self) -> tuple[Collision, ...]:
-        """What can be touched, likewise."""
+        """The collisions, likewise."""
         return tuple(
             replace(
                 collision,
@@ -371,7 +368,7 @@ class Body:
         )
 
 
-def bodies_of(robot: Robot) -> dict[str, Body]:
+def _bodies_of(robot: Robot) -> dict[str, Body]:
     """The bodies by the names of their first links, parents before children.
 
     No recursion, and nothing is moved twice: a chain may have 10,000 links.
@@ -473,7 +470,7 @@ def parts_of_impossible_sums(robot: Robot) -> set[str]:
     """
     return {
         part.name
-        for body in bodies_of(robot).values()
+        for body in _bodies_of(robot).values()
         if (inertial := body.inertial()) is not None
         and inertial.mass > 0
         and not is_possible(inertial.inertia)
@@ -495,7 +492,7 @@ def joints_that_say(robot: Robot, key: str) -> set[str]:
     }
 
 
-def drop_massless(robot: Robot, bodies: Mapping[str, Body]) -> tuple[list[str], list[str]]:
+def _drop_massless(robot: Robot, bodies: Mapping[str, Body]) -> tuple[list[str], list[str]]:
     """The bodies that stay, and those whose lack of mass cuts off what hangs on them."""
     kept, dropped, queue = [], [], [robot.root]
     for name in queue:
@@ -508,22 +505,22 @@ def drop_massless(robot: Robot, bodies: Mapping[str, Body]) -> tuple[list[str], 
     return kept, dropped
 
 
-def nothing_but_the_world(robot: Robot, file: Path | None) -> Iterator[Diagnostic]:
-    """A root called `world` is no link of its own."""
+def _only_world(robot: Robot, file: Path | None) -> Iterator[Diagnostic]:
+    """A root called `world` does not count as a link."""
     if robot.fixed_to_world and len(robot.links) == 1:
         yield NO_LINK.at(
             file,
             robot.links[0].line,
             "link[@name='world']",
-            message="The robot has no link besides `world`, and Gazebo refuses it.",
-            hint="Join a link to it, or give it another name.",
+            message="The robot has no link besides `world`: Gazebo refuses it.",
+            hint="Attach a link to it by a joint, or rename it.",
         )
 
 
-def sdf_joint_ends(
+def _check_sdf_joints(
     robot: Robot, bodies: Mapping[str, Body], file: Path | None
 ) -> Iterator[Diagnostic]:
-    """Joints of SDF in `<gazebo>` that join what is no link of the model."""
+    """Joints of SDF in `<gazebo>` whose parent or child is no link of the model."""
     body_of = {part.name: name for name, body in bodies.items() for part, _ in body.parts}
     if any(tag.is_open for tag in robot.gazebo):
         return
@@ -557,7 +554,7 @@ def sdf_joint_ends(
                 )
 
 
-def dropped_by_old_sdformat(
+def _dropped_by_old_sdformat(
     robot: Robot, bodies: Mapping[str, Body], kept: Sequence[str], file: Path | None
 ) -> Iterator[Diagnostic]:
     """What hangs on a lumped link without mass, which older versions drop with it."""
@@ -586,38 +583,42 @@ def dropped_by_old_sdformat(
                 )
 
 
-def dropped_links(
+def _report_dropped(
     robot: Robot, bodies: Mapping[str, Body], names: Sequence[str], file: Path | None
 ) -> Iterator[Diagnostic]:
-    """What Gazebo leaves out; blamed is the link that was surely meant to have mass."""
+    """What Gazebo drops; blamed is the link that was surely meant to have mass."""
     for name in names:
         blamed = _lacks_mass(bodies[name])
-        message = _told(robot, bodies, name, blamed)
+        message = _dropped_message(robot, bodies, name, blamed)
         yield DROPPED_LINK.at(
             file,
             blamed.line,
             f"link[@name='{blamed.name}']",
             message=message,
             hint=f"Give `{blamed.name}` an <inertial> with a mass"
-            + (", or fix a link with mass to it by a fixed joint." if blamed.name == name else "."),
+            + (
+                ", or attach a link with mass to it by a fixed joint."
+                if blamed.name == name
+                else "."
+            ),
         )
 
 
-def _told(robot: Robot, bodies: Mapping[str, Body], name: str, blamed: Link) -> str:
+def _dropped_message(robot: Robot, bodies: Mapping[str, Body], name: str, blamed: Link) -> str:
     why = f"`{blamed.name}` has " + (
         "no <inertial>" if blamed.inertial is None else f"a mass of {blamed.inertial.mass:g} kg"
     )
     if blamed.name != name:
-        why += f", and `{name}`, which it is fixed to, has no mass either"
+        why += f", and `{name}`, which a fixed joint attaches it to, has no mass either"
     below = [link for link in _below(bodies, name) if link != blamed.name]
-    told = _named(below)
+    names_below = _named(below)
     if name == robot.root:
         message = f"Gazebo refuses the robot: its root link {why}"
         if blamed.name != name:
             message = f"Gazebo refuses the robot: {why}"
-        return message + (f"; with the root disappear {told}." if below else ".")
+        return message + (f". It drops {names_below} with the root." if below else ".")
     message = f"Gazebo drops the link `{name}` with the joint above it"
-    return message + (f" and {told}: {why}." if below else f": {why}.")
+    return message + (f" and {names_below}: {why}." if below else f": {why}.")
 
 
 def _below(bodies: Mapping[str, Body], name: str) -> list[str]:
@@ -631,8 +632,8 @@ def _below(bodies: Mapping[str, Body], name: str) -> list[str]:
 def _lacks_mass(body: Body) -> Link:
     """The part of a massless body that should have mass.
 
-    That is one whose <inertial> says 0, or one that can be touched or seen; else the body's own
-    link, which is nothing but a frame.
+    That is one whose <inertial> says 0, or one that has a shape; else the body's own link, which is
+    only a frame.
     """
     parts = [part for part, _ in body.parts]
     return next(
@@ -643,11 +644,11 @@ def _lacks_mass(body: Body) -> Link:
 
 def _named(names: Sequence[str]) -> str:
     """The names; of many, the first few."""
-    told = ", ".join(f"`{name}`" for name in names[:NAMED])
-    return told + (f" and {len(names) - NAMED} more" if len(names) > NAMED else "")
+    listed = ", ".join(f"`{name}`" for name in names[:NAMED])
+    return listed + (f" and {len(names) - NAMED} more" if len(names) > NAMED else "")
 
 
-def two_zero_masses(robot: Robot, body: Body, file: Path | None) -> Iterator[Diagnostic]:
+def _two_zero_masses(robot: Robot, body: Body, file: Path | None) -> Iterator[Diagnostic]:
     """Gazebo computes the common center of two zero masses as 0/0 and refuses the robot."""
     if body.two_zeros is None or (robot.fixed_to_world and body.link.name == robot.root):
         return
@@ -658,14 +659,14 @@ def two_zero_masses(robot: Robot, body: Body, file: Path | None) -> Iterator[Dia
         file,
         blamed.line,
         f"link[@name='{blamed.name}']/inertial/mass",
-        message=f"The links `{child}` and `{parent}` are fixed together and have no mass: "
-        "their center of mass is not a number, and Gazebo refuses the robot.",
-        hint=f"Remove <inertial> from `{blamed.name}`: no inertia is better than a zero mass.",
+        message=f"The links `{child}` and `{parent}` are attached by a fixed joint and have no "
+        "mass: their center of mass is not a number, and Gazebo refuses the robot.",
+        hint=f"Remove <inertial> from `{blamed.name}`: Gazebo accepts a lumped link without one.",
     )
 
 
-def impossible_sum(body: Body, link: Link, file: Path | None) -> Iterator[Diagnostic]:
-    """The reader has checked single links; here the sum of sound ones is new."""
+def _impossible_sum(body: Body, link: Link, file: Path | None) -> Iterator[Diagnostic]:
+    """A sum that is impossible although each part is possible; the reader checks single links."""
     if len(body.parts) == 1 or link.inertial is None or is_possible(link.inertial.inertia):
         return
     if any(part.inertial is not None and is_impossible(part.inertial) for part, _ in body.parts):
@@ -674,15 +675,15 @@ def impossible_sum(body: Body, link: Link, file: Path | None) -> Iterator[Diagno
         file,
         link.line,
         f"link[@name='{link.name}']",
-        message=f"With the links that are fixed to it, `{link.name}` has an inertia that no body "
-        "has, and Gazebo refuses the robot.",
+        message=f"With the links that fixed joints attach to it, `{link.name}` has an inertia "
+        "that no body has: Gazebo refuses the robot.",
         hint=f"Correct the inertia of {', '.join(f'`{name}`' for name in body.lumped[:NAMED])}"
         f" or of `{link.name}` itself.",
     )
 
 
-def without_inertia(body: Body, lumped: Link, file: Path | None) -> Iterator[Diagnostic]:
-    """A mass without any inertia, which no engine can turn; `lumped` is all of the body."""
+def _without_inertia(body: Body, lumped: Link, file: Path | None) -> Iterator[Diagnostic]:
+    """A mass without any inertia, on which engines diverge; `lumped` is all of the body."""
     if lumped.inertial is None or any(lumped.inertial.inertia):
         return
     # The link that is written with that mass, which may be another one than gives the name.
@@ -693,14 +694,14 @@ def without_inertia(body: Body, lumped: Link, file: Path | None) -> Iterator[Dia
         f"link[@name='{link.name}']/inertial/inertia",
         severity=Severity.WARNING,
         message=f"The link `{link.name}` has a mass of {lumped.inertial.mass:g} kg and no inertia: "
-        "the slightest touch makes it spin.",
+        "the slightest contact makes it spin.",
         hint="Compute it from mass and shape, or export it from CAD."
         if (moments := if_filled(link)) is None
         else f"If it is evenly filled: {as_attributes(moments)} (kg m², the products 0).",
     )
 
 
-def values_without_effect(
+def _values_without_effect(
     body: Body, link: Link, tags: Sequence[GazeboTag], file: Path | None
 ) -> Iterator[Diagnostic]:
     """Gazebo finds the collisions that a value is for by their names, and may find none."""

@@ -1,15 +1,7 @@
-"""URDF text to a `Robot`, with everything that is wrong in it.
+"""Read a URDF: from bytes or text over the XML document to a `Robot`, with all diagnostics.
 
 The rules are those of urdfdom and sdformat, because they decide what Gazebo makes of the text.
-
-The XML around a robot: whether there is a document, and whether it is finished.
-
-The characters of a file: Gazebo's parser knows UTF-8 alone.
-
-Whether links and joints make one tree.
-
-This is looked at before any engine or tool sees the file: PyBullet ends with SIGSEGV on two
-roots, a cycle or two joints of one name, and check_urdf and sdformat print without end on a cycle.
+Everything is checked before any engine or tool sees the file: some of them crash on invalid ones.
 """
 
 from __future__ import annotations
@@ -155,35 +147,35 @@ def read_urdf(
     say, because that depends on what is lumped. `file` is what the diagnostics name.
     """
     collector = Collector(file)
-    text = decode(collector, text) or "" if isinstance(text, bytes) else storable(text)
-    root = None if collector.has_errors else read_document(collector, text)
+    text = _decode(collector, text) or "" if isinstance(text, bytes) else _storable(text)
+    root = None if collector.has_errors else _read_document(collector, text)
     if root is None:
         return None, tuple(collector.diagnostics)
-    report_left_overs(collector, root, f"robot[@name='{root.get('name') or ''}']")
+    _report_unexpanded(collector, root, f"robot[@name='{root.get('name') or ''}']")
     check_spelling(collector, root, "robot")
-    robot = _with_doubts(_read_robot(collector, root), collector.diagnostics)
+    robot = _mark_doubtful(_read_robot(collector, root), collector.diagnostics)
     check_names(collector, robot, line_of(root))
     check_mimics(collector, robot)
     check_inertias(collector, robot)
     return (robot if robot.root else None), tuple(collector.diagnostics)
 
 
-def _with_doubts(robot: Robot, diagnostics: Iterable[Diagnostic]) -> Robot:
-    """The robot with those links marked in which something is wrong, misspelt or left out.
+def _mark_doubtful(robot: Robot, diagnostics: Iterable[Diagnostic]) -> Robot:
+    """The robot with those links marked that have an error, a misspelling or a shape left out.
 
-    What else is odd about them comes from that, and is not worth telling; what Gazebo refuses for
-    a misspelling is.
+    Other diagnostics about them would follow from that and are not reported, except what Gazebo
+    refuses because of a misspelling.
     """
-    wrong, unlike = set[str](), set[str]()
+    erroneous, incomplete = set[str](), set[str]()
     for found in diagnostics:
         names = LINK.findall(found.element or "")
         if found.severity is Severity.ERROR:
-            wrong.update(names)
+            erroneous.update(names)
         elif found.code in {*MISSPELLED, ZERO_SIZE.code}:
-            unlike.update(names)
-    doubtful = wrong | unlike
+            incomplete.update(names)
+    doubtful = erroneous | incomplete
     links = (
-        replace(link, is_as_meant=link.name not in doubtful, has_error=link.name in wrong)
+        replace(link, is_as_meant=link.name not in doubtful, has_error=link.name in erroneous)
         for link in robot.links
     )
     return replace(robot, links=tuple(links)) if doubtful else robot
@@ -191,8 +183,8 @@ def _with_doubts(robot: Robot, diagnostics: Iterable[Diagnostic]) -> Robot:
 
 def _read_robot(collector: Collector, root: Element) -> Robot:
     """The robot; its root is empty where links and joints make no tree."""
-    links = unique_names(collector, list(children(root, "link")), DUPLICATE_LINK)
-    joint_elements = unique_names(collector, list(children(root, "joint")), DUPLICATE_JOINT)
+    links = _unique_names(collector, list(children(root, "link")), DUPLICATE_LINK)
+    joint_elements = _unique_names(collector, list(children(root, "joint")), DUPLICATE_JOINT)
     if not links:
         collector.report_missing(
             NO_LINK,
@@ -231,7 +223,7 @@ def _read_robot(collector: Collector, root: Element) -> Robot:
     )
 
 
-def unique_names(
+def _unique_names(
     collector: Collector, elements: Sequence[Element], duplicate: Rule
 ) -> dict[str, Element]:
     """The elements by their names; a missing or a repeated name is reported and left out."""
@@ -250,9 +242,9 @@ def unique_names(
         elif name in named:
             collector.report(
                 duplicate,
-                f"Two {element.tag}s are called `{name}` (the other one is in line "
+                f"Two {element.tag}s have the name `{name}` (the other one is in line "
                 f"{line_of(named[name])}).",
-                hint="Give each its own name; in a xacro macro, put a prefix parameter before it.",
+                hint="Give each its own name. In a xacro macro, use a parameter as a prefix.",
                 at=element,
                 path=f"{element.tag}[@name='{name}']",
             )
@@ -261,16 +253,16 @@ def unique_names(
     return named
 
 
-def decode(collector: Collector, data: bytes) -> str | None:
+def _decode(collector: Collector, data: bytes) -> str | None:
     """The text of a file; None where it is none, which is reported."""
     data = data.rstrip(b"\0")  # where a text of C ends
     wide = wide_encoding(data)
     if wide or b"\0" in data:
         collector.report(
             NOT_UTF_8,
-            f"The file is in {wide}: Gazebo and robot_state_publisher read UTF-8 alone."
+            f"The file is encoded in {wide}: Gazebo and robot_state_publisher read UTF-8 only."
             if wide
-            else "The file is not a text: it has null bytes.",
+            else "The file is not a text file: it contains null bytes.",
             hint=save_as_utf8(wide) if wide else "Name a text file in UTF-8.",
             at=1,
         )
@@ -280,7 +272,7 @@ def decode(collector: Collector, data: bytes) -> str | None:
     except UnicodeDecodeError as error:
         collector.report(
             NOT_UTF_8,
-            "The file is not in UTF-8, which it is read as.",
+            "The file is not encoded in UTF-8, but Gazebo reads it as UTF-8.",
             hint=save_as_utf8("ISO-8859-1"),
             at=data.count(b"\n", 0, error.start) + 1,
             severity=Severity.WARNING,
@@ -288,7 +280,7 @@ def decode(collector: Collector, data: bytes) -> str | None:
     return data.decode("utf-8", "replace")
 
 
-def storable(text: str) -> str:
+def _storable(text: str) -> str:
     """The text without halves of characters, which no file can hold, and without C's end."""
     text = text.rstrip("\0")
     try:
@@ -298,15 +290,15 @@ def storable(text: str) -> str:
     return text
 
 
-def read_document(collector: Collector, text: str) -> Element | None:
+def _read_document(collector: Collector, text: str) -> Element | None:
     """The element <robot> of a text; None where there is none, which is reported."""
     if len(text) > TEXT_LIMIT or "<!ENTITY" in text:
         collector.report(
             OVERSIZED_FILE,
-            f"The document has more than {TEXT_LIMIT} characters, and wsgen does not read it."
+            f"The document has more than {TEXT_LIMIT} characters: wsgen does not read it."
             if len(text) > TEXT_LIMIT
             else "The document declares entities.",
-            hint="Write the values out; a URDF needs neither entities nor data in it.",
+            hint="Write the values out. A URDF needs neither entities nor embedded data.",
             at=None,
         )
         return None
@@ -338,8 +330,8 @@ def _parsed(collector: Collector, text: str) -> Element | None:
     if lenient is not None:
         collector.report(
             MALFORMED_XML,
-            f"Not well-formed XML: {root.message}. Gazebo's parser does not mind; xacro and others "
-            "do.",
+            f"Not well-formed XML: {root.message}. Gazebo's parser accepts it; xacro and others "
+            "do not.",
             hint="Write &amp; for &, no -- in comments, and declare prefixes with xmlns:PREFIX.",
             at=root.line,
             severity=Severity.WARNING,
@@ -373,7 +365,7 @@ def _report_instructions(collector: Collector, text: str) -> None:
     if place >= 0:
         collector.report(
             MALFORMED_XML,
-            "Gazebo's parser takes processing instructions (<?…?>) only before everything else.",
+            "Gazebo's parser accepts processing instructions (<?…?>) only before all elements.",
             hint="Remove it, or put it into the first lines of the file.",
             at=text.count("\n", 0, start + place) + 1,
         )
@@ -392,7 +384,7 @@ def _check_head(collector: Collector, root: Element) -> None:
     if version is not None and version != VERSION:
         collector.report(
             UNKNOWN_URDF_VERSION,
-            f"Gazebo's parser knows no URDF of version `{version[:60]}`, and refuses the robot.",
+            f"Gazebo's parser refuses URDF version `{version[:60]}`.",
             hint=f'Remove the attribute, or write version="{VERSION}".',
             at=root,
             path="robot",
@@ -405,21 +397,21 @@ def _report_broken_lines(collector: Collector, text: str) -> None:
     for found in BROKEN_LINE.finditer(without_comments(text)):
         collector.report(
             NOT_A_NUMBER,
-            f"A line break or tab parts the numbers of `{found[1]}`.",
-            hint="Part them with blanks: Gazebo refuses anything else.",
+            f"A line break or tab separates the numbers of `{found[1]}`.",
+            hint="Separate them with blanks: Gazebo refuses anything else.",
             at=text.count("\n", 0, found.start()) + 1,
             path=f"@{found[1]}",
         )
 
 
-def report_left_overs(collector: Collector, element: Element, path: str) -> None:
+def _report_unexpanded(collector: Collector, element: Element, path: str) -> None:
     """Report what xacro should have replaced, in the element and below it."""
     texts = [*element.attrib.values(), element.text or ""]
     left = next((text for text in texts if LEFT_OVER.search(text)), None)
     if left is not None:
         collector.report(
             UNEXPANDED_XACRO,
-            f"`{left.strip()[:60]}` is left over from xacro.",
+            f"`{left.strip()[:60]}` is an expression of xacro, which Gazebo does not evaluate.",
             hint="Expand the file with xacro first; check that the property is defined.",
             at=element,
             path=path,
@@ -430,11 +422,12 @@ def report_left_overs(collector: Collector, element: Element, path: str) -> None
             if "xacro" in child.tag:
                 collector.report(
                     UNEXPANDED_XACRO,
-                    f"<{child.tag.rpartition('}')[2]}> is left over from xacro.",
+                    f"<{child.tag.rpartition('}')[2]}> is an element of xacro, which Gazebo "
+                    "does not expand.",
                     hint="Expand the file with xacro first; check that the macro is defined.",
                     at=child,
                     path=f"{path}/{child.tag.rpartition('}')[2]}",
                 )
-            report_left_overs(
+            _report_unexpanded(
                 collector, child, child.tag if name is None else f"{child.tag}[@name='{name}']"
             )

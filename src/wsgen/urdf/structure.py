@@ -1,4 +1,8 @@
-"""What can only be said of a whole robot: names, mimic joints, inertias."""
+"""Check a robot as a whole: the tree of its links, names, mimic joints and inertias.
+
+PyBullet crashes on two roots, a cycle or two joints of one name, and check_urdf and sdformat print
+without end on a cycle.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +33,7 @@ if TYPE_CHECKING:
 
 
 RESERVED = re.compile(r"__.*__", re.DOTALL)  # of SDF, as are `world` and a few that only SDF has
-NAMED = 5  # so many names are told in a message
+NAMED = 5  # at most so many names stand in a message
 
 SEVERAL_ROOTS = Rule(
     code="ROB009",
@@ -112,7 +116,7 @@ def find_root(
     links: dict[str, Element],
     joints: Sequence[tuple[Joint, Element]],
 ) -> str | None:
-    """The link that every other one hangs on; None where there is no tree, which is reported."""
+    """The root link; None where there is no tree, which is reported."""
     before = len(collector.errors)
     parent_of: dict[str, tuple[Joint, Element]] = {}
     for joint, element in joints:
@@ -122,7 +126,7 @@ def find_root(
                 other = parent_of[joint.child][0]
                 collector.report(
                     TWO_PARENTS,
-                    f"The link `{joint.child}` has two parents: `{other.parent}` by the joint "
+                    f"The link `{joint.child}` has two parents: `{other.parent}` through the joint "
                     f"`{other.name}`, and `{joint.parent}`.",
                     hint="A URDF is a tree: remove one of the joints. Closed chains need SDF.",
                     at=element,
@@ -134,12 +138,12 @@ def find_root(
         return None
     roots = [name for name in links if name not in parent_of]
     _report_cycle(collector, parent_of)
-    many = f"{len(roots)} links have no parent ({_some(roots)}): there must be exactly one root."
+    many = f"{len(roots)} links have no parent ({_some(roots)}): a robot has exactly one root."
     if len(roots) > 1 and not collector.blame_misspelled(robot, "joint", many):
         collector.report(
             SEVERAL_ROOTS,
             many,
-            hint=f"Join `{roots[1]}` to the rest with a joint whose child it is.",
+            hint=f"Add a joint whose child is `{roots[1]}`.",
             at=links[roots[1]],
             path=f"link[@name='{roots[1]}']",
         )
@@ -155,7 +159,7 @@ def _check_ends(  # noqa: PLR0913, PLR0917  a joint, and what it is in
     robot: Element,
 ) -> bool:
     for end, name in (("parent", joint.parent), ("child", joint.child)):
-        message = f"The {end} of the joint `{joint.name}` is `{name}`, and no link is called so."
+        message = f"The {end} of the joint `{joint.name}` is `{name}`, but no link has that name."
         if name not in links and not collector.blame_misspelled(robot, f"link {name}", message):
             near = nearest_element(collector, name, links)
             collector.report(
@@ -168,7 +172,7 @@ def _check_ends(  # noqa: PLR0913, PLR0917  a joint, and what it is in
     if joint.parent == joint.child:
         collector.report(
             SELF_JOINT,
-            f"The joint `{joint.name}` joins the link `{joint.parent}` to itself.",
+            f"The joint `{joint.name}` connects the link `{joint.parent}` to itself.",
             hint="Name two different links as parent and child.",
             at=element,
             path=path,
@@ -191,8 +195,8 @@ def _report_cycle(collector: Collector, parent_of: dict[str, tuple[Joint, Elemen
             joint, element = parent_of[link]
             collector.report(
                 LINK_CYCLE,
-                f"The links go in a circle: {_some(cycle)}, and back to `{cycle[0]}`.",
-                hint="A URDF is a tree: remove the joint that closes the circle.",
+                f"The links form a cycle: {_some(cycle)}, and back to `{cycle[0]}`.",
+                hint="A URDF is a tree: remove the joint that closes the cycle.",
                 at=element,
                 path=f"joint[@name='{joint.name}']",
             )
@@ -201,12 +205,12 @@ def _report_cycle(collector: Collector, parent_of: dict[str, tuple[Joint, Elemen
 
 
 def _some(names: Sequence[str]) -> str:
-    told = ", ".join(f"`{name}`" for name in names[:NAMED])
-    return told if len(names) <= NAMED else f"{told} and {len(names) - NAMED} more"
+    listed = ", ".join(f"`{name}`" for name in names[:NAMED])
+    return listed if len(names) <= NAMED else f"{listed} and {len(names) - NAMED} more"
 
 
 def check_names(collector: Collector, robot: Robot, line_of_robot: int | None) -> None:
-    """Report names that SDF keeps for itself, and a joint that is called like a link."""
+    """Report names that SDF reserves, and a joint that has the name of a link."""
     for name, line, path in (
         (robot.name, line_of_robot, "robot"),
         *((link.name, link.line, f"link[@name='{link.name}']") for link in robot.links),
@@ -225,9 +229,10 @@ def check_names(collector: Collector, robot: Robot, line_of_robot: int | None) -
         if joint.name in links and (joint.parent == WORLD or not is_lumped):
             collector.report(
                 ONE_NAME_FOR_LINK_AND_JOINT,
-                f"A link and a joint are both called `{joint.name}`: Gazebo Sim refuses the robot.",
-                hint=f"Rename the joint, to `{joint.name}_joint` for example: SDF has one space of "
-                "names.",
+                f"A link and a joint have the same name `{joint.name}`: Gazebo Sim refuses "
+                "the robot.",
+                hint=f"Rename the joint, to `{joint.name}_joint` for example: SDF has one "
+                "namespace for both.",
                 at=joint.line,
                 path=f"joint[@name='{joint.name}']",
             )
@@ -236,10 +241,10 @@ def check_names(collector: Collector, robot: Robot, line_of_robot: int | None) -
 def _report_reserved(collector: Collector, name: str, line: int | None, path: str) -> None:
     collector.report(
         RESERVED_NAME,
-        f"`{name}` is a name that Gazebo keeps for itself, and it refuses the robot.",
+        f"The name `{name}` is reserved: Gazebo refuses the robot.",
         hint="Make it the root of the robot, which is then fixed to the world, or rename it."
         if name == WORLD and path.startswith("link")
-        else "Take another name; not `world`, and none with two underscores before and behind.",
+        else "Use another name: not `world`, and no two underscores at the beginning and the end.",
         at=line,
         path=path,
     )
@@ -249,7 +254,7 @@ def check_mimics(collector: Collector, robot: Robot) -> None:
     """Report a mimic joint whose leader does not exist, or that follows itself."""
     leaders = {joint.name: joint.mimic.joint for joint in robot.joints if joint.mimic}
     names = {joint.name for joint in robot.joints}
-    circular = _in_circles(leaders)
+    cyclic = _in_cycles(leaders)
     for joint in robot.joints:
         if joint.mimic is None:
             continue
@@ -257,27 +262,27 @@ def check_mimics(collector: Collector, robot: Robot) -> None:
         if joint.mimic.joint not in names:
             collector.report(
                 UNKNOWN_MIMICKED_JOINT,
-                f"The joint `{joint.name}` mimics `{joint.mimic.joint}`, and there is none: it "
-                "moves on its own.",
+                f"The joint `{joint.name}` mimics `{joint.mimic.joint}`, which does not exist: "
+                "it moves on its own.",
                 hint="Name a joint of this robot.",
                 at=joint.line,
                 path=path,
                 severity=Severity.WARNING,
             )
             continue
-        if joint.name in circular:
+        if joint.name in cyclic:
             collector.report(
                 MIMIC_CYCLE,
                 f"The joint `{joint.name}` mimics itself.",
-                hint="Let it follow a joint that does not follow it.",
+                hint="Let it mimic a joint that does not mimic it.",
                 at=joint.line,
                 path=path,
             )
 
 
-def _in_circles(leaders: Mapping[str, str]) -> set[str]:
+def _in_cycles(leaders: Mapping[str, str]) -> set[str]:
     """The joints that follow themselves, directly or over others."""
-    circular: set[str] = set()
+    cyclic: set[str] = set()
     done: set[str] = set()
     for start in leaders:
         way: dict[str, None] = {}
@@ -287,9 +292,9 @@ def _in_circles(leaders: Mapping[str, str]) -> set[str]:
             name = leaders[name]
         if name in way:
             names = list(way)
-            circular.update(names[names.index(name) :])
+            cyclic.update(names[names.index(name) :])
         done.update(way)
-    return circular
+    return cyclic
 
 
 def check_inertias(collector: Collector, robot: Robot) -> None:

@@ -1,4 +1,4 @@
-"""What is surely misspelt in a URDF: programs leave such elements and attributes out silently."""
+"""Misspelled elements and attributes of a URDF, which programs silently ignore."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ ATTRIBUTES = {
 OTHERS = frozenset(("type", "reference_position", "quat_xyzw", "convex", "id", "group"))
 SHORT = 4  # letters; of words up to this length other orders and neighbors are compared
 # So alike two words are, as difflib counts, that one is taken for the other: `parnt` and `parent`
-# are at 0.91, `visuals` and `visual` at 0.92, `color` and `color` at 0.91.
+# are at 0.91, `visuals` and `visual` at 0.92, `colour` and `color` at 0.91.
 ALIKE = 0.8
 # Attributes, among the few that one element has and lacks. Few people misspell the first letter,
 # and those of other programs are as alike: `frame` is no `name` (0.67), `stiction` no `friction`
@@ -84,7 +84,7 @@ LIKE_ATTRIBUTE = 0.82
 LIKE_INITIAL = 0.6  # with the same first letter
 
 MOST_COMPARED = 500  # names; difflib takes its time
-MOST_HINTS = 50  # collector; who has more has another trouble than spelling
+MOST_HINTS = 50  # diagnostics; with more of them, spelling is not the problem
 
 
 def nearest_element(collector: Collector, name: str, known: Iterable[str]) -> str | None:
@@ -96,7 +96,7 @@ def nearest_element(collector: Collector, name: str, known: Iterable[str]) -> st
 
 
 def check_spelling(collector: Collector, element: Element, path: str) -> None:
-    """Report, in the element and below it, children that are nearly called as known ones."""
+    """Report children, in the element and below it, whose names are nearly those of known ones."""
     _check_attributes(collector, element, path)
     known = KNOWN.get(str(element.tag), SHAPES if element.tag == "geometry" else ())
     if element.tag == "gazebo":
@@ -115,7 +115,7 @@ def check_spelling(collector: Collector, element: Element, path: str) -> None:
         if near is not None:
             collector.report_misspelled(
                 MISSPELLED_ELEMENT,
-                f"<{element.tag}> has no <{child.tag}>: Gazebo leaves it out without a word.",
+                f"<{element.tag}> has no <{child.tag}>: Gazebo silently ignores it.",
                 hint=f"Did you mean <{near}>?",
                 at=child,
                 path=inside,
@@ -125,7 +125,7 @@ def check_spelling(collector: Collector, element: Element, path: str) -> None:
 
 
 def meant_element(tag: str, known: Sequence[str]) -> str | None:
-    """The element that a misspelt one must be; None where none is nearly the same."""
+    """The element that a misspelled one must be; None where none is nearly the same."""
     near = [other for other in known if other.lower() == tag.lower()]
     near = near or [other for other in known if sorted(other) == sorted(tag)]
     return near[0] if near else suggestions.nearest(tag, known, cutoff=ALIKE)
@@ -139,7 +139,7 @@ def _check_attributes(collector: Collector, element: Element, path: str) -> None
         if meant is not None:
             collector.report_misspelled(
                 MISSPELLED_ATTRIBUTE,
-                f"<{element.tag}> has no attribute `{name}`: Gazebo leaves it out without a word.",
+                f"<{element.tag}> has no attribute `{name}`: Gazebo silently ignores it.",
                 hint=suggestions.did_you_mean(meant),
                 at=element,
                 path=f"{path}/@{name}",
@@ -149,7 +149,7 @@ def _check_attributes(collector: Collector, element: Element, path: str) -> None
 
 
 def _meant(name: str, lacking: Sequence[str]) -> str | None:
-    """The attribute that a misspelt one must be, of those that the element lacks."""
+    """The attribute that a misspelled one must be, of those that the element lacks."""
     near = [other for other in lacking if other.lower() == name.lower()]
     if len(name) <= SHORT:  # too few letters for a likeness
         near = near or [other for other in lacking if sorted(other) == sorted(name.lower())]
@@ -167,8 +167,8 @@ def _check_reference(collector: Collector, element: Element, path: str) -> None:
         if attribute != "reference" and "reference".startswith(attribute.lower()[:3]):
             collector.report(
                 MISSPELLED_ELEMENT,
-                f"<gazebo> has no attribute `{attribute}`: Gazebo leaves it out without a word and "
-                "takes the element for the whole robot's.",
+                f"<gazebo> has no attribute `{attribute}`: Gazebo silently ignores it and applies "
+                "the element to the whole robot.",
                 hint=suggestions.did_you_mean("reference"),
                 at=element,
                 path=path,

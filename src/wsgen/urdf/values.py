@@ -30,7 +30,7 @@ NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)", re.IGNORECASE)
 
 
 def parse_number(text: str) -> float | str:
-    """The number, or what is wrong with it."""
+    """The number, or why it is none."""
     if NUMBER.fullmatch(text):
         number = float(text)
         return number if math.isfinite(number) else "is too large"
@@ -80,7 +80,7 @@ def read_numbers(  # noqa: PLR0913  what, where, and how it is called
     required: bool,
     is_fatal: bool = True,
 ) -> tuple[float, ...] | None:
-    """The numbers of an attribute; None where it is missing or wrong, which is then reported.
+    """The numbers of an attribute; None where it is missing or invalid, which is then reported.
 
     `is_fatal`: Gazebo refuses the robot for them, or leaves something out; it is an error then.
     """
@@ -112,13 +112,13 @@ def read_numbers(  # noqa: PLR0913  what, where, and how it is called
     if problem is None and len(words) != count:
         problem = f"{len(words)} numbers instead of {count}"
     if problem is None and count == 1 and text[-1].isspace():
-        problem = "there is a blank behind the number"
+        problem = "a blank follows the number"
     if problem is None:
         return tuple(number for number in numbers if isinstance(number, float))
     collector.report(
         NOT_A_NUMBER,
         f'{attribute}="{text[:60]}": {problem}.',
-        hint=f"{_times(count)}, a point before the decimals and blanks between them. "
+        hint=f"{_times(count)}, with a decimal point, separated by blanks. "
         f"Gazebo {'refuses' if is_fatal else 'ignores'} anything else; other programs silently "
         "read 0.",
         at=element,
@@ -131,7 +131,7 @@ def read_numbers(  # noqa: PLR0913  what, where, and how it is called
 def read_number(
     collector: Collector, element: Element, attribute: str, path: str, *, required: bool
 ) -> float | None:
-    """The number of an attribute; None where it is missing or wrong, which is then reported."""
+    """The number of an attribute; None where it is missing or invalid, which is then reported."""
     numbers = read_numbers(collector, element, attribute, 1, path, required=required)
     return None if numbers is None else numbers[0]
 
@@ -139,7 +139,7 @@ def read_number(
 def read_triple(
     collector: Collector, element: Element, attribute: str, path: str
 ) -> tuple[float, float, float] | None:
-    """The three numbers of an optional attribute; None where it is missing or wrong."""
+    """The three numbers of an optional attribute; None where it is missing or invalid."""
     numbers = read_numbers(collector, element, attribute, 3, path, required=False)
     return None if numbers is None else (numbers[0], numbers[1], numbers[2])
 

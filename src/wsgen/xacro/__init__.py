@@ -1,1 +1,1 @@
-"""xacro files: expand them in a child process and explain what is wrong with them."""
+"""xacro files: expand them in a child process, and explain and place their errors."""

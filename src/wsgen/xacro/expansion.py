@@ -38,12 +38,12 @@ class CommandResult(NamedTuple):
     stdout: str
     stderr: str
     code: int
-    fault: dict[str, Any] | None = None  # see `find_fault`
+    error: dict[str, Any] | None = None  # see `explain_error`
     unused: Sequence[dict[str, str]] = ()  # see `_Arguments.find_unused`
 
 
 class Watch:
-    """Sees what xacro does from now on in this process, also when a launch file calls it itself.
+    """Records what xacro does from now on in this process, also when a launch file calls it itself.
 
     `note` is given every text that an expanded document is written as, with the file it came from.
     `note_unused` is given the arguments that a launch file gives to xacro and no xacro file uses.
@@ -68,7 +68,7 @@ class Watch:
         file = getattr(inp, "name", None) if filename is None else filename
         if isinstance(file, (str, os.PathLike)) and document is not inp:
             path = str(Path(xacro.root_dir, file).absolute())
-            document.wsgen_file = path  # for who explains what is wrong in it
+            document.wsgen_file = path  # for the explanation of an error in it
             write = self._timed(document.toprettyxml)
 
             def write_and_note(*arguments: Any, **keywords: Any) -> Any:
@@ -127,7 +127,7 @@ class _Arguments(dict[str, str]):
         unused = [name for name in self._given if name not in self._asked]
         if not unused:
             return []
-        # Read where something is wrong only, that is, seldom.
+        # Imported only after an error, that is, seldom.
         from wsgen.xacro.explanation import unused_arguments  # noqa: PLC0415
 
         return unused_arguments(unused, self._asked, _files_read())
@@ -136,7 +136,7 @@ class _Arguments(dict[str, str]):
 def expand(file: Path, mappings: Mapping[str, str]) -> CommandResult:
     """Expand a xacro file with these arguments, whose values may be any text.
 
-    `stdout` is the URDF where `code` is 0; else `fault` says what is wrong with which file.
+    `stdout` is the URDF where `code` is 0; otherwise `error` explains the error.
     """
     return _run([str(file)], mappings)
 
@@ -154,20 +154,20 @@ def run_command(words: Sequence[str]) -> CommandResult:
 def _run(words: Sequence[str], mappings: Mapping[str, str]) -> CommandResult:
     _reset()
     stdout, stderr = io.StringIO(), io.StringIO()
-    fault = None
+    error = None
     unused: list[dict[str, str]] = []
     with contextlib.redirect_stdout(stdout), contextlib.redirect_stderr(stderr):
         try:
             options, file = xacro.process_args(list(words))
             arguments = options.mappings = _Arguments({**options.mappings, **mappings})
-            code, fault = _process(file, options)
+            code, error = _process(file, options)
             unused = [] if code else arguments.find_unused()
         except SystemExit as end:  # the option parser leaves like this
             code = end.code if isinstance(end.code, int) else 1
-        except RuntimeError as error:  # an argument that is no name:=value
-            sys.stderr.write(f"{error}\n")
+        except RuntimeError as refusal:  # an argument that is no name:=value
+            sys.stderr.write(f"{refusal}\n")
             code = 1
-    return CommandResult(stdout.getvalue(), stderr.getvalue(), code, fault, unused)
+    return CommandResult(stdout.getvalue(), stderr.getvalue(), code, error, unused)
 
 
 def _process(file: str, options: Any) -> tuple[int, dict[str, Any] | None]:
@@ -179,7 +179,7 @@ def _process(file: str, options: Any) -> tuple[int, dict[str, Any] | None]:
         sys.stderr.write(f"error: {error}\n")
         if options.verbosity:
             xacro.print_location()
-        return 2, find_fault(error) or {"message": str(error) or repr(error), "file": file}
+        return 2, explain_error(error) or {"message": str(error) or repr(error), "file": file}
     if options.just_deps:
         text = " ".join(sorted(set(xacro.all_includes)))
     else:
@@ -200,15 +200,16 @@ def _reset() -> None:
     xacro.root_dir = os.curdir
 
 
-def find_fault(error: BaseException) -> dict[str, Any] | None:
-    """What an exception that xacro raised is about; None for any other exception.
+def explain_error(error: BaseException) -> dict[str, Any] | None:
+    """Explain an exception that xacro raised; None for any other exception.
 
-    The keys are those of `wsgen.xacro.explanation`.
+    The keys are those of `wsgen.xacro.explanation.Explanation`.
     """
-    # Read where something is wrong only, that is, seldom.
+    # Imported only after an error, that is, seldom.
     from wsgen.xacro.explanation import explain  # noqa: PLC0415
 
-    return explain(error, _files_read())
+    explanation = explain(error, _files_read())
+    return None if explanation is None else dict(explanation)
 
 
 def _files_read() -> list[str]:

@@ -1,15 +1,8 @@
-"""Explain what xacro found fault with: file, line, what is wrong, and what to do.
+"""Explain an error of xacro: which file and line, what is wrong, and what to do.
 
-Each explainer looks at one kind of exception and gives a fault, or None where it is not its kind.
-A fault has the key message, and where they are known file, line, element and hint; besides
-`missing` (a file that is not there, and nothing of its package either) and `package` (one that is
-not found).
-
-Explain wrong names and values in xacro files: of properties, arguments and macros.
-
-Where in the xacro files what xacro was at is written.
-
-What xacro was doing when it raised: read from the frames of the exception.
+`explain` first reads from the frames of the exception what xacro was expanding (`_Trace`), then
+looks that up in the files (`_find_place`), and asks the explainers, each of which knows one kind of
+exception and gives None for the others.
 
 xacro's messages name neither the element nor the line. The frames of its functions hold the
 element that was expanded, the attribute as it is written, and the values known at that moment.
@@ -24,7 +17,7 @@ import contextlib
 import os
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypedDict
 from xml.parsers.expat import ExpatError
 
 from wsgen.files import irregular_kind, read_regular, save_as_utf8, wide_encoding
@@ -38,7 +31,18 @@ if TYPE_CHECKING:
     from wsgen.markup import Written
 
 
-Fault = dict[str, Any]  # see `wsgen.xacro.explanation`
+class Explanation(TypedDict, total=False):
+    """What is wrong; at least `message` is there."""
+
+    message: str
+    file: str | None
+    line: int | None
+    element: str | None
+    hint: str
+    missing: str  # a file that does not exist, of a package of which nothing exists
+    package: str  # one that is not found
+
+
 Frame = tuple[str, "Mapping[str, Any]"]  # function, its variables
 # The elements that xacro itself knows, and their attributes.
 OWN_ELEMENTS = {
@@ -53,40 +57,38 @@ OWN_ELEMENTS = {
     "property": ("name", "value", "default", "remove", "scope", "lazy_eval"),
     "unless": ("value",),
 }
-TOLD = 60  # characters of an expression or a value
+LONGEST_QUOTE = 60  # characters of an expression or a value
 USUAL = "Fix the xacro file; `xacro FILE` shows the same error."
-MOST_SCOPES = 100  # deeper ones go in circles
+MOST_SCOPES = 100  # deeper ones are cycles
 XACRO = "http://www.ros.org/wiki/xacro"
 PREFIX = re.compile(r"[<\s]([\w.-]+):[\w.-]+")  # of an element or attribute
 ROOT = re.compile(r"<([\w.-]+)((?:\s[^<>]*)?)>")
 PACKAGES = Path("share", "ament_index", "resource_index", "packages")  # below a prefix
 
 
-def explain(error: BaseException, files: Iterable[str | None]) -> Fault | None:
-    """The fault that an exception is about; None where xacro did not raise it.
+def explain(error: BaseException, files: Iterable[str | None]) -> Explanation | None:
+    """What is wrong where xacro raised an exception; None where xacro did not raise it.
 
     `files` are those that xacro has read, the one being expanded first.
     """
-    found = trace(error, files)
+    found = _trace(error, files)
     if found is None or isinstance(error, (SystemExit, KeyboardInterrupt)):
         return None
-    sources = Sources(found.files)
-    place = find(found, sources) or Place(found.files[0] if found.files else None)
-    told: Fault | None = None
-    for explainer in _EXPLAINERS:
-        told = told or explainer(found, sources)
-    fault = {
-        "message": message_of(found),
+    sources = _Sources(found.files)
+    place = _find_place(found, sources) or _Place(found.files[0] if found.files else None)
+    explanation: Explanation = {
+        "message": _message_of(found),
         "file": place.file,
         "line": place.line,
         "element": _element(found),
         "hint": USUAL,
-        **(told or {}),
     }
-    return {key: value for key, value in fault.items() if value is not None}
+    explanations = (explainer(found, sources) for explainer in _EXPLAINERS)
+    explanation.update(next(filter(None, explanations), Explanation()))
+    return explanation
 
 
-def _element(found: Trace) -> str | None:
+def _element(found: _Trace) -> str | None:
     if found.expression is not None:
         return f"${{{found.expression}}}"
     if found.name is not None:
@@ -94,46 +96,46 @@ def _element(found: Trace) -> str | None:
     return getattr(found.node, "tagName", None)
 
 
-def message_of(found: Trace) -> str:
+def _message_of(found: _Trace) -> str:
     """What the first exception says, and about which expression."""
     text = " ".join(str(found.cause).split()) or repr(found.cause)
-    return text if found.expression is None else f"{text}, in {_told(found)}"
+    return text if found.expression is None else f"{text}, in {_quoted(found)}"
 
 
-def _told(found: Trace) -> str:
+def _quoted(found: _Trace) -> str:
     return f"`${{{_short(found.expression)}}}`"
 
 
 def _short(value: object) -> str:
     text = " ".join(str(value).split())
-    return text if len(text) <= TOLD else f"{text[: TOLD - 3]}..."
+    return text if len(text) <= LONGEST_QUOTE else f"{text[: LONGEST_QUOTE - 3]}..."
 
 
-def _encoding(found: Trace, _: Sources) -> Fault | None:
+def _encoding(found: _Trace, _: _Sources) -> Explanation | None:
     error = found.cause
     if not isinstance(error, (UnicodeDecodeError, ExpatError)) or not found.files:
         return None
-    fault = {"file": found.files[0], "element": None}
+    explanation: Explanation = {"file": found.files[0], "element": None}
     try:  # again, because the exception counts from the piece that was read
         data = read_regular(Path(found.files[0]), SIZE_LIMIT)
         wide = wide_encoding(data)
         if wide:
-            message = f"it is in {wide}, and xacro reads UTF-8 alone"
-            return {**fault, "message": message, "line": 1, "hint": save_as_utf8(wide)}
+            message = f"it is encoded in {wide}, and xacro reads UTF-8 only"
+            return {**explanation, "message": message, "line": 1, "hint": save_as_utf8(wide)}
         data.decode("utf-8")
     except UnicodeDecodeError as again:
         return {
-            **fault,
-            "message": f"the byte 0x{again.object[again.start]:02x} is no UTF-8",
+            **explanation,
+            "message": f"the byte 0x{again.object[again.start]:02x} is not valid UTF-8",
             "line": again.object.count(b"\n", 0, again.start) + 1,
-            "hint": f"It is in another encoding, Latin-1 perhaps. {save_as_utf8('ISO-8859-1')}",
+            "hint": f"The file has another encoding, perhaps Latin-1. {save_as_utf8('ISO-8859-1')}",
         }
     except OSError:
         pass
     return None
 
 
-def _markup(found: Trace, _: Sources) -> Fault | None:
+def _markup(found: _Trace, _: _Sources) -> Explanation | None:
     error = found.cause
     if not isinstance(error, ExpatError):
         return None
@@ -153,7 +155,7 @@ def _markup(found: Trace, _: Sources) -> Fault | None:
     }
 
 
-def _undeclared_prefix(file: Path, line: int) -> Fault | None:
+def _undeclared_prefix(file: Path, line: int) -> Explanation | None:
     """A prefix that the root element does not declare; most often that of xacro itself."""
     text = without_comments(read_text(file) or "")
     used = PREFIX.search(text.split("\n", line - 1)[-1])
@@ -174,7 +176,7 @@ def _undeclared_prefix(file: Path, line: int) -> Fault | None:
     }
 
 
-def _file(found: Trace, _: Sources) -> Fault | None:
+def _file(found: _Trace, _: _Sources) -> Explanation | None:
     """A file that is included or loaded, or the first one."""
     error = found.cause
     if not isinstance(error, OSError) or not error.filename:
@@ -202,13 +204,13 @@ def _file(found: Trace, _: Sources) -> Fault | None:
     }
 
 
-def _package(found: Trace, _: Sources) -> Fault | None:
+def _package(found: _Trace, _: _Sources) -> Explanation | None:
     if type(found.cause).__name__ != "PackageNotFoundError":
         return None
     # ament_index_python's has a sentence about the package in the place of its name.
-    told = str(getattr(found.cause, "name", found.cause))
-    quoted = re.search(r"package '([^']*)' not found", told)
-    name = quoted[1] if quoted else told
+    text = str(getattr(found.cause, "name", found.cause))
+    quoted = re.search(r"package '([^']*)' not found", text)
+    name = quoted[1] if quoted else text
     add = (
         f"Check the spelling. If it is right, add <exec_depend>{name}</exec_depend> to "
         "package.xml, and build it in this workspace or install it."
@@ -231,32 +233,31 @@ def _packages() -> list[str]:
     return names
 
 
-def _circle(found: Trace, _: Sources) -> Fault | None:
+def _recursion(found: _Trace, _: _Sources) -> Explanation | None:
     if not isinstance(found.cause, RecursionError):
         return None
     return {
-        "message": "it goes round in a circle: a macro calls itself, or a file includes itself, "
-        "without end",
+        "message": "infinite recursion: a macro calls itself, or a file includes itself",
         "hint": "Put it into <xacro:if> with a condition that becomes false.",
     }
 
 
-def of_attribute(found: Trace, _: Sources) -> Fault | None:
+def _attribute(found: _Trace, _: _Sources) -> Explanation | None:
     """An attribute that an element of xacro must have."""
     missing = re.search(r"missing attribute '([\w:]+)'", str(found.cause))
     tag = getattr(found.node, "tagName", None)
     if not missing or tag is None:
         return None
-    slip = _misspelt(tag, dict(found.node.attributes.items()))
+    misspelled = _misspelled(tag, dict(found.node.attributes.items()))
     write = f'Write <{tag} {missing[1]}="...">.'
     return {
         "message": f"<{tag}> has no attribute `{missing[1]}`"
-        + ("" if slip is None else f", and knows none called `{slip[0]}`"),
-        "hint": write if slip is None else did_you_mean(slip[1]),
+        + ("" if misspelled is None else f", and does not know `{misspelled[0]}`"),
+        "hint": write if misspelled is None else did_you_mean(misspelled[1]),
     }
 
 
-def _misspelt(tag: str, attributes: Mapping[str, str]) -> tuple[str, str] | None:
+def _misspelled(tag: str, attributes: Mapping[str, str]) -> tuple[str, str] | None:
     """An attribute that an element of xacro does not know, and the one that must be meant."""
     known = OWN_ELEMENTS.get(tag.removeprefix("xacro:"), ())
     for name in attributes:
@@ -266,7 +267,7 @@ def _misspelt(tag: str, attributes: Mapping[str, str]) -> tuple[str, str] | None
     return None
 
 
-def of_command(found: Trace, _: Sources) -> Fault | None:
+def _command(found: _Trace, _: _Sources) -> Explanation | None:
     """A command in $(…) that xacro does not know."""
     unknown = re.match(r"Unknown substitution command \[(.*?)\].*\[(.*?)\]", str(found.cause))
     if not unknown:
@@ -274,12 +275,12 @@ def of_command(found: Trace, _: Sources) -> Fault | None:
     command = unknown[1].partition(" ")[0]
     known = re.findall(r"'(\w+)'", unknown[2])
     return {
-        "message": f"`$({_short(unknown[1])})`: xacro knows no command `{command}`",
+        "message": f"`$({_short(unknown[1])})`: xacro has no command `{command}`",
         "hint": advice(command, known, f"Write one of {', '.join(known)}."),
     }
 
 
-def of_name(found: Trace, sources: Sources) -> Fault | None:
+def _name(found: _Trace, sources: _Sources) -> Explanation | None:
     """A name in an expression that is not defined."""
     undefined = re.match(r"name '(\w+)' is not defined", str(found.cause))
     if not undefined:
@@ -287,15 +288,15 @@ def of_name(found: Trace, sources: Sources) -> Fault | None:
     name = undefined[1]
     later = next(sources.defining("property", name), None)
     plain = next(sources.defining("property", name, prefix=""), None)
-    slip = None if later is None else _misspelt(later.tag, later.attributes)
-    if later is not None and slip is not None:
+    misspelled = None if later is None else _misspelled(later.tag, later.attributes)
+    if later is not None and misspelled is not None:
         return {
-            "message": f"the property `{name}` has no value: <{later.tag}> knows no attribute "
-            f"`{slip[0]}`",
+            "message": f"the property `{name}` has no value: <{later.tag}> has no attribute "
+            f"`{misspelled[0]}`",
             "file": str(later.file),
-            "line": later.line_of(slip[0]),
+            "line": later.line_of(misspelled[0]),
             "element": f"xacro:property[@name='{name}']",
-            "hint": did_you_mean(slip[1]),
+            "hint": did_you_mean(misspelled[1]),
         }
     if later is None and plain is not None:
         hint = f"Line {plain.line} of {plain.file.name} says <property>: write <xacro:property>."
@@ -304,13 +305,13 @@ def of_name(found: Trace, sources: Sources) -> Fault | None:
         hint = advice(name, found.names, f"Define it before its first use: {define}.")
     else:
         hint = (
-            f"Line {later.line} of {later.file.name} defines `{name}`, and it is not known here: "
-            "define it above its first use, and not inside of a macro."
+            f"Line {later.line} of {later.file.name} defines `{name}`, but it is not known here: "
+            "define it above its first use and outside of macros."
         )
-    return {"message": message_of(found), "hint": hint}
+    return {"message": _message_of(found), "hint": hint}
 
 
-def of_argument(found: Trace, sources: Sources) -> Fault | None:
+def _argument(found: _Trace, sources: _Sources) -> Explanation | None:
     """An argument that is neither declared nor given."""
     if type(found.cause).__name__ != "ArgException":
         return None
@@ -326,7 +327,7 @@ def of_argument(found: Trace, sources: Sources) -> Fault | None:
     }
 
 
-def of_macro(found: Trace, sources: Sources) -> Fault | None:
+def _macro(found: _Trace, sources: _Sources) -> Explanation | None:
     """A macro that is not defined, or is called with other parameters than it has."""
     text = str(found.cause)
     tag = getattr(found.node, "tagName", "")
@@ -337,8 +338,8 @@ def of_macro(found: Trace, sources: Sources) -> Fault | None:
     if missing:
         given = " ".join(f'{parameter}="..."' for parameter in missing[1].split(","))
         return {
-            "message": f"Undefined parameters [{missing[1]}]: the macro `{name}` needs them, and "
-            "this call does not give them",
+            "message": f"Undefined parameters [{missing[1]}]: the macro `{name}` requires "
+            "them, and this call does not set them",
             "hint": f"Write <xacro:{name} {given} ...>, or give defaults in the macro's params.",
         }
     wrong = re.match(r'Invalid parameter "(.*)"', text)
@@ -349,13 +350,13 @@ def of_macro(found: Trace, sources: Sources) -> Fault | None:
             for parameter in re.findall(r"(?:^|\s)(\w+)", macro.attributes.get("params", ""))
         ]
         return {
-            "message": f'Invalid parameter "{wrong[1]}": the macro `{name}` has no such one',
-            "hint": advice(wrong[1], parameters, "Look at the macro's params: they name them."),
+            "message": f'Invalid parameter "{wrong[1]}": the macro `{name}` has no such parameter',
+            "hint": advice(wrong[1], parameters, "The macro's params list its parameters."),
         }
     return None
 
 
-def _unknown_macro(found: Trace, sources: Sources, name: str) -> Fault:
+def _unknown_macro(found: _Trace, sources: _Sources, name: str) -> Explanation:
     later = next(sources.defining("macro", name), None)
     include = "Include the file that defines the macro, before its first use."
     return {
@@ -366,8 +367,8 @@ def _unknown_macro(found: Trace, sources: Sources, name: str) -> Fault:
     }
 
 
-def of_expression(found: Trace, sources: Sources) -> Fault | None:
-    """An expression that is none, or that its values do not suit."""
+def _expression_or_value(found: _Trace, sources: _Sources) -> Explanation | None:
+    """An invalid expression, or one whose values do not fit."""
     text = str(found.cause)
     if text.startswith("invalid expression: "):
         rest = text.partition(": ")[2]
@@ -387,16 +388,16 @@ def of_expression(found: Trace, sources: Sources) -> Fault | None:
     return _text_for_number(found, sources) or _with_values(found)
 
 
-def _text_for_number(found: Trace, sources: Sources) -> Fault | None:
+def _text_for_number(found: _Trace, sources: _Sources) -> Explanation | None:
     texts = [(name, value) for name, value in found.values.items() if isinstance(value, str)]
     if not texts or not isinstance(found.cause, (TypeError, ValueError)):
         return None
     name, value = texts[0]
     number = value.strip().replace(",", ".")
-    fault: Fault = {
+    explanation: Explanation = {
         "message": f"the value of `{name}` is the text '{_short(value)}', not a number, in "
-        f"{_told(found)}",
-        "hint": f"Write {number}: decimals come after a point."
+        f"{_quoted(found)}",
+        "hint": f"Write {number}: with a decimal point."
         if _is_number(number)
         else f"Give `{name}` a number.",
     }
@@ -408,9 +409,9 @@ def _text_for_number(found: Trace, sources: Sources) -> Fault | None:
     ]
     if len(written) == 1:
         element, attribute = written[0]
-        fault |= {"file": str(element.file), "line": element.line_of(attribute)}
-        fault |= {"element": f'{attribute}="{_short(value)}"'}
-    return fault
+        explanation |= {"file": str(element.file), "line": element.line_of(attribute)}
+        explanation |= {"element": f'{attribute}="{_short(value)}"'}
+    return explanation
 
 
 def _is_number(text: str) -> bool:
@@ -421,25 +422,25 @@ def _is_number(text: str) -> bool:
     return True
 
 
-def _with_values(found: Trace) -> Fault | None:
+def _with_values(found: _Trace) -> Explanation | None:
     values = ", ".join(f"{name} = {_short(repr(value))}" for name, value in found.values.items())
     if not values:
         return None
-    return {"message": f"{message_of(found)} with {values}", "hint": USUAL}
+    return {"message": f"{_message_of(found)} with {values}", "hint": USUAL}
 
 
-_EXPLAINERS: tuple[Callable[[Trace, Sources], Fault | None], ...] = (
+_EXPLAINERS: tuple[Callable[[_Trace, _Sources], Explanation | None], ...] = (
     _encoding,
     _markup,
     _file,
     _package,
-    _circle,
-    of_attribute,
-    of_command,
-    of_name,
-    of_argument,
-    of_macro,
-    of_expression,
+    _recursion,
+    _attribute,
+    _command,
+    _name,
+    _argument,
+    _macro,
+    _expression_or_value,
 )
 
 
@@ -462,8 +463,7 @@ def unused_arguments(
     return [
         {
             "name": name,
-            "message": f"The xacro file has no argument `{name}`: xacro ignores the value that is "
-            "given for it.",
+            "message": f"The xacro file has no argument `{name}`: xacro ignores the value.",
             "hint": advice(
                 name,
                 declared,
@@ -476,14 +476,14 @@ def unused_arguments(
     ]
 
 
-class Place(NamedTuple):
+class _Place(NamedTuple):
     """A line of a file."""
 
     file: str | None
     line: int | None = None  # 1-based
 
 
-class Sources:
+class _Sources:
     """The files that xacro read, and the elements that are written in them."""
 
     def __init__(self, files: tuple[str, ...]) -> None:
@@ -508,7 +508,7 @@ class Sources:
         ]
 
 
-def find(found: Trace, sources: Sources) -> Place | None:
+def _find_place(found: _Trace, sources: _Sources) -> _Place | None:
     """The line of what xacro was at; None where it is not known, rather than a wrong one.
 
     Elements that are written alike are taken for the first of them.
@@ -521,7 +521,7 @@ def find(found: Trace, sources: Sources) -> Place | None:
             line = line_with(text, wanted)
             if line is not None:
                 into = wanted[: max(0, wanted.find("$"))].count("\n")
-                return Place(file, line + into)
+                return _Place(file, line + into)
         return None
     if getattr(found.node, "tagName", None) is None:
         return None
@@ -529,19 +529,19 @@ def find(found: Trace, sources: Sources) -> Place | None:
         if _is_written_as(found, element):
             attribute = found.attribute
             line = element.line if attribute is None else element.line_of(attribute)
-            return Place(str(element.file), line)
+            return _Place(str(element.file), line)
     return None
 
 
-def _property(found: Trace, sources: Sources) -> Place | None:
+def _property(found: _Trace, sources: _Sources) -> _Place | None:
     for element in sources.defining("property", str(found.name)):
         for attribute in ("value", "default"):
             if element.attributes.get(attribute) == found.raw:
-                return Place(str(element.file), element.line_of(attribute))
+                return _Place(str(element.file), element.line_of(attribute))
     return None
 
 
-def _is_written_as(found: Trace, element: Written) -> bool:
+def _is_written_as(found: _Trace, element: Written) -> bool:
     """Whether a DOM element, some of whose attributes are values already, is this one."""
     node = found.node
     path = _path(node)
@@ -571,7 +571,7 @@ def _path(node: Any) -> tuple[str, ...]:
     return tuple(reversed(path))
 
 
-class Trace(NamedTuple):
+class _Trace(NamedTuple):
     """What xacro was at."""
 
     cause: BaseException  # the first exception
@@ -587,7 +587,7 @@ class Trace(NamedTuple):
     macros: tuple[str, ...] = ()  # that are defined here
 
 
-def trace(error: BaseException, files: Iterable[str | None]) -> Trace | None:
+def _trace(error: BaseException, files: Iterable[str | None]) -> _Trace | None:
     """What xacro was at when it raised `error`; None where the error is not from xacro.
 
     `files` are those that xacro has read, the one being expanded first.
@@ -596,7 +596,7 @@ def trace(error: BaseException, files: Iterable[str | None]) -> Trace | None:
     if not frames:
         return None
     place = next((place for frame in reversed(frames) if (place := _place(*frame))), {})
-    return Trace(
+    return _Trace(
         cause=_first(error),
         inside=any(function == "eval_all" for function, _ in frames),
         files=tuple(dict.fromkeys(_files(frames, place.get("node"), files))),

@@ -60,7 +60,7 @@ def expand_file(
         failure = {"message": f"Expanding the file {outcome.reason}", "hint": hint}
         return None, (_failure(file, failure),)
     if outcome.value["code"] != 0:
-        failure = outcome.value["fault"] or {"message": outcome.value["stderr"].strip()}
+        failure = outcome.value["error"] or {"message": outcome.value["stderr"].strip()}
         return None, (_failure(file, failure),)
     return str(outcome.value["stdout"]), tuple(
         Diagnostic(

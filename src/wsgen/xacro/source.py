@@ -1,8 +1,8 @@
-"""Where in the xacro files a finding about the expanded robot belongs.
+"""Place diagnostics about an expanded robot in the xacro files that it was written in.
 
-xacro keeps no line numbers: what is found in the expanded text is looked up by element and name in
-the file that was expanded and in those that it includes. A name that xacro puts together is found
-by its pattern, `${prefix}base_link` for one.
+xacro keeps no line numbers: an element of the expanded text is looked up by its name in the file
+that was expanded and in those that it includes. A name that xacro puts together is found by its
+pattern, for example `${prefix}base_link`.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from wsgen.description_rules import NOT_A_NUMBER
 from wsgen.markup import elements, read_text
 
 if TYPE_CHECKING:
@@ -28,28 +29,27 @@ FIND = re.compile(r"\$\(find\s+([\w-]+)\s*\)")
 COMPUTED = re.compile(r"\$\{[^}]*\}|\$\([^)]*\)")  # by xacro
 NAMED = re.compile(r"(\w+)\[@(\w+)='([^']*)'\]")  # link[@name='base_link']
 ONE_NAME = re.compile(r"\s*\$\{\s*(\w+)\s*\}\s*")  # the value of a property, and nothing else
-WRONG_VALUE = frozenset(("ROB016",))  # codes of findings about the value of an attribute
 PROPERTY = "xacro:property"
-MOST_FILES = 100  # a description in more files than this is included in circles
+MOST_FILES = 100  # a description in more files than this includes itself
 
 
 def place_in_source(
     diagnostics: Iterable[Diagnostic], *, text: str, file: Path | None, share_of: ShareOf
 ) -> tuple[Diagnostic, ...]:
-    """Give findings about `text`, which `file` expanded to, the places in what a person edits.
+    """Give diagnostics about `text`, which `file` expanded to, their places in the edited files.
 
     A file that holds the text itself keeps the lines. Where an element is not found by its name,
-    or several could be meant, the finding names the file alone.
+    or several could be meant, the diagnostic names the file only.
     """
     found = tuple(diagnostics)
     if not found or file is None:
-        return tuple(replace(finding, line=None) for finding in found)
+        return tuple(replace(diagnostic, line=None) for diagnostic in found)
     if read_text(file) == text:
         return found
     written = _written(file, share_of)
     expanded = elements(file, text)
-    placed = (_placed(finding, written, expanded) for finding in found)
-    # What is wrong with a property is found wherever it is used.
+    placed = (_placed(diagnostic, written, expanded) for diagnostic in found)
+    # A mistake in a property is found wherever the property is used.
     return tuple(
         {
             (one.code, one.file, one.line, one.element)
@@ -60,8 +60,8 @@ def place_in_source(
     )
 
 
-def _placed(finding: Diagnostic, written: list[Written], expanded: list[Written]) -> Diagnostic:
-    path = finding.element or ""
+def _placed(diagnostic: Diagnostic, written: list[Written], expanded: list[Written]) -> Diagnostic:
+    path = diagnostic.element or ""
     for named in NAMED.finditer(path):
         tag, attribute, value = named.groups()
         element = _most_like(
@@ -80,12 +80,12 @@ def _placed(finding: Diagnostic, written: list[Written], expanded: list[Written]
         # Of several alike, that with the same number, if xacro made none and left none out.
         place, origin = element, None
         for at, one in enumerate(origins):
-            if (one.line == finding.line or len(origins) == 1) and len(inner) == len(origins):
+            if (one.line == diagnostic.line or len(origins) == 1) and len(inner) == len(origins):
                 place, origin = inner[at], one
         if attribute and origin is not None:
-            return _at_attribute(finding, attribute, place, origin, written)
-        return replace(finding, file=place.file, line=place.line)
-    return replace(finding, line=None)
+            return _at_attribute(diagnostic, attribute, place, origin, written)
+        return replace(diagnostic, file=place.file, line=place.line)
+    return replace(diagnostic, line=None)
 
 
 def _inside(element: Written, tags: list[str], document: list[Written]) -> list[Written]:
@@ -102,11 +102,11 @@ def _inside(element: Written, tags: list[str], document: list[Written]) -> list[
 
 
 def _at_attribute(
-    finding: Diagnostic, attribute: str, place: Written, origin: Written, written: list[Written]
+    diagnostic: Diagnostic, attribute: str, place: Written, origin: Written, written: list[Written]
 ) -> Diagnostic:
-    """The finding at the attribute, or at the property that its whole value is."""
+    """The diagnostic at the attribute, or at the property that its whole value is."""
     raw = place.attributes.get(attribute, "")
-    used = ONE_NAME.fullmatch(raw) if finding.code in WRONG_VALUE else None
+    used = ONE_NAME.fullmatch(raw) if diagnostic.code == NOT_A_NUMBER.code else None
     value = origin.attributes.get(attribute)
     defined = [
         (one, key)
@@ -118,10 +118,10 @@ def _at_attribute(
         and one.attributes.get(key) == value
     ]
     if len(defined) != 1:
-        return replace(finding, file=place.file, line=place.line_of(attribute))
+        return replace(diagnostic, file=place.file, line=place.line_of(attribute))
     definition, key = defined[0]
     return replace(
-        finding,
+        diagnostic,
         file=definition.file,
         line=definition.line_of(key),
         element=f"{PROPERTY}[@name='{definition.attributes.get('name')}']/@{key}",
