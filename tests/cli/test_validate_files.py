@@ -164,7 +164,7 @@ def test_packages_are_found_in_the_folders_around(tmp_path: Path) -> None:
         ("empty.urdf", b"", "ROB001"),
         ("cut.urdf", b"<robot name='r'><link name='a'>", "ROB001"),
         ("nothing.sdf", b"<sdf version='1.6'/>", "WLD003"),
-        ("cut.world", b"<sdf version='1.6'><world", "WLD002"),
+        ("cut.world", b"<sdf version='1.6'><world", "ROB001"),
     ],
 )
 def test_files_that_are_none(tmp_path: Path, name: str, content: bytes, code: str) -> None:

@@ -131,7 +131,7 @@ def test_a_broken_world_is_told_and_the_package_fails(built: Path, tmp_path: Pat
     broken = block("wall", "3 0 1 0 0 0", "0 4 2")
     code, document = validate_in(built, tmp_path, GROUND + broken)
     assert code == 1
-    assert errors(document)[0]["code"] == "WLD034"
+    assert errors(document)[0]["code"] == "ROB028"
     assert errors(document)[0]["file"].endswith("test.world")
 
 
@@ -195,7 +195,7 @@ def test_what_is_broken_in_a_world_takes_nothing_else_away(built: Path, tmp_path
     )
     platform = block("platform", "0 0 1 0 0 0", "4 4 2")
     code, document = validate_in(built, tmp_path, GROUND + broken + platform, "--arg", "z:=2.3")
-    assert (code, found(document)) == (1, [("WLD032", "error")])
+    assert (code, found(document)) == (1, [("ROB060", "error")])
     assert document["packages"][0]["robots"][0]["rest"]["xyz"][2] == pytest.approx(2.25, abs=0.003)
 
 

@@ -72,8 +72,8 @@ def test_a_model_has_what_was_reported_of_it(tmp_path: Path) -> None:
     file = tmp_path / "two.world"
     two = model("right", "inertial") + model("wrong", "inertal")
     for text, expected in (
-        (f'<sdf version="1.9"><world name="w">{two}</world></sdf>', [[], ["WLD058"]]),
-        (f'<sdf version="1.9">{model("wrong", "inertal")}</sdf>', [["WLD058"]]),
+        (f'<sdf version="1.9"><world name="w">{two}</world></sdf>', [[], ["ROB038"]]),
+        (f'<sdf version="1.9">{model("wrong", "inertal")}</sdf>', [["ROB038"]]),
     ):
         file.write_text(text)
         prepared, _ = describe_models(read_file(file, context, {}), context)

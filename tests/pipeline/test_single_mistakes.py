@@ -420,13 +420,13 @@ def test_box_in_its_run(
     ("old", "new", "code", "severity", "line"),
     [
         (INERTIAL, "", "WLD035", Severity.WARNING, 2),
-        (INERTIAL, "<inertal/>", "WLD058", Severity.WARNING, 6),
+        (INERTIAL, "<inertal/>", "ROB038", Severity.WARNING, 6),
         ("<mass>1</mass>", "<mass>0</mass>", "WLD041", Severity.WARNING, 6),
-        ("<mass>1</mass>", "<mass>-1</mass>", "WLD036", Severity.ERROR, 6),
-        ("<mass>1</mass>", "<mass>1,0</mass>", "WLD005", Severity.ERROR, 7),
-        ("<ixx>0.0067", "<ixx>6.7", "WLD037", Severity.ERROR, 6),
-        ("<parent>foot", "<parent>feet", "WLD021", Severity.ERROR, 20),
-        ("<pose>0 0 0.1 0 0 0</pose>", "<pse>0 0 0.1 0 0 0</pse>", "WLD058", None, 12),
+        ("<mass>1</mass>", "<mass>-1</mass>", "ROB022", Severity.ERROR, 6),
+        ("<mass>1</mass>", "<mass>1,0</mass>", "ROB016", Severity.ERROR, 7),
+        ("<ixx>0.0067", "<ixx>6.7", "ROB037", Severity.ERROR, 6),
+        ("<parent>foot", "<parent>feet", "ROB013", Severity.ERROR, 20),
+        ("<pose>0 0 0.1 0 0 0</pose>", "<pse>0 0 0.1 0 0 0</pse>", "ROB038", None, 12),
     ],
 )
 def test_model_of_sdf_in_its_run(  # noqa: PLR0917  the facts of a case

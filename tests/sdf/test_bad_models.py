@@ -33,14 +33,14 @@ ERROR, WARNING = Severity.ERROR, Severity.WARNING
         (LINK, "one", "WLD011", ERROR),
         (LINK, "", "WLD011", ERROR),
         (LINK, "1.9.1", "WLD011", ERROR),
-        ("", "1.9", "WLD029", ERROR),
-        ("<link/>" + LINK, "1.9", "WLD013", ERROR),
-        ('<link name=" "/>' + LINK, "1.9", "WLD013", ERROR),
+        ("", "1.9", "ROB005", ERROR),
+        ("<link/>" + LINK, "1.9", "ROB006", ERROR),
+        ('<link name=" "/>' + LINK, "1.9", "ROB006", ERROR),
         (LINK + LINK, "1.9", "WLD015", ERROR),
         (LINK + '<frame name="l"/>', "1.6", "WLD015", ERROR),
-        ('<link name="world"/>' + LINK, "1.9", "WLD018", ERROR),
-        ('<link name="__l__"/>' + LINK, "1.9", "WLD018", ERROR),
-        ('<link name="a::b"/>' + LINK, "1.8", "WLD018", ERROR),
+        ('<link name="world"/>' + LINK, "1.9", "ROB043", ERROR),
+        ('<link name="__l__"/>' + LINK, "1.9", "ROB043", ERROR),
+        ('<link name="a::b"/>' + LINK, "1.8", "ROB043", ERROR),
     ],
 )
 def test_what_is_wrong_with_a_model(
@@ -54,7 +54,7 @@ def test_what_is_wrong_with_a_model(
     assert found.line is not None
     assert found.hint
     (model,) = file.models
-    assert model.robot is None if code == "WLD029" else model.robot is not None
+    assert model.robot is None if code == "ROB005" else model.robot is not None
 
 
 def test_a_file_without_version(tmp_path: Path) -> None:
@@ -71,7 +71,7 @@ def test_a_joint_called_like_a_link_was_allowed_once(read: Read) -> None:
         "<child>k</child></joint>"
     )
     file = read(f'<model name="m">{content}</model>', "1.6")
-    assert [found.code for found in file.diagnostics] == ["WLD039"]
+    assert [found.code for found in file.diagnostics] == ["ROB034"]
     robot = file.models[0].robot
     assert robot is not None
     assert [joint.name for joint in robot.joints] == ["k_joint"]
@@ -91,15 +91,15 @@ def test_flattened_names_of_old_files(read: Read) -> None:
         ("", ["WLD003"]),
         ('<light name="l"/>', ["WLD003"]),
         (f'<model name="a">{LINK}</model><model name="b">{LINK}</model>', ["WLD038"]),
-        ("<model/>", ["WLD013"]),
+        ("<model/>", ["ROB006"]),
         ('<world name="w"/><world name="v"/>', ["WLD038", "WLD006"]),
-        ("<world/>", ["WLD013", "WLD006"]),
+        ("<world/>", ["ROB006", "WLD006"]),
         (
             f'<world name="w"><model name="a">{LINK}</model><model name="a">{LINK}</model></world>',
             ["WLD015", "WLD006"],
         ),
         ('<world name="w"><actor name="walker"/></world>', ["WLD004", "WLD006"]),
-        ('<world name="w"><gravity>0 0 nan</gravity></world>', ["WLD005", "WLD006"]),
+        ('<world name="w"><gravity>0 0 nan</gravity></world>', ["ROB016", "WLD006"]),
     ],
 )
 def test_what_is_wrong_with_a_file(read: Read, content: str, codes: list[str]) -> None:
@@ -109,9 +109,9 @@ def test_what_is_wrong_with_a_file(read: Read, content: str, codes: list[str]) -
 @pytest.mark.parametrize(
     ("content", "code"),
     [
-        (b"", "WLD002"),
-        (b"\0\1\2", "WLD047"),
-        (b"<sdf version='1.9'><model name='m'>", "WLD002"),
+        (b"", "ROB001"),
+        (b"\0\1\2", "ROB057"),
+        (b"<sdf version='1.9'><model name='m'>", "ROB001"),
         (b"<robot name='r'/>", "WLD003"),
         (
             (
@@ -121,7 +121,7 @@ def test_what_is_wrong_with_a_file(read: Read, content: str, codes: list[str]) -
             ),
             "WLD046",
         ),
-        (b"<sdf version='1.9'>" + b"<model name='m'>" * 1000 + b"</model>" * 1000, "WLD002"),
+        (b"<sdf version='1.9'>" + b"<model name='m'>" * 1000 + b"</model>" * 1000, "ROB001"),
     ],
 )
 def test_files_that_are_hardly_sdf(tmp_path: Path, content: bytes, code: str) -> None:
@@ -132,14 +132,14 @@ def test_files_that_are_hardly_sdf(tmp_path: Path, content: bytes, code: str) ->
 
 
 def test_a_file_that_is_too_large(tmp_path: Path) -> None:
-    test_files_that_are_hardly_sdf(tmp_path, b" " * (33 * 2**20), "WLD010")
+    test_files_that_are_hardly_sdf(tmp_path, b" " * (33 * 2**20), "ROB002")
 
 
 def test_files_that_are_none(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe.sdf")
     for file in (tmp_path, tmp_path / "pipe.sdf", tmp_path / "gone.sdf", tmp_path / ("x" * 999)):
         found = read_sdf(file, find_model=lambda _: None)
-        assert [one.code for one in found.diagnostics] == ["WLD001"]
+        assert [one.code for one in found.diagnostics] == ["ROB072"]
         assert (found.world, found.models) == (None, ())
 
 
@@ -162,7 +162,7 @@ def test_utf_16(tmp_path: Path) -> None:
     for encoding in ("utf-16", "utf-16-le", "utf-16-be"):
         file.write_bytes("<sdf version='1.7'/>".encode(encoding))
         (found,) = read_sdf(file, find_model=lambda _: None).diagnostics
-        assert (found.code, "UTF-16" in found.message) == ("WLD047", True)
+        assert (found.code, "UTF-16" in found.message) == ("ROB057", True)
         assert "iconv -f UTF-16 -t UTF-8" in (found.hint or "")
 
 

@@ -159,7 +159,7 @@ def test_meshes(read: Read, models: Path, uri: str) -> None:
 @pytest.mark.parametrize("uri", ["no.stl", "model://no/x.stl", "https://x/y.stl", "", "a" * 5000])
 @pytest.mark.parametrize(
     ("tag", "code", "severity"),
-    [("collision", "WLD032", Severity.ERROR), ("visual", "WLD033", Severity.WARNING)],
+    [("collision", "ROB060", Severity.ERROR), ("visual", "ROB061", Severity.WARNING)],
 )
 def test_meshes_that_are_not_there(
     read: Read, tag: str, uri: str, code: str, severity: Severity
@@ -177,7 +177,7 @@ def test_a_mirrored_mesh_can_be_seen_but_not_touched(read: Read, models: Path) -
     mesh = "<geometry><mesh><uri>x.stl</uri><scale>1 -1 1</scale></mesh></geometry>"
     assert link_of(read(model(f'{MASS}<visual name="v">{mesh}</visual>'))).visuals
     file = read(model(f'{MASS}<collision name="c">{mesh}</collision>'))
-    assert [found.code for found in file.diagnostics] == ["WLD034"]
+    assert [found.code for found in file.diagnostics] == ["ROB028"]
 
 
 def test_surface(read: Read) -> None:
@@ -229,29 +229,29 @@ ERROR, WARNING = Severity.ERROR, Severity.WARNING
 @pytest.mark.parametrize(
     ("content", "code", "severity"),
     [
-        ("<inertial><mass>-1</mass></inertial>", "WLD036", ERROR),
+        ("<inertial><mass>-1</mass></inertial>", "ROB022", ERROR),
         ("<inertial><mass>0</mass></inertial>", "WLD041", WARNING),
-        ("<inertial><mass>nan</mass></inertial>", "WLD005", ERROR),
-        ("<inertial><mass>1,5</mass></inertial>", "WLD005", ERROR),
-        ("<inertial><mass>1_5</mass></inertial>", "WLD005", ERROR),
-        ("<inertial><inertia><izz>3</izz></inertia></inertial>", "WLD037", ERROR),
-        ("<inertial><inertia><izz>-1</izz></inertia></inertial>", "WLD037", ERROR),
-        ("<inertial><pose>0 0 0</pose></inertial>", "WLD005", ERROR),
+        ("<inertial><mass>nan</mass></inertial>", "ROB016", ERROR),
+        ("<inertial><mass>1,5</mass></inertial>", "ROB016", ERROR),
+        ("<inertial><mass>1_5</mass></inertial>", "ROB016", ERROR),
+        ("<inertial><inertia><izz>3</izz></inertia></inertial>", "ROB037", ERROR),
+        ("<inertial><inertia><izz>-1</izz></inertia></inertial>", "ROB037", ERROR),
+        ("<inertial><pose>0 0 0</pose></inertial>", "ROB016", ERROR),
         ('<inertial><pose relative_to="l">0 0 0 0 0 0</pose></inertial>', "WLD020", WARNING),
-        (f"{MASS}<pose>1e300 0 0 0 0 0</pose>", "WLD005", ERROR),
-        (f'{MASS}<pose rotation_format="quat_xyzw">0 0 0 0 0 0 0</pose>', "WLD005", ERROR),
-        (f'{MASS}<pose rotation_format="matrix">0 0 0 0 0 0</pose>', "WLD005", ERROR),
-        (f"{MASS}<gravity>perhaps</gravity>", "WLD005", ERROR),
-        (f"{MASS}<collision>{BOX}</collision>", "WLD013", ERROR),
-        (f'{MASS}<collision name="c"/>', "WLD030", WARNING),
-        (f'{MASS}<collision name="c"><geometry/></collision>', "WLD030", WARNING),
+        (f"{MASS}<pose>1e300 0 0 0 0 0</pose>", "ROB016", ERROR),
+        (f'{MASS}<pose rotation_format="quat_xyzw">0 0 0 0 0 0 0</pose>', "ROB016", ERROR),
+        (f'{MASS}<pose rotation_format="matrix">0 0 0 0 0 0</pose>', "ROB016", ERROR),
+        (f"{MASS}<gravity>perhaps</gravity>", "ROB016", ERROR),
+        (f"{MASS}<collision>{BOX}</collision>", "ROB006", ERROR),
+        (f'{MASS}<collision name="c"/>', "ROB024", WARNING),
+        (f'{MASS}<collision name="c"><geometry/></collision>', "ROB024", WARNING),
         (
             f'{MASS}<collision name="c">{BOX}</collision><collision name="c">{BOX}</collision>',
             "WLD015",
             ERROR,
         ),
-        (f'{MASS}<visual name="c">{BOX.replace("1 1 1", "0 1 1")}</visual>', "WLD034", ERROR),
-        (SIZED.format("sphere", -1), "WLD034", ERROR),
+        (f'{MASS}<visual name="c">{BOX.replace("1 1 1", "0 1 1")}</visual>', "ROB028", ERROR),
+        (SIZED.format("sphere", -1), "ROB028", ERROR),
         (SIZED.format("cylinder", "1e300"), "WLD034", ERROR),
         (
             f'{MASS}<collision name="c"><geometry><image/></geometry></collision>',

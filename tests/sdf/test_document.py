@@ -37,27 +37,27 @@ CASES = {
     "plain": (text().encode(), None),
     "mark": (b"\xef\xbb\xbf" + text(comment="é").encode(), None),
     "end_of_c": (text().encode() + b"\0", None),
-    "latin_1": (text(comment="é").encode("latin-1"), "WLD047"),
+    "latin_1": (text(comment="é").encode("latin-1"), "ROB057"),
     "latin_1_declared": (
         (DECLARED.format("ISO-8859-1") + text(name="é")).encode("latin-1"),
-        "WLD047",
+        "ROB057",
     ),
     "utf_8_declared_otherwise": ((DECLARED.format("ISO-8859-1") + text(name="é")).encode(), None),
     "unknown_encoding": ((DECLARED.format("klingon") + text()).encode(), None),
-    "ampersand": (text(name="a&amp;b").replace("&amp;", "&").encode(), "WLD002"),
-    "dashes": (text(comment=" <a/> -- b\n ").encode(), "WLD002"),
-    "prefix": (text(element='<gz:x gz:y="1"/>').encode(), "WLD002"),
+    "ampersand": (text(name="a&amp;b").replace("&amp;", "&").encode(), "ROB001"),
+    "dashes": (text(comment=" <a/> -- b\n ").encode(), "ROB001"),
+    "prefix": (text(element='<gz:x gz:y="1"/>').encode(), "ROB001"),
     "default_namespace": (text().replace("<sdf", '<sdf xmlns="http://x"').encode(), None),
     "entity_unused": ((DOCTYPE + text()).encode(), None),
 }
 REFUSED = {
-    "utf_16": (text().encode("utf-16"), "WLD047"),
-    "utf_32": (text().encode("utf-32"), "WLD047"),
-    "rubbish_behind": (text().encode() + b"rubbish", "WLD002"),
-    "declaration_not_closed": (b"<?xml " + text().encode().replace(b"?", b""), "WLD002"),
-    "not_closed": (text().encode()[:-3], "WLD002"),
-    "open_comment": (text().encode() + b"<!--" * 100_000, "WLD002"),
-    "deep": (text(element="<a>" * 400 + "</a>" * 400).encode(), "WLD002"),
+    "utf_16": (text().encode("utf-16"), "ROB057"),
+    "utf_32": (text().encode("utf-32"), "ROB057"),
+    "rubbish_behind": (text().encode() + b"rubbish", "ROB001"),
+    "declaration_not_closed": (b"<?xml " + text().encode().replace(b"?", b""), "ROB001"),
+    "not_closed": (text().encode()[:-3], "ROB001"),
+    "open_comment": (text().encode() + b"<!--" * 100_000, "ROB001"),
+    "deep": (text(element="<a>" * 400 + "</a>" * 400).encode(), "ROB001"),
     "entity_used": ((DOCTYPE + text(pose="&a; 0 0 0 0 0")).encode(), "WLD046"),
 }
 
@@ -105,4 +105,4 @@ def test_lines_are_those_of_the_file(tmp_path: Path) -> None:
         f"{DECLARED.format('utf-8')}<!-- a -- b\n\n-->" + text(pose="1").replace("<pose", "\n<pose")
     )
     found = read_sdf(file, find_model=lambda _: None)
-    assert [(one.code, one.line) for one in found.diagnostics] == [("WLD002", 2), ("WLD005", 5)]
+    assert [(one.code, one.line) for one in found.diagnostics] == [("ROB001", 2), ("ROB016", 5)]

@@ -193,7 +193,7 @@ def test_a_broken_model_is_reported_with_its_own_file(read: Read, models: Path) 
     (models / "m" / "model.sdf").write_text("<sdf>\n<model>\n</sdf>")
     file = read(world("<include><uri>model://m</uri></include>"))
     assert [(found.code, found.file, found.line) for found in file.diagnostics] == [
-        ("WLD002", models / "m" / "model.sdf", 2),
+        ("ROB001", models / "m" / "model.sdf", 2),
         ("WLD004", models.parent / "scene.sdf", 3),
     ]
 
@@ -330,6 +330,6 @@ def test_a_misspelt_ground_is_the_one_error_of_a_world_without_ground(read: Read
     (found,) = file.diagnostics
     assert (found.code, found.severity, found.line) == ("WLD004", Severity.ERROR, 3)
     assert found.hint == "Did you mean `model://ground_plane`?"
-    assert "no ground; this simulation uses the ground that was meant" in found.message
+    assert "no ground; the simulation uses `model://ground_plane`" in found.message
     assert file.world is not None
     assert file.world.has_ground_plane  # so that what is spawned is not said to fall as well

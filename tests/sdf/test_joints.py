@@ -166,7 +166,7 @@ def test_joints_that_mimic_each_other(read: Read) -> None:
 def test_lower_limit_above_the_upper_one(read: Read) -> None:
     content = joint("<axis><limit><lower>2</lower><upper>-1</upper></limit></axis>")
     file = read(f'<model name="m">{LINKS}{content}</model>')
-    assert [found.code for found in file.diagnostics] == ["WLD027"]
+    assert [found.code for found in file.diagnostics] == ["ROB023"]
     robot = file.models[0].robot
     assert robot is not None
     limit = robot.joints[0].limit
@@ -191,21 +191,21 @@ def test_a_chain_that_is_closed(read: Read, second: str) -> None:
 @pytest.mark.parametrize(
     ("content", "code"),
     [
-        (joint("", "hinge"), "WLD023"),
-        (joint("").replace(' type="revolute"', ""), "WLD023"),
-        (joint(ends="ax"), "WLD021"),
-        (joint(ends="xb"), "WLD021"),
+        (joint("", "hinge"), "ROB015"),
+        (joint("").replace(' type="revolute"', ""), "ROB015"),
+        (joint(ends="ax"), "ROB013"),
+        (joint(ends="xb"), "ROB013"),
         (joint().replace("<child>b</child>", ""), "WLD021"),
-        (joint().replace("<child>b</child>", "<child>world</child>"), "WLD021"),
-        (joint(ends="aa"), "WLD022"),
-        (joint("<axis><xyz>0 0 0</xyz></axis>"), "WLD026"),
-        (joint("<axis><xyz>1.7e308 1.7e308 1</xyz></axis>"), "WLD026"),
-        (joint("<axis><xyz>0 0</xyz></axis>"), "WLD005"),
-        (joint("<axis><limit><lower>low</lower></limit></axis>"), "WLD005"),
+        (joint().replace("<child>b</child>", "<child>world</child>"), "ROB013"),
+        (joint(ends="aa"), "ROB012"),
+        (joint("<axis><xyz>0 0 0</xyz></axis>"), "ROB018"),
+        (joint("<axis><xyz>1.7e308 1.7e308 1</xyz></axis>"), "ROB018"),
+        (joint("<axis><xyz>0 0</xyz></axis>"), "ROB016"),
+        (joint("<axis><limit><lower>low</lower></limit></axis>"), "ROB016"),
         (joint('<axis><xyz expressed_in="x">0 0 1</xyz></axis>'), "WLD016"),
-        (joint('<axis><mimic joint="gone"/></axis>'), "WLD028"),
+        (joint('<axis><mimic joint="gone"/></axis>'), "ROB035"),
         (joint('<axis><mimic joint="j"/></axis>'), "WLD028"),
-        (joint('<axis><mimic joint="a"/></axis>'), "WLD028"),
+        (joint('<axis><mimic joint="a"/></axis>'), "ROB035"),
     ],
 )
 def test_what_is_wrong_with_a_joint(read: Read, content: str, code: str) -> None:

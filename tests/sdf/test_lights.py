@@ -79,6 +79,6 @@ def test_names(read: Read) -> None:
 def test_what_is_wrong_with_a_light(read: Read) -> None:
     wrong = light("a", "<direction>0 0 nan</direction><diffuse>1 2</diffuse>")
     file = read(f'<world name="w">{GROUND}{wrong}</world>')
-    assert [found.code for found in file.diagnostics] == ["WLD005", "WLD005"]
+    assert [found.code for found in file.diagnostics] == ["ROB016", "ROB016"]
     assert file.world is not None
     assert file.world.sun_direction == (0, 0, -1)

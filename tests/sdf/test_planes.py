@@ -163,9 +163,9 @@ def test_more_than_the_ground_remains(read: Read) -> None:
     ("content", "codes"),
     [
         (plane(normal="0 0 0"), ["WLD034", "WLD034", "WLD006"]),
-        (plane(normal="0 0 nan"), ["WLD005"]),
-        (plane(pose="0 0 1 0 0 0").replace("3 4", "0 4"), ["WLD034"]),
-        (plane(pose="0 0 1 0 0 0").replace("3 4", "4"), ["WLD005"]),
+        (plane(normal="0 0 nan"), ["ROB016"]),
+        (plane(pose="0 0 1 0 0 0").replace("3 4", "0 4"), ["ROB028"]),
+        (plane(pose="0 0 1 0 0 0").replace("3 4", "4"), ["ROB016"]),
     ],
 )
 def test_what_is_wrong_with_planes(read: Read, content: str, codes: list[str]) -> None:

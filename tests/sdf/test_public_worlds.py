@@ -35,7 +35,7 @@ PACKAGES = (
 )
 ENDINGS = {".sdf", ".world"}
 # What depends on where meshes are, and on the engines of a simulation, is not the parser's matter.
-BEYOND_THE_PARSER = {"WLD032", "WLD034"}
+BEYOND_THE_PARSER = {"ROB060", "ROB028", "WLD034"}
 # What Gazebo loads, and its checker refuses.
 REFUSED_BY_THE_CHECKER = {"WLD044"}
 # What wsgen has built in, for the parser to find.

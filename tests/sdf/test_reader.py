@@ -76,13 +76,13 @@ def test_gravity_was_part_of_physics_until_sdf_1_5(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        ("", [("WLD002", 1)]),
-        ("<sdf>\n<world>\n</sdf>", [("WLD002", 2)]),
+        ("", [("ROB001", 1)]),
+        ("<sdf>\n<world>\n</sdf>", [("ROB001", 2)]),
         ("<robot name='r'/>", [("WLD003", 1)]),
         (world(""), [("WLD006", 1)]),
-        (world("<gravity>0 0</gravity>"), [("WLD005", 2), ("WLD006", 1)]),
-        (world("<gravity>0 0 nan</gravity>"), [("WLD005", 2), ("WLD006", 1)]),
-        (world("<gravity>0, 0, -9.8</gravity>"), [("WLD005", 2), ("WLD006", 1)]),
+        (world("<gravity>0 0</gravity>"), [("ROB016", 2), ("WLD006", 1)]),
+        (world("<gravity>0 0 nan</gravity>"), [("ROB016", 2), ("WLD006", 1)]),
+        (world("<gravity>0, 0, -9.8</gravity>"), [("ROB016", 2), ("WLD006", 1)]),
         (
             world("<physics><max_step_size>-1</max_step_size></physics>"),
             [("WLD007", 2), ("WLD006", 1)],
@@ -102,7 +102,7 @@ def test_what_is_wrong_with_a_world(
 def test_a_world_that_is_not_there(tmp_path: Path) -> None:
     read, diagnostics = read_world(tmp_path / "no.world")
     assert read is None
-    assert [found.code for found in diagnostics] == ["WLD001"]
+    assert [found.code for found in diagnostics] == ["ROB072"]
     assert "install(DIRECTORY" in (diagnostics[0].hint or "")
 
 
@@ -129,4 +129,4 @@ def test_gravity_that_pulls_nothing_down(tmp_path: Path, gravity: str) -> None:
     assert read is not None
     assert read.gravity == tuple(map(float, gravity.split()))
     assert [(found.code, found.line) for found in diagnostics] == [("WLD045", 3)]
-    assert codes(tmp_path, world(f"{ground}\n<gravity>0 0 -1e9</gravity>")) == [("WLD005", 3)]
+    assert codes(tmp_path, world(f"{ground}\n<gravity>0 0 -1e9</gravity>")) == [("ROB016", 3)]

@@ -60,19 +60,19 @@ def test_the_text_of_a_file_is_read_like_the_file(tmp_path: Path) -> None:
     spawned = read_model(text, file=file, find_model=find)
     assert spawned.diagnostics == ()
     assert spawned == read_sdf(file, find_model=find)
-    assert {found.code for found in read(text).diagnostics} == {"WLD033", "WLD004"}
+    assert {found.code for found in read(text).diagnostics} == {"ROB061", "WLD004"}
 
 
 @pytest.mark.parametrize(
     ("content", "code", "severity"),
     [
-        ("", "WLD002", Severity.ERROR),
-        ("<sdf version='1.9'><model", "WLD002", Severity.ERROR),
-        (b"\xff\xfe\xfd", "WLD047", Severity.ERROR),
+        ("", "ROB001", Severity.ERROR),
+        ("<sdf version='1.9'><model", "ROB001", Severity.ERROR),
+        (b"\xff\xfe\xfd", "ROB057", Severity.ERROR),
         ("<robot name='r'/>", "WLD003", Severity.ERROR),
         (sdf(""), "WLD003", Severity.ERROR),
         (sdf(f'<world name="w">{MODEL.format("")}</world>'), "WLD043", Severity.ERROR),
-        (sdf('<light name="l" type="point"/>'), "WLD042", Severity.INFO),
+        (sdf('<light name="l" type="point"/>'), "WLD060", Severity.INFO),
         (sdf(MODEL.format("") * 2), "WLD038", Severity.ERROR),
     ],
 )
@@ -86,7 +86,7 @@ def test_what_cannot_be_spawned(content: str | bytes, code: str, severity: Sever
 
 
 def test_a_text_that_is_too_large() -> None:
-    test_what_cannot_be_spawned(" " * (33 * 2**20), "WLD010", Severity.ERROR)
+    test_what_cannot_be_spawned(" " * (33 * 2**20), "ROB002", Severity.ERROR)
 
 
 @pytest.mark.parametrize(

@@ -38,7 +38,7 @@ def misspelt(text: str, folder: Path) -> list[tuple[str, int | None, str | None]
     file = folder / "w.sdf"
     file.write_text(text)
     found = read_sdf(file, find_model=lambda _: None).diagnostics
-    told = [one for one in found if one.code in {"WLD058", "WLD059"}]
+    told = [one for one in found if one.code in {"ROB038", "ROB077"}]
     return [(one.code, one.line, one.hint) for one in told]
 
 
@@ -64,7 +64,7 @@ def test_what_is_right_is_not_told(tmp_path: Path) -> None:
 )
 def test_elements(tmp_path: Path, right: str, wrong: str, line: int) -> None:
     text = WORLD.replace(f"<{right}", f"<{wrong}", 1).replace(f"</{right}", f"</{wrong}", 1)
-    assert misspelt(text, tmp_path) == [("WLD058", line, f"Did you mean <{right}>?")]
+    assert misspelt(text, tmp_path) == [("ROB038", line, f"Did you mean <{right}>?")]
 
 
 @pytest.mark.parametrize(
@@ -73,7 +73,7 @@ def test_elements(tmp_path: Path, right: str, wrong: str, line: int) -> None:
 )
 def test_attributes(tmp_path: Path, right: str, wrong: str, line: int) -> None:
     text = WORLD.replace(f" {right}=", f" {wrong}=", 1)
-    assert misspelt(text, tmp_path) == [("WLD059", line, f"Did you mean `{right}`?")]
+    assert misspelt(text, tmp_path) == [("ROB077", line, f"Did you mean `{right}`?")]
 
 
 def test_what_other_programs_have_is_no_mistake(tmp_path: Path) -> None:
@@ -88,7 +88,7 @@ def test_a_default_that_gazebo_takes_for_a_misspelling_is_told_with_it(tmp_path:
     link = "<link name='l'>\n<inertal><mass>1</mass></inertal></link>"
     file.write_text(f"<sdf version='1.7'><model name='m'>{link}</model></sdf>")
     (found,) = read_sdf(file, find_model=lambda _: None).diagnostics
-    assert (found.code, found.severity, found.line) == ("WLD058", Severity.WARNING, 2)
+    assert (found.code, found.severity, found.line) == ("ROB038", Severity.WARNING, 2)
     assert found.message == (
         "<link> has no <inertal>: the link `l` has no <inertial>: Gazebo gives it 1 kg and 1 kg m²."
     )
@@ -106,6 +106,6 @@ def test_what_a_misspelt_element_leaves_out_is_told_with_it(tmp_path: Path) -> N
         found = read_sdf(file, find_model=lambda _: None).diagnostics
         errors = [one for one in found if one.severity is Severity.ERROR]
         assert [(one.code, one.line, one.hint) for one in errors] == [
-            ("WLD058", line, f"Did you mean <{meant}>?")
+            ("ROB038", line, f"Did you mean <{meant}>?")
         ]
         assert "WLD004" not in {one.code for one in found}

@@ -1,13 +1,7 @@
-"""A model of SDF to a `Robot`.
+"""Make a `Robot` from a model of SDF: links and joints as a tree, with the frames of URDF.
 
-Links and joints of a model to one tree, with the frames where URDF has them.
-
-In SDF, links and joints have frames of their own, placed as the author likes. In a `Robot`, the
-frame of a link is that of the joint above it; only the root keeps its own.
-
-Joints that mimic others: the others have to exist, and may not mimic back.
-
-Under which names things can stand in a world or model.
+In SDF, links and joints have frames of their own, anywhere. In a `Robot`, the frame of a link is
+that of the joint above it; only the root keeps its own.
 """
 
 from __future__ import annotations
@@ -15,28 +9,92 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
+from wsgen.description_rules import NO_LINK, UNKNOWN_MIMICKED_JOINT
+from wsgen.diagnostics import Rule, Severity
 from wsgen.model.robot import GazeboTag, Joint, JointType, Link, Plugin, Robot
 from wsgen.model.transform import IDENTITY, Pose, compose, invert
 from wsgen.sdf.bodies import read_body
-from wsgen.sdf.frames import WORLD, canonical_link, pose_in, resolve
+from wsgen.sdf.frames import DUPLICATE_SDF_NAME, WORLD, canonical_link, pose_in, resolve
 from wsgen.sdf.joints import read_edge, read_joint
 from wsgen.sdf.shapes import read_planes
-from wsgen.sdf.source import POSE_FRAMES, line_of
+from wsgen.sdf.source import line_of
 from wsgen.xmltree import child_texts, children
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from wsgen.sdf.frames import Kind, Node, Scope
+    from wsgen.sdf.frames import Node, Scope
     from wsgen.sdf.includes import Includes
     from wsgen.sdf.joints import Edge
     from wsgen.sdf.shapes import Planes
-    from wsgen.sdf.source import Version
-    from wsgen.xmltree import Element
+
+
+CLOSED_CHAIN = Rule(
+    code="WLD025",
+    name="closed-chain",
+    severity=Severity.WARNING,
+    summary="A joint closes a kinematic chain; the simulation leaves it out.",
+    why="wsgen simulates trees of links, as Gazebo Sim does: the linkage is open. Gazebo Classic "
+    "closes it.",
+    example="""<joint name="left" type="revolute">
+  <parent>base_link</parent>
+  <child>bar</child>
+</joint>
+<joint name="right" type="revolute">
+  <parent>lever</parent>
+  <child>bar</child>
+</joint>""",
+    instead="""<joint name="left" type="revolute">
+  <parent>base_link</parent>
+  <child>bar</child>
+</joint>""",
+)
+
+JOINT_LEFT_OUT = Rule(
+    code="WLD024",
+    name="joint-left-out",
+    severity=Severity.WARNING,
+    summary="A joint is left out of the simulation because no engine of wsgen has its type.",
+    what="Looks for joints of the types revolute2, universal, ball, screw and gearbox.",
+    why="Gazebo has these joints, so the simulation differs from Gazebo: a link without another "
+    "joint falls off.",
+    example='<joint name="steering" type="universal">',
+    instead="Use two revolute joints with a small link between them.",
+)
+
+CIRCULAR_MIMIC = Rule(
+    code="WLD028",
+    name="circular-mimic",
+    severity=Severity.ERROR,
+    summary="A joint of an SDF model mimics itself, directly or through other joints.",
+    why="No joint of the circle moves by itself, so nothing says where they are.",
+    example="""<joint name="left" type="revolute">
+  <axis><mimic joint="right">...</mimic></axis>
+</joint>
+<joint name="right" type="revolute">
+  <axis><mimic joint="left">...</mimic></axis>
+</joint>""",
+    instead="""<joint name="left" type="revolute">
+  <axis>...</axis>
+</joint>
+<joint name="right" type="revolute">
+  <axis><mimic joint="left">...</mimic></axis>
+</joint>""",
+)
+
+SHARED_PART_NAME = Rule(
+    code="WLD044",
+    name="shared-part-name",
+    severity=Severity.INFO,
+    summary="Two parts of a link, of different kinds, have one name.",
+    why="Gazebo loads the model, but its checker (`gz sdf --check`) reports an error.",
+    example='<visual name="box">...</visual>\n<collision name="box">...</collision>',
+    instead='<visual name="box_visual">...</visual>\n<collision name="box">...</collision>',
+)
 
 
 class Tree:
-    """Links joined one after the other, as long as no link has two parents."""
+    """Links, connected joint by joint as long as no link has two parents."""
 
     def __init__(self, model: Scope, nodes: dict[str, Node], name_of: dict[int, str]) -> None:
         self.model = model
@@ -59,22 +117,26 @@ class Tree:
         parent, child = self._parent(edge), self.name_of[id(edge.child)]
         if child in self.edge_of or self.root_of(parent) == self.root_of(child):
             other = self.edge_of.get(child)
-            edge.node.source.warning(
-                "WLD025",
-                f"The joint `{name}` is left out of the simulation: it closes a chain"
-                + (f" (`{child}` hangs on the joint `{other[0]}` already)." if other else "."),
+            edge.node.source.report(
+                CLOSED_CHAIN,
+                f"The joint `{name}` is left out of the simulation: it closes a kinematic chain"
+                + (
+                    f" (`{child}` is already the child of the joint `{other[0]}`)."
+                    if other
+                    else "."
+                ),
                 at=edge.node.element,
-                hint="Gazebo Sim leaves such a joint out as well; Gazebo Classic has it.",
+                hint="Gazebo Sim leaves out such a joint as well; Gazebo Classic has it.",
             )
             return
         self.edge_of[child] = (name, edge)
         self._above[child] = self.root_of(parent)
 
     def report_left_out(self, name: str, edge: Edge) -> None:
-        """Report a joint of a type that is left out, and what that sets free."""
+        """Report a joint of a type that is left out, and the link that is loose without it."""
         child = self.name_of[id(edge.child)]
-        edge.node.source.warning(
-            "WLD024",
+        edge.node.source.report(
+            JOINT_LEFT_OUT,
             f"The joint `{name}` is left out of the simulation: no engine of wsgen has "
             f"{edge.node.element.get('type')} joints."
             + ("" if child in self.edge_of else f" The link `{child}` is loose without it."),
@@ -83,14 +145,14 @@ class Tree:
         )
 
     def frame(self, link: str) -> Pose:
-        """The pose in the model of a link's frame, where URDF has it."""
+        """The pose in the model of the frame that a link has in URDF."""
         if link == WORLD:
             return IDENTITY
         node = self.edge_of[link][1].node if link in self.edge_of else self.nodes[link]
         return pose_in(self.model, node)
 
     def robot(self, links: dict[str, Link], edges: dict[str, Edge]) -> Robot:
-        """All links and joints; a world, if there is one, is the first link and the root."""
+        """All links and joints; the world, if it has a joint, is the first link and the root."""
         is_fixed = any(edge.parent is None for _, edge in self.edge_of.values())
         root = self._root(is_fixed=is_fixed)
         frames = {name: self.frame(name) for name in links}
@@ -138,7 +200,7 @@ class Tree:
         )
 
     def _seen_from(self, frame: Pose, link: Link) -> Link:
-        """The link with all that is in it seen from the frame instead of its own."""
+        """The link with all of its parts in this frame instead of its own."""
         own = pose_in(self.model, self.nodes[link.name])
         if own == frame:
             return link
@@ -159,14 +221,14 @@ class Tree:
 
 
 def _from(frame: Pose, pose: Pose) -> Pose:
-    """The pose seen from a frame, when both are seen from the same one."""
+    """The pose in a frame, when both are given in the same one."""
     return IDENTITY if frame == pose else compose(invert(frame), pose)
 
 
 def with_leaders(joints: tuple[Joint, ...], nodes: dict[str, Node]) -> tuple[Joint, ...]:
     """The joints with the full names of those that they mimic.
 
-    One that mimics no other joint, or itself by way of others, is reported and mimics nothing.
+    One that mimics an unknown joint, or itself through others, is reported and mimics nothing.
     `nodes` has the elements of the joints by their full names.
     """
     followers = {joint.name: joint.mimic for joint in joints if joint.mimic is not None}
@@ -177,8 +239,10 @@ def with_leaders(joints: tuple[Joint, ...], nodes: dict[str, Node]) -> tuple[Joi
     for name, mimic in followers.items():
         leader = nodes[name].scope.lookup(mimic.joint)
         found = None if leader is None else names.get(id(leader))
-        if found is None or _leads_to(found, name, leader_of):
-            _report(nodes[name], name, mimic.joint)
+        if found is None:
+            _report_unknown_leader(nodes[name], name, mimic.joint)
+        elif _leads_to(found, name, leader_of):
+            _report_circle(nodes[name], name, mimic.joint)
         else:
             leader_of[name] = found
     return tuple(
@@ -199,101 +263,43 @@ def _leads_to(start: str, end: str, leader_of: dict[str, str]) -> bool:
     return place == end
 
 
-def _report(node: Node, name: str, leader: str) -> None:
-    node.source.error(
-        "WLD028",
-        f"The joint `{name}` mimics `{leader}`, which is no joint of the simulation that moves by "
-        "itself.",
+def _report_unknown_leader(node: Node, name: str, leader: str) -> None:
+    node.source.report(
+        UNKNOWN_MIMICKED_JOINT,
+        f"The joint `{name}` mimics `{leader}`, which is not a joint of the simulation.",
         at=node.element,
         hint="Name another joint of this model: revolute, continuous or prismatic.",
+        severity=Severity.ERROR,
     )
 
 
-PARTS: tuple[Kind, ...] = ("link", "joint", "frame", "model")
-NESTED_NAMES: Version = (1, 8)  # from here on `::` in a name leads into a model
-
-
-def kind_of(element: Element) -> Kind:
-    """The kind of an element that is one of `PARTS`."""
-    return next(kind for kind in PARTS if kind == element.tag)
-
-
-def checked_name(scope: Scope, kind: Kind, name: str, element: Element) -> str | None:
-    """The name under which something stands in the scope; None, with a diagnostic, if it cannot."""
-    source = scope.source
-    if not name.strip():
-        source.error(
-            "WLD013",
-            f"A {kind} has no name.",
-            at=element,
-            hint=f'Write <{kind} name="NAME">.',
-        )
-        return None
-    if name == WORLD or (name.startswith("__") and name.endswith("__")):
-        source.error(
-            "WLD018",
-            f"The name `{name}` is reserved: no {kind} can be called so.",
-            at=element,
-            hint="Choose another one. What is to be fixed to the world gets a joint whose parent "
-            "is `world`.",
-        )
-        return None
-    if "::" in name and source.version >= NESTED_NAMES:
-        source.error(
-            "WLD018",
-            f"The name `{name}` has `::` in it, which leads into a model since SDF 1.8.",
-            at=element,
-            hint="Write _ instead.",
-        )
-        return None
-    return _unused_name(scope, kind, name, element)
-
-
-def _unused_name(scope: Scope, kind: Kind, name: str, element: Element) -> str | None:
-    other = scope.named(name)
-    if other is None:
-        return name
-    renamed = f"{name}_joint"
-    is_allowed = kind == "joint" and other.kind != "joint" and scope.source.version < POSE_FRAMES
-    if is_allowed and scope.named(renamed) is None:
-        # Gazebo Classic has a space of names for each kind; the parser of today renames joints.
-        scope.source.warning(
-            "WLD039",
-            f"A joint and a {other.kind} are both called `{name}`.",
-            at=element,
-            hint=f"Rename the joint, to `{renamed}` for example: since SDF 1.7 there is one space "
-            "of names.",
-        )
-        return renamed
-    scope.source.error(
-        "WLD015",
-        f"A {kind} and a {other.kind} are both called `{name}`."
-        if kind != other.kind
-        else f"Two {kind}s are called `{name}`.",
-        at=element,
-        hint="Give each its own name; an include may say <name>.",
+def _report_circle(node: Node, name: str, leader: str) -> None:
+    node.source.report(
+        CIRCULAR_MIMIC,
+        f"The joint `{name}` mimics `{leader}`, which is itself or mimics it.",
+        at=node.element,
+        hint="Name a joint that moves by itself.",
     )
-    return None
 
 
 def report_shared_names(links: Mapping[str, Node]) -> None:
-    """Report the links in which parts of different kinds have one name; `links` has full names."""
+    """Report links in which parts of different kinds have one name; `links` has full names."""
     sharing = [(name, node, shared) for name, node in links.items() if (shared := _shared(node))]
     if not sharing:
         return
     name, node, shared = sharing[0]
-    more = f" (and so in {len(sharing) - 1} more links)" if len(sharing) > 1 else ""
-    node.source.info(
-        "WLD044",
-        f"Two parts of the link `{name}` are called `{shared}`{more}.",
+    more = f" (and in {len(sharing) - 1} more links)" if len(sharing) > 1 else ""
+    node.source.report(
+        SHARED_PART_NAME,
+        f"Two parts of the link `{name}` have the name `{shared}`{more}.",
         at=node.element,
-        hint="Gazebo loads it; its checker (`gz sdf --check`) wants a name for each visual, "
-        "collision, sensor and light of a link.",
+        hint="Gazebo loads it; its checker (`gz sdf --check`) wants a different name for each "
+        "visual, collision, sensor and light of a link.",
     )
 
 
 def _shared(node: Node) -> str:
-    """A name that parts of different kinds of a link have; empty: there is none."""
+    """A name that parts of different kinds of a link have; empty if they have none."""
     kind_called: dict[str, str] = {}
     for part in node.element:
         name = part.get("name")
@@ -304,7 +310,7 @@ def _shared(node: Node) -> str:
 
 
 class Assembled(NamedTuple):
-    """What a model is made of."""
+    """A model as a robot, and its ground."""
 
     robot: Robot | None  # None: it has no link
     root_in_model: Pose = IDENTITY
@@ -312,7 +318,7 @@ class Assembled(NamedTuple):
 
 
 def assemble(includes: Includes, model: Scope, model_in_world: Pose) -> Assembled:
-    """The robot that a model is; what is wrong in it is reported, and left out."""
+    """The robot of a model; parts that are wrong are reported and left out."""
     for scope in model.below():
         for node in scope.nodes.values():
             resolve(node)
@@ -369,9 +375,9 @@ def _named(model: Scope, kind: str) -> dict[str, Node]:
                 continue
             name = scope.prefix + node.name
             if name in named:  # only what was merged, or an old file that has flattened names
-                node.source.error(
-                    "WLD015",
-                    f"Two {kind}s are called `{name}`.",
+                node.source.report(
+                    DUPLICATE_SDF_NAME,
+                    f"Two {kind}s have the name `{name}`.",
                     at=node.element,
                     hint="Give each its own name, or include the model without merging it.",
                 )
@@ -381,7 +387,7 @@ def _named(model: Scope, kind: str) -> dict[str, Node]:
 
 
 def _is_of(edge: Edge, name_of: dict[int, str]) -> bool:
-    """Whether both links are there: one that has no name of its own was reported, and left out."""
+    """Whether both links exist: one with a duplicate name was reported and left out."""
     return id(edge.child) in name_of and (edge.parent is None or id(edge.parent) in name_of)
 
 
@@ -399,8 +405,8 @@ def _plugins(model: Scope) -> list[GazeboTag]:
 
 def _report_no_link(model: Scope) -> None:
     if not model.is_static:
-        model.source.error(
-            "WLD029",
+        model.source.report(
+            NO_LINK,
             f"The model `{model.name}` has no link.",
             at=model.element,
             hint='Add <link name="base_link">, or make the model static.',

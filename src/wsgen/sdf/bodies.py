@@ -1,6 +1,6 @@
-"""`<link>` and `<inertial>` of SDF. Everything is seen from the link's own frame.
+"""`<link>` and `<inertial>` of SDF, all in the link's own frame.
 
-`<inertial auto="true">`: mass and inertia from the collisions, since SDF 1.11.
+Since SDF 1.11, `<inertial auto="true">` computes mass and inertia from the collisions.
 """
 
 from __future__ import annotations
@@ -8,6 +8,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, NamedTuple
 
+from wsgen.description_rules import IMPOSSIBLE_INERTIA, NEGATIVE_MASS
+from wsgen.diagnostics import Rule, Severity
 from wsgen.model.inertia import about_link_axes, is_possible, moved, of_solid, principal_moments
 from wsgen.model.robot import (
     Box,
@@ -24,7 +26,7 @@ from wsgen.model.robot import (
     Sphere,
 )
 from wsgen.model.transform import Pose
-from wsgen.sdf.shapes import ShapeReader
+from wsgen.sdf.shapes import FRAME_IGNORED, ShapeReader
 from wsgen.sdf.source import line_of
 from wsgen.sdf.values import first, number, optional_number, read_pose, truth
 from wsgen.xmltree import children
@@ -39,9 +41,49 @@ if TYPE_CHECKING:
     from wsgen.xmltree import Element
 
 
+DEFAULT_INERTIA = Rule(
+    code="WLD035",
+    name="default-inertia",
+    severity=Severity.WARNING,
+    summary="A link of a model that can move has no `<inertial>`.",
+    why="Gazebo gives the link 1 kg and 1 kg m², the inertia of a body of 2.4 m. A small link is "
+    "then far too heavy and turns far too slowly.",
+    example='<link name="arm">\n  <collision name="collision">...</collision>\n</link>',
+    instead="""<link name="arm">
+  <inertial>
+    <mass>0.2</mass>
+    <inertia><ixx>0.001</ixx><iyy>0.001</iyy><izz>0.0001</izz></inertia>
+  </inertial>
+  <collision name="collision">...</collision>
+</link>""",
+)
+
+INERTIA_OF_MESH = Rule(
+    code="WLD040",
+    name="inertia-of-mesh",
+    severity=Severity.WARNING,
+    summary="A link asks Gazebo to compute its inertia from a mesh, a polyline or a heightmap.",
+    what='Looks at `<inertial auto="true">` since SDF 1.11, where Gazebo computes mass and '
+    "inertia from the collisions.",
+    why="wsgen does not compute the inertia of such shapes: the simulation uses the link's other "
+    "shapes alone, and the robot is lighter than in Gazebo.",
+    example='<inertial auto="true"/>\n<collision name="c">\n  <geometry><mesh>...</mesh>',
+    instead="<inertial>\n  <mass>0.2</mass>\n  <inertia>...</inertia>\n</inertial>",
+)
+
+MASSLESS_MODEL_LINK = Rule(
+    code="WLD041",
+    name="massless-model-link",
+    severity=Severity.WARNING,
+    summary="A link of a model that can move has mass 0.",
+    why="Physics engines hold such a link still or cannot move it, and joints on it explode.",
+    example="<mass>0</mass>",
+    instead="<mass>0.2</mass>",
+)
+
 SINCE: Version = (1, 11)
-HEAVIEST = 1e30  # kg; more is a slip, and its inertia would overflow
-WATER = 1000.0  # kg/m³, what SDF takes where no density is said
+HEAVIEST = 1e30  # kg; more is a mistake, and its inertia would overflow
+WATER = 1000.0  # kg/m³, the default of SDF
 
 
 def is_automatic(source: Source, inertial: Element) -> bool:
@@ -52,11 +94,11 @@ def is_automatic(source: Source, inertial: Element) -> bool:
 def computed(
     source: Source, link: Element, inertial: Element, collisions: Sequence[Collision]
 ) -> Inertial | None:
-    """The inertial of a link from its collisions; None where they have no volume.
+    """The inertial of a link from its collisions; None if they have no volume.
 
     A mesh, an extrusion or a heightmap adds nothing, which is reported. The center of mass of a
-    cone is taken for half way up, as sdformat 15 does. A mass that is given scales the whole, as in
-    Gazebo Sim since Ionic.
+    cone is at half its height, as in sdformat 15. An explicit mass scales the result, as in Gazebo
+    Sim since Ionic.
     """
     density = number(source, inertial, "density", default=WATER)
     densities = {
@@ -64,12 +106,12 @@ def computed(
         for element in children(link, "collision")
     }
     if any(isinstance(shape.geometry, Mesh | Extrusion | Heightmap) for shape in collisions):
-        source.warning(
-            "WLD040",
-            "The inertia is to be computed from a mesh, polyline or heightmap: "
-            "the simulation takes its other shapes alone.",
+        source.report(
+            INERTIA_OF_MESH,
+            "The inertia is computed from a mesh, a polyline or a heightmap: "
+            "the simulation uses the other shapes of the link alone.",
             at=inertial,
-            hint="Give mass and inertia in numbers.",
+            hint="Write mass and inertia as numbers.",
         )
     parts = [
         _part(collision, max(0.0, densities.get(collision.name, density)))
@@ -110,7 +152,7 @@ def _center(parts: Sequence[Inertial], mass: float) -> tuple[float, float, float
 
 
 def _volume(geometry: Geometry) -> float:
-    """In m³; 0 for what is made of triangles."""
+    """In m³; 0 for shapes that are made of triangles."""
     if isinstance(geometry, Box):
         return math.prod(geometry.size)
     if isinstance(geometry, Sphere | Ellipsoid):
@@ -125,15 +167,15 @@ def _volume(geometry: Geometry) -> float:
 
 
 MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-# What SDF gives a link that says nothing: 1 kg, and the inertia of something 2.4 m large.
+# What SDF gives a link without <inertial>: 1 kg, and the inertia of a body of 2.4 m.
 DEFAULT_INERTIAL = Inertial(mass=1.0, inertia=(1.0, 0.0, 0.0, 1.0, 0.0, 1.0))
 
 
 class Body(NamedTuple):
-    """A link, with what the model of a robot has no place for."""
+    """A link, and its sensors, for which `Link` has no field."""
 
     link: Link
-    tag: GazeboTag | None  # its sensors
+    tag: GazeboTag | None  # the sensors
 
 
 def read_body(includes: Includes, node: Node, name: str) -> Body:
@@ -164,11 +206,11 @@ def _read_inertial(node: Node, name: str, collisions: Sequence[Collision]) -> In
     element = first(link, "inertial")
     if element is None:
         if not node.scope.is_static:
-            source.lacking(
-                "WLD035",
+            source.report_missing(
+                DEFAULT_INERTIA,
                 f"The link `{name}` has no <inertial>: Gazebo gives it 1 kg and 1 kg m².",
                 at=link,
-                name="inertial",
+                child="inertial",
                 hint="Give it its own mass and inertia, or make the model static.",
             )
         return DEFAULT_INERTIAL
@@ -179,12 +221,12 @@ def _read_inertial(node: Node, name: str, collisions: Sequence[Collision]) -> In
     mass = optional_number(source, element, "mass")
     pose, relative_to = read_pose(source, element)
     if relative_to:
-        source.warning(
-            "WLD020",
+        source.report(
+            FRAME_IGNORED,
             f"The pose of the inertia is relative to `{relative_to}`; "
-            "it is taken as relative to its link.",
+            "the simulation reads it as relative to its link.",
             at=element,
-            hint="Write the pose as seen from the link, without relative_to.",
+            hint="Write the pose in the frame of the link, without relative_to.",
         )
     inertial = Inertial(
         mass=1.0 if mass is None else mass, pose_in_link=pose, inertia=_inertia(source, element)
@@ -196,27 +238,27 @@ def _read_inertial(node: Node, name: str, collisions: Sequence[Collision]) -> In
 def _check(
     source: Source, element: Element, name: str, inertial: Inertial, *, is_static: bool
 ) -> None:
-    """Report a mass or an inertia that no body has."""
+    """Report a mass or an inertia that no body can have."""
     if inertial.mass < 0:
-        source.error(
-            "WLD036",
+        source.report(
+            NEGATIVE_MASS,
             f"The mass of the link `{name}` is negative ({inertial.mass:g} kg).",
             at=element,
             hint="Give the link its mass in kilograms.",
         )
         return
     if inertial.mass == 0 and not is_static:
-        source.warning(
-            "WLD041",
-            f"The link `{name}` has mass 0: an engine holds it still, or cannot move it.",
+        source.report(
+            MASSLESS_MODEL_LINK,
+            f"The link `{name}` has mass 0: engines hold it still or cannot move it.",
             at=element,
             hint="Give it a mass, or make the model static.",
         )
     if not is_possible(inertial.inertia):
         low, middle, high = principal_moments(inertial.inertia)
-        source.error(
-            "WLD037",
-            f"No body has the inertia of the link `{name}`: its principal moments are "
+        source.report(
+            IMPOSSIBLE_INERTIA,
+            f"No body can have the inertia of the link `{name}`: its principal moments are "
             f"{low:.4g}, {middle:.4g} and {high:.4g} kg m².",
             at=element,
             hint="Each must be positive, and none larger than the other two together. Compute it "

@@ -1,9 +1,7 @@
-"""Where frames are, and which links they move with.
+"""Worlds and models as namespaces of links, joints, frames and models, and where these are.
 
-Poses are relative to frames, which are relative to frames; chains may be long and may close to a
-circle, so nothing here is recursive.
-
-Worlds and models as spaces of names: the links, joints, frames and models in each.
+Poses are relative to frames, which are relative to other frames. Chains may be long and circular,
+so nothing here is recursive.
 """
 
 from __future__ import annotations
@@ -11,25 +9,78 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Literal
 
+from wsgen.description_rules import (
+    ONE_NAME_FOR_LINK_AND_JOINT,
+    RESERVED_NAME,
+    UNNAMED_ELEMENT,
+)
+from wsgen.diagnostics import Rule, Severity
 from wsgen.model.transform import IDENTITY, Pose, compose, invert, rotate, rotation_of_rpy
+from wsgen.sdf.source import POSE_FRAMES
 from wsgen.sdf.values import word
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from wsgen.sdf.source import Source
+    from wsgen.sdf.source import Source, Version
     from wsgen.xmltree import Element
 
 
 Kind = Literal["link", "joint", "frame", "model"]
 
-MODEL_FRAME = "__model__"  # how the frame of the model around it is called in SDF
+DUPLICATE_SDF_NAME = Rule(
+    code="WLD015",
+    name="duplicate-sdf-name",
+    severity=Severity.ERROR,
+    summary="Two elements of one world, model or link have the same name.",
+    what="Links, joints, frames and nested models share one namespace; the visuals of a link have "
+    "one, and so have its collisions.",
+    why="Gazebo Sim refuses the file, and joints and plugins cannot tell the two apart.",
+    example='<link name="wheel"/>\n<link name="wheel"/>',
+    instead='<link name="left_wheel"/>\n<link name="right_wheel"/>',
+)
+
+UNKNOWN_FRAME = Rule(
+    code="WLD016",
+    name="unknown-frame",
+    severity=Severity.ERROR,
+    summary="A pose, frame, axis or model names a frame that does not exist.",
+    what="Looks at `relative_to`, `attached_to`, `expressed_in`, `placement_frame` and "
+    "`canonical_link`.",
+    why="Gazebo refuses the model: it cannot know where the element is.",
+    example='<link name="arm">\n  <pose relative_to="sholder">0 0 0.1 0 0 0</pose>',
+    instead='<link name="arm">\n  <pose relative_to="shoulder">0 0 0.1 0 0 0</pose>',
+)
+
+FRAME_CYCLE = Rule(
+    code="WLD017",
+    name="frame-cycle",
+    severity=Severity.ERROR,
+    summary="A frame is placed relative to itself, directly or through other frames.",
+    why="Gazebo refuses the model: no pose in the circle is known.",
+    example="""<frame name="a">
+  <pose relative_to="b"/>
+</frame>
+<frame name="b">
+  <pose relative_to="a"/>
+</frame>""",
+    instead="""<frame name="a">
+  <pose relative_to="b"/>
+</frame>
+<frame name="b">
+  <pose relative_to="__model__"/>
+</frame>""",
+)
+
+MODEL_FRAME = "__model__"  # SDF's name of the frame of the model around an element
 WORLD = "world"
+PARTS: tuple[Kind, ...] = ("link", "joint", "frame", "model")
+NESTED_NAMES: Version = (1, 8)  # from here on `::` in a name leads into a model
 
 
 # Plain classes: as dataclasses these two would take a fifth of the time to load this package.
 class Node:
-    """Something with a frame: it stands in a scope, under a name."""
+    """Something with a frame: it is in a scope, under a name."""
 
     __slots__ = (
         "base",
@@ -69,7 +120,7 @@ class Node:
 
 
 class Scope:
-    """A world or a model: a space of names."""
+    """A world or a model: a namespace."""
 
     __slots__ = (
         "depth",
@@ -102,11 +153,11 @@ class Scope:
 
     @property
     def is_world(self) -> bool:
-        """Whether it is a world, or the place where a single model stands."""
+        """Whether it is a world, or the place of a single model."""
         return self.node is None
 
     def lookup(self, name: str) -> Node | None:
-        """What a name means here; `inner::name` is in the model `inner`."""
+        """The node of a name here; `inner::name` is in the model `inner`."""
         scope, rest = self, name
         while True:
             node = scope.named(rest)
@@ -121,7 +172,7 @@ class Scope:
             scope = node.inside
 
     def named(self, name: str) -> Node | None:
-        """What has exactly this name, here or in what was merged into this."""
+        """The node with exactly this name, here or in a merged scope."""
         for scope in self.with_merged():
             if name in scope.nodes:
                 return scope.nodes[name]
@@ -144,8 +195,71 @@ class Scope:
             stack += reversed([*scope.merged, *inner])
 
     def own(self, kind: Kind) -> Iterator[Node]:
-        """What there is of a kind directly in it, in the order of the document."""
+        """The nodes of a kind directly in it, in the order of the document."""
         return (node for node in self.nodes.values() if node.kind == kind)
+
+
+def kind_of(element: Element) -> Kind:
+    """The kind of an element that is one of `PARTS`."""
+    return next(kind for kind in PARTS if kind == element.tag)
+
+
+def checked_name(scope: Scope, kind: Kind, name: str, element: Element) -> str | None:
+    """The name that an element gets in the scope; None, with a diagnostic, if it cannot have it."""
+    source = scope.source
+    if not name.strip():
+        source.report(
+            UNNAMED_ELEMENT,
+            f"A {kind} has no name.",
+            at=element,
+            hint=f'Write <{kind} name="NAME">.',
+        )
+        return None
+    if name == WORLD or (name.startswith("__") and name.endswith("__")):
+        source.report(
+            RESERVED_NAME,
+            f"The name `{name}` of the {kind} is reserved by SDF.",
+            at=element,
+            hint="Choose another name. To fix a link to the world, add a joint with the parent "
+            "`world`.",
+        )
+        return None
+    if "::" in name and source.version >= NESTED_NAMES:
+        source.report(
+            RESERVED_NAME,
+            f"The name `{name}` contains `::`, which separates the names of models since SDF 1.8.",
+            at=element,
+            hint="Write _ instead.",
+        )
+        return None
+    return _unused_name(scope, kind, name, element)
+
+
+def _unused_name(scope: Scope, kind: Kind, name: str, element: Element) -> str | None:
+    other = scope.named(name)
+    if other is None:
+        return name
+    renamed = f"{name}_joint"
+    is_allowed = kind == "joint" and other.kind != "joint" and scope.source.version < POSE_FRAMES
+    if is_allowed and scope.named(renamed) is None:
+        # Gazebo Classic has a namespace for each kind; the parser of today renames joints.
+        scope.source.report(
+            ONE_NAME_FOR_LINK_AND_JOINT,
+            f"A joint and a {other.kind} have the same name `{name}`.",
+            at=element,
+            hint=f"Rename the joint, to `{renamed}` for example: since SDF 1.7 they share one "
+            "namespace.",
+        )
+        return renamed
+    scope.source.report(
+        DUPLICATE_SDF_NAME,
+        f"A {kind} and a {other.kind} have the same name `{name}`."
+        if kind != other.kind
+        else f"Two {kind}s have the name `{name}`.",
+        at=element,
+        hint="Give each its own name; an <include> can have a <name>.",
+    )
+    return None
 
 
 LEVEL = 1e-6  # m or rad: what rounding leaves
@@ -190,26 +304,26 @@ def pose_in(scope: Scope, node: Node) -> Pose:
 
 
 def frame_called(node: Node, name: str, what: str) -> Node | None:
-    """The frame that a name means where `node` is; None: the frame of its scope.
+    """The frame of a name in the scope of `node`; None: the frame of the scope.
 
-    An unknown name is reported, `what` being the place where it was written.
+    An unknown name is reported; `what` is the place where it is written.
     """
     if name in {"", MODEL_FRAME} or (name == WORLD and node.scope.is_world):
         return None
     found = node.scope.lookup(name)
     if found is None:
-        node.source.error(
-            "WLD016",
+        node.source.report(
+            UNKNOWN_FRAME,
             f"{what} of the {node.kind} `{node.name}` names `{name}`, "
-            "and no link, joint, frame or model is called so here.",
+            "which is not a link, joint, frame or model here.",
             at=node.element,
-            hint="Name one of the same model; one of a model in it is written `MODEL::NAME`.",
+            hint="Name one of the same model; write `MODEL::NAME` for one of a nested model.",
         )
     return found
 
 
 def link_of(node: Node) -> Node | None:
-    """The link that a frame moves with; None where there is none."""
+    """The link that a frame moves with; None if no link moves with it."""
     seen = set()
     place: Node | None = node
     while place is not None and place.kind != "link":
@@ -277,9 +391,9 @@ def _calculate(node: Node) -> Pose:
 
 
 def _report_circle(node: Node) -> None:
-    node.source.error(
-        "WLD017",
-        f"The {node.kind} `{node.name}` is placed relative to itself, by way of other frames.",
+    node.source.report(
+        FRAME_CYCLE,
+        f"The {node.kind} `{node.name}` is placed relative to itself, through other frames.",
         at=node.element,
-        hint="Break the circle: let one of the frames be relative to the model.",
+        hint="Break the circle: make one of the frames relative to the model.",
     )

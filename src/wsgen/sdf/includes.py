@@ -1,4 +1,4 @@
-"""What `<include>` stands for: a model in another file."""
+"""`<include>`: find the model in another file."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import unquote
 
-from wsgen.diagnostics import Severity
+from wsgen.diagnostics import Rule, Severity
 from wsgen.files import irregular_kind
 from wsgen.sdf.lookup import (
     address_of,
@@ -34,11 +34,47 @@ if TYPE_CHECKING:
 if TYPE_CHECKING:
     ReadRobot = Callable[[Path], tuple[Robot | None, tuple[Diagnostic, ...]]]
 
+MODEL_LEFT_OUT = Rule(
+    code="WLD004",
+    name="model-left-out",
+    severity=Severity.WARNING,
+    severity_varies="an error where the model is part of another model, where an `<include>` has "
+    "no `<uri>`, and where the world has no ground because of it",
+    summary="A model of the world is not part of the simulation.",
+    what="Looks for included models beside the file, in the folders of `GAZEBO_MODEL_PATH` and "
+    "`GZ_SIM_RESOURCE_PATH` and in the cache of Gazebo Fuel; the network is not used. Joints, "
+    "actors and populations of a world are not simulated.",
+    why="Gazebo may not find the model either, and what stands on it or against it falls. If "
+    "Gazebo finds it, the simulation of wsgen differs from Gazebo's.",
+    example="<include>\n  <uri>model://grund_plane</uri>\n</include>",
+    instead="<include>\n  <uri>model://ground_plane</uri>\n</include>",
+)
+
+INCLUDE_CYCLE = Rule(
+    code="WLD019",
+    name="include-cycle",
+    severity=Severity.ERROR,
+    summary="A model includes itself.",
+    why="The model would have infinitely many parts: Gazebo crashes or refuses it.",
+    example="""<!-- models/arm/model.sdf -->
+<model name="arm">
+  <include>
+    <uri>model://arm</uri>
+  </include>
+</model>""",
+    instead="""<!-- models/arm/model.sdf -->
+<model name="arm">
+  <include>
+    <uri>model://hand</uri>
+  </include>
+</model>""",
+)
+
 # Their Fuel addresses end in the same words, with capitals and a blank.
 GROUND_PLANE = "ground_plane"
 SUN = "sun"
 
-# What Gazebo's own is for a simulation.
+# Gazebo's own ground plane, as the simulation uses it.
 GROUND_PLANE_SDF = """
 <sdf version="1.4">
   <model name="ground_plane">
@@ -57,9 +93,9 @@ GROUND_PLANE_SDF = """
 </sdf>
 """
 
-# So alike two words are, as difflib counts, that one is taken for the other.
+# So similar two words are, as difflib counts, that one is taken for the other.
 ALIKE = 0.8
-MOST_COMPARED = 20  # names; difflib takes its time, and who has more has another trouble
+MOST_COMPARED = 20  # names; difflib is slow, and a file with more has another problem
 
 WHERE = (
     "Put its folder beside this file, or into a folder of GAZEBO_MODEL_PATH (Gazebo Classic) or "
@@ -73,7 +109,7 @@ class Includes:
     Args:
         find_model: Gives the folder of `model://NAME` or of a model of Fuel, None where there is
             none.
-        diagnostics: Where to put what is wrong.
+        diagnostics: The list to which diagnostics are added.
         read_robot: Reads a URDF file as Gazebo has it, which SDF may include as well.
     """
 
@@ -87,12 +123,12 @@ class Includes:
         self._diagnostics = diagnostics
         self._read_robot = read_robot
         self._folders: dict[str, Path | None] = {}
-        self._files: dict[tuple[Path | None, str], Path | str] = {}  # or why there is none
+        self._files: dict[tuple[Path | None, str], Path | str] = {}  # or why none was found
         self._sources: dict[Path, Source | None] = {}
         self._robots: dict[Path, Robot | None] = {}
         self._ground: Source | None = None
         self._near_models: dict[str, str | None] = {}  # by the address that is not found
-        self._misspelt_ground: int | None = None  # the place of the diagnostic about it
+        self._misspelled_ground: int | None = None  # the place of the diagnostic about it
 
     def find(
         self,
@@ -103,18 +139,19 @@ class Includes:
         *,
         is_part: bool,
     ) -> tuple[Source, Element] | None:
-        """The model of an include and its file; None where it cannot be had, which is reported.
+        """The model of an include and its file; None, with a diagnostic, if it cannot be read.
 
-        `trail` are the files that lead here; `is_part` says that it belongs to another model, which
+        `trail` are the files that lead here; `is_part` says that it is part of another model, which
         is incomplete without it.
         """
-        if not uri:  # nobody can have that model
-            source.missing(
-                "WLD004",
-                "The include has no <uri>: it names no model.",
+        if not uri:
+            source.report_missing(
+                MODEL_LEFT_OUT,
+                "The include has no <uri>.",
                 at=include,
-                name="uri",
-                hint=how_to_have(uri),
+                child="uri",
+                hint=how_to_find(uri),
+                severity=Severity.ERROR,
             )
             return None
         if is_ground_plane(uri):
@@ -123,8 +160,8 @@ class Includes:
         if found is None:
             found = self._files[source.file, uri] = self._model_file(source, uri)
         if isinstance(found, Path) and found in trail:
-            source.error(
-                "WLD019",
+            source.report(
+                INCLUDE_CYCLE,
                 f"`{uri}` includes itself ({_circle(trail, found)}).",
                 at=include,
                 hint="Remove one of the includes of the circle.",
@@ -136,18 +173,18 @@ class Includes:
             if inner is not None and element is not None:
                 return inner, element
             if inner is not None and next(children(inner.root, "light", "actor"), None) is not None:
-                return None  # nothing to touch
+                return None  # without a collision
             found = _why_no_model(found, inner)
-        # Others may be where wsgen does not look.
-        report = source.error if is_part else source.warning
         near = self._near(source, uri)
         if near == GROUND_PLANE:
-            self._misspelt_ground = len(self._diagnostics)
-        report(
-            "WLD004",
+            self._misspelled_ground = len(self._diagnostics)
+        source.report(
+            MODEL_LEFT_OUT,
             f"The model {uri} is not part of the simulation: {found}.",
             at=include,
-            hint=did_you_mean(f"model://{near}") if near else how_to_have(uri),
+            hint=did_you_mean(f"model://{near}") if near else how_to_find(uri),
+            # The models of a world may be where wsgen does not look.
+            severity=Severity.ERROR if is_part else Severity.WARNING,
         )
         return None
 
@@ -156,9 +193,12 @@ class Includes:
             self._near_models[uri] = _near_model(source, uri)
         return self._near_models.get(uri)
 
-    def blame_misspelt_ground(self) -> bool:
-        """Report the misspelt address of a ground plane as why there is none; False if none is."""
-        place = self._misspelt_ground
+    def blame_misspelled_ground(self) -> bool:
+        """Report that the misspelled address of a ground plane leaves the world without ground.
+
+        False if no include has such an address.
+        """
+        place = self._misspelled_ground
         if place is None:
             return False
         found = self._diagnostics[place]
@@ -166,21 +206,21 @@ class Includes:
             found,
             severity=Severity.ERROR,
             message=f"{found.message} Without it the world has no ground; "
-            "this simulation uses the ground that was meant.",
+            "the simulation uses `model://ground_plane`.",
         )
         return True
 
     def robot(self, file: Path) -> Robot | None:
-        """The robot of a URDF file that `find` gave; what is wrong with it is reported."""
+        """The robot of a URDF file that `find` returned, with diagnostics about it."""
         if file not in self._robots and self._read_robot is not None:
             self._robots[file], found = self._read_robot(file)
             self._diagnostics += found
         return self._robots.get(file)
 
     def path(self, source: Source, uri: str) -> Path | None:
-        """The file or folder of an address, whether it is there or not; None where that is unknown.
+        """The file or folder of an address, whether it exists or not; None if that is unknown.
 
-        A path that is not absolute is seen from the folder of the file that it is written in.
+        A relative path is relative to the folder of the file that it is written in.
         """
         scheme, separator, rest = uri.partition("://")
         if not separator or scheme == "file":
@@ -209,7 +249,7 @@ class Includes:
         return self._folders[uri]
 
     def _model_in(self, source: Source, *, is_part: bool) -> Element | None:
-        """The model in a file: of SDF, or a robot of URDF where that can be had."""
+        """The model in a file: of SDF, or a robot of URDF if that can be read."""
         if source.root.tag == "robot":
             return source.root if self._read_robot is not None and not is_part else None
         return next(children(source.root, "model"), None)
@@ -228,12 +268,12 @@ class Includes:
         return self._sources[file]
 
     def _model_file(self, source: Source, uri: str) -> Path | str:
-        """The SDF file of an address, or why there is none."""
+        """The SDF file of an address, or the reason why none was found."""
         path = self.path(source, uri)
         if path is None:
             scheme = uri.partition("://")[0]
             return (
-                "it is in the network, and Gazebo has not loaded it on this machine yet"
+                "Gazebo has not downloaded it to this machine yet"
                 if scheme in {"http", "https"}
                 else "its folder was not found"
             )
@@ -248,22 +288,22 @@ class Includes:
         return path.resolve() if is_file(path) else f"{path} is {instead_of_file(path)}"
 
 
-def how_to_have(uri: str) -> str:
-    """What to do about a model or mesh that is not there."""
+def how_to_find(uri: str) -> str:
+    """What to do about a model or mesh that was not found."""
     if not uri:
         return "Write <uri>model://NAME</uri> into it."
     if "://" not in uri:
-        return "Check its spelling, capitals included; the path is seen from this file."
+        return "Check its spelling and capitals; the path is relative to this file."
     if uri.startswith(("http://", "https://")):
         return (
-            f"Load it once with `gz fuel download -u '{uri}'` (Gazebo Fortress: `ign fuel`); or "
-            "put its folder into one of GZ_SIM_RESOURCE_PATH, and include model://NAME."
+            f"Download it once with `gz fuel download -u '{uri}'` (Gazebo Fortress: `ign fuel`), "
+            "or put its folder into one of GZ_SIM_RESOURCE_PATH, and include model://NAME."
         )
     return WHERE
 
 
 def _near_model(source: Source, uri: str) -> str | None:
-    """The model that is surely meant by a `model://NAME` which is not found."""
+    """The model that is meant by a `model://NAME` that was not found."""
     scheme, _, name = uri.partition("://")
     models = gazebo_models()
     if scheme != "model" or name in models:
@@ -292,8 +332,8 @@ def _why_no_model(file: Path, source: Source | None) -> str:
     if source is None:
         return f"{file} cannot be read"
     if source.root.tag == "robot":
-        return f"{file} is a URDF, and only a model that stands in the world by itself can be one"
-    return f"there is no <model> in {file}"
+        return f"{file} is a URDF, which only a model directly in the world can be"
+    return f"{file} has no <model>"
 
 
 def _circle(trail: tuple[Path, ...], again: Path) -> str:

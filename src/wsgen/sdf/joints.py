@@ -1,10 +1,18 @@
-"""`<joint>` of SDF: what it joins, and how the two move."""
+"""`<joint>` of SDF: the links that it connects, and how they move."""
 
 from __future__ import annotations
 
 import math
 from typing import TYPE_CHECKING, NamedTuple
 
+from wsgen.description_rules import (
+    SELF_JOINT,
+    SWAPPED_LIMITS,
+    UNKNOWN_JOINT_TYPE,
+    UNKNOWN_LINK,
+    ZERO_AXIS,
+)
+from wsgen.diagnostics import Rule, Severity
 from wsgen.model.robot import Joint, JointLimit, JointType, Mimic
 from wsgen.model.transform import UNIT, multiply, rotate, rotation_of_rpy, transpose
 from wsgen.sdf.frames import MODEL_FRAME, WORLD, frame_called, link_of, pose_in
@@ -19,6 +27,19 @@ if TYPE_CHECKING:
     from wsgen.xmltree import Element
 
 
+MISSING_JOINT_END = Rule(
+    code="WLD021",
+    name="missing-joint-end",
+    severity=Severity.ERROR,
+    summary="A joint of an SDF model has no `<parent>` or no `<child>`.",
+    why="Gazebo refuses the model: a joint connects two links, or a link and the world.",
+    example='<joint name="arm_joint" type="revolute">\n  <child>arm</child>\n</joint>',
+    instead='<joint name="arm_joint" type="revolute">\n'
+    "  <parent>base_link</parent>\n"
+    "  <child>arm</child>\n"
+    "</joint>",
+)
+
 TYPES = {
     kind.value: kind
     for kind in (JointType.FIXED, JointType.REVOLUTE, JointType.CONTINUOUS, JointType.PRISMATIC)
@@ -29,7 +50,7 @@ DEFAULT_AXIS = (0.0, 0.0, 1.0)
 
 
 class Edge(NamedTuple):
-    """A joint and what it joins."""
+    """A joint and the links that it connects."""
 
     node: Node
     type: JointType | None  # None: one that wsgen leaves out
@@ -38,14 +59,14 @@ class Edge(NamedTuple):
 
 
 def read_edge(node: Node) -> Edge | None:
-    """What a joint joins; None where that cannot be said, which is reported."""
+    """The links that a joint connects; None, with a diagnostic, if that is not known."""
     source, element = node.source, node.element
     kind = element.get("type") or ""
     child = _end(node, "child")
     parent = None if word(element, "parent") == WORLD else _end(node, "parent")
     if kind not in TYPES and kind not in LEFT_OUT:
-        source.error(
-            "WLD023",
+        source.report(
+            UNKNOWN_JOINT_TYPE,
             f"`{kind}` is not a joint type." if kind else f"The joint `{node.name}` has no type.",
             at=element,
             hint=f"One of {', '.join((*TYPES, *LEFT_OUT))}.",
@@ -54,9 +75,9 @@ def read_edge(node: Node) -> Edge | None:
     if child is None or (parent is None and word(element, "parent") != WORLD):
         return None
     if parent is child:
-        source.error(
-            "WLD022",
-            f"The joint `{node.name}` joins the link `{child.name}` to itself.",
+        source.report(
+            SELF_JOINT,
+            f"The joint `{node.name}` connects the link `{child.name}` to itself.",
             at=element,
             hint="Name two different links as parent and child.",
         )
@@ -65,7 +86,7 @@ def read_edge(node: Node) -> Edge | None:
 
 
 def _end(node: Node, tag: str) -> Node | None:
-    """The link that an end of a joint is; None where there is none, which is reported."""
+    """The link at an end of a joint; None, with a diagnostic, if it does not exist."""
     name = word(node.element, tag)
     if name == MODEL_FRAME and node.scope.node is not None:
         return link_of(node.scope.node)
@@ -73,9 +94,9 @@ def _end(node: Node, tag: str) -> Node | None:
     link = None if found is None else link_of(found)
     if link is None:
         near = nearest(name, node.scope.nodes) if name else None
-        node.source.error(
-            "WLD021",
-            f"The {tag} of the joint `{node.name}` is `{name}`, and no link is called so."
+        node.source.report(
+            UNKNOWN_LINK if name else MISSING_JOINT_END,
+            f"The {tag} of the joint `{node.name}` is `{name}`, which is not a link."
             if name
             else f"The joint `{node.name}` has no {tag} link.",
             at=node.element,
@@ -128,11 +149,11 @@ def _axis(node: Node, axis: Element, top: Scope) -> Vector:
     xyz = triple(source, axis, "xyz", default=DEFAULT_AXIS)
     length = math.hypot(*xyz)
     if length == 0 or not math.isfinite(length):
-        source.error(
-            "WLD026",
+        source.report(
+            ZERO_AXIS,
             f"The axis of the joint `{node.name}` has no direction.",
             at=axis,
-            hint="Name the axis that the joint moves about or along, as <xyz>0 0 1</xyz>.",
+            hint="Write the axis that the joint moves about or along, such as <xyz>0 0 1</xyz>.",
         )
         return DEFAULT_AXIS
     unit = (xyz[0] / length, xyz[1] / length, xyz[2] / length)
@@ -144,7 +165,7 @@ def _axis(node: Node, axis: Element, top: Scope) -> Vector:
 
 
 def _rotation_of_axis_frame(node: Node, axis: Element, top: Scope) -> Matrix | None:
-    """How the frame of the axis is turned in the outermost model; None: as the joint is."""
+    """The rotation of the axis' frame in the outermost model; None: that of the joint."""
     source = node.source
     xyz = first(axis, "xyz")
     name = "" if xyz is None else xyz.get("expressed_in") or ""
@@ -168,11 +189,11 @@ def _limit(source: Source, axis: Element) -> JointLimit:
     effort = _bound(source, axis, "effort", -1.0)
     velocity = _bound(source, axis, "velocity", -1.0)
     if lower > upper:
-        source.warning(
-            "WLD027",
+        source.report(
+            SWAPPED_LIMITS,
             f"The lower limit {lower:g} is above the upper limit {upper:g}.",
             at=axis,
-            hint="Exchange them; the simulation does so.",
+            hint="Swap them; the simulation does so.",
         )
         lower, upper = upper, lower
     return JointLimit(

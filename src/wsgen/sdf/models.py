@@ -1,21 +1,27 @@
-"""An SDF file to robots: the models in it, and the world around them.
-
-`<world>` and `<model>` elements, and what they include, to scopes.
-
-The models that stand in a world.
-"""
+"""Read an SDF file: its models as robots, and the world around them."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
+from wsgen.description_rules import UNNAMED_ELEMENT
+from wsgen.diagnostics import Rule, Severity
 from wsgen.model.transform import IDENTITY, Pose, compose
 from wsgen.model.world import PlacedModel
-from wsgen.sdf.assembly import PARTS, checked_name, kind_of
-from wsgen.sdf.frames import MODEL_FRAME, Node, Scope, is_level_at_zero, resolve
-from wsgen.sdf.includes import Includes, is_ground_plane, is_sun
-from wsgen.sdf.reader import check_is_carried, describe_world
+from wsgen.sdf.frames import (
+    MODEL_FRAME,
+    PARTS,
+    UNKNOWN_FRAME,
+    Node,
+    Scope,
+    checked_name,
+    is_level_at_zero,
+    kind_of,
+    resolve,
+)
+from wsgen.sdf.includes import MODEL_LEFT_OUT, Includes, is_ground_plane, is_sun
+from wsgen.sdf.reader import check_ground, describe_world
 from wsgen.sdf.source import line_of, load, parse_text, with_version
 from wsgen.sdf.values import first, read_pose, truth, word
 from wsgen.xmltree import children
@@ -32,6 +38,75 @@ if TYPE_CHECKING:
     from wsgen.xmltree import Element
 
 
+NO_WORLD = Rule(
+    code="WLD003",
+    name="no-world",
+    severity=Severity.ERROR,
+    summary="An SDF file has neither a `<world>` nor a `<model>`.",
+    why="Gazebo has nothing to load and refuses the file.",
+    example='<sdf version="1.9">\n</sdf>',
+    instead='<sdf version="1.9">\n  <world name="w">\n  </world>\n</sdf>',
+)
+
+TOO_MANY_MODELS = Rule(
+    code="WLD014",
+    name="too-many-models",
+    severity=Severity.ERROR,
+    summary="Models are nested too deeply, or have too many parts.",
+    what="Reads models in models up to 50 deep, and 60,000 links, joints, frames and models of a "
+    "file with all that it includes.",
+    why="Such a file is nearly always a mistake, such as models that include each other several "
+    "times, and no simulator can load it.",
+    example='<model name="a">\n  <include><uri>model://b</uri></include>\n'
+    "  <include><uri>model://b</uri></include>\n  ...",
+    instead="Put the models side by side in the world, and place them with relative_to.",
+)
+
+SEVERAL_MODELS = Rule(
+    code="WLD038",
+    name="several-models",
+    severity=Severity.ERROR,
+    severity_varies="a warning in a file with a world, which is then read",
+    summary="The file contains several worlds or models, of which only one is read.",
+    why="Gazebo's parser refuses a file with several models outside of a world. Of several "
+    "worlds, wsgen simulates only the first.",
+    example='<sdf version="1.9">\n  <model name="a">...</model>\n  <model name="b">...</model>\n'
+    "</sdf>",
+    instead='<sdf version="1.9">\n  <world name="w">\n    <model name="a">...</model>\n'
+    '    <model name="b">...</model>\n  </world>\n</sdf>',
+)
+
+SPAWNED_LIGHT = Rule(
+    code="WLD060",
+    name="spawned-light",
+    severity=Severity.INFO,
+    summary="A launch file spawns only a light or an actor, which is not simulated.",
+    why="Gazebo spawns it; it has no physics that wsgen could check.",
+    example='<sdf version="1.9">\n  <light name="lamp" type="point"/>\n</sdf>',
+    instead="Nothing needs to be done.",
+)
+
+SPAWNED_WORLD = Rule(
+    code="WLD043",
+    name="spawned-world",
+    severity=Severity.ERROR,
+    summary="A launch file spawns a world; spawners take models.",
+    why="The spawner of Gazebo refuses a file whose root contains a `<world>`.",
+    example="arguments=['-file', 'worlds/field.sdf', '-name', 'field']",
+    instead="launch_arguments={'gz_args': '-r worlds/field.sdf'}.items()",
+)
+
+NESTED_STATIC_MODEL = Rule(
+    code="WLD048",
+    name="nested-static-model",
+    severity=Severity.WARNING,
+    summary="A static model is nested in a model that can move.",
+    why="Gazebo holds the inner model still, which fixes the outer one to the world; the "
+    "simulation lets both move.",
+    example='<model name="robot">\n  <model name="base">\n    <static>true</static>',
+    instead='<model name="robot">\n  <static>true</static>\n  <model name="base">',
+)
+
 DEEPEST = 50  # models in models; public ones have three
 MOST_PARTS = 60_000  # links, joints, frames and models of a file with all that it includes
 
@@ -39,20 +114,20 @@ Trail = tuple["Path", ...]  # the files that lead to an element
 
 
 class Contents:
-    """Reads models into scopes, and keeps count of them."""
+    """Reads worlds and models, with the models that they include, into scopes."""
 
     def __init__(self, includes: Includes) -> None:
         self.includes = includes
         self.parts = 0
 
     def world(self, source: Source, element: Element) -> Scope:
-        """A world, with the models that stand in it."""
+        """A world, with its models."""
         scope = Scope(element.get("name") or "default", source=source, element=element)
         self._fill(scope, _start(source))
         return scope
 
     def alone(self, source: Source, element: Element) -> Scope:
-        """The place where a single model stands, with the model in it."""
+        """The place of a single model, with the model in it."""
         scope = Scope("", source=source, element=source.root)
         self._add(scope, element, _start(source))
         return scope
@@ -68,7 +143,7 @@ class Contents:
                 self._add(scope, child, trail)
 
     def _add(self, scope: Scope, element: Element, trail: Trail) -> None:
-        """A link, joint, frame or model that is written in the scope."""
+        """Add a link, joint, frame or model that is written in the scope."""
         source, kind = scope.source, kind_of(element)
         name = checked_name(scope, kind, element.get("name") or "", element)
         if name is None:
@@ -81,7 +156,7 @@ class Contents:
             self._open(node, element.get("placement_frame") or "", trail)
 
     def _include(self, scope: Scope, include: Element, trail: Trail) -> None:
-        """A model of another file, with the name, the pose and the rest that the include gives."""
+        """Add a model of another file, with the name, pose and placement that the include gives."""
         uri = word(include, "uri")
         if is_sun(uri):
             return
@@ -89,7 +164,7 @@ class Contents:
         if found is None:
             return
         source, element = found
-        node = self._stand(scope, include, uri, source, element)
+        node = self._place(scope, include, uri, source, element)
         if node is None:
             return
         static = first(include, "static")
@@ -108,10 +183,10 @@ class Contents:
             del scope.nodes[node.name]
             scope.merged.append(node.inside)
 
-    def _stand(
+    def _place(
         self, scope: Scope, include: Element, uri: str, source: Source, element: Element
     ) -> Node | None:
-        """An included model in the scope; None, with a diagnostic, if its name does not do."""
+        """An included model in the scope; None, with a diagnostic, if its name is not usable."""
         last = uri.rstrip("/").rpartition("/")[2]
         given = word(include, "name") or element.get("name") or last
         name = checked_name(scope, "model", given, include)
@@ -129,7 +204,7 @@ class Contents:
     def _open(
         self, node: Node, placement_frame: str, trail: Trail, *, is_merged: bool = False
     ) -> None:
-        """Read what is in a model."""
+        """Read the contents of a model."""
         around, element = node.scope, node.element
         prefix = "" if around.is_world else f"{around.prefix}{node.name}::"
         inside = Scope(node.name, source=node.source, element=element, node=node)
@@ -140,11 +215,12 @@ class Contents:
         inside.depth = around.depth + 1
         node.inside = inside
         if inside.depth > DEEPEST:
-            node.source.error(
-                "WLD014",
-                f"The model `{node.name}` is in {around.depth} others; wsgen reads {DEEPEST}.",
+            node.source.report(
+                TOO_MANY_MODELS,
+                f"The model `{node.name}` is nested in {around.depth} others; wsgen "
+                f"reads {DEEPEST}.",
                 at=element,
-                hint="Put the models side by side, and place them by relative_to.",
+                hint="Put the models side by side, and place them with relative_to.",
             )
             return
         self._fill(inside, trail)
@@ -154,8 +230,8 @@ class Contents:
             ("canonical_link", canonical),
         ):
             if name not in {"", MODEL_FRAME} and inside.lookup(name) is None:
-                node.source.error(
-                    "WLD016",
+                node.source.report(
+                    UNKNOWN_FRAME,
                     f"`{attribute}` of the model `{node.name}` names `{name}`, which is not in it.",
                     at=element,
                     hint="Name a frame of this model.",
@@ -164,12 +240,12 @@ class Contents:
     def _is_within_bounds(self, source: Source, element: Element) -> bool:
         self.parts += 1
         if self.parts == MOST_PARTS + 1:
-            source.error(
-                "WLD014",
-                f"There are more than {MOST_PARTS} links, joints, frames and models; "
-                "wsgen reads no more.",
+            source.report(
+                TOO_MANY_MODELS,
+                f"The file has more than {MOST_PARTS} links, joints, frames and models, the most "
+                "that wsgen reads.",
                 at=element,
-                hint="Do models include each other, each several times?",
+                hint="Check whether models include each other several times.",
             )
         return self.parts <= MOST_PARTS
 
@@ -193,16 +269,16 @@ class SdfModel(NamedTuple):
 
 
 class WorldModels(NamedTuple):
-    """What stands in a world."""
+    """The models of a world."""
 
     placed: tuple[PlacedModel, ...]  # all of them
-    models: tuple[SdfModel, ...]  # but for what is nothing but ground
-    has_ground: bool  # a plane, level at z = 0
-    carry: bool  # something is there that others can stand on
+    models: tuple[SdfModel, ...]  # without those that are only ground
+    has_ground: bool  # a level plane at z = 0
+    carry: bool  # others can stand on one of them
 
 
 def read_world_models(world: Scope, includes: Includes) -> WorldModels:
-    """The models of a world; what else is in it and not part of a simulation is reported."""
+    """The models of a world; other parts that are not simulated are reported."""
     for node in world.nodes.values():
         resolve(node)
     models = []
@@ -211,10 +287,10 @@ def read_world_models(world: Scope, includes: Includes) -> WorldModels:
         if _is_own_ground(node):
             has_ground = True
             continue
-        model = read_standing(includes, node)
+        model = _read_node(includes, node)
         has_ground |= model.is_ground
         carry |= _carries(node, model)
-        if not _is_nothing_but_ground(model):
+        if not _is_only_ground(model):
             models.append(model)
     _report_left_out(world)
     placed = tuple(
@@ -226,23 +302,23 @@ def read_world_models(world: Scope, includes: Includes) -> WorldModels:
     return WorldModels(placed, tuple(models), has_ground, has_ground or carry)
 
 
-def read_standing(includes: Includes, node: Node) -> SdfModel:
-    """A model of the world, or one that stands alone."""
+def _read_node(includes: Includes, node: Node) -> SdfModel:
+    """A model of the world, or a single one."""
     if node.inside is None:
         return _read_urdf(includes, node)
-    # Most worlds that robots are spawned into hold sun and ground alone, and need none of this.
+    # Most worlds that robots are spawned into have only sun and ground, and need none of this.
     from wsgen.sdf.assembly import assemble  # noqa: PLC0415
 
     pose = resolve(node)
     assembled = assemble(includes, node.inside, pose)
     for scope in node.inside.below():
         if scope.is_static and not node.is_static and scope.element is not None:
-            scope.source.warning(
-                "WLD048",
-                f"The model `{scope.name}` is static, and part of one that is not: Gazebo holds it "
-                "still, the simulation lets it move.",
+            scope.source.report(
+                NESTED_STATIC_MODEL,
+                f"The static model `{scope.name}` is nested in a model that can move: Gazebo holds "
+                "it still, the simulation lets it move.",
                 at=scope.element,
-                hint="Make the outer model static, or let the inner one stand beside it.",
+                hint="Make the outer model static, or put the inner one beside it.",
             )
     return SdfModel(
         name=node.name,
@@ -270,11 +346,11 @@ def _read_urdf(includes: Includes, node: Node) -> SdfModel:
 
 
 def _is_own_ground(node: Node) -> bool:
-    """Whether it is Gazebo's own ground, where engines have theirs."""
+    """Whether it is Gazebo's own ground plane, where engines have theirs."""
     return is_ground_plane(node.uri or "") and node.is_static and is_level_at_zero(resolve(node))
 
 
-def _is_nothing_but_ground(model: SdfModel) -> bool:
+def _is_only_ground(model: SdfModel) -> bool:
     return (
         model.is_ground
         and model.robot is not None
@@ -293,11 +369,11 @@ def _carries(node: Node, model: SdfModel) -> bool:
 
 def _report_left_out(world: Scope) -> None:
     for element in children(world.element, "joint", "population", "actor"):
-        world.source.warning(
-            "WLD004",
+        world.source.report(
+            MODEL_LEFT_OUT,
             f"The {element.tag} {element.get('name') or ''} of the world is not simulated.",
             at=element,
-            hint="The robots are tried without it.",
+            hint="The robots are simulated without it.",
         )
 
 
@@ -305,7 +381,7 @@ __all__ = ["SdfFile", "SdfModel", "read_model", "read_sdf"]
 
 
 class SdfFile(NamedTuple):
-    """What an SDF file holds."""
+    """The content of an SDF file."""
 
     world: World | None = None  # None: a single model, or nothing that can be used
     models: tuple[SdfModel, ...] = ()  # but for sun and ground, which are in `world`
@@ -360,7 +436,7 @@ def read_model(
 
 
 def _finished(diagnostics: list[Diagnostic], found: SdfFile | None) -> SdfFile:
-    # A model that is included twice is wrong once.
+    # A model that is included twice is reported once.
     return (found or SdfFile())._replace(diagnostics=tuple(dict.fromkeys(diagnostics)))
 
 
@@ -377,9 +453,9 @@ def _read(source: Source, includes: Includes) -> SdfFile | None:
 def _read_spawned(source: Source, includes: Includes, pose: Pose | None) -> SdfFile | None:
     light = next(children(source.root, "light", "actor"), None)
     if light is not None and next(children(source.root, "world", "model"), None) is None:
-        source.info(
-            "WLD042",
-            f"It is a {light.tag} that is spawned: there is nothing to try.",
+        source.report(
+            SPAWNED_LIGHT,
+            f"The spawned file contains only a {light.tag}, which is not simulated.",
             at=light,
             hint="Nothing needs to be done.",
         )
@@ -388,9 +464,9 @@ def _read_spawned(source: Source, includes: Includes, pose: Pose | None) -> SdfF
     if element is None:
         return None
     if element.tag == "world":
-        source.error(
-            "WLD043",
-            f"The world `{element.get('name') or ''}` is spawned, and spawners take models.",
+        source.report(
+            SPAWNED_WORLD,
+            f"The world `{element.get('name') or ''}` is spawned, but spawners take models.",
             at=element,
             hint="Start the simulator with the world, and spawn a file of <sdf><model>.",
         )
@@ -399,30 +475,30 @@ def _read_spawned(source: Source, includes: Includes, pose: Pose | None) -> SdfF
 
 
 def _selected(source: Source) -> Element | None:
-    """The world or model that is read; that there is none, or more, is reported."""
+    """The world or model that is read; a missing one, or several, are reported."""
     found = list(children(source.root, "world", "model")) if source.root.tag == "sdf" else []
     if not found:
-        source.missing(
-            "WLD003",
-            "There is neither a <world> nor a <model> here."
+        source.report_missing(
+            NO_WORLD,
+            "The file has neither a <world> nor a <model>."
             if source.root.tag == "sdf"
-            else "There is neither a <world> nor a <model> in an <sdf> here; "
-            f"the root element is <{source.root.tag}>.",
+            else "The file has no <sdf> with a <world> or a <model>; "
+            f"its root element is <{source.root.tag}>.",
             at=source.root,
-            name="model" if (source.root, "model") in source.misspelt else "world",
-            hint='A world file is <sdf version="1.5"><world name="..."> ... </world></sdf>.',
+            child="model" if (source.root, "model") in source.misspelled else "world",
+            hint='Write <sdf version="1.5"><world name="..."> ... </world></sdf>.',
         )
         return None
     first = next((element for element in found if element.tag == "world"), found[0])
     if len(found) > 1:
         # Gazebo's parser takes the first model and fails; of worlds it reads all.
-        report = source.error if first.tag == "model" else source.warning
-        report(
-            "WLD038",
-            f"The file holds {len(found)} worlds and models; "
+        source.report(
+            SEVERAL_MODELS,
+            f"The file has {len(found)} worlds and models; "
             f"only the {first.tag} `{first.get('name')}` is read.",
             at=next(element for element in found if element is not first),
-            hint="Put several models into one world, or into a file each.",
+            hint="Put several models into one world, or each into its own file.",
+            severity=Severity.ERROR if first.tag == "model" else Severity.WARNING,
         )
     return first
 
@@ -434,21 +510,21 @@ def _alone(
     for node in place.own("model"):
         if pose is not None:
             node.pose, node.relative_to = pose, ""
-    return tuple(read_standing(includes, node) for node in place.own("model"))
+    return tuple(_read_node(includes, node) for node in place.own("model"))
 
 
 def _read_world(source: Source, element: Element, includes: Includes) -> SdfFile:
     if not element.get("name"):
-        source.error(
-            "WLD013",
+        source.report(
+            UNNAMED_ELEMENT,
             "The world has no name.",
             at=element,
-            hint='Write <world name="NAME">; Gazebo Sim refuses the file without.',
+            hint='Write <world name="NAME">; Gazebo Sim refuses the file without a name.',
         )
     world_models = read_world_models(Contents(includes).world(source, element), includes)
     world = describe_world(source, element, world_models.placed, has_ground=world_models.has_ground)
     if not world_models.carry:
-        if includes.blame_misspelt_ground():
+        if includes.blame_misspelled_ground():
             world = replace(world, has_ground_plane=True)  # what was meant, for the simulation
-        check_is_carried(source, element, world)
+        check_ground(source, element, world)
     return SdfFile(world=world, models=world_models.models)

@@ -1,7 +1,4 @@
-"""What the element `<world>` says beside the models that stand in it.
-
-Lights of a world, as far as a picture needs them.
-"""
+"""Gravity, physics step, lights and plugins of a `<world>`: everything but its models."""
 
 from __future__ import annotations
 
@@ -9,6 +6,7 @@ import math
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen import xmltree
+from wsgen.diagnostics import Rule, Severity
 from wsgen.model.transform import rotate, rotation_of_rpy
 from wsgen.model.world import SUN_COLOR, SUN_DIRECTION, PlacedModel, World
 from wsgen.sdf.includes import GROUND_PLANE, SUN, is_sun
@@ -23,12 +21,48 @@ if TYPE_CHECKING:
     from wsgen.xmltree import Element
 
 
+NO_GROUND = Rule(
+    code="WLD006",
+    name="no-ground",
+    severity=Severity.WARNING,
+    summary="The world has no ground plane.",
+    what="Looks for a level plane at z = 0, or any other static model with a collision.",
+    why="A robot that is spawned into such a world falls without end.",
+    example='<world name="w">\n</world>',
+    instead='<world name="w">\n'
+    "  <include>\n"
+    "    <uri>model://ground_plane</uri>\n"
+    "  </include>\n"
+    "</world>",
+)
+
+IMPOSSIBLE_STEP = Rule(
+    code="WLD007",
+    name="impossible-step",
+    severity=Severity.ERROR,
+    summary="The physics step is not positive, or longer than 20 ms.",
+    why="With long steps the engine misses contacts and becomes unstable; without a positive step "
+    "no time passes.",
+    example="<physics>\n  <max_step_size>0.1</max_step_size>\n</physics>",
+    instead="<physics>\n  <max_step_size>0.001</max_step_size>\n</physics>",
+)
+
+NO_DOWNWARD_GRAVITY = Rule(
+    code="WLD045",
+    name="no-downward-gravity",
+    severity=Severity.WARNING,
+    summary="The gravity of the world does not point down.",
+    why="Robots float or fly away. It is right for robots in space, and a wrong sign otherwise.",
+    example="<gravity>0 0 9.8</gravity>",
+    instead="<gravity>0 0 -9.8</gravity>",
+)
+
 DOWN = (0.0, 0.0, -1.0)
 WHITE = (1.0, 1.0, 1.0)
 
 
 class Lights(NamedTuple):
-    """What shines in a world."""
+    """The lights of a world, as far as a picture needs them."""
 
     names: tuple[str, ...]
     sun_direction: Vector  # of the first one from above: where it goes, of length 1
@@ -53,7 +87,7 @@ def read_lights(source: Source, world: Element) -> Lights:
 
 
 def _sun(source: Source, light: Element) -> tuple[Vector, Vector] | None:
-    """Direction and color of a directional light that shines down; None for any other."""
+    """Direction and color of a directional light that shines down; None for other lights."""
     is_on = truth(source, light, "light_on", default=True)
     if light.get("type") != "directional" or not is_on:
         return None
@@ -78,7 +112,7 @@ def _color(source: Source, light: Element) -> Vector:
     return (red, green, blue)
 
 
-# What Gazebo starts with when no world is named: both generations ship one with sun and ground.
+# What Gazebo starts with if no world is named: both simulators ship one with sun and ground.
 DEFAULT_WORLD = World(
     name="default",
     models=(PlacedModel(name=GROUND_PLANE, is_static=True),),
@@ -93,7 +127,7 @@ LONGEST_STEP = 0.02  # s; with longer ones contacts are missed, and no engine is
 def describe_world(
     source: Source, element: Element, models: Sequence[PlacedModel], *, has_ground: bool
 ) -> World:
-    """The world of an element in which these models stand."""
+    """The world of an element, with the models that were read from it."""
     lights = read_lights(source, element)
     return World(
         name=element.get("name") or "default",
@@ -109,12 +143,12 @@ def describe_world(
     )
 
 
-def check_is_carried(source: Source, element: Element, world: World) -> None:
+def check_ground(source: Source, element: Element, world: World) -> None:
     """Report a world without ground."""
     if not world.has_ground_plane:
-        source.warning(
-            "WLD006",
-            "The world has no ground plane: whatever is spawned into it falls.",
+        source.report(
+            NO_GROUND,
+            "The world has no ground plane: robots that are spawned into it fall.",
             at=element,
             hint="Add <include><uri>model://ground_plane</uri></include> to the world.",
         )
@@ -127,12 +161,12 @@ def _gravity(source: Source, world: Element) -> tuple[float, float, float]:
         numbers = read_numbers(source, element, 3, limit=STRONGEST_GRAVITY)
         if numbers:
             if numbers[2] >= 0:
-                source.warning(
-                    "WLD045",
-                    "Nothing is pulled down in this world: gravity is "
+                source.report(
+                    NO_DOWNWARD_GRAVITY,
+                    "Gravity does not pull down in this world: it is "
                     f"{numbers[0]:g} {numbers[1]:g} {numbers[2]:g} m/s².",
                     at=element,
-                    hint="On Earth it is <gravity>0 0 -9.8</gravity>.",
+                    hint="Write <gravity>0 0 -9.8</gravity> for that of Earth.",
                 )
             return (numbers[0], numbers[1], numbers[2])
     return DEFAULT_WORLD.gravity
@@ -145,11 +179,11 @@ def _step(source: Source, world: Element) -> float:
             if numbers and 0 < numbers[0] <= LONGEST_STEP:
                 return numbers[0]
             if numbers:
-                source.error(
-                    "WLD007",
+                source.report(
+                    IMPOSSIBLE_STEP,
                     f"The physics step of {numbers[0]:g} s is not between 0 and "
                     f"{LONGEST_STEP:g} s.",
                     at=element,
-                    hint="Gazebo's default is 0.001.",
+                    hint="Use Gazebo's default, 0.001.",
                 )
     return DEFAULT_WORLD.step

@@ -1,10 +1,7 @@
-"""`<visual>`, `<collision>` and `<geometry>` of SDF.
+"""`<visual>` and `<collision>` of SDF, with their `<geometry>`, `<material>` and `<surface>`.
 
-`<ellipsoid>`, `<polyline>` and `<heightmap>` of SDF: what becomes a mesh in a simulation.
-
-`<material>` and `<surface>` of SDF: how shapes look, and how they touch.
-
-Planes: half-spaces without end in Gazebo, the ground or large boxes in a simulation.
+Ellipsoids, polylines and heightmaps become meshes in a simulation. Planes, which are endless
+half-spaces in Gazebo, become the ground or large boxes.
 """
 
 from __future__ import annotations
@@ -12,6 +9,14 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, NamedTuple
 
+from wsgen.description_rules import (
+    MISSING_COLLISION_MESH,
+    MISSING_VISUAL_MESH,
+    NO_SHAPE,
+    UNNAMED_ELEMENT,
+    ZERO_SIZE,
+)
+from wsgen.diagnostics import Rule, Severity
 from wsgen.model.colors import GAZEBO_COLORS
 from wsgen.model.robot import (
     Box,
@@ -28,8 +33,8 @@ from wsgen.model.robot import (
     Visual,
 )
 from wsgen.model.transform import Pose, compose, multiply, rotation_of_rpy, rpy_of_rotation
-from wsgen.sdf.frames import is_level_at_zero, pose_in
-from wsgen.sdf.includes import how_to_have
+from wsgen.sdf.frames import DUPLICATE_SDF_NAME, is_level_at_zero, pose_in
+from wsgen.sdf.includes import how_to_find
 from wsgen.sdf.lookup import instead_of_file, is_file
 from wsgen.sdf.source import line_of
 from wsgen.sdf.values import (
@@ -55,22 +60,100 @@ if TYPE_CHECKING:
     from wsgen.xmltree import Element
 
 
-IMAGES = (".png", ".jpg", ".jpeg")  # anything else Gazebo takes for elevation data
+FRAME_IGNORED = Rule(
+    code="WLD020",
+    name="frame-ignored",
+    severity=Severity.WARNING,
+    summary="The pose of a shape or an inertia is relative to another frame than that of its link.",
+    why="wsgen reads such a pose as relative to the link, so the shape or the center of mass is "
+    "elsewhere than in Gazebo.",
+    example='<visual name="visual">\n  <pose relative_to="arm_joint">0 0 0.1 0 0 0</pose>',
+    instead='<visual name="visual">\n  <pose>0 0 0.3 0 0 0</pose>',
+)
+
+SHAPE_LEFT_OUT = Rule(
+    code="WLD031",
+    name="shape-left-out",
+    severity=Severity.WARNING,
+    summary="A shape is left out of the simulation because no engine of wsgen has it.",
+    what="Looks for `<image>`, for heightmaps from elevation data (only PNG and JPEG are read) "
+    "and for planes in models that can move.",
+    why="Robots fall through what is left out, although Gazebo has the shape.",
+    example="<heightmap>\n  <uri>model://hill/dem.tif</uri>\n</heightmap>",
+    instead="<heightmap>\n  <uri>model://hill/hill.png</uri>\n  <size>100 100 10</size>\n"
+    "</heightmap>",
+)
+
+GEOMETRY_OUT_OF_RANGE = Rule(
+    code="WLD034",
+    name="geometry-out-of-range",
+    severity=Severity.ERROR,
+    severity_varies="a warning for the `<size>` of a plane, which is only visible",
+    summary="A value of a `<geometry>` is outside of the range that engines can use.",
+    what="Sizes must be at most 1e9 m, the `<sampling>` of a heightmap 1 to 16, and the "
+    "`<normal>` of a plane not 0 0 0.",
+    why="Gazebo's physics engine ends the program on some of these shapes, and others need more "
+    "memory than a computer has.",
+    example="<plane>\n  <normal>0 0 0</normal>\n</plane>",
+    instead="<plane>\n  <normal>0 0 1</normal>\n</plane>",
+)
+
+MISSING_HEIGHTMAP = Rule(
+    code="WLD050",
+    name="missing-heightmap",
+    severity=Severity.ERROR,
+    severity_varies="a warning for a `<visual>`",
+    summary="The image file of a heightmap does not exist.",
+    why="Gazebo prints an error and leaves out the terrain: robots fall through it. A file that "
+    "exists in the source folder also has to be installed.",
+    example="<heightmap>\n  <uri>model://hill/Hill.png</uri>\n</heightmap>",
+    instead="<heightmap>\n  <uri>model://hill/hill.png</uri>\n</heightmap>",
+)
+
+HEIGHTMAP_OFFSET = Rule(
+    code="WLD054",
+    name="heightmap-offset",
+    severity=Severity.WARNING,
+    summary="The `<pos>` of a heightmap does not move its collision.",
+    why="Gazebo Sim moves only what is visible: robots drive above or below the visible terrain.",
+    example="<heightmap>\n  <uri>model://hill/hill.png</uri>\n  <pos>0 0 -2</pos>\n</heightmap>",
+    instead="""<collision name="collision">
+  <pose>0 0 -2 0 0 0</pose>
+  <geometry>
+    <heightmap>
+      <uri>model://hill/hill.png</uri>
+    </heightmap>
+  </geometry>
+</collision>""",
+)
+
+IMPOSSIBLE_SHAPE = Rule(
+    code="WLD057",
+    name="impossible-shape",
+    severity=Severity.ERROR,
+    summary="A polyline does not enclose an area.",
+    why="Gazebo does not create such a shape: the part is invisible, and others pass through it.",
+    example="<polyline>\n  <point>0 0</point>\n  <point>1 1</point>\n</polyline>",
+    instead="<polyline>\n  <point>0 0</point>\n  <point>1 1</point>\n  <point>0 1</point>\n"
+    "</polyline>",
+)
+
+IMAGES = (".png", ".jpg", ".jpeg")  # Gazebo reads any other as elevation data
 FEWEST_POINTS = 3  # of an outline
 MOST_POINTS = 10_000  # of all outlines of a shape
 FINEST = 16  # steps from pixel to pixel; Gazebo's own worlds have up to 4
 
 
 def read_ellipsoid(source: Source, shape: Element) -> Ellipsoid | None:
-    """The ellipsoid; None for one without extent, which is reported."""
+    """The ellipsoid; None, with a diagnostic, for one without extent."""
     radii = triple(source, shape, "radii", default=(1.0, 1.0, 1.0))
     return Ellipsoid(radii=radii) if is_sized(source, shape, radii) else None
 
 
 def read_extrusion(source: Source, shape: Element, link: str) -> Extrusion | None:
-    """What the polylines of a geometry enclose; None, which is reported, if they cannot.
+    """The solid of the polylines of a geometry; None, with a diagnostic, if they have none.
 
-    The height is that of the first, for all.
+    All have the height of the first.
     """
     height = number(source, shape, "height", default=1.0)
     if not is_sized(source, shape, (height,)):
@@ -85,21 +168,21 @@ def read_extrusion(source: Source, shape: Element, link: str) -> Extrusion | Non
         if len(outline) < len(points):
             return None
         if len(outline) < FEWEST_POINTS:
-            source.error(
-                "WLD057",
-                f"A polyline of the link `{link}` has {len(outline)} points, and encloses nothing.",
+            source.report(
+                IMPOSSIBLE_SHAPE,
+                f"A polyline of the link `{link}` has {len(outline)} points and encloses no area.",
                 at=polyline,
-                hint="Write a <point>x y</point> for each corner of the outline, three at least.",
+                hint="Write a <point>x y</point> for each corner of the outline, at least three.",
             )
             return None
         outlines.append(outline)
     count = sum(map(len, outlines))
     if count > MOST_POINTS:
-        source.error(
-            "WLD057",
-            f"The polyline of the link `{link}` has {count:,} points; wsgen takes {MOST_POINTS:,}.",
+        source.report(
+            IMPOSSIBLE_SHAPE,
+            f"The polyline of the link `{link}` has {count:,} points; wsgen reads {MOST_POINTS:,}.",
             at=shape,
-            hint="Leave out points that make no difference, or make a mesh of it.",
+            hint="Remove points that make no difference, or use a mesh.",
         )
         return None
     return Extrusion(outlines=tuple(outlines), height=height, line=line_of(shape))
@@ -108,39 +191,39 @@ def read_extrusion(source: Source, shape: Element, link: str) -> Extrusion | Non
 def read_heightmap(
     source: Source, includes: Includes, shape: Element, owner: Element, link: str
 ) -> Heightmap | None:
-    """The heightmap; None, which is reported, where it is left out."""
+    """The heightmap; None, with a diagnostic, if it is left out."""
     uri = word(shape, "uri")
     size = triple(source, shape, "size", default=(1.0, 1.0, 1.0))
     if not is_sized(source, shape, (*size[:2], abs(size[2]))):
         return None
     path = includes.path(source, uri) if uri else None
     if path is None or not is_file(path):
-        report = source.warning if owner.tag == "visual" else source.error
-        report(
-            "WLD050",
+        source.report(
+            MISSING_HEIGHTMAP,
             f"The image `{uri}` of a {owner.tag} heightmap of the link `{link}` is "
             f"{instead_of_file(path)}{'' if path is None else f' ({path})'}.",
             at=shape,
-            hint="Check its spelling, capitals included; the folder of model://NAME is looked for "
-            "in GAZEBO_MODEL_PATH, GZ_SIM_RESOURCE_PATH and around this file.",
+            hint="Check its spelling and capitals; wsgen looks for the folder of model://NAME in "
+            "GAZEBO_MODEL_PATH, GZ_SIM_RESOURCE_PATH and around this file.",
+            severity=Severity.WARNING if owner.tag == "visual" else Severity.ERROR,
         )
         return Heightmap(uri=uri) if uri else None
     if path.suffix.lower() not in IMAGES:
-        source.warning(
-            "WLD031",
+        source.report(
+            SHAPE_LEFT_OUT,
             f"The heightmap `{uri}` ({owner.tag} of the link `{link}`) is not simulated: "
-            f"it is no PNG or JPEG, so Gazebo takes it for elevation data, which wsgen reads not.",
+            "it is not a PNG or JPEG, so Gazebo reads elevation data in it, which wsgen cannot.",
             at=shape,
-            hint="Convert it to a greyscale PNG (gdal_translate -ot UInt16 -scale), and say its "
+            hint="Convert it to a grayscale PNG (gdal_translate -ot UInt16 -scale), and write its "
             "<size> in meters.",
         )
         return None
     pos = triple(source, shape, "pos", default=(0.0, 0.0, 0.0))
     if owner.tag == "collision" and any(pos):
-        source.warning(
-            "WLD054",
-            "The <pos> of this heightmap moves what is seen alone: Gazebo Sim's physics, and the "
-            "simulation, leave the collision where it is.",
+        source.report(
+            HEIGHTMAP_OFFSET,
+            "The <pos> of this heightmap moves only its visual: the physics of Gazebo Sim and the "
+            "simulation leave the collision where it is.",
             at=shape,
             hint="Move it with the <pose> of the collision and of the visual.",
         )
@@ -158,21 +241,21 @@ def _read_sampling(source: Source, shape: Element) -> int:
     sampling = number(source, shape, "sampling", default=1.0)
     if 1 <= sampling <= FINEST:
         return int(sampling)
-    source.error(
-        "WLD034",
+    source.report(
+        GEOMETRY_OUT_OF_RANGE,
         f"The sampling of this heightmap is {sampling:g}, not 1 to {FINEST}.",
         at=shape,
-        hint="Say how many steps the surface has from one pixel to the next: 1 or 2.",
+        hint="Write the number of steps of the surface from one pixel to the next: 1 or 2.",
     )
     return 1
 
 
 def is_sized(source: Source, shape: Element, sizes: tuple[float, ...]) -> bool:
-    """Whether a shape has an extent in all directions; one without is reported."""
+    """Whether a shape has a usable size in all directions; other shapes are reported."""
     if all(0 < size <= FARTHEST for size in sizes):
         return True
-    source.error(
-        "WLD034",
+    source.report(
+        _size_rule(sizes),
         f"A size of this {shape.tag} is not between 0 and {FARTHEST:g} m.",
         at=shape,
         hint="Give every length, radius and scale a sensible number of meters: Gazebo's "
@@ -181,13 +264,17 @@ def is_sized(source: Source, shape: Element, sizes: tuple[float, ...]) -> bool:
     return False
 
 
+def _size_rule(sizes: tuple[float, ...]) -> Rule:
+    return ZERO_SIZE if min(sizes) <= 0 else GEOMETRY_OUT_OF_RANGE
+
+
 Rgba = tuple[float, float, float, float]
 
-MOST_CONTACTS = 10_000  # of two shapes; more is a slip
+MOST_CONTACTS = 10_000  # of two shapes; more is a mistake
 
 
 def read_color(source: Source, visual: Element) -> Rgba | None:
-    """Diffuse, else what the name of a script stands for, else ambient."""
+    """The diffuse color, else that of the script, else the ambient color."""
     material = first(visual, "material")
     if material is None:
         return None
@@ -200,7 +287,7 @@ def read_color(source: Source, visual: Element) -> Rgba | None:
 
 
 def read_surface(source: Source, collision: Element) -> Surface:
-    """How a collision touches others."""
+    """Friction and contact of a collision."""
     surface = first(collision, "surface")
     contacts = optional_number(source, collision, "max_contacts")
     if surface is None and contacts is None:
@@ -239,7 +326,7 @@ KNOWN = ("box", "sphere", *ROUND, *MESHED, "plane", "empty", *LEFT_OUT)
 
 
 class ShapeReader:
-    """Reads the shapes of one link; planes are not among them, see `planes`."""
+    """Reads the shapes of one link, but for planes: see `read_planes`."""
 
     def __init__(self, source: Source, includes: Includes, link: str) -> None:
         self.source = source
@@ -248,7 +335,7 @@ class ShapeReader:
         self._missing: set[tuple[str, str]] = set()  # reported once for each link
 
     def visuals(self, link: Element) -> tuple[Visual, ...]:
-        """What there is to see of a link."""
+        """The visuals of a link."""
         found = []
         for element in self._named(link, "visual"):
             pose = self._pose(element)
@@ -265,7 +352,7 @@ class ShapeReader:
         return tuple(found)
 
     def collisions(self, link: Element) -> tuple[Collision, ...]:
-        """What there is to touch of a link."""
+        """The collisions of a link."""
         found = []
         for element in self._named(link, "collision"):
             pose = self._pose(element)
@@ -282,23 +369,23 @@ class ShapeReader:
         return tuple(found)
 
     def _named(self, link: Element, tag: str) -> list[Element]:
-        """The elements of a kind; names that are missing or used twice are reported."""
+        """The elements of a kind; missing and duplicate names are reported."""
         seen: set[str] = set()
         for element in children(link, tag):
             name = element.get("name") or ""
             if not name:
-                self.source.error(
-                    "WLD013",
+                self.source.report(
+                    UNNAMED_ELEMENT,
                     f"A {tag} of the link `{self.link}` has no name.",
                     at=element,
-                    hint=f'Write <{tag} name="NAME">; Gazebo refuses the file without.',
+                    hint=f'Write <{tag} name="NAME">; Gazebo refuses the file without a name.',
                 )
             elif name in seen:
-                self.source.error(
-                    "WLD015",
-                    f"Two {tag}s of the link `{self.link}` are called `{name}`.",
+                self.source.report(
+                    DUPLICATE_SDF_NAME,
+                    f"Two {tag}s of the link `{self.link}` have the name `{name}`.",
                     at=element,
-                    hint="Give each its own name; Gazebo Sim refuses the file otherwise.",
+                    hint="Give each its own name; otherwise Gazebo Sim refuses the file.",
                 )
             seen.add(name)
         return list(children(link, tag))
@@ -306,12 +393,12 @@ class ShapeReader:
     def _pose(self, element: Element) -> Pose:
         pose, relative_to = read_pose(self.source, element)
         if relative_to and relative_to != self.link.rpartition("::")[2]:
-            self.source.warning(
-                "WLD020",
+            self.source.report(
+                FRAME_IGNORED,
                 f"The pose of this {element.tag} is relative to `{relative_to}`; "
-                "it is taken as relative to its link.",
+                "the simulation reads it as relative to its link.",
                 at=element,
-                hint="Write the pose as seen from the link, without relative_to.",
+                hint="Write the pose in the frame of the link, without relative_to.",
             )
         return pose
 
@@ -319,22 +406,23 @@ class ShapeReader:
         geometry = first(owner, "geometry")
         shape = None if geometry is None else next(children(geometry, *KNOWN), None)
         if shape is None:
-            self.source.warning(
-                "WLD030",
-                f"This {owner.tag} of the link `{self.link}` has no shape that is known.",
+            self.source.report(
+                NO_SHAPE,
+                f"This {owner.tag} of the link `{self.link}` has no known shape.",
                 at=owner if geometry is None else geometry,
                 hint=f"Put one of {', '.join(f'<{name}>' for name in KNOWN)} into <geometry>.",
+                severity=Severity.WARNING,
             )
             return None
         if shape.tag == "plane":
             return None
         if shape.tag in LEFT_OUT:
-            self.source.warning(
-                "WLD031",
+            self.source.report(
+                SHAPE_LEFT_OUT,
                 f"The {shape.tag} ({owner.tag} of the link `{self.link}`) is left out of the "
-                "simulation: no engine of wsgen has such a shape.",
+                "simulation: no engine of wsgen has this shape.",
                 at=shape,
-                hint="Make it of boxes, spheres, cylinders, capsules or a mesh.",
+                hint="Use boxes, spheres, cylinders, capsules or a mesh.",
             )
             return None
         return self._read(shape, owner)
@@ -351,7 +439,7 @@ class ShapeReader:
         return self._solid(shape)
 
     def _solid(self, shape: Element) -> Geometry | None:
-        """The shape with the sizes that SDF gives it by default."""
+        """The shape, with the default sizes of SDF."""
         if shape.tag == "empty":
             return None
         if shape.tag == "box":
@@ -373,7 +461,7 @@ class ShapeReader:
     def _mesh(self, shape: Element, owner: Element) -> Geometry | None:
         uri = word(shape, "uri")
         scale = triple(self.source, shape, "scale", default=(1.0, 1.0, 1.0))
-        # What is only seen may be mirrored.
+        # A visual may be mirrored.
         is_visual = owner.tag == "visual"
         if not is_sized(self.source, shape, tuple(map(abs, scale)) if is_visual else scale):
             return None
@@ -382,26 +470,25 @@ class ShapeReader:
             return Mesh(uri=uri, scale=scale, path=str(path))
         if (uri, str(owner.tag)) not in self._missing:
             self._missing.add((uri, str(owner.tag)))
-            report = self.source.warning if is_visual else self.source.error
-            report(
-                "WLD033" if is_visual else "WLD032",
+            self.source.report(
+                MISSING_VISUAL_MESH if is_visual else MISSING_COLLISION_MESH,
                 f"The {owner.tag} mesh `{uri}` of the link `{self.link}` is "
                 f"{instead_of_file(path)}"
                 f"{'' if path is None else f' ({path})'}.",
                 at=shape,
-                hint=how_to_have(uri),
+                hint=how_to_find(uri),
             )
         return Mesh(uri=uri, scale=scale) if uri else None
 
 
-EXTENT = (1000.0, 1000.0, 10.0)  # m, of the box that a plane is the upper side of, as the ground is
-SHEET = 0.001  # m, how thick the box is that a plane is seen as
+EXTENT = (1000.0, 1000.0, 10.0)  # m, of the box whose upper side is the plane, like the ground
+SHEET = 0.001  # m, thickness of the box that shows a plane
 UP = (0.0, 0.0, 1.0)
 DOWNWARD = -1 + 1e-9  # of a direction's z: from here on, every way there is the shortest
 
 
 class Planes(NamedTuple):
-    """What becomes of the planes of a link."""
+    """The boxes that the planes of a link become."""
 
     collisions: tuple[Collision, ...] = ()
     visuals: tuple[Visual, ...] = ()
@@ -412,11 +499,11 @@ NONE = Planes()
 
 
 def read_planes(node: Node, model: Scope, model_in_world: Pose) -> Planes:
-    """The planes of a link of a model, seen from the link's own frame.
+    """The planes of a link of a model, in the link's own frame.
 
-    One that is level, at z = 0 and of a static model is the ground. Others of static models carry
-    as far as anybody goes in a simulation. What moves is left out, which is reported: no engine
-    has a half-space that does.
+    In a static model, a level plane at z = 0 is the ground; others become boxes that are larger
+    than the way of any robot in a simulation. A plane that can move is left out, which is
+    reported: no engine has moving half-spaces.
     """
     found = list(_planes_of(node.element))
     if not found:
@@ -434,12 +521,12 @@ def read_planes(node: Node, model: Scope, model_in_world: Pose) -> Planes:
             if size is not None and not is_level:
                 visuals.append(_seen(source, owner, upward, size))
         elif not is_static:
-            source.warning(
-                "WLD031",
+            source.report(
+                SHAPE_LEFT_OUT,
                 f"The plane of the link `{node.name}` is not simulated: Gazebo's planes "
-                "have no end, and only one that is static can be tried.",
+                "are endless, and only static ones can be simulated.",
                 at=shape,
-                hint="Make the model static, or make a plate of a thin box.",
+                hint="Make the model static, or use a thin box as a plate.",
             )
         elif is_level:
             is_ground = True
@@ -470,11 +557,11 @@ def _upward(source: Source, owner: Element, shape: Element) -> Pose | None:
     normal = triple(source, shape, "normal", default=UP)
     length = math.hypot(*normal)
     if not 0 < length < math.inf:
-        source.error(
-            "WLD034",
+        source.report(
+            GEOMETRY_OUT_OF_RANGE,
             "The normal of this plane has no direction.",
             at=shape,
-            hint="A level plane has <normal>0 0 1</normal>.",
+            hint="Write <normal>0 0 1</normal> for a level plane.",
         )
         return None
     x, y, z = (part / length for part in normal)
@@ -502,18 +589,19 @@ def _below(upward: Pose, thickness: float) -> Pose:
 
 
 def _size(source: Source, shape: Element) -> tuple[float, float] | None:
-    """What is seen of the plane; None where it is nothing, which is reported."""
+    """The visible size of the plane; None, with a diagnostic, if it has none."""
     element = first(shape, "size") if word(shape, "size") else None
     numbers = (1.0, 1.0) if element is None else read_numbers(source, element, 2)
     if numbers is None:
         return None
     if all(0 < edge <= FARTHEST for edge in numbers):
         return (numbers[0], numbers[1])
-    source.warning(
-        "WLD034",
+    source.report(
+        _size_rule(numbers),
         f"The size of this plane is not between 0 and {FARTHEST:g} m.",
         at=shape,
-        hint="Give both edges of what is to be seen a sensible number of meters.",
+        hint="Give both edges of the visible part a sensible number of meters.",
+        severity=Severity.WARNING,
     )
     return None
 

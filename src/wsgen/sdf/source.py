@@ -1,6 +1,6 @@
-"""One SDF file that is being read: its document, its version, and what is wrong with it.
+"""One SDF file that is being read: its elements, its version and the diagnostics about it.
 
-The text of an SDF file to elements, as forgiving as Gazebo's own parser is.
+Reading is as lenient as Gazebo's own parser: what that accepts gives elements and a warning.
 """
 
 from __future__ import annotations
@@ -9,7 +9,13 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.description_rules import (
+    MALFORMED_XML,
+    NOT_UTF_8,
+    OVERSIZED_FILE,
+    UNREADABLE_DESCRIPTION,
+)
+from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.files import irregular_kind, read_regular, save_as_utf8, wide_encoding
 from wsgen.sdf.unknown_elements import check_spelling
 from wsgen.xmltree import Malformed, parse, parse_as_tinyxml
@@ -27,10 +33,51 @@ COMMENT = ("<!--", "-->")
 AHEAD = {"<?": "?>", "<!--": "-->", "<!": ">"}  # what may be before the root element, and its end
 
 
-class Slip(NamedTuple):
-    """What is wrong with a document."""
+DECLARED_ENTITIES = Rule(
+    code="WLD046",
+    name="declared-entities",
+    severity=Severity.ERROR,
+    summary="An SDF file declares XML entities and uses them.",
+    why="Gazebo's XML parser knows no entities but the five of XML: it fails, or reads the "
+    "reference as text where a number is expected.",
+    example="""<!DOCTYPE sdf [<!ENTITY radius "0.1">]>
+<sdf version="1.9">
+  ...
+  <radius>&radius;</radius>""",
+    instead="""<sdf version="1.9">
+  ...
+  <radius>0.1</radius>""",
+)
 
-    code: str
+NO_SDF_VERSION = Rule(
+    code="WLD011",
+    name="no-sdf-version",
+    severity=Severity.ERROR,
+    summary="`<sdf>` has no version, or one that is not a number.",
+    what="Looks for a version of the form `MAJOR.MINOR`, as in 1.9.",
+    why="Gazebo refuses the file: the version says what its elements mean, and how it is "
+    "converted to the current one.",
+    example="<sdf>",
+    instead='<sdf version="1.6">',
+)
+
+UNKNOWN_SDF_VERSION = Rule(
+    code="WLD012",
+    name="unknown-sdf-version",
+    severity=Severity.WARNING,
+    summary="The SDF version is older or newer than the versions that wsgen knows.",
+    what="Knows SDF 1.3 to 1.12. A file of another version is read as the nearest of these.",
+    why="Gazebo converts from the versions that it knows, and refuses or misreads others: Gazebo "
+    "Classic 11 reads up to 1.7, Fortress 1.9, Harmonic 1.11, Ionic and Jetty 1.12.",
+    example='<sdf version="2.0">',
+    instead='<sdf version="1.9">',
+)
+
+
+class Problem(NamedTuple):
+    """Something wrong with the text of a document."""
+
+    rule: Rule
     message: str
     line: int  # 1-based
     hint: str
@@ -40,7 +87,7 @@ class Document(NamedTuple):
     """What a text holds."""
 
     root: Element | None  # None: nothing that can be read
-    slips: tuple[Slip, ...] = ()  # errors where there is no root, else warnings
+    problems: tuple[Problem, ...] = ()  # errors if there is no root, else warnings
 
 
 def is_sdf(text: str) -> bool:
@@ -60,41 +107,41 @@ def is_sdf(text: str) -> bool:
 
 def read_document(content: str | bytes) -> Document:
     """The elements of a text; bytes are read as UTF-8, whatever they declare, as Gazebo does."""
-    text, slips = _decoded(content) if isinstance(content, bytes) else (content, ())
+    text, problems = _decoded(content) if isinstance(content, bytes) else (content, ())
     if text is None:
-        return Document(None, slips)
+        return Document(None, problems)
     text = _without_declaration(text.removeprefix(MARK))
     if "<!ENTITY" in text and (used := re.search(ENTITY, text)):
-        slip = Slip(
-            "WLD046",
-            "The file declares entities and uses them; Gazebo's parser knows none.",
+        problem = Problem(
+            DECLARED_ENTITIES,
+            "The file declares XML entities and uses them; Gazebo's parser does not know them.",
             text.count("\n", 0, used.start()) + 1,
-            "Write the values out.",
+            "Write the values instead of the entities.",
         )
-        return Document(None, (slip,))
+        return Document(None, (problem,))
     root = parse(text)
     if not isinstance(root, Malformed):
         _forget_namespace(root)
-        return Document(root, slips)
+        return Document(root, problems)
     lenient = parse_as_tinyxml(_without_comments(text))
     if lenient is not None:
-        slip = Slip(
-            "WLD002",
-            f"Not well-formed XML: {root.message}. Gazebo's parser does not mind; others do.",
+        problem = Problem(
+            MALFORMED_XML,
+            f"Not well-formed XML: {root.message}. Gazebo's parser accepts it; others do not.",
             root.line,
             "Write &amp; for &, no -- in comments, and declare prefixes with xmlns:PREFIX.",
         )
-        return Document(lenient, (*slips, slip))
+        return Document(lenient, (*problems, problem))
     is_deep = root.message.startswith("Excessive depth")
-    slip = Slip(
-        "WLD002",
+    problem = Problem(
+        MALFORMED_XML,
         "Elements are nested more than 256 deep."
         if is_deep
         else f"The SDF is not well-formed XML: {root.message}.",
         root.line,
         root.hint,
     )
-    return Document(None, (*slips, slip))
+    return Document(None, (*problems, problem))
 
 
 def _forget_namespace(root: Element) -> None:
@@ -105,25 +152,25 @@ def _forget_namespace(root: Element) -> None:
                 element.tag = element.tag.rpartition("}")[2]
 
 
-def _decoded(data: bytes) -> tuple[str | None, tuple[Slip, ...]]:
+def _decoded(data: bytes) -> tuple[str | None, tuple[Problem, ...]]:
     data = data.rstrip(b"\0")  # where a text of C ends
     wide = wide_encoding(data)
     if wide:
-        message = f"The file is in {wide}: Gazebo reads UTF-8 alone."
-        return None, (Slip("WLD047", message, 1, save_as_utf8(wide)),)
+        message = f"The file is encoded in {wide}; Gazebo reads only UTF-8."
+        return None, (Problem(NOT_UTF_8, message, 1, save_as_utf8(wide)),)
     if b"\0" in data:
-        message = "The file is not a text: it has null bytes."
-        return None, (Slip("WLD047", message, 1, "Name a text file in UTF-8."),)
+        message = "The file is not a text file: it contains null bytes."
+        return None, (Problem(NOT_UTF_8, message, 1, "Name a text file in UTF-8."),)
     try:
         return data.decode("utf-8"), ()
     except UnicodeDecodeError as error:
-        slip = Slip(
-            "WLD047",
-            "The file is not in UTF-8, which it is read as.",
+        problem = Problem(
+            NOT_UTF_8,
+            "The file is not encoded in UTF-8, as which Gazebo reads it.",
             data.count(b"\n", 0, error.start) + 1,
             save_as_utf8("ISO-8859-1"),
         )
-    return data.decode("utf-8", "replace"), (slip,)
+    return data.decode("utf-8", "replace"), (problem,)
 
 
 def _without_declaration(text: str) -> str:
@@ -164,70 +211,61 @@ class Source(NamedTuple):
     root: Element
     version: Version
     diagnostics: list[Diagnostic]
-    # Where the diagnostic about a misspelt child stands, by the element and the name that is meant.
-    misspelt: dict[tuple[Element, str], int]
+    # Where the diagnostic about a misspelled child stands, by the element and the name meant.
+    misspelled: dict[tuple[Element, str], int]
 
-    def error(self, code: str, message: str, *, at: Element, hint: str) -> None:
-        """Gazebo refuses this, or makes another world of it."""
-        self._report(code, Severity.ERROR, message, at, hint)
+    def report(
+        self,
+        rule: Rule,
+        message: str,
+        *,
+        at: Element,
+        hint: str,
+        severity: Severity | None = None,
+    ) -> None:
+        """Add a diagnostic about an element; the severity is that of the rule if none is given."""
+        self.diagnostics.append(
+            rule.at(
+                self.file,
+                line_of(at),
+                path_of(at),
+                message=message,
+                hint=hint,
+                severity=severity,
+            )
+        )
 
-    def warning(self, code: str, message: str, *, at: Element, hint: str) -> None:
-        """It works, and surely is not what was meant; or wsgen leaves it out."""
-        self._report(code, Severity.WARNING, message, at, hint)
+    def report_missing(  # noqa: PLR0913  as `report`, and the name of the child
+        self,
+        rule: Rule,
+        message: str,
+        *,
+        at: Element,
+        child: str,
+        hint: str,
+        severity: Severity | None = None,
+    ) -> None:
+        """Report that an element has no child of that name.
 
-    def missing(self, code: str, message: str, *, at: Element, name: str, hint: str) -> None:
-        """An error: the element has no child of that name.
-
-        Where one is misspelt, that has been reported, and becomes the error.
+        Where one is misspelled, that has been reported: its diagnostic then says what its absence
+        causes, with the severity of that.
         """
-        if not self._blame_misspelt(at, name, Severity.ERROR, message):
-            self.error(code, message, at=at, hint=hint)
-
-    def lacking(self, code: str, message: str, *, at: Element, name: str, hint: str) -> None:
-        """A warning: the element has no child of that name, and Gazebo takes a default.
-
-        Where one is misspelt, the warning about that says so.
-        """
-        if not self._blame_misspelt(at, name, Severity.WARNING, message):
-            self.warning(code, message, at=at, hint=hint)
-
-    def _blame_misspelt(self, at: Element, name: str, severity: Severity, message: str) -> bool:
-        """Say of what is misspelt what its absence causes; False where nothing is."""
-        place = self.misspelt.get((at, name))
+        place = self.misspelled.get((at, child))
         if place is None:
-            return False
+            self.report(rule, message, at=at, hint=hint, severity=severity)
+            return
         cause = self.diagnostics[place]
         self.diagnostics[place] = replace(
             cause,
-            severity=severity,
+            severity=severity or rule.severity,
             message=f"{cause.message.partition(': ')[0]}: {message[0].lower()}{message[1:]}",
-        )
-        return True
-
-    def info(self, code: str, message: str, *, at: Element, hint: str) -> None:
-        """Nothing is wrong with it; a person may want to know."""
-        self._report(code, Severity.INFO, message, at, hint)
-
-    def _report(
-        self, code: str, severity: Severity, message: str, element: Element, hint: str
-    ) -> None:
-        self.diagnostics.append(
-            Diagnostic(
-                code=code,
-                severity=severity,
-                message=message,
-                file=self.file,
-                line=line_of(element),
-                element=path_of(element),
-                hint=hint,
-            )
         )
 
 
 def load(file: Path, diagnostics: list[Diagnostic]) -> Source | None:
-    """The document of a file; None where it cannot be read, which is reported.
+    """The document of a file; None if it cannot be read, which is reported.
 
-    The version is not looked at yet: see `with_version`.
+    The version is not checked yet: see `with_version`.
     """
     content = _read(file)
     if isinstance(content, Diagnostic):
@@ -243,17 +281,13 @@ def parse_text(
     if len(content) > SIZE_LIMIT:
         diagnostics.append(_too_large(file))
         return None
-    root, slips = read_document(content)
+    root, problems = read_document(content)
+    severity = Severity.ERROR if root is None else Severity.WARNING
     diagnostics += (
-        Diagnostic(
-            code=slip.code,
-            severity=Severity.ERROR if root is None else Severity.WARNING,
-            message=slip.message,
-            file=file,
-            line=slip.line,
-            hint=slip.hint,
+        problem.rule.at(
+            file, problem.line, message=problem.message, hint=problem.hint, severity=severity
         )
-        for slip in slips
+        for problem in problems
     )
     if root is None:
         return None
@@ -264,36 +298,30 @@ def parse_text(
 
 
 def _read(file: Path) -> bytes | Diagnostic:
-    """What is in a file, or why it cannot be had."""
-    unreadable = Diagnostic(
-        code="WLD001",
-        severity=Severity.ERROR,
-        message="The world file cannot be read: it is not a regular file.",
-        file=file,
-        hint="Name the .sdf or .world file itself.",
-    )
+    """The content of a file, or why it cannot be read."""
     try:
         kind = irregular_kind(file)
-        if kind is not None:
-            return replace(unreadable, message=f"The world file cannot be read: it is {kind}.")
-        content = read_regular(file, SIZE_LIMIT)
+        if kind is None:
+            return read_regular(file, SIZE_LIMIT)
     except (OSError, ValueError) as error:
-        return replace(
-            unreadable,
-            message=f"The world file cannot be read: {_reason(error)}.",
+        return UNREADABLE_DESCRIPTION.at(
+            file,
+            message=f"The SDF file cannot be read: {_reason(error)}.",
             hint="Is its folder in an install(DIRECTORY ...) rule of CMakeLists.txt? "
             "Then build again with `wsgen build`.",
         )
-    return content
+    return UNREADABLE_DESCRIPTION.at(
+        file,
+        message=f"The SDF file cannot be read: it is {kind}.",
+        hint="Name the .sdf or .world file itself.",
+    )
 
 
 def _too_large(file: Path | None) -> Diagnostic:
-    return Diagnostic(
-        code="WLD010",
-        severity=Severity.ERROR,
-        message=f"The file has more than {SIZE_LIMIT} bytes; wsgen reads up to that.",
-        file=file,
-        hint="Put what is repeated into a model, and include it.",
+    return OVERSIZED_FILE.at(
+        file,
+        message=f"The file has more than {SIZE_LIMIT} bytes, the most that wsgen reads.",
+        hint="Put repeated parts into a model and include it.",
     )
 
 
@@ -302,23 +330,24 @@ def _reason(error: OSError | ValueError) -> str:
 
 
 def with_version(source: Source) -> Source:
-    """The same file, read as the version of SDF that it says; one that is none is reported."""
+    """The same file, read as the SDF version that it states; an invalid one is reported."""
     text = source.root.get("version")
     found = re.fullmatch(r"(\d{1,9})\.(\d{1,9})", (text or "").strip(), re.ASCII)
     hint = f'Write <sdf version="1.6">; wsgen knows {_words(OLDEST)} to {_words(NEWEST)}.'
     if found is None:
-        source.error(
-            "WLD011",
-            "<sdf> has no version." if text is None else f"`{text[:40]}` is no version of SDF.",
+        source.report(
+            NO_SDF_VERSION,
+            "<sdf> has no version." if text is None else f"`{text[:40]}` is not an SDF version.",
             at=source.root,
             hint=hint,
         )
         return source
     version = (int(found[1]), int(found[2]))
     if not OLDEST <= version <= NEWEST:
-        source.warning(
-            "WLD012",
-            f"SDF {text} is {'newer' if version > NEWEST else 'older'} than what wsgen knows.",
+        source.report(
+            UNKNOWN_SDF_VERSION,
+            f"SDF {text} is {'newer' if version > NEWEST else 'older'} than the versions that "
+            "wsgen knows.",
             at=source.root,
             hint=hint,
         )

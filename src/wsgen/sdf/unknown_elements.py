@@ -1,9 +1,10 @@
-"""What is surely misspelt in SDF: Gazebo copies or ignores it, with a line in its log at most."""
+"""Misspelled elements and attributes of SDF, which Gazebo ignores nearly silently."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from wsgen.description_rules import MISSPELLED_ATTRIBUTE, MISSPELLED_ELEMENT
 from wsgen.suggestions import did_you_mean, nearest
 
 if TYPE_CHECKING:
@@ -82,7 +83,7 @@ SHORT, ALIKE_SHORT = 3, 0.66  # letters; one of three other letters leaves two t
 
 
 def check_spelling(source: Source) -> None:
-    """Report elements and attributes of a file that are nearly called as known ones."""
+    """Report elements and attributes of a file whose names are nearly those of known ones."""
     waiting = [source.root]
     while waiting:
         element = waiting.pop()
@@ -93,13 +94,13 @@ def check_spelling(source: Source) -> None:
             if child.tag in known:
                 waiting.append(child)
             elif known and isinstance(child.tag, str) and "{" not in child.tag:
-                # What is there already is hardly meant once more.
+                # A child that is already there is hardly meant a second time.
                 meant = _meant(child.tag, [name for name in known if name not in written])
                 meant = meant or _meant(child.tag, known)
                 if meant is not None:
-                    source.misspelt.setdefault((element, meant), len(source.diagnostics))
-                    source.warning(
-                        "WLD058",
+                    source.misspelled.setdefault((element, meant), len(source.diagnostics))
+                    source.report(
+                        MISSPELLED_ELEMENT,
                         f"<{element.tag}> has no <{child.tag}>: Gazebo ignores it.",
                         at=child,
                         hint=f"Did you mean <{meant}>?",
@@ -111,8 +112,8 @@ def _check_attributes(source: Source, element: Element) -> None:
     for name in map(str, element.attrib):
         meant = None if name in known else _meant(name, set(known).difference(element.attrib))
         if meant is not None:
-            source.warning(
-                "WLD059",
+            source.report(
+                MISSPELLED_ATTRIBUTE,
                 f"<{element.tag}> has no attribute `{name}`: Gazebo ignores it.",
                 at=element,
                 hint=did_you_mean(meant),
@@ -120,7 +121,7 @@ def _check_attributes(source: Source, element: Element) -> None:
 
 
 def _meant(name: str, known: Collection[str]) -> str | None:
-    """The name that a misspelt one must be; None where none is nearly the same."""
+    """The name that is meant by a misspelled one; None if no known name is similar."""
     near = [other for other in sorted(known) if sorted(other) == sorted(name.lower())]
     if near:
         return near[0]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from wsgen.description_rules import NOT_A_NUMBER
 from wsgen.model.transform import IDENTITY, Pose, rotation_of_quaternion, rpy_of_rotation
 from wsgen.sdf.source import POSE_FRAMES
 from wsgen.xmltree import children
@@ -17,11 +18,11 @@ if TYPE_CHECKING:
 
 TRUTH = {"true": True, "1": True, "false": False, "0": False}
 ROTATIONS = {"euler_rpy": 6, "quat_xyzw": 7}  # and how many numbers such a pose has
-FARTHEST = 1e9  # m; numbers beyond are a slip, and lose everything smaller than a millimeter
+FARTHEST = 1e9  # m; beyond, numbers are mistakes and cannot hold a millimeter
 
 
 def first(element: Element, *path: str) -> Element | None:
-    """The element that a path of names leads to; of several children, the first counts."""
+    """The element at a path of names; of several children of one name, the first counts."""
     place: Element | None = element
     for tag in path:
         if place is None:
@@ -33,7 +34,7 @@ def first(element: Element, *path: str) -> Element | None:
 def read_numbers(
     source: Source, element: Element, count: int, *, limit: float = math.inf
 ) -> tuple[float, ...] | None:
-    """The finite numbers of an element; None, with a diagnostic, if they are none."""
+    """The finite numbers of an element; None, with a diagnostic, for anything else."""
     words = (element.text or "").split()
     try:
         numbers = tuple(float(word) for word in words if "_" not in word)
@@ -43,47 +44,47 @@ def read_numbers(
         math.isfinite(number) and abs(number) <= limit for number in numbers
     ):
         return numbers
-    source.error(
-        "WLD005",
+    source.report(
+        NOT_A_NUMBER,
         f"<{element.tag}> needs {count} finite number{'s' if count > 1 else ''}"
         f"{'' if limit == math.inf else f' up to {limit:g}'}, "
         f"not {' '.join(words)[:60] or 'nothing'!r}.",
         at=element,
-        hint="Separate numbers by blanks, with a point for decimals.",
+        hint="Separate numbers by blanks, and write decimals with a point.",
     )
     return None
 
 
 def number(source: Source, parent: Element, *path: str, default: float) -> float:
-    """The number at a path; the default where there is none, or where it is wrong."""
+    """The number at a path; the default if it is missing or wrong."""
     found = _written(parent, path)
     numbers = None if found is None else read_numbers(source, found, 1)
     return default if numbers is None else numbers[0]
 
 
 def optional_number(source: Source, parent: Element, *path: str) -> float | None:
-    """The number at a path; None where there is none, or where it is wrong."""
+    """The number at a path; None if it is missing or wrong."""
     found = _written(parent, path)
     numbers = None if found is None else read_numbers(source, found, 1)
     return None if numbers is None else numbers[0]
 
 
 def triple(source: Source, parent: Element, *path: str, default: Vector) -> Vector:
-    """Three numbers at a path; the default where there are none, or where they are wrong."""
+    """Three numbers at a path; the default if they are missing or wrong."""
     found = _written(parent, path)
     numbers = None if found is None else read_numbers(source, found, 3)
     return default if numbers is None else (numbers[0], numbers[1], numbers[2])
 
 
 def truth(source: Source, parent: Element, *path: str, default: bool) -> bool:
-    """The truth value at a path; the default where there is none, or where it is wrong."""
+    """The truth value at a path; the default if it is missing or wrong."""
     found = _written(parent, path)
     if found is None:
         return default
     word = (found.text or "").strip()
     if word.lower() not in TRUTH:
-        source.error(
-            "WLD005",
+        source.report(
+            NOT_A_NUMBER,
             f"<{found.tag}> needs true or false, not {word[:60]!r}.",
             at=found,
             hint="Write true, false, 1 or 0.",
@@ -92,7 +93,7 @@ def truth(source: Source, parent: Element, *path: str, default: bool) -> bool:
 
 
 def word(parent: Element, *path: str) -> str:
-    """The text at a path; empty where there is none."""
+    """The text at a path; empty if it is missing."""
     found = first(parent, *path)
     return "" if found is None else (found.text or "").strip()
 
@@ -109,9 +110,9 @@ def read_pose(source: Source, owner: Element) -> tuple[Pose, str]:
         return IDENTITY, frame
     form = element.get("rotation_format") or "euler_rpy"
     if form not in ROTATIONS:
-        source.error(
-            "WLD005",
-            f"`{form}` is no format of a rotation.",
+        source.report(
+            NOT_A_NUMBER,
+            f"`{form}` is not a rotation format.",
             at=element,
             hint=f"One of {' and '.join(ROTATIONS)}.",
         )
@@ -131,11 +132,11 @@ def read_pose(source: Source, owner: Element) -> tuple[Pose, str]:
 def _rpy_of_quaternion(source: Source, element: Element, xyzw: tuple[float, ...]) -> Vector:
     length = math.hypot(*xyzw)
     if length == 0:
-        source.error(
-            "WLD005",
-            "The quaternion has no length (0 0 0 0).",
+        source.report(
+            NOT_A_NUMBER,
+            "The quaternion 0 0 0 0 has length 0.",
             at=element,
-            hint="No rotation is 0 0 0 1: x, y, z, w.",
+            hint="Write 0 0 0 1 (x, y, z, w) for no rotation.",
         )
         return (0.0, 0.0, 0.0)
     x, y, z, w = (part / length for part in xyzw)
@@ -143,6 +144,6 @@ def _rpy_of_quaternion(source: Source, element: Element, xyzw: tuple[float, ...]
 
 
 def _written(parent: Element, path: tuple[str, ...]) -> Element | None:
-    """The element at a path; None also where it is empty, which stands for the default."""
+    """The element at a path; None also if it is empty, which means the default."""
     found = first(parent, *path)
     return None if found is None or not (found.text or "").strip() else found
