@@ -14,7 +14,7 @@ from wsgen.diagnostics import Rule, Severity
 from wsgen.model.robot import GazeboTag, Joint, JointType, Link, Plugin, Robot
 from wsgen.model.transform import IDENTITY, Pose, compose, invert
 from wsgen.sdf.bodies import read_body
-from wsgen.sdf.frames import DUPLICATE_SDF_NAME, WORLD, canonical_link, pose_in, resolve
+from wsgen.sdf.frames import DUPLICATE_SDF_NAME, WORLD, canonical_link, poses_in_model
 from wsgen.sdf.joints import read_edge, read_joint
 from wsgen.sdf.shapes import read_planes
 from wsgen.sdf.source import line_of
@@ -23,7 +23,7 @@ from wsgen.xmltree import child_texts, children
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from wsgen.sdf.frames import Node, Scope
+    from wsgen.sdf.frames import Node, Poses, Scope
     from wsgen.sdf.includes import Includes
     from wsgen.sdf.joints import Edge
     from wsgen.sdf.shapes import Planes
@@ -96,12 +96,17 @@ SHARED_PART_NAME = Rule(
 class Tree:
     """Links, connected joint by joint as long as no link has two parents."""
 
-    def __init__(self, model: Scope, nodes: dict[str, Node], name_of: dict[int, str]) -> None:
+    def __init__(self, model: Scope, nodes: dict[str, Node], poses: Poses) -> None:
         self.model = model
         self.nodes = nodes
-        self.name_of = name_of
+        self.poses = poses  # in the model
+        self.name_of = {node: name for name, node in nodes.items()}
         self.edge_of: dict[str, tuple[str, Edge]] = {}  # child -> its joint
         self._above = {name: name for name in (*nodes, WORLD)}  # some link nearer to the root
+
+    def has_ends(self, edge: Edge) -> bool:
+        """Whether both links exist: one with a duplicate name was reported and left out."""
+        return edge.child in self.name_of and (edge.parent is None or edge.parent in self.name_of)
 
     def root_of(self, link: str) -> str:
         """The root of the tree that a link is in."""
@@ -114,7 +119,7 @@ class Tree:
 
     def join(self, name: str, edge: Edge) -> None:
         """Add a joint, unless it closes a chain, which is reported."""
-        parent, child = self._parent(edge), self.name_of[id(edge.child)]
+        parent, child = self._parent(edge), self.name_of[edge.child]
         if child in self.edge_of or self.root_of(parent) == self.root_of(child):
             other = self.edge_of.get(child)
             edge.node.source.report(
@@ -134,7 +139,7 @@ class Tree:
 
     def report_left_out(self, name: str, edge: Edge) -> None:
         """Report a joint of a type that is left out, and the link that is loose without it."""
-        child = self.name_of[id(edge.child)]
+        child = self.name_of[edge.child]
         edge.node.source.report(
             JOINT_LEFT_OUT,
             f"The joint `{name}` is left out of the simulation: no engine of wsgen has "
@@ -149,7 +154,7 @@ class Tree:
         if link == WORLD:
             return IDENTITY
         node = self.edge_of[link][1].node if link in self.edge_of else self.nodes[link]
-        return pose_in(self.model, node)
+        return self.poses[node]
 
     def robot(self, links: dict[str, Link], edges: dict[str, Edge]) -> Robot:
         """All links and joints; the world, if it has a joint, is the first link and the root."""
@@ -187,21 +192,21 @@ class Tree:
     def _root(self, *, is_fixed: bool) -> str:
         if is_fixed:
             return WORLD
-        canonical = self.name_of.get(id(canonical_link(self.model)))
-        return self.root_of(canonical or next(iter(self.nodes)))
+        canonical = canonical_link(self.model)
+        named = None if canonical is None else self.name_of.get(canonical)
+        return self.root_of(named or next(iter(self.nodes)))
 
     def _parent(self, edge: Edge) -> str:
-        return WORLD if edge.parent is None else self.name_of[id(edge.parent)]
+        return WORLD if edge.parent is None else self.name_of[edge.parent]
 
     def _joint(self, name: str, edge: Edge, frames: dict[str, Pose]) -> Joint:
-        parent, child = self._parent(edge), self.name_of[id(edge.child)]
-        return read_joint(
-            edge, self.model, (name, parent, child), _from(frames[parent], frames[child])
-        )
+        parent, child = self._parent(edge), self.name_of[edge.child]
+        pose_in_parent = _from(frames[parent], frames[child])
+        return read_joint(edge, (name, parent, child), pose_in_parent, self.poses)
 
     def _seen_from(self, frame: Pose, link: Link) -> Link:
         """The link with all of its parts in this frame instead of its own."""
-        own = pose_in(self.model, self.nodes[link.name])
+        own = self.poses[self.nodes[link.name]]
         if own == frame:
             return link
         offset = _from(frame, own)
@@ -234,11 +239,11 @@ def with_leaders(joints: tuple[Joint, ...], nodes: dict[str, Node]) -> tuple[Joi
     followers = {joint.name: joint.mimic for joint in joints if joint.mimic is not None}
     if not followers:
         return joints
-    names = {id(nodes[joint.name]): joint.name for joint in joints}
+    names = {nodes[joint.name]: joint.name for joint in joints}
     leader_of: dict[str, str] = {}
     for name, mimic in followers.items():
         leader = nodes[name].scope.lookup(mimic.joint)
-        found = None if leader is None else names.get(id(leader))
+        found = None if leader is None else names.get(leader)
         if found is None:
             _report_unknown_leader(nodes[name], name, mimic.joint)
         elif _leads_to(found, name, leader_of):
@@ -317,27 +322,30 @@ class Assembled(NamedTuple):
     is_ground: bool = False  # a plane of it is the ground of the world; the robot is without it
 
 
-def assemble(includes: Includes, model: Scope, model_in_world: Pose) -> Assembled:
-    """The robot of a model; parts that are wrong are reported and left out."""
-    for scope in model.below():
-        for node in scope.nodes.values():
-            resolve(node)
+def assemble(includes: Includes, model: Scope, model_in_world: Pose, resolved: Poses) -> Assembled:
+    """The robot of a model; parts that are wrong are reported and left out.
+
+    `resolved` are the poses of all nodes, each in its scope.
+    """
     nodes = _named(model, "link")
     if not nodes:
         _report_no_link(model)
         return Assembled(robot=None)
     report_shared_names(nodes)
-    name_of = {id(node): name for name, node in nodes.items()}
+    poses = poses_in_model(model, resolved)
+    tree = Tree(model, nodes, poses)
     bodies = {name: read_body(includes, node, name) for name, node in nodes.items()}
-    planes = {name: read_planes(node, model, model_in_world) for name, node in nodes.items()}
+    planes = {
+        name: read_planes(node, compose(model_in_world, poses[node]))
+        for name, node in nodes.items()
+    }
     links = {name: _with_planes(body.link, planes[name]) for name, body in bodies.items()}
     joints = _named(model, "joint")
     edges = {
         name: edge
         for name, node in joints.items()
-        if (edge := read_edge(node)) is not None and _is_of(edge, name_of)
+        if (edge := read_edge(node)) is not None and tree.has_ends(edge)
     }
-    tree = Tree(model, nodes, name_of)
     for name, edge in edges.items():
         if edge.type is not None:
             tree.join(name, edge)
@@ -384,11 +392,6 @@ def _named(model: Scope, kind: str) -> dict[str, Node]:
             else:
                 named[name] = node
     return named
-
-
-def _is_of(edge: Edge, name_of: dict[int, str]) -> bool:
-    """Whether both links exist: one with a duplicate name was reported and left out."""
-    return id(edge.child) in name_of and (edge.parent is None or id(edge.parent) in name_of)
 
 
 def _plugins(model: Scope) -> list[GazeboTag]:

@@ -20,7 +20,7 @@ from wsgen.sdf.source import POSE_FRAMES
 from wsgen.sdf.values import word
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
     from wsgen.sdf.source import Source, Version
     from wsgen.xmltree import Element
@@ -83,15 +83,12 @@ class Node:
     """Something with a frame: it is in a scope, under a name."""
 
     __slots__ = (
-        "base",
         "element",
         "inside",
-        "is_in_progress",
         "is_static",
         "kind",
         "name",
         "pose",
-        "pose_in_scope",
         "relative_to",
         "scope",
         "source",
@@ -112,11 +109,6 @@ class Node:
         # Of a model: what is in it; None: its element is the <robot> of a URDF.
         self.inside: Scope | None = None
         self.is_static = False  # of a model
-        # That frame, once it is looked up; None: that of the scope.
-        self.base: Node | None = None
-        # Once it is worked out, in the frame of `scope`.
-        self.pose_in_scope: Pose | None = None
-        self.is_in_progress = False  # it is being worked out
 
 
 class Scope:
@@ -262,6 +254,9 @@ def _unused_name(scope: Scope, kind: Kind, name: str, element: Element) -> str |
     return None
 
 
+if TYPE_CHECKING:
+    Poses = Mapping[Node, Pose]
+
 LEVEL = 1e-6  # m or rad: what rounding leaves
 
 
@@ -271,34 +266,66 @@ def is_level_at_zero(pose: Pose) -> bool:
     return z > 0 and math.hypot(x, y) <= LEVEL and abs(pose.xyz[2]) <= LEVEL
 
 
-def resolve(node: Node) -> Pose:
-    """The pose of a node in the frame of its scope; circles and unknown names are reported."""
-    stack = [node]
-    while stack:
-        top = stack[-1]
-        if top.pose_in_scope is not None:
-            stack.pop()
-            continue
-        if not top.is_in_progress:
-            top.is_in_progress, top.base = True, _base(top)
-        waiting = [other for other in _needs(top) if other.pose_in_scope is None]
-        if any(other.is_in_progress for other in waiting):
-            _report_circle(top)
-            top.pose_in_scope = top.pose
-        elif waiting:
-            stack += waiting
-        else:
-            top.pose_in_scope = _calculate(top)
-    assert node.pose_in_scope is not None  # noqa: S101  the loop ends when it is known
-    return node.pose_in_scope
+def resolve_poses(top: Scope) -> Poses:
+    """The pose of everything in a world or a model, each in its own scope.
+
+    From the outside in, each node after the nodes that its pose depends on. Unknown frames and
+    circles are reported.
+    """
+    poses: dict[Node, Pose] = {}
+    bases: dict[Node, Node | None] = {}  # of all nodes that were looked at
+    for start in _nodes_below(top):
+        stack = [start]
+        while stack:
+            node = stack[-1]
+            if node in poses:
+                stack.pop()
+                continue
+            if node not in bases:
+                bases[node] = _base(node)
+            waiting = [other for other in _needs(node, bases[node]) if other not in poses]
+            if any(other in bases for other in waiting):
+                _report_circle(node)
+                poses[node] = node.pose
+            elif waiting:
+                stack += waiting
+            else:
+                poses[node] = _calculate(node, bases[node], poses)
+    return poses
 
 
-def pose_in(scope: Scope, node: Node) -> Pose:
+def poses_in_model(model: Scope, poses: Poses) -> Poses:
+    """The pose of everything below a model in the frame of this model, itself included.
+
+    `poses` are those of `resolve_poses`.
+    """
+    in_model: dict[Node, Pose] = {}
+    for scope in model.below():
+        frame = IDENTITY
+        if scope.node is not None and scope is not model:
+            around = scope.node.scope.node
+            outer = IDENTITY if around is None else in_model[around]
+            frame = compose(outer, poses[scope.node])
+        if scope.node is not None:
+            in_model[scope.node] = frame
+        for node in scope.nodes.values():
+            in_model[node] = poses[node] if scope is model else compose(frame, poses[node])
+    return in_model
+
+
+def _nodes_below(top: Scope) -> Iterator[Node]:
+    for scope in top.below():
+        if scope.node is not None and scope is not top:
+            yield scope.node  # of a merged model, which is not in the scope around it
+        yield from scope.nodes.values()
+
+
+def _pose_in(scope: Scope, node: Node, poses: Poses) -> Pose:
     """The pose of a node in a scope around it."""
-    pose = resolve(node)
+    pose = poses[node]
     place = node.scope
     while place is not scope and place.node is not None:
-        pose = compose(resolve(place.node), pose)
+        pose = compose(poses[place.node], pose)
         place = place.node.scope
     return pose
 
@@ -371,9 +398,9 @@ def _placed(node: Node) -> Node | None:
     return node.inside.lookup(node.inside.placement_frame)  # reported when it was read
 
 
-def _needs(node: Node) -> Iterator[Node]:
+def _needs(node: Node, base: Node | None) -> Iterator[Node]:
     """The nodes whose poses must be known for that of this one."""
-    for other, scope in ((node.base, node.scope), (_placed(node), node.inside)):
+    for other, scope in ((base, node.scope), (_placed(node), node.inside)):
         if other is not None:
             yield other
             place = other.scope
@@ -382,11 +409,11 @@ def _needs(node: Node) -> Iterator[Node]:
                 place = place.node.scope
 
 
-def _calculate(node: Node) -> Pose:
+def _calculate(node: Node, base: Node | None, poses: Poses) -> Pose:
     placed = _placed(node)
-    pose = node.pose if node.base is None else compose(pose_in(node.scope, node.base), node.pose)
+    pose = node.pose if base is None else compose(_pose_in(node.scope, base, poses), node.pose)
     if placed is not None and node.inside is not None:
-        pose = compose(pose, invert(pose_in(node.inside, placed)))
+        pose = compose(pose, invert(_pose_in(node.inside, placed, poses)))
     return pose
 
 

@@ -15,14 +15,14 @@ from wsgen.description_rules import (
 from wsgen.diagnostics import Rule, Severity
 from wsgen.model.robot import Joint, JointLimit, JointType, Mimic
 from wsgen.model.transform import UNIT, multiply, rotate, rotation_of_rpy, transpose
-from wsgen.sdf.frames import MODEL_FRAME, WORLD, frame_called, link_of, pose_in
+from wsgen.sdf.frames import MODEL_FRAME, WORLD, frame_called, link_of
 from wsgen.sdf.source import MODEL_FRAME_AXES, POSE_FRAMES, line_of
 from wsgen.sdf.values import TRUTH, first, number, triple, word
 from wsgen.suggestions import did_you_mean, nearest
 
 if TYPE_CHECKING:
     from wsgen.model.transform import Matrix, Pose, Vector
-    from wsgen.sdf.frames import Node, Scope
+    from wsgen.sdf.frames import Node, Poses
     from wsgen.sdf.source import Source
     from wsgen.xmltree import Element
 
@@ -105,10 +105,12 @@ def _end(node: Node, tag: str) -> Node | None:
     return link
 
 
-def read_joint(edge: Edge, top: Scope, names: tuple[str, str, str], pose_in_parent: Pose) -> Joint:
+def read_joint(
+    edge: Edge, names: tuple[str, str, str], pose_in_parent: Pose, poses: Poses
+) -> Joint:
     """The joint with its own name, that of its parent and that of its child.
 
-    `top` is the outermost model. Mimicked joints have to be looked up afterwards.
+    `poses` are those in the outermost model. Mimicked joints have to be looked up afterwards.
     """
     node, kind = edge.node, edge.type or JointType.FIXED
     source, element = node.source, node.element
@@ -135,7 +137,7 @@ def read_joint(edge: Edge, top: Scope, names: tuple[str, str, str], pose_in_pare
         pose_in_parent=pose_in_parent,
         axis_in_joint=DEFAULT_AXIS
         if kind is JointType.FIXED or axis is None
-        else _axis(node, axis, top),
+        else _axis(node, axis, poses),
         limit=limit,
         mimic=None if axis is None else _mimic(source, axis),
         line=line_of(element),
@@ -143,7 +145,7 @@ def read_joint(edge: Edge, top: Scope, names: tuple[str, str, str], pose_in_pare
     )
 
 
-def _axis(node: Node, axis: Element, top: Scope) -> Vector:
+def _axis(node: Node, axis: Element, poses: Poses) -> Vector:
     """The direction of the axis, of length 1, seen from the joint."""
     source = node.source
     xyz = triple(source, axis, "xyz", default=DEFAULT_AXIS)
@@ -157,14 +159,14 @@ def _axis(node: Node, axis: Element, top: Scope) -> Vector:
         )
         return DEFAULT_AXIS
     unit = (xyz[0] / length, xyz[1] / length, xyz[2] / length)
-    rotation = _rotation_of_axis_frame(node, axis, top)
+    rotation = _rotation_of_axis_frame(node, axis, poses)
     if rotation is None:
         return unit
-    joint = rotation_of_rpy(pose_in(top, node).rpy)
+    joint = rotation_of_rpy(poses[node].rpy)
     return rotate(multiply(transpose(joint), rotation), unit)
 
 
-def _rotation_of_axis_frame(node: Node, axis: Element, top: Scope) -> Matrix | None:
+def _rotation_of_axis_frame(node: Node, axis: Element, poses: Poses) -> Matrix | None:
     """The rotation of the axis' frame in the outermost model; None: that of the joint."""
     source = node.source
     xyz = first(axis, "xyz")
@@ -177,10 +179,8 @@ def _rotation_of_axis_frame(node: Node, axis: Element, top: Scope) -> Matrix | N
         return None
     frame = frame_called(node, name, "`expressed_in`")
     if frame is None:
-        model = node.scope.node
-        is_top = model is None or node.scope is top
-        return UNIT if is_top or model is None else rotation_of_rpy(pose_in(top, model).rpy)
-    return rotation_of_rpy(pose_in(top, frame).rpy)
+        frame = node.scope.node
+    return UNIT if frame is None else rotation_of_rpy(poses[frame].rpy)
 
 
 def _limit(source: Source, axis: Element) -> JointLimit:

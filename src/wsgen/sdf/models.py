@@ -18,7 +18,7 @@ from wsgen.sdf.frames import (
     checked_name,
     is_level_at_zero,
     kind_of,
-    resolve,
+    resolve_poses,
 )
 from wsgen.sdf.includes import MODEL_LEFT_OUT, Includes, is_ground_plane, is_sun
 from wsgen.sdf.reader import check_ground, describe_world
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.robot import Robot
     from wsgen.model.world import World
+    from wsgen.sdf.frames import Poses
     from wsgen.sdf.includes import ReadRobot
     from wsgen.sdf.source import Source
     from wsgen.xmltree import Element
@@ -279,15 +280,14 @@ class WorldModels(NamedTuple):
 
 def read_world_models(world: Scope, includes: Includes) -> WorldModels:
     """The models of a world; other parts that are not simulated are reported."""
-    for node in world.nodes.values():
-        resolve(node)
+    poses = resolve_poses(world)
     models = []
     has_ground = carry = False
     for node in world.own("model"):
-        if _is_own_ground(node):
+        if _is_own_ground(node, poses[node]):
             has_ground = True
             continue
-        model = _read_node(includes, node)
+        model = _read_node(includes, node, poses)
         has_ground |= model.is_ground
         carry |= _carries(node, model)
         if not _is_only_ground(model):
@@ -295,22 +295,22 @@ def read_world_models(world: Scope, includes: Includes) -> WorldModels:
     _report_left_out(world)
     placed = tuple(
         PlacedModel(
-            name=node.name, uri=node.uri, pose_in_world=resolve(node), is_static=node.is_static
+            name=node.name, uri=node.uri, pose_in_world=poses[node], is_static=node.is_static
         )
         for node in world.own("model")
     )
     return WorldModels(placed, tuple(models), has_ground, has_ground or carry)
 
 
-def _read_node(includes: Includes, node: Node) -> SdfModel:
-    """A model of the world, or a single one."""
+def _read_node(includes: Includes, node: Node, poses: Poses) -> SdfModel:
+    """A model of the world, or a single one; `poses` has everything, each in its scope."""
+    pose = poses[node]
     if node.inside is None:
-        return _read_urdf(includes, node)
+        return _read_urdf(includes, node, pose)
     # Most worlds that robots are spawned into have only sun and ground, and need none of this.
     from wsgen.sdf.assembly import assemble  # noqa: PLC0415
 
-    pose = resolve(node)
-    assembled = assemble(includes, node.inside, pose)
+    assembled = assemble(includes, node.inside, pose, poses)
     for scope in node.inside.below():
         if scope.is_static and not node.is_static and scope.element is not None:
             scope.source.report(
@@ -331,23 +331,23 @@ def _read_node(includes: Includes, node: Node) -> SdfModel:
     )
 
 
-def _read_urdf(includes: Includes, node: Node) -> SdfModel:
+def _read_urdf(includes: Includes, node: Node, pose: Pose) -> SdfModel:
     file = node.source.file
     robot = None if file is None else includes.robot(file)
     is_static = node.is_static or (robot is not None and robot.is_static)
     return SdfModel(
         name=node.name,
         robot=robot and replace(robot, name=node.name, is_static=is_static),
-        pose_in_world=resolve(node),
+        pose_in_world=pose,
         is_static=is_static,
         file=file,
         line=line_of(node.element),
     )
 
 
-def _is_own_ground(node: Node) -> bool:
+def _is_own_ground(node: Node, pose: Pose) -> bool:
     """Whether it is Gazebo's own ground plane, where engines have theirs."""
-    return is_ground_plane(node.uri or "") and node.is_static and is_level_at_zero(resolve(node))
+    return is_ground_plane(node.uri or "") and node.is_static and is_level_at_zero(pose)
 
 
 def _is_only_ground(model: SdfModel) -> bool:
@@ -510,7 +510,8 @@ def _alone(
     for node in place.own("model"):
         if pose is not None:
             node.pose, node.relative_to = pose, ""
-    return tuple(_read_node(includes, node) for node in place.own("model"))
+    poses = resolve_poses(place)
+    return tuple(_read_node(includes, node, poses) for node in place.own("model"))
 
 
 def _read_world(source: Source, element: Element, includes: Includes) -> SdfFile:

@@ -33,7 +33,7 @@ from wsgen.model.robot import (
     Visual,
 )
 from wsgen.model.transform import Pose, compose, multiply, rotation_of_rpy, rpy_of_rotation
-from wsgen.sdf.frames import DUPLICATE_SDF_NAME, is_level_at_zero, pose_in
+from wsgen.sdf.frames import DUPLICATE_SDF_NAME, is_level_at_zero
 from wsgen.sdf.includes import how_to_find
 from wsgen.sdf.lookup import instead_of_file, is_file
 from wsgen.sdf.source import line_of
@@ -54,7 +54,7 @@ if TYPE_CHECKING:
 
     from wsgen.model.robot import Geometry
     from wsgen.model.transform import Matrix
-    from wsgen.sdf.frames import Node, Scope
+    from wsgen.sdf.frames import Node
     from wsgen.sdf.includes import Includes
     from wsgen.sdf.source import Source
     from wsgen.xmltree import Element
@@ -498,7 +498,7 @@ class Planes(NamedTuple):
 NONE = Planes()
 
 
-def read_planes(node: Node, model: Scope, model_in_world: Pose) -> Planes:
+def read_planes(node: Node, link_in_world: Pose) -> Planes:
     """The planes of a link of a model, in the link's own frame.
 
     In a static model, a level plane at z = 0 is the ground; others become boxes that are larger
@@ -509,7 +509,6 @@ def read_planes(node: Node, model: Scope, model_in_world: Pose) -> Planes:
     if not found:
         return NONE
     source, is_static = node.source, node.scope.is_static
-    link_in_world = compose(model_in_world, pose_in(model, node))
     collisions, visuals, is_ground = [], [], False
     for owner, shape in found:
         upward = _upward(source, owner, shape)
