@@ -147,14 +147,14 @@ def test_what_is_there_instead_of_a_file(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe.sdf")
     (tmp_path / "link.sdf").symlink_to("/dev/zero")
     (tmp_path / "dead.sdf").symlink_to("nowhere")
-    for name, told in (
+    for name, ending in (
         ("pipe.sdf", "it is a named pipe."),
         ("link.sdf", "it is a link to a device (/dev/zero)."),
         ("dead.sdf", "it is a link to nowhere, which is not there."),
         ("", "it is a folder."),
     ):
         (found,) = read_sdf(tmp_path / name, find_model=lambda _: None).diagnostics
-        assert found.message.endswith(told)
+        assert found.message.endswith(ending)
 
 
 def test_utf_16(tmp_path: Path) -> None:

@@ -56,6 +56,13 @@ def test_pose_of_a_link(read: Read, written: str, expected: tuple[float, ...]) -
     assert root_pose(read(model)) == pytest.approx(expected, abs=1e-12)
 
 
+def test_poses_of_nested_models(read: Read) -> None:
+    text = f'<link name="l">{MASS}<pose>1 0 0 0 0 0</pose></link>'
+    for name in "cba":
+        text = f'<model name="{name}"><pose>1 0 0 0 0 {QUARTER}</pose>{text}</model>'
+    assert root_pose(read(text)) == pytest.approx((0, 0, 0, 0, 0, -QUARTER), abs=1e-12)
+
+
 def test_frame_of_a_pose_before_sdf_1_7(read: Read) -> None:
     model = (
         f'<model name="m" canonical_link="b"><link name="a">{MASS}<pose>1 0 0 0 0 0</pose></link>'

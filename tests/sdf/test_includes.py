@@ -317,7 +317,7 @@ def test_a_name_that_no_folder_can_have(tmp_path: Path) -> None:
         ("crat", "crate"),
     ],
 )
-def test_a_misspelt_model(read: Read, models: Path, name: str, meant: str) -> None:
+def test_a_misspelled_model(read: Read, models: Path, name: str, meant: str) -> None:
     write_model(models / "crate", f'<model name="crate">{LINK}</model>')
     (models / "crate" / "model.config").write_text("<model><sdf>model.sdf</sdf></model>")
     (found,) = read(world(f"<include><uri>model://{name}</uri></include>")).diagnostics
@@ -325,7 +325,7 @@ def test_a_misspelt_model(read: Read, models: Path, name: str, meant: str) -> No
     assert found.hint == f"Did you mean `model://{meant}`?"
 
 
-def test_a_misspelt_ground_is_the_one_error_of_a_world_without_ground(read: Read) -> None:
+def test_a_misspelled_ground_is_the_one_error_of_a_world_without_ground(read: Read) -> None:
     file = read('<world name="w">\n<include><uri>model://groundplane</uri></include></world>')
     (found,) = file.diagnostics
     assert (found.code, found.severity, found.line) == ("WLD004", Severity.ERROR, 3)

@@ -34,16 +34,16 @@ WORLD = """<sdf version="1.7">
 """
 
 
-def misspelt(text: str, folder: Path) -> list[tuple[str, int | None, str | None]]:
+def misspelled(text: str, folder: Path) -> list[tuple[str, int | None, str | None]]:
     file = folder / "w.sdf"
     file.write_text(text)
     found = read_sdf(file, find_model=lambda _: None).diagnostics
-    told = [one for one in found if one.code in {"ROB038", "ROB077"}]
-    return [(one.code, one.line, one.hint) for one in told]
+    reported = [one for one in found if one.code in {"ROB038", "ROB077"}]
+    return [(one.code, one.line, one.hint) for one in reported]
 
 
 def test_what_is_right_is_not_told(tmp_path: Path) -> None:
-    assert misspelt(WORLD, tmp_path) == []
+    assert misspelled(WORLD, tmp_path) == []
 
 
 @pytest.mark.parametrize(
@@ -64,7 +64,7 @@ def test_what_is_right_is_not_told(tmp_path: Path) -> None:
 )
 def test_elements(tmp_path: Path, right: str, wrong: str, line: int) -> None:
     text = WORLD.replace(f"<{right}", f"<{wrong}", 1).replace(f"</{right}", f"</{wrong}", 1)
-    assert misspelt(text, tmp_path) == [("ROB038", line, f"Did you mean <{right}>?")]
+    assert misspelled(text, tmp_path) == [("ROB038", line, f"Did you mean <{right}>?")]
 
 
 @pytest.mark.parametrize(
@@ -73,17 +73,17 @@ def test_elements(tmp_path: Path, right: str, wrong: str, line: int) -> None:
 )
 def test_attributes(tmp_path: Path, right: str, wrong: str, line: int) -> None:
     text = WORLD.replace(f" {right}=", f" {wrong}=", 1)
-    assert misspelt(text, tmp_path) == [("ROB077", line, f"Did you mean `{right}`?")]
+    assert misspelled(text, tmp_path) == [("ROB077", line, f"Did you mean `{right}`?")]
 
 
 def test_what_other_programs_have_is_no_mistake(tmp_path: Path) -> None:
     joint = "<joint name='j' type='fixed'><axis><dynamics><stiction>1</stiction></dynamics></axis>"
     text = WORLD.replace('<collision name="c"', '<collision frame="l" name="c"')
     text = text.replace("</link>", f"</link>{joint}</joint>", 1)
-    assert misspelt(text, tmp_path) == []
+    assert misspelled(text, tmp_path) == []
 
 
-def test_a_default_that_gazebo_takes_for_a_misspelling_is_told_with_it(tmp_path: Path) -> None:
+def test_a_default_that_gazebo_takes_for_a_misspelling_is_reported_with_it(tmp_path: Path) -> None:
     file = tmp_path / "m.sdf"
     link = "<link name='l'>\n<inertal><mass>1</mass></inertal></link>"
     file.write_text(f"<sdf version='1.7'><model name='m'>{link}</model></sdf>")
@@ -95,7 +95,7 @@ def test_a_default_that_gazebo_takes_for_a_misspelling_is_told_with_it(tmp_path:
     assert found.hint == "Did you mean <inertial>?"
 
 
-def test_what_a_misspelt_element_leaves_out_is_told_with_it(tmp_path: Path) -> None:
+def test_what_a_misspelled_element_leaves_out_is_reported_with_it(tmp_path: Path) -> None:
     file = tmp_path / "w.sdf"
     for text, line, meant in (
         (WORLD.replace("<uri>", "<url>", 1).replace("</uri>", "</url>", 1), 4, "uri"),

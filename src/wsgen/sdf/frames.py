@@ -300,16 +300,17 @@ def poses_in_model(model: Scope, poses: Poses) -> Poses:
     `poses` are those of `resolve_poses`.
     """
     in_model: dict[Node, Pose] = {}
+
+    def place(node: Node) -> Pose:
+        around = node.scope.node
+        if node.scope is model or around is None:
+            return poses[node]
+        return compose(in_model[around], poses[node])
+
     for scope in model.below():
-        frame = IDENTITY
-        if scope.node is not None and scope is not model:
-            around = scope.node.scope.node
-            outer = IDENTITY if around is None else in_model[around]
-            frame = compose(outer, poses[scope.node])
-        if scope.node is not None:
-            in_model[scope.node] = frame
-        for node in scope.nodes.values():
-            in_model[node] = poses[node] if scope is model else compose(frame, poses[node])
+        if scope.node is not None and scope.node not in in_model:  # of this model, or a merged one
+            in_model[scope.node] = IDENTITY if scope is model else place(scope.node)
+        in_model |= {node: place(node) for node in scope.nodes.values()}
     return in_model
 
 

@@ -44,7 +44,7 @@ MODEL_LEFT_OUT = Rule(
     what="Looks for included models beside the file, in the folders of `GAZEBO_MODEL_PATH` and "
     "`GZ_SIM_RESOURCE_PATH` and in the cache of Gazebo Fuel; the network is not used. Joints, "
     "actors and populations of a world are not simulated.",
-    why="Gazebo may not find the model either, and what stands on it or against it falls. If "
+    why="Gazebo may not find the model either, and robots that stand on it fall. If "
     "Gazebo finds it, the simulation of wsgen differs from Gazebo's.",
     example="<include>\n  <uri>model://grund_plane</uri>\n</include>",
     instead="<include>\n  <uri>model://ground_plane</uri>\n</include>",

@@ -1,8 +1,6 @@
-"""The file that a world's name stands for, and the folder of a model.
+"""Find the file of a world and the folder and file of a model, where Gazebo looks for them.
 
-Models of Fuel, Gazebo's library in the network: only those that are on this machine already.
-
-`model.config`: which file in the folder of a model is the model.
+Models of Fuel, Gazebo's online library, are found only if Gazebo has already downloaded them.
 """
 
 from __future__ import annotations
@@ -37,9 +35,9 @@ class Address(NamedTuple):
 
 
 def address_of(uri: str) -> Address | None:
-    """What an address means: https://SERVER/1.0/OWNER/models/NAME[/VERSION[/files/PATH]].
+    """Read an address: https://SERVER/1.0/OWNER/models/NAME[/VERSION[/files/PATH]].
 
-    None for one that Fuel has not.
+    None for one that is not of this form.
     """
     try:
         parts = urlsplit(uri)
@@ -62,7 +60,7 @@ def address_of(uri: str) -> Address | None:
 
 
 def find_in_cache(uri: str, environment: Mapping[str, str]) -> Path | None:
-    """The folder of a model, or of one that a file is in, as Gazebo has loaded it once.
+    """The folder of a model, or of the model of a file, in the cache of Gazebo.
 
     Gazebo keeps it as CACHE/SERVER/OWNER/models/NAME/VERSION, in lower case since Citadel.
     """
@@ -93,7 +91,7 @@ def _caches(environment: Mapping[str, str]) -> list[Path]:
 def _version_in(folder: Path, version: str) -> Path | None:
     try:
         versions = [entry for entry in folder.iterdir() if entry.name.isdecimal()]
-    except (OSError, ValueError):  # not there, or too long
+    except (OSError, ValueError):  # missing, or its name is too long
         return None
     if version != NEWEST:
         versions = [entry for entry in versions if entry.name == version]
@@ -104,14 +102,14 @@ def _version_in(folder: Path, version: str) -> Path | None:
 SEARCH_PATHS = ("GAZEBO_RESOURCE_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH")
 # Where they look for models.
 MODEL_PATHS = ("GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH")
-AROUND = 6  # so many folders above a file may be that of its package, or of its models
+AROUND = 6  # number of folders above a file that may be its package, or have its models
 SCHEMES = ("model", "package")
 
 
 def find_world(name: str, environment: Mapping[str, str]) -> Path | None:
-    """The file of a world given as a path or a name; None if a name is found nowhere.
+    """The file of a world given as a path or a name; None if it is not found.
 
-    A path that is absolute is taken as it is, whether there is a file or not.
+    An absolute path is returned as it is, whether the file exists or not.
     """
     if Path(name).is_absolute():
         return Path(name)
@@ -128,7 +126,7 @@ def gazebo_models() -> list[str]:
 
 
 def gazebo_worlds() -> list[str]:
-    """The names of the worlds that Gazebo brings."""
+    """The names of the worlds that Gazebo ships."""
     return _gazebo_names(1)
 
 
@@ -150,12 +148,11 @@ def world_names(environment: Mapping[str, str]) -> list[str]:
 
 
 def model_finder(file: Path, environment: Mapping[str, str]) -> Callable[[str], Path | None]:
-    """A function from `model://NAME` to the folder of the model; None if it is found nowhere.
+    """A function from `model://NAME` to the folder of the model; it gives None if there is none.
 
-    Addresses of Fuel are known as well, for what Gazebo has loaded from there.
-
-    It looks where Gazebo does, then around the file that names the model: in the folders above it,
-    and in their `models`. A folder with a model.config or model.sdf goes before one without.
+    It also finds models by their address of Fuel if Gazebo has downloaded them. It looks where
+    Gazebo does, then around the file that names the model: in the folders above it, and in their
+    `models`. A folder with a model.config or model.sdf is preferred to one without.
     """
     above = list(file.absolute().parents)[:AROUND]
     home = environment.get("HOME")
@@ -186,7 +183,7 @@ def model_finder(file: Path, environment: Mapping[str, str]) -> Callable[[str], 
 
 
 def models_around(file: Path) -> set[str]:
-    """The names of the models beside a file, and in the folders above it."""
+    """The names of the models around a file, where `model_finder` looks."""
     return {
         found.parent.name
         for folder in list(file.absolute().parents)[:AROUND]
@@ -196,12 +193,12 @@ def models_around(file: Path) -> set[str]:
 
 
 def model_folders(environment: Mapping[str, str]) -> list[Path]:
-    """Where the environment tells Gazebo to look for models."""
+    """The folders for models in the environment variables of Gazebo."""
     return _entries(MODEL_PATHS, environment)
 
 
 def is_file(path: Path) -> bool:
-    """Whether a regular file is there; False for a path that no file can have."""
+    """Whether a regular file exists; False for an impossible path."""
     try:
         return path.is_file()
     except (OSError, ValueError):  # too long; before Python 3.14 this is raised
@@ -209,7 +206,7 @@ def is_file(path: Path) -> bool:
 
 
 def is_there(path: Path) -> bool:
-    """Whether anything is there; False for a path that nothing can have."""
+    """Whether anything exists at a path; False for an impossible path."""
     try:
         return path.exists()
     except (OSError, ValueError):
@@ -217,12 +214,12 @@ def is_there(path: Path) -> bool:
 
 
 def instead_of_file(path: Path | None) -> str:
-    """What is at a path that `is_file` says no regular file is at."""
-    return (path and irregular_kind(path)) or "not there"
+    """What a path is if `is_file` says that it is not a regular file."""
+    return (path and irregular_kind(path)) or "missing"
 
 
 def is_folder(path: Path) -> bool:
-    """Whether a folder is there; False for a path that no folder can have."""
+    """Whether a folder exists; False for an impossible path."""
     try:
         return path.is_dir()
     except (OSError, ValueError):
@@ -261,7 +258,7 @@ def file_of_model(folder: Path) -> Path | None:
 
 
 def _read(manifest: Path) -> bytes | None:
-    """What is in it; None where there is no such file, or none that may be read."""
+    """The content of a file; None if it is missing or may not be read."""
     try:
         return read_regular(manifest, MANIFEST_LIMIT)
     except OSError:
