@@ -13,6 +13,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from wsgen.isolation.codec import encode
+
 if sys.platform != "win32":
     import resource
 
@@ -43,10 +45,8 @@ def perform(request: dict[str, Any]) -> None:
     _limit(request["memory"], request["cpu_seconds"], request["output"])
     module, _, function = request["task"].partition(":")
     try:
-        answer = {
-            "value": getattr(importlib.import_module(module), function)(*request["arguments"])
-        }
-        text = json.dumps(answer)
+        value = getattr(importlib.import_module(module), function)(*request["arguments"])
+        text = encode({"value": value})
     except MemoryError:
         text = json.dumps({"died": "needed more memory than it may have", "cause": "memory"})
     except SystemExit:
