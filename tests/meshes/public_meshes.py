@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.meshes import worker
+from wsgen.meshes.requests import InspectedMesh, MeshRequest, Showing, UnusableMesh
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -22,12 +23,12 @@ PACKAGES = (
     *("gym-ignition-models", "rtb-data", "upkie_description"),
 )
 REFUSED = {
-    "168.obj": "no finite place",  # of PyBullet's random objects
+    "168.obj": "infinite, enormous or undefined",  # of PyBullet's random objects
     "link6.stl-old.stl": "Macintosh",  # of a Puma 560
 }
 LARGEST = 2_000_000  # bytes, of a mesh of the sample
 SAMPLE = 4  # meshes of one kind in one folder, or in folders that have numbers for names
-SHOWINGS = [(False, (1.0, 1.0, 1.0), 1)]
+SHOWINGS = (Showing(is_painted=False, scale=(1.0, 1.0, 1.0), times=1),)
 
 
 def meshes_of(distribution: str, *, every: bool) -> list[Path]:
@@ -53,25 +54,25 @@ def meshes_of(distribution: str, *, every: bool) -> list[Path]:
 
 def differences(meshes: Sequence[Path]) -> list[str]:
     """What is wrong with what we read, a line for each of these meshes at most."""
-    told = [(file, _difference(file)) for file in meshes]
-    return [f"{file}: {words}" for file, words in told if words]
+    found = [(file, _difference(file)) for file in meshes]
+    return [f"{file}: {words}" for file, words in found if words]
 
 
 def _difference(file: Path) -> str | None:
     with tempfile.TemporaryDirectory() as folder:
         # Each by itself, else they are reduced as one robot's.
         plain, seen = (
-            worker.inspect([(str(file), False, not showings, showings)], folder)[0]
-            for showings in ([], SHOWINGS)
+            worker.inspect([_request(file, showings)], Path(folder))[0]
+            for showings in ((), SHOWINGS)
         )
-    if seen["problem"] != plain["problem"]:
-        return f"{plain['problem']}, and with colors {seen['problem']}"
-    if plain["problem"] or file.name in REFUSED:
-        is_expected = file.name in REFUSED and REFUSED[file.name] in (plain["problem"] or "")
-        return None if is_expected else f"{plain['problem']}"
-    mine = (plain["low"], plain["high"])
+    if isinstance(plain, UnusableMesh) or isinstance(seen, UnusableMesh) or file.name in REFUSED:
+        if _problem(plain) != _problem(seen):
+            return f"{_problem(plain)}, and with colors {_problem(seen)}"
+        is_expected = file.name in REFUSED and REFUSED[file.name] in _problem(plain)
+        return None if is_expected else _problem(plain)
+    mine = (plain.low, plain.high)
     extent = max(high - low for low, high in zip(*mine, strict=True))
-    corners = [corner for look in seen["looks"][0] for corner in (look.low, look.high)]
+    corners = [corner for part in seen.colored[0] for corner in (part.low, part.high)]
     shown = tuple([of(along) for along in zip(*corners, strict=True)] for of in (min, max))
     if _distance(mine, shown) > 1e-6 * extent:
         return f"{mine}, and with colors {shown}"
@@ -79,6 +80,16 @@ def _difference(file: Path) -> str | None:
     if theirs is not None and _distance(mine, theirs) > 1e-5 * extent:
         return f"{mine}, and trimesh says {theirs}"
     return None
+
+
+def _request(file: Path, showings: tuple[Showing, ...]) -> MeshRequest:
+    return MeshRequest(
+        path=str(file), is_collision=False, is_visual=not showings, showings=showings
+    )
+
+
+def _problem(answer: InspectedMesh | UnusableMesh) -> str:
+    return answer.problem if isinstance(answer, UnusableMesh) else "can be used"
 
 
 def _bounds_of_trimesh(file: Path) -> Corners | None:

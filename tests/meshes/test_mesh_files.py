@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import multiprocessing
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
@@ -13,6 +14,7 @@ import pytest
 import mesh_samples
 from meshes.public_meshes import PACKAGES, differences, meshes_of
 from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.isolation.codec import encode
 from wsgen.isolation.fork_server import ForkServer
 from wsgen.isolation.outcome import Answered, Died, Limits
 from wsgen.meshes import worker
@@ -35,7 +37,7 @@ def run() -> Iterator[Callable[..., Answered | Died]]:
 
 def in_this_process(task: str, *arguments: Any, **_: Any) -> Answered | Died:
     assert task == "wsgen.meshes.worker:inspect"
-    return Answered(value=worker.inspect(*arguments), output="")
+    return Answered(value=json.loads(encode(worker.inspect(*arguments))), output="")
 
 
 def mesh(file: Path, scale: tuple[float, float, float] = (1.0, 1.0, 1.0)) -> Mesh:
@@ -244,7 +246,7 @@ def test_the_robot_goes_on_without_the_mesh_that_the_reader_dies_of(tmp_path: Pa
     def run(task: str, *arguments: Any, **_: Any) -> Answered | Died:
         requests, *rest = arguments
         for number, request in enumerate(requests):
-            if request[0] in map(str, files[1:3]):
+            if request.path in map(str, files[1:3]):
                 return Died(reason="crashed (SIGSEGV)", step=str(number), output="")
         return in_this_process(task, requests, *rest)
 

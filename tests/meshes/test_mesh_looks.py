@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import struct
 import sys
@@ -16,12 +17,14 @@ from PIL import Image
 
 import mesh_samples
 from wsgen.diagnostics import Severity
+from wsgen.isolation.codec import encode
 from wsgen.isolation.fork_server import ForkServer
 from wsgen.isolation.outcome import Answered, Died
 from wsgen.meshes import worker
 from wsgen.meshes.appearance import MATERIALS, Textures
 from wsgen.meshes.inspection import inspect_meshes
 from wsgen.meshes.reader import read_mesh
+from wsgen.meshes.requests import InspectedMesh, MeshRequest, Showing
 from wsgen.meshes.stl import write_stl
 from wsgen.model.robot import Collision, Link, Mesh, Robot, Visual
 
@@ -41,7 +44,7 @@ PALETTE = ((255, 0, 0), (0, 255, 0), (0, 0, 255), (255, 255, 0))  # rows, from t
 
 def in_this_process(task: str, *arguments: Any, **_: Any) -> Answered | Died:
     assert task == "wsgen.meshes.worker:inspect"
-    return Answered(value=worker.inspect(*arguments), output="")
+    return Answered(value=json.loads(encode(worker.inspect(*arguments))), output="")
 
 
 def write(folder: Path, name: str, content: bytes | str) -> Path:
@@ -370,7 +373,7 @@ def test_a_texture_of_obj(tmp_path: Path, options: str) -> None:
     assert found == ()
     assert visual.rgba == (0.6, 0.6, 0.6, 1.0)
     assert visual.texture
-    content = read_mesh(path_of(visual), with_look=True)
+    content = read_mesh(path_of(visual), with_materials=True)
     points = content.patches[0].texture_points
     assert points is not None
     assert np.allclose(points, (content.corners[..., :2] + 1) / 2)
@@ -415,7 +418,7 @@ def test_an_obj_whose_texture_points_and_normals_are_nothing(tmp_path: Path, fac
     picture(tmp_path / "image.png")
     file = obj_with(tmp_path, "newmtl one\nKd 1 0 0\nmap_Kd image.png\n", f"usemtl one\n{faces}")
     visual, _ = only(file)
-    content = read_mesh(path_of(visual), with_look=True)
+    content = read_mesh(path_of(visual), with_materials=True)
     assert len(content.corners) == 2
     normals = content.patches[0].normals
     assert normals is not None
@@ -457,7 +460,7 @@ def test_colors_of_gltf(tmp_path: Path) -> None:
     assert [heights(visual) for visual in visuals] == [{0.0}, {1.0}]
     assert visuals[0].texture is None
     assert Image.open(visuals[1].texture or "").getpixel((0, 0)) == PALETTE[0]
-    content = read_mesh(path_of(visuals[1]), with_look=True)
+    content = read_mesh(path_of(visuals[1]), with_materials=True)
     points = content.patches[0].texture_points
     assert points is not None
     assert np.allclose(points, (content.corners[..., :2] + 1) / 2)
@@ -496,22 +499,29 @@ def test_dense_meshes_are_reduced_together(tmp_path: Path) -> None:
     (tmp_path / "small.stl").write_bytes(mesh_samples.binary_stl())
     (answer, small) = worker.inspect(
         [
-            (str(tmp_path / name), False, False, [(False, (1.0, 1.0, 1.0), 2)])
+            MeshRequest(
+                path=str(tmp_path / name),
+                is_collision=False,
+                is_visual=False,
+                showings=(Showing(is_painted=False, scale=(1.0, 1.0, 1.0), times=2),),
+            )
             for name in ("sphere.stl", "small.stl")
         ],
-        str(tmp_path),
+        tmp_path,
     )
-    assert answer["triangles"] == 180_000
-    ((path, _, _, low, high, _),) = answer["looks"][0]
-    assert np.allclose((low, high), ((-1, -1, -1), (1, 1, 1)), atol=1e-3)
-    content = read_mesh(Path(path), with_look=True)
+    assert isinstance(answer, InspectedMesh)
+    assert answer.triangles == 180_000
+    ((part,),) = answer.colored
+    assert np.allclose((part.low, part.high), ((-1, -1, -1), (1, 1, 1)), atol=1e-3)
+    content = read_mesh(Path(part.path), with_materials=True)
     assert 10_000 < len(content.corners) <= 55_000  # it is shown twice
     normals = content.patches[0].normals
     assert normals is not None
     cosines = np.einsum("ijk,ijk->ij", normals, content.corners)  # of a ball, its own place
     assert cosines.min() > 0.98
-    ((path, *_),) = small["looks"][0]
-    assert len(read_mesh(Path(path)).corners) == len(mesh_samples.FACES)
+    assert isinstance(small, InspectedMesh)
+    ((part,),) = small.colored
+    assert len(read_mesh(Path(part.path)).corners) == len(mesh_samples.FACES)
 
 
 def test_looks_come_out_of_the_child(tmp_path: Path) -> None:

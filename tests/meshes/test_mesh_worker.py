@@ -12,7 +12,7 @@ import time
 import warnings
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -20,7 +20,9 @@ import pytest
 import mesh_samples
 from wsgen.meshes import worker
 from wsgen.meshes.content import BrokenMeshError, EnormousMeshError
+from wsgen.meshes.material_rules import MISSING_MATERIAL_LIBRARY
 from wsgen.meshes.reader import READ, read_mesh
+from wsgen.meshes.requests import InspectedMesh, MeshRequest, Showing, UnusableMesh
 from wsgen.meshes.stl import write_stl
 
 if TYPE_CHECKING:
@@ -38,15 +40,38 @@ def write(folder: Path, name: str, content: bytes | str) -> Path:
     return file
 
 
-def inspect(file: Path, folder: Path) -> dict[str, Any]:
+ONCE = (Showing(is_painted=False, scale=(1.0, 1.0, 1.0), times=1),)
+
+
+def inspect(file: Path, folder: Path) -> InspectedMesh | UnusableMesh:
     """What is said of a file that is both touched and seen."""
-    (answer,) = worker.inspect([(str(file), True, True)], str(folder))
+    request = MeshRequest(path=str(file), is_collision=True, is_visual=True)
+    (answer,) = worker.inspect([request], folder)
     return answer
 
 
-def box_of(file: str) -> tuple[list[float], list[float]]:
+def usable(file: Path, folder: Path) -> InspectedMesh:
+    answer = inspect(file, folder)
+    assert isinstance(answer, InspectedMesh), answer
+    return answer
+
+
+def unusable(file: Path, folder: Path) -> UnusableMesh:
+    answer = inspect(file, folder)
+    assert isinstance(answer, UnusableMesh), answer
+    return answer
+
+
+def inspect_materials(file: Path, folder: Path) -> InspectedMesh | UnusableMesh:
+    """What is said of a file that is touched, and seen with its materials."""
+    request = MeshRequest(path=str(file), is_collision=True, is_visual=False, showings=ONCE)
+    (answer,) = worker.inspect([request], folder)
+    return answer
+
+
+def box_of(file: str) -> tuple[tuple[float, ...], tuple[float, ...]]:
     points = read_mesh(Path(file)).corners.reshape(-1, 3)
-    return points.min(axis=0).tolist(), points.max(axis=0).tolist()
+    return tuple(points.min(axis=0).tolist()), tuple(points.max(axis=0).tolist())
 
 
 # Name, content, triangles, and which of the two (collision, visual) is written anew.
@@ -110,24 +135,23 @@ WHOLE: dict[str, tuple[bytes | str, int, tuple[bool, bool]]] = {
 def test_whole_files(tmp_path: Path, name: str) -> None:
     content, triangles, is_written_anew = WHOLE[name]
     file = write(tmp_path, name, content)
-    answer = inspect(file, tmp_path)
-    assert answer["problem"] is None
-    assert answer["oddity"] is None
-    assert answer["triangles"] == triangles
-    assert (tuple(answer["low"]), tuple(answer["high"])) == mesh_samples.BOX
-    for used, is_new in zip(("collision", "visual"), is_written_anew, strict=True):
-        assert (answer[used] != str(file)) == is_new
-        assert box_of(answer[used]) == (answer["low"], answer["high"])
+    answer = usable(file, tmp_path)
+    assert answer.inconsistency is None
+    assert answer.triangles == triangles
+    assert (answer.low, answer.high) == mesh_samples.BOX
+    for used, is_new in zip((answer.collision, answer.visual), is_written_anew, strict=True):
+        assert (used != str(file)) == is_new
+        assert box_of(used) == (answer.low, answer.high)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", mesh_samples.BROKEN)
 def test_broken_files(tmp_path: Path, name: str) -> None:
     content, words = mesh_samples.BROKEN[name]
-    answer = inspect(write(tmp_path, name, content), tmp_path)
-    assert words in answer["problem"]
-    assert answer["hint"]
-    assert not answer["is_enormous"]
+    answer = unusable(write(tmp_path, name, content), tmp_path)
+    assert words in answer.problem
+    assert answer.hint
+    assert not answer.is_enormous
 
 
 @pytest.mark.parametrize(
@@ -148,18 +172,17 @@ def test_what_only_pybullet_minds_is_written_anew(
     tmp_path: Path, name: str, content: bytes | str, words: str
 ) -> None:
     file = write(tmp_path, name, content)
-    answer = inspect(file, tmp_path)
-    assert answer["problem"] is None
-    assert words in answer["oddity"]
-    assert str(file) not in {answer["collision"], answer["visual"]}
-    assert (tuple(answer["low"]), tuple(answer["high"])) == mesh_samples.BOX
+    answer = usable(file, tmp_path)
+    assert words in (answer.inconsistency or "")
+    assert str(file) not in {answer.collision, answer.visual}
+    assert (answer.low, answer.high) == mesh_samples.BOX
 
 
 def test_what_is_no_file(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe.stl")
     (tmp_path / "folder.stl").mkdir()
     problems = [
-        inspect(tmp_path / name, tmp_path)["problem"]
+        unusable(tmp_path / name, tmp_path).problem
         for name in ("pipe.stl", "folder.stl", "missing.stl")
     ]
     assert problems == [
@@ -175,13 +198,12 @@ def test_a_million_triangles_are_read_and_one_more_is_not(tmp_path: Path) -> Non
     corners[:, 1, 0] = 1.0
     started = time.process_time()
     write_stl(corners[:-1], tmp_path / "million.stl")
-    answer = inspect(tmp_path / "million.stl", tmp_path)
-    assert answer["triangles"] == 1_000_000
+    assert usable(tmp_path / "million.stl", tmp_path).triangles == 1_000_000
     assert time.process_time() - started < 5
     write_stl(corners, tmp_path / "more.stl")
-    answer = inspect(tmp_path / "more.stl", tmp_path)
-    assert answer["is_enormous"]
-    assert "1,000,001" in answer["problem"]
+    answer = unusable(tmp_path / "more.stl", tmp_path)
+    assert answer.is_enormous
+    assert "1,000,001" in answer.problem
 
 
 def test_a_huge_file_is_not_opened(tmp_path: Path) -> None:
@@ -195,7 +217,7 @@ def test_a_name_counts_with_its_capitals(tmp_path: Path, monkeypatch: pytest.Mon
     """As on a file system that finds part.stl where PART.STL is."""
     file = write(tmp_path, "part.stl", mesh_samples.binary_stl())
     monkeypatch.setattr(os, "listdir", lambda _: ["PART.STL"])
-    with pytest.raises(BrokenMeshError, match="other capitals"):
+    with pytest.raises(BrokenMeshError, match="capitals"):
         read_mesh(file)
 
 
@@ -246,19 +268,22 @@ def samples() -> dict[str, bytes]:
         *("binary.stl", "text.stl", "square.obj", "quads.obj", "triangles.dae", "quads.dae"),
     ],
 )
-def test_damaged_files_are_told_in_words(tmp_path: Path, name: str) -> None:
-    """No exception of a library, and none of Python's, is told by its name."""
+def test_damaged_files_are_reported_in_words(tmp_path: Path, name: str) -> None:
+    """No exception of a library, and none of Python's, is reported by its name."""
     content = samples()[name]
     file = write(tmp_path, name, content)
     problems = set()
     for changed in damaged(content):
         write(tmp_path, name, changed)
-        asked = (str(file), True, False, [(False, (1.0, 1.0, 1.0), 1)])
-        (answer,) = worker.inspect([asked], str(tmp_path))
-        problems.add(answer["problem"])
-        told = f"{answer['problem']} {answer.get('complaints')}"
-        assert not re.search(r"Error|Exception|\b(object|index|array)\b|Traceback", told), told
-    assert problems - {None, "is empty (0 bytes)"}
+        answer = inspect_materials(file, tmp_path)
+        if isinstance(answer, UnusableMesh):
+            words = [answer.problem]
+            problems.add(answer.problem)
+        else:
+            words = [found.problem for found in answer.material_problems]
+        exception = re.compile(r"Error|Exception|\b(object|index|array)\b|Traceback")
+        assert not any(map(exception.search, words)), words
+    assert problems - {"is empty (0 bytes)"}
 
 
 @pytest.mark.parametrize("kind", ["stl", "obj", "dae"])
@@ -273,8 +298,8 @@ def test_our_own_readers_raise_nothing_else(tmp_path: Path, kind: str) -> None:
 @pytest.mark.parametrize("kind", ["glb", "ply"])
 def test_files_cut_short(tmp_path: Path, kind: str) -> None:
     content = samples()["box.glb" if kind == "glb" else "binary.ply"]
-    answer = inspect(write(tmp_path, f"cut.{kind}", content[: len(content) // 2]), tmp_path)
-    assert "it is cut short" in answer["problem"]
+    answer = unusable(write(tmp_path, f"cut.{kind}", content[: len(content) // 2]), tmp_path)
+    assert "it is cut short" in answer.problem
 
 
 @pytest.mark.parametrize("target", ["/dev/zero", "pipe", "missing.bin", "large.bin", "folder"])
@@ -286,14 +311,15 @@ def test_files_that_a_mesh_names(tmp_path: Path, target: str) -> None:
         stream.truncate(10**12)
     gltf = json.loads(samples()["box.gltf"])
     gltf["buffers"] = [{**buffer, "uri": target} for buffer in gltf["buffers"]]
-    answer = inspect(write(tmp_path, "box.gltf", json.dumps(gltf)), tmp_path)
-    assert f"needs the file `{target}`, which " in answer["problem"]
+    broken = unusable(write(tmp_path, "box.gltf", json.dumps(gltf)), tmp_path)
+    assert f"needs the file `{target}`, which " in broken.problem
     content = mesh_samples.square_obj(head=f"mtllib {target}\n")
     file = write(tmp_path, "square.obj", content)
-    asked = (str(file), True, False, [(False, (1.0, 1.0, 1.0), 1)])
-    (answer,) = worker.inspect([asked], str(tmp_path))
-    (complaint,) = answer["complaints"]
-    assert f"its material library `{target}`" in complaint.what
+    answer = inspect_materials(file, tmp_path)
+    assert isinstance(answer, InspectedMesh)
+    (found,) = answer.material_problems
+    assert found.rule is MISSING_MATERIAL_LIBRARY
+    assert f"its material library `{target}`" in found.problem
 
 
 @pytest.mark.parametrize("keyword", ["mtllib", "  mtllib", "\tmtllib"])
@@ -301,11 +327,11 @@ def test_no_engine_gets_the_name_of_a_material_library(tmp_path: Path, keyword: 
     """Engines open it, whatever it is, where they load the OBJ."""
     content = mesh_samples.obj().decode()
     file = write(tmp_path, "box.obj", f"o box\n{keyword} /dev/zero\n{content}")
-    answer = inspect(file, tmp_path)
-    for used in ("collision", "visual"):
-        assert Path(answer[used]).suffix == ".obj"  # which engines cut into its objects
-        assert b"mtllib" not in Path(answer[used]).read_bytes()
-        assert box_of(answer[used]) == (answer["low"], answer["high"])
+    answer = usable(file, tmp_path)
+    for used in (answer.collision, answer.visual):
+        assert Path(used).suffix == ".obj"  # which engines cut into its objects
+        assert b"mtllib" not in Path(used).read_bytes()
+        assert box_of(used) == (answer.low, answer.high)
 
 
 @pytest.mark.parametrize("kind", ["glb", "gltf", "ply"])
@@ -323,11 +349,10 @@ def test_what_the_library_reads_is_written_anew(tmp_path: Path, kind: str) -> No
             (tmp_path / name.replace("model.gltf", "box.gltf")).write_bytes(content)
     else:
         (scene if kind == "glb" else scene.to_mesh()).export(file)
-    answer = inspect(file, tmp_path)
-    assert answer["problem"] is None
-    assert answer["triangles"] == 24
-    assert np.allclose((answer["low"], answer["high"]), mesh_samples.BOX)
-    assert np.allclose(box_of(answer["collision"]), mesh_samples.BOX)
-    assert answer["collision"] == answer["visual"] != str(file)
+    answer = usable(file, tmp_path)
+    assert answer.triangles == 24
+    assert np.allclose((answer.low, answer.high), mesh_samples.BOX)
+    assert np.allclose(box_of(answer.collision), mesh_samples.BOX)
+    assert answer.collision == answer.visual != str(file)
     cut = write(tmp_path, f"cut.{kind}", file.read_bytes()[: file.stat().st_size * 2 // 3])
-    assert inspect(cut, tmp_path)["problem"]
+    assert unusable(cut, tmp_path).problem

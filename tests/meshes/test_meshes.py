@@ -58,28 +58,32 @@ def test_found(share: Path, uri: str) -> None:
 @pytest.mark.parametrize(
     ("uri", "words", "hint"),
     [
-        ("package://arm/meshes/part two.STL", "is not there", "installs it"),
-        ("package://arm/meshes/part one.stl", "/part one.STL` is", "same capitals"),
-        ("package://arm/Meshes/PART one.stl", "/meshes/part one.STL` is", "same capitals"),
-        ("file://{share}/meshes/Part%20one.STL", "/part one.STL` is", "same capitals"),
+        ("package://arm/meshes/part two.STL", "does not exist", "installs it"),
+        ("package://arm/meshes/part one.stl", "/part one.STL` does", "same capitals"),
+        ("package://arm/Meshes/PART one.stl", "/meshes/part one.STL` does", "same capitals"),
+        ("file://{share}/meshes/Part%20one.STL", "/part one.STL` does", "same capitals"),
         ("package://arm/meshes", "is a folder", "Name a mesh file"),
         ("package://arm", "is a folder", "Name a mesh file"),
         ("package://arm/meshes/pipe.stl", "is a named pipe", "Name a mesh file"),
         ("package://arm/meshes/gone.stl", "a link to ", "Name a mesh file"),
         ("package://leg/meshes/part.stl", "package `leg`", "Build and source"),
         ("package://arm/meshes/part.step", "format", "Convert it"),
-        ("package:///meshes/part.stl", "names no package", "package://PACKAGE/meshes/part.stl"),
-        ("model://", "names no model", "model://PACKAGE/meshes/…"),
-        ("https://fuel.gazebosim.org/1.0/part.stl", "in the network", "Download it"),
+        (
+            "package:///meshes/part.stl",
+            "does not name a package",
+            "package://PACKAGE/meshes/part.stl",
+        ),
+        ("model://", "does not name a model", "model://PACKAGE/meshes/…"),
+        ("https://fuel.gazebosim.org/1.0/part.stl", "network address", "Download it"),
         ("ftp://example.org/part.stl", "(`ftp://`)", "package://PACKAGE"),
-        ("$(find arm)/meshes/part one.STL", "nothing has expanded", "xacro"),
-        ("${{folder}}/part one.STL", "nothing has expanded", "xacro"),
+        ("$(find arm)/meshes/part one.STL", "is not expanded", "xacro"),
+        ("${{folder}}/part one.STL", "is not expanded", "xacro"),
         ("/nowhere/somebody/part.stl", "of another machine", "package://PACKAGE"),
         ("file:///nowhere/somebody/part.stl", "of another machine", "package://PACKAGE"),
-        ("C:\\robots\\part.stl", "a Windows machine", "package://PACKAGE"),
-        ("package://arm/meshes\\part one.STL", "has backslashes", "meshes/part one.STL"),
+        ("C:\\robots\\part.stl", "a Windows path", "package://PACKAGE"),
+        ("package://arm/meshes\\part one.STL", "backslashes", "meshes/part one.STL"),
         ("  ", "has no name", "package://PACKAGE"),
-        (f"{{share}}/{'long' * 100}.stl", "is not there", "Check its spelling"),
+        (f"{{share}}/{'long' * 100}.stl", "does not exist", "Check its spelling"),
     ],
 )
 def test_not_found(share: Path, uri: str, words: str, hint: str) -> None:
@@ -110,7 +114,7 @@ def test_paths_are_absolute(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
 
 def test_relative_to_nothing() -> None:
     _, found = find_meshes(robot("part.stl"), share_of=lambda _: None)
-    assert "relative to nothing" in found[0].message
+    assert "relative path" in found[0].message
 
 
 def test_two_names_that_differ_in_capitals_alone_are_not_chosen_from(share: Path) -> None:

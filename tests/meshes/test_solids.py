@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import time
 from pathlib import Path
@@ -15,10 +16,11 @@ from PIL import Image
 from solid_heights import height_at
 from wsgen.diagnostics import Severity
 from wsgen.isolation import parent
+from wsgen.isolation.codec import encode
 from wsgen.isolation.outcome import Answered, Died, Limits
 from wsgen.meshes import shape_worker
 from wsgen.meshes.shape_worker import MOST_ROWS, heightmap_surface
-from wsgen.meshes.shapes import DEATHS, build_solids
+from wsgen.meshes.shapes import DEATHS, build_shapes
 from wsgen.model.robot import (
     Box,
     Collision,
@@ -68,11 +70,11 @@ def robot(
 
 def in_this_process(task: str, *arguments: Any, **_: Any) -> Answered | Died:
     assert task == "wsgen.meshes.shape_worker:build"
-    return Answered(value=shape_worker.build(*arguments), output="")
+    return Answered(value=json.loads(encode(shape_worker.build(*arguments))), output="")
 
 
 def built(model: Robot, folder: Path) -> tuple[Link, tuple[Diagnostic, ...]]:
-    new, found = build_solids(model, file=WORLD_FILE, folder=folder, run=in_this_process)
+    new, found = build_shapes(model, file=WORLD_FILE, folder=folder, run=in_this_process)
     return new.links[0], found
 
 
@@ -101,7 +103,7 @@ def test_a_robot_without_such_shapes_starts_no_child(tmp_path: Path) -> None:
         raise AssertionError("a child was started")
 
     model = robot(Box(size=(1, 1, 1)), Mesh(uri="x.stl"))
-    assert build_solids(model, file=None, folder=tmp_path, run=refuse) == (model, ())
+    assert build_shapes(model, file=None, folder=tmp_path, run=refuse) == (model, ())
     assert list(tmp_path.iterdir()) == []
 
 
@@ -267,7 +269,7 @@ def test_large_images_are_thinned_out(tmp_path: Path) -> None:
     shape = Heightmap(uri="h", path=image(tmp_path, pixels), size=(1025, 1025, 1), line=4)
     link, (found,) = built(robot(shape), tmp_path)
     assert (found.code, found.severity, found.line) == ("WLD053", INFO, 4)
-    assert f"takes {MOST_ROWS} × {MOST_ROWS}" in found.message
+    assert f"uses {MOST_ROWS} × {MOST_ROWS}" in found.message
     mesh = link.collisions[0].geometry
     assert isinstance(mesh, Mesh)
     assert mesh.bounds is not None
@@ -331,7 +333,7 @@ def test_what_gazebo_makes_of_a_heightmap(tmp_path: Path) -> None:
 
 
 def test_a_child_makes_them(tmp_path: Path) -> None:
-    new, found = build_solids(robot(Cone(radius=1, length=1)), file=None, folder=tmp_path)
+    new, found = build_shapes(robot(Cone(radius=1, length=1)), file=None, folder=tmp_path)
     assert found == ()
     (mesh,) = [one.geometry for one in new.links[0].collisions]
     assert isinstance(mesh, Mesh)
@@ -347,7 +349,7 @@ def test_what_the_child_dies_of_is_told(tmp_path: Path) -> None:
         return Died(reason="crashed (SIGSEGV)", step="0", output="")
 
     shapes = [extrusion(square(half)) for half in range(1, 6)]
-    _, found = build_solids(robot(*shapes), file=None, folder=tmp_path, run=die)
+    _, found = build_shapes(robot(*shapes), file=None, folder=tmp_path, run=die)
     assert asked == [5, 4, 3][:DEATHS]
     assert [one.code for one in found] == ["WLD057"] * 2  # one sentence for those alike
     assert "crashed (SIGSEGV)" in found[0].message
@@ -357,7 +359,7 @@ def test_a_child_that_does_not_start(tmp_path: Path) -> None:
     def die(*_: Any, **__: Any) -> Answered | Died:
         return Died(reason="did not end", step="", output="", cause="wall-clock time")
 
-    _, found = build_solids(robot(Cone(radius=1, length=1)), file=None, folder=tmp_path, run=die)
+    _, found = build_shapes(robot(Cone(radius=1, length=1)), file=None, folder=tmp_path, run=die)
     assert [(one.code, one.severity) for one in found] == [("WLD057", ERROR)]
     assert "machine is less busy" in (found[0].hint or "")
 
@@ -368,5 +370,5 @@ def test_a_huge_picture_needs_little(tmp_path: Path, monkeypatch: pytest.MonkeyP
     monkeypatch.setattr("wsgen.meshes.shapes.LIMITS", limits)
     pixels = np.add.outer(np.arange(4097), np.arange(4097)).astype(np.uint16)
     shape = Heightmap(uri="h", path=image(tmp_path, pixels), size=(100, 100, 10))
-    _, found = build_solids(robot(shape), file=None, folder=tmp_path, run=parent.run)
+    _, found = build_shapes(robot(shape), file=None, folder=tmp_path, run=parent.run)
     assert [one.code for one in found] == ["WLD053"]

@@ -15,7 +15,7 @@ from PIL import Image
 from simulation.robots import VOID, ball_on_mesh, body, joint, single, spawned
 from wsgen.isolation.outcome import Answered
 from wsgen.meshes import shape_worker
-from wsgen.meshes.shapes import build_solids
+from wsgen.meshes.shapes import build_shapes
 from wsgen.meshes.stl import write_stl
 from wsgen.model.robot import (
     Box,
@@ -61,7 +61,7 @@ def made(robot: Robot, folder: Path) -> Robot:
     def run(_: str, *arguments: Any, **__: Any) -> Answered:
         return Answered(value=shape_worker.build(*arguments), output="")
 
-    new, found = build_solids(robot, file=None, folder=folder, run=run)  # type: ignore[arg-type]
+    new, found = build_shapes(robot, file=None, folder=folder, run=run)  # type: ignore[arg-type]
     assert found == ()
     return new
 

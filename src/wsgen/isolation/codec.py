@@ -102,7 +102,7 @@ def _decode_member(value: Any, kind: Any, members: tuple[Any, ...]) -> Any:
             if getattr(member, "__name__", "") == value[NAME]:
                 return _decode(value, member)
     for member in members:
-        with suppress(TypeError):
+        with suppress(TypeError, ValueError):  # ValueError: no such member of an enumeration
             return _decode(value, member)
     raise TypeError(_mismatch(value, kind))
 

@@ -1,8 +1,7 @@
-"""Files for a renderer, each of one color or texture.
+"""Makes of a mesh with materials what a renderer draws: files of one color or texture each.
 
-Fewer triangles for a picture, in which small ones are not seen.
-
-Images on meshes; the one place of this package that imports Pillow.
+They have no more triangles than a picture shows, and textures of a size and format that every
+renderer reads.
 """
 
 from __future__ import annotations
@@ -18,8 +17,10 @@ import numpy as np
 
 from wsgen.files import read_regular
 from wsgen.isolation.child import announce
-from wsgen.meshes.content import Complaint, Material, Patch, bounds_of, flat_normals
+from wsgen.meshes.content import Material, Patch, bounds_of, flat_normals
+from wsgen.meshes.material_rules import MISSING_TEXTURE, UNUSABLE_TEXTURE
 from wsgen.meshes.obj_writer import write_obj
+from wsgen.meshes.requests import ColoredMesh, MaterialProblem
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -27,12 +28,14 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from wsgen.meshes.content import Content
+    from wsgen.meshes.requests import Showing
+    from wsgen.model.transform import Vector
 
 
 # To write and load a million, and to draw them twice, takes 5 s.
 BUDGET = 100_000  # triangles of a robot; a picture of 960 by 720 shows no more
 FEW = 500  # a patch with no more is left as it is
-SAMPLE = 4_000  # triangles of a patch from which is told how many will be left
+SAMPLE = 4_000  # triangles of a patch that say how many of all will be left
 FINEST = 1 / 2000  # of the largest patch: no cell is smaller
 GROWTH = 1.25  # from one size of the cells to the next
 CELLS = 2**20  # along each edge, so that a cell's number has 60 bits
@@ -134,7 +137,7 @@ class Texture(NamedTuple):
     """An image for a mesh, or why there is none."""
 
     path: str | None = None  # a PNG with 8 bits for red, green and blue
-    complaint: Complaint | None = None
+    problem: MaterialProblem | None = None
 
 
 class Unusable(NamedTuple):
@@ -164,7 +167,7 @@ class Textures:
         if isinstance(image, str):
             found = _find(image, mesh.parent)
             if found is None:
-                return Texture(complaint=_missing(image))
+                return Texture(problem=_missing(image))
             image = found
         # An image in a mesh file is another one for each mesh.
         key = image if isinstance(image, Path) else (mesh, id(image))
@@ -173,9 +176,9 @@ class Textures:
             small = _read(image)
             if isinstance(small, Unusable):
                 name = image.name if isinstance(image, Path) else "inside of it"
-                self._prepared[key] = Texture(complaint=_complain(name, small))
+                self._prepared[key] = Texture(problem=_unusable(name, small))
             else:
-                small.save(target, compress_level=1)  # a full disk is no fault of the image
+                small.save(target, compress_level=1)  # a full disk is not a problem of the image
                 self._prepared[key] = Texture(path=str(target))
         return self._prepared[key]
 
@@ -189,18 +192,18 @@ def _find(address: str, folder: Path) -> Path | None:
         return None
 
 
-def _missing(address: str) -> Complaint:
-    return Complaint(
-        "ROB073",
-        f"has a texture that is not there: `{address[:200]}`",
-        "Put it next to the mesh or into ../materials/textures, where Gazebo looks for it, and "
-        "let CMakeLists.txt install it.",
+def _missing(address: str) -> MaterialProblem:
+    return MaterialProblem(
+        MISSING_TEXTURE,
+        f"has a texture that does not exist: `{address[:200]}`",
+        "Put the image next to the mesh or into ../materials/textures, where Gazebo looks for it, "
+        "and install it in CMakeLists.txt.",
     )
 
 
-def _complain(name: str, found: Unusable) -> Complaint:
-    message = f"has a texture that cannot be shown: `{name}` {found.problem}"
-    return Complaint("ROB074", message, found.hint)
+def _unusable(name: str, found: Unusable) -> MaterialProblem:
+    message = f"has a texture that cannot be drawn: `{name}` {found.problem}"
+    return MaterialProblem(UNUSABLE_TEXTURE, message, found.hint)
 
 
 def _read(image: Any) -> Any:
@@ -258,47 +261,25 @@ def _eight_bits(image: Any) -> Any:
     return image.convert("RGB")
 
 
-if TYPE_CHECKING:
-    Scale = tuple[float, float, float]
-
 KEPT = 1_000_000  # triangles that wait for the end; with more, those that wait are reduced first
 
 MATERIALS = 64  # of a mesh; robots' have up to 30
 
 
-class Showing(NamedTuple):
-    """A way in which a robot shows a mesh."""
-
-    is_painted: bool  # all of it in one color, which is not the file's
-    scale: Scale
-    times: int  # in so many places
-
-
-class Look(NamedTuple):
-    """A file that a renderer draws in one color."""
-
-    path: str
-    rgba: tuple[float, float, float, float] | None  # 0 to 1; None: the simulator's default
-    texture: str | None  # an image, multiplied with the color
-    low: list[float]  # the corners of the box around its triangles, m, unscaled
-    high: list[float]
-    triangles: int
-
-
 class _Part(NamedTuple):
-    """What is to become a Look."""
+    """What is to become a ColoredMesh."""
 
     request: int  # the number of the file that it is of
     showing: Showing
     patch: Patch
     file: Path | None  # of these triangles and no others, if a renderer may take it
     triangles: int  # before any was left out
-    low: list[float]
-    high: list[float]
+    low: Vector
+    high: Vector
 
 
-class SceneRenderer:
-    """Collects what is to be seen of a robot, and writes it when all is there."""
+class AppearanceWriter:
+    """Collects what is seen of the meshes of a robot, and writes it when all is there."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -307,9 +288,9 @@ class SceneRenderer:
 
     def add(
         self, request: int, file: Path, content: Content, showings: Iterable[Showing]
-    ) -> list[Complaint]:
-        """Take in a mesh file, and say what is wrong with its look."""
-        complaints = dict.fromkeys(content.complaints)
+    ) -> list[MaterialProblem]:
+        """Take in a mesh file; gives what is wrong with its materials."""
+        problems = dict.fromkeys(content.material_problems)
         for showing in showings:
             patches = content.patches or (Patch(content.corners),)
             if showing.is_painted:
@@ -317,32 +298,38 @@ class SceneRenderer:
             groups = _merged(patches)
             is_file = content.is_drawable and len(groups) == 1 and _is_even(showing.scale)
             for patch in groups:
-                seen, complaint = self._with_texture(patch, file)
-                if complaint is not None:
-                    complaints[complaint] = None
+                seen, problem = self._with_texture(patch, file)
+                if problem is not None:
+                    problems[problem] = None
                 low, high = bounds_of(patch.corners)
                 own = file if is_file and seen.material.image is None else None
                 count = len(patch.corners)
                 self._parts.append(_Part(request, showing, seen, own, count, low, high))
         if sum(len(part.patch.corners) for part in self._parts) > KEPT:
             self._reduce()
-        return list(complaints)
+        return list(problems)
 
-    def hang(self) -> dict[tuple[int, Showing], list[Look]]:
+    def write(self) -> dict[tuple[int, Showing], list[ColoredMesh]]:
         """Write the files; what to draw for each request and each way of showing it."""
         self._reduce()
-        looks: dict[tuple[int, Showing], list[Look]] = {}
+        colored: dict[tuple[int, Showing], list[ColoredMesh]] = {}
         for number, part in enumerate(self._parts):
             announce(str(part.request))
             path = part.file
             if path is None or part.triangles > len(part.patch.corners):
-                path = self.folder / f"look{number}.obj"
+                path = self.folder / f"colored{number}.obj"
                 write_obj(part.patch, part.showing.scale, path)
             rgba, image = part.patch.material
-            count = len(part.patch.corners)
-            look = Look(str(path), rgba, image, part.low, part.high, count)
-            looks.setdefault((part.request, part.showing), []).append(look)
-        return looks
+            mesh = ColoredMesh(
+                path=str(path),
+                rgba=rgba,
+                texture=image,
+                low=part.low,
+                high=part.high,
+                triangles=len(part.patch.corners),
+            )
+            colored.setdefault((part.request, part.showing), []).append(mesh)
+        return colored
 
     def _reduce(self) -> None:
         drawn = [
@@ -354,17 +341,17 @@ class SceneRenderer:
             part._replace(patch=patch) for part, patch in zip(self._parts, reduced, strict=True)
         ]
 
-    def _with_texture(self, patch: Patch, file: Path) -> tuple[Patch, Complaint | None]:
+    def _with_texture(self, patch: Patch, file: Path) -> tuple[Patch, MaterialProblem | None]:
         """The patch with an image that can be drawn, or without one."""
         image = patch.material.image
         if image is None:
             return patch._replace(texture_points=None), None
-        path, complaint = self.textures.prepare(image, file)
+        path, problem = self.textures.prepare(image, file)
         if patch.texture_points is None or not np.isfinite(patch.texture_points).all():
             path = None
         points = None if path is None else patch.texture_points
         material = Material(rgba=patch.material.rgba, image=path)
-        return patch._replace(texture_points=points, material=material), complaint
+        return patch._replace(texture_points=points, material=material), problem
 
 
 def _merged(patches: Sequence[Patch]) -> list[Patch]:
@@ -403,10 +390,10 @@ def _concatenated(rows: Sequence[Any], group: Sequence[Patch], width: int) -> An
     )
 
 
-def _is_even(scale: Scale) -> bool:
+def _is_even(scale: Vector) -> bool:
     """Whether normals stay what they are."""
     return scale[0] > 0 and len(set(scale)) == 1
 
 
-def _largest(scale: Scale) -> float:
+def _largest(scale: Vector) -> float:
     return max((abs(part) for part in scale if math.isfinite(part) and part), default=1.0)

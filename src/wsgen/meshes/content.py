@@ -10,9 +10,9 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from wsgen.meshes.requests import MaterialProblem, Rgba
+    from wsgen.model.transform import Vector
 
-if TYPE_CHECKING:
-    Rgba = tuple[float, float, float, float]
 
 FILE_LIMIT = 100 * 10**6  # bytes; a million triangles are 50 MB of STL
 TRIANGLE_LIMIT = 1_000_000  # an engine takes about 10 s to load them
@@ -65,24 +65,16 @@ class Patch(NamedTuple):
     material: Material = Material()
 
 
-class Complaint(NamedTuple):
-    """What is wrong with the look of a mesh."""
-
-    code: str
-    what: str  # goes on after the name of the mesh
-    hint: str
-
-
 class Content(NamedTuple):
     """The triangles of a mesh, as Gazebo reads them."""
 
     corners: NDArray[Any]  # (n, 3, 3), float: of each triangle three corners' x, y, z; m, unscaled
     is_plain: bool = True  # PyBullet reads the same from the file
     cleaned: bytes | None = None  # to be read in the place of the file, which names other files
-    oddity: str | None = None  # what is wrong and does no harm to Gazebo; goes on after the name
-    # The rest is there where somebody asked for the look of it:
+    inconsistency: str | None = None  # a problem that Gazebo reads over; goes on after the name
+    # The rest is there where the materials were asked for:
     patches: tuple[Patch, ...] = ()  # all the triangles, by material
-    complaints: tuple[Complaint, ...] = ()
+    material_problems: tuple[MaterialProblem, ...] = ()
     is_drawable: bool = False  # PyBullet draws well what it reads from the file itself
 
 
@@ -107,12 +99,14 @@ def _parse(text: str | bytes, what: str, kind: str, dtype: type[Any]) -> NDArray
             raise BrokenMeshError(f"has something else than {kind} in {what}") from None
 
 
-def bounds_of(corners: NDArray[Any]) -> tuple[list[float], list[float]]:
+def bounds_of(corners: NDArray[Any]) -> tuple[Vector, Vector]:
     """The corners of the box around triangles, shape (n, 3, 3), n at least 1."""
     points = corners.reshape(-1, 3)
     # A column at a time: over rows of three numpy is twenty times as slow.
-    low = [float(points[:, axis].min()) for axis in range(3)]
-    return low, [float(points[:, axis].max()) for axis in range(3)]
+    columns = [points[:, axis] for axis in range(3)]
+    x, y, z = (float(column.min()) for column in columns)
+    far_x, far_y, far_z = (float(column.max()) for column in columns)
+    return (x, y, z), (far_x, far_y, far_z)
 
 
 def flat_normals(corners: NDArray[Any]) -> NDArray[np.float64]:

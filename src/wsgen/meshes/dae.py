@@ -1,12 +1,6 @@
-"""COLLADA files: the scene. What Gazebo reads of it, and whether PyBullet reads the same.
+"""COLLADA files: what Gazebo reads of them, and whether PyBullet reads the same.
 
 Gazebo applies the unit and the nodes' transforms, and leaves `up_axis` alone; so does PyBullet.
-
-COLLADA files: one geometry.
-
-COLLADA files: what Gazebo makes of their materials.
-
-Finding one's way in a COLLADA document.
 """
 
 from __future__ import annotations
@@ -18,7 +12,6 @@ import numpy as np
 
 from wsgen.meshes.content import (
     BrokenMeshError,
-    Complaint,
     Content,
     Material,
     Patch,
@@ -27,6 +20,8 @@ from wsgen.meshes.content import (
     refuse_triangles,
     triangulate,
 )
+from wsgen.meshes.material_rules import MISSING_EFFECT
+from wsgen.meshes.requests import MaterialProblem
 from wsgen.xmltree import Malformed, parse_numbers
 
 if TYPE_CHECKING:
@@ -35,6 +30,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from wsgen.meshes.requests import Rgba
     from wsgen.xmltree import Element
 
 
@@ -101,14 +97,14 @@ class Geometry(NamedTuple):
 
     corners: NDArray[Any]  # (n, 3, 3)
     is_plain: bool  # PyBullet reads the same
-    oddity: str | None = None  # what is wrong and does no harm to Gazebo
+    inconsistency: str | None = None  # a problem that Gazebo reads over
     unread: frozenset[str] = frozenset()  # names of elements with faces that Gazebo does not read
-    # Where somebody asked for the look: what the triangles are called that are of one material,
+    # Where the materials were asked for: what the triangles are called that are of one material,
     # and these, of no material yet.
     patches: tuple[tuple[str | None, Patch], ...] = ()
 
 
-def read_geometry(geometry: Element, ids: Ids, *, with_look: bool = False) -> Geometry:
+def read_geometry(geometry: Element, ids: Ids, *, with_materials: bool = False) -> Geometry:
     """The triangles and polygons of a <geometry>."""
     mesh = child(geometry, "mesh")
     if mesh is None:
@@ -119,7 +115,7 @@ def read_geometry(geometry: Element, ids: Ids, *, with_look: bool = False) -> Ge
         inputs = list(children(faces, "input"))
         table = _indices(faces, inputs)
         parts.append(reader.read(faces, inputs, table))
-        if with_look and len(parts[-1]):
+        if with_materials and len(parts[-1]):
             normals = reader.read_rows(faces, inputs, table, "NORMAL")
             texture_points = reader.read_rows(faces, inputs, table, "TEXCOORD")
             patches.append((faces.get("material"), Patch(parts[-1], normals, texture_points)))
@@ -128,8 +124,8 @@ def read_geometry(geometry: Element, ids: Ids, *, with_look: bool = False) -> Ge
         corners=parts[0]
         if len(parts) == 1
         else np.concatenate([np.empty((0, CORNERS, COORDINATES)), *parts]),
-        is_plain=reader.is_plain and reader.oddity is None,
-        oddity=reader.oddity,
+        is_plain=reader.is_plain and reader.inconsistency is None,
+        inconsistency=reader.inconsistency,
         unread=unread,
         patches=tuple(patches),
     )
@@ -142,7 +138,7 @@ class _Reader:
         self.ids = ids
         self.points: dict[str, NDArray[np.float64]] = {}  # by the address of the <vertices>
         self.is_plain = True
-        self.oddity: str | None = None
+        self.inconsistency: str | None = None
 
     def read(
         self, faces: Element, inputs: Sequence[Element], table: NDArray[np.int64]
@@ -238,7 +234,7 @@ class _Reader:
         claimed = whole_number(element, "count", actual)
         if claimed != actual:
             name = element.tag.rpartition("}")[2]
-            self.oddity = f'says count="{claimed}" in a <{name}>, and has {actual} there'
+            self.inconsistency = f'says count="{claimed}" in a <{name}>, and has {actual} there'
 
 
 def _rows(source: Element, width: int) -> NDArray[np.float64]:
@@ -281,8 +277,6 @@ def _indices(faces: Element, inputs: Sequence[Element]) -> NDArray[np.int64]:
     return indices.reshape(-1, stride)
 
 
-Rgba = tuple[float, float, float, float]
-
 SHADERS = ("lambert", "phong", "blinn")  # Gazebo passes over <constant>
 LUMINANCE = (0.212671, 0.71516, 0.072169)  # of red, green and blue, as the standard has it
 WHITE: Rgba = (1.0, 1.0, 1.0, 1.0)
@@ -293,7 +287,7 @@ class Materials:
 
     def __init__(self, ids: Ids) -> None:
         self.ids = ids
-        self.complaints: dict[Complaint, None] = {}
+        self.problems: dict[MaterialProblem, None] = {}
         self._targets: dict[str, str] = {}  # of the names that geometries give their materials
         self._read: dict[str, Material] = {}
 
@@ -319,13 +313,13 @@ class Materials:
         url = instance.get("url", "")
         effect = self.ids.get(url.removeprefix("#"), "effect")
         if effect is None:
-            complaint = Complaint(
-                "ROB076",
+            problem = MaterialProblem(
+                MISSING_EFFECT,
                 f"has a material `{target}` of an effect `{url}` that it does not have: Gazebo "
                 "crashes on it",
                 "Export the mesh anew.",
             )
-            self.complaints[complaint] = None
+            self.problems[problem] = None
             return Material()
         profile = child(effect, "profile_COMMON")
         technique = None if profile is None else child(profile, "technique")
@@ -413,7 +407,7 @@ def is_dae(data: bytes) -> bool:
 
 
 def read_dae(data: bytes, folder: Path | None = None) -> Content:
-    """The triangles of a COLLADA file's scene; with their look if its `folder` is given."""
+    """The triangles of a COLLADA file's scene; with their materials if its `folder` is given."""
     root = parse_numbers(data)
     if isinstance(root, Malformed):
         raise BrokenMeshError(
@@ -421,20 +415,20 @@ def read_dae(data: bytes, folder: Path | None = None) -> Content:
         )
     if root.tag.rpartition("}")[2] != "COLLADA":
         raise BrokenMeshError("is XML, but no COLLADA: Gazebo and PyBullet crash on it")
-    return _Scene(root, with_look=folder is not None).read()
+    return _Scene(root, with_materials=folder is not None).read()
 
 
 class _Scene:
     """The nodes of the scene, and the geometries that they place."""
 
-    def __init__(self, root: Element, *, with_look: bool) -> None:
+    def __init__(self, root: Element, *, with_materials: bool) -> None:
         self.root = root
         self.ids = Ids(root)
-        self.materials = Materials(self.ids) if with_look else None
+        self.materials = Materials(self.ids) if with_materials else None
         self.patches: list[Patch] = []
         self.geometries: dict[str, Geometry] = {}
         self.is_plain = True
-        self.oddity: str | None = None
+        self.inconsistency: str | None = None
 
     def read(self) -> Content:
         scale = self._unit()
@@ -457,16 +451,16 @@ class _Scene:
             )
         for geometry in self.geometries.values():
             self.is_plain &= geometry.is_plain
-            self.oddity = self.oddity or geometry.oddity
+            self.inconsistency = self.inconsistency or geometry.inconsistency
         corners = parts[0] if len(parts) == 1 else np.concatenate(parts)
         if not len(corners):
-            self._complain_of_unread()
+            self._refuse_unread()
         return Content(
             corners=corners,
             is_plain=self.is_plain,
-            oddity=self.oddity,
+            inconsistency=self.inconsistency,
             patches=tuple(self.patches),
-            complaints=() if self.materials is None else tuple(self.materials.complaints),
+            material_problems=() if self.materials is None else tuple(self.materials.problems),
         )
 
     def _add_patches(self, geometry: Geometry, matrix: Matrix, materials: Materials) -> None:
@@ -489,7 +483,7 @@ class _Scene:
                 )
             )
 
-    def _complain_of_unread(self) -> None:
+    def _refuse_unread(self) -> None:
         unread = {kind for geometry in self.geometries.values() for kind in geometry.unread}
         if unread:
             raise BrokenMeshError(
@@ -502,7 +496,7 @@ class _Scene:
         asset = child(self.root, "asset")
         if asset is None:
             self.is_plain = False
-            self.oddity = "has no <asset>: PyBullet crashes on it, and its unit is not known"
+            self.inconsistency = "has no <asset>: PyBullet crashes on it, and its unit is not known"
             return 1.0
         unit = child(asset, "unit")
         meter = None if unit is None else unit.get("meter")
@@ -542,7 +536,9 @@ class _Scene:
     def _geometry(self, url: str) -> Geometry:
         if url not in self.geometries:
             self.geometries[url] = read_geometry(
-                self.ids.find(url, "a geometry"), self.ids, with_look=self.materials is not None
+                self.ids.find(url, "a geometry"),
+                self.ids,
+                with_materials=self.materials is not None,
             )
         return self.geometries[url]
 

@@ -1,7 +1,4 @@
-"""What is in the mesh files of a robot, before an engine sees them.
-
-What to say of a mesh file where a link uses it.
-"""
+"""Inspects the mesh files of a robot before an engine reads them, and reports what is wrong."""
 
 from __future__ import annotations
 
@@ -10,30 +7,121 @@ import tempfile
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.isolation import parent
+from wsgen.isolation.codec import decode
 from wsgen.isolation.outcome import Died, Limits
+from wsgen.meshes.requests import InspectedMesh, MeshRequest, Showing, UnusableMesh
 from wsgen.model.robot import Mesh
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterator, Sequence
 
     from wsgen.isolation.parent import Run
+    from wsgen.meshes.requests import ColoredMesh
     from wsgen.model.robot import Collision, Link, Robot, Visual
+    from wsgen.model.transform import Vector
 
+
+BROKEN_COLLISION_MESH = Rule(
+    code="ROB062",
+    name="broken-collision-mesh",
+    severity=Severity.ERROR,
+    summary="The mesh file of a <collision> cannot be used.",
+    what=(
+        "Reads every mesh file in a process of its own: STL, OBJ, COLLADA, glTF, GLB and PLY. A "
+        "file is broken if it is cut short or damaged, refers to vertices that it does not have, "
+        "has no triangle, or takes too long to read."
+    ),
+    why=(
+        "Gazebo crashes on some of these files and leaves out others, and then the part passes "
+        "through the ground."
+    ),
+    example="An STL file whose header says 1000 triangles, and which ends after 900.",
+    instead="The same mesh, exported again as binary STL or as OBJ.",
+)
+
+BROKEN_VISUAL_MESH = Rule(
+    code="ROB063",
+    name="broken-visual-mesh",
+    severity=Severity.WARNING,
+    summary="The mesh file of a <visual> cannot be used.",
+    what="As `broken-collision-mesh`, for what is drawn; the simulation leaves the visual out.",
+    why="Gazebo crashes on some of these files and leaves out others: the part is invisible.",
+    example="An OBJ file with 8 vertices, and a face `f 1 2 9`.",
+    instead="The same mesh, exported again as COLLADA or OBJ.",
+)
+
+HEAVY_MESH = Rule(
+    code="ROB064",
+    name="heavy-mesh",
+    severity=Severity.WARNING,
+    summary="A mesh has more than 200,000 triangles.",
+    why="Gazebo and the engines need a second or more to load each such mesh, at every start.",
+    example="A CAD export of 800,000 triangles as the <collision> of a link.",
+    instead="A mesh of some thousand triangles, or a few <box> and <cylinder> elements.",
+)
+
+ENORMOUS_MESH = Rule(
+    code="ROB065",
+    name="enormous-mesh",
+    severity=Severity.ERROR,
+    severity_varies="a warning for a <visual>, which the simulation leaves out",
+    summary="A mesh has more than a million triangles, or its file more than 100 MB.",
+    why="A physics engine needs 10 s or more to load it, and gigabytes of memory.",
+    example="A 3D scan of 5,000,000 triangles.",
+    instead="The scan, reduced to some thousand triangles.",
+)
+
+IMPLAUSIBLE_MESH_SIZE = Rule(
+    code="ROB066",
+    name="implausible-mesh-size",
+    severity=Severity.WARNING,
+    summary="A mesh of a robot is larger than 100 m or smaller than 0.1 mm.",
+    what="Measures the longest edge of the box around the mesh, scaled as its element says.",
+    why=(
+        "STL and OBJ files have no unit: Gazebo takes their numbers for meters. CAD programs "
+        "export millimeters, and the part is then a thousand times as large."
+    ),
+    example='<mesh filename="package://my_robot/meshes/arm_in_mm.stl"/>',
+    instead='<mesh filename="package://my_robot/meshes/arm_in_mm.stl" scale="0.001 0.001 0.001"/>',
+)
+
+INCONSISTENT_MESH = Rule(
+    code="ROB067",
+    name="inconsistent-mesh",
+    severity=Severity.WARNING,
+    summary="A mesh file contradicts itself, and Gazebo reads it nevertheless.",
+    what="Compares the counts that STL and COLLADA files give with what they hold.",
+    why="Other programs refuse the file or crash: PyBullet, RViz, CAD programs.",
+    example="A COLLADA file without <asset>, or one whose count of numbers is wrong.",
+    instead="The same mesh, exported again.",
+)
+
+MESH_FORMAT_NOT_READ_BY_ALL = Rule(
+    code="ROB068",
+    name="mesh-format-not-read-by-all",
+    severity=Severity.WARNING,
+    summary="Not every Gazebo reads the format of a mesh.",
+    why=(
+        "Gazebo Classic and Fortress read neither glTF nor GLB, and no Gazebo reads PLY: the part "
+        "is missing there."
+    ),
+    example='<mesh filename="package://my_robot/meshes/arm.glb"/>',
+    instead='<mesh filename="package://my_robot/meshes/arm.dae"/>',
+)
 
 MANY_TRIANGLES = 200_000  # engines take a second or more for each such mesh
 LARGEST = 100.0  # m, edge of the box around a part of a robot
 SMALLEST = 1e-4  # m
 USUAL = (0.005, 5.0)  # m, that of most parts
 FACTORS = (0.001, 0.0254, 0.01, 0.1, 10.0, 100.0, 1000.0)  # mm, inches, cm …, and their opposites
-LOOKS = {"ROB075": Severity.INFO}  # of a mesh; other findings about it are warnings
 RECENT_FORMATS = {
-    ".glb": "Gazebo Classic and Fortress read no GLB",
-    ".gltf": "Gazebo Classic and Fortress read no glTF",
-    ".ply": "Gazebo reads no PLY",
+    ".glb": "Gazebo Classic and Fortress do not read GLB",
+    ".gltf": "Gazebo Classic and Fortress do not read glTF",
+    ".ply": "Gazebo does not read PLY",
 }
 
 
@@ -51,59 +139,57 @@ class MeshUse(NamedTuple):
         return "visual" if self.is_visual else "collision"
 
 
-def find_in_use(use: MeshUse, answer: Mapping[str, Any], file: Path | None) -> Iterator[Diagnostic]:
+def check_use(
+    use: MeshUse, answer: InspectedMesh | UnusableMesh, file: Path | None
+) -> Iterator[Diagnostic]:
     """What is wrong with a mesh.
 
     Args:
         use: Where it is used.
-        answer: What `mesh_worker.inspect` says of the file.
+        answer: What the child process says of the file.
         file: The description.
     """
-    if answer["problem"] is not None:
-        broken = "ROB063" if use.is_visual else "ROB062"
-        yield _finding(
-            use,
-            file,
-            "ROB065" if answer["is_enormous"] else broken,
-            f"{answer['problem']} ({use.path})",
-            answer["hint"],
-            severity=Severity.WARNING if use.is_visual else Severity.ERROR,
-        )
+    if isinstance(answer, UnusableMesh):
+        problem = f"{answer.problem} ({use.path})"
+        if answer.is_enormous:
+            severity = Severity.WARNING if use.is_visual else Severity.ERROR
+            yield _report(use, file, ENORMOUS_MESH, problem, answer.hint, severity)
+        else:
+            broken = BROKEN_VISUAL_MESH if use.is_visual else BROKEN_COLLISION_MESH
+            yield _report(use, file, broken, problem, answer.hint)
         return
-    if answer["oddity"] is not None:
-        hint = "The simulation takes it as Gazebo reads it; export it anew."
-        yield _finding(use, file, "ROB067", f"{answer['oddity']} ({use.path})", hint)
-    if answer["triangles"] > MANY_TRIANGLES:
-        yield _finding(
+    if answer.inconsistency is not None:
+        hint = "Export the mesh again; the simulation reads it as Gazebo does."
+        yield _report(use, file, INCONSISTENT_MESH, f"{answer.inconsistency} ({use.path})", hint)
+    if answer.triangles > MANY_TRIANGLES:
+        yield _report(
             use,
             file,
-            "ROB064",
-            f"has {answer['triangles']:,} triangles, and is slow to load",
+            HEAVY_MESH,
+            f"has {answer.triangles:,} triangles and is slow to load",
             "Reduce it; for a <collision>, a few boxes or cylinders are best.",
         )
     lacking = RECENT_FORMATS.get(Path(use.path).suffix.lower())
     if lacking is not None:
-        hint = "Convert it to STL, OBJ or COLLADA, which all read."
-        yield _finding(use, file, "ROB068", f"is of a format that not all read: {lacking}", hint)
+        hint = "Convert it to STL, OBJ or COLLADA, which every Gazebo reads."
+        problem = f"has a format that is not read everywhere: {lacking}"
+        yield _report(use, file, MESH_FORMAT_NOT_READ_BY_ALL, problem, hint)
     yield from _check_extent(use, answer, file)
-    for code, what, hint in answer["complaints"] if use.is_visual else ():
-        yield _finding(use, file, code, what, hint, severity=LOOKS.get(code, Severity.WARNING))
+    for found in answer.material_problems if use.is_visual else ():
+        yield _report(use, file, found.rule, found.problem, found.hint)
 
 
-def _check_extent(
-    use: MeshUse, answer: Mapping[str, Any], file: Path | None
-) -> Iterator[Diagnostic]:
-    edges = zip(answer["low"], answer["high"], use.mesh.scale, strict=True)
+def _check_extent(use: MeshUse, answer: InspectedMesh, file: Path | None) -> Iterator[Diagnostic]:
+    edges = zip(answer.low, answer.high, use.mesh.scale, strict=True)
     extent = max(abs(scale) * (high - low) for low, high, scale in edges)  # m
-    if SMALLEST <= extent <= LARGEST or math.isnan(extent):  # a scale that is NaN is told elsewhere
+    if SMALLEST <= extent <= LARGEST or math.isnan(extent):  # the reader reports a scale of NaN
         return
-    yield _finding(
-        use, file, "ROB066", f"is {extent:.3g} m {_size_word(extent)}", _units_hint(use, extent)
-    )
+    problem = f"is {extent:.3g} m {_size_word(extent)}"
+    yield _report(use, file, IMPLAUSIBLE_MESH_SIZE, problem, _units_hint(use, extent))
 
 
 def _size_word(extent: float) -> str:
-    return "large: its unit seems not to be the meter" if extent > LARGEST else "small"
+    return "large: its unit is probably not the meter" if extent > LARGEST else "small"
 
 
 def _units_hint(use: MeshUse, extent: float) -> str:
@@ -112,37 +198,35 @@ def _units_hint(use: MeshUse, extent: float) -> str:
         if USUAL[0] <= extent * factor <= USUAL[1]:
             scale = " ".join(f"{part * factor:g}" for part in use.mesh.scale)
             return f'Write <mesh … scale="{scale}"/>, which makes it {extent * factor:.3g} m.'
-    return "Check the scale, and the unit that the mesh was exported in."
+    return "Check the scale, and the unit in which the mesh was exported."
 
 
-def _finding(  # noqa: PLR0913, PLR0917  the fields of a diagnostic, once
+def _report(  # noqa: PLR0913, PLR0917  the fields of a diagnostic, once
     use: MeshUse,
     file: Path | None,
-    code: str,
-    what: str,
+    rule: Rule,
+    problem: str,
     hint: str,
-    severity: Severity = Severity.WARNING,
+    severity: Severity | None = None,
 ) -> Diagnostic:
-    """One sentence about the mesh; `what` goes on after its name."""
-    return Diagnostic(
-        code=code,
-        severity=severity,
-        message=f"The {use.kind} mesh `{use.mesh.uri}` of the link `{use.link.name}` {what}.",
-        file=file,
-        line=use.link.line,
-        element=f"link[@name='{use.link.name}']/{use.kind}/geometry/mesh",
+    """One sentence about the mesh; `problem` goes on after its name."""
+    return rule.at(
+        file,
+        use.link.line,
+        f"link[@name='{use.link.name}']/{use.kind}/geometry/mesh",
+        message=f"The {use.kind} mesh `{use.mesh.uri}` of the link `{use.link.name}` {problem}.",
         hint=hint,
+        severity=severity,
     )
 
 
 TASK = "wsgen.meshes.worker:inspect"
 LIMITS = Limits(seconds=30.0, memory=2 * 2**30)  # of all meshes of a robot
-HINT = "Look at the mesh in a viewer, and export it anew or reduce it."
+HINT = "Open the mesh in a viewer; export it again or reduce its triangles."
 DEATHS = 3  # after so many meshes that the child dies of, the others are not read
 
-Request = tuple[str, bool, bool, list["Showing"]]  # the fields of `mesh_worker.Request`
-Showing = tuple[bool, tuple[float, float, float], int]  # the fields of `mesh_looks.Showing`
-Answer = dict[str, Any]  # what `mesh_worker.inspect` says of a file
+Answers = dict[str, InspectedMesh | UnusableMesh]  # by path
+Colored = dict[tuple[str, bool, "Vector"], tuple["ColoredMesh", ...]]  # by path and `_showing`
 
 
 def inspect_meshes(
@@ -153,7 +237,7 @@ def inspect_meshes(
     run: Run = parent.run,
     with_colors: bool = False,
 ) -> tuple[Robot, tuple[Diagnostic, ...]]:
-    """Look into every mesh that was found, and give each engine something it reads as Gazebo does.
+    """Inspect every mesh that was found, and give each engine something it reads as Gazebo does.
 
     A collision that cannot be used keeps its uri and loses its path, and is an error; a visual is
     left out, and is a warning. A mesh that PyBullet reads otherwise than Gazebo, or not at all, is
@@ -174,13 +258,19 @@ def inspect_meshes(
     if not requests:
         return robot, ()
     answers = _ask(requests, Path(tempfile.mkdtemp(prefix="meshes-", dir=folder)), run)
+    colored: Colored = {
+        (request.path, showing.is_painted, showing.scale): meshes
+        for request in requests
+        if isinstance(answer := answers[request.path], InspectedMesh)
+        for showing, meshes in zip(request.showings, answer.colored, strict=True)
+    }
     found: dict[Diagnostic, None] = {}  # one file may be seen several times in a link
     links = []
     for link in robot.links:
-        visuals = [visual for one in link.visuals for visual in _new_visuals(one, answers)]
+        visuals = [visual for one in link.visuals for visual in _new_visuals(one, answers, colored)]
         collisions = [_new_collision(one, answers) for one in link.collisions]
         for use in _uses(link):
-            found |= dict.fromkeys(find_in_use(use, answers[use.path], file))
+            found |= dict.fromkeys(check_use(use, answers[use.path], file))
         links.append(replace(link, visuals=tuple(visuals), collisions=tuple(collisions)))
     return replace(robot, links=tuple(links)), tuple(found)
 
@@ -193,42 +283,46 @@ def _uses(link: Link) -> Iterator[MeshUse]:
             yield MeshUse(link, geometry, geometry.path, is_visual=is_visual)
 
 
-def _requests(robot: Robot, *, with_colors: bool) -> list[Request]:
+def _requests(robot: Robot, *, with_colors: bool) -> list[MeshRequest]:
     """Each file once, with what it is used for."""
     uses = [use for link in robot.links for use in _uses(link)]
     touched = {use.path for use in uses if not use.is_visual}
     seen = {use.path for use in uses if use.is_visual}
-    counts: dict[str, Counter[tuple[bool, tuple[float, float, float]]]] = {}
+    counts: dict[str, Counter[tuple[bool, Vector]]] = {}
     for visual in (one for link in robot.links for one in link.visuals if with_colors):
         if isinstance(visual.geometry, Mesh) and visual.geometry.path is not None:
             counts.setdefault(visual.geometry.path, Counter())[_showing(visual)] += 1
     return [
-        (
-            path,
-            path in touched,
-            path in seen and not with_colors,
-            [(*showing, times) for showing, times in counts.get(path, {}).items()],
+        MeshRequest(
+            path=path,
+            is_collision=path in touched,
+            is_visual=path in seen and not with_colors,
+            showings=tuple(
+                Showing(is_painted, scale, times)
+                for (is_painted, scale), times in counts.get(path, {}).items()
+            ),
         )
         for path in dict.fromkeys(use.path for use in uses)
     ]
 
 
-def _showing(visual: Visual) -> tuple[bool, tuple[float, float, float]]:
+def _showing(visual: Visual) -> tuple[bool, Vector]:
     """Whether it has a color of its own, and its scale."""
     geometry = visual.geometry
     scale = geometry.scale if isinstance(geometry, Mesh) else (1.0, 1.0, 1.0)
     return visual.rgba is not None, scale
 
 
-def _ask(requests: Sequence[Request], folder: Path, run: Run) -> Mapping[str, Answer]:
+def _ask(requests: Sequence[MeshRequest], folder: Path, run: Run) -> Answers:
     """What the child says of each path; what it dies of, it is asked about no more."""
-    answers: dict[str, Answer] = {}
+    answers: Answers = {}
     waiting = list(requests)
     for _ in range(DEATHS):
-        outcome = run(TASK, waiting, str(folder), limits=LIMITS)
+        outcome = run(TASK, waiting, folder, limits=LIMITS)
         if not isinstance(outcome, Died):
-            pairs = zip(waiting, outcome.value, strict=True)
-            return {**answers, **{request[0]: _told(request, answer) for request, answer in pairs}}
+            decoded = decode(outcome.value, tuple[InspectedMesh | UnusableMesh, ...])
+            paths = [request.path for request in waiting]
+            return {**answers, **dict(zip(paths, decoded, strict=True))}
         if not outcome.step.isdecimal():  # it died before it came to the first
             problem = f"was not read, as the reader {outcome.reason}"
             return {**answers, **_refused(waiting, problem, outcome.hint(HINT))}
@@ -238,50 +332,43 @@ def _ask(requests: Sequence[Request], folder: Path, run: Run) -> Mapping[str, An
     return {**answers, **_refused(waiting, f"was not read, as the reader died of {DEATHS} others")}
 
 
-def _told(request: Request, answer: Answer) -> Answer:
-    """The answer with the looks by what they were asked for."""
-    showings = [(is_painted, scale) for is_painted, scale, _ in request[3]]
-    return {**answer, "looks": dict(zip(showings, answer["looks"], strict=True))}
+def _refused(requests: Sequence[MeshRequest], problem: str, hint: str = HINT) -> Answers:
+    return {request.path: UnusableMesh(problem=problem, hint=hint) for request in requests}
 
 
-def _refused(requests: Sequence[Request], problem: str, hint: str = HINT) -> dict[str, Answer]:
-    answer = {"problem": problem, "hint": hint, "is_enormous": False}
-    return {request[0]: answer for request in requests}
-
-
-def _new_visuals(visual: Visual, answers: Mapping[str, Answer]) -> Iterator[Visual]:
+def _new_visuals(visual: Visual, answers: Answers, colored: Colored) -> Iterator[Visual]:
     """The visual with what to draw, for each color of its own; nothing if it cannot be drawn."""
     mesh = visual.geometry
     if not isinstance(mesh, Mesh) or mesh.path is None:
         yield visual
         return
     answer = answers[mesh.path]
-    if answer["problem"] is not None:
+    if isinstance(answer, UnusableMesh):
         return
-    looks = answer["looks"].get(_showing(visual))
-    if looks is None:  # nobody asked for it
-        yield replace(visual, geometry=_with_file(mesh, answer["visual"], answer))
+    parts = colored.get((mesh.path, *_showing(visual)))
+    if parts is None:  # nobody asked for its colors
+        yield replace(visual, geometry=_with_file(mesh, answer.visual, answer))
         return
-    for path, rgba, texture, low, high, triangles in looks:
-        bounds = (tuple(low), tuple(high))
+    for part in parts:
+        bounds = (part.low, part.high)
         yield replace(
             visual,
-            geometry=replace(mesh, path=path, bounds=bounds, triangles=triangles),
-            rgba=visual.rgba if rgba is None else tuple(rgba),
-            texture=texture,
+            geometry=replace(mesh, path=part.path, bounds=bounds, triangles=part.triangles),
+            rgba=visual.rgba if part.rgba is None else part.rgba,
+            texture=part.texture,
         )
 
 
-def _new_collision(collision: Collision, answers: Mapping[str, Answer]) -> Collision:
+def _new_collision(collision: Collision, answers: Answers) -> Collision:
     mesh = collision.geometry
     if not isinstance(mesh, Mesh) or mesh.path is None:
         return collision
     answer = answers[mesh.path]
-    if answer["problem"] is not None:
+    if isinstance(answer, UnusableMesh):
         return replace(collision, geometry=replace(mesh, path=None))
-    return replace(collision, geometry=_with_file(mesh, answer["collision"], answer))
+    return replace(collision, geometry=_with_file(mesh, answer.collision, answer))
 
 
-def _with_file(mesh: Mesh, path: str, answer: Answer) -> Mesh:
-    bounds = (tuple(answer["low"]), tuple(answer["high"]))
-    return replace(mesh, path=path, bounds=bounds, triangles=answer["triangles"])
+def _with_file(mesh: Mesh, path: str, answer: InspectedMesh) -> Mesh:
+    bounds = (answer.low, answer.high)
+    return replace(mesh, path=path, bounds=bounds, triangles=answer.triangles)

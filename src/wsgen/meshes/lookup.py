@@ -1,7 +1,4 @@
-"""The file that a mesh address stands for, or why there is none.
-
-The files that mesh addresses stand for.
-"""
+"""Finds the files that mesh addresses stand for, and reports those that are missing."""
 
 from __future__ import annotations
 
@@ -12,20 +9,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 from urllib.parse import unquote
 
-from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.description_rules import MISSING_COLLISION_MESH, MISSING_VISUAL_MESH
 from wsgen.files import irregular_kind
 from wsgen.model.robot import Mesh, Robot
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from wsgen.diagnostics import Diagnostic
     from wsgen.model.robot import Geometry, Link
 
-
-if TYPE_CHECKING:
     ShareOf = Callable[[str], Path | None]  # package name -> its installed share folder
 
-FORMATS = (".stl", ".obj", ".dae", ".glb", ".gltf", ".ply")  # see `mesh_files` for who reads which
+FORMATS = (".stl", ".obj", ".dae", ".glb", ".gltf", ".ply")  # see `wsgen.meshes.reader`
 ON_WINDOWS = re.compile(r"[A-Za-z]:[\\/]")
 IN_PACKAGE = "Put the mesh into the package, and write package://PACKAGE/meshes/…"
 MACHINE_PARTS = 3  # of /home/somebody/…: if that is not there, the path is of another machine
@@ -54,7 +50,9 @@ def locate(uri: str, share_of: ShareOf, folder: Path | None) -> Path | Missing:
         path = Path(unquote(rest) if separator else uri)
         if not path.is_absolute():
             if folder is None:
-                return Missing("has a path that is relative to nothing", IN_PACKAGE)
+                return Missing(
+                    "has a relative path, and it is not known to which folder", IN_PACKAGE
+                )
             path = folder / path
     else:
         package, _, inside = rest.partition("/")
@@ -69,7 +67,7 @@ def locate(uri: str, share_of: ShareOf, folder: Path | None) -> Path | Missing:
         return _explain(uri, path)
     if path.suffix.lower() not in FORMATS:
         return Missing(
-            f"is of a format that is not read ({path.suffix or 'no extension'})",
+            f"has a format that wsgen does not read ({path.suffix or 'no extension'})",
             f"Convert it to one of {', '.join(FORMATS)}.",
         )
     return path
@@ -82,20 +80,20 @@ def _unreadable(uri: str) -> Missing | None:
         return Missing("has no name", 'Write filename="package://PACKAGE/meshes/…".')
     if "$(" in uri or "${" in uri:
         return Missing(
-            "has a substitution in it that nothing has expanded",
+            "contains a substitution that is not expanded",
             "xacro expands $(find PACKAGE) and ${…}: give the file the extension .xacro and a "
             "<robot xmlns:xacro=…>, or write package://PACKAGE/….",
         )
     if scheme in {"http", "https"} and separator:
         return Missing(
-            "is an address in the network, from which nothing is loaded",
+            "is a network address; wsgen loads files only",
             f"Download it. {IN_PACKAGE}",
         )
     if separator and scheme not in {"file", "package", "model"}:
-        return Missing(f"has a scheme that nobody knows (`{scheme}://`)", IN_PACKAGE)
+        return Missing(f"has an unknown scheme (`{scheme}://`)", IN_PACKAGE)
     if scheme in {"package", "model"} and separator and not rest.partition("/")[0]:
         return Missing(
-            f"names no {scheme}: two slashes, and then its name",
+            f"does not name a {scheme}: its name follows the two slashes",
             f"Write {scheme}://PACKAGE/{rest.lstrip('/') or 'meshes/…'}.",
         )
     return None
@@ -106,23 +104,23 @@ def _explain(uri: str, path: Path) -> Missing:
     there = _with_other_capitals(path)
     home = Path(*path.parts[:MACHINE_PARTS])
     if ON_WINDOWS.match(uri):
-        return Missing("has a path of a Windows machine", IN_PACKAGE)
+        return Missing("has a Windows path", IN_PACKAGE)
     if "\\" in uri:
-        hint = f"Write slashes: {uri.replace(chr(92), '/')}"
-        return Missing("has backslashes in it, which are no separators here", hint)
+        hint = f"Use slashes: {uri.replace(chr(92), '/')}"
+        return Missing("contains backslashes, which do not separate folders here", hint)
     if os.path.lexists(path):
-        kind = irregular_kind(path) or "a file that you may not look at"
+        kind = irregular_kind(path) or "a file that you are not allowed to read"
         return Missing(f"is {kind} ({path})", "Name a mesh file.")
     if there is not None:
         return Missing(
-            f"is not there ({path}); `{there}` is",
-            "Write its name with the same capitals: they count.",
+            f"does not exist ({path}), but `{there}` does",
+            "Write its name with the same capitals: upper and lower case differ.",
         )
     if Path(uri.removeprefix("file://")).is_absolute() and not home.exists():
-        return Missing(f"has the path of another machine ({path})", IN_PACKAGE)
+        return Missing(f"has a path of another machine ({path})", IN_PACKAGE)
     return Missing(
-        f"is not there ({path})",
-        "Check its spelling, capitals included, and that CMakeLists.txt installs it.",
+        f"does not exist ({path})",
+        "Check its spelling, including capitals, and that CMakeLists.txt installs it.",
     )
 
 
@@ -177,9 +175,8 @@ class _Search:
         self.share_of = share_of
         self.folder = folder
         self.file = file
-        self.diagnostics: dict[
-            tuple[str, str, bool], Diagnostic
-        ] = {}  # one for each mesh of a link
+        # One for each mesh of a link.
+        self.diagnostics: dict[tuple[str, str, bool], Diagnostic] = {}
 
     def located(self, geometry: Geometry, link: Link, *, is_visual: bool) -> Geometry:
         """The mesh with its path; any other geometry as it is."""
@@ -191,13 +188,12 @@ class _Search:
             return replace(geometry, path=str(found.absolute()))
         problem, hint = found
         kind = "visual" if is_visual else "collision"
-        self.diagnostics[link.name, geometry.uri, is_visual] = Diagnostic(
-            code="ROB061" if is_visual else "ROB060",
-            severity=Severity.WARNING if is_visual else Severity.ERROR,
+        rule = MISSING_VISUAL_MESH if is_visual else MISSING_COLLISION_MESH
+        self.diagnostics[link.name, geometry.uri, is_visual] = rule.at(
+            self.file,
+            link.line,
+            f"link[@name='{link.name}']/{kind}/geometry/mesh",
             message=f"The {kind} mesh `{geometry.uri}` of the link `{link.name}` {problem}.",
-            file=self.file,
-            line=link.line,
-            element=f"link[@name='{link.name}']/{kind}/geometry/mesh",
             hint=hint,
         )
         return geometry

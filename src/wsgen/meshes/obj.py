@@ -1,11 +1,4 @@
-"""Wavefront OBJ files.
-
-What the triangles of an OBJ file look like.
-
-Lines of OBJ files that hold numbers.
-
-Material libraries of OBJ files (`.mtl`).
-"""
+"""Wavefront OBJ files and their material libraries (`.mtl`)."""
 
 from __future__ import annotations
 
@@ -17,7 +10,6 @@ import numpy as np
 from wsgen.files import read_regular
 from wsgen.meshes.content import (
     BrokenMeshError,
-    Complaint,
     Content,
     EnormousMeshError,
     Material,
@@ -27,6 +19,8 @@ from wsgen.meshes.content import (
     refuse_triangles,
     triangulate,
 )
+from wsgen.meshes.material_rules import MISSING_MATERIAL_LIBRARY
+from wsgen.meshes.requests import MaterialProblem
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -89,7 +83,7 @@ NUMBER_OPTIONS = {"-bm": 1, "-boost": 1, "-texres": 1, "-mm": 2, "-o": 3, "-s": 
 
 def read_materials(
     names: Iterable[str], folder: Path
-) -> tuple[dict[str, Material], tuple[Complaint, ...]]:
+) -> tuple[dict[str, Material], tuple[MaterialProblem, ...]]:
     """The materials of an OBJ file by name.
 
     Args:
@@ -97,21 +91,21 @@ def read_materials(
         folder: Where the OBJ file is.
     """
     materials: dict[str, Material] = {}
-    complaints = []
+    problems = []
     for name in names:
-        simulated = [_read(folder / one) for one in dict.fromkeys((name, *name.split()))]
-        text = next((text for text, _ in simulated if text is not None), None)
+        read = [_read(folder / one) for one in dict.fromkeys((name, *name.split()))]
+        text = next((text for text, _ in read if text is not None), None)
         if text is not None:
             materials |= _parse(text)
             continue
-        complaints.append(
-            Complaint(
-                "ROB075",
-                f"has no colors, as its material library `{name}` {simulated[0][1]}",
+        problems.append(
+            MaterialProblem(
+                MISSING_MATERIAL_LIBRARY,
+                f"has no colors, as its material library `{name}` {read[0][1]}",
                 "Put the .mtl file next to the .obj, and let CMakeLists.txt install it.",
             )
         )
-    return materials, tuple(complaints)
+    return materials, tuple(problems)
 
 
 def _read(file: Path) -> tuple[str | None, str]:
@@ -188,7 +182,7 @@ class Faces(NamedTuple):
     sizes: NDArray[np.int64]  # how many corners each has
 
 
-def with_look(
+def content_with_materials(
     corners: NDArray[np.float64], places: NDArray[np.int64], faces: Faces, folder: Path
 ) -> Content:
     """What is in the file.
@@ -204,7 +198,7 @@ def with_look(
     lines = faces.lines
     libraries = [line[7:].strip() for line in lines if line.startswith(b"mtllib ")]
     names = [name.decode("utf-8", errors="replace") for name in libraries]
-    materials, complaints = read_materials(names, folder)
+    materials, problems = read_materials(names, folder)
     columns = _columns(faces)
     normals = _rows_at(columns, NORMAL, faces, places)
     texture_points = _rows_at(columns, TEXTURE_POINT, faces, places)
@@ -224,7 +218,7 @@ def with_look(
     return Content(
         corners=corners,
         patches=tuple(patch for patch in patches if len(patch.corners)),
-        complaints=complaints,
+        material_problems=problems,
         is_drawable=is_whole and not libraries,
     )
 
@@ -312,7 +306,7 @@ def is_obj(data: bytes) -> bool:
 
 
 def read_obj(data: bytes, folder: Path | None = None) -> Content:
-    """The triangles of an OBJ file; with their look if its `folder` is given.
+    """The triangles of an OBJ file; with their materials if its `folder` is given.
 
     PyBullet and Gazebo use an index that is out of range, and crash or read other memory.
     """
@@ -339,7 +333,9 @@ def read_obj(data: bytes, folder: Path | None = None) -> Content:
         return Content(corners=points[_cut(indices - 1, sizes)], cleaned=cleaned)
     places = _cut(np.arange(len(indices)), sizes)
     corners = points[indices[places] - 1]
-    return with_look(corners, places, Faces(lines, joined, sizes), folder)._replace(cleaned=cleaned)
+    return content_with_materials(corners, places, Faces(lines, joined, sizes), folder)._replace(
+        cleaned=cleaned
+    )
 
 
 def _lines(data: bytes) -> list[bytes]:

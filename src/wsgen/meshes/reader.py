@@ -1,7 +1,4 @@
-"""A mesh file of any format that is read.
-
-GLB, glTF and PLY files; the one place that imports trimesh.
-"""
+"""Reads a mesh file of any format: STL, OBJ and COLLADA here, GLB, glTF and PLY with trimesh."""
 
 from __future__ import annotations
 
@@ -46,17 +43,17 @@ class _Neighbours:
 
     def get(self, name: str) -> bytes:
         """The bytes of a file; raises BrokenMeshError where they cannot be had."""
-        told = f"needs the file `{name[:200]}`, which"
+        needed = f"needs the file `{name[:200]}`, which"
         try:
             data = read_regular(self.folder / unquote(name.strip()), FILE_LIMIT)
         except FileNotFoundError:
-            problem = f"{told} is not there"
+            problem = f"{needed} is not there"
         except (OSError, ValueError) as error:
-            problem = f"{told} cannot be read ({getattr(error, 'strerror', None) or error})"
+            problem = f"{needed} cannot be read ({getattr(error, 'strerror', None) or error})"
         else:
             if len(data) <= FILE_LIMIT:
                 return data
-            problem = f"{told} has more than {FILE_LIMIT / 1e6:.0f} MB"
+            problem = f"{needed} has more than {FILE_LIMIT / 1e6:.0f} MB"
         raise BrokenMeshError(
             problem, hint="Put it next to the mesh, or export the mesh as one GLB file."
         )
@@ -64,8 +61,10 @@ class _Neighbours:
     __getitem__ = get
 
 
-def read_with_library(data: bytes, kind: str, folder: Path, *, with_look: bool = False) -> Content:
-    """The triangles of all meshes of the file, in its own frame; with their look if asked for.
+def read_with_library(
+    data: bytes, kind: str, folder: Path, *, with_materials: bool = False
+) -> Content:
+    """The triangles of all meshes of the file, in its own frame; with their materials if asked for.
 
     The nodes' transforms are applied and glTF's y stays where it is, as Gazebo has it.
 
@@ -73,7 +72,7 @@ def read_with_library(data: bytes, kind: str, folder: Path, *, with_look: bool =
         data: The bytes of the file.
         kind: `glb`, `gltf` or `ply`.
         folder: Where the file is, and those that it names.
-        with_look: Whether to read materials and normals as well.
+        with_materials: Whether to read materials and normals as well.
     """
     # It takes longer to import than most robots' meshes to read, and is seldom needed.
     import trimesh  # noqa: PLC0415
@@ -90,7 +89,7 @@ def read_with_library(data: bytes, kind: str, folder: Path, *, with_look: bool =
             BytesIO(data), file_type=kind, resolver=cast("Any", _Neighbours(folder)), process=False
         )
         corners = np.asarray(scene.to_mesh().triangles, dtype=np.float64)
-        patches = tuple(_patches(scene)) if with_look else ()
+        patches = tuple(_patches(scene)) if with_materials else ()
     except (BrokenMeshError, MemoryError):
         raise
     except Exception:  # noqa: BLE001  the library raises anything on a broken file
@@ -159,8 +158,8 @@ READ: dict[str, Callable[[bytes, Path | None], Content]] = {
 }
 
 
-def read_mesh(file: Path, *, with_look: bool = False) -> Content:
-    """The triangles of a mesh file; with their look if asked for.
+def read_mesh(file: Path, *, with_materials: bool = False) -> Content:
+    """The triangles of a mesh file; with their materials if asked for.
 
     Raises:
         BrokenMeshError: It cannot be used.
@@ -185,8 +184,8 @@ def read_mesh(file: Path, *, with_look: bool = False) -> Content:
             )
     try:
         if kind in READ:
-            return READ[kind](data, file.parent if with_look else None)
-        return read_with_library(data, kind, file.parent, with_look=with_look)
+            return READ[kind](data, file.parent if with_materials else None)
+        return read_with_library(data, kind, file.parent, with_materials=with_materials)
     except (BrokenMeshError, MemoryError):
         raise
     except Exception:  # noqa: BLE001  the numbers of a damaged file lead anywhere

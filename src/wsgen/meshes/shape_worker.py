@@ -1,10 +1,6 @@
 """The child process that makes meshes of the shapes that no engine has.
 
-Outlines that are extruded, as triangles. The one place that knows Shapely.
-
-The surface of a heightmap, as Gazebo Sim's physics has it.
-
-Ellipsoids and cones as triangles.
+Outlines become triangles with Shapely; the surface of a heightmap is as in Gazebo Sim's physics.
 """
 
 from __future__ import annotations
@@ -20,7 +16,8 @@ from PIL import Image
 
 from wsgen.files import irregular_kind
 from wsgen.isolation.child import announce
-from wsgen.meshes.content import BrokenMeshError
+from wsgen.meshes.content import BrokenMeshError, bounds_of
+from wsgen.meshes.requests import BuiltShape, UnbuildableShape
 from wsgen.meshes.stl import write_stl
 from wsgen.model.robot import Ellipsoid, Extrusion, Heightmap
 
@@ -226,32 +223,22 @@ def _turned(radii: NDArray[Any], heights: NDArray[Any]) -> NDArray[Any]:
     return triangles[np.cross(edges[:, 0], edges[:, 1]).any(axis=1)]
 
 
-def build(shapes: Sequence[Triangulated], folder: str) -> list[dict[str, Any]]:
-    """Write a binary STL file of each shape into a folder.
-
-    Announces the number of the shape it is at.
-
-    Returns:
-        For each shape its file, `path`, and `low` and `high`, the corners of the box around it (m);
-        for a heightmap also `pixels` on a side of the image and `rows` of corners. What nothing
-        can be made of has no `path`, but a `problem`, which goes on after its name, and a `hint`.
-    """
-    answers = []
+def build(shapes: Sequence[Triangulated], folder: Path) -> list[BuiltShape | UnbuildableShape]:
+    """Write a binary STL file of each shape into a folder; announces the number of the one."""
+    answers: list[BuiltShape | UnbuildableShape] = []
     for number, shape in enumerate(shapes):
         announce(str(number))
         try:
-            answers.append(_write(shape, Path(folder, f"{number}.stl")))
+            answers.append(_write(shape, folder / f"{number}.stl"))
         except BrokenMeshError as error:
-            answers.append({"path": None, "problem": error.problem, "hint": error.hint})
+            answers.append(UnbuildableShape(problem=error.problem, hint=error.hint))
     return answers
 
 
-def _write(shape: Triangulated, file: Path) -> dict[str, Any]:
-    more: dict[str, Any] = {}
+def _write(shape: Triangulated, file: Path) -> BuiltShape:
+    pixels = rows = 0
     if isinstance(shape, Heightmap):
-        surface = heightmap_surface(shape)
-        corners: NDArray[Any] = surface.corners
-        more = {"pixels": surface.pixels, "rows": surface.rows}
+        corners, pixels, rows = heightmap_surface(shape)
     elif isinstance(shape, Extrusion):
         corners = extrusion_triangles(shape)
     elif isinstance(shape, Ellipsoid):
@@ -259,12 +246,5 @@ def _write(shape: Triangulated, file: Path) -> dict[str, Any]:
     else:
         corners = cone_triangles(shape)
     write_stl(corners, file)
-    # A column at a time: over rows of three numpy is twenty times as slow.
-    columns = [corners[..., axis].astype(np.float32) for axis in range(3)]
-    return {
-        "problem": None,
-        "path": str(file),
-        "low": [float(column.min()) for column in columns],
-        "high": [float(column.max()) for column in columns],
-        **more,
-    }
+    low, high = bounds_of(corners.astype(np.float32))
+    return BuiltShape(path=str(file), low=low, high=high, pixels=pixels, rows=rows)

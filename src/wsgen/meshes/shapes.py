@@ -1,18 +1,17 @@
-"""Shapes that no engine has become meshes: ellipsoids, cones, extrusions, heightmaps.
-
-What to say of a shape that becomes a mesh.
-"""
+"""Makes meshes of the shapes that no engine has: ellipsoids, cones, extrusions, heightmaps."""
 
 from __future__ import annotations
 
 import tempfile
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.isolation import parent
+from wsgen.isolation.codec import decode
 from wsgen.isolation.outcome import Died, Limits
+from wsgen.meshes.requests import BuiltShape, UnbuildableShape
 from wsgen.model.robot import Extrusion, Heightmap, Mesh, Triangulated
 from wsgen.model.transform import Pose, compose
 
@@ -21,10 +20,80 @@ if TYPE_CHECKING:
 
     from wsgen.isolation.parent import Run
     from wsgen.model.robot import Collision, Link, Robot, Visual
-    from wsgen.model.transform import Vector
 
 
-class SolidUse(NamedTuple):
+UNUSABLE_HEIGHTMAP = Rule(
+    code="WLD051",
+    name="unusable-heightmap",
+    severity=Severity.ERROR,
+    severity_varies="a warning in a <visual>",
+    summary="The image of a heightmap is damaged, not square or too large.",
+    what="Opens the PNG or JPEG file of every heightmap in a process of its own.",
+    why="Gazebo ends with an error on an image that is not square, and has no ground without one.",
+    example="<heightmap><uri>model://hill/640_by_480.png</uri></heightmap>",
+    instead="<heightmap><uri>model://hill/513_by_513.png</uri></heightmap>",
+)
+
+REDUCED_HEIGHTMAP = Rule(
+    code="WLD053",
+    name="reduced-heightmap",
+    severity=Severity.INFO,
+    summary="The simulation uses fewer pixels of a heightmap than its image has.",
+    what="The simulation takes at most 513 by 513 heights, where Gazebo takes all.",
+    why="Bumps that are finer than that are missing in the simulation, and not in Gazebo.",
+    example="A heightmap of 2049 by 2049 pixels.",
+    instead="A heightmap of at most 513 by 513 pixels.",
+)
+
+HEIGHTMAP_NOT_DRAWN = Rule(
+    code="WLD055",
+    name="heightmap-not-drawn",
+    severity=Severity.WARNING,
+    summary="The image of a heightmap in a <visual> does not have 2ⁿ + 1 pixels on each side.",
+    why=(
+        "The terrain renderer of Gazebo takes 2ⁿ + 1 pixels on each side: Gazebo Sim does not "
+        "draw another image, and Gazebo Classic ends with an error."
+    ),
+    example="A heightmap of 512 by 512 pixels.",
+    instead="The same image, scaled to 513 by 513 pixels.",
+)
+
+MOVING_HEIGHTMAP = Rule(
+    code="WLD056",
+    name="moving-heightmap",
+    severity=Severity.WARNING,
+    summary="A model with a heightmap as a collision is not static.",
+    why=(
+        "A heightmap stays where it is in Gazebo's engines, even if its link moves: what is seen "
+        "and what is touched are then at different places."
+    ),
+    example='<model name="hill">\n  <link name="ground">…<heightmap>…',
+    instead='<model name="hill">\n  <static>true</static>\n  <link name="ground">…<heightmap>…',
+)
+
+IMPOSSIBLE_SHAPE = Rule(
+    code="WLD057",
+    name="impossible-shape",
+    severity=Severity.ERROR,
+    severity_varies="a warning for what cannot be built of a <visual>",
+    summary="A polyline does not enclose an area, or no mesh can be made of a shape.",
+    what=(
+        "Makes meshes of polylines, ellipsoids and cones. An outline needs three points or more, "
+        "and must neither cross nor touch itself or another one."
+    ),
+    why="Gazebo does not create such a shape: the part is invisible, and others pass through it.",
+    example=(
+        "<polyline>\n  <point>0 0</point>\n  <point>1 1</point>\n  <point>1 0</point>\n"
+        "  <point>0 1</point>\n</polyline>"
+    ),
+    instead=(
+        "<polyline>\n  <point>0 0</point>\n  <point>1 0</point>\n  <point>1 1</point>\n"
+        "  <point>0 1</point>\n</polyline>"
+    ),
+)
+
+
+class ShapeUse(NamedTuple):
     """A shape in a link."""
 
     link: Link
@@ -44,55 +113,49 @@ class SolidUse(NamedTuple):
         )
 
 
-def find_in_use(
-    use: SolidUse, answer: Mapping[str, Any], file: Path | None, *, is_static: bool
+def check_use(
+    use: ShapeUse, answer: Answer, file: Path | None, *, is_static: bool
 ) -> Iterator[Diagnostic]:
     """What is wrong with a shape.
 
     Args:
         use: Where it is used.
-        answer: What `solid_worker.build` says of it.
+        answer: What the child process says of it.
         file: The description.
         is_static: Whether the robot it belongs to does not move.
     """
-    if answer["problem"] is not None:
-        yield _finding(
-            use,
-            file,
-            "WLD051" if isinstance(use.shape, Heightmap) else "WLD057",
-            answer["problem"],
-            answer["hint"],
-            severity=Severity.WARNING if use.is_visual else Severity.ERROR,
-        )
+    if isinstance(answer, UnbuildableShape):
+        rule = UNUSABLE_HEIGHTMAP if isinstance(use.shape, Heightmap) else IMPOSSIBLE_SHAPE
+        severity = Severity.WARNING if use.is_visual else Severity.ERROR
+        yield _report(use, file, rule, answer.problem, answer.hint, severity)
         return
-    if not isinstance(use.shape, Heightmap) or answer["path"] is None:
+    if not isinstance(use.shape, Heightmap) or answer is None:
         return
-    pixels, rows = answer["pixels"], answer["rows"]
+    pixels, rows = answer.pixels, answer.rows
     if rows < pixels:
-        yield _finding(
+        yield _report(
             use,
             file,
-            "WLD053",
-            f"has {pixels} × {pixels} pixels; the simulation takes {rows} × {rows} of them",
-            "Reduce the image, if that is fine enough for the robot's wheels.",
-            severity=Severity.INFO,
+            REDUCED_HEIGHTMAP,
+            f"has {pixels} × {pixels} pixels; the simulation uses {rows} × {rows} of them",
+            "Reduce the image if that is fine enough for the robot's wheels.",
         )
     if use.is_visual and not _is_power_of_two(pixels - 1):
-        yield _finding(
+        yield _report(
             use,
             file,
-            "WLD055",
-            f"has {pixels} × {pixels} pixels: Gazebo draws none but 2ⁿ + 1 on each side, and "
-            "Gazebo Classic ends on others",
+            HEIGHTMAP_NOT_DRAWN,
+            f"has {pixels} × {pixels} pixels: Gazebo draws only images of 2ⁿ + 1 pixels on each "
+            "side, and Gazebo Classic ends with an error on others",
             "Scale the image to 129, 257, 513 or 1025 pixels.",
         )
     if not use.is_visual and not is_static:
-        yield _finding(
+        yield _report(
             use,
             file,
-            "WLD056",
-            "is in a model that can move, where Gazebo's engines do not move it",
-            "Make the model static, and what moves another one.",
+            MOVING_HEIGHTMAP,
+            "is in a model that can move, but Gazebo's engines do not move heightmaps",
+            "Make the model static, and put what moves into another model.",
         )
 
 
@@ -100,38 +163,38 @@ def _is_power_of_two(number: int) -> bool:
     return number & (number - 1) == 0
 
 
-def _finding(  # noqa: PLR0913, PLR0917  the fields of a diagnostic, once
-    use: SolidUse,
+def _report(  # noqa: PLR0913, PLR0917  the fields of a diagnostic, once
+    use: ShapeUse,
     file: Path | None,
-    code: str,
-    what: str,
+    rule: Rule,
+    problem: str,
     hint: str,
-    severity: Severity = Severity.WARNING,
+    severity: Severity | None = None,
 ) -> Diagnostic:
-    """One sentence about the shape; `what` goes on after its name."""
+    """One sentence about the shape; `problem` goes on after its name."""
     shape = use.shape
     name = f" `{shape.uri}`" if isinstance(shape, Heightmap) else ""
     line = shape.line if isinstance(shape, Heightmap | Extrusion) else None
-    return Diagnostic(
-        code=code,
-        severity=severity,
-        message=f"The {use.kind} {use.tag}{name} of the link `{use.link.name}` {what}.",
-        file=file,
-        line=line or use.link.line,
-        element=f"link[@name='{use.link.name}']/{use.kind}/geometry/{use.tag}",
+    return rule.at(
+        file,
+        line or use.link.line,
+        f"link[@name='{use.link.name}']/{use.kind}/geometry/{use.tag}",
+        message=f"The {use.kind} {use.tag}{name} of the link `{use.link.name}` {problem}.",
         hint=hint,
+        severity=severity,
     )
 
 
 TASK = "wsgen.meshes.shape_worker:build"
 LIMITS = Limits(seconds=30.0, memory=2 * 2**30)  # of all shapes of a robot
-HINT = "Make it smaller or simpler, or a mesh of it in another program."
+HINT = "Simplify the shape, or make a mesh of it in another program."
 DEATHS = 3  # after so many shapes that the child dies of, the others are not made
 
-Answer = dict[str, Any]  # what `solid_worker.build` says of a shape
+# What is made of a shape; nothing of a heightmap without an image, which the reader reports.
+Answer = BuiltShape | UnbuildableShape | None
 
 
-def build_solids(
+def build_shapes(
     robot: Robot, *, file: Path | None, folder: Path, run: Run = parent.run
 ) -> tuple[Robot, tuple[Diagnostic, ...]]:
     """Replace every shape that no engine has by a mesh of its surface.
@@ -149,10 +212,10 @@ def build_solids(
     if not uses:
         return robot, ()
     shapes = list(dict.fromkeys(_alone(use.shape) for use in uses))
-    answers = _ask(shapes, Path(tempfile.mkdtemp(prefix="solids-", dir=folder)), run)
+    answers = _ask(shapes, Path(tempfile.mkdtemp(prefix="shapes-", dir=folder)), run)
     found: dict[Diagnostic, None] = {}
     for use in uses:
-        more = find_in_use(use, answers[_alone(use.shape)], file, is_static=robot.is_static)
+        more = check_use(use, answers[_alone(use.shape)], file, is_static=robot.is_static)
         found |= dict.fromkeys(more)
     links = tuple(
         replace(
@@ -165,13 +228,13 @@ def build_solids(
     return replace(robot, links=links), tuple(found)
 
 
-def _uses(link: Link) -> Iterator[SolidUse]:
+def _uses(link: Link) -> Iterator[ShapeUse]:
     for collision in link.collisions:
         if isinstance(collision.geometry, Triangulated):
-            yield SolidUse(link, collision.geometry, is_visual=False)
+            yield ShapeUse(link, collision.geometry, is_visual=False)
     for visual in link.visuals:
         if isinstance(visual.geometry, Triangulated):
-            yield SolidUse(link, visual.geometry, is_visual=True)
+            yield ShapeUse(link, visual.geometry, is_visual=True)
 
 
 def _alone(shape: Triangulated) -> Triangulated:
@@ -183,17 +246,15 @@ def _alone(shape: Triangulated) -> Triangulated:
 
 def _ask(shapes: Sequence[Triangulated], folder: Path, run: Run) -> Mapping[Triangulated, Answer]:
     """What the child says of each shape; what it dies of, it is asked about no more."""
-    # Of an image that is not there, the reader of the world has told.
     answers: dict[Triangulated, Answer] = {
-        shape: {"path": None, "problem": None}
-        for shape in shapes
-        if isinstance(shape, Heightmap) and shape.path is None
+        shape: None for shape in shapes if isinstance(shape, Heightmap) and shape.path is None
     }
     waiting = [shape for shape in shapes if shape not in answers]
     for _ in range(DEATHS if waiting else 0):
-        outcome = run(TASK, waiting, str(folder), limits=LIMITS)
+        outcome = run(TASK, waiting, folder, limits=LIMITS)
         if not isinstance(outcome, Died):
-            return {**answers, **dict(zip(waiting, outcome.value, strict=True))}
+            made = decode(outcome.value, tuple[BuiltShape | UnbuildableShape, ...])
+            return {**answers, **dict(zip(waiting, made, strict=True))}
         if not outcome.step.isdecimal():  # it died before it came to the first
             problem = f"was not made, as the child {outcome.reason}"
             return {**answers, **_refused(waiting, problem, outcome.hint(HINT))}
@@ -206,7 +267,7 @@ def _ask(shapes: Sequence[Triangulated], folder: Path, run: Run) -> Mapping[Tria
 def _refused(
     shapes: Sequence[Triangulated], problem: str, hint: str = HINT
 ) -> dict[Triangulated, Answer]:
-    return {shape: {"path": None, "problem": problem, "hint": hint} for shape in shapes}
+    return {shape: UnbuildableShape(problem=problem, hint=hint) for shape in shapes}
 
 
 def _new_visual(visual: Visual, answers: Mapping[Triangulated, Answer]) -> Visual | None:
@@ -233,13 +294,6 @@ def _new_collision(collision: Collision, answers: Mapping[Triangulated, Answer])
 def _mesh(shape: Triangulated, answers: Mapping[Triangulated, Answer]) -> Mesh:
     answer = answers[_alone(shape)]
     uri = shape.uri if isinstance(shape, Heightmap) else type(shape).__name__.lower()
-    if answer["path"] is None:
+    if not isinstance(answer, BuiltShape):
         return Mesh(uri=uri)
-    return Mesh(
-        uri=uri, path=answer["path"], bounds=(_corner(answer["low"]), _corner(answer["high"]))
-    )
-
-
-def _corner(numbers: Sequence[float]) -> Vector:
-    x, y, z = numbers
-    return (x, y, z)
+    return Mesh(uri=uri, path=answer.path, bounds=(answer.low, answer.high))

@@ -29,7 +29,7 @@ def is_stl(data: bytes) -> bool:
 
 
 def read_stl(data: bytes, folder: Path | None = None) -> Content:
-    """The triangles of an STL file; with their look if its `folder` is given.
+    """The triangles of an STL file; with their materials if its `folder` is given.
 
     PyBullet leaves out one that is text, or has bytes behind its triangles; it draws one without
     normals in black.
@@ -48,13 +48,14 @@ def read_stl(data: bytes, folder: Path | None = None) -> Content:
             f"{(len(data) - HEADER_BYTES) // TRIANGLE.itemsize}: it is cut off, or no STL file"
         )
     triangles = np.frombuffer(data, TRIANGLE, count=claimed, offset=HEADER_BYTES)
-    oddity = None
+    inconsistency = None
     if size < len(data):
-        oddity = (
+        inconsistency = (
             f"says that it has {claimed} triangles, and goes on for {len(data) - size} bytes "
             "behind them: PyBullet would leave it out"
         )
-    content = Content(corners=triangles["corners"], is_plain=oddity is None, oddity=oddity)
+    is_plain = inconsistency is None
+    content = Content(corners=triangles["corners"], is_plain=is_plain, inconsistency=inconsistency)
     if folder is None:
         return content
     return content._replace(

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from wsgen.diagnostics import Diagnostic, Severity, has_errors
 from wsgen.meshes.inspection import inspect_meshes
 from wsgen.meshes.lookup import find_meshes
-from wsgen.meshes.shapes import build_solids
+from wsgen.meshes.shapes import build_shapes
 from wsgen.model.robot import Robot
 from wsgen.model.transform import IDENTITY, Pose
 from wsgen.rules.check import check_robot
@@ -193,7 +193,7 @@ def complete(
         with_colors=context.with_colors,
     )
     # Afterwards: these are not a person's meshes, whose slips would be looked for.
-    built, wrong = build_solids(readable, file=file, folder=context.folder, run=context.run)
+    built, wrong = build_shapes(readable, file=file, folder=context.folder, run=context.run)
     return built, (*flawed, *wrong)
 
 
