@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import multiprocessing
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
@@ -12,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 import mesh_samples
+from child_answers import answered
 from meshes.public_meshes import PACKAGES, differences, meshes_of
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.isolation.codec import encode
 from wsgen.isolation.fork_server import ForkServer
 from wsgen.isolation.outcome import Answered, Died, Limits
 from wsgen.meshes import worker
@@ -37,7 +36,7 @@ def run() -> Iterator[Callable[..., Answered | Died]]:
 
 def in_this_process(task: str, *arguments: Any, **_: Any) -> Answered | Died:
     assert task == "wsgen.meshes.worker:inspect"
-    return Answered(value=json.loads(encode(worker.inspect(*arguments))), output="")
+    return answered(worker.inspect(*arguments))
 
 
 def mesh(file: Path, scale: tuple[float, float, float] = (1.0, 1.0, 1.0)) -> Mesh:

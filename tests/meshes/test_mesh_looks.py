@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import struct
 import sys
@@ -16,10 +15,9 @@ import pytest
 from PIL import Image
 
 import mesh_samples
+from child_answers import answered
 from wsgen.diagnostics import Severity
-from wsgen.isolation.codec import encode
 from wsgen.isolation.fork_server import ForkServer
-from wsgen.isolation.outcome import Answered, Died
 from wsgen.meshes import worker
 from wsgen.meshes.appearance import MATERIALS, Textures
 from wsgen.meshes.inspection import inspect_meshes
@@ -30,6 +28,7 @@ from wsgen.model.robot import Collision, Link, Mesh, Robot, Visual
 
 if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
+    from wsgen.isolation.outcome import Answered, Died
 
 
 Rgba = tuple[float, float, float, float]
@@ -44,7 +43,7 @@ PALETTE = ((255, 0, 0), (0, 255, 0), (0, 0, 255), (255, 255, 0))  # rows, from t
 
 def in_this_process(task: str, *arguments: Any, **_: Any) -> Answered | Died:
     assert task == "wsgen.meshes.worker:inspect"
-    return Answered(value=json.loads(encode(worker.inspect(*arguments))), output="")
+    return answered(worker.inspect(*arguments))
 
 
 def write(folder: Path, name: str, content: bytes | str) -> Path:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import time
 from pathlib import Path
@@ -13,10 +12,10 @@ import pytest
 import trimesh
 from PIL import Image
 
+from child_answers import answered
 from solid_heights import height_at
 from wsgen.diagnostics import Severity
 from wsgen.isolation import parent
-from wsgen.isolation.codec import encode
 from wsgen.isolation.outcome import Answered, Died, Limits
 from wsgen.meshes import shape_worker
 from wsgen.meshes.shape_worker import MOST_ROWS, heightmap_surface
@@ -70,7 +69,7 @@ def robot(
 
 def in_this_process(task: str, *arguments: Any, **_: Any) -> Answered | Died:
     assert task == "wsgen.meshes.shape_worker:build"
-    return Answered(value=json.loads(encode(shape_worker.build(*arguments))), output="")
+    return answered(shape_worker.build(*arguments))
 
 
 def built(model: Robot, folder: Path) -> tuple[Link, tuple[Diagnostic, ...]]:

@@ -8,7 +8,9 @@ from typing import Any
 
 import pytest
 
+from child_answers import answered
 from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.isolation.codec import decode
 from wsgen.isolation.outcome import Answered, Died
 from wsgen.model.behavior import Behavior, Reach
 from wsgen.model.robot import Inertial, Joint, JointType, Link, Robot
@@ -20,7 +22,7 @@ from wsgen.pipeline.prepare import PreparedRobot
 from wsgen.pipeline.request import ValidateRequest
 from wsgen.pipeline.run_robots import SimulationResult, try_robots
 from wsgen.simulation.contact_shapes import MOST_LINKS
-from wsgen.simulation.scene import DRAWING, LOADING, RobotRun, Scene, robot_run_to_json
+from wsgen.simulation.scene import DRAWING, LOADING, Behaved, Picture, RobotRun, Scene, SceneResult
 from wsgen.workspace.settings import Settings
 
 BODY = Inertial(mass=1.0, inertia=(0.1, 0.0, 0.0, 0.1, 0.0, 0.1))
@@ -32,8 +34,8 @@ def prepared(entity: str) -> PreparedRobot:
     return PreparedRobot(entity=entity, written=robot, lumped=robot)
 
 
-def stands(entity: str, **more: Any) -> dict[str, Any]:
-    robot_run = RobotRun(
+def stands(entity: str, **more: Any) -> RobotRun:
+    return RobotRun(
         **{
             "entity": entity,
             "links": 1,
@@ -59,7 +61,6 @@ def stands(entity: str, **more: Any) -> dict[str, Any]:
             **more,
         }
     )
-    return robot_run_to_json(robot_run)
 
 
 class Engines:
@@ -77,16 +78,13 @@ class Engines:
             step = LOADING.format(entity=self.kills)
             return Died(reason="crashed (SIGSEGV)", step=step, output="")
         more = self.dart if "dart" in task else {}
-        return Answered(
-            value={
-                "robot_runs": [stands(robot.entity, **more) for robot in scene.robots],
-                "refused": {},
-                "picture_tile": None,
-                "picture_problem": None,
-                "seconds": {"simulate": 0.0, "draw": 0.0},
-            },
-            output="",
+        result = SceneResult(
+            robot_runs=tuple(stands(robot.entity, **more) for robot in scene.robots),
+            refused={},
+            picture=Picture(tile=None),
+            seconds={"simulate": 0.0, "draw": 0.0},
         )
+        return answered(result)
 
 
 def simulated(engines: Engines, *entities: str, both: bool = False) -> SimulationResult:
@@ -249,13 +247,18 @@ def test_behaviors_are_given_to_their_robots_and_judged() -> None:
 
     class Moves(Engines):
         def __call__(self, task: str, *arguments: Any, **more: Any) -> Answered | Died:
-            answered = super().__call__(task, *arguments, **more)
-            assert isinstance(answered, Answered)
-            for robot_run, (name, position) in zip(
-                answered.value["robot_runs"], (("reaches", 0.5), ("misses", 0.1)), strict=False
-            ):
-                robot_run["behaviors"] = [[name, [0.0, 0.0, 0.0], {"elbow": position}, True]]
-            return answered
+            answer = super().__call__(task, *arguments, **more)
+            assert isinstance(answer, Answered)
+            result = decode(answer.value, SceneResult)
+            measured = [("reaches", 0.5), ("misses", 0.1), None]
+            robot_runs = tuple(
+                replace(
+                    robot_run,
+                    behaviors=(Behaved(one[0], (0.0, 0.0, 0.0), {"elbow": one[1]}),) if one else (),
+                )
+                for robot_run, one in zip(result.robot_runs, measured, strict=True)
+            )
+            return answered(replace(result, robot_runs=robot_runs))
 
     engines = Moves(mass=2.0, movable_joints=1)
     outcome = try_robots(

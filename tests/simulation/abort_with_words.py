@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import os
-from typing import Any
 
 from wsgen.isolation.child import announce
+from wsgen.simulation.scene import SceneResult
 
 
-def simulate(scene: object) -> dict[str, Any]:
+def simulate(scene: object) -> SceneResult:
     announce("going down")
     os.write(1, b"pybullet build time: now\nfarewell\n")
     os.abort()
 
 
-def complain(scene: object) -> dict[str, Any]:
+def warn(scene: object) -> SceneResult:
     os.write(1, b"pybullet build time: now\nb3Warning: no\n")
-    return {"robot_runs": [], "refused": {}, "picture_problem": None, "seconds": {"draw": 0.0}}
+    return SceneResult(robot_runs=(), refused={}, seconds={"draw": 0.0})

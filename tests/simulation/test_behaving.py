@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -10,13 +11,13 @@ import pytest
 
 from simulation.movers import AT, DRIVE, arm, drive, reach, two_wheeled
 from simulation.robots import GROUND, joint, tree
+from wsgen.isolation.codec import decode, encode
 from wsgen.model.robot import JointLimit, JointType, Link, Robot
 from wsgen.model.transform import quaternion_of_rpy
 from wsgen.simulation.behaviors import Servos, Wheels, controller_for, run_behaviors
 from wsgen.simulation.engine import Motor, State
 from wsgen.simulation.fake import FakeEngine
-from wsgen.simulation.scene import Behaved, RobotRun, Scene, SpawnedRobot, robot_run_from_json
-from wsgen.simulation.scene import robot_run_to_json as to_json
+from wsgen.simulation.scene import Behaved, RobotRun, Scene, SpawnedRobot
 from wsgen.simulation.simulate import play
 
 if TYPE_CHECKING:
@@ -127,7 +128,7 @@ def test_time_goes_on_for_who_watches() -> None:
     moments = [*range(110, 121), *range(130, 141)]
     assert seen == pytest.approx([moment / 100 for moment in moments])
     assert begun == [("d{'linear': 0.5}", 1.1), ("d{'linear': 0.6}", 1.3)]
-    assert steps[0] == "trying the behavior `d{'linear': 0.5}` of `e`"
+    assert steps[0] == "running the behavior `d{'linear': 0.5}` of `e`"
 
 
 def test_a_robot_that_is_not_there_does_nothing() -> None:
@@ -138,7 +139,7 @@ def test_a_robot_that_is_not_there_does_nothing() -> None:
 def test_measurements_survive_the_way_between_processes() -> None:
     robot_run = simulated(FakeEngine(lambda _: at(0.0, 0.0, 0.0)), drive(seconds=0.1))
     assert robot_run.behaviors == (Behaved("d{}", (0.0, 0.0, 0.0), {}),)
-    assert robot_run_from_json(to_json(robot_run)) == robot_run
+    assert decode(json.loads(encode(robot_run)), RobotRun) == robot_run
 
 
 def test_who_commands_what() -> None:

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from child_answers import answered
 from simulation.robots import VOID, ball_on_mesh, body, joint, single, spawned
-from wsgen.isolation.outcome import Answered
 from wsgen.meshes import shape_worker
 from wsgen.meshes.shapes import build_shapes
 from wsgen.meshes.stl import write_stl
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from simulation.robots import NewEngine
+    from wsgen.isolation.outcome import Answered
     from wsgen.simulation.engine import State
 
 
@@ -59,7 +60,7 @@ def static(*shapes: Geometry, at: Pose = IDENTITY) -> Robot:
 
 def made(robot: Robot, folder: Path) -> Robot:
     def run(_: str, *arguments: Any, **__: Any) -> Answered:
-        return Answered(value=shape_worker.build(*arguments), output="")
+        return answered(shape_worker.build(*arguments))
 
     new, found = build_shapes(robot, file=None, folder=folder, run=run)  # type: ignore[arg-type]
     assert found == ()

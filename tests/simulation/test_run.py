@@ -1,4 +1,4 @@
-"""A scene in a child process: pictures, complaints, crashes."""
+"""A scene in a child process: pictures, warnings, crashes."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from wsgen.model.transform import Pose
 from wsgen.model.world import World
 from wsgen.simulation import run
 from wsgen.simulation.run import default_engine, missing_engines, run_simulation
-from wsgen.simulation.scene import TRYING, Scene, SpawnedRobot
+from wsgen.simulation.scene import RUNNING, Scene, SpawnedRobot
 
 CYLINDER = Cylinder(radius=0.4, length=0.5)
 HERE = Path(__file__).parent
@@ -149,7 +149,7 @@ def test_a_mesh_that_crashes_the_engine(tmp_path: Path) -> None:
     assert "loading the robot `e`" in death.message
 
 
-def test_a_mesh_that_is_nothing_is_complained_about(tmp_path: Path) -> None:
+def test_a_mesh_that_is_nothing_is_warned_about(tmp_path: Path) -> None:
     """PyBullet takes it for a shape without points, and says so."""
     mesh = tmp_path / "part.obj"
     mesh.write_text("no mesh\n")
@@ -161,7 +161,7 @@ def test_a_mesh_that_is_nothing_is_complained_about(tmp_path: Path) -> None:
 def test_out_of_time() -> None:
     outcome = run_simulation(scene(robot()), limits=Limits(seconds=0.01, wall_clock=600))
     assert "used more than 0.01 s of CPU time" in outcome.diagnostics[0].message
-    assert "too much for the engine" in (outcome.diagnostics[0].hint or "")
+    assert "engine cannot handle" in (outcome.diagnostics[0].hint or "")
 
 
 def test_a_busy_machine_is_not_the_robots_fault() -> None:
@@ -170,8 +170,8 @@ def test_a_busy_machine_is_not_the_robots_fault() -> None:
     assert "less busy" in (outcome.diagnostics[0].hint or "")
 
 
-def test_last_words_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(run, "TASK", "abort_with_words:simulate")
+def test_last_words_are_reported(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(run, "TASKS", {"bullet": "abort_with_words:simulate"})
     monkeypatch.setattr(sys, "path", [*sys.path, str(HERE)])
     (death,) = run_simulation(scene(robot())).diagnostics
     assert "SIGABRT" in death.message
@@ -179,23 +179,23 @@ def test_last_words_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "farewell" in death.message
 
 
-def test_complaints_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(run, "TASK", "abort_with_words:complain")
+def test_warnings_are_reported(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(run, "TASKS", {"bullet": "abort_with_words:warn"})
     monkeypatch.setattr(sys, "path", [*sys.path, str(HERE)])
-    (complaint,) = run_simulation(scene(robot())).diagnostics
-    assert (complaint.code, complaint.severity) == ("SPN033", Severity.WARNING)
-    assert complaint.message.endswith("complained: b3Warning: no")
+    (warning,) = run_simulation(scene(robot())).diagnostics
+    assert (warning.code, warning.severity) == ("SPN033", Severity.WARNING)
+    assert warning.message.endswith("warned: b3Warning: no")
 
 
-def test_complaints_are_told_without_their_colors(tmp_path: Path) -> None:
+def test_warnings_are_reported_without_their_colors(tmp_path: Path) -> None:
     pytest.importorskip("dartpy")
     mesh = tmp_path / "part.obj"
     mesh.write_text("no mesh\n")
     broken = scene(robot(Mesh(uri="part.obj", path=str(mesh))))
-    refused, complaint = run_simulation(replace(broken, engine="dart")).diagnostics
-    assert (refused.code, complaint.code) == ("SPN032", "SPN033")
-    assert "complained: Warning [" in complaint.message
-    assert "\x1b" not in complaint.message
+    refused, warning = run_simulation(replace(broken, engine="dart")).diagnostics
+    assert (refused.code, warning.code) == ("SPN032", "SPN033")
+    assert "warned: Warning [" in warning.message
+    assert "\x1b" not in warning.message
 
 
 def test_nothing_is_left_behind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -235,7 +235,7 @@ def test_an_engine_that_dies_of_a_behavior_tries_the_others() -> None:
         (now,) = arguments
         seen.append(now)
         if behavior_runs[0] in now.behavior_runs:
-            step = TRYING.format(entity="e", name=behavior_runs[0].behavior.name)
+            step = RUNNING.format(entity="e", name=behavior_runs[0].behavior.name)
             return Died(reason="crashed (SIGSEGV)", step=step, output="")
         return parent.run(task, replace(now, behavior_runs=()), **more)
 
@@ -244,4 +244,4 @@ def test_an_engine_that_dies_of_a_behavior_tries_the_others() -> None:
     assert len(outcome.robot_runs) == 1
     (found,) = outcome.diagnostics
     assert (found.code, found.element) == ("SPN031", "e")
-    assert "while trying the behavior `d{'linear': 0.5}` of `e`" in found.message
+    assert "while running the behavior `d{'linear': 0.5}` of `e`" in found.message

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from wsgen.isolation.codec import decode, encode
 from wsgen.model.robot import Inertial, Link, Robot
 from wsgen.model.transform import Pose, quaternion_of_rpy
 from wsgen.model.world import World
@@ -19,8 +20,6 @@ from wsgen.simulation.scene import (
     RobotRun,
     Scene,
     SpawnedRobot,
-    robot_run_from_json,
-    robot_run_to_json,
 )
 from wsgen.simulation.simulate import CLEARANCE, play
 
@@ -279,7 +278,7 @@ def test_a_trial_travels_as_json() -> None:
         overlapping=(Overlap("e", "a", "f", "b", 0.1), Overlap("e", "a", "e", "c", 0.2)),
     )
     assert len(robot_run.overlaps) == 2
-    assert robot_run_from_json(json.loads(json.dumps(robot_run_to_json(robot_run)))) == robot_run
+    assert decode(json.loads(encode(robot_run)), RobotRun) == robot_run
 
 
 @pytest.mark.parametrize(

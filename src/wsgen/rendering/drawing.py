@@ -1,14 +1,14 @@
-"""What the child process of a simulation draws when it is over, and what kept it from doing so."""
+"""What the child process of a simulation draws when it is over, or why it cannot."""
 
 from __future__ import annotations
 
-from dataclasses import asdict
-from typing import TYPE_CHECKING, Any, NamedTuple
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 from wsgen.errors import WsgenError
 from wsgen.isolation.child import announce
 from wsgen.rendering.recording import Recorder, why_no_video
-from wsgen.simulation.scene import DRAWING, RECORDING
+from wsgen.simulation.scene import DRAWING, RECORDING, NotDrawn, Picture
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Container
@@ -18,14 +18,16 @@ if TYPE_CHECKING:
     from wsgen.rendering.render_items import Poses
     from wsgen.rendering.scene_renderer import SceneRenderer
     from wsgen.simulation.engine import Engine
-    from wsgen.simulation.scene import Scene
+    from wsgen.simulation.scene import Scene, Video
 
 
-NO_RENDERER = "PyBullet draws it, and has no wheel for this Python"
+T = TypeVar("T")
+
+NO_RENDERER = "PyBullet, which draws it, is not installed: it has no wheels for this Python"
 
 
 class Standing(NamedTuple):
-    """What pictures are about: where everything was at the end of the robots' standing."""
+    """What pictures show: where everything was when the robots had stood."""
 
     poses: Poses
     corners: dict[str, list[Vector]]  # m, of boxes around what can touch, and the links' frames
@@ -47,7 +49,7 @@ def remember(engine: Engine, scene: Scene, refused: Container[str]) -> Standing 
 
 
 def recorder_for(engine: Engine, scene: Scene) -> Recorder | None:
-    """Who is to watch the simulation, if a video of it is wanted and can be written."""
+    """What records the simulation, if a video of it is wanted and can be written."""
     if scene.record is None or why_no_video(scene.record) is not None:
         return None
     static = [robot.entity for robot in scene.robots if robot.robot.is_static]
@@ -55,19 +57,23 @@ def recorder_for(engine: Engine, scene: Scene) -> Recorder | None:
     return Recorder(engine.link_poses, max(scene.seconds, behaving), immobile=static)
 
 
+@dataclass(frozen=True, kw_only=True)
+class Drawings:
+    """What became of the pictures and the video of a scene; None where one is not wanted."""
+
+    picture: Picture | NotDrawn | None = None
+    world_picture: Picture | NotDrawn | None = None
+    video: Video | NotDrawn | None = None
+
+
 def draw(
     scene: Scene, refused: Container[str], recorder: Recorder | None, standing: Standing | None
-) -> dict[str, Any]:
-    """Draw what the scene wants; `standing` is what was remembered of it.
-
-    Returns:
-        `picture_tile` and `world_picture_tile`, the edge of a square in the picture (m) or None;
-        `video`, the fields of a `Video` but its file. For what was wanted and could not be drawn
-        there is a reason instead: `picture_problem`, `world_picture_problem`, `film_problem`.
-    """
-    told: dict[str, Any] = {}
+) -> Drawings:
+    """Draw what the scene wants; `standing` is what was remembered of it."""
+    problem = None
     if scene.record is not None and recorder is None:
-        told["film_problem"] = why_no_video(scene.record)
+        problem = why_no_video(scene.record)
+    drawings = Drawings(video=None if problem is None else NotDrawn(problem=problem))
     has_static_models = any(
         robot.is_static_model for robot in scene.robots if robot.entity not in refused
     )
@@ -77,15 +83,16 @@ def draw(
         "video": recorder is not None,
     }
     if standing is None or not any(wanted.values()):
-        return told
+        return drawings
     announce(DRAWING)
     try:
-        told |= _draw_all(scene, refused, recorder, standing, has_static_models=has_static_models)
+        drawn = _draw_all(scene, refused, recorder, standing, has_static_models=has_static_models)
     except Exception as error:  # noqa: BLE001  whatever it is, the simulation counts without pictures
-        told |= {
-            f"{kind}_problem": _reason(error) for kind, is_wanted in wanted.items() if is_wanted
-        }
-    return told
+        not_drawn = NotDrawn(problem=_reason(error))
+        return replace(
+            drawings, **{kind: not_drawn for kind, is_wanted in wanted.items() if is_wanted}
+        )
+    return replace(drawn, video=drawn.video or drawings.video)
 
 
 def _draw_all(
@@ -95,51 +102,45 @@ def _draw_all(
     standing: Standing,
     *,
     has_static_models: bool,
-) -> dict[str, Any]:
-    # NumPy's and Pillow's loading would cost every simulation as much as its simulation does, and
-    # where
+) -> Drawings:
+    # Loading NumPy and Pillow would cost every simulation as much as it takes itself, and where
     # PyBullet has no wheels there is no picture.
     from wsgen.rendering.scene_renderer import SceneRenderer  # noqa: PLC0415
 
     scene_renderer = SceneRenderer(scene, standing.poses, standing.corners, refused)
-    told: dict[str, Any] = {}
+    picture = world_picture = video = None
     if scene.picture is not None:
         file = scene.picture
-        told |= _behavior_run("picture", "picture_tile", lambda: scene_renderer.draw(file))
+        picture = _drawn(lambda: Picture(tile=scene_renderer.draw(file)))
     if scene.world_picture is not None and has_static_models:
         world_file = scene.world_picture
-        told |= _behavior_run(
-            "world_picture", "world_picture_tile", lambda: scene_renderer.draw_world(world_file)
-        )
+        world_picture = _drawn(lambda: Picture(tile=scene_renderer.draw_world(world_file)))
     if scene.record is not None and recorder is not None:
         video_file, progress = scene.record, scene.progress
-        told |= _behavior_run(
-            "video", "video", lambda: _video(scene_renderer, recorder, video_file, progress)
-        )
-    return told
+        video = _drawn(lambda: _video(scene_renderer, recorder, video_file, progress))
+    return Drawings(picture=picture, world_picture=world_picture, video=video)
 
 
 def _video(
     scene_renderer: SceneRenderer, recorder: Recorder, file: Path, progress: Path | None
-) -> dict[str, Any]:
+) -> Video:
     from wsgen.rendering.video import draw_video  # noqa: PLC0415  as above
 
-    def tell(frame: str) -> None:
+    def report(frame: str) -> None:
         announce(f"{RECORDING}: {frame}")
         if progress is not None:
             progress.write_text(f"{RECORDING}: {frame}", encoding="utf-8")
 
     announce(RECORDING)
-    video = draw_video(scene_renderer, recorder, file, tell)
-    return {key: value for key, value in asdict(video).items() if key != "file"}
+    return draw_video(scene_renderer, recorder, file, report)
 
 
-def _behavior_run(kind: str, key: str, task: Callable[[], object]) -> dict[str, Any]:
-    """What the task gives, under that key, or why it gives nothing."""
+def _drawn(task: Callable[[], T]) -> T | NotDrawn:
+    """What the task gives, or why it gives nothing."""
     try:
-        return {key: task()}
+        return task()
     except Exception as error:  # noqa: BLE001  whatever it is, the rest counts without it
-        return {f"{kind}_problem": _reason(error)}
+        return NotDrawn(problem=_reason(error))
 
 
 def _reason(error: Exception) -> str:

@@ -15,7 +15,7 @@ from wsgen.model.behavior import Drive
 from wsgen.model.robot import JointType
 from wsgen.model.transform import rotation_of_quaternion
 from wsgen.simulation.engine import Motor
-from wsgen.simulation.scene import TRYING, Behaved
+from wsgen.simulation.scene import RUNNING, Behaved
 from wsgen.simulation.simulate import REST_HELD, is_finite, is_moving
 
 if TYPE_CHECKING:
@@ -171,7 +171,7 @@ def run_behaviors(  # noqa: PLR0913  as `play`, and its outcome
     measured: dict[str, list[Behaved]] = {entity: [] for entity in spawned}
     for behavior_run in scene.behavior_runs:
         if behavior_run.entity in spawned:
-            announce(TRYING.format(entity=behavior_run.entity, name=behavior_run.behavior.name))
+            announce(RUNNING.format(entity=behavior_run.entity, name=behavior_run.behavior.name))
             measured[behavior_run.entity].append(session.behavior_run(behavior_run))
     return [
         replace(robot_run, behaviors=tuple(measured[robot_run.entity])) for robot_run in robot_runs

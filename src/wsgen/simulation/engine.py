@@ -1,7 +1,4 @@
-"""What a simulation needs of a physics engine.
-
-Which links of a robot are next to each other, and which may touch each other.
-"""
+"""What a simulation needs of a physics engine, and which links of a robot may touch each other."""
 
 from __future__ import annotations
 
@@ -60,7 +57,8 @@ class Overlap(NamedTuple):
     depth: float  # m
 
 
-class HullGap(NamedTuple):
+@dataclass(frozen=True)
+class HullGap:
     """A mesh that rests on something with its convex hull, where it has no triangle."""
 
     link: str

@@ -1,4 +1,4 @@
-"""Play a scene in a child process, whatever the engine does to it."""
+"""Simulates a scene in a child process, whatever the engine does to it."""
 
 from __future__ import annotations
 
@@ -6,33 +6,110 @@ import re
 import time
 from dataclasses import replace
 from importlib.util import find_spec
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.diagnostics import Rule, Severity
 from wsgen.isolation import parent
+from wsgen.isolation.codec import decode
 from wsgen.isolation.outcome import DEFAULT_LIMITS, Died
 from wsgen.simulation.scene import (
     DRAWING,
     LOADING,
     RECORDING,
-    TRYING,
+    RUNNING,
+    NotDrawn,
+    Picture,
+    SceneResult,
     SimulationOutcome,
     Video,
-    robot_run_from_json,
 )
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
+    from wsgen.diagnostics import Diagnostic
     from wsgen.isolation.outcome import Limits
     from wsgen.isolation.parent import Run
     from wsgen.simulation.scene import Scene
 
 
-TASK = "wsgen.tasks.{engine}:simulate"
-MODULES = {"bullet": "pybullet", "dart": "dartpy"}
+ENGINE_DIED = Rule(
+    code="SPN031",
+    name="engine-died",
+    severity=Severity.ERROR,
+    summary="The physics engine crashed, hung or ran out of memory.",
+    what=(
+        "Simulates in a process of its own, whose CPU time and memory are limited. The other "
+        "robots are simulated again without the one that the engine died of."
+    ),
+    why=(
+        "Nothing is known about such a robot. The same mesh, size or mass often crashes Gazebo, "
+        "whose engines have much of their code from the same libraries."
+    ),
+    example="A mesh file whose faces name vertices that it does not have.",
+    instead="The same mesh, exported again; or a <box> in its place until it loads.",
+)
+
+ENGINE_REFUSED = Rule(
+    code="SPN032",
+    name="engine-refused",
+    severity=Severity.ERROR,
+    summary="The physics engine does not load the robot.",
+    why="A robot that does not load cannot be simulated; the message says what the engine lacks.",
+    example="wsgen validate my_robot --engine bullet  # with more than 128 links",
+    instead="wsgen validate my_robot --engine dart",
+)
+
+ENGINE_WARNING = Rule(
+    code="SPN033",
+    name="engine-warning",
+    severity=Severity.WARNING,
+    summary="The physics engine printed a warning.",
+    why=(
+        "Engines go on where they cannot use a part of a robot, and only print it: a mesh without "
+        "points, for example, touches nothing."
+    ),
+    example="A collision mesh without faces.",
+    instead="A mesh that holds what the engine says is missing.",
+)
+
+NO_PICTURE = Rule(
+    code="SPN034",
+    name="no-picture",
+    severity=Severity.ERROR,
+    summary="A picture cannot be drawn or written.",
+    what="The simulation itself is not affected.",
+    why="Whoever asks for a picture expects the file, for example to publish it.",
+    example="wsgen validate my_robot --picture /read-only",
+    instead="wsgen validate my_robot --picture build/pictures",
+)
+
+NO_VIDEO = Rule(
+    code="SPN070",
+    name="no-video",
+    severity=Severity.ERROR,
+    summary="A video cannot be recorded or written.",
+    what="The simulation itself is not affected.",
+    why="Whoever asks for a video expects the file, for example to publish it.",
+    example="wsgen validate my_robot --record robot.avi",
+    instead="wsgen validate my_robot --record robot.gif",
+)
+
+COARSE_VIDEO = Rule(
+    code="SPN071",
+    name="coarse-video",
+    severity=Severity.INFO,
+    summary="A video has a lower resolution or frame rate than usual.",
+    what="Happens where drawing all frames would take more than about 16 s of CPU time.",
+    why="Fast motion and small parts are hard to see in such a video.",
+    example="wsgen validate my_robot --record robot.gif --seconds 60",
+    instead="wsgen validate my_robot --record robot.gif --seconds 5",
+)
+
+MODULES = {"bullet": "pybullet", "dart": "dartpy"}  # the libraries, by engine
+TASKS = {"bullet": "wsgen.tasks.bullet:simulate", "dart": "wsgen.tasks.dart:simulate"}
 MANY_TRIANGLES = 20_000  # with fewer, a frame's time goes into its pixels
-LAST_WORDS = 600  # characters of a dead engine's output that are told
+LAST_WORDS = 600  # characters of an engine's output that are reported
 COLORS = re.compile(r"\x1b\[[0-9;]*m")  # DART's warnings are yellow
 GREETINGS = ("pybullet build time",)  # what PyBullet prints when all is well
 
@@ -50,12 +127,12 @@ def default_engine() -> str:
 def run_simulation(
     scene: Scene, *, limits: Limits = DEFAULT_LIMITS, run: Run = parent.run
 ) -> SimulationOutcome:
-    """Simulate the scene; the engine's crash, hang or complaint becomes a diagnostic.
+    """Simulate the scene; the engine's crash, hang or warning becomes a diagnostic.
 
     `run` starts the child process.
     """
     started = time.perf_counter()
-    outcome = run(TASK.format(engine=scene.engine), scene, limits=limits)
+    outcome = run(TASKS[scene.engine], scene, limits=limits)
     seconds = time.perf_counter() - started
     if isinstance(outcome, Died):
         found, rest = _blame(scene, outcome)
@@ -63,23 +140,22 @@ def run_simulation(
             return SimulationOutcome(diagnostics=(found,), seconds={"simulate": seconds})
         again = run_simulation(rest, limits=limits, run=run)
         return replace(again, diagnostics=(found, *again.diagnostics))
-    answer = outcome.value
-    measured = answer["seconds"]
-    video = _video(scene, answer)
+    result = decode(outcome.value, SceneResult)
+    picture, world_picture, video = result.picture, result.world_picture, result.video
     return SimulationOutcome(
-        robot_runs=tuple(robot_run_from_json(robot_run) for robot_run in answer["robot_runs"]),
+        robot_runs=result.robot_runs,
         diagnostics=(
-            *_refusals(answer),
-            *_complaints(scene, outcome.output),
-            *_undrawn(answer),
-            *_coarse(video),
+            *_refusals(result),
+            *_warnings(scene, outcome.output),
+            *_undrawn(result),
+            *_coarse(result),
         ),
-        picture=scene.picture if "picture_tile" in answer else None,
-        picture_tile=answer.get("picture_tile"),
-        world_picture=scene.world_picture if "world_picture_tile" in answer else None,
-        video=video,
+        picture=scene.picture if isinstance(picture, Picture) else None,
+        picture_tile=picture.tile if isinstance(picture, Picture) else None,
+        world_picture=scene.world_picture if isinstance(world_picture, Picture) else None,
+        video=video if isinstance(video, Video) else None,
         # Starting the child and the engine is what is left of the whole.
-        seconds={**measured, "load": seconds - sum(measured.values())},
+        seconds={**result.seconds, "load": seconds - sum(result.seconds.values())},
     )
 
 
@@ -92,7 +168,8 @@ def _blame(scene: Scene, death: Died) -> tuple[Diagnostic, Scene | None]:
         found = _no_video(f"the engine {death.reason} while it was {death.step}")
         return found, replace(scene, record=None)
     for behavior_run in scene.behavior_runs:
-        if death.step == TRYING.format(entity=behavior_run.entity, name=behavior_run.behavior.name):
+        name = behavior_run.behavior.name
+        if death.step == RUNNING.format(entity=behavior_run.entity, name=name):
             others = tuple(other for other in scene.behavior_runs if other is not behavior_run)
             (robot,) = (one for one in scene.robots if one.entity == behavior_run.entity)
             return _death(replace(scene, robots=(robot,)), death), replace(
@@ -116,43 +193,40 @@ def _without(scene: Scene, entity: str) -> Scene | None:
 def _death(scene: Scene, death: Died) -> Diagnostic:
     words = _without_greetings(death.output)[-LAST_WORDS:]
     said = f" Its last words: {words}" if words else ""
-    return Diagnostic(
-        code="SPN031",
-        severity=Severity.ERROR,
-        message=f"The physics engine {death.reason} while {death.step or 'it was starting'}.{said}",
+    return ENGINE_DIED.at(
+        None,
         element=_entities(scene),
+        message=f"The physics engine {death.reason} while {death.step or 'it was starting'}.{said}",
         hint=death.hint(
-            "Something in the description is too much for the engine: look at collision meshes, "
-            "sizes and masses first, and leave links out until it runs."
+            "The engine cannot handle something in the description: look at collision meshes, "
+            "sizes and masses first, and remove links until it runs."
         ),
     )
 
 
-def _refusals(answer: dict[str, Any]) -> Iterator[Diagnostic]:
-    for entity, (reason, hint) in answer["refused"].items():
-        yield Diagnostic(
-            code="SPN032",
-            severity=Severity.ERROR,
-            message=f"The physics engine does not simulate `{entity}`: {reason}.",
+def _refusals(result: SceneResult) -> Iterator[Diagnostic]:
+    for entity, refused in result.refused.items():
+        yield ENGINE_REFUSED.at(
+            None,
             element=entity,
-            hint=hint,
+            message=f"The physics engine does not simulate `{entity}`: {refused.reason}.",
+            hint=refused.hint,
         )
 
 
-def _undrawn(answer: dict[str, Any]) -> Iterator[Diagnostic]:
-    """What was asked for and is not there: as much an error as a robot that fails."""
-    for kind, what in (("picture", "picture"), ("world_picture", "picture of the world")):
-        problem = answer.get(f"{kind}_problem")
-        if problem is not None:
-            yield _no_picture(what, problem)
-    if answer.get("film_problem") is not None:
-        yield _no_video(answer["film_problem"])
+def _undrawn(result: SceneResult) -> Iterator[Diagnostic]:
+    """What was asked for and was not drawn: as much an error as a robot that fails."""
+    if isinstance(result.picture, NotDrawn):
+        yield _no_picture("picture", result.picture.problem)
+    if isinstance(result.world_picture, NotDrawn):
+        yield _no_picture("picture of the world", result.world_picture.problem)
+    if isinstance(result.video, NotDrawn):
+        yield _no_video(result.video.problem)
 
 
 def _no_picture(what: str, problem: str) -> Diagnostic:
-    return Diagnostic(
-        code="SPN034",
-        severity=Severity.ERROR,
+    return NO_PICTURE.at(
+        None,
         message=f"Cannot draw the {what}: {problem}.",
         hint="Check the visual meshes and that the directory is writable, or leave --picture out: "
         "the simulation itself is not affected.",
@@ -160,27 +234,20 @@ def _no_picture(what: str, problem: str) -> Diagnostic:
 
 
 def _no_video(problem: str) -> Diagnostic:
-    return Diagnostic(
-        code="SPN070",
-        severity=Severity.ERROR,
+    return NO_VIDEO.at(
+        None,
         message=f"Cannot record a video: {problem}.",
         hint="Name a .gif in a writable directory, or leave --record out: the simulation itself is "
         "not affected.",
     )
 
 
-def _video(scene: Scene, answer: dict[str, Any]) -> Video | None:
-    return (
-        Video(file=scene.record, **answer["video"]) if scene.record and "video" in answer else None
-    )
-
-
-def _coarse(video: Video | None) -> Iterator[Diagnostic]:
+def _coarse(result: SceneResult) -> Iterator[Diagnostic]:
     """Say so if there is so much to draw that the video has less than others."""
-    if video is not None and video.is_coarse:
-        yield Diagnostic(
-            code="SPN071",
-            severity=Severity.INFO,
+    video = result.video
+    if isinstance(video, Video) and video.is_coarse:
+        yield COARSE_VIDEO.at(
+            None,
             message=f"The video has {video.frames_per_second:.3g} frames/s of {video.width} "
             f"by {video.height} pixels, to be drawn in time: {video.frames} frames of "
             f"{video.triangles:,} triangles.",
@@ -190,14 +257,13 @@ def _coarse(video: Video | None) -> Iterator[Diagnostic]:
         )
 
 
-def _complaints(scene: Scene, output: str) -> Iterator[Diagnostic]:
+def _warnings(scene: Scene, output: str) -> Iterator[Diagnostic]:
     words = _without_greetings(output)
     if words:
-        yield Diagnostic(
-            code="SPN033",
-            severity=Severity.WARNING,
-            message=f"The physics engine complained: {words[:LAST_WORDS]}",
+        yield ENGINE_WARNING.at(
+            None,
             element=_entities(scene),
+            message=f"The physics engine warned: {words[:LAST_WORDS]}",
             hint="The simulation went on; what the engine names may be missing from it.",
         )
 

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Mapping  # noqa: TC003  the type hints of answers are read
+from dataclasses import dataclass, field
+from pathlib import Path  # noqa: TC003
+from typing import TYPE_CHECKING
 
 from wsgen.model.transform import IDENTITY, Pose
-from wsgen.simulation.engine import HullGap
+from wsgen.simulation.engine import HullGap, Refused  # noqa: TC001
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-    from pathlib import Path
-
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.behavior import BehaviorRun
     from wsgen.model.robot import Robot
@@ -20,7 +19,7 @@ if TYPE_CHECKING:
 
 # What the child process announces; by it the parent knows what the engine died of.
 LOADING = "loading the robot `{entity}`"
-TRYING = "trying the behavior `{name}` of `{entity}`"
+RUNNING = "running the behavior `{name}` of `{entity}`"
 DRAWING = "drawing the picture"
 RECORDING = "drawing the video"  # goes on with how far it is
 
@@ -43,12 +42,11 @@ class Scene:
     world: World
     robots: tuple[SpawnedRobot, ...]
     seconds: float = 3.0  # simulated
-    behavior_runs: tuple[
-        BehaviorRun, ...
-    ] = ()  # afterwards, one by one, from where all were spawned
+    # Afterwards, one by one, from where all were spawned.
+    behavior_runs: tuple[BehaviorRun, ...] = ()
     engine: str = "bullet"  # a key of `run.MODULES`
     picture: Path | None = None  # where to put a PNG of the end; its folder must exist
-    world_picture: Path | None = None  # likewise of all around, if there is scenery
+    world_picture: Path | None = None  # likewise of all around, if there are static models
     record: Path | None = None  # where to put a video of the simulation, .gif or .mp4; likewise
     progress: Path | None = None  # where to write, now and then, how far the video is
 
@@ -63,8 +61,9 @@ class Overlapping:
     depth: float  # m
 
 
-class Behaved(NamedTuple):
-    """What was measured of a behavior, at its end."""
+@dataclass(frozen=True)
+class Behaved:
+    """What was measured of a behavior at its end."""
 
     name: str
     # m, m, rad: the root link's frame, along x and y of where it was when it began, and how far it
@@ -76,7 +75,7 @@ class Behaved(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class RobotRun:
-    """What was measured of one robot. It states facts; `wsgen.checks` checks them."""
+    """What was measured of one robot. It states facts; `wsgen.rules` checks them."""
 
     entity: str
     links: int  # that the engine simulates
@@ -103,7 +102,7 @@ class RobotRun:
     is_cut_short: bool = False  # it ended before its time: another robot's state was not finite
     is_falling: bool = False  # nothing holds it up: at the end it gets faster with gravity
     hull_gaps: tuple[HullGap, ...] = ()  # at the end
-    behaviors: tuple[Behaved, ...] = ()  # that were tried
+    behaviors: tuple[Behaved, ...] = ()  # that were run
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -120,8 +119,35 @@ class Video:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Picture:
+    """A picture that was drawn."""
+
+    tile: float | None  # m, edge of the ground's squares in it, if any are seen
+
+
+@dataclass(frozen=True, kw_only=True)
+class NotDrawn:
+    """A picture or a video that was asked for and could not be made."""
+
+    problem: str  # goes on after "Cannot draw it:"
+
+
+@dataclass(frozen=True, kw_only=True)
+class SceneResult:
+    """What the child process of a simulation answers."""
+
+    robot_runs: tuple[RobotRun, ...]  # of the robots that the engine accepted
+    refused: Mapping[str, Refused]  # the others, by entity
+    # None where it was not asked for, or there is nothing that it could show.
+    picture: Picture | NotDrawn | None = None
+    world_picture: Picture | NotDrawn | None = None
+    video: Video | NotDrawn | None = None
+    seconds: Mapping[str, float]  # wall-clock: simulate, draw
+
+
+@dataclass(frozen=True, kw_only=True)
 class SimulationOutcome:
-    """How a scene went. Without simulations it could not be played, and the diagnostics say why."""
+    """How a scene went. Without robot runs, the diagnostics say why it could not be simulated."""
 
     robot_runs: tuple[RobotRun, ...] = ()  # of the robots that the engine accepted
     diagnostics: tuple[Diagnostic, ...] = ()
@@ -130,25 +156,3 @@ class SimulationOutcome:
     world_picture: Path | None = None
     video: Video | None = None
     seconds: Mapping[str, float] = field(default_factory=dict)  # wall-clock: load, simulate, draw
-
-
-def robot_run_to_json(robot_run: RobotRun) -> dict[str, Any]:
-    """The simulation as JSON has it; `robot_run_from_json` is the way back."""
-    return asdict(robot_run)
-
-
-def robot_run_from_json(value: Mapping[str, Any]) -> RobotRun:
-    """The simulation that `robot_run_to_json` made this of."""
-    poses = {
-        key: Pose(tuple(value[key]["xyz"]), tuple(value[key]["rpy"]))
-        for key in ("spawn_pose", "rest_pose")
-    }
-    overlaps = tuple(Overlapping(**overlap) for overlap in value["overlaps"])
-    gaps = tuple(HullGap(*gap) for gap in value["hull_gaps"])
-    behaved = tuple(
-        Behaved(name, tuple(moved), positions, is_finite)
-        for name, moved, positions, is_finite in value["behaviors"]
-    )
-    return RobotRun(
-        **{**value, **poses, "overlaps": overlaps, "hull_gaps": gaps, "behaviors": behaved}
-    )

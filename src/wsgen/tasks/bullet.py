@@ -1,16 +1,16 @@
-"""The child process of a simulation in PyBullet; with its modules, it loads the engine."""
+"""The child process of a simulation in PyBullet; importing it loads the engine."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from wsgen.simulation.bullet import BulletEngine
 from wsgen.tasks import simulation
 
 if TYPE_CHECKING:
-    from wsgen.simulation.scene import Scene
+    from wsgen.simulation.scene import Scene, SceneResult
 
 
-def simulate(scene: Scene) -> dict[str, Any]:
-    """Play the scene in PyBullet."""
+def simulate(scene: Scene) -> SceneResult:
+    """Simulate the scene in PyBullet."""
     return simulation.simulate(scene, BulletEngine)

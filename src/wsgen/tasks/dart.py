@@ -1,16 +1,16 @@
-"""The child process of a simulation in DART; with its modules, it loads the engine."""
+"""The child process of a simulation in DART; importing it loads the engine."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from wsgen.simulation.dart import DartEngine
 from wsgen.tasks import simulation
 
 if TYPE_CHECKING:
-    from wsgen.simulation.scene import Scene
+    from wsgen.simulation.scene import Scene, SceneResult
 
 
-def simulate(scene: Scene) -> dict[str, Any]:
-    """Play the scene in DART."""
+def simulate(scene: Scene) -> SceneResult:
+    """Simulate the scene in DART."""
     return simulation.simulate(scene, DartEngine)

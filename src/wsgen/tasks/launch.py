@@ -1,7 +1,4 @@
-"""What child processes do: the functions that `wsgen.isolation` calls by name.
-
-Each brings together packages that do not import each other.
-"""
+"""The child process that evaluates a launch file."""
 
 from __future__ import annotations
 

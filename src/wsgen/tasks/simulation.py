@@ -6,11 +6,11 @@ import ctypes
 import sys
 import time
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from wsgen.isolation.child import announce
-from wsgen.rendering.drawing import draw, recorder_for, remember
-from wsgen.simulation.scene import robot_run_to_json
+from wsgen.rendering.drawing import Drawings, draw, recorder_for, remember
+from wsgen.simulation.scene import SceneResult
 from wsgen.simulation.simulate import play
 
 if TYPE_CHECKING:
@@ -25,33 +25,32 @@ if TYPE_CHECKING:
 UNBUFFERED = 2  # _IONBF of C's stdio, on Linux and macOS
 
 
-def simulate(scene: Scene, make_engine: Callable[[World], Engine]) -> dict[str, Any]:
-    """Simulate the scene in an engine; `wsgen.simulation.run` makes a SimulationOutcome of it."""
-    _let_last_words_out()
+def simulate(scene: Scene, make_engine: Callable[[World], Engine]) -> SceneResult:
+    """Simulate the scene in an engine."""
+    _unbuffer_output_of_c()
     engine = make_engine(scene.world)
     recorder = recorder_for(engine, scene)
     started = time.perf_counter()
     robot_runs, refused = play(engine, scene, announce, recorder)
     standing = remember(engine, scene, refused)
     if scene.behavior_runs:
-        robot_runs = _try(engine, scene, robot_runs, recorder)
+        robot_runs = _run_behaviors(engine, scene, robot_runs, recorder)
     simulated = time.perf_counter()
-    drawn = draw(scene, refused, recorder, standing) if robot_runs else {}
-    return {
-        "robot_runs": [robot_run_to_json(robot_run) for robot_run in robot_runs],
-        "refused": {entity: [why.reason, why.hint] for entity, why in refused.items()},
-        **drawn,
-        "seconds": {
-            "simulate": simulated - started,
-            "draw": time.perf_counter() - simulated,
-        },
-    }
+    drawings = draw(scene, refused, recorder, standing) if robot_runs else Drawings()
+    return SceneResult(
+        robot_runs=tuple(robot_runs),
+        refused=refused,
+        picture=drawings.picture,
+        world_picture=drawings.world_picture,
+        video=drawings.video,
+        seconds={"simulate": simulated - started, "draw": time.perf_counter() - simulated},
+    )
 
 
-def _try(
+def _run_behaviors(
     engine: Engine, scene: Scene, robot_runs: list[RobotRun], recorder: Recorder | None
 ) -> list[RobotRun]:
-    """The simulations with what the robots did beyond standing; most scenes load nothing for it."""
+    """The runs with what the robots did beyond standing; most scenes load nothing for it."""
     from wsgen.simulation.behaviors import run_behaviors  # noqa: PLC0415
 
     if recorder is None:
@@ -61,7 +60,7 @@ def _try(
     )
 
 
-def _let_last_words_out() -> None:
+def _unbuffer_output_of_c() -> None:
     """Take the buffer from C's standard output: what is in it when the engine crashes is lost."""
     name = "__stdoutp" if sys.platform == "darwin" else "stdout"
     with suppress(OSError, ValueError, AttributeError, TypeError):

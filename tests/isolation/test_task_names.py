@@ -1,0 +1,41 @@
+"""The functions that child processes call by name."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+SOURCE = Path(__file__).parents[2] / "src"
+TASK = re.compile(r"wsgen\.\S+:\S+")
+
+
+def task_names() -> list[str]:
+    return sorted(
+        {
+            node.value
+            for path in SOURCE.rglob("*.py")
+            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+            if isinstance(node, ast.Constant)
+            and isinstance(node.value, str)
+            and TASK.fullmatch(node.value)
+        }
+    )
+
+
+def test_the_names_are_found() -> None:
+    assert "wsgen.meshes.worker:inspect" in task_names()
+    assert "wsgen.tasks.dart:simulate" in task_names()
+
+
+@pytest.mark.parametrize("name", task_names())
+def test_a_task_is_a_function_of_its_module(name: str) -> None:
+    """Read, not imported: the module may need a library that is not here."""
+    module, _, function = name.partition(":")
+    file = SOURCE.joinpath(*module.split(".")).with_suffix(".py")
+    assert file.is_file(), f"{name}: no module {module}"
+    tree = ast.parse(file.read_text(encoding="utf-8"))
+    found = [node.name for node in tree.body if isinstance(node, ast.FunctionDef)]
+    assert function in found, f"{module} has no function {function}"
