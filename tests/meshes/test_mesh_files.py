@@ -137,7 +137,7 @@ def test_a_broken_collision_is_an_error_and_a_broken_visual_a_warning(
     assert kinds(found) == [("ROB062", Severity.ERROR), ("ROB063", Severity.WARNING)]
     assert found[0].message == (
         "The collision mesh `package://p/broken.stl` of the link `arm` says that it has 12 "
-        f"triangles, and ends after 11: it is cut off, or no STL file ({broken})."
+        f"triangles, but ends after 11: it is cut short or not STL ({broken})."
     )
     assert (found[0].file, found[0].line, found[1].element) == (
         ROBOT_FILE,
@@ -150,7 +150,7 @@ def test_a_broken_collision_is_an_error_and_a_broken_visual_a_warning(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("with_colors", [False, True])
-def test_every_broken_file_is_told_soon(
+def test_every_broken_file_is_reported_soon(
     tmp_path: Path,
     run: Callable[..., Any],
     monkeypatch: pytest.MonkeyPatch,

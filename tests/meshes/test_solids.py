@@ -280,7 +280,7 @@ def test_large_images_are_thinned_out(tmp_path: Path) -> None:
     ("size", "words"),
     [
         ((8, 9), "8 × 9|9 × 8"),
-        ((1, 1), "one pixel"),
+        ((1, 1), "single pixel"),
         ((4098, 4098), "4098 × 4098"),
         ((10_000, 10_000), "hundred million"),
     ],

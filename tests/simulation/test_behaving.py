@@ -14,7 +14,12 @@ from simulation.robots import GROUND, joint, tree
 from wsgen.isolation.codec import decode, encode
 from wsgen.model.robot import JointLimit, JointType, Link, Robot
 from wsgen.model.transform import quaternion_of_rpy
-from wsgen.simulation.behaviors import Servos, Wheels, controller_for, run_behaviors
+from wsgen.simulation.behaviors import (
+    DiffDriveController,
+    PositionController,
+    controller_for,
+    run_behaviors,
+)
 from wsgen.simulation.engine import Motor, State
 from wsgen.simulation.fake import FakeEngine
 from wsgen.simulation.scene import Behaved, RobotRun, Scene, SpawnedRobot
@@ -143,8 +148,8 @@ def test_measurements_survive_the_way_between_processes() -> None:
 
 
 def test_who_commands_what() -> None:
-    assert isinstance(controller_for(drive(), two_wheeled()), Wheels)
-    assert isinstance(controller_for(reach(j1=0.0), arm()), Servos)
+    assert isinstance(controller_for(drive(), two_wheeled()), DiffDriveController)
+    assert isinstance(controller_for(reach(j1=0.0), arm()), PositionController)
 
 
 def test_wheels_are_as_strong_as_plugin_or_joint() -> None:
@@ -157,7 +162,7 @@ def test_wheels_are_as_strong_as_plugin_or_joint() -> None:
         assert wheels.motors({}) == {"left": Motor(0.0, expected.effort)} | {
             "right": Motor(0.0, expected.effort)
         }
-        wheels.is_begun = True
+        wheels.has_begun = True
         assert wheels.motors({}) == {"left": expected, "right": expected}
 
 
@@ -171,7 +176,7 @@ def test_servos_hold_what_is_not_named() -> None:
     servos = controller_for(reach(j1=0.01), robot)
     positions = {"j1": 0.0, "j2": 0.0, "wheel": 0.0}
     assert servos.motors(positions) == {"j1": Motor(0.0, 20.0), "j2": Motor(1.0, 2.0)}
-    servos.is_begun = True
+    servos.has_begun = True
     moving = servos.motors({**positions, "j2": 0.19})
     assert list(moving["j1"]) == pytest.approx([0.1, 20.0])
     assert list(moving["j2"]) == pytest.approx([0.1, 2.0])

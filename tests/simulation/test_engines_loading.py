@@ -59,7 +59,7 @@ def test_what_is_counted(new_engine: NewEngine) -> None:
 
 def test_nothing_is_left_of_the_robot(new_engine: NewEngine) -> None:
     refused = loaded(new_engine, Robot(name="r", root="a", links=()))
-    assert refused == Refused("nothing of it has mass")
+    assert refused == Refused("no link of it has mass")
 
 
 def test_a_mesh_that_was_not_found_does_not_stop_the_rest(new_engine: NewEngine) -> None:

@@ -317,7 +317,7 @@ def test_without_the_encoder_an_mp4_is_refused_with_what_to_do(
     monkeypatch.setattr(recording, "ENCODER", "no_such_encoder")
     problem = why_no_video(tmp_path / "video.mp4")
     assert problem is not None
-    assert "take a .gif" in problem
+    assert "name a .gif" in problem
     assert "pip install 'wsgen[video]'" in problem
     assert why_no_video(tmp_path / "video.gif") is None
 

@@ -130,7 +130,7 @@ PIXEL_LIMIT = 8192 * 8192  # 200 MB when it is unpacked
 DEEP_MODES = ("I", "F")  # the beginnings of names of modes with more than 8 bits
 FORMATS = ("BMP", "DDS", "GIF", "JPEG", "PNG", "PPM", "TGA", "TIFF", "WEBP")
 CONVERT = "Convert it to a PNG of at most 2048 pixels."
-REPLACE = "Put an image file there that you may read."
+REPLACE = "Replace it with an image file that you are allowed to read."
 
 
 class Texture(NamedTuple):
@@ -240,9 +240,7 @@ def _decode(source: Any) -> Any:
     except Image.DecompressionBombError:  # it has far more than we take
         return Unusable(f"has more than {PIXEL_LIMIT / 1e6:.0f} million pixels")
     except Exception:  # noqa: BLE001  Pillow raises anything on broken images
-        return Unusable(
-            "is not a valid image: it is cut short or damaged, or of a format that is not read"
-        )
+        return Unusable("is not a valid image: it is cut short, damaged or of an unknown format")
 
 
 def _size(width: int, height: int) -> tuple[int, int]:

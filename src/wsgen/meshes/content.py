@@ -17,13 +17,13 @@ if TYPE_CHECKING:
 FILE_LIMIT = 100 * 10**6  # bytes; a million triangles are 50 MB of STL
 TRIANGLE_LIMIT = 1_000_000  # an engine takes about 10 s to load them
 REDUCE = "Reduce it to some thousand triangles; for a <collision>, boxes or cylinders are best."
-EXPORT_ANEW = "Export the mesh anew, as binary STL or as OBJ."
+EXPORT_AGAIN = "Export the mesh again, as binary STL or as OBJ."
 
 
 class BrokenMeshError(Exception):
     """Why a mesh cannot be used: goes on after its name. It never leaves the child process."""
 
-    def __init__(self, problem: str, *, hint: str = EXPORT_ANEW) -> None:
+    def __init__(self, problem: str, *, hint: str = EXPORT_AGAIN) -> None:
         super().__init__(problem)
         self.problem = problem
         self.hint = hint
@@ -37,7 +37,7 @@ class EnormousMeshError(BrokenMeshError):
 
 
 def damaged(kind: str) -> BrokenMeshError:
-    """What is said of a file in which a reader meets what no such file has."""
+    """The error about a file in which a reader finds what no such file has."""
     return BrokenMeshError(f"is not a valid {kind.upper()} file: it is cut short or damaged")
 
 
@@ -45,7 +45,7 @@ def refuse_triangles(count: int) -> None:
     """Raise EnormousMeshError for more triangles than a mesh may have."""
     if count > TRIANGLE_LIMIT:
         raise EnormousMeshError(
-            f"has {count:,} triangles or more; of {TRIANGLE_LIMIT:,} an engine takes 10 s to load"
+            f"has {count:,} triangles or more; an engine needs 10 s to load {TRIANGLE_LIMIT:,}"
         )
 
 
@@ -96,7 +96,7 @@ def _parse(text: str | bytes, what: str, kind: str, dtype: type[Any]) -> NDArray
         try:
             return np.fromstring(text, dtype=dtype, sep=" ")
         except (DeprecationWarning, ValueError):
-            raise BrokenMeshError(f"has something else than {kind} in {what}") from None
+            raise BrokenMeshError(f"contains something other than {kind} in {what}") from None
 
 
 def bounds_of(corners: NDArray[Any]) -> tuple[Vector, Vector]:

@@ -60,7 +60,7 @@ class Ids:
         found = self._elements.get((url or "").removeprefix("#"))
         if found is None:
             raise BrokenMeshError(
-                f"refers to {what} `{url or ''}` that it does not have: "
+                f"refers to {what} `{url or ''}` that it does not define: "
                 "Gazebo crashes on it or leaves it out"
             )
         return found
@@ -182,8 +182,8 @@ class _Reader:
         if column.min() < 0 or column.max() >= len(points):
             wrong = column.min() if column.min() < 0 else column.max()
             raise BrokenMeshError(
-                f"has {len(points)} vertices, and a face with number {wrong}, counted from 0: "
-                "Gazebo and PyBullet read other memory there"
+                f"has {len(points)} vertices, and a face refers to number {wrong}, counted from 0: "
+                "Gazebo and PyBullet read memory out of bounds"
             )
         return points[self._cut(faces, column)]
 
@@ -192,13 +192,13 @@ class _Reader:
         sizes = child(faces, "vcount")
         if sizes is None:
             if len(column) % CORNERS:
-                raise BrokenMeshError(f"has {len(column)} corners, which are no whole triangles")
+                raise BrokenMeshError(f"has {len(column)} corners, which is not a multiple of 3")
             self._compare_count(faces, len(column) // CORNERS)
             return column.reshape(-1, CORNERS)
         counts = parse_integers(sizes.text or "", "a <vcount>")
         if (counts < 0).any() or counts.sum() != len(column):
             raise BrokenMeshError(
-                f"has polygons of {counts.sum()} corners together, and {len(column)} corners: "
+                f"has polygons of {counts.sum()} corners together, but {len(column)} corners: "
                 "Gazebo crashes on it"
             )
         self._compare_count(faces, len(counts))
@@ -234,7 +234,7 @@ class _Reader:
         claimed = whole_number(element, "count", actual)
         if claimed != actual:
             name = element.tag.rpartition("}")[2]
-            self.inconsistency = f'says count="{claimed}" in a <{name}>, and has {actual} there'
+            self.inconsistency = f'says count="{claimed}" in a <{name}>, but has {actual} there'
 
 
 def _rows(source: Element, width: int) -> NDArray[np.float64]:
@@ -414,7 +414,7 @@ def read_dae(data: bytes, folder: Path | None = None) -> Content:
             f"is not well-formed XML (line {root.line}: {root.message}): Gazebo crashes on it"
         )
     if root.tag.rpartition("}")[2] != "COLLADA":
-        raise BrokenMeshError("is XML, but no COLLADA: Gazebo and PyBullet crash on it")
+        raise BrokenMeshError("is XML, but not COLLADA: Gazebo and PyBullet crash on it")
     return _Scene(root, with_materials=folder is not None).read()
 
 
@@ -447,7 +447,7 @@ class _Scene:
         if not parts:
             raise BrokenMeshError(
                 "has a scene without geometry",
-                hint="Export it with the objects selected that are to be in it.",
+                hint="Select the objects to export, and export it again.",
             )
         for geometry in self.geometries.values():
             self.is_plain &= geometry.is_plain
@@ -487,8 +487,8 @@ class _Scene:
         unread = {kind for geometry in self.geometries.values() for kind in geometry.unread}
         if unread:
             raise BrokenMeshError(
-                f"has nothing but <{'>, <'.join(sorted(unread))}>, which Gazebo does not read",
-                hint="Export it with its faces cut into triangles.",
+                f"has only <{'>, <'.join(sorted(unread))}>, which Gazebo does not read",
+                hint="Triangulate the faces in the export.",
             )
 
     def _unit(self) -> float:
@@ -496,7 +496,7 @@ class _Scene:
         asset = child(self.root, "asset")
         if asset is None:
             self.is_plain = False
-            self.inconsistency = "has no <asset>: PyBullet crashes on it, and its unit is not known"
+            self.inconsistency = "has no <asset>: PyBullet crashes on it, and its unit is unknown"
             return 1.0
         unit = child(asset, "unit")
         meter = None if unit is None else unit.get("meter")
@@ -524,7 +524,7 @@ class _Scene:
             if depth > len(self.ids):
                 break
         if waiting:
-            raise BrokenMeshError("has nodes that stand for themselves, or far too many")
+            raise BrokenMeshError("has nodes that contain themselves, or far too many nodes")
 
     def _top_nodes(self) -> list[Element]:
         scene = child(self.root, "scene")

@@ -346,7 +346,7 @@ def _new_visuals(visual: Visual, answers: Answers, colored: Colored) -> Iterator
     if isinstance(answer, UnusableMesh):
         return
     parts = colored.get((mesh.path, *_showing(visual)))
-    if parts is None:  # nobody asked for its colors
+    if parts is None:  # its colors were not asked for
         yield replace(visual, geometry=_with_file(mesh, answer.visual, answer))
         return
     for part in parts:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 FORMATS = (".stl", ".obj", ".dae", ".glb", ".gltf", ".ply")  # see `wsgen.meshes.reader`
 ON_WINDOWS = re.compile(r"[A-Za-z]:[\\/]")
 IN_PACKAGE = "Put the mesh into the package, and write package://PACKAGE/meshes/…"
-MACHINE_PARTS = 3  # of /home/somebody/…: if that is not there, the path is of another machine
+MACHINE_PARTS = 3  # of /home/somebody/…: if it does not exist, the path is of another machine
 
 
 class Missing(NamedTuple):
@@ -74,7 +74,7 @@ def locate(uri: str, share_of: ShareOf, folder: Path | None) -> Path | Missing:
 
 
 def _unreadable(uri: str) -> Missing | None:
-    """What is wrong with an address that stands for no path."""
+    """What is wrong with an address that cannot be a path."""
     scheme, separator, rest = uri.partition("://")
     if not uri.strip():
         return Missing("has no name", 'Write filename="package://PACKAGE/meshes/…".')

@@ -75,7 +75,7 @@ def made_absolute(
 
 
 SIZE_LIMIT = 10**6  # bytes
-TEXTURED = 0.6  # grey that Gazebo takes for a texture to which no color is given
+TEXTURED = 0.6  # gray that Gazebo takes for a texture to which no color is given
 # Options of a texture, and how many values they have; of numbers fewer may be given.
 WORD_OPTIONS = {"-blendu", "-blendv", "-cc", "-clamp", "-imfchan", "-type"}
 NUMBER_OPTIONS = {"-bm": 1, "-boost": 1, "-texres": 1, "-mm": 2, "-o": 3, "-s": 3, "-t": 3}
@@ -102,7 +102,7 @@ def read_materials(
             MaterialProblem(
                 MISSING_MATERIAL_LIBRARY,
                 f"has no colors, as its material library `{name}` {read[0][1]}",
-                "Put the .mtl file next to the .obj, and let CMakeLists.txt install it.",
+                "Put the .mtl file next to the .obj, and install it in CMakeLists.txt.",
             )
         )
     return materials, tuple(problems)
@@ -113,7 +113,7 @@ def _read(file: Path) -> tuple[str | None, str]:
     try:
         data = read_regular(file, SIZE_LIMIT)
     except FileNotFoundError:
-        return None, "is not there"
+        return None, "does not exist"
     except (OSError, ValueError) as error:  # ValueError: a null byte in the name
         return None, f"cannot be read ({getattr(error, 'strerror', None) or error})"
     if len(data) > SIZE_LIMIT:
@@ -136,7 +136,7 @@ def _parse(text: str) -> dict[str, Material]:
 def _material(lines: dict[str, str]) -> Material:
     image = _file_name(lines.get("map_Kd", ""))
     rgb = _numbers(lines.get("Kd", "").split()[:3])
-    if len(rgb) == 1:  # a grey
+    if len(rgb) == 1:  # a gray
         rgb *= 3
     if len(rgb) != len("rgb"):
         if not image:
@@ -323,7 +323,7 @@ def read_obj(data: bytes, folder: Path | None = None) -> Content:
     wrong = indices[(indices < 1) | (indices > len(points))]
     if wrong.size:
         raise BrokenMeshError(
-            f"has {len(points)} vertices, and a face with number {wrong[0]}: "
+            f"has {len(points)} vertices, and a face refers to number {wrong[0]}: "
             "Gazebo and PyBullet crash on it"
         )
     sizes = np.fromiter((len(line.split()) - 1 for line in faces), np.int64, len(faces))

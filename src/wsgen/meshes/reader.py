@@ -47,7 +47,7 @@ class _Neighbours:
         try:
             data = read_regular(self.folder / unquote(name.strip()), FILE_LIMIT)
         except FileNotFoundError:
-            problem = f"{needed} is not there"
+            problem = f"{needed} does not exist"
         except (OSError, ValueError) as error:
             problem = f"{needed} cannot be read ({getattr(error, 'strerror', None) or error})"
         else:
@@ -80,7 +80,7 @@ def read_with_library(
     claimed = int.from_bytes(data[GLB_SIZE], "little")
     if kind == "glb" and claimed > len(data):
         raise BrokenMeshError(
-            f"says that it has {claimed} bytes, and ends after {len(data)}: it is cut short"
+            f"says that it has {claimed} bytes, but ends after {len(data)}: it is cut short"
         )
     try:
         if kind == "gltf":
@@ -169,7 +169,7 @@ def read_mesh(file: Path, *, with_materials: bool = False) -> Content:
     kind = file.suffix[1:].lower()
     if kind not in RECOGNISE:
         raise BrokenMeshError(
-            f"is of a format that is not read ({file.suffix or 'no extension'})",
+            f"has a format that wsgen does not read ({file.suffix or 'no extension'})",
             hint="Convert it to STL, OBJ or COLLADA.",
         )
     data = file.read_bytes()
@@ -179,7 +179,7 @@ def read_mesh(file: Path, *, with_materials: bool = False) -> Content:
         other = next((name for name, looks_so in RECOGNISE.items() if looks_so(data)), None)
         if other is not None:
             raise BrokenMeshError(
-                f"is called .{kind} and holds {other.upper()}: simulators go by the name",
+                f"contains {other.upper()}, but simulators take it for {kind.upper()} by its name",
                 hint=f"Give the file the extension .{other}.",
             )
     try:
@@ -200,11 +200,11 @@ def _check_is_there(file: Path) -> None:
     size = file.stat().st_size
     if size > FILE_LIMIT:
         raise EnormousMeshError(
-            f"has {size / 1e6:.0f} MB; more than {FILE_LIMIT / 1e6:.0f} are not read"
+            f"has {size / 1e6:.0f} MB; wsgen reads at most {FILE_LIMIT / 1e6:.0f} MB"
         )
     # It is not there only where the file system takes small letters for capitals.
     if file.name not in os.listdir(file.parent):  # noqa: PTH208  names suffice
         raise BrokenMeshError(
-            "has other capitals in its name than the description",
-            hint="Write the name as the file has it: elsewhere capitals count.",
+            "differs from the description in upper and lower case",
+            hint="Write the name exactly as the file has it; other file systems require that.",
         )

@@ -81,8 +81,8 @@ MOST_PIXELS = 4097  # on a side; Gazebo's rendering has no larger tile either
 MOST_ROWS = 513  # of corners: half a million triangles, for which an engine takes a second
 EIGHT_BITS = 255.0
 SIXTEEN_BITS = 65535.0
-REDUCE = "Reduce it: a simulation needs no more than a pixel for each wheel."
-SAVE_ANEW = "Save it anew as greyscale PNG, with 2ⁿ + 1 pixels on each side (129, 257, 513, …)."
+REDUCE = "Scale it down: a simulation needs no more than a pixel for each wheel."
+SAVE_AGAIN = "Save it again as a grayscale PNG, with 2ⁿ + 1 pixels on each side (129, 257, 513, …)."
 
 
 class Surface(NamedTuple):
@@ -136,7 +136,7 @@ def _read(file: Path) -> tuple[NDArray[Any], float]:
     """
     kind = irregular_kind(file)
     if kind is not None:
-        raise BrokenMeshError(f"is {kind}", hint=SAVE_ANEW)
+        raise BrokenMeshError(f"is {kind}", hint=SAVE_AGAIN)
     try:
         pixels = _load(file)
     except (Image.DecompressionBombError, Image.DecompressionBombWarning):
@@ -145,7 +145,7 @@ def _read(file: Path) -> tuple[NDArray[Any], float]:
         raise
     except Exception:  # noqa: BLE001  Pillow raises anything on broken images
         raise BrokenMeshError(
-            "is not a valid PNG or JPEG file: it is cut short or damaged", hint=SAVE_ANEW
+            "is not a valid PNG or JPEG file: it is cut short or damaged", hint=SAVE_AGAIN
         ) from None
     if pixels.ndim == 2:  # noqa: PLR2004  16 bits, grey
         grey = pixels / SIXTEEN_BITS
@@ -167,9 +167,9 @@ def _load(file: Path) -> NDArray[Any]:
 def _refuse_shape(width: int, height: int) -> None:
     if width != height or width < 2:  # noqa: PLR2004  a surface begins between two rows
         raise BrokenMeshError(
-            f"has {width} × {height} pixels: Gazebo ends on one that is not square, or has one "
-            "pixel alone",
-            hint=SAVE_ANEW,
+            f"has {width} × {height} pixels: Gazebo ends with an error on an image "
+            "that is not square or has a single pixel",
+            hint=SAVE_AGAIN,
         )
     if width > MOST_PIXELS:
         raise BrokenMeshError(

@@ -44,15 +44,15 @@ def read_stl(data: bytes, folder: Path | None = None) -> Content:
     claimed = (size - HEADER_BYTES) // TRIANGLE.itemsize
     if size > len(data):
         raise BrokenMeshError(
-            f"says that it has {claimed} triangles, and ends after "
-            f"{(len(data) - HEADER_BYTES) // TRIANGLE.itemsize}: it is cut off, or no STL file"
+            f"says that it has {claimed} triangles, but ends after "
+            f"{(len(data) - HEADER_BYTES) // TRIANGLE.itemsize}: it is cut short or not STL"
         )
     triangles = np.frombuffer(data, TRIANGLE, count=claimed, offset=HEADER_BYTES)
     inconsistency = None
     if size < len(data):
         inconsistency = (
-            f"says that it has {claimed} triangles, and goes on for {len(data) - size} bytes "
-            "behind them: PyBullet would leave it out"
+            f"says that it has {claimed} triangles, but goes on for {len(data) - size} bytes "
+            "behind them: PyBullet leaves it out"
         )
     is_plain = inconsistency is None
     content = Content(corners=triangles["corners"], is_plain=is_plain, inconsistency=inconsistency)
@@ -99,12 +99,12 @@ def _is_text(data: bytes) -> bool:
 def _read_text(data: bytes) -> NDArray[np.float64]:
     if b"\n" not in data:
         raise BrokenMeshError(
-            "is a text whose lines end as on old Macintoshes: Gazebo reads no line of it"
+            "is a text with the line ends of old Macintoshes (CR): Gazebo does not read it"
         )
     numbers = parse_floats(b" ".join(VERTEX.findall(data)), "its vertices")
     triangles = len(END_OF_TRIANGLE.findall(data))
     if len(numbers) != 9 * triangles:
         raise BrokenMeshError(
-            f"has {len(numbers) // 3} vertices for {triangles} triangles: it is cut off"
+            f"has {len(numbers) // 3} vertices for {triangles} triangles: it is cut short"
         )
     return numbers.reshape(-1, 3, 3)

@@ -1,7 +1,4 @@
-"""Where to put a camera so that it sees all of something, as large as can be.
-
-A camera, and what a renderer saw through it.
-"""
+"""A camera, placed so that it sees all of something as large as possible."""
 
 from __future__ import annotations
 
@@ -80,7 +77,7 @@ def eye_camera(
     """A camera that has all points (n by 3, m, in the world) within the margin.
 
     It is `towards` a direction from them, and sees what is `behind` and around them, too, but
-    nothing that is before them.
+    nothing that is in front of them.
     """
     return _camera(_padded(points), towards, FIELD_OF_VIEW, size, MARGIN, behind=behind)
 

@@ -26,20 +26,20 @@ T = TypeVar("T")
 NO_RENDERER = "PyBullet, which draws it, is not installed: it has no wheels for this Python"
 
 
-class Standing(NamedTuple):
+class StandingPoses(NamedTuple):
     """What pictures show: where everything was when the robots had stood."""
 
     poses: Poses
     corners: dict[str, list[Vector]]  # m, of boxes around what can touch, and the links' frames
 
 
-def remember(engine: Engine, scene: Scene, refused: Container[str]) -> Standing | None:
-    """Look at everything, if a picture or a video is wanted."""
+def remember(engine: Engine, scene: Scene, refused: Container[str]) -> StandingPoses | None:
+    """Where everything is now, if a picture or a video is wanted."""
     if (scene.picture, scene.world_picture, scene.record) == (None, None, None):
         return None
     entities = [robot.entity for robot in scene.robots if robot.entity not in refused]
     poses: Poses = {entity: engine.link_poses(entity) for entity in entities}
-    return Standing(
+    return StandingPoses(
         poses,
         {
             entity: [*engine.corners(entity), *(pose.xyz for pose in poses[entity].values())]
@@ -67,7 +67,7 @@ class Drawings:
 
 
 def draw(
-    scene: Scene, refused: Container[str], recorder: Recorder | None, standing: Standing | None
+    scene: Scene, refused: Container[str], recorder: Recorder | None, standing: StandingPoses | None
 ) -> Drawings:
     """Draw what the scene wants; `standing` is what was remembered of it."""
     problem = None
@@ -99,7 +99,7 @@ def _draw_all(
     scene: Scene,
     refused: Container[str],
     recorder: Recorder | None,
-    standing: Standing,
+    standing: StandingPoses,
     *,
     has_static_models: bool,
 ) -> Drawings:

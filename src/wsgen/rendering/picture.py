@@ -1,14 +1,12 @@
-"""Puts what a renderer saw before the ground and the sky.
+"""Composes a picture: what a renderer saw, in front of checkered ground with shadows, and the sky.
 
 The renderer draws the robots alone, larger than the picture is, so that their edges are smooth.
-What is see-through is drawn a second time, over the rest; what lies under the ground shines
-through it faintly.
-
-What is behind the robots in a picture: checkered ground with their shadow, and the sky.
+What is transparent is drawn a second time, over the rest; what lies under the ground is drawn
+faintly.
 
 A square of the ground has an edge of a round length (1, 2 or 5 times a power of ten), which is
-written into the picture: with it sizes can be read off. Ground, shadow and sky are computed for
-every pixel, because a ground of triangles would cost most of the time and still have no edges.
+written into the picture, so that sizes can be read off. Ground, shadow and sky are computed for
+every pixel: a ground of triangles would cost most of the time, and its edges would not be smooth.
 """
 
 from __future__ import annotations
@@ -36,7 +34,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float32]
 
 SUNK = 1e-3  # of the farthest distance: what the depth buffer cannot tell from the ground
-FAINT = 0.35  # how much of what is under the ground shines through
+FAINT = 0.35  # opacity of what is under the ground
 
 # Of 256 levels, either way: without it the levels of a surface that slowly turns from the light
 # are seen as bands.
@@ -54,7 +52,7 @@ def robots(shot: Shot, behind: Shot | None, opacity: Floats, *, has_ground: bool
     """What was seen, as an image with transparency, as large as it was rendered.
 
     Args:
-        shot: What was seen of all, as if nothing were see-through.
+        shot: What was seen of all, as if nothing were transparent.
         behind: What was seen of all that is solid, of any size; None where nothing else is.
         opacity: Of each body by its number, 0 to 1.
         has_ground: Whether a ground at z = 0 is seen.
@@ -64,9 +62,9 @@ def robots(shot: Shot, behind: Shot | None, opacity: Floats, *, has_ground: bool
         return image
     hidden = _image(behind, np.ones_like(opacity), has_ground=has_ground)
     hidden = hidden.resize(image.size, Image.Resampling.NEAREST)
-    veils = Image.fromarray(_of_bodies(shot, opacity < 1).astype(np.uint8) * 255)
+    transparent = Image.fromarray(_of_bodies(shot, opacity < 1).astype(np.uint8) * 255)
     # Elsewhere the sharper one is all there is.
-    hidden.putalpha(ImageChops.multiply(hidden.getchannel("A"), veils))
+    hidden.putalpha(ImageChops.multiply(hidden.getchannel("A"), transparent))
     return Image.alpha_composite(hidden, image)
 
 
@@ -111,7 +109,7 @@ def unproject(
 
 
 def compose(front: Image.Image, background: Floats, size: Size, *, dither: bool) -> Image.Image:
-    """The robots, made as small as the picture is, before a background (0 to 1)."""
+    """The robots, made as small as the picture is, in front of a background (0 to 1)."""
     if front.size != (size.width, size.height):
         front = front.resize((size.width, size.height), Image.Resampling.BOX)
     seen = np.asarray(front, dtype=np.float32)
@@ -179,7 +177,7 @@ TILE_LIGHT, TILE_DARK = (0.86, 0.87, 0.88), (0.77, 0.79, 0.81)
 SHADE = 0.42  # of the ground's light that a shadow takes
 SOFTNESS = 1 / 170  # of the shadow's width: how far its edges are blurred
 TILE_MOST = 0.5  # of the robots' size; the next smaller round length is a fifth or more
-TILE_PIXELS = 5.0  # squares that are smaller than this at the nearest cannot be told apart
+TILE_PIXELS = 5.0  # squares that are smaller than this at the nearest look like one color
 LEAST_GROUND = 0.02  # of the picture: less shows no square
 DOWN = -1e-6  # a ray that goes no steeper looks along the ground
 

@@ -1,4 +1,4 @@
-"""Record where all links are during a simulation; say whether a video can be made."""
+"""Records where all links are during a simulation, and says whether a video can be written."""
 
 from __future__ import annotations
 
@@ -32,14 +32,14 @@ def why_no_video(file: Path) -> str | None:
     It is cheap; ask before a simulation.
     """
     if file.suffix.lower() not in {".gif", ".mp4"}:
-        return f"a video is a .gif or an .mp4, and `{file.name}` is neither"
+        return f"`{file.name}` is neither a .gif nor an .mp4 file"
     if lacks_encoder(file):
-        return "an .mp4 needs PyAV: take a .gif, or pip install 'wsgen[video]'"
+        return "an .mp4 file needs PyAV: name a .gif file, or pip install 'wsgen[video]'"
     if not file.parent.is_dir():
         return f"the folder {file.parent} does not exist"
     is_special = file.is_dir() or file.is_fifo()
     if is_special or not os.access(file if file.exists() else file.parent, os.W_OK):
-        return f"{file} cannot be written to"
+        return f"{file} is not writable"
     return None
 
 

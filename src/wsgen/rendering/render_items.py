@@ -1,7 +1,4 @@
-"""What there is to be seen of the robots in a scene, and where: a picture's contents.
-
-Primitive shapes as triangles for drawing: round ones round, edges sharp.
-"""
+"""What a renderer draws of the robots in a scene: their visuals, with primitives as triangles."""
 
 from __future__ import annotations
 
@@ -125,7 +122,7 @@ Rgba = tuple[float, float, float, float]
 Poses = dict[str, "Mapping[str, Pose]"]  # of links, in the world: entity, then link
 
 UNPAINTED: Rgba = (0.75, 0.75, 0.78, 1.0)  # about what Gazebo shows without a material
-UNPAINTED_STATIC_MODEL: Rgba = (0.60, 0.57, 0.53, 1.0)  # so that a robot is told from what it is on
+UNPAINTED_STATIC_MODEL: Rgba = (0.60, 0.57, 0.53, 1.0)  # a robot differs from what it is on
 WHITE: Rgba = (1.0, 1.0, 1.0, 1.0)  # leaves a texture its colors
 COLLISION: Rgba = (1.0, 0.44, 0.0, 0.5)  # what Gazebo paints collisions with
 BLACKEST = 0.1  # Gazebo's `FlatBlack`
@@ -147,7 +144,7 @@ class RenderItem:
     is_collision: bool = False  # shown because its link has nothing else to show
 
     def points(self) -> list[Vector]:
-        """Points that it lies between, seen from its own frame, m; none where nobody knows."""
+        """Points that it lies between, seen from its own frame, m; none where they are unknown."""
         if not isinstance(self.geometry, Mesh):
             return tessellate(self.geometry).vertices
         if self.geometry.bounds is None:
@@ -160,7 +157,7 @@ class RenderItem:
 
     @property
     def triangles(self) -> int:
-        """How many are drawn; a guess where nobody has looked into the mesh."""
+        """How many are drawn; a guess where the mesh was not inspected."""
         if not isinstance(self.geometry, Mesh):
             return len(tessellate(self.geometry).indices) // 3
         return self.geometry.triangles or TRIANGLES_OF_A_MESH
@@ -191,7 +188,7 @@ def list_render_items(scene: Scene, refused: Container[str]) -> list[RenderItem]
 
 
 def subjects(scene: Scene) -> Sequence[SpawnedRobot]:
-    """The robots that a picture is about: all, where there is nothing but scenery."""
+    """The robots that a picture is about: all, where there are only static models."""
     return [robot for robot in scene.robots if not robot.is_static_model] or scene.robots
 
 

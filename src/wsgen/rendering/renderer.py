@@ -32,8 +32,8 @@ LIGHT_SPECULAR = 0.05
 # get the same pictures on every machine, however busy it is.
 PIXEL_SECONDS, TRIANGLE_SECONDS, BODY_SECONDS = 0.15e-6, 0.35e-6, 0.13e-3
 
-UNLIT = 0.75  # how bright something is of which nobody knows where it faces
-SOLID = 0.95  # of alpha: what has less is see-through
+UNLIT = 0.75  # brightness of what has no normals
+SOLID = 0.95  # of alpha: what has less is transparent
 
 
 class Renderer:
@@ -103,7 +103,7 @@ class Renderer:
     def points(self, which: Callable[[RenderItem], bool] = lambda _: True) -> dict[int, Floats]:
         """Points (n by 3, m, in the world) that bodies lie between, by the bodies' numbers.
 
-        Left out are those that nobody knows any of.
+        Left out are those of which no point is known.
         """
         return {
             body: np.array(points) @ np.array(rotation_of_rpy(pose.rpy)).T + pose.xyz
@@ -132,9 +132,9 @@ class Renderer:
         ]
 
     def shoot(self, camera: Camera, *, without: Container[int] = ()) -> Shot:
-        """What the renderer looks like through a camera, without some of the bodies.
+        """What is seen through a camera, without some of the bodies.
 
-        What is see-through is seen as solid.
+        What is transparent is drawn as solid.
         """
         left_out = [one for one in self._bodies if one[1] in without]
         for render_item, body in left_out:
@@ -157,7 +157,7 @@ class Renderer:
             view,
             projection,
             renderer=client.ER_TINY_RENDERER,
-            shadow=0,  # the ground has them, see `ground`
+            shadow=0,  # the ground has them, see `picture`
             lightDirection=self._light,
             lightAmbientCoeff=LIGHT_AMBIENT,
             lightDiffuseCoeff=1 - LIGHT_AMBIENT,

@@ -1,11 +1,8 @@
-"""The pictures of a scene: one of its robots, and a second one of all that is around them.
+"""Draws the pictures of a scene: one of its robots, and one of all that is around them.
 
-Load it when a picture is wanted: NumPy's and Pillow's loading would cost every simulation as much
-as its simulation does.
-
-A first, coarse shot: it shows how far bodies reach more closely than the boxes around them.
-
-A camera and a light before what stands in a renderer, and the ground behind it.
+A first, coarse shot shows how far bodies reach, more closely than the boxes around them; then the
+camera is set up. Import it only where a picture is wanted: loading NumPy and Pillow takes as long
+as a simulation.
 """
 
 from __future__ import annotations
@@ -47,7 +44,7 @@ if TYPE_CHECKING:
 
 PROBE = Size(480, 360)  # pixels
 FEW = 40  # pixels; of what is thinner, the shot may have missed a part
-MOST_SHOTS, GROWTH = 8, 3.0  # each from farther away, for what nobody knows the size of
+MOST_SHOTS, GROWTH = 8, 3.0  # each from farther away, for what has an unknown size
 CLOSER = 1.2  # how much more than has been found the last shot takes in
 
 
@@ -163,8 +160,8 @@ def _shadow_pixels(size: Size, scale: float) -> int:
     return round(size.height * (SHADOW if scale > 1 else SHADOW / 2))
 
 
-class Stage:
-    """Takes pictures of a renderer, of one size, from one place."""
+class CameraSetup:
+    """A camera, a light and a background: takes pictures of one size from one place."""
 
     def __init__(  # noqa: PLR0913  a set-up has this many parts
         self,
@@ -200,7 +197,7 @@ class Stage:
         """A picture of how things are now; `dither` makes it smoother and its file larger."""
         shot = self.renderer.shoot(self.camera)
         self.backdrop.look_past(shot.body < 0)
-        behind = self._behind_veils() if (self._opacity < 1).any() else None
+        behind = self._behind_transparent() if (self._opacity < 1).any() else None
         light = None
         if self._light is not None and self.backdrop.is_ground_seen:
             light = self.renderer.shoot(self._light, without=self._without_shadow)
@@ -209,11 +206,11 @@ class Stage:
         background = self.backdrop.shadowed(light, self._opacity)
         return compose(front, background, self.size, dither=dither)
 
-    def _behind_veils(self) -> Shot:
-        """What is behind that which is see-through; it need not be sharp."""
+    def _behind_transparent(self) -> Shot:
+        """What is behind transparent bodies; it need not be sharp."""
         camera = replace(self.camera, width=self.size.width, height=self.size.height)
-        veils = np.flatnonzero(self._opacity < 1).tolist()
-        return self.renderer.shoot(camera if self.scale > 1 else self.camera, without=veils)
+        transparent = np.flatnonzero(self._opacity < 1).tolist()
+        return self.renderer.shoot(camera if self.scale > 1 else self.camera, without=transparent)
 
 
 PICTURE, WORLD_PICTURE = Size(960, 720), Size(480, 360)
@@ -231,7 +228,7 @@ ENOUGH = 0.7  # of what is seen of the robots from the best of them
 # How far around the robots the picture of the world goes: what reaches farther, as planes and
 # landscapes do, is seen in it as far as it is seen.
 AROUND_LEAST, AROUND_SIZES = 30.0, 10.0  # m, and sizes of all robots together
-GROUND_EDGE = 20.0  # m; scenery as wide as that and as high as the ground is the ground
+GROUND_EDGE = 20.0  # m; a static model as wide as that and as high as the ground is the ground
 GROUND_THICKNESS = 0.01  # m
 
 ALOFT = 0.25  # of the robots' size: what is as high above the ground does not stand on it
@@ -240,8 +237,8 @@ ALOFT = 0.25  # of the robots' size: what is as high above the ground does not s
 class SceneRenderer:
     """Takes the pictures of a scene, with the links where they are at some moment.
 
-    `corners` are points of each robot (m, in the world), for meshes of which nobody knows the size
-    and for robots of which nothing can be seen.
+    `corners` are points of each robot (m, in the world), for meshes of unknown size and for robots
+    of which nothing can be seen.
     """
 
     def __init__(
@@ -265,7 +262,7 @@ class SceneRenderer:
     def draw(self, file: Path) -> float | None:
         """Write a PNG of the robots; gives the edge of the ground's squares, m, if any are seen."""
         points = self.subject_points()
-        stage = Stage(
+        setup = CameraSetup(
             self.renderer,
             self.world,
             points,
@@ -273,10 +270,10 @@ class SceneRenderer:
             finest_scale(self.renderer, PICTURE, PATIENCE),
             without_shadow=self.static_models,
         )
-        image = stage.take(dither=True)
-        write_caption(image, [*self._captions(points), *_legend(stage.backdrop.tile)])
+        image = setup.take(dither=True)
+        write_caption(image, [*self._captions(points), *_legend(setup.backdrop.tile)])
         write_png(image, file)
-        return stage.backdrop.tile
+        return setup.backdrop.tile
 
     def draw_world(self, file: Path) -> float | None:
         """Likewise a smaller one of the robots with what is around them."""
@@ -288,11 +285,13 @@ class SceneRenderer:
         framed = np.vstack([points, *near])
         towards = self._best_view(framed)
         scale = finest_scale(self.renderer, WORLD_PICTURE, PATIENCE)
-        stage = Stage(self.renderer, self.world, framed, WORLD_PICTURE, scale, towards=towards)
-        image = stage.take(dither=True)
-        write_caption(image, [*_legend(stage.backdrop.tile)])
+        setup = CameraSetup(
+            self.renderer, self.world, framed, WORLD_PICTURE, scale, towards=towards
+        )
+        image = setup.take(dither=True)
+        write_caption(image, [*_legend(setup.backdrop.tile)])
         write_png(image, file)
-        return stage.backdrop.tile
+        return setup.backdrop.tile
 
     def _best_view(self, points: Floats) -> Vector:
         """From which corner the robots are seen best; from the usual one, if well enough."""
@@ -310,7 +309,7 @@ class SceneRenderer:
         around = self.renderer.points(lambda render_item: render_item.is_subject)
         guess = self._corners_of_unknown()
         if not around and not len(guess):
-            raise ValueError("nothing of it is anywhere: its poses are no numbers")
+            raise ValueError("the poses of its links are not finite")
         numbers = self.renderer.numbers(lambda render_item: render_item.is_subject)
         if not numbers:
             return guess
@@ -335,7 +334,7 @@ class SceneRenderer:
         """What a person would not see in the picture."""
         shown = [render_item for render_item in self.render_items if render_item.is_subject]
         if not shown:
-            yield "nothing can be seen of it: no visual, no collision"
+            yield "no visual, no collision"
         elif any(render_item.is_collision for render_item in shown):
             yield "orange: collisions of links without a visual"
         if not self.world.has_ground_plane:

@@ -1,6 +1,6 @@
-"""Draws the video of a simulation: of each behavior, or of the robots from the spawning to the end.
+"""Draws the video of a simulation: of each behavior, or of the robots from spawning to the end.
 
-Images become a video: a GIF by Pillow, or an MP4 by PyAV.
+Pillow writes a GIF, PyAV an MP4.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from PIL import Image
 from wsgen.files import write_file
 from wsgen.rendering.camera import Size
 from wsgen.rendering.picture import draw_title, write_caption
-from wsgen.rendering.scene_renderer import Stage, picture_seconds
+from wsgen.rendering.scene_renderer import CameraSetup, picture_seconds
 from wsgen.simulation.scene import Video
 
 if TYPE_CHECKING:
@@ -91,11 +91,11 @@ TITLE_SECONDS = 0.8  # how long the name of a behavior is shown before it
 def draw_video(
     scene_renderer: SceneRenderer, recorder: Recorder, file: Path, announce: Callable[[str], None]
 ) -> Video:
-    """Write a video of what was recorded; `announce` is told how far it is.
+    """Write a video of what was recorded; `announce` gets how far it is.
 
     The camera stands still and sees the robots as they are at the beginning, in the middle and at
-    the end of each clip. A clip with a name begins with it on a title card, so that nobody takes
-    the cut for a jump of the robot. What takes long to draw gets a smaller picture, then fewer
+    the end of each clip. A clip with a name begins with it on a title card: else the cut would look
+    like a jump of the robot. What takes long to draw gets a smaller picture, then fewer
     frames.
     """
     clips = recorder.shown
@@ -103,7 +103,7 @@ def draw_video(
     size, scale, cost = _quality(scene_renderer, count)
     stride = max(1, -int(-count * cost // BUDGET))
     rate = recorder.rate / stride
-    stage = _set_up(
+    setup = _set_up(
         scene_renderer, [moment for clip in clips for moment in _moments(clip)], size, scale
     )
     titles = max(1, round(TITLE_SECONDS * rate))
@@ -116,12 +116,12 @@ def draw_video(
             for place, now in enumerate(clip.frames[::stride]):
                 number += 1
                 announce(f"frame {number} of {total}")
-                image = _draw(stage, now, clip.name, seconds=place / rate)
+                image = _draw(setup, now, clip.name, seconds=place / rate)
                 if place == 0 and clip.name:
                     yield from [draw_title(image, clip.name)] * titles
                 yield image
 
-    write_video(file, draw_all(), _samples(stage, clips), rate)
+    write_video(file, draw_all(), _samples(setup, clips), rate)
     return Video(
         file=file,
         frames=written,
@@ -148,12 +148,12 @@ def _moments(clip: Clip) -> list[Poses]:
 
 def _set_up(
     scene_renderer: SceneRenderer, moments: Sequence[Poses], size: Size, scale: float
-) -> Stage:
+) -> CameraSetup:
     points = []
     for moment in moments:
         scene_renderer.renderer.arrange(moment)
         points.append(scene_renderer.subject_points())
-    return Stage(
+    return CameraSetup(
         scene_renderer.renderer,
         scene_renderer.world,
         np.vstack(points),
@@ -163,16 +163,16 @@ def _set_up(
     )
 
 
-def _samples(stage: Stage, clips: Sequence[Clip]) -> list[Image.Image]:
+def _samples(setup: CameraSetup, clips: Sequence[Clip]) -> list[Image.Image]:
     """Three images that have the colors of all."""
-    samples = [_draw(stage, moment, "", seconds=0.0) for moment in _moments(clips[0])]
+    samples = [_draw(setup, moment, "", seconds=0.0) for moment in _moments(clips[0])]
     return [*samples, *(draw_title(samples[0], clip.name) for clip in clips[:1] if clip.name)]
 
 
-def _draw(stage: Stage, poses: Poses, name: str, *, seconds: float) -> Image.Image:
-    stage.renderer.arrange(poses)
-    image = stage.take(dither=False)
-    tile = stage.backdrop.tile
+def _draw(setup: CameraSetup, poses: Poses, name: str, *, seconds: float) -> Image.Image:
+    setup.renderer.arrange(poses)
+    image = setup.take(dither=False)
+    tile = setup.backdrop.tile
     lines = [name, f"{seconds:.2f} s", f"1 square = {tile:g} m" if tile else ""]
     write_caption(image, [line for line in lines if line])
     return image

@@ -1,4 +1,4 @@
-"""The one door to PyAV, which writes MP4.
+"""Writes MP4 with PyAV; no other module imports it.
 
 It has wheels for every Python that wsgen runs on, and encodes in this process. The alternatives
 start a program: imageio-ffmpeg brings one for every video, and the one on the path may have been

@@ -1,8 +1,7 @@
-"""Tries what a robot must do beyond standing, and measures. It checks nothing.
+"""Runs the behaviors of a robot, and measures; `wsgen.rules` checks.
 
-What moves a robot in a behavior: its diff drive plugin, or ros2_control, as in Gazebo.
-
-A controller says, once every `UPDATE`, which motors the joints have until the next time.
+A robot is driven by its diff drive plugin or by ros2_control, as in Gazebo: a controller says once
+every `UPDATE` which motors the joints have until the next time.
 """
 
 from __future__ import annotations
@@ -37,28 +36,28 @@ HELD = (JointType.REVOLUTE, JointType.PRISMATIC)
 
 
 class Controller(Protocol):
-    """Whoever gives the commands of a behavior."""
+    """What gives the commands of a behavior."""
 
-    is_begun: bool  # before, it keeps the robot as it was spawned
+    has_begun: bool  # before, it keeps the robot as it was spawned
 
     def motors(self, positions: Mapping[str, float]) -> dict[str, Motor]:
         """The motors from now to the next update; `positions` are those of the joints now."""
 
 
 def controller_for(behavior_run: BehaviorRun, robot: Robot) -> Controller:
-    """Who gives the commands of a behavior that can be tried."""
+    """The controller for a behavior."""
     task = behavior_run.behavior.task
     if isinstance(task, Drive):
-        assert behavior_run.drive is not None  # noqa: S101  without one there is no such attempt
-        return Wheels(behavior_run.drive, task, robot)
-    return Servos(task, robot)
+        assert behavior_run.drive is not None  # noqa: S101  else it is not run
+        return DiffDriveController(behavior_run.drive, task, robot)
+    return PositionController(task, robot)
 
 
-class Wheels:
+class DiffDriveController:
     """A diff drive plugin: turns wheels; all other joints stay passive."""
 
     def __init__(self, drive: DiffDrive, task: Drive, robot: Robot) -> None:
-        self.is_begun = False
+        self.has_begun = False
         self._drive = drive
         self._task = task
         self._joints = {joint.name: joint for joint in robot.movable_joints}
@@ -67,9 +66,9 @@ class Wheels:
             (name for pair in drive.pairs for name in (pair.left, pair.right)), 0.0
         )  # m/s
 
-    def motors(self, positions: Mapping[str, float]) -> dict[str, Motor]:  # noqa: ARG002  wheels know speeds
+    def motors(self, positions: Mapping[str, float]) -> dict[str, Motor]:  # noqa: ARG002  it controls speeds
         """The wheels at the speeds that the plugin has reached."""
-        linear, angular = (self._task.linear, self._task.angular) if self.is_begun else (0.0, 0.0)
+        linear, angular = (self._task.linear, self._task.angular) if self.has_begun else (0.0, 0.0)
         drive = self._drive
         self._linear = drive.linear.next(self._linear, linear, UPDATE)
         self._angular = drive.angular.next(self._angular, angular, UPDATE)
@@ -91,7 +90,7 @@ class Wheels:
         return _limited(self._joints[name], speed)
 
 
-class Servos:
+class PositionController:
     """Position commands: joints go to positions and hold them, at their limits of speed and effort.
 
     Joints that are not named hold 0 if they have limits, or what is nearest to 0 within them;
@@ -100,7 +99,7 @@ class Servos:
     """
 
     def __init__(self, task: Reach, robot: Robot) -> None:
-        self.is_begun = False
+        self.has_begun = False
         self._positions = task.positions
         moves = {
             joint.name: joint
@@ -118,7 +117,7 @@ class Servos:
         """Towards the commands, the faster the farther."""
         motors = {}
         for joint in self._joints:
-            target = self._positions.get(joint.name) if self.is_begun else None
+            target = self._positions.get(joint.name) if self.has_begun else None
             motors[joint.name] = _towards(joint, positions, _rest(joint, target))
         for joint in self._followers:
             mimic = joint.mimic
@@ -158,13 +157,12 @@ def run_behaviors(  # noqa: PLR0913  as `play`, and its outcome
     observe: Observer | None = None,
     begun: Callable[[str, float], None] = lambda _name, _seconds: None,
 ) -> list[RobotRun]:
-    """Try the scene's behaviors one after the other; gives the simulations with what was measured.
+    """Run the scene's behaviors one after the other; gives the runs with what was measured.
 
     For each all robots are put to where they were spawned, and come to rest first. The arguments
-    are those of `simulation.play`, which was before; simulated time goes on. `begun` is told the
-    name of a behavior and the simulated time when the robot is at rest and begins it; `observe`
-    sees what
-    it does from then on.
+    are those of `simulation.play`, which was before; simulated time goes on. `begun` is called with
+    the name of a behavior and the simulated time when the robot is at rest and begins it; `observe`
+    sees what it does from then on.
     """
     spawned = {robot_run.entity: robot_run.spawn_pose for robot_run in robot_runs}
     session = _Session(engine, scene, spawned, observe, begun)
@@ -172,7 +170,7 @@ def run_behaviors(  # noqa: PLR0913  as `play`, and its outcome
     for behavior_run in scene.behavior_runs:
         if behavior_run.entity in spawned:
             announce(RUNNING.format(entity=behavior_run.entity, name=behavior_run.behavior.name))
-            measured[behavior_run.entity].append(session.behavior_run(behavior_run))
+            measured[behavior_run.entity].append(session.run(behavior_run))
     return [
         replace(robot_run, behaviors=tuple(measured[robot_run.entity])) for robot_run in robot_runs
     ]
@@ -198,26 +196,28 @@ class _Session:
         self.steps = max(1, round(UPDATE / engine.step_seconds))  # in an update
         self.seconds = scene.seconds  # simulated until now
 
-    def behavior_run(self, behavior_run: BehaviorRun) -> Behaved:
-        """Try one behavior."""
-        self._begin_anew()
+    def run(self, behavior_run: BehaviorRun) -> Behaved:
+        """Run one behavior."""
+        self._reset()
         behavior = behavior_run.behavior
         controller = controller_for(behavior_run, self.robots[behavior_run.entity])
         self._settle(behavior_run.entity, controller)
-        way = _Way(self.engine.state(behavior_run.entity))
-        controller.is_begun = True
+        odometer = _Odometer(self.engine.state(behavior_run.entity))
+        controller.has_begun = True
         self.begun(behavior.name, self.seconds)
         self._show()
         for _ in range(self._updates(behavior.seconds)):
-            way.go(self._update(behavior_run.entity, controller))
-            if not way.is_finite:
+            odometer.go(self._update(behavior_run.entity, controller))
+            if not odometer.is_finite:
                 break
         positions = self.engine.joint_positions(behavior_run.entity)
         self.engine.release(behavior_run.entity)
         numbers_are_finite = all(map(math.isfinite, positions.values()))
-        return Behaved(behavior.name, way.moved, positions, way.is_finite and numbers_are_finite)
+        return Behaved(
+            behavior.name, odometer.moved, positions, odometer.is_finite and numbers_are_finite
+        )
 
-    def _begin_anew(self) -> None:
+    def _reset(self) -> None:
         for entity, pose in self.spawned.items():
             if not self.robots[entity].is_static:
                 self.engine.place(entity, pose)
@@ -235,12 +235,12 @@ class _Session:
         return round(seconds / (self.steps * self.engine.step_seconds))
 
     def _update(self, entity: str, controller: Controller) -> State:
-        """Let the controller do its work, and time pass to its next turn."""
+        """Let the controller set the motors, and time pass to its next update."""
         motors = controller.motors(self.engine.joint_positions(entity))
         self.engine.drive(entity, motors)
         self.engine.advance(self.steps)
         self.seconds += self.steps * self.engine.step_seconds
-        if controller.is_begun:
+        if controller.has_begun:
             self._show()
         return self.engine.state(entity)
 
@@ -249,7 +249,7 @@ class _Session:
             self.observe(self.seconds, list(self.spawned))
 
 
-class _Way:
+class _Odometer:
     """How far a robot has come since it began."""
 
     def __init__(self, start: State) -> None:

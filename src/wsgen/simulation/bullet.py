@@ -1,9 +1,8 @@
 """The PyBullet engine, set up so that it does what Gazebo's physics does.
 
-Where PyBullet's convex hulls touch something that the triangles of a mesh do not reach.
-
-On level ground the two are the same: the corners of a hull are corners of its mesh. On and between
-other things they are not, and Gazebo takes the triangles.
+It collides meshes as their convex hulls, where Gazebo takes the triangles. On level ground the two
+are the same, for the corners of a hull are corners of its mesh; elsewhere `hull_gaps` measures how
+far they differ.
 """
 
 from __future__ import annotations
@@ -202,12 +201,12 @@ class BulletEngine:
         """Put a robot into the world, at rest, its joints passive."""
         model = robot.robot
         if not model.links:
-            return Refused("nothing of it has mass")
+            return Refused("no link of it has mass")
         parts = most_parts(model)
         if parts > MOST_LINKS:
             return Refused(
-                f"it has {parts} links with a friction of their own, PyBullet can do {MOST_LINKS}",
-                hint="Install DART, which can do any number: pip install 'wsgen[dart]'",
+                f"it has {parts} links with different friction; PyBullet takes {MOST_LINKS}",
+                hint="Install DART, which takes any number: pip install 'wsgen[dart]'",
             )
         bodies: list[tuple[BulletBody, Pose]] = []
         try:

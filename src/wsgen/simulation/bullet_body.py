@@ -1,21 +1,14 @@
 """One tree of links in PyBullet, set up so that it moves as in Gazebo.
 
-Dampers and springs that are too stiff for PyBullet.
-
-PyBullet applies damping from the speed before a step. Where that takes away more than all of the
-speed in one step, the joint is thrown back faster than it came, and the robot explodes; of the
-public robots one in ten has such joints (TIAGo, TALOS, iCub, xArm). Here a motor that wants to
-stand still, but is no stronger than the damper, does the same and can only take energy away.
+Dampers and springs may be too stiff for PyBullet, which applies damping from the speed before a
+step. Where that takes away more than all of the speed in one step, the joint is thrown back faster
+than it came, and the robot explodes; of the public robots one in ten has such joints (TIAGo, TALOS,
+iCub, xArm). Here a motor that wants to stand still, but is no stronger than the damper, does the
+same and can only take energy away.
 
 The torque of a spring is applied in the same way, from the position before a step. A spring that
 swings faster than steps can follow is made as soft as they can: where it comes to rest is the same
 to the eye.
-
-Mesh files that PyBullet does not take.
-
-Motors in the joints of a body in PyBullet.
-
-Gazebo's properties for the links and joints of a body in PyBullet.
 """
 
 from __future__ import annotations
@@ -187,8 +180,8 @@ def set_motor(client: Client, body: int, index: int, joint: Joint, motor: Motor)
     )
 
 
-# Gazebo damps links only where told so, and only Gazebo Classic does; PyBullet damps every link by
-# 0.04 a second.
+# Gazebo damps links only where the description says so, and only Gazebo Classic does; PyBullet
+# damps every link by 0.04 a second.
 LINK_DAMPING = 0.0
 
 # Gazebo has no speed limit for passive joints; PyBullet stops them at 100 rad/s.
@@ -252,7 +245,7 @@ def release_joints(client: Client, body: int, tree: Robot, movable: Mapping[str,
 def keep_apart(
     client: Client, body: int, tree: Robot, index_of: Mapping[str, int], owner: Mapping[str, str]
 ) -> None:
-    """Let only such links touch each other as Gazebo was told to let touch."""
+    """Let only those links touch each other that touch each other in Gazebo."""
     touching = may_touch(tree)
     parts = list(index_of.items())
     for place, (name, index) in enumerate(parts):

@@ -1,4 +1,4 @@
-"""The one door to PyBullet: its functions, bound to one world."""
+"""PyBullet's functions, bound to one world; no other module imports PyBullet."""
 
 from __future__ import annotations
 

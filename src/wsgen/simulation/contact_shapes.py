@@ -1,6 +1,6 @@
-"""Which shapes of a link an engine gets together: those of one friction, those that stand.
+"""Groups the collisions of a link for PyBullet: by friction, and whether level ground touches them.
 
-How far shapes reach: down, and out of the convex hull of others.
+It needs to know how far shapes reach: down, and out of the convex hull of others.
 """
 
 from __future__ import annotations

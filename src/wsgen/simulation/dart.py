@@ -1,9 +1,4 @@
-"""The DART engine: the one that Gazebo Sim uses, with Gazebo's settings.
-
-A robot in DART, set up so that it moves as in Gazebo.
-
-The one door to DART.
-"""
+"""The DART engine, which Gazebo Sim uses, with Gazebo's settings; no other module imports DART."""
 
 from __future__ import annotations
 
@@ -309,7 +304,7 @@ class DartEngine:
         """Put a robot into the world, at rest, its joints passive."""
         model = robot.robot
         if not model.links:
-            return Refused("nothing of it has mass")
+            return Refused("no link of it has mass")
         body = DartBody(model, robot.pose_in_world, robot.entity)
         if body.unread:
             return Refused(f"it cannot read the mesh {body.unread[0]}")
@@ -322,7 +317,7 @@ class DartEngine:
         return Loaded(len(body.nodes), len(body.joints), float(body.skeleton.getMass()))
 
     def _keep_apart(self, body: DartBody) -> None:
-        """Let only such links touch each other as Gazebo was told to let touch."""
+        """Let only those links touch each other that touch each other in Gazebo."""
         if not body.skeleton.isEnabledSelfCollisionCheck():
             return
         touching = may_touch(body.robot)

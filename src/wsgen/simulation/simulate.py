@@ -1,4 +1,4 @@
-"""The simulation: spawn, let go, measure. It checks nothing."""
+"""The simulation: spawn, let go, measure; `wsgen.rules` checks."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ class _Watch:
         if not is_finite(state):
             self.is_finite = False
         if not self.is_finite:
-            return  # the last finite state is what is told
+            return  # the last finite state is reported
         self.last = state
         self.heights = [*self.heights[-FALLING_LOOKS:], (seconds, state.xyz[2])]
         self.highest_speed = max(self.highest_speed, state.speed)
@@ -135,9 +135,9 @@ def play(
 ) -> tuple[list[RobotRun], dict[str, Refused]]:
     """Spawn the robots, let them go for the scene's seconds, and measure.
 
-    Gives the simulations of the robots that the engine accepted, and why it refused the others, by
+    Gives the runs of the robots that the engine accepted, and why it refused the others, by
     entity. It ends when the state of one is not finite any more: nothing that touches it moves as
-    it should, and some engines print a complaint every step. `announce` is told what comes next;
+    it should, and some engines print a warning every step. `announce` gets what comes next;
     `observe` is called when all are there, and at every look from then on.
     """
     spawned, refused = _spawn(engine, scene, announce)

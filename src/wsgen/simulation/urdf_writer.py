@@ -1,8 +1,8 @@
-"""The URDF text that PyBullet gets: the lumped robot without what is only to be seen.
+"""Writes the URDF that PyBullet loads: the lumped robot without its visuals.
 
 One element a line: PyBullet reads lines in pieces of 8192 bytes and puts a line break between
-them, which breaks a longer line in the middle of a word. What is seen is drawn from the model, so
-that a missing picture of a wheel cannot keep the wheel from being simulated.
+them, which breaks a longer line in the middle of a word. Visuals are drawn from the model, so
+that a missing mesh of one does not keep the robot from being simulated.
 """
 
 from __future__ import annotations
