@@ -70,7 +70,7 @@ ENORMOUS_MESH = Rule(
     severity=Severity.ERROR,
     severity_varies="a warning for a <visual>, which the simulation leaves out",
     summary="A mesh has more than a million triangles, or its file more than 100 MB.",
-    why="A physics engine needs 10 s or more to load it, and gigabytes of memory.",
+    why="A physics engine needs 10 s or more to load it, at every start.",
     example="A 3D scan of 5,000,000 triangles.",
     instead="The scan, reduced to some thousand triangles.",
 )
@@ -96,8 +96,8 @@ INCONSISTENT_MESH = Rule(
     summary="A mesh file contradicts itself, and Gazebo reads it nevertheless.",
     what="Compares the counts that STL and COLLADA files give with what they hold.",
     why="Other programs refuse the file or crash: PyBullet, RViz, CAD programs.",
-    example="A COLLADA file without <asset>, or one whose count of numbers is wrong.",
-    instead="The same mesh, exported again.",
+    example='<float_array count="24">0 0 0 1 0 0 0 1 0</float_array>',
+    instead='<float_array count="9">0 0 0 1 0 0 0 1 0</float_array>',
 )
 
 MESH_FORMAT_NOT_READ_BY_ALL = Rule(

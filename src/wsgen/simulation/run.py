@@ -43,8 +43,8 @@ ENGINE_DIED = Rule(
         "robots are simulated again without the one that the engine died of."
     ),
     why=(
-        "Nothing is known about such a robot. The same mesh, size or mass often crashes Gazebo, "
-        "whose engines have much of their code from the same libraries."
+        "Nothing can be said about how such a robot behaves, and what crashes one engine may crash "
+        "Gazebo, too."
     ),
     example="A mesh file whose faces name vertices that it does not have.",
     instead="The same mesh, exported again; or a <box> in its place until it loads.",
@@ -56,8 +56,8 @@ ENGINE_REFUSED = Rule(
     severity=Severity.ERROR,
     summary="The physics engine does not load the robot.",
     why="A robot that does not load cannot be simulated; the message says what the engine lacks.",
-    example="wsgen validate my_robot --engine bullet  # with more than 128 links",
-    instead="wsgen validate my_robot --engine dart",
+    example="A robot of more than 128 links, where DART is not installed.",
+    instead="pip install 'wsgen[dart]'",
 )
 
 ENGINE_WARNING = Rule(
@@ -80,8 +80,8 @@ NO_PICTURE = Rule(
     summary="A picture cannot be drawn or written.",
     what="The simulation itself is not affected.",
     why="Whoever asks for a picture expects the file, for example to publish it.",
-    example="wsgen validate my_robot --picture /read-only",
-    instead="wsgen validate my_robot --picture build/pictures",
+    example="A visual mesh on which the renderer crashes.",
+    instead="The same mesh, exported again.",
 )
 
 NO_VIDEO = Rule(
@@ -91,8 +91,8 @@ NO_VIDEO = Rule(
     summary="A video cannot be recorded or written.",
     what="The simulation itself is not affected.",
     why="Whoever asks for a video expects the file, for example to publish it.",
-    example="wsgen validate my_robot --record robot.avi",
-    instead="wsgen validate my_robot --record robot.gif",
+    example="A visual mesh on which the renderer crashes.",
+    instead="The same mesh, exported again.",
 )
 
 COARSE_VIDEO = Rule(
