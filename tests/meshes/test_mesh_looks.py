@@ -187,7 +187,7 @@ def test_a_material_that_leads_nowhere(tmp_path: Path, old: str, new: str) -> No
     assert (visual.rgba, found) == (None, ())
 
 
-def test_an_effect_that_is_not_there_is_told(tmp_path: Path) -> None:
+def test_an_effect_that_is_missing_is_reported(tmp_path: Path) -> None:
     text = mesh_samples.colored_dae(mesh_samples.RED).replace('url="#effect0"', 'url="#other"')
     visual, (found,) = only(write(tmp_path, "a.dae", text))
     assert visual.rgba is None

@@ -315,7 +315,7 @@ def test_broken_images(tmp_path: Path, name: str) -> None:
     assert link.visuals == ()
 
 
-def test_the_world_has_told_of_images_that_are_not_there(tmp_path: Path) -> None:
+def test_the_world_reports_missing_images(tmp_path: Path) -> None:
     missing = Heightmap(uri="h.png")
     link, found = built(robot(missing, visuals=(missing,)), tmp_path)
     assert found == ()
@@ -340,7 +340,7 @@ def test_a_child_makes_them(tmp_path: Path) -> None:
     assert Path(mesh.path).stat().st_size > 84
 
 
-def test_what_the_child_dies_of_is_told(tmp_path: Path) -> None:
+def test_what_the_child_dies_of_is_reported(tmp_path: Path) -> None:
     asked = []
 
     def die(task: str, *arguments: Any, **__: Any) -> Answered | Died:

@@ -149,7 +149,7 @@ def cube_mesh(folder: Path, name: str = "cube.obj") -> Mesh:
     return Mesh(uri=name, path=str(file))
 
 
-def trial_of(
+def run_of(
     new_engine: NewEngine,
     robot: Robot,
     z: float = 0.0,

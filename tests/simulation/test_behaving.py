@@ -35,22 +35,22 @@ def at(x: float, y: float, yaw: float, speed: float = 0.0) -> State:
 
 
 class Engine(FakeEngine):
-    """Remembers what it is told, in order."""
+    """Remembers its calls, in order."""
 
     def __init__(self, *arguments: object, **more: object) -> None:
         super().__init__(*arguments, **more)  # type: ignore[arg-type]
-        self.told: list[object] = []
+        self.calls: list[object] = []
 
     def place(self, entity: str, pose_in_world: Pose) -> None:
-        self.told.append(("place", entity, pose_in_world))
+        self.calls.append(("place", entity, pose_in_world))
 
     def drive(self, entity: str, motors: object) -> None:
         super().drive(entity, motors)  # type: ignore[arg-type]
-        self.told.append(motors)
+        self.calls.append(motors)
 
     def release(self, entity: str) -> None:
         super().release(entity)
-        self.told.append("release")
+        self.calls.append("release")
 
 
 def simulated(
@@ -87,7 +87,7 @@ def test_each_begins_where_the_robot_was_spawned_and_at_rest() -> None:
     turn = {"left": Motor(-2.0, math.inf), "right": Motor(2.0, math.inf)}
     placed = ("place", "e", AT)
     first = [placed, *[rest] * 10, ahead, ahead, "release"]
-    assert engine.told == [*first, placed, *[rest] * 10, turn, "release"]
+    assert engine.calls == [*first, placed, *[rest] * 10, turn, "release"]
     assert [behaved.name for behaved in robot_run.behaviors] == [
         "d{'linear': 0.5}",
         "d{'angular': 1.0}",
@@ -98,10 +98,10 @@ def test_each_begins_where_the_robot_was_spawned_and_at_rest() -> None:
 def test_what_does_not_come_to_rest_begins_after_the_usual_seconds() -> None:
     engine = Engine(lambda _: at(0.0, 0.0, 0.0, speed=1.0))
     simulated(engine, drive(seconds=0.01, linear=0.5), seconds=0.5)
-    assert len(engine.told) == 1 + 50 + 1 + 1
+    assert len(engine.calls) == 1 + 50 + 1 + 1
 
 
-def test_what_explodes_is_told_and_ends_there() -> None:
+def test_what_explodes_is_reported_and_ends_there() -> None:
     engine = Engine(lambda seconds: at(seconds if seconds < 1.5 else math.nan, 0.0, 0.0))
     robot_run = simulated(engine, drive(seconds=2.0, linear=1.0), drive(linear=0.1))
     first, second = robot_run.behaviors

@@ -18,11 +18,11 @@ from simulation.robots import (
     cube_mesh,
     joint,
     pendulum,
+    run_of,
     shape,
     single,
     spawned,
     tree,
-    trial_of,
 )
 from wsgen.model.robot import Capsule, Cylinder, Geometry, JointType, Robot, Sphere
 from wsgen.model.transform import Pose
@@ -43,7 +43,7 @@ FRICTION, ROLLING_FRICTION = 1, 6
 
 @pytest.mark.parametrize("z", [0.0, -0.1, 0.2])
 def test_half_sunk_is_pushed_out_without_a_jump(z: float) -> None:
-    robot_run = trial_of(BulletEngine, single(body(CYLINDER, moment=100.0)), z)
+    robot_run = run_of(BulletEngine, single(body(CYLINDER, moment=100.0)), z)
     assert robot_run.penetration == pytest.approx(0.25 - z, abs=1e-6)
     assert robot_run.highest_speed < 1.2 * SEPARATION_SPEED
     assert robot_run.highest_point < 0.26
@@ -51,7 +51,7 @@ def test_half_sunk_is_pushed_out_without_a_jump(z: float) -> None:
 
 
 def test_deep_sunk_does_not_get_out_and_is_seen() -> None:
-    robot_run = trial_of(BulletEngine, single(body(CYLINDER)), -1.5)
+    robot_run = run_of(BulletEngine, single(body(CYLINDER)), -1.5)
     assert robot_run.penetration == pytest.approx(1.75, abs=1e-6)
     assert robot_run.lowest_point_at_end < -0.5
     assert robot_run.settled_after is None

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from simulation.robots import CYLINDER, PLATE, body, joint, single, spawned, tree, trial_of
+from simulation.robots import CYLINDER, PLATE, body, joint, run_of, single, spawned, tree
 from wsgen.model.robot import JointType
 from wsgen.model.transform import Pose
 
@@ -25,7 +25,7 @@ def test_more_links_than_pybullet_can_do() -> None:
         )
         for n in range(300)
     ]
-    robot_run = trial_of(DartEngine, tree(body(PLATE, name="l0"), *chain), 0.06, seconds=0.1)
+    robot_run = run_of(DartEngine, tree(body(PLATE, name="l0"), *chain), 0.06, seconds=0.1)
     assert robot_run.links == 301
     assert robot_run.mass == pytest.approx(4.0)
     with spawned(DartEngine, tree(body(PLATE, name="l0"), *chain)) as engine:
@@ -34,7 +34,7 @@ def test_more_links_than_pybullet_can_do() -> None:
 
 def test_half_sunk_stays_there() -> None:
     """Gazebo's engine pushes no faster than 1 mm/s."""
-    robot_run = trial_of(DartEngine, single(body(CYLINDER)), 0.15)
+    robot_run = run_of(DartEngine, single(body(CYLINDER)), 0.15)
     assert robot_run.penetration == pytest.approx(0.1)
     assert robot_run.lowest_point_at_end == pytest.approx(-0.1, abs=0.005)
     assert robot_run.highest_speed < 0.01

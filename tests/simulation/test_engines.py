@@ -17,10 +17,10 @@ from simulation.robots import (
     body,
     joint,
     loaded,
+    run_of,
     single,
     spawned,
     tree,
-    trial_of,
 )
 from wsgen.model.robot import (
     Box,
@@ -48,7 +48,7 @@ LYING = (0.0, math.pi / 2, 0.0)
 def test_the_cylinder_of_the_tutorial_comes_to_rest(
     new_engine: NewEngine, z: float, moment: float
 ) -> None:
-    robot_run = trial_of(new_engine, single(body(CYLINDER, moment=moment, mu=0.2)), z)
+    robot_run = run_of(new_engine, single(body(CYLINDER, moment=moment, mu=0.2)), z)
     assert (robot_run.links, robot_run.movable_joints, robot_run.mass) == (1, 0, 1.0)
     assert robot_run.rest_pose.xyz[2] == pytest.approx(0.25, abs=0.0005)
     assert robot_run.tilt < math.radians(0.1)
@@ -68,7 +68,7 @@ def test_the_cylinder_of_the_tutorial_comes_to_rest(
 def test_shapes_rest_on_their_surface(
     new_engine: NewEngine, geometry: Geometry, at: Pose, height: float
 ) -> None:
-    robot_run = trial_of(new_engine, single(body(geometry, at=at)), height + 0.01)
+    robot_run = run_of(new_engine, single(body(geometry, at=at)), height + 0.01)
     assert robot_run.rest_pose.xyz[2] == pytest.approx(height, abs=0.001)
     assert robot_run.settled_after is not None
 
@@ -76,13 +76,13 @@ def test_shapes_rest_on_their_surface(
 def test_the_pose_is_that_of_the_link_not_of_its_center_of_mass(new_engine: NewEngine) -> None:
     """A box whose link frame lies in its bottom, with turned principal axes."""
     link = body(Box(size=(1.0, 1.0, 0.2)), at=Pose((0.2, 0.1, 0.1), (0.0, 0.0, 0.5)))
-    robot_run = trial_of(new_engine, single(link), 0.002)
+    robot_run = run_of(new_engine, single(link), 0.002)
     assert robot_run.rest_pose.xyz == pytest.approx((0.0, 0.0, 0.0), abs=0.001)
     assert robot_run.rest_pose.rpy == pytest.approx((0.0, 0.0, 0.0), abs=0.001)
 
 
 def test_falls_without_ground(new_engine: NewEngine) -> None:
-    robot_run = trial_of(new_engine, single(body(CYLINDER)), 1.0, world=VOID, seconds=1.0)
+    robot_run = run_of(new_engine, single(body(CYLINDER)), 1.0, world=VOID, seconds=1.0)
     assert robot_run.rest_pose.xyz[2] == pytest.approx(1.0 - 4.9, abs=0.01)
     assert robot_run.lowest_point_at_end == pytest.approx(0.75 - 4.9, abs=0.02)
     assert robot_run.settled_after is None
@@ -90,20 +90,20 @@ def test_falls_without_ground(new_engine: NewEngine) -> None:
 
 
 def test_falls_without_collision(new_engine: NewEngine) -> None:
-    robot_run = trial_of(new_engine, single(body(None)), 1.0, seconds=1.0)
+    robot_run = run_of(new_engine, single(body(None)), 1.0, seconds=1.0)
     assert robot_run.rest_pose.xyz[2] == pytest.approx(1.0 - 4.9, abs=0.01)
     assert robot_run.lowest_point == 1.0
 
 
 def test_falls_below_the_ground(new_engine: NewEngine) -> None:
-    robot_run = trial_of(new_engine, single(body(CYLINDER)), -50.0, seconds=1.0)
+    robot_run = run_of(new_engine, single(body(CYLINDER)), -50.0, seconds=1.0)
     assert robot_run.lowest_point == pytest.approx(-50.25, abs=0.01)
     assert robot_run.lowest_point_at_end == pytest.approx(-55.15, abs=0.02)
 
 
 def test_gravity_and_step_of_the_world(new_engine: NewEngine) -> None:
     moon = World(name="moon", gravity=(0.0, 0.3, -1.6), step=0.004)
-    robot_run = trial_of(new_engine, single(body(CYLINDER)), 10.0, world=moon, seconds=1.0)
+    robot_run = run_of(new_engine, single(body(CYLINDER)), 10.0, world=moon, seconds=1.0)
     assert robot_run.speed == pytest.approx(math.hypot(0.3, 1.6), abs=0.001)
     # Half a step more or less, by the order in which an engine adds up.
     assert 10.0 - robot_run.rest_pose.xyz[2] == pytest.approx(0.8, abs=1.6 * 0.004)
@@ -120,12 +120,12 @@ def test_a_body_that_turns_in_space_goes_on_turning(new_engine: NewEngine) -> No
         assert engine.state("e").speed == pytest.approx(9.8, rel=1e-3)
 
 
-def test_same_scene_same_trial(new_engine: NewEngine) -> None:
+def test_same_scene_same_run(new_engine: NewEngine) -> None:
     robot = tree(
         body(PLATE),
         (joint("base", "bar", JointType.CONTINUOUS, axis_in_joint=(0.0, 1.0, 0.0)), BAR),
     )
-    assert trial_of(new_engine, robot, 0.3) == trial_of(new_engine, robot, 0.3)
+    assert run_of(new_engine, robot, 0.3) == run_of(new_engine, robot, 0.3)
 
 
 def test_two_robots_at_once(new_engine: NewEngine) -> None:
@@ -224,5 +224,5 @@ def test_a_thin_rod_has_no_inertia_along_itself(new_engine: NewEngine) -> None:
         inertial=Inertial(mass=1.0, inertia=(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)),
         collisions=(Collision(geometry=Sphere(radius=0.1)),),
     )
-    robot_run = trial_of(new_engine, single(point), 0.11)
+    robot_run = run_of(new_engine, single(point), 0.11)
     assert robot_run.is_finite

@@ -21,12 +21,12 @@ from simulation.robots import (
     cube_mesh,
     joint,
     lattice,
+    run_of,
     shape,
     single,
     slope,
     spawned,
     tree,
-    trial_of,
 )
 from wsgen.model.robot import Box, Cylinder, JointType, Robot
 from wsgen.model.transform import IDENTITY, Pose
@@ -56,7 +56,7 @@ def test_a_rover_with_a_flat_bottom_stays_where_it_lands(
         )
         for name, y in (("left", 0.17), ("right", -0.17))
     ]
-    x, y, z = trial_of(new_engine, tree(base, *wheels), 0.1).rest_pose.xyz
+    x, y, z = run_of(new_engine, tree(base, *wheels), 0.1).rest_pose.xyz
     assert math.hypot(x, y) < 0.001
     assert z == pytest.approx(0.05, abs=0.0001)
 
@@ -68,15 +68,15 @@ def sliding(friction: float, degrees: float = 20.0) -> float:
 
 
 def test_friction_is_that_of_the_link(new_engine: NewEngine) -> None:
-    slides = trial_of(new_engine, single(body(PLATE, mu=0.2)), 0.05, world=SLOPE, seconds=1.0)
-    holds = trial_of(new_engine, single(body(PLATE, mu=0.9)), 0.05, world=SLOPE, seconds=1.0)
+    slides = run_of(new_engine, single(body(PLATE, mu=0.2)), 0.05, world=SLOPE, seconds=1.0)
+    holds = run_of(new_engine, single(body(PLATE, mu=0.9)), 0.05, world=SLOPE, seconds=1.0)
     assert slides.speed == pytest.approx(sliding(0.2), rel=0.05)
     assert holds.speed < 0.01
 
 
 def test_friction_of_the_ground_is_no_more_than_that_of_gazebos(new_engine: NewEngine) -> None:
     steep = slope(50.0)
-    robot_run = trial_of(new_engine, single(body(PLATE, mu=50.0)), 0.05, world=steep, seconds=0.5)
+    robot_run = run_of(new_engine, single(body(PLATE, mu=50.0)), 0.05, world=steep, seconds=0.5)
     assert robot_run.speed == pytest.approx(sliding(1.0, 50.0) * 0.5, rel=0.05)
 
 
@@ -124,23 +124,23 @@ def test_friction_is_that_of_the_collision(
 ) -> None:
     """Half of the weight stands on each: together they hold at 15 degrees, the caster does not."""
     world = slope(15.0)
-    holds = trial_of(new_engine, lumped_caster(*frictions), 0.13, world=world, seconds=1.0)
+    holds = run_of(new_engine, lumped_caster(*frictions), 0.13, world=world, seconds=1.0)
     assert holds.speed < 0.01
-    slides = trial_of(new_engine, lumped_caster(0.0, 0.0), 0.13, world=world, seconds=1.0)
+    slides = run_of(new_engine, lumped_caster(0.0, 0.0), 0.13, world=world, seconds=1.0)
     assert slides.speed == pytest.approx(sliding(0.0, 15.0), rel=0.05)
     # The mean of both: on one level with the center of mass they would carry the same.
     world = slope(25.0)
-    some = trial_of(new_engine, lumped_caster(0.2, 0.4), 0.13, world=world, seconds=1.0)
+    some = run_of(new_engine, lumped_caster(0.2, 0.4), 0.13, world=world, seconds=1.0)
     assert sliding(0.4, 25.0) < some.speed < sliding(0.2, 25.0)
 
 
 def test_a_wheel_rolls_down_and_stands_on_even_ground(new_engine: NewEngine) -> None:
     lying = Pose(rpy=(math.pi / 2, 0.0, 0.0))
     wheel = single(body(Cylinder(radius=0.1, length=0.05), at=lying))
-    rolls = trial_of(new_engine, wheel, 0.1, world=slope(5.0), seconds=1.0)
+    rolls = run_of(new_engine, wheel, 0.1, world=slope(5.0), seconds=1.0)
     # A filled cylinder that rolls has two thirds of what one that slides would have.
     assert rolls.speed == pytest.approx(sliding(0.0, 5.0) * 2 / 3, rel=0.05)
-    stands = trial_of(new_engine, wheel, 0.1)
+    stands = run_of(new_engine, wheel, 0.1)
     assert stands.settled_after is not None
     assert math.hypot(*stands.rest_pose.xyz[:2]) < 0.005
 
@@ -166,7 +166,7 @@ def pairs(engine: Engine) -> dict[frozenset[tuple[str, str]], float]:
 
 
 @pytest.mark.parametrize("collide", [False, True])
-def test_links_in_each_other_are_told_with_their_depth(
+def test_links_in_each_other_are_reported_with_their_depth(
     new_engine: NewEngine, *, collide: bool
 ) -> None:
     with spawned(new_engine, two_in_one(0.05, collide=collide)) as engine:
@@ -195,7 +195,7 @@ def test_shapes_of_one_link_may_be_in_each_other(new_engine: NewEngine) -> None:
         assert engine.overlaps() == []
 
 
-def test_the_link_of_a_slippery_part_is_told(new_engine: NewEngine) -> None:
+def test_the_link_of_a_slippery_part_is_reported(new_engine: NewEngine) -> None:
     """By the name of the description, not of a helper."""
     robot = two_in_one(0.05, collide=True)
     cube = robot.links[1].collisions[0]
@@ -207,7 +207,7 @@ def test_the_link_of_a_slippery_part_is_told(new_engine: NewEngine) -> None:
         assert set(engine.link_poses("e")) == {"base", "a", "b"}
 
 
-def test_robots_in_each_other_are_told(new_engine: NewEngine) -> None:
+def test_robots_in_each_other_are_reported(new_engine: NewEngine) -> None:
     other = SpawnedRobot(
         entity="f", robot=single(body(PLATE, name="plate")), pose_in_world=Pose((0.37, 0.0, 0.0))
     )
@@ -275,9 +275,9 @@ def test_of_many_shapes_those_that_span_the_hull_hold_it_as_all_do(
     new_engine: NewEngine, monkeypatch: pytest.MonkeyPatch, cells: list[tuple[int, int, int]]
 ) -> None:
     robot = lattice(*cells)
-    few = trial_of(new_engine, robot, on_the_ground=True, seconds=0.4)
+    few = run_of(new_engine, robot, on_the_ground=True, seconds=0.4)
     monkeypatch.setattr(contact_shapes, "MOST_STANDING", len(cells))
-    all_of_them = trial_of(new_engine, robot, on_the_ground=True, seconds=0.4)
+    all_of_them = run_of(new_engine, robot, on_the_ground=True, seconds=0.4)
     assert few.mass == all_of_them.mass == 5.0
     assert few.rest_pose.xyz == pytest.approx(all_of_them.rest_pose.xyz, abs=1e-4)
     assert few.tilt == pytest.approx(all_of_them.tilt, abs=1e-3)
@@ -286,7 +286,7 @@ def test_of_many_shapes_those_that_span_the_hull_hold_it_as_all_do(
 
 
 def test_a_block_of_many_shapes_slides_with_its_friction(new_engine: NewEngine) -> None:
-    robot_run = trial_of(new_engine, lattice(*FLAT, mu=0.2), 0.05, world=SLOPE, seconds=0.5)
+    robot_run = run_of(new_engine, lattice(*FLAT, mu=0.2), 0.05, world=SLOPE, seconds=0.5)
     assert robot_run.speed == pytest.approx(sliding(0.2) * 0.5, rel=0.05)
 
 
@@ -309,6 +309,6 @@ def test_inside_of_the_hull_other_robots_are_touched(new_engine: NewEngine) -> N
 def test_a_thousand_boxes_do_not_take_long(new_engine: NewEngine) -> None:
     robot = lattice(*product(range(40), range(25), [0]))
     started = time.process_time()
-    robot_run = trial_of(new_engine, robot, on_the_ground=True, seconds=1.0)
+    robot_run = run_of(new_engine, robot, on_the_ground=True, seconds=1.0)
     assert time.process_time() - started < 6  # 13 s and more where the ground touches all
     assert robot_run.rest_pose.xyz[2] == pytest.approx(0.05, abs=1e-4)

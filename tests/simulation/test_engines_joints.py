@@ -16,8 +16,8 @@ from simulation.robots import (
     joint,
     lift,
     pendulum,
+    run_of,
     spawned,
-    trial_of,
 )
 from wsgen.model.robot import Inertial, JointLimit, JointType, Link
 from wsgen.model.transform import Pose
@@ -100,7 +100,7 @@ def test_a_light_link_with_a_stiff_damper_does_not_explode(new_engine: NewEngine
     robot = replace(
         arm, links=(*arm.links, finger), joints=(*arm.joints, replace(hinge, damping=0.5))
     )
-    robot_run = trial_of(new_engine, robot, world=VOID)
+    robot_run = run_of(new_engine, robot, world=VOID)
     assert robot_run.is_finite
     assert robot_run.energy_gain < 0.01
     assert robot_run.joint_travel["finger"] < 0.05
@@ -108,13 +108,13 @@ def test_a_light_link_with_a_stiff_damper_does_not_explode(new_engine: NewEngine
 
 def test_limits_hold(new_engine: NewEngine) -> None:
     limit = JointLimit(lower=-0.2, upper=0.5, effort=1.0, velocity=1.0)
-    robot_run = trial_of(new_engine, pendulum(JointType.REVOLUTE, limit=limit), world=VOID)
+    robot_run = run_of(new_engine, pendulum(JointType.REVOLUTE, limit=limit), world=VOID)
     assert robot_run.joint_positions["bar"] == pytest.approx(0.5, abs=0.02)
     assert robot_run.joint_travel["bar"] == pytest.approx(0.5, abs=0.05)
     assert robot_run.settled_after is not None
     held = pendulum(JointType.REVOLUTE, limit=JointLimit(effort=1.0))
-    assert trial_of(new_engine, held, world=VOID).joint_travel["bar"] < 0.01
-    assert trial_of(new_engine, lift(limit=limit), world=VOID).joint_positions[
+    assert run_of(new_engine, held, world=VOID).joint_travel["bar"] < 0.01
+    assert run_of(new_engine, lift(limit=limit), world=VOID).joint_positions[
         "cabin"
     ] == pytest.approx(-0.2, abs=0.01)
 
@@ -184,6 +184,6 @@ def test_the_period_of_a_spring(new_engine: NewEngine, reference: float) -> None
 def test_a_spring_with_friction_and_damping_comes_to_rest(new_engine: NewEngine) -> None:
     """Where the spring carries the weight."""
     robot = lift(spring_stiffness=100.0, damping=20.0)
-    robot_run = trial_of(new_engine, robot, world=VOID)
+    robot_run = run_of(new_engine, robot, world=VOID)
     assert robot_run.joint_positions["cabin"] == pytest.approx(-G / 100.0, rel=0.01)
     assert robot_run.settled_after is not None

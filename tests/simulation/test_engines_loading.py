@@ -18,11 +18,11 @@ from simulation.robots import (
     joint,
     loaded,
     pendulum,
+    run_of,
     shape,
     single,
     spawned,
     tree,
-    trial_of,
 )
 from wsgen.model.robot import JointType, Mesh, Robot
 from wsgen.model.transform import Pose
@@ -41,7 +41,7 @@ def test_a_mesh_is_stood_on(new_engine: NewEngine, tmp_path: Path) -> None:
     folder.mkdir()
     for name in ("cube.obj", 'a "100%" cube.obj'):
         mesh = replace(cube_mesh(folder, name), scale=(0.1, 0.1, 0.2))
-        robot_run = trial_of(new_engine, single(body(mesh)), 0.21)
+        robot_run = run_of(new_engine, single(body(mesh)), 0.21)
         assert robot_run.rest_pose.xyz[2] == pytest.approx(0.2, abs=0.001)
         assert robot_run.tilt < math.radians(0.1)
 
@@ -66,7 +66,7 @@ def test_a_mesh_that_was_not_found_does_not_stop_the_rest(new_engine: NewEngine)
     robot = single(body(Mesh(uri="package://p/m.stl")))
     assert loaded(new_engine, robot) == Loaded(1, 0, 1.0)
     both = replace(body(PLATE), collisions=(shape(Mesh(uri="m.stl")), shape(PLATE)))
-    robot_run = trial_of(new_engine, single(both), 0.06)
+    robot_run = run_of(new_engine, single(both), 0.06)
     assert robot_run.rest_pose.xyz[2] == pytest.approx(0.05, abs=0.001)
 
 

@@ -18,11 +18,11 @@ from simulation.robots import (
     body,
     cube_mesh,
     joint,
+    run_of,
     shape,
     single,
     spawned,
     tree,
-    trial_of,
 )
 from wsgen.model.robot import Box, Capsule, Cylinder, Geometry, JointType, Link, Mesh, Sphere
 from wsgen.model.transform import Pose, compose
@@ -118,7 +118,7 @@ def test_what_is_to_stand_on_the_ground_is_put_there(
     new_engine: NewEngine, geometry: Geometry
 ) -> None:
     for z in (-3.0, 0.0, 7.0):
-        robot_run = trial_of(new_engine, single(body(geometry)), z, on_the_ground=True)
+        robot_run = run_of(new_engine, single(body(geometry)), z, on_the_ground=True)
         assert robot_run.lowest_point == pytest.approx(0.005, abs=1e-6)
         assert robot_run.penetration == 0.0
         assert robot_run.settled_after is not None

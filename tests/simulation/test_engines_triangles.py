@@ -70,7 +70,7 @@ def made(robot: Robot, folder: Path) -> Robot:
 def rest(
     new_engine: NewEngine, static_models: Robot, robot: Robot, start: tuple[float, float, float]
 ) -> State:
-    """Where a robot is that fell onto some scenery."""
+    """Where a robot is that fell onto static models."""
     other = SpawnedRobot(entity="o", robot=robot, pose_in_world=Pose(start))
     with spawned(new_engine, static_models, IDENTITY, other, world=VOID) as engine:
         engine.advance(2000)

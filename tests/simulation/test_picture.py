@@ -100,7 +100,7 @@ def test_without_a_ground_there_is_a_plain_background(tmp_path: Path) -> None:
     assert (np.abs(around.astype(int) - np.median(around, axis=0)).max(axis=1) < 3).mean() > 0.98
 
 
-def test_what_fell_through_the_ground_is_seen_and_the_depth_is_told(tmp_path: Path) -> None:
+def test_what_fell_through_the_ground_is_seen_and_the_depth_is_written(tmp_path: Path) -> None:
     fallen, tile = photograph(tmp_path, piece(CUBE, rgba=BLUE, at=Pose((0.0, 0.0, -44.0))))
     standing, _ = photograph(tmp_path, piece(CUBE, rgba=BLUE, at=STANDING))
     assert tile is None
@@ -280,15 +280,15 @@ def test_the_first_picture_is_about_the_robots_and_shows_what_is_near(tmp_path: 
     beside = piece(CUBE, rgba=(1.0, 0.0, 0.0, 1.0), at=Pose((0.0, 1.2, 0.5)), name="crate")
     static_models = replace(beside, is_static_model=True)
     alone, _ = photograph(tmp_path, robot)
-    with_scenery, _ = photograph(tmp_path, robot, static_models)
+    with_static_models, _ = photograph(tmp_path, robot, static_models)
     as_robots, _ = photograph(tmp_path, robot, beside)
-    is_red = (with_scenery[..., 0] > 120) & (with_scenery[..., 1:].max(axis=2) < 60)
+    is_red = (with_static_models[..., 0] > 120) & (with_static_models[..., 1:].max(axis=2) < 60)
     assert is_red.mean() > 0.02
-    assert is_blue(with_scenery).sum() == pytest.approx(is_blue(alone).sum(), rel=0.05)
+    assert is_blue(with_static_models).sum() == pytest.approx(is_blue(alone).sum(), rel=0.05)
     assert is_blue(as_robots).sum() < 0.8 * is_blue(alone).sum()
 
 
-def test_scenery_before_a_robot_does_not_hide_it(tmp_path: Path) -> None:
+def test_a_static_model_before_a_robot_does_not_hide_it(tmp_path: Path) -> None:
     robot = piece(CUBE, rgba=BLUE, at=STANDING)
     wall = piece(
         Box(size=(0.1, 6.0, 3.0)), at=Pose((2.0, 0.0, 1.5)), name="wall", is_static_model=True
@@ -310,7 +310,7 @@ def world_picture(folder: Path, *static_models: tuple[Box, Vector]) -> Pixels:
     return pixels_of(file)
 
 
-def test_the_picture_of_the_world_holds_the_scenery(tmp_path: Path) -> None:
+def test_the_picture_of_the_world_shows_static_models(tmp_path: Path) -> None:
     pixels = world_picture(tmp_path, (CUBE, (8.0, 0.0, 0.5)), (CUBE, (-3.0, 4.0, 0.5)))
     assert pixels.shape == (360, 480, 3)
     assert 0.001 < is_blue(pixels).mean() < 0.05
@@ -326,7 +326,7 @@ def test_the_picture_of_the_world_is_taken_from_where_walls_hide_nothing(
     assert is_blue(behind_a_wall).sum() > 0.25 * is_blue(open_ground).sum()
 
 
-def test_scenery_throws_no_shadow_into_the_picture_of_the_robots(tmp_path: Path) -> None:
+def test_static_models_throw_no_shadow_into_the_picture_of_the_robots(tmp_path: Path) -> None:
     robot = piece(CUBE, rgba=BLUE, at=STANDING)
     roof = piece(
         Box(size=(4.0, 4.0, 0.1)), at=Pose((0.0, 0.0, 6.0)), name="roof", is_static_model=True

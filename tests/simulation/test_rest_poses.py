@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from simulation.gazebo_physics import DEBIAN, GazeboPhysics, is_installed
-from simulation.robots import trial_of
+from simulation.robots import run_of
 from wsgen.meshes.lookup import find_meshes
 from wsgen.model.transform import multiply, rotation_of_rpy, transpose
 from wsgen.simulation.bullet import BulletEngine
@@ -120,20 +120,20 @@ def gazebo(tmp_path_factory: pytest.TempPathFactory) -> GazeboPhysics:
 
 
 @functools.cache
-def trials_of(ending: str) -> tuple[Robot, RobotRun, RobotRun]:
+def runs_of(ending: str) -> tuple[Robot, RobotRun, RobotRun]:
     """The robot as written, and its simulations in PyBullet and DART."""
     written = prepared(installed(ending, ROBOTS[ending]))
     lumped, _ = lump(written)
     assert lumped is not None
     bullet, dart = (
-        trial_of(engine, lumped, on_the_ground=True) for engine in (BulletEngine, DartEngine)
+        run_of(engine, lumped, on_the_ground=True) for engine in (BulletEngine, DartEngine)
     )
     return written, bullet, dart
 
 
 @pytest.mark.parametrize("ending", ROBOTS)
 def test_both_engines_agree_on_how_it_rests(ending: str) -> None:
-    written, bullet, dart = trials_of(ending)
+    written, bullet, dart = runs_of(ending)
     for robot_run in (bullet, dart):
         assert robot_run.settled_after is not None
         assert robot_run.mass == pytest.approx(written.mass, rel=1e-6)
@@ -144,7 +144,7 @@ def test_both_engines_agree_on_how_it_rests(ending: str) -> None:
 
 @pytest.mark.parametrize("ending", [ending for ending in ROBOTS if ending not in NOT_IN_GAZEBO])
 def test_both_engines_agree_with_gazebo(gazebo: GazeboPhysics, ending: str) -> None:
-    written, bullet, dart = trials_of(ending)
+    written, bullet, dart = runs_of(ending)
     text = installed(ending, ROBOTS[ending]).read_text(encoding="utf-8")
     rest = gazebo.rest_pose(text, written, dart.spawn_pose.xyz[2], steps=3000)
     for robot_run, same_place in ((bullet, SAME_PLACE), (dart, SAME_ENGINE)):

@@ -45,7 +45,7 @@ def robot(geometry: Cylinder | Mesh = CYLINDER) -> Robot:
     return Robot(name="r", root="base", links=(link,))
 
 
-def test_a_trial() -> None:
+def test_a_simulation() -> None:
     outcome = run_simulation(scene(robot()))
     (robot_run,) = outcome.robot_runs
     assert outcome.diagnostics == ()
@@ -56,7 +56,7 @@ def test_a_trial() -> None:
 
 
 @pytest.mark.slow
-def test_a_trial_in_dart_gives_the_same() -> None:
+def test_a_simulation_in_dart_gives_the_same() -> None:
     pytest.importorskip("dartpy")
     outcome = run_simulation(replace(scene(robot()), engine="dart"))
     (bullet,) = run_simulation(scene(robot())).robot_runs
@@ -93,7 +93,9 @@ def test_the_picture_shows_the_robot_on_the_ground(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_picture_that_cannot_be_written_is_no_reason_to_lose_the_trial(tmp_path: Path) -> None:
+def test_a_picture_that_cannot_be_written_is_no_reason_to_lose_the_simulation(
+    tmp_path: Path,
+) -> None:
     outcome = run_simulation(scene(robot(), picture=tmp_path / "none" / "robot.png"))
     assert len(outcome.robot_runs) == 1
     assert (outcome.picture, outcome.picture_tile) == (None, None)
@@ -205,7 +207,7 @@ def test_nothing_is_left_behind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
 
 
 @pytest.mark.slow
-def test_behaviors_are_tried_in_the_same_child() -> None:
+def test_behaviors_run_in_the_same_child() -> None:
     spawned = SpawnedRobot(entity="e", robot=two_wheeled(), pose_in_world=AT)
     played = replace(scene(robot()), robots=(spawned,), behavior_runs=(drive(linear=0.5),))
     outcome = run_simulation(played)
@@ -216,7 +218,7 @@ def test_behaviors_are_tried_in_the_same_child() -> None:
 
 
 @pytest.mark.slow
-def test_a_film_shows_behaviors(tmp_path: Path) -> None:
+def test_a_video_shows_behaviors(tmp_path: Path) -> None:
     spawned = SpawnedRobot(entity="e", robot=two_wheeled(), pose_in_world=AT)
     played = replace(
         scene(robot()), robots=(spawned,), behavior_runs=(drive(linear=0.5),), seconds=0.5
@@ -226,7 +228,7 @@ def test_a_film_shows_behaviors(tmp_path: Path) -> None:
     assert video.frames > video.frames_per_second * 2.5
 
 
-def test_an_engine_that_dies_of_a_behavior_tries_the_others() -> None:
+def test_an_engine_that_dies_of_a_behavior_runs_the_others() -> None:
     behavior_runs = (drive(linear=0.5), drive(linear=0.7))
     played = replace(scene(robot()), behavior_runs=behavior_runs)
     seen: list[Scene] = []

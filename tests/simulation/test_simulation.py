@@ -41,7 +41,7 @@ def still(z: float, *, speed: float = 0.0, rpy: tuple[float, float, float] = (0,
     return State((0.0, 0.0, z), quaternion_of_rpy(rpy), speed, 0.0, 0.0)
 
 
-def trial_of(
+def run_of(
     motion: Callable[[float], State],
     *,
     ground: bool = True,
@@ -61,21 +61,21 @@ def trial_of(
 
 
 def test_what_the_engine_says() -> None:
-    robot_run = trial_of(lambda _: still(1.0))
+    robot_run = run_of(lambda _: still(1.0))
     assert (robot_run.links, robot_run.movable_joints, robot_run.mass) == (1, 0, 2.0)
     assert (robot_run.lowest_point, robot_run.penetration) == (0.5, 0.0)
     assert robot_run.settled_after == 0.0
 
 
 def test_settling() -> None:
-    robot_run = trial_of(lambda seconds: still(1.0, speed=1.0 if seconds < 0.7005 else 0.001))
+    robot_run = run_of(lambda seconds: still(1.0, speed=1.0 if seconds < 0.7005 else 0.001))
     assert robot_run.settled_after == pytest.approx(0.7)
     assert robot_run.highest_speed == 1.0
     assert robot_run.speed == 0.001
 
 
 def test_slow_at_the_last_moment_is_not_at_rest() -> None:
-    robot_run = trial_of(lambda seconds: still(1.0, speed=1.0 if seconds < 2.95 else 0.0))
+    robot_run = run_of(lambda seconds: still(1.0, speed=1.0 if seconds < 2.95 else 0.0))
     assert robot_run.settled_after is None
 
 
@@ -87,62 +87,58 @@ def test_slow_at_the_last_moment_is_not_at_rest() -> None:
     ],
 )
 def test_turning_and_swinging_are_motion(state: State) -> None:
-    assert trial_of(lambda _: state).settled_after is None
+    assert run_of(lambda _: state).settled_after is None
 
 
 def test_penetration_is_that_at_the_start() -> None:
-    robot_run = trial_of(lambda seconds: still(0.2 if seconds == 0 else 0.5))
+    robot_run = run_of(lambda seconds: still(0.2 if seconds == 0 else 0.5))
     assert robot_run.penetration == pytest.approx(0.3)
     assert robot_run.lowest_point_at_end == 0.0
 
 
 def test_no_penetration_without_ground() -> None:
-    assert trial_of(lambda _: still(-5.0), ground=False).penetration == 0.0
+    assert run_of(lambda _: still(-5.0), ground=False).penetration == 0.0
 
 
 def test_highest_point() -> None:
-    robot_run = trial_of(lambda seconds: still(1.0 + math.sin(seconds)))
+    robot_run = run_of(lambda seconds: still(1.0 + math.sin(seconds)))
     assert robot_run.highest_point == pytest.approx(2.0, abs=1e-4)
 
 
 def test_tilt_is_seen_from_the_spawn_pose() -> None:
     lying = (math.pi / 2, 0.0, 0.7)
-    assert trial_of(lambda _: still(1.0, rpy=lying)).tilt == pytest.approx(math.pi / 2)
+    assert run_of(lambda _: still(1.0, rpy=lying)).tilt == pytest.approx(math.pi / 2)
     spawned = Pose((0.0, 0.0, 1.0), lying)
-    assert trial_of(lambda _: still(1.0, rpy=lying), spawn=spawned).tilt == pytest.approx(
-        0, abs=1e-7
-    )
+    assert run_of(lambda _: still(1.0, rpy=lying), spawn=spawned).tilt == pytest.approx(0, abs=1e-7)
 
 
 def test_not_a_number() -> None:
-    robot_run = trial_of(lambda seconds: still(math.nan if seconds > 1 else 2.0))
+    robot_run = run_of(lambda seconds: still(math.nan if seconds > 1 else 2.0))
     assert not robot_run.is_finite
     assert robot_run.settled_after is None
     assert robot_run.rest_pose.xyz[2] == 2.0  # the last that was finite
 
 
 def test_a_joint_that_is_not_a_number() -> None:
-    robot_run = trial_of(
-        lambda _: still(1.0), positions=lambda t: {"j": math.nan if t > 1 else 0.1}
-    )
+    robot_run = run_of(lambda _: still(1.0), positions=lambda t: {"j": math.nan if t > 1 else 0.1})
     assert not robot_run.is_finite
     assert robot_run.joint_positions == {"j": 0.1}
 
 
 def test_an_energy_that_is_not_a_number() -> None:
-    robot_run = trial_of(lambda _: still(1.0), energy=lambda t: math.inf if t > 1 else 3.0)
+    robot_run = run_of(lambda _: still(1.0), energy=lambda t: math.inf if t > 1 else 3.0)
     assert not robot_run.is_finite
     assert robot_run.energy_gain == 0.0
 
 
-def test_what_is_not_finite_any_more_ends_the_trial() -> None:
+def test_what_is_not_finite_any_more_ends_the_simulation() -> None:
     engine = FakeEngine(lambda seconds: still(math.inf if seconds > 0.5 else 1.0))
     robots = (SpawnedRobot(entity="e", robot=BALL),)
     play(engine, Scene(world=World(name="w"), robots=robots), lambda _: None)
     assert engine.steps * engine.step_seconds == pytest.approx(0.51)
 
 
-def test_one_state_that_is_not_finite_ends_the_trial_of_all() -> None:
+def test_one_state_that_is_not_finite_ends_the_run_of_all() -> None:
     engine = FakeEngine(lambda _: still(1.0))
     state = engine.state
     engine.state = lambda entity: (  # type: ignore[method-assign]
@@ -158,33 +154,33 @@ def test_one_state_that_is_not_finite_ends_the_trial_of_all() -> None:
 
 
 def test_how_fast_it_rises_at_the_end() -> None:
-    assert trial_of(lambda seconds: still(-1.0 + 0.25 * seconds)).climb == pytest.approx(0.25)
-    assert trial_of(lambda _: still(1.0)).climb == 0.0
+    assert run_of(lambda seconds: still(-1.0 + 0.25 * seconds)).climb == pytest.approx(0.25)
+    assert run_of(lambda _: still(1.0)).climb == 0.0
 
 
 def test_the_most_energy_that_was_gained() -> None:
-    robot_run = trial_of(
+    robot_run = run_of(
         lambda _: still(1.0), energy=lambda t: 5.0 + (2.0 if 1 < t < 2 else -1.0 * t)
     )
     assert robot_run.energy_gain == 2.0
-    losing = trial_of(lambda _: still(1.0), energy=lambda t: 5.0 - t)
+    losing = run_of(lambda _: still(1.0), energy=lambda t: 5.0 - t)
     assert losing.energy_gain == 0.0
 
 
 def test_how_far_joints_travel_and_where_they_end() -> None:
-    robot_run = trial_of(
+    robot_run = run_of(
         lambda _: still(1.0),
         positions=lambda t: {"swings": 0.5 - 0.5 * math.cos(math.pi * t), "stays": 0.25},
     )
     assert robot_run.joint_positions == {"swings": pytest.approx(1.0), "stays": 0.25}
     assert robot_run.joint_travel == {"swings": pytest.approx(1.0), "stays": 0.0}
-    back = trial_of(lambda _: still(1.0), positions=lambda t: {"j": 0.1 + math.sin(math.pi * t)})
+    back = run_of(lambda _: still(1.0), positions=lambda t: {"j": 0.1 + math.sin(math.pi * t)})
     assert back.joint_travel == {"j": pytest.approx(1.0, abs=0.01)}
 
 
 def test_what_is_to_stand_on_the_ground_is_put_just_above_it() -> None:
     """It moves as from there: what it rose and sank is seen from where it was put."""
-    robot_run = trial_of(lambda t: still(7.0 - (0.005 if t else 0.0)), on_the_ground=True)
+    robot_run = run_of(lambda t: still(7.0 - (0.005 if t else 0.0)), on_the_ground=True)
     assert robot_run.spawn_pose.xyz == pytest.approx((0.0, 0.0, 0.5 + CLEARANCE))
     assert robot_run.lowest_point == pytest.approx(CLEARANCE)
     assert robot_run.penetration == 0.0
@@ -195,7 +191,7 @@ def test_what_is_to_stand_on_the_ground_is_put_just_above_it() -> None:
 
 def test_the_place_and_heading_are_kept_when_it_is_put_on_the_ground() -> None:
     spawn = Pose((1.0, 2.0, 3.0), (0.1, 0.2, 0.3))
-    placed = trial_of(lambda _: still(3.0), spawn=spawn, on_the_ground=True).spawn_pose
+    placed = run_of(lambda _: still(3.0), spawn=spawn, on_the_ground=True).spawn_pose
     assert (placed.xyz[:2], placed.rpy) == ((1.0, 2.0), spawn.rpy)
 
 
@@ -208,13 +204,13 @@ def test_the_place_and_heading_are_kept_when_it_is_put_on_the_ground() -> None:
     ],
 )
 def test_what_cannot_stand_on_the_ground_stays_where_it_is(robot: Robot, *, ground: bool) -> None:
-    robot_run = trial_of(lambda _: still(1.0), robot=robot, ground=ground, on_the_ground=True)
+    robot_run = run_of(lambda _: still(1.0), robot=robot, ground=ground, on_the_ground=True)
     assert robot_run.spawn_pose == SPAWN
     assert robot_run.lowest_point == 0.5
 
 
 def test_what_is_spawned_in_the_ground_stays_there_unless_told() -> None:
-    assert trial_of(lambda _: still(0.1)).penetration == pytest.approx(0.4)
+    assert run_of(lambda _: still(0.1)).penetration == pytest.approx(0.4)
 
 
 def test_overlaps_are_seen_from_both_sides() -> None:
@@ -270,8 +266,8 @@ def test_refused_robots_do_not_stop_the_others() -> None:
     assert said == ["loading the robot `good`", "loading the robot `bad`", "simulating 3 s"]
 
 
-def test_a_trial_travels_as_json() -> None:
-    robot_run = trial_of(
+def test_a_run_travels_as_json() -> None:
+    robot_run = run_of(
         lambda _: still(1.0),
         positions=lambda t: {"j": t},
         energy=lambda t: t,
@@ -285,11 +281,11 @@ def test_a_trial_travels_as_json() -> None:
     ("acceleration", "falls"), [(-9.8, True), (-4.9, False), (0.0, False), (9.8, False)]
 )
 def test_falling_is_getting_faster_with_gravity(acceleration: float, *, falls: bool) -> None:
-    robot_run = trial_of(lambda t: still(1.0 - t + acceleration * t * t / 2), ground=False)
+    robot_run = run_of(lambda t: still(1.0 - t + acceleration * t * t / 2), ground=False)
     assert robot_run.is_falling == falls
 
 
 def test_what_rolls_off_an_edge_falls_at_the_end() -> None:
-    robot_run = trial_of(lambda t: still(1.0 - 4.9 * max(0.0, t - 2.8) ** 2), ground=False)
+    robot_run = run_of(lambda t: still(1.0 - 4.9 * max(0.0, t - 2.8) ** 2), ground=False)
     assert robot_run.is_falling
-    assert not trial_of(lambda t: still(1.0 - 4.9 * min(t, 0.4) ** 2), ground=False).is_falling
+    assert not run_of(lambda t: still(1.0 - 4.9 * min(t, 0.4) ** 2), ground=False).is_falling

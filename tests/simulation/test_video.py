@@ -72,7 +72,7 @@ def upright(pixels: Pixels) -> float:
     return float(np.ptp(rows) / np.ptp(columns))
 
 
-def test_a_film_shows_the_robot_from_the_start_to_the_end(tmp_path: Path) -> None:
+def test_a_video_shows_the_robot_from_the_start_to_the_end(tmp_path: Path) -> None:
     file = tmp_path / "video.gif"
     progress = tmp_path / "progress"
     outcome = run_simulation(replace(scene(file), progress=progress))
@@ -93,7 +93,7 @@ def test_a_film_shows_the_robot_from_the_start_to_the_end(tmp_path: Path) -> Non
     assert max(changes) < 12  # it moves, and does not flicker
 
 
-def test_the_background_of_a_film_stands_still(tmp_path: Path) -> None:
+def test_the_background_of_a_video_stands_still(tmp_path: Path) -> None:
     file = tmp_path / "video.gif"
     run_simulation(scene(file))
     pictures, _ = frames_of(file)
@@ -101,7 +101,7 @@ def test_the_background_of_a_film_stands_still(tmp_path: Path) -> None:
     assert np.ptp(sky, axis=0).max() == 0
 
 
-def test_a_film_and_a_picture_of_one_trial(tmp_path: Path) -> None:
+def test_a_video_and_a_picture_of_one_simulation(tmp_path: Path) -> None:
     wanted = replace(scene(tmp_path / "video.gif", 0.2), picture=tmp_path / "end.png")
     outcome = run_simulation(wanted)
     assert outcome.picture == wanted.picture
@@ -110,7 +110,7 @@ def test_a_film_and_a_picture_of_one_trial(tmp_path: Path) -> None:
     assert sorted(file.name for file in tmp_path.iterdir()) == ["end.png", "video.gif"]
 
 
-def test_a_film_in_dart(tmp_path: Path) -> None:
+def test_a_video_in_dart(tmp_path: Path) -> None:
     pytest.importorskip("dartpy")
     outcome = run_simulation(replace(scene(tmp_path / "video.gif", 0.2), engine="dart"))
     assert outcome.video is not None
@@ -165,32 +165,32 @@ def test_a_behavior_is_a_clip_and_the_standing_before_it_is_left_out() -> None:
 
 
 @pytest.mark.parametrize(("seconds", "rate"), [(3, 20.0), (30, 20.0), (60, 10.0), (1e4, 0.06)])
-def test_long_trials_have_fewer_frames_a_second(seconds: float, rate: float) -> None:
+def test_long_simulations_have_fewer_frames_a_second(seconds: float, rate: float) -> None:
     recorder = Recorder(lambda _: {}, seconds)
     assert recorder.rate == pytest.approx(rate, rel=0.01)
     assert (100 / recorder.rate) % 1 == pytest.approx(0.0)  # what GIF can count
 
 
-def made_of(file: Path, frames: list[Poses], told: list[str]) -> Video:
+def made_of(file: Path, frames: list[Poses], announced: list[str]) -> Video:
     robot = pole()
     scene_renderer = SceneRenderer(
         Scene(world=GROUND, robots=(robot,)), frames[0], {"e": [(0, 0, 0)]}
     )
     recorder = Recorder(lambda _: {}, 1.0)
     recorder.clips = [Clip(frames=frames)]
-    return video.draw_video(scene_renderer, recorder, file, told.append)
+    return video.draw_video(scene_renderer, recorder, file, announced.append)
 
 
 def test_what_takes_long_to_draw_gets_fewer_and_smaller_frames(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     frames: list[Poses] = [{"e": {"base": Pose((0.0, 0.0, 0.5 + n / 20))}} for n in range(21)]
-    file, told = tmp_path / "video.gif", list[str]()
-    usual = made_of(file, frames, told)
+    file, announced = tmp_path / "video.gif", list[str]()
+    usual = made_of(file, frames, announced)
     assert not usual.is_coarse
-    assert told[:2] == ["frame 1 of 21", "frame 2 of 21"]
+    assert announced[:2] == ["frame 1 of 21", "frame 2 of 21"]
     monkeypatch.setattr(video, "BUDGET", 0.1)
-    coarse = made_of(file, frames, told)
+    coarse = made_of(file, frames, announced)
     assert coarse.is_coarse
     assert coarse.frames < usual.frames
     assert (coarse.width, coarse.height) == (320, 240)
@@ -242,9 +242,9 @@ def test_a_video_of_behaviors_names_each_on_a_card(tmp_path: Path) -> None:
     scene_renderer = SceneRenderer(Scene(world=GROUND, robots=(robot,)), begin, {"e": [(0, 0, 0)]})
     recorder = Recorder(lambda _: {}, 1.0)
     recorder.clips += [Clip("there", [begin, end]), Clip("and back again " * 9, [begin, end])]
-    told: list[str] = []
-    made = video.draw_video(scene_renderer, recorder, tmp_path / "video.gif", told.append)
-    assert told == [f"frame {number} of 4" for number in (1, 2, 3, 4)]
+    announced: list[str] = []
+    made = video.draw_video(scene_renderer, recorder, tmp_path / "video.gif", announced.append)
+    assert announced == [f"frame {number} of 4" for number in (1, 2, 3, 4)]
     assert made.frames == 4 + 2 * 16  # a card of 0.8 s before each
     pictures, times = frames_of(tmp_path / "video.gif")
     cards = [not (is_blue(one) & (one[..., 0] < 100)).any() for one in pictures]  # pale
@@ -280,7 +280,7 @@ def refused(outcome_of: Scene) -> str:
 
 
 @pytest.mark.parametrize("name", ["video.avi", "video", "video.gif.txt"])
-def test_a_suffix_that_is_no_film(tmp_path: Path, name: str) -> None:
+def test_a_suffix_that_is_no_video(tmp_path: Path, name: str) -> None:
     assert ".gif or an .mp4" in refused(scene(tmp_path / name, 0.1))
     assert list(tmp_path.iterdir()) == []
 
@@ -322,7 +322,7 @@ def test_without_the_encoder_an_mp4_is_refused_with_what_to_do(
     assert why_no_video(tmp_path / "video.gif") is None
 
 
-def test_an_engine_that_dies_while_it_films_costs_the_film_alone(tmp_path: Path) -> None:
+def test_an_engine_that_dies_while_it_records_costs_the_video_alone(tmp_path: Path) -> None:
     wanted = replace(scene(tmp_path / "video.gif", 0.1), picture=tmp_path / "end.png")
     asked: list[Scene] = []
 
@@ -346,7 +346,7 @@ def test_an_engine_that_dies_while_it_films_costs_the_film_alone(tmp_path: Path)
     assert "crashed (SIGSEGV) while it was drawing the video: frame 2 of 3" in found.message
 
 
-def test_a_trial_without_a_film_loads_nothing_for_it() -> None:
+def test_a_simulation_without_a_video_loads_nothing_for_it() -> None:
     script = "import sys, wsgen.tasks.bullet; print(*sys.modules)"
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, check=True, text=True)
     loaded = run.stdout.split()
