@@ -16,7 +16,7 @@ import pytest
 from PIL import Image
 
 from simulation.gazebo_physics import DEBIAN, PLUGIN
-from solid_heights import height_at
+from surface_heights import height_at
 from wsgen.meshes.shape_worker import extrusion_triangles, heightmap_surface
 from wsgen.model.robot import Extrusion, Heightmap
 

@@ -13,7 +13,7 @@ import trimesh
 from PIL import Image
 
 from child_answers import answered
-from solid_heights import height_at
+from surface_heights import height_at
 from wsgen.diagnostics import Severity
 from wsgen.isolation import parent
 from wsgen.isolation.outcome import Answered, Died, Limits
@@ -130,24 +130,24 @@ def test_a_robot_without_such_shapes_starts_no_child(tmp_path: Path) -> None:
         ),
     ],
 )
-def test_solids_are_closed_and_as_large_as_they_should(
+def test_shapes_are_closed_and_as_large_as_they_should(
     tmp_path: Path, shape: Geometry, volume: float, box: tuple[Any, Any]
 ) -> None:
-    mesh, solid = mesh_of(shape, tmp_path)
-    assert solid.is_watertight
-    assert solid.volume == pytest.approx(volume, rel=0.02)  # and positive: seen from outside
+    mesh, surface = mesh_of(shape, tmp_path)
+    assert surface.is_watertight
+    assert surface.volume == pytest.approx(volume, rel=0.02)  # and positive: seen from outside
     assert mesh.scale == (1, 1, 1)
     assert mesh.bounds is not None
-    for ours, theirs, expected in zip(mesh.bounds, solid.bounds, box, strict=True):
+    for ours, theirs, expected in zip(mesh.bounds, surface.bounds, box, strict=True):
         assert ours == pytest.approx(theirs, abs=1e-6)
         assert ours == pytest.approx(expected, abs=1e-3)
 
 
 def test_nothing_reaches_beyond_an_ellipsoid(tmp_path: Path) -> None:
-    _, solid = mesh_of(Ellipsoid(radii=(1, 2, 3)), tmp_path)
-    reach = np.linalg.norm(solid.vertices / (1, 2, 3), axis=1)
+    _, surface = mesh_of(Ellipsoid(radii=(1, 2, 3)), tmp_path)
+    reach = np.linalg.norm(surface.vertices / (1, 2, 3), axis=1)
     assert reach == pytest.approx(1, abs=1e-6)
-    middles = np.linalg.norm(solid.triangles_center / (1, 2, 3), axis=1)
+    middles = np.linalg.norm(surface.triangles_center / (1, 2, 3), axis=1)
     assert middles.min() > 0.99
 
 
