@@ -22,7 +22,15 @@ from wsgen.pipeline.prepare import PreparedRobot
 from wsgen.pipeline.request import ValidateRequest
 from wsgen.pipeline.run_robots import SimulationResult, try_robots
 from wsgen.simulation.contact_shapes import MOST_LINKS
-from wsgen.simulation.scene import DRAWING, LOADING, Behaved, Picture, RobotRun, Scene, SceneResult
+from wsgen.simulation.scene import (
+    DRAWING,
+    LOADING,
+    BehaviorMeasurement,
+    Picture,
+    RobotRun,
+    Scene,
+    SceneResult,
+)
 from wsgen.workspace.settings import Settings
 
 BODY = Inertial(mass=1.0, inertia=(0.1, 0.0, 0.0, 0.1, 0.0, 0.1))
@@ -254,7 +262,9 @@ def test_behaviors_are_given_to_their_robots_and_judged() -> None:
             robot_runs = tuple(
                 replace(
                     robot_run,
-                    behaviors=(Behaved(one[0], (0.0, 0.0, 0.0), {"elbow": one[1]}),) if one else (),
+                    behaviors=(BehaviorMeasurement(one[0], (0.0, 0.0, 0.0), {"elbow": one[1]}),)
+                    if one
+                    else (),
                 )
                 for robot_run, one in zip(result.robot_runs, measured, strict=True)
             )

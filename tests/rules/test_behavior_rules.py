@@ -18,7 +18,7 @@ from wsgen.rules.behaviors import (
     nothing_to_drive_with,
     robot_not_found,
 )
-from wsgen.simulation.scene import Behaved
+from wsgen.simulation.scene import BehaviorMeasurement
 
 if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
@@ -45,7 +45,9 @@ def checked(
     is_finite: bool = True,
 ) -> tuple[Diagnostic, ...]:
     behavior_run = BehaviorRun(entity="e", behavior=behavior(task), drive=drive)
-    return check_behavior(behavior_run, Behaved("does it", moved, positions or {}, is_finite), FILE)
+    return check_behavior(
+        behavior_run, BehaviorMeasurement("does it", moved, positions or {}, is_finite), FILE
+    )
 
 
 def codes(task: Drive, *moved: float) -> list[str]:

@@ -12,7 +12,7 @@ from wsgen.model.behavior import Behavior, BehaviorRun, DiffDrive, Drive, Reach,
 from wsgen.model.robot import Box, Cylinder, Inertial, JointLimit, JointType, Link, Mimic, Sphere
 from wsgen.model.transform import Pose
 from wsgen.simulation.behaviors import run_behaviors
-from wsgen.simulation.scene import Behaved, Scene, SpawnedRobot
+from wsgen.simulation.scene import BehaviorMeasurement, Scene, SpawnedRobot
 from wsgen.simulation.simulate import play
 
 if TYPE_CHECKING:
@@ -85,7 +85,7 @@ def reach(seconds: float = 3.0, **positions: float) -> BehaviorRun:
 
 def simulated(
     new_engine: NewEngine, robot: Robot, *behavior_runs: BehaviorRun, at: Pose = AT
-) -> tuple[Behaved, ...]:
+) -> tuple[BehaviorMeasurement, ...]:
     """What is measured of these behaviors of the robot, which has stood before."""
     spawned = SpawnedRobot(entity="e", robot=robot, pose_in_world=at)
     scene = Scene(world=GROUND, robots=(spawned,), seconds=0.5, behavior_runs=behavior_runs)

@@ -22,7 +22,7 @@ from wsgen.simulation.behaviors import (
 )
 from wsgen.simulation.engine import Motor, State
 from wsgen.simulation.fake import FakeEngine
-from wsgen.simulation.scene import Behaved, RobotRun, Scene, SpawnedRobot
+from wsgen.simulation.scene import BehaviorMeasurement, RobotRun, Scene, SpawnedRobot
 from wsgen.simulation.simulate import play
 
 if TYPE_CHECKING:
@@ -143,7 +143,7 @@ def test_a_robot_that_is_not_there_does_nothing() -> None:
 
 def test_measurements_survive_the_way_between_processes() -> None:
     robot_run = simulated(FakeEngine(lambda _: at(0.0, 0.0, 0.0)), drive(seconds=0.1))
-    assert robot_run.behaviors == (Behaved("d{}", (0.0, 0.0, 0.0), {}),)
+    assert robot_run.behaviors == (BehaviorMeasurement("d{}", (0.0, 0.0, 0.0), {}),)
     assert decode(json.loads(encode(robot_run)), RobotRun) == robot_run
 
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from wsgen.model.behavior import Behavior, BehaviorRun, DiffDrive, Reach
     from wsgen.model.robot import Joint, Robot
-    from wsgen.simulation.scene import Behaved
+    from wsgen.simulation.scene import BehaviorMeasurement
 
 
 NAMED = 5  # so many joints are told in a message
@@ -31,7 +31,7 @@ ALIKE = 1.05  # sizes that differ by less are the same
 
 
 def check_behavior(
-    behavior_run: BehaviorRun, behaved: Behaved, file: Path
+    behavior_run: BehaviorRun, behaved: BehaviorMeasurement, file: Path
 ) -> tuple[Diagnostic, ...]:
     """All rules over one behavior that was tried."""
     behavior = behavior_run.behavior

@@ -14,7 +14,7 @@ from wsgen.model.behavior import Drive
 from wsgen.model.robot import JointType
 from wsgen.model.transform import rotation_of_quaternion
 from wsgen.simulation.engine import Motor
-from wsgen.simulation.scene import RUNNING, Behaved
+from wsgen.simulation.scene import RUNNING, BehaviorMeasurement
 from wsgen.simulation.simulate import REST_HELD, is_finite, is_moving
 
 if TYPE_CHECKING:
@@ -166,7 +166,7 @@ def run_behaviors(  # noqa: PLR0913  as `play`, and its outcome
     """
     spawned = {robot_run.entity: robot_run.spawn_pose for robot_run in robot_runs}
     session = _Session(engine, scene, spawned, observe, begun)
-    measured: dict[str, list[Behaved]] = {entity: [] for entity in spawned}
+    measured: dict[str, list[BehaviorMeasurement]] = {entity: [] for entity in spawned}
     for behavior_run in scene.behavior_runs:
         if behavior_run.entity in spawned:
             announce(RUNNING.format(entity=behavior_run.entity, name=behavior_run.behavior.name))
@@ -196,7 +196,7 @@ class _Session:
         self.steps = max(1, round(UPDATE / engine.step_seconds))  # in an update
         self.seconds = scene.seconds  # simulated until now
 
-    def run(self, behavior_run: BehaviorRun) -> Behaved:
+    def run(self, behavior_run: BehaviorRun) -> BehaviorMeasurement:
         """Run one behavior."""
         self._reset()
         behavior = behavior_run.behavior
@@ -213,7 +213,7 @@ class _Session:
         positions = self.engine.joint_positions(behavior_run.entity)
         self.engine.release(behavior_run.entity)
         numbers_are_finite = all(map(math.isfinite, positions.values()))
-        return Behaved(
+        return BehaviorMeasurement(
             behavior.name, odometer.moved, positions, odometer.is_finite and numbers_are_finite
         )
 

@@ -62,7 +62,7 @@ class Overlapping:
 
 
 @dataclass(frozen=True)
-class Behaved:
+class BehaviorMeasurement:
     """What was measured of a behavior at its end."""
 
     name: str
@@ -102,7 +102,7 @@ class RobotRun:
     is_cut_short: bool = False  # it ended before its time: another robot's state was not finite
     is_falling: bool = False  # nothing holds it up: at the end it gets faster with gravity
     hull_gaps: tuple[HullGap, ...] = ()  # at the end
-    behaviors: tuple[Behaved, ...] = ()  # that were run
+    behaviors: tuple[BehaviorMeasurement, ...] = ()  # that were run
 
 
 @dataclass(frozen=True, kw_only=True)
