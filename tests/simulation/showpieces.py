@@ -54,7 +54,7 @@ def spawned(
     return SpawnedRobot(entity=name, robot=robot, pose_in_world=at, is_static_model=is_static_model)
 
 
-def gallery_of(
+def scene_renderer_of(
     *robots: SpawnedRobot,
     world: World = GROUND,
     corners: list[tuple[float, float, float]] | None = None,
@@ -75,7 +75,7 @@ def photograph(
 ) -> tuple[Pixels, float | None]:
     """The picture of robots, and what its squares are."""
     file = folder / "picture.png"
-    tile = gallery_of(*robots, world=world, corners=corners).draw(file)
+    tile = scene_renderer_of(*robots, world=world, corners=corners).draw(file)
     return pixels_of(file), tile
 
 

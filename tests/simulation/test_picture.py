@@ -15,11 +15,11 @@ from simulation.showpieces import (
     BLUE,
     GROUND,
     VOID,
-    gallery_of,
     is_blue,
     photograph,
     piece,
     pixels_of,
+    scene_renderer_of,
     spawned,
     touched_alone,
 )
@@ -126,7 +126,7 @@ def test_what_is_high_above_the_ground_has_no_squares_to_compare_with(tmp_path: 
 
 def test_what_is_nowhere_has_no_picture(tmp_path: Path) -> None:
     nowhere = Pose((math.nan, 0.0, 0.0))
-    with pytest.raises(ValueError, match="no numbers"):
+    with pytest.raises(ValueError, match="not finite"):
         photograph(tmp_path, piece(CUBE, at=nowhere))
 
 
@@ -306,7 +306,7 @@ def world_picture(folder: Path, *static_models: tuple[Box, Vector]) -> Pixels:
         for number, (box, at) in enumerate(static_models)
     ]
     file = folder / "world.png"
-    gallery_of(robot, *around).draw_world(file)
+    scene_renderer_of(robot, *around).draw_world(file)
     return pixels_of(file)
 
 

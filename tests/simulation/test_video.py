@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from simulation.showpieces import BLUE, GROUND, gallery_of, is_blue, piece
+from child_answers import answered
+from simulation.showpieces import BLUE, GROUND, is_blue, piece, scene_renderer_of
 from wsgen.diagnostics import Severity
 from wsgen.isolation.outcome import DEFAULT_LIMITS, Answered, Died, Limits
 from wsgen.model.robot import Box, Collision, Inertial, Link, Mesh, Robot, Visual
@@ -22,7 +23,7 @@ from wsgen.rendering import recording, video
 from wsgen.rendering.recording import Clip, Recorder, why_no_video
 from wsgen.rendering.scene_renderer import SceneRenderer
 from wsgen.simulation.run import run_simulation
-from wsgen.simulation.scene import RECORDING, Scene, SpawnedRobot, Video
+from wsgen.simulation.scene import RECORDING, Picture, Scene, SceneResult, SpawnedRobot, Video
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -202,7 +203,7 @@ def test_what_takes_long_to_draw_gets_fewer_and_smaller_frames(
 def test_what_a_video_is_like_depends_on_what_is_drawn_alone() -> None:
     def quality(triangles: int, frames: int) -> tuple[Size, float]:
         mesh = Mesh(uri="m", path=None, triangles=triangles)
-        scene_renderer = gallery_of(piece(Box(size=SIZE)))
+        scene_renderer = scene_renderer_of(piece(Box(size=SIZE)))
         render_item = replace(scene_renderer.render_items[0], geometry=mesh)
         scene_renderer.renderer._bodies = [(render_item, 0)]
         return video._quality(scene_renderer, frames)[:2]
@@ -215,19 +216,18 @@ def test_what_a_video_is_like_depends_on_what_is_drawn_alone() -> None:
 
 @pytest.mark.parametrize(("triangles", "word"), [(12, "seconds"), (90_000, "meshes")])
 def test_a_coarse_video_says_what_made_it_so(tmp_path: Path, triangles: int, word: str) -> None:
-    made = {
-        "frames": 600,
-        "frames_per_second": 20.0,
-        "width": 320,
-        "height": 240,
-        "triangles": triangles,
-        "is_coarse": True,
-    }
+    made = Video(
+        file=tmp_path / "video.gif",
+        frames=600,
+        frames_per_second=20.0,
+        width=320,
+        height=240,
+        triangles=triangles,
+        is_coarse=True,
+    )
 
     def run(*_: object, **__: object) -> Answered:
-        return Answered(
-            value={"robot_runs": [], "refused": {}, "video": made, "seconds": {}}, output=""
-        )
+        return answered(SceneResult(robot_runs=(), refused={}, video=made, seconds={}))
 
     (found,) = run_simulation(scene(tmp_path / "video.gif"), run=run).diagnostics
     assert (found.code, found.severity) == ("SPN071", Severity.INFO)
@@ -281,7 +281,7 @@ def refused(outcome_of: Scene) -> str:
 
 @pytest.mark.parametrize("name", ["video.avi", "video", "video.gif.txt"])
 def test_a_suffix_that_is_no_video(tmp_path: Path, name: str) -> None:
-    assert ".gif or an .mp4" in refused(scene(tmp_path / name, 0.1))
+    assert ".gif nor an .mp4" in refused(scene(tmp_path / name, 0.1))
     assert list(tmp_path.iterdir()) == []
 
 
@@ -291,18 +291,18 @@ def test_a_folder_that_is_not_there(tmp_path: Path) -> None:
 
 def test_a_folder_in_the_place_of_the_file(tmp_path: Path) -> None:
     (tmp_path / "video.gif").mkdir()
-    assert "cannot be written" in refused(scene(tmp_path / "video.gif", 0.1))
+    assert "is not writable" in refused(scene(tmp_path / "video.gif", 0.1))
 
 
 def test_a_pipe_in_the_place_of_the_file(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "video.gif")
-    assert "cannot be written" in refused(scene(tmp_path / "video.gif", 0.1))
+    assert "is not writable" in refused(scene(tmp_path / "video.gif", 0.1))
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
 def test_a_folder_that_may_not_be_written_to(tmp_path: Path) -> None:
     tmp_path.chmod(0o500)
-    assert "cannot be written" in refused(scene(tmp_path / "video.gif", 0.1))
+    assert "is not writable" in refused(scene(tmp_path / "video.gif", 0.1))
 
 
 def test_a_disk_that_is_full(tmp_path: Path) -> None:
@@ -334,8 +334,8 @@ def test_an_engine_that_dies_while_it_records_costs_the_video_alone(tmp_path: Pa
         asked.append(now)
         if now.record is not None:
             return Died(reason="crashed (SIGSEGV)", step=f"{RECORDING}: frame 2 of 3", output="")
-        return Answered(
-            value={"robot_runs": [], "refused": {}, "picture_tile": 0.5, "seconds": {}}, output=""
+        return answered(
+            SceneResult(robot_runs=(), refused={}, picture=Picture(tile=0.5), seconds={})
         )
 
     outcome = run_simulation(wanted, run=dies_once)
