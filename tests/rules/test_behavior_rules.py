@@ -13,10 +13,10 @@ from wsgen.model.behavior import Behavior, BehaviorRun, Bounds, DiffDrive, Drive
 from wsgen.model.robot import Joint, JointLimit, JointType, Link, Mimic, Robot
 from wsgen.rules.behaviors import (
     check_behavior,
-    commanded_beyond_limit,
-    joint_cannot_be_commanded,
-    nothing_to_drive_with,
-    robot_not_found,
+    command_beyond_limit,
+    unknown_behavior_joint,
+    no_diff_drive,
+    unclear_behavior_robot,
 )
 from wsgen.simulation.scene import BehaviorMeasurement
 
@@ -98,7 +98,7 @@ def test_a_finding_names_what_was_wanted_and_where_that_is_written() -> None:
     (found,) = checked(STRAIGHT, (0.5, 0.0, -1e-9))
     assert found.message == (
         "`does it`: after 2 s the robot is at x = 0.5 m, y = 0 m from where it began; "
-        "x = 1 m, y = 0 m is wanted, give or take 0.1 m."
+        "expected: x = 1 m, y = 0 m, within 0.1 m."
     )
     assert (found.file, found.line, found.severity) == (FILE, 7, Severity.ERROR)
     assert found.element == "behavior `does it`"
@@ -122,10 +122,10 @@ def test_a_finding_names_what_was_wanted_and_where_that_is_written() -> None:
             STRAIGHT,
             (0.4, 0.0, 0.0),
             replace(DRIVE, linear=Bounds(fastest=0.2)),
-            "does not let 0.5 m/s through",
+            "The plugin limits 0.5 m/s",
         ),
         (TURN, (0.0, 0.0, 4.0), DRIVE, "wheel_separation = 0.4 m: 0.2 m would fit"),
-        (TURN, (0.0, 0.0, -2.0), DRIVE, "exchange <left_joint> and <right_joint>"),
+        (TURN, (0.0, 0.0, -2.0), DRIVE, "swap <left_joint> and <right_joint>"),
         (TURN, (0.0, 0.0, 0.0), DRIVE, "brakes one side"),
     ],
 )
@@ -167,7 +167,7 @@ def test_what_explodes_is_judged_by_nothing_else() -> None:
     ],
 )
 def test_which_robot_is_meant(robot: str | None, entities: list[str], message: str | None) -> None:
-    found = list(robot_not_found(behavior(robot=robot), entities, FILE))
+    found = list(unclear_behavior_robot(behavior(robot=robot), entities, FILE))
     assert [one.code for one in found] == ([] if message is None else ["SPN080"])
     if message is not None:
         assert message in found[0].message
@@ -176,8 +176,8 @@ def test_which_robot_is_meant(robot: str | None, entities: list[str], message: s
 
 
 @pytest.mark.parametrize(("has_plugin", "code"), [(True, "SPN082"), (False, "SPN081")])
-def test_nothing_to_drive_with(*, has_plugin: bool, code: str) -> None:
-    (found,) = nothing_to_drive_with(behavior(), "why", "Do.", FILE, has_plugin=has_plugin)
+def test_no_diff_drive(*, has_plugin: bool, code: str) -> None:
+    (found,) = no_diff_drive(behavior(), "why", "Do.", FILE, has_plugin=has_plugin)
     assert (found.code, found.hint) == (code, "Do.")
     assert found.message == "`does it`: the robot cannot be driven: why."
 
@@ -196,12 +196,12 @@ def test_joints_that_take_no_commands() -> None:
     follower = replace(joint("b"), mimic=Mimic(joint="a"))
     arm = robot(joint("a"), follower, joint("f", JointType.FIXED))
     positions = {"a": 0.0, "b": 0.0, "f": 0.0, "x": 0.0}
-    found = list(joint_cannot_be_commanded(behavior(), positions, arm, FILE))
+    found = list(unknown_behavior_joint(behavior(), positions, arm, FILE))
     assert [one.code for one in found] == ["SPN083"] * 3
     assert "`b` follows `a`" in found[0].message
     assert "no joint `f` that can move" in found[1].message
-    assert found[2].hint == "There are `a`."
-    (still,) = joint_cannot_be_commanded(
+    assert found[2].hint == "Joints that take commands: `a`."
+    (still,) = unknown_behavior_joint(
         behavior(), {"a": 0.0}, robot(joint("a"), is_static=True), FILE
     )
     assert "no joint `a`" in still.message
@@ -209,8 +209,8 @@ def test_joints_that_take_no_commands() -> None:
 
 def test_commands_beyond_limits() -> None:
     joints = (joint("a", limit=0.5), joint("b", JointType.CONTINUOUS, limit=0.1), joint("c"))
-    found = list(commanded_beyond_limit(behavior(), POSITIONS, joints, FILE))
+    found = list(command_beyond_limit(behavior(), POSITIONS, joints, FILE))
     assert found == []
-    (over,) = commanded_beyond_limit(behavior(), {"a": -0.6, "b": 9.0}, joints, FILE)
+    (over,) = command_beyond_limit(behavior(), {"a": -0.6, "b": 9.0}, joints, FILE)
     assert over.code == "SPN084"
     assert "`a` is sent to -0.6, beyond its limits -0.5 and 0.5" in over.message

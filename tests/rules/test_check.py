@@ -118,7 +118,7 @@ def test_a_static_robot_has_nothing_but_its_figures() -> None:
     assert codes(replace(robot_run, overlaps=(IN_ANOTHER,)), robot=static) == ["SPN063"]
 
 
-def test_limbs_that_give_way_excuse_the_robot() -> None:
+def test_passive_joints_excuse_the_robot() -> None:
     assert codes(GAVE_WAY, robot=ARM) == ["SPN060"]
     swings = replace(GAVE_WAY, settled_after=None, joint_speed=2.0)
     assert codes(swings, robot=ARM) == ["SPN060"]
@@ -136,7 +136,7 @@ def test_a_joint_that_is_torn_beyond_its_limit() -> None:
     assert codes(robot_run, robot=ARM) == ["SPN062", "SPN060"]
 
 
-def test_links_in_each_other_count_where_they_may_collide() -> None:
+def test_overlapping_links_count_where_they_may_collide() -> None:
     robot_run = replace(HANGS, overlaps=(INSIDE,))
     assert codes(robot_run, robot=ARM) == []
     links = tuple(replace(link, self_collide=True) for link in ARM.links)
@@ -144,7 +144,7 @@ def test_links_in_each_other_count_where_they_may_collide() -> None:
 
 
 @pytest.mark.parametrize(
-    ("kind", "travel", "gave_way"),
+    ("kind", "travel", "has_passive_joints"),
     [
         (JointType.REVOLUTE, 0.09, False),
         (JointType.REVOLUTE, 0.11, True),
@@ -153,9 +153,9 @@ def test_links_in_each_other_count_where_they_may_collide() -> None:
         (JointType.PRISMATIC, 0.011, True),
     ],
 )
-def test_play_is_no_giving_way(kind: JointType, travel: float, *, gave_way: bool) -> None:
+def test_play_is_no_giving_way(kind: JointType, travel: float, *, has_passive_joints: bool) -> None:
     robot_run = replace(HANGS, joint_travel={"arm": travel})
-    expected = {"arm": travel} if gave_way else {}
+    expected = {"arm": travel} if has_passive_joints else {}
     assert passive_joints(with_joint(kind), robot_run) == expected
 
 

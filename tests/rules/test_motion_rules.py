@@ -72,17 +72,17 @@ def test_a_robot_that_is_thrown() -> None:
     assert found(rules.thrown_into_the_air("r", 3.0)) == [("SPN057", Severity.ERROR)]
 
 
-def test_limbs_that_give_way_are_no_fault() -> None:
-    assert found(rules.gives_way({}, "r", is_moving=True)) == []
-    (one,) = rules.gives_way({"elbow": 1.0}, "r", is_moving=False)
+def test_joints_that_gravity_moves_are_no_mistake() -> None:
+    assert found(rules.unactuated_joints_move({}, "r", is_moving=True)) == []
+    (one,) = rules.unactuated_joints_move({"elbow": 1.0}, "r", is_moving=False)
     assert found([one]) == [("SPN060", Severity.INFO)]
-    assert one.message.endswith("gravity moves `elbow`.")
+    assert one.message.endswith("that are not actuated: `elbow`.")
 
 
-def test_the_limbs_that_moved_farthest_are_named() -> None:
+def test_the_joints_that_moved_farthest_are_named() -> None:
     travel = {"a": 0.1, "b": 3.0, "c": 2.0, "d": 0.2, "e": 1.0}
-    (one,) = rules.gives_way(travel, "r", is_moving=True)
-    assert "moves `b`, `c`, `e` and 2 more (still moving at the end)." in one.message
+    (one,) = rules.unactuated_joints_move(travel, "r", is_moving=True)
+    assert "`b`, `c`, `e` and 2 more (still moving at the end)." in one.message
 
 
 def test_energy_from_nowhere() -> None:
@@ -146,7 +146,7 @@ ERROR, WARNING = [("SPN058", Severity.ERROR)], [("SPN058", Severity.WARNING)]
 
 
 @pytest.mark.parametrize(
-    ("settled", "speed", "turning", "gave_way", "expected"),
+    ("settled", "speed", "turning", "has_passive_joints", "expected"),
     [
         (1.0, 0.0, 0.0, False, []),
         (0.0, 0.0, 0.0, True, []),
@@ -154,8 +154,8 @@ ERROR, WARNING = [("SPN058", Severity.ERROR)], [("SPN058", Severity.WARNING)]
         (None, 0.0, 1.0, False, ERROR),
         (None, 0.04, 0.2, False, WARNING),  # it creeps: it will stand
         (None, 0.0, 0.0, False, WARNING),  # a wheel spins on, and the robot stands
-        (None, 0.5, 0.0, True, WARNING),  # its limbs pull it over
-        (None, 0.009, 0.009, True, []),  # it stands, and its limbs swing
+        (None, 0.5, 0.0, True, WARNING),  # its passive joints pull it over
+        (None, 0.009, 0.009, True, []),  # it stands, and its passive joints swing
         (None, 0.009, 0.02, True, WARNING),
     ],
 )
@@ -164,32 +164,36 @@ def test_a_robot_that_keeps_moving(
     speed: float,
     turning: float,
     *,
-    gave_way: bool,
+    has_passive_joints: bool,
     expected: list[tuple[str, Severity]],
 ) -> None:
     diagnostics = rules.keeps_moving(
-        "r", settled, speed, turning=turning, joint_speed=0.0, gave_way=gave_way
+        "r", settled, speed, turning=turning, joint_speed=0.0, has_passive_joints=has_passive_joints
     )
     assert found(diagnostics) == expected
 
 
 def test_what_still_moves_is_told() -> None:
-    (swings,) = rules.keeps_moving("r", None, 0.1, turning=0.0, joint_speed=1.5, gave_way=False)
+    (swings,) = rules.keeps_moving(
+        "r", None, 0.1, turning=0.0, joint_speed=1.5, has_passive_joints=False
+    )
     assert "moves at 0.100 m/s, a joint at 1.50" in swings.message
     assert "turns" not in swings.message
-    (turns,) = rules.keeps_moving("r", None, 0.1, turning=0.7, joint_speed=0.0, gave_way=True)
+    (turns,) = rules.keeps_moving(
+        "r", None, 0.1, turning=0.7, joint_speed=0.0, has_passive_joints=True
+    )
     assert "turns at 0.70 rad/s" in turns.message
     assert "joint" not in turns.message
-    assert "limbs" in (turns.hint or "")
+    assert "unactuated joints" in (turns.hint or "")
 
 
 def test_a_robot_that_tips_over() -> None:
-    assert found(rules.tips_over("r", math.radians(14), gave_way=False)) == []
-    (falls,) = rules.tips_over("r", math.radians(90), gave_way=False)
-    (pulled,) = rules.tips_over("r", math.radians(90), gave_way=True)
+    assert found(rules.tips_over("r", math.radians(14), has_passive_joints=False)) == []
+    (falls,) = rules.tips_over("r", math.radians(90), has_passive_joints=False)
+    (pulled,) = rules.tips_over("r", math.radians(90), has_passive_joints=True)
     assert found([falls, pulled]) == [("SPN059", Severity.ERROR), ("SPN059", Severity.WARNING)]
     assert "90 degrees" in falls.message
-    assert "limbs" in pulled.message
+    assert "unactuated joints" in pulled.message
     assert "bolted" in (pulled.hint or "")
 
 

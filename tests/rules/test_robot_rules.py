@@ -28,8 +28,8 @@ from wsgen.rules.robots import (
     implausible_inertia,
     loose_joint,
     massless_root,
-    nothing_to_see,
-    nothing_to_touch,
+    no_visual,
+    no_collision,
     ros_1_plugin,
     starts_outside_limits,
 )
@@ -122,17 +122,17 @@ def test_plugins_of_ros_2() -> None:
     assert list(ros_1_plugin([GazeboTag(reference=None, plugins=plugins)], None)) == []
 
 
-def test_nothing_to_touch() -> None:
-    assert [found.code for found in nothing_to_touch([Link(name="a")], None)] == ["ROB053"]
-    assert list(nothing_to_touch([link(0.1), Link(name="a")], None)) == []
-    assert list(nothing_to_touch([], None)) == []
+def test_no_collision() -> None:
+    assert [found.code for found in no_collision([Link(name="a")], None)] == ["ROB053"]
+    assert list(no_collision([link(0.1), Link(name="a")], None)) == []
+    assert list(no_collision([], None)) == []
 
 
-def test_nothing_to_see() -> None:
-    (found,) = nothing_to_see([link(0.1)], None)
+def test_no_visual() -> None:
+    (found,) = no_visual([link(0.1)], None)
     assert (found.code, found.severity) == ("ROB054", Severity.INFO)
     seen = replace(link(0.1), visuals=(Visual(geometry=CYLINDER),))
-    assert list(nothing_to_see([seen, Link(name="frame")], None)) == []
+    assert list(no_visual([seen, Link(name="frame")], None)) == []
 
 
 @pytest.mark.parametrize(

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 from wsgen.model.behavior import BehaviorOutcome, BehaviorRun, Drive
 from wsgen.rules.behaviors import (
     check_behavior,
-    commanded_beyond_limit,
-    joint_cannot_be_commanded,
-    nothing_to_drive_with,
-    robot_not_found,
+    command_beyond_limit,
+    no_diff_drive,
+    unclear_behavior_robot,
+    unknown_behavior_joint,
 )
 from wsgen.urdf.diff_drive import NoDrive, find_diff_drive
 
@@ -95,7 +95,7 @@ def plan_behaviors(
     entities: dict[str, str] = {}
     behavior_runs: list[BehaviorRun] = []
     for behavior in settings.behaviors:
-        wrong = tuple(robot_not_found(behavior, list(robots), settings.file))
+        wrong = tuple(unclear_behavior_robot(behavior, list(robots), settings.file))
         found += wrong
         if wrong:
             continue
@@ -122,13 +122,11 @@ def _behavior_run(
         drive = find_diff_drive(robot, generation=generation)
         if isinstance(drive, NoDrive):
             return None, tuple(
-                nothing_to_drive_with(
-                    behavior, drive.reason, drive.hint, file, has_plugin=drive.is_there
-                )
+                no_diff_drive(behavior, drive.reason, drive.hint, file, has_plugin=drive.is_there)
             )
         return BehaviorRun(entity=prepared.entity, behavior=behavior, drive=drive), ()
     wrong = (
-        *joint_cannot_be_commanded(behavior, task.positions, robot, file),
-        *commanded_beyond_limit(behavior, task.positions, robot.joints, file),
+        *unknown_behavior_joint(behavior, task.positions, robot, file),
+        *command_beyond_limit(behavior, task.positions, robot.joints, file),
     )
     return (None if wrong else BehaviorRun(entity=prepared.entity, behavior=behavior)), wrong

@@ -92,7 +92,7 @@ def describe(  # noqa: PLR0913  most have defaults
     if written is not None:
         lumped, more = _as_in_gazebo(written, file, context)
         found, more = _at_the_misspelling(found, more)
-        checked = check_robot(written, file, generation=generation)
+        checked = check_robot(written, file, simulator=generation)
         found = _first_of_each_inertial((*found, *more, *checked))
         found = tuple(_for_simulator(found, generation, distro))
         prepared = PreparedRobot(

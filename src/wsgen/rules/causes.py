@@ -1,9 +1,8 @@
 """What follows from what: one cause is one diagnostic.
 
-A robot that has no <collision> falls through the ground. Once the description has been reported
-for the one, the run tells nothing new with the other: it says how bad the cause is. The diagnostic
-of the run is then folded into that of the description, which takes over its severity and its
-message. The numbers stay visible, and whoever fixes the description runs it again.
+A robot without <collision> falls through the ground. When the description is reported, the fall
+is no second problem; it shows how severe the first one is. The diagnostic of the run is then folded
+into that of the description, which takes over its severity and its message.
 """
 
 from __future__ import annotations
@@ -12,55 +11,88 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
+from wsgen.description_rules import (
+    IMPOSSIBLE_INERTIA,
+    MISSPELLED_ATTRIBUTE,
+    MISSPELLED_ELEMENT,
+)
 from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.rules.robots import (
+    IMPLAUSIBLE_INERTIA,
+    IMPLAUSIBLE_MASS,
+    IMPLAUSIBLE_SIZE,
+    LOOSE_JOINT,
+    NO_COLLISION,
+    STARTS_OUTSIDE_LIMITS,
+)
+from wsgen.rules.runs import (
+    FALLS_WITHOUT_END,
+    GAINS_ENERGY,
+    JOINT_BEYOND_LIMIT,
+    KEEPS_MOVING,
+    SPAWNED_HIGH,
+    SPAWNED_IN_GROUND,
+    STATE_NOT_FINITE,
+    STUCK_IN_GROUND,
+    THROWN_INTO_THE_AIR,
+    TIPS_OVER,
+)
+from wsgen.rules.scenes import ENGINES_DISAGREE
 from wsgen.urdf.unknown_elements import meant_element
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
+    from wsgen.diagnostics import Rule
 
-# Codes of the run.
-EXPLODES = ("SPN052", "SPN057", "SPN061")
-MOVES = ("SPN055", "SPN056", "SPN058", "SPN059", "SPN062", *EXPLODES)
-SPAWNED = ("SPN053", "SPN054")
-DISAGREE = ("SPN065",)  # of what explodes or falls, no two engines make the same
+
+def _codes(*rules: Rule) -> tuple[str, ...]:
+    return tuple(rule.code for rule in rules)
+
+
+# What a run shows.
+EXPLODES = _codes(STATE_NOT_FINITE, THROWN_INTO_THE_AIR, GAINS_ENERGY)
+FALLS = _codes(FALLS_WITHOUT_END, KEEPS_MOVING, TIPS_OVER)
+MOVES = (*_codes(STUCK_IN_GROUND, JOINT_BEYOND_LIMIT), *FALLS, *EXPLODES)
+# The start, and that two engines never agree on what explodes or falls.
+ANY = (*MOVES, *_codes(SPAWNED_IN_GROUND, SPAWNED_HIGH, ENGINES_DISAGREE))
 
 
 class Consequence(NamedTuple):
     """What a diagnostic about a description explains of a run of the same robot."""
 
-    cause: str  # its code
-    follows: tuple[str, ...]  # codes of the run
+    cause: str  # the code of its rule
+    follows: tuple[str, ...]  # codes of rules about the run
     errors: tuple[str, ...] = ()  # codes that follow only as errors: as warnings they have
     # another cause, such as joints that are not actuated
 
 
 # Where several explain the same, the first does.
 CONSEQUENCES = (
-    # In other units nothing about the run can be believed.
-    Consequence("ROB048", (*MOVES, *SPAWNED, *DISAGREE)),  # absurd size
-    Consequence("ROB066", (*MOVES, *SPAWNED, *DISAGREE)),  # absurd mesh
-    Consequence("ROB049", (*MOVES, *DISAGREE)),  # absurd mass
+    # In other units nothing about the run is right.
+    Consequence(IMPLAUSIBLE_SIZE.code, ANY),
+    Consequence("ROB066", ANY),  # implausible mesh size
+    Consequence(IMPLAUSIBLE_MASS.code, (*MOVES, ENGINES_DISAGREE.code)),
     # Nothing touches the ground.
-    Consequence("ROB053", ("SPN056",)),  # no <collision>
-    Consequence("WLD031", ("SPN056", "SPN059")),  # a shape is left out
-    # What was written is not what was simulated.
-    Consequence("ROB038", (*MOVES, *SPAWNED, *DISAGREE)),  # misspelt element
-    Consequence("ROB077", (*MOVES, *SPAWNED, *DISAGREE)),  # misspelt attribute
-    Consequence("WLD058", (*MOVES, *SPAWNED, *DISAGREE)),
-    Consequence("WLD059", (*MOVES, *SPAWNED, *DISAGREE)),
+    Consequence(NO_COLLISION.code, _codes(FALLS_WITHOUT_END)),
+    Consequence("WLD031", _codes(FALLS_WITHOUT_END, TIPS_OVER)),  # a shape is left out
+    # The simulated robot is not the one that was meant.
+    Consequence(MISSPELLED_ELEMENT.code, ANY),
+    Consequence(MISSPELLED_ATTRIBUTE.code, ANY),
+    Consequence("WLD058", ANY),
+    Consequence("WLD059", ANY),
     # A part falls off.
-    Consequence("ROB055", (), errors=("SPN056", "SPN058", "SPN059")),  # floating or planar joint
-    Consequence("WLD024", (), errors=("SPN056", "SPN058", "SPN059")),  # joint left out
-    # Links that are far too easy to turn shake.
-    Consequence("ROB037", EXPLODES, errors=("SPN058",)),  # no inertia
-    Consequence("ROB050", EXPLODES, errors=("SPN058",)),  # inertia of another body
-    Consequence("WLD035", EXPLODES, errors=("SPN058",)),  # the inertia that Gazebo gives
-    Consequence("WLD041", EXPLODES, errors=("SPN058",)),  # no mass
-    # The limit pushes the joint to where it may be.
-    Consequence("ROB070", EXPLODES, errors=("SPN058",)),
+    Consequence(LOOSE_JOINT.code, (), errors=FALLS),
+    Consequence("WLD024", (), errors=FALLS),  # joint left out
+    # Links with too little inertia shake.
+    Consequence(IMPOSSIBLE_INERTIA.code, EXPLODES, errors=_codes(KEEPS_MOVING)),
+    Consequence(IMPLAUSIBLE_INERTIA.code, EXPLODES, errors=_codes(KEEPS_MOVING)),
+    Consequence("WLD035", EXPLODES, errors=_codes(KEEPS_MOVING)),  # the inertia that Gazebo gives
+    Consequence("WLD041", EXPLODES, errors=_codes(KEEPS_MOVING)),  # no mass
+    # The limit pushes the joint.
+    Consequence(STARTS_OUTSIDE_LIMITS.code, EXPLODES, errors=_codes(KEEPS_MOVING)),
 )
-MISSPELT = ("ROB038", "ROB077", "WLD058", "WLD059")
+MISSPELLED = (*_codes(MISSPELLED_ELEMENT, MISSPELLED_ATTRIBUTE), "WLD058", "WLD059")
 MOVING_PART = re.compile(r"(?:^|/)(?:link|joint|gazebo)\b")
 WITHOUT_EFFECT = ("visual", "material", "sensor", "plugin", "light", "transmission", "ros2_control")
 NAME = re.compile(r"\[@\w+='[^']*'\]")
@@ -77,7 +109,7 @@ class Folded(NamedTuple):
 def fold_consequences(prepared: Iterable[Diagnostic], run: Iterable[Diagnostic]) -> Folded:
     """Fold what follows from the description of a robot into the diagnostics about that.
 
-    `run` is what has been found in the run of this robot, in any engine.
+    `run` is what is reported about the run of this robot, in any engine.
     """
     causes = list(prepared)
     followed: dict[int, list[Diagnostic]] = {}
@@ -98,7 +130,7 @@ def joints_beyond_limits(prepared: Iterable[Diagnostic]) -> frozenset[str]:
     return frozenset(
         name
         for found in prepared
-        if found.code == "ROB070"
+        if found.code == STARTS_OUTSIDE_LIMITS.code
         for name in JOINT.findall(found.element or "")
     )
 
@@ -119,7 +151,7 @@ def _has_effect(cause: Diagnostic) -> bool:
     tags = NAME.sub("", element).split("/")
     if any(meant_element(tag, WITHOUT_EFFECT) for tag in tags if tag):
         return False
-    return cause.code not in MISSPELT or MOVING_PART.search(element) is not None
+    return cause.code not in MISSPELLED or MOVING_PART.search(element) is not None
 
 
 def _with_worst(cause: Diagnostic, consequences: Sequence[Diagnostic]) -> Diagnostic:

@@ -1,4 +1,4 @@
-"""All rules over a robot, in the order in which a user should read what they find."""
+"""All rules about a robot, in the order in which a user should read what they report."""
 
 from __future__ import annotations
 
@@ -22,19 +22,19 @@ if TYPE_CHECKING:
     from wsgen.simulation.scene import RobotRun
 
 
-# Less is play: a motion that nobody would call giving way.
-GAVE_WAY_TURNING = 0.1  # rad
-GAVE_WAY_SLIDING = 0.01  # m
+# A joint is passive if gravity moves it by more.
+PASSIVE_TURNING = 0.1  # rad
+PASSIVE_SLIDING = 0.01  # m
 OVERSHOT = 1.5  # times the way to the limit that a joint is pushed to: so far a push carries it
 ON_THE_GROUND = 0.02  # m
 
 
 def check_robot(
-    written: Robot, file: Path | None, *, generation: str | None = None
+    written: Robot, file: Path | None, *, simulator: str | None = None
 ) -> tuple[Diagnostic, ...]:
     """Check a robot as its description gives it.
 
-    `file` is what the findings name, `generation` the simulator it is for: "classic", "gz", or None
+    `file` is what the diagnostics name, `simulator` what the robot is for: "classic", "gz", or None
     for either.
     """
     return (
@@ -44,9 +44,9 @@ def check_robot(
         *robots.implausible_inertia(written.links, file),
         *robots.massless_root(written.link(written.root), written.joints, written.mass, file),
         *robots.ros_1_plugin(written.gazebo, file),
-        *robots.nothing_to_touch(written.links, file),
-        *robots.nothing_to_see(written.links, file),
-        *robots.loose_joint(written.joints, file, generation),
+        *robots.no_collision(written.links, file),
+        *robots.no_visual(written.links, file),
+        *robots.loose_joint(written.joints, file, simulator),
         *robots.starts_outside_limits(written.joints, file),
     )
 
@@ -64,24 +64,24 @@ def check_run(  # noqa: PLR0913  most have defaults
     """Check what was measured of a robot; `robot` is the one Gazebo would build (lumped).
 
     `height` is where a launch file says how high it is spawned, if one does; `is_alone` says that
-    no other robot of the scene can push it; `scenery` are the models of the world among the
+    no other robot of the scene can push it; `static_models` are the models of the world among the
     entities of the scene; `pushed` are joints that are reported to start outside of their limits.
     """
     entity = robot_run.entity
     collide = [link.name for link in robot.links if link.self_collide]
     movable = 0 if robot.is_static else len(robot.movable_joints)
     found = [
-        *runs.mass_differs_from_description(entity, robot.mass, robot_run.mass),
-        *runs.joints_differ_from_description(entity, movable, robot_run.movable_joints),
+        *runs.mass_differs(entity, robot.mass, robot_run.mass),
+        *runs.joints_differ(entity, movable, robot_run.movable_joints),
         *runs.state_not_finite(entity, is_finite=robot_run.is_finite),
-        *runs.run_cut_short(entity, is_cut_short=robot_run.is_cut_short),
-        *scenes.robots_in_each_other(entity, robot_run.overlaps, static_models),
-        *scenes.links_in_each_other(entity, robot_run.overlaps, collide),
+        *runs.cut_short(entity, is_cut_short=robot_run.is_cut_short),
+        *scenes.overlapping_robots(entity, robot_run.overlaps, static_models),
+        *scenes.overlapping_links(entity, robot_run.overlaps, collide),
     ]
     if robot.is_static:
         return tuple(found)
     if world.has_ground_plane:
-        found += runs.born_inside_the_ground(
+        found += runs.spawned_in_ground(
             entity,
             robot_run.penetration,
             robot_run.spawn_pose.xyz[2],
@@ -89,11 +89,9 @@ def check_run(  # noqa: PLR0913  most have defaults
             is_bolted=robot.fixed_to_world,
         )
     if world.has_ground_plane and not robot.fixed_to_world:
-        # What stands on a platform of the world is high up, and falls from no height.
+        # On a platform of the world it is high above the ground, and does not fall.
         fall = min(robot_run.lowest_point, robot_run.lowest_point - robot_run.lowest_point_at_end)
-        found += runs.spawned_high_above_the_ground(
-            entity, fall, robot_run.spawn_pose.xyz[2], height
-        )
+        found += runs.spawned_high(entity, fall, robot_run.spawn_pose.xyz[2], height)
     if robot_run.is_finite and not robot_run.is_cut_short:
         is_pushed = any(overlap.other_entity is not None for overlap in robot_run.overlaps)
         motion = _check_motion(
@@ -110,10 +108,10 @@ def _is_on_the_ground(world: World, robot_run: RobotRun) -> bool:
     return world.has_ground_plane and abs(robot_run.lowest_point_at_end) < ON_THE_GROUND
 
 
-def _as_on_a_slope(finding: Diagnostic) -> Diagnostic:
+def _as_on_a_slope(diagnostic: Diagnostic) -> Diagnostic:
     """On the models of a world it may be right that a robot leans."""
-    leans = finding.code == "SPN059" and finding.severity is Severity.ERROR
-    return replace(finding, severity=Severity.WARNING) if leans else finding
+    leans = diagnostic.code == runs.TIPS_OVER.code and diagnostic.severity is Severity.ERROR
+    return replace(diagnostic, severity=Severity.WARNING) if leans else diagnostic
 
 
 def _check_motion(
@@ -125,7 +123,7 @@ def _check_motion(
     pushed: Collection[str],
 ) -> list[Diagnostic]:
     entity = robot_run.entity
-    gave_way = passive_joints(robot, robot_run)
+    passive = passive_joints(robot, robot_run)
     is_moving = robot_run.settled_after is None
     found = list(
         runs.gains_energy(
@@ -138,13 +136,13 @@ def _check_motion(
         )
     )
     if found and is_alone:
-        return found  # what else it does comes from that
-    # It hangs or stands where it is spawned; only its joints can move.
+        return found  # anything else follows from that
+    # A robot that is fixed to the world stays where it is spawned; only its joints can move.
     if not robot.fixed_to_world:
-        found += _check_place(world, robot_run, gave_way=bool(gave_way))
-    found += scenes.rests_on_its_hull(entity, robot_run.hull_gaps)
+        found += _check_place(world, robot_run, has_passive_joints=bool(passive))
+    found += scenes.rests_on_hull(entity, robot_run.hull_gaps)
     found += runs.joint_beyond_limit(entity, robot.joints, robot_run.joint_positions)
-    # What its limits move is not told as moved by gravity.
+    # What its limits move is not reported as moved by gravity.
     to_limits = {
         joint.name: max(joint.limit.lower, -joint.limit.upper)
         for joint in robot.joints
@@ -152,14 +150,16 @@ def _check_motion(
     }
     by_gravity = {
         name: travel
-        for name, travel in gave_way.items()
+        for name, travel in passive.items()
         if travel > OVERSHOT * to_limits.get(name, 0.0)
     }
-    found += runs.gives_way(by_gravity, entity, is_moving=is_moving)
+    found += runs.unactuated_joints_move(by_gravity, entity, is_moving=is_moving)
     return found
 
 
-def _check_place(world: World, robot_run: RobotRun, *, gave_way: bool) -> list[Diagnostic]:
+def _check_place(
+    world: World, robot_run: RobotRun, *, has_passive_joints: bool
+) -> list[Diagnostic]:
     entity = robot_run.entity
     falls = list(
         runs.falls_without_end(
@@ -173,7 +173,7 @@ def _check_place(world: World, robot_run: RobotRun, *, gave_way: bool) -> list[D
     if falls:
         return falls
     depth = -robot_run.lowest_point_at_end if world.has_ground_plane else 0.0
-    found = list(runs.stuck_in_the_ground(entity, depth, robot_run.climb))
+    found = list(runs.stuck_in_ground(entity, depth, robot_run.climb))
     # Or still being pushed out: it moves for that alone.
     is_stuck = bool(found) or (depth > 0 and runs.is_on_its_way_out(depth, robot_run.climb))
     found += runs.thrown_into_the_air(
@@ -186,18 +186,18 @@ def _check_place(world: World, robot_run: RobotRun, *, gave_way: bool) -> list[D
             robot_run.speed,
             turning=robot_run.turning,
             joint_speed=robot_run.joint_speed,
-            gave_way=gave_way,
+            has_passive_joints=has_passive_joints,
         )
-    found += runs.tips_over(entity, robot_run.tilt, gave_way=gave_way)
+    found += runs.tips_over(entity, robot_run.tilt, has_passive_joints=has_passive_joints)
     return found
 
 
 def passive_joints(robot: Robot, robot_run: RobotRun) -> dict[str, float]:
-    """The joints that moved though nobody drives them, with how far (rad or m)."""
+    """The joints that gravity moved, with how far (rad or m)."""
     types = {joint.name: joint.type for joint in robot.joints}
     return {
         name: robot_run.joint_travel[name]
         for name in sorted(unactuated_joints(robot) & robot_run.joint_travel.keys())
         if robot_run.joint_travel[name]
-        > (GAVE_WAY_SLIDING if types[name] is JointType.PRISMATIC else GAVE_WAY_TURNING)
+        > (PASSIVE_SLIDING if types[name] is JointType.PRISMATIC else PASSIVE_TURNING)
     }

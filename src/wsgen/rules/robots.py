@@ -1,10 +1,6 @@
-"""Rules over a robot as its URDF describes it.
+"""Rules about a robot as its URDF describes it.
 
-The parameters are facts in SI units; a rule yields what it finds.
-
-Rules over how large and how heavy a robot is: what is absurd is surely in other units.
-
-The parameters are facts in SI units; a rule yields what it finds.
+The parameters of a check are facts in SI units; a check yields what it reports.
 """
 
 from __future__ import annotations
@@ -12,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.diagnostics import Rule, Severity
 from wsgen.model.inertia import as_attributes, if_filled, principal_moments
 from wsgen.model.robot import Box, Cylinder, JointType, Mesh, Primitive, Sphere, Triangulated
 from wsgen.model.transform import IDENTITY, compose
@@ -21,6 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
     from pathlib import Path
 
+    from wsgen.diagnostics import Diagnostic
     from wsgen.model.robot import GazeboTag, Geometry, Joint, Link
     from wsgen.model.transform import Pose
 
@@ -32,27 +29,56 @@ SMALLEST = 1e-3  # m; contacts of engines are as thick
 HEAVIEST = 1e6  # kg; the largest mining trucks have 600,000
 # kg; before sdformat 12.7.2, as in Gazebo Classic, a link of less was one without mass.
 LIGHTEST = 1e-6
+# A hollow part has up to three times the inertia of a solid one, a part with its mass at one end
+# more, and a collision shape may be a good deal larger or smaller than the part.
+INERTIA_FACTOR = 30.0  # times the solid's largest moment, or that part of it
+
+# What becomes of the child of a joint that is ignored, by simulator.
+LOOSE = {
+    None: "in Gazebo Classic `{}` falls off, Gazebo Sim refuses the robot",
+    "classic": "`{}` falls off",
+    "gz": "Gazebo Sim refuses the robot, because `{}` is placed relative to it",
+}
+# Plugin libraries that no ROS 2 release has, with what took their place.
+ROS_1_PLUGINS = {
+    "gazebo_ros_control": "libgazebo_ros2_control.so with <ros2_control> tags",
+    "gazebo_ros_skid_steer_drive": "libgazebo_ros_diff_drive.so with two wheel pairs",
+    "gazebo_ros_laser": "libgazebo_ros_ray_sensor.so",
+    "gazebo_ros_gpu_laser": "libgazebo_ros_ray_sensor.so",
+    "gazebo_ros_block_laser": "libgazebo_ros_ray_sensor.so",
+    "gazebo_ros_range": "libgazebo_ros_ray_sensor.so",
+    "gazebo_ros_imu": "libgazebo_ros_imu_sensor.so",
+    "gazebo_ros_depth_camera": "libgazebo_ros_camera.so",
+    "gazebo_ros_openni_kinect": "libgazebo_ros_camera.so",
+    "gazebo_ros_multicamera": "libgazebo_ros_camera.so",
+    "gazebo_ros_f3d": "libgazebo_ros_ft_sensor.so",
+    "gazebo_ros_joint_pose_trajectory_plugin": "libgazebo_ros_joint_pose_trajectory.so",
+    "gazebo_ros_joint_trajectory": "libgazebo_ros_joint_pose_trajectory.so",
+    "gazebo_mimic_joint_plugin": "<mimic> with gazebo_ros2_control",
+    "roboticsgroup_gazebo_mimic_joint_plugin": "<mimic> with gazebo_ros2_control",
+    "hector_gazebo_ros_imu": "libgazebo_ros_imu_sensor.so",
+    "hector_gazebo_ros_gps": "libgazebo_ros_gps_sensor.so",
+}
+
+
+NUMBER_BEYOND_ENGINES = Rule(
+    code="ROB056",
+    name="number-beyond-engines",
+    severity=Severity.ERROR,
+    summary="A number is too large for any physics engine.",
+    what="Looks for masses, moments of inertia, positions, sizes, damping and friction beyond 1e15 "
+    'in SI units. Limits of joints may be larger: that is how descriptions write "no limit".',
+    why="Next to such a number every other number is lost in rounding, and its square overflows: "
+    "the state of the whole robot becomes not-a-number in the first step.",
+    example='<mass value="1e308"/>',
+    instead='<mass value="1.5"/>  <!-- kg -->',
+)
 
 
 def number_beyond_engines(
     links: Iterable[Link], joints: Iterable[Joint], file: Path | None
 ) -> Iterator[Diagnostic]:
-    """A number is so large that no physics engine can compute with it.
-
-    ## What it does
-    Looks for masses, moments, positions, sizes, damping and friction beyond 1e15 in SI units.
-    Limits of joints may be as large as they like: that is how "no limit" is written.
-
-    ## Why is this bad?
-    Next to such a number every other one is lost in rounding, and its square may overflow: the
-    state of the whole robot becomes not-a-number in the first step.
-
-    ## Example
-    `<mass value="1e308"/>`.
-
-    ## Use instead
-    Kilograms and meters.
-    """
+    """Report numbers that are too large for any physics engine."""
     for link in links:
         for what, numbers in _numbers_of_link(link):
             yield from _beyond(what, numbers, f"link[@name='{link.name}']", link.line, file)
@@ -66,70 +92,65 @@ def number_beyond_engines(
             yield from _beyond(what, joint_numbers, place, joint.line, file)
 
 
+IMPLAUSIBLE_SIZE = Rule(
+    code="ROB048",
+    name="implausible-size",
+    severity=Severity.WARNING,
+    summary="The robot is larger than 100 m or smaller than 1 mm.",
+    what="Measures the frames of the links and their primitive shapes with all joints at zero. "
+    "Meshes are not measured.",
+    why="Lengths in a URDF are in meters. Written in millimeters, the robot is 1000 times too "
+    "large and falls accordingly slowly; a robot that is too small is thinner than the contacts of "
+    "the physics engine.",
+    example='<box size="400 300 200"/>',
+    instead='<box size="0.4 0.3 0.2"/>',
+)
+
+
 def implausible_size(
     links: Sequence[Link], joints: Iterable[Joint], file: Path | None
 ) -> Iterator[Diagnostic]:
-    """The robot is larger than a ship or smaller than a grain of sand.
-
-    ## What it does
-    Measures the robot with all joints at zero: the frames of its links and its primitive shapes.
-    Meshes are not measured.
-
-    ## Why is this bad?
-    Lengths of a URDF are meters. Written in millimeters, the robot is a thousand times too large,
-    and falls as slowly as a mountain would; too small, and it is thinner than the contacts of the
-    engine.
-
-    ## Example
-    `<box size="400 300 200"/>` for a box of 40 cm.
-
-    ## Use instead
-    Metres; for a mesh in millimeters scale="0.001 0.001 0.001".
-    """
+    """Report a robot that is larger than a ship or smaller than a grain of sand."""
     extent = _extent(links, joints)
     has_meshes = any(isinstance(geometry, Mesh) for link in links for geometry, _ in _shapes(link))
     is_small = 0 < extent < SMALLEST and not has_meshes
     if links and (LARGEST < extent < math.inf or is_small):
-        yield Diagnostic(
-            code="ROB048",
-            severity=Severity.WARNING,
+        yield IMPLAUSIBLE_SIZE.at(
+            file,
+            links[0].line,
+            "robot",
             message=f"The robot measures {extent:.3g} m.",
-            file=file,
-            line=links[0].line,
-            element="robot",
             hint="Lengths of a URDF are in meters: divide millimeters by 1000."
             if extent > LARGEST
             else "Lengths of a URDF are in meters; a physics engine needs some millimeters.",
         )
 
 
+IMPLAUSIBLE_MASS = Rule(
+    code="ROB049",
+    name="implausible-mass",
+    severity=Severity.WARNING,
+    summary="The robot is heavier than 1000 t, or a moving part is lighter than 1 mg.",
+    what="Adds up the masses of all links, and looks for links below 1 mg that no fixed joint "
+    "connects to others.",
+    why="Masses in a URDF are in kilograms. Joints between very light and heavy parts shake or "
+    "break, and older versions of Gazebo drop a link below 1 mg and everything attached to it.",
+    example='<mass value="1e-9"/>',
+    instead='<mass value="0.25"/>  <!-- kg -->',
+)
+
+
 def implausible_mass(
     links: Sequence[Link], joints: Iterable[Joint], file: Path | None
 ) -> Iterator[Diagnostic]:
-    """The robot is heavier than a mining truck, or a moving part lighter than a milligram.
-
-    ## What it does
-    Adds up the masses, and looks for links that have next to none and that nothing is fixed to.
-
-    ## Why is this bad?
-    Masses of a URDF are kilograms. Between very light and heavy parts joints shake or tear, and
-    older versions of Gazebo drop a link below a milligram with all that hangs on it.
-
-    ## Example
-    `<mass value="1e-9"/>` on a wheel.
-
-    ## Use instead
-    The mass in kilograms.
-    """
+    """Report a robot heavier than a mining truck, and parts lighter than a milligram."""
     mass = sum(link.inertial.mass for link in links if link.inertial is not None)
     if HEAVIEST < mass <= BEYOND:
-        yield Diagnostic(
-            code="ROB049",
-            severity=Severity.WARNING,
+        yield IMPLAUSIBLE_MASS.at(
+            file,
+            links[0].line,
+            "robot",
             message=f"The robot weighs {mass:.3g} kg.",
-            file=file,
-            line=links[0].line,
-            element="robot",
             hint="Masses of a URDF are in kilograms: divide grams by 1000.",
         )
     fixed = {
@@ -144,16 +165,306 @@ def implausible_mass(
             and 0 < link.inertial.mass < LIGHTEST
             and link.name not in fixed
         ):
-            yield Diagnostic(
-                code="ROB049",
-                severity=Severity.WARNING,
+            yield IMPLAUSIBLE_MASS.at(
+                file,
+                link.line,
+                f"link[@name='{link.name}']/inertial/mass",
                 message=f"The link `{link.name}` weighs {link.inertial.mass:.3g} kg: Gazebo "
-                "Classic takes that for nothing, and drops the link with all that hangs on it.",
-                file=file,
-                line=link.line,
-                element=f"link[@name='{link.name}']/inertial/mass",
+                "Classic treats it as massless and drops it with everything attached to it.",
                 hint="Masses of a URDF are in kilograms.",
             )
+
+
+IMPLAUSIBLE_INERTIA = Rule(
+    code="ROB050",
+    name="implausible-inertia",
+    severity=Severity.WARNING,
+    summary="The inertia of a link does not fit its mass and shape.",
+    what="For a link with one primitive shape, compares the largest principal moment with that of "
+    "a homogeneous body of this shape and the link's mass. The two may differ by a factor of 30.",
+    why="With too large an inertia the link hardly turns; with too small a one joints shake or the "
+    "simulation explodes. Such values are usually copied from another robot.",
+    example="""
+<link name="drum">
+  <inertial>
+    <mass value="1"/>
+    <inertia ixx="100" iyy="100" izz="100" ixy="0" ixz="0" iyz="0"/>
+  </inertial>
+  <collision><geometry><cylinder radius="0.4" length="0.1"/></geometry></collision>
+</link>
+""",
+    instead="""
+<link name="drum">
+  <inertial>
+    <mass value="1"/>
+    <inertia ixx="0.0408" iyy="0.0408" izz="0.08" ixy="0" ixz="0" iyz="0"/>
+  </inertial>
+  <collision><geometry><cylinder radius="0.4" length="0.1"/></geometry></collision>
+</link>
+""",
+)
+
+
+def implausible_inertia(links: Iterable[Link], file: Path | None) -> Iterator[Diagnostic]:
+    """Report inertias that do not fit the mass and the shape of the link."""
+    for link in links:
+        shapes = [collision.geometry for collision in link.collisions]
+        shapes = shapes or [visual.geometry for visual in link.visuals]
+        has_mass = link.inertial is not None and 0 < link.inertial.mass <= HEAVIEST
+        if link.inertial is None or not has_mass or len(shapes) != 1 or not link.is_as_meant:
+            continue
+        shape = shapes[0]
+        solid = if_filled(link)
+        if solid is None or not isinstance(shape, Primitive) or largest_size(shape) > LARGEST:
+            continue
+        largest = principal_moments(link.inertial.inertia)[2]
+        times = largest / max(solid)
+        if 1 / INERTIA_FACTOR <= times <= INERTIA_FACTOR:
+            continue
+        yield IMPLAUSIBLE_INERTIA.at(
+            file,
+            link.line,
+            f"link[@name='{link.name}']/inertial/inertia",
+            message=f"The inertia of the link `{link.name}` ({largest:.4g} kg m²) is "
+            f"{_ratio(times)} that of {_described(shape)} of {link.inertial.mass:g} kg.",
+            hint=f"For a homogeneous body: {as_attributes(solid)} (kg m², the products 0).",
+        )
+
+
+MASSLESS_ROOT = Rule(
+    code="ROB051",
+    name="massless-root",
+    severity=Severity.WARNING,
+    summary="The root link has no mass.",
+    what="Looks for a root link without mass to which other links are fixed.",
+    why="Gazebo lumps fixed links into their parent and keeps the parent's name: the body of the "
+    "robot is named after the empty root link, and `<gazebo reference>` and sensors move with it.",
+    example="""
+<link name="dummy"/>
+<joint name="dummy_joint" type="fixed">
+  <parent link="dummy"/>
+  <child link="base_link"/>
+</joint>
+""",
+    instead="""
+<link name="base_link">
+  <inertial>
+    <mass value="5"/>
+    <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/>
+  </inertial>
+</link>
+""",
+)
+
+
+def massless_root(
+    root: Link, joints: Iterable[Joint], robot_mass: float, file: Path | None
+) -> Iterator[Diagnostic]:
+    """Report a root link without mass to which links with mass are fixed."""
+    fixed = [joint for joint in joints if joint.parent == root.name and not joint.is_movable]
+    is_massless = root.inertial is None or root.inertial.mass == 0
+    if is_massless and root.is_as_meant and root.name != "world" and fixed and robot_mass > 0:
+        yield MASSLESS_ROOT.at(
+            file,
+            root.line,
+            f"link[@name='{root.name}']",
+            message=f"The root link `{root.name}` has no mass: Gazebo lumps "
+            f"`{fixed[0].child}` into it and calls the body `{root.name}`.",
+            hint=f"Keep `{root.name}` if it is there for robot_state_publisher, whose KDL ignores "
+            f"the inertia of a root link; Gazebo plugins then call the body `{root.name}`. "
+            f"Otherwise remove `{root.name}` and its joint.",
+        )
+
+
+ROS_1_PLUGIN = Rule(
+    code="ROB052",
+    name="ros-1-plugin",
+    severity=Severity.WARNING,
+    summary="A Gazebo plugin exists only in ROS 1.",
+    why="Gazebo logs that it cannot load the library and continues without the plugin.",
+    example='<plugin name="control" filename="libgazebo_ros_control.so"/>',
+    instead='<plugin name="control" filename="libgazebo_ros2_control.so"/>',
+)
+
+
+def ros_1_plugin(tags: Iterable[GazeboTag], file: Path | None) -> Iterator[Diagnostic]:
+    """Report plugin libraries that no ROS 2 release has."""
+    for tag in tags:
+        for plugin in (one.filename for one in tag.plugins):
+            name = plugin.rpartition("/")[2].removeprefix("lib").removesuffix(".so")
+            if name in ROS_1_PLUGINS:
+                yield ROS_1_PLUGIN.at(
+                    file,
+                    tag.line,
+                    f"gazebo/plugin[@filename='{plugin}']",
+                    message=f"The plugin `{plugin}` exists only in ROS 1.",
+                    hint=f"Remove it, or use {ROS_1_PLUGINS[name]}.",
+                )
+
+
+NO_COLLISION = Rule(
+    code="ROB053",
+    name="no-collision",
+    severity=Severity.WARNING,
+    summary="No link of the robot has a `<collision>`.",
+    why="The robot falls through the ground.",
+    example="""
+<link name="base_link">
+  <visual><geometry><box size="0.4 0.3 0.2"/></geometry></visual>
+</link>
+""",
+    instead="""
+<link name="base_link">
+  <visual><geometry><box size="0.4 0.3 0.2"/></geometry></visual>
+  <collision><geometry><box size="0.4 0.3 0.2"/></geometry></collision>
+</link>
+""",
+)
+
+
+def no_collision(links: Iterable[Link], file: Path | None) -> Iterator[Diagnostic]:
+    """Report a robot without any collision shape."""
+    links = list(links)
+    is_as_meant = all(link.is_as_meant for link in links)
+    if links and is_as_meant and not any(link.collisions for link in links):
+        yield NO_COLLISION.at(
+            file,
+            links[0].line,
+            "robot",
+            message="No link has a <collision>: the robot falls through the ground.",
+            hint="Copy <geometry> and <origin> of the <visual> into a <collision>.",
+        )
+
+
+NO_VISUAL = Rule(
+    code="ROB054",
+    name="no-visual",
+    severity=Severity.INFO,
+    summary="A link has a `<collision>` but no `<visual>`.",
+    what="Looks for links with mass and `<collision>` and without `<visual>`.",
+    why="The part is invisible in RViz and Gazebo, but other things collide with it.",
+    example="""
+<link name="base_link">
+  <collision><geometry><box size="0.4 0.3 0.2"/></geometry></collision>
+</link>
+""",
+    instead="""
+<link name="base_link">
+  <collision><geometry><box size="0.4 0.3 0.2"/></geometry></collision>
+  <visual><geometry><box size="0.4 0.3 0.2"/></geometry></visual>
+</link>
+""",
+)
+
+
+def no_visual(links: Iterable[Link], file: Path | None) -> Iterator[Diagnostic]:
+    """Report links that have mass and collision shapes and are invisible."""
+    for link in links:
+        is_hidden = link.is_as_meant and not link.visuals
+        if link.inertial is not None and link.collisions and is_hidden:
+            yield NO_VISUAL.at(
+                file,
+                link.line,
+                f"link[@name='{link.name}']",
+                message=f"The link `{link.name}` has a <collision> but no <visual>.",
+                hint="Copy <geometry> and <origin> of the <collision> into a <visual>.",
+            )
+
+
+LOOSE_JOINT = Rule(
+    code="ROB055",
+    name="loose-joint",
+    severity=Severity.WARNING,
+    severity_varies="an error for Gazebo Sim, which refuses the robot",
+    summary="A joint is floating or planar: Gazebo does not create it.",
+    why="Gazebo's parser ignores the joint. In Gazebo Classic the child is a separate body and "
+    "falls off; Gazebo Sim refuses the robot, because the child is placed relative to a joint that "
+    "does not exist.",
+    example="""
+<joint name="arm_joint" type="floating">
+  <parent link="base_link"/>
+  <child link="arm"/>
+</joint>
+""",
+    instead="""
+<joint name="arm_joint" type="revolute">
+  <parent link="base_link"/>
+  <child link="arm"/>
+  <axis xyz="0 1 0"/>
+  <limit lower="-1.57" upper="1.57" effort="10" velocity="1"/>
+</joint>
+""",
+)
+
+
+def loose_joint(
+    joints: Iterable[Joint], file: Path | None, simulator: str | None
+) -> Iterator[Diagnostic]:
+    """Report joints of types that Gazebo does not have."""
+    for joint in joints:
+        if joint.type.value in {"floating", "planar"}:
+            yield LOOSE_JOINT.at(
+                file,
+                joint.line,
+                f"joint[@name='{joint.name}']",
+                message=f"Gazebo has no {joint.type.value} joints and ignores `{joint.name}`: "
+                f"{LOOSE[simulator].format(joint.child)}.",
+                hint=f"Make `{joint.child}` the root, or use prismatic and revolute joints.",
+                severity=Severity.ERROR if simulator == "gz" else Severity.WARNING,
+            )
+
+
+STARTS_OUTSIDE_LIMITS = Rule(
+    code="ROB070",
+    name="starts-outside-limits",
+    severity=Severity.INFO,
+    summary="The limits of a joint do not include 0, the position it is spawned at.",
+    what="Looks for revolute and prismatic joints whose limits do not include 0.",
+    why="Simulators spawn a robot with all joints at 0 and then push this joint to its limit with "
+    "a jolt. Give the spawner a start position (`-J` in Gazebo Classic), or move the zero of the "
+    "joint.",
+    example='<limit lower="-3.07" upper="-0.07" effort="87" velocity="2.2"/>',
+    instead="""
+<origin xyz="0 0 0.3" rpy="0 -1.57 0"/>
+<limit lower="-1.5" upper="1.5" effort="87" velocity="2.2"/>
+""",
+)
+
+
+def starts_outside_limits(joints: Iterable[Joint], file: Path | None) -> Iterator[Diagnostic]:
+    """Report joints whose limits do not include their position when spawned, 0."""
+    for joint in joints:
+        limit = joint.limit
+        if limit is None or not joint.starts_beyond_limit:
+            continue
+        yield STARTS_OUTSIDE_LIMITS.at(
+            file,
+            joint.line,
+            f"joint[@name='{joint.name}']/limit",
+            message=f"The joint `{joint.name}` is spawned at 0, outside its limits "
+            f"{limit.lower:g} to {limit.upper:g}: simulators push it to the nearest limit.",
+            hint="Give the spawner a start position, or choose limits that include 0.",
+        )
+
+
+def _ratio(times: float) -> str:
+    if not times:
+        return "zero, not"
+    return f"{_rounded(times)} times" if times > 1 else f"only 1/{_rounded(1 / times)} of"
+
+
+def _rounded(number: float) -> str:
+    """Three digits, as a person writes them: 1250, not 1.25e+03."""
+    return f"{float(f'{number:.3g}'):.9g}"
+
+
+def _described(geometry: Primitive) -> str:
+    if isinstance(geometry, Box):
+        return "a box of " + " x ".join(f"{edge:g}" for edge in geometry.size) + " m"
+    if isinstance(geometry, Sphere):
+        return f"a sphere of radius {geometry.radius:g} m"
+    name = "cylinder" if isinstance(geometry, Cylinder) else "capsule"
+    return f"a {name} of radius {geometry.radius:g} m and length {geometry.length:g} m"
 
 
 def _beyond(
@@ -161,14 +472,12 @@ def _beyond(
 ) -> Iterator[Diagnostic]:
     largest = max(map(abs, numbers), default=0.0)
     if largest > BEYOND:
-        yield Diagnostic(
-            code="ROB056",
-            severity=Severity.ERROR,
-            message=f"{largest:.3g} is too large a number for any physics engine.",
-            file=file,
-            line=line,
-            element=f"{place}/{what}",
-            hint="Write it in meters, kilograms and seconds.",
+        yield NUMBER_BEYOND_ENGINES.at(
+            file,
+            line,
+            f"{place}/{what}",
+            message=f"The number {largest:.3g} is too large for any physics engine.",
+            hint="Use meters, kilograms and seconds.",
         )
 
 
@@ -192,7 +501,7 @@ def _sizes(geometry: Geometry) -> tuple[float, ...]:
         return geometry.scale
     if isinstance(geometry, Sphere):
         return (2 * geometry.radius,)
-    if isinstance(geometry, Triangulated):  # of SDF, and told by its reader
+    if isinstance(geometry, Triangulated):  # of SDF, and checked by its reader
         return ()
     return (2 * geometry.radius, geometry.length)
 
@@ -241,278 +550,3 @@ def _poses(joints: Iterable[Joint]) -> dict[str, Pose]:
             poses[joint.child] = compose(poses.get(name, IDENTITY), joint.pose_in_parent)
             queue.append(joint.child)
     return poses
-
-
-# A hollow part has up to three times the inertia of a solid one, a part with its mass at one end
-# more, and a collision shape may be a good deal larger or smaller than the part.
-IMPLAUSIBLE = 30.0  # times the solid's largest moment, or that part of it
-
-# What becomes of the child of a joint that is left out, by generation of the simulator.
-LOOSE = {
-    None: "in Gazebo Classic `{}` is loose, Gazebo Sim refuses the robot",
-    "classic": "`{}` is loose",
-    "gz": "Gazebo Sim refuses the robot, where `{}` is placed on it",
-}
-# Plugin libraries that no ROS 2 release has, with what took their place.
-ROS_1_PLUGINS = {
-    "gazebo_ros_control": "libgazebo_ros2_control.so with <ros2_control> tags",
-    "gazebo_ros_skid_steer_drive": "libgazebo_ros_diff_drive.so with two wheel pairs",
-    "gazebo_ros_laser": "libgazebo_ros_ray_sensor.so",
-    "gazebo_ros_gpu_laser": "libgazebo_ros_ray_sensor.so",
-    "gazebo_ros_block_laser": "libgazebo_ros_ray_sensor.so",
-    "gazebo_ros_range": "libgazebo_ros_ray_sensor.so",
-    "gazebo_ros_imu": "libgazebo_ros_imu_sensor.so",
-    "gazebo_ros_depth_camera": "libgazebo_ros_camera.so",
-    "gazebo_ros_openni_kinect": "libgazebo_ros_camera.so",
-    "gazebo_ros_multicamera": "libgazebo_ros_camera.so",
-    "gazebo_ros_f3d": "libgazebo_ros_ft_sensor.so",
-    "gazebo_ros_joint_pose_trajectory_plugin": "libgazebo_ros_joint_pose_trajectory.so",
-    "gazebo_ros_joint_trajectory": "libgazebo_ros_joint_pose_trajectory.so",
-    "gazebo_mimic_joint_plugin": "<mimic> with gazebo_ros2_control",
-    "roboticsgroup_gazebo_mimic_joint_plugin": "<mimic> with gazebo_ros2_control",
-    "hector_gazebo_ros_imu": "libgazebo_ros_imu_sensor.so",
-    "hector_gazebo_ros_gps": "libgazebo_ros_gps_sensor.so",
-}
-
-
-def implausible_inertia(links: Iterable[Link], file: Path | None) -> Iterator[Diagnostic]:
-    """A link's inertia is not that of a body with its mass and shape.
-
-    ## What it does
-    Compares the largest principal moment of a link that has one primitive shape with that of an
-    evenly filled body of this shape and the link's mass.
-
-    ## Why is this bad?
-    Too large, and the link turns as if through honey; too small, and joints shake or the
-    simulation explodes. Both come from numbers copied from another robot.
-
-    ## Example
-    `<inertia ixx="100" ... />` on a cylinder of 1 kg with a radius of 0.4 m.
-
-    ## Use instead
-    The formula of the shape, in a xacro macro, or the figures of the CAD program.
-    """
-    for link in links:
-        shapes = [collision.geometry for collision in link.collisions]
-        shapes = shapes or [visual.geometry for visual in link.visuals]
-        has_mass = link.inertial is not None and 0 < link.inertial.mass <= HEAVIEST
-        if link.inertial is None or not has_mass or len(shapes) != 1 or not link.is_as_meant:
-            continue
-        shape = shapes[0]
-        solid = if_filled(link)
-        if solid is None or not isinstance(shape, Primitive) or largest_size(shape) > LARGEST:
-            continue
-        largest = principal_moments(link.inertial.inertia)[2]
-        times = largest / max(solid)
-        if 1 / IMPLAUSIBLE <= times <= IMPLAUSIBLE:
-            continue
-        yield Diagnostic(
-            code="ROB050",
-            severity=Severity.WARNING,
-            message=f"The inertia of the link `{link.name}` ({largest:.4g} kg m²) is "
-            f"{_ratio(times)} that of {_prepared(shape)} of {link.inertial.mass:g} kg.",
-            file=file,
-            line=link.line,
-            element=f"link[@name='{link.name}']/inertial/inertia",
-            hint=f"If it is evenly filled: {as_attributes(solid)} (kg m², the products 0).",
-        )
-
-
-def massless_root(
-    root: Link, joints: Iterable[Joint], robot_mass: float, file: Path | None
-) -> Iterator[Diagnostic]:
-    """The root link has no mass of its own.
-
-    ## What it does
-    Looks for a root without <inertial> to which links with mass are fixed.
-
-    ## Why is this bad?
-    Gazebo lumps fixed links into their parent, which keeps its name: the robot's only body is
-    called after the empty root, and <gazebo reference> and sensors move with it.
-
-    ## Example
-    An empty link `dummy` above `base_link`.
-
-    ## Use instead
-    A root called `base_footprint` or `base_link`, if the empty link is not there on purpose.
-    """
-    fixed = [joint for joint in joints if joint.parent == root.name and not joint.is_movable]
-    is_massless = root.inertial is None or root.inertial.mass == 0
-    if is_massless and root.is_as_meant and root.name != "world" and fixed and robot_mass > 0:
-        yield Diagnostic(
-            code="ROB051",
-            severity=Severity.WARNING,
-            message=f"The root link `{root.name}` has no mass: Gazebo lumps "
-            f"`{fixed[0].child}` into it and calls the body `{root.name}`.",
-            file=file,
-            line=root.line,
-            element=f"link[@name='{root.name}']",
-            hint=f"Keep `{root.name}` if it is there for robot_state_publisher, whose KDL ignores "
-            f"the inertia of a root link; Gazebo plugins then call the body `{root.name}`. "
-            f"Otherwise remove `{root.name}` and its joint.",
-        )
-
-
-def ros_1_plugin(tags: Iterable[GazeboTag], file: Path | None) -> Iterator[Diagnostic]:
-    """A plugin is one of ROS 1.
-
-    ## What it does
-    Looks for plugin libraries that exist in no ROS 2 release.
-
-    ## Why is this bad?
-    Gazebo logs that it cannot open the library, and goes on without what it should have done.
-
-    ## Example
-    `<plugin name="gazebo_ros_control" filename="libgazebo_ros_control.so">`.
-
-    ## Use instead
-    The plugin that took its place, which the hint names; or none.
-    """
-    for tag in tags:
-        for plugin in (one.filename for one in tag.plugins):
-            name = plugin.rpartition("/")[2].removeprefix("lib").removesuffix(".so")
-            if name in ROS_1_PLUGINS:
-                yield Diagnostic(
-                    code="ROB052",
-                    severity=Severity.WARNING,
-                    message=f"The plugin `{plugin}` belongs to ROS 1: no ROS 2 release has it.",
-                    file=file,
-                    line=tag.line,
-                    element=f"gazebo/plugin[@filename='{plugin}']",
-                    hint=f"Remove it, or use {ROS_1_PLUGINS[name]}.",
-                )
-
-
-def nothing_to_touch(links: Iterable[Link], file: Path | None) -> Iterator[Diagnostic]:
-    """No link of the robot has a <collision>.
-
-    ## What it does
-    Looks for <collision> in all links.
-
-    ## Why is this bad?
-    The robot falls through the ground.
-
-    ## Use instead
-    A <collision> with a simple shape in every link that can touch something.
-    """
-    links = list(links)
-    is_as_meant = all(link.is_as_meant for link in links)
-    if links and is_as_meant and not any(link.collisions for link in links):
-        yield Diagnostic(
-            code="ROB053",
-            severity=Severity.WARNING,
-            message="No link has a <collision>: the robot falls through the ground.",
-            file=file,
-            line=links[0].line,
-            element="robot",
-            hint="Copy <geometry> and <origin> of the <visual> into a <collision>.",
-        )
-
-
-def nothing_to_see(links: Iterable[Link], file: Path | None) -> Iterator[Diagnostic]:
-    """A link can be touched and not be seen.
-
-    ## What it does
-    Looks for links with mass and <collision> and without <visual>.
-
-    ## Why is this bad?
-    The part is invisible in RViz and Gazebo, while things bump against it.
-
-    ## Use instead
-    A <visual> of the same shape.
-    """
-    for link in links:
-        is_hidden = link.is_as_meant and not link.visuals
-        if link.inertial is not None and link.collisions and is_hidden:
-            yield Diagnostic(
-                code="ROB054",
-                severity=Severity.INFO,
-                message=f"The link `{link.name}` can be touched and not be seen: it has no "
-                "<visual>.",
-                file=file,
-                line=link.line,
-                element=f"link[@name='{link.name}']",
-                hint="Copy <geometry> and <origin> of the <collision> into a <visual>.",
-            )
-
-
-def loose_joint(
-    joints: Iterable[Joint], file: Path | None, generation: str | None
-) -> Iterator[Diagnostic]:
-    """A joint is of a type that Gazebo makes no joint of.
-
-    ## What it does
-    Looks for floating and planar joints.
-
-    ## Why is this bad?
-    Gazebo's parser leaves the joint out: in Gazebo Classic the child is a loose body and falls off;
-    Gazebo Sim refuses the robot, because the child is placed relative to a joint that is not there.
-
-    ## Use instead
-    For the base of a mobile robot nothing: it is free anyhow. Otherwise prismatic and revolute
-    joints, one after the other.
-    """
-    for joint in joints:
-        if joint.type.value in {"floating", "planar"}:
-            yield Diagnostic(
-                code="ROB055",
-                severity=Severity.ERROR if generation == "gz" else Severity.WARNING,
-                message=f"Gazebo has no {joint.type.value} joints and leaves `{joint.name}` out: "
-                f"{LOOSE[generation].format(joint.child)}.",
-                file=file,
-                line=joint.line,
-                element=f"joint[@name='{joint.name}']",
-                hint=f"Make `{joint.child}` the root, or use prismatic and revolute joints.",
-            )
-
-
-def starts_outside_limits(joints: Iterable[Joint], file: Path | None) -> Iterator[Diagnostic]:
-    """A joint starts at 0, and 0 is outside of its limits.
-
-    ## What it does
-    Looks for revolute and prismatic joints whose limits do not hold 0.
-
-    ## Why is this bad?
-    Simulators spawn a robot with all joints at 0 and then push this one to its limit with a jolt.
-
-    ## Example
-    `<limit lower="-3.07" upper="-0.07" ... />` of a Panda's elbow.
-
-    ## Use instead
-    Limits around 0, with the zero of the joint moved by <origin>; or a spawner that gives the start
-    position (-J in Gazebo Classic), or a controller that takes it from there.
-    """
-    for joint in joints:
-        limit = joint.limit
-        if limit is None or not joint.starts_beyond_limit:
-            continue
-        yield Diagnostic(
-            code="ROB070",
-            severity=Severity.INFO,
-            message=f"The joint `{joint.name}` is spawned at 0, outside of its limits "
-            f"{limit.lower:g} to {limit.upper:g}: simulators push it there.",
-            file=file,
-            line=joint.line,
-            element=f"joint[@name='{joint.name}']/limit",
-            hint="Give the spawner a start position, or choose limits that hold 0.",
-        )
-
-
-def _ratio(times: float) -> str:
-    if not times:
-        return "zero, not"
-    return f"{_rounded(times)} times" if times > 1 else f"only 1/{_rounded(1 / times)} of"
-
-
-def _rounded(number: float) -> str:
-    """Three digits, as a person writes them: 1250, not 1.25e+03."""
-    return f"{float(f'{number:.3g}'):.9g}"
-
-
-def _prepared(geometry: Primitive) -> str:
-    if isinstance(geometry, Box):
-        return "a box of " + " x ".join(f"{edge:g}" for edge in geometry.size) + " m"
-    if isinstance(geometry, Sphere):
-        return f"a sphere of radius {geometry.radius:g} m"
-    name = "cylinder" if isinstance(geometry, Cylinder) else "capsule"
-    return f"a {name} of radius {geometry.radius:g} m and length {geometry.length:g} m"

@@ -1,12 +1,8 @@
-"""Rules over what a simulation measured: did the robot arrive whole, and on the ground?
+"""Rules about what the simulation of a robot measured: is it whole, on the ground, does it stand?
 
-The parameters are facts in SI units; a rule yields what it finds.
-
-Rules over how a robot moved in a simulation: does it stand, and if not, why?
-
-The parameters are facts in SI units; a rule yields what it finds. A limb is a joint that gravity
-can move, other than the axle of a wheel: what gives way there needs a controller, not a better
-description.
+The parameters of a check are facts in SI units; a check yields what it reports. An unactuated joint
+is one that gravity can move, other than the axle of a wheel; it is passive when gravity did move
+it. Such a joint needs a controller, not a better description.
 """
 
 from __future__ import annotations
@@ -14,12 +10,13 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.diagnostics import Rule, Severity
 from wsgen.model.robot import JointType
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
+    from wsgen.diagnostics import Diagnostic
     from wsgen.model.plan import SpawnHeight
     from wsgen.model.robot import Joint
 
@@ -27,108 +24,130 @@ if TYPE_CHECKING:
 MASS_TOLERANCE = 1e-6  # relative; the engine computes in double precision
 CONTACT_SLACK = 0.005  # m; collision margins and contact softness stay below this
 RISING = 0.01  # m/s; slower is no way out: DART lifts what is in the ground by 1 mm/s
-WAY_OUT = (
-    3.0  # s; what rises so fast that it is out by then, as long as a simulation is, is not stuck
-)
+WAY_OUT = 3.0  # s; what rises so fast that it is out by then is not stuck
 HIGH_SPAWN = 1.0  # m; a fall from here hurts a real robot
+TIPPED = math.radians(15)  # what a person calls leaning over
+FALLEN = 0.5  # m further down than at the start: no contact holds the robot
+SEEN = 0.01  # rad/s or m/s; slower motion is not worth reporting
+THROWN = 0.5  # m above where it was spawned: contact forces have shot it up
+CREEPING = 0.05  # m/s; slower, and a robot rocks or rolls out: it will stand
+ROCKING = 0.3  # rad/s
+STANDARD_GRAVITY = 9.8  # m/s²
+LIFTED = 0.1  # m; a gain of energy that could lift the robot higher is reported
+BEYOND = {JointType.REVOLUTE: 0.05, JointType.PRISMATIC: 0.01}  # rad, m; limits are a little soft
+NAMED = 3  # at most so many joints are named in a message
 
 
-def mass_differs_from_description(
-    entity: str, described_mass: float, simulated_mass: float
-) -> Iterator[Diagnostic]:
-    """The engine simulates another mass than the description gives.
+MASS_DIFFERS = Rule(
+    code="SPN050",
+    name="mass-differs",
+    severity=Severity.ERROR,
+    summary="The engine simulates a different mass than the description gives.",
+    what="Compares the total mass in the engine with that of the robot Gazebo would build.",
+    why="Every force, speed and contact of the simulation would be that of another robot.",
+    example="No description is known that causes this.",
+    instead="Report it together with the description of the robot.",
+)
 
-    ## What it does
-    Compares the engine's total mass with that of the robot Gazebo would build.
 
-    ## Why is this bad?
-    Every force, speed and contact of the simulation would be another robot's.
-
-    ## Use instead
-    Nothing the user writes causes this; report it with the robot's description.
-    """
+def mass_differs(entity: str, described_mass: float, simulated_mass: float) -> Iterator[Diagnostic]:
+    """Report a mass in the engine that differs from that of the description."""
     if not math.isclose(described_mass, simulated_mass, rel_tol=MASS_TOLERANCE, abs_tol=1e-9):
-        yield Diagnostic(
-            code="SPN050",
-            severity=Severity.ERROR,
-            message=f"The engine simulates {simulated_mass:g} kg, the description says "
-            f"{described_mass:g} kg.",
+        yield MASS_DIFFERS.at(
+            None,
             element=entity,
-            hint="Report this with the robot's description: the simulation is not to be believed.",
+            message=f"The engine simulates {simulated_mass:g} kg, the description gives "
+            f"{described_mass:g} kg.",
+            hint="Report this with the description of the robot; do not rely on the simulation.",
         )
 
 
-def joints_differ_from_description(
+JOINTS_DIFFER = Rule(
+    code="SPN051",
+    name="joints-differ",
+    severity=Severity.ERROR,
+    summary="The engine moves a different number of joints than the description has.",
+    what="Compares the movable joints in the engine with those of the robot Gazebo would build.",
+    why="If a joint is missing, a part of the robot cannot move or has fallen off.",
+    example="No description is known that causes this.",
+    instead="Report it together with the description of the robot.",
+)
+
+
+def joints_differ(
     entity: str, described_joints: int, simulated_joints: int
 ) -> Iterator[Diagnostic]:
-    """The engine moves another number of joints than the description has.
-
-    ## What it does
-    Compares the engine's movable joints with those of the robot Gazebo would build.
-
-    ## Why is this bad?
-    A joint that is lost is a part that cannot move, or one that fell off.
-
-    ## Use instead
-    Nothing the user writes causes this; report it with the robot's description.
-    """
+    """Report a number of joints in the engine that differs from the description's."""
     if described_joints != simulated_joints:
-        yield Diagnostic(
-            code="SPN051",
-            severity=Severity.ERROR,
+        yield JOINTS_DIFFER.at(
+            None,
+            element=entity,
             message=f"The engine moves {simulated_joints} joints, the description has "
             f"{described_joints}.",
-            element=entity,
-            hint="Report this with the robot's description: the simulation is not to be believed.",
+            hint="Report this with the description of the robot; do not rely on the simulation.",
         )
+
+
+STATE_NOT_FINITE = Rule(
+    code="SPN052",
+    name="state-not-finite",
+    severity=Severity.ERROR,
+    summary="A position of the robot became infinite or not-a-number.",
+    what="Looks at every pose and speed of the simulation.",
+    why="The simulation exploded. Gazebo stops with an assertion or shows nothing.",
+    example='<inertia ixx="1e-12" iyy="1e-12" izz="1e-12" ixy="0" ixz="0" iyz="0"/>',
+    instead="Use SI units for masses, inertias and sizes, none of them zero or huge.",
+)
 
 
 def state_not_finite(entity: str, *, is_finite: bool) -> Iterator[Diagnostic]:
-    """The robot's position became infinite or not-a-number.
-
-    ## What it does
-    Looks at every pose and speed of the simulation.
-
-    ## Why is this bad?
-    The simulation has exploded; Gazebo ends with an assertion or shows nothing.
-
-    ## Use instead
-    Masses, inertias and sizes in SI units, none zero, none beyond reason.
-    """
+    """Report a pose that became infinite or not-a-number."""
     if not is_finite:
-        yield Diagnostic(
-            code="SPN052",
-            severity=Severity.ERROR,
-            message="The robot's pose became infinite or not-a-number: the simulation exploded.",
+        yield STATE_NOT_FINITE.at(
+            None,
             element=entity,
+            message="The robot's pose became infinite or not-a-number: the simulation exploded.",
             hint="Check masses, inertias, axes and sizes: SI units, none zero, none huge.",
         )
 
 
-def run_cut_short(entity: str, *, is_cut_short: bool) -> Iterator[Diagnostic]:
-    """The simulation ended early, because another robot's state was not finite.
+CUT_SHORT = Rule(
+    code="SPN090",
+    name="cut-short",
+    severity=Severity.ERROR,
+    summary="The simulation ended early, because another robot's state was not finite.",
+    why="The robot was not simulated to the end, so nothing can be said about it.",
+    example="Two robots are spawned, and the simulation of one explodes.",
+    instead="Fix what is reported about the other robot.",
+)
 
-    ## What it does
-    Looks whether the robot was simulated to the end.
 
-    ## Why is this bad?
-    Nobody knows what this robot would have done.
-
-    ## Use instead
-    What the finding about the other robot says.
-    """
+def cut_short(entity: str, *, is_cut_short: bool) -> Iterator[Diagnostic]:
+    """Report a run that ended early because of another robot."""
     if is_cut_short:
-        yield Diagnostic(
-            code="SPN090",
-            severity=Severity.ERROR,
+        yield CUT_SHORT.at(
+            None,
+            element=entity,
             message="The robot was not simulated to the end: the pose of another robot became "
             "infinite or not-a-number.",
-            element=entity,
             hint="Fix the other robot first.",
         )
 
 
-def born_inside_the_ground(
+SPAWNED_IN_GROUND = Rule(
+    code="SPN053",
+    name="spawned-in-ground",
+    severity=Severity.WARNING,
+    summary="The spawn pose puts part of the robot into the ground.",
+    what="Measures the lowest point of the robot's collision shapes when it is spawned.",
+    why="The simulator pushes the robot out. Depending on the engine it jumps, tips over or stays "
+    "stuck.",
+    example='arguments=["-entity", "my_robot", "-topic", "robot_description", "-z", "0.0"]',
+    instead='arguments=["-entity", "my_robot", "-topic", "robot_description", "-z", "0.1"]',
+)
+
+
+def spawned_in_ground(
     entity: str,
     penetration: float,
     spawn_z: float,
@@ -136,26 +155,14 @@ def born_inside_the_ground(
     *,
     is_bolted: bool = False,
 ) -> Iterator[Diagnostic]:
-    """The spawn pose puts part of the robot into the ground.
-
-    ## What it does
-    Measures the lowest point of the robot's collision shapes when it is spawned.
-
-    ## Why is this bad?
-    The simulator pushes the robot out; depending on the engine it jumps, tips over or sticks.
-
-    ## Use instead
-    A spawn height of at least the depth that is named, plus a few millimeters.
-    """
+    """Report a robot that is partly in the ground when it is spawned."""
     if penetration > CONTACT_SLACK:
-        yield Diagnostic(
-            code="SPN053",
-            severity=Severity.WARNING,
+        yield SPAWNED_IN_GROUND.at(
+            height.file if height else None,
+            height.line if height else None,
+            entity,
             message=f"The robot is spawned {penetration:.3f} m deep in the ground "
             f"(spawn height z = {spawn_z:g} m).",
-            file=height.file if height else None,
-            line=height.line if height else None,
-            element=entity,
             hint=f"Raise the <origin> of the joint to `world` by {penetration:.3f} m, or spawn it "
             "higher."
             if is_bolted
@@ -163,29 +170,29 @@ def born_inside_the_ground(
         )
 
 
-def spawned_high_above_the_ground(
+SPAWNED_HIGH = Rule(
+    code="SPN054",
+    name="spawned-high",
+    severity=Severity.WARNING,
+    summary="The robot is spawned more than 1 m above the ground.",
+    what="Measures the lowest point of the robot's collision shapes when it is spawned.",
+    why="The impact moves joints and changes where the robot ends up. A real robot would break.",
+    example='arguments=["-entity", "my_robot", "-topic", "robot_description", "-z", "5.0"]',
+    instead='arguments=["-entity", "my_robot", "-topic", "robot_description", "-z", "0.1"]',
+)
+
+
+def spawned_high(
     entity: str, clearance: float, spawn_z: float, height: SpawnHeight | None = None
 ) -> Iterator[Diagnostic]:
-    """The robot is dropped from more than a meter.
-
-    ## What it does
-    Measures the lowest point of the robot's collision shapes when it is spawned.
-
-    ## Why is this bad?
-    The impact moves joints and bends the result; a real robot would break.
-
-    ## Use instead
-    A spawn height a few millimeters above the ground.
-    """
+    """Report a robot that is dropped from more than a meter."""
     if clearance > HIGH_SPAWN:
-        yield Diagnostic(
-            code="SPN054",
-            severity=Severity.WARNING,
+        yield SPAWNED_HIGH.at(
+            height.file if height else None,
+            height.line if height else None,
+            entity,
             message=f"The robot is spawned {clearance:.2f} m above the ground and falls "
             f"(spawn height z = {spawn_z:g} m).",
-            file=height.file if height else None,
-            line=height.line if height else None,
-            element=entity,
             hint=_spawn_at(spawn_z, CONTACT_SLACK - clearance, "to let it stand at once", height),
         )
 
@@ -195,25 +202,26 @@ def is_on_its_way_out(depth_at_end: float, climb: float) -> bool:
     return climb > RISING and depth_at_end < climb * WAY_OUT
 
 
-def stuck_in_the_ground(entity: str, depth_at_end: float, climb: float) -> Iterator[Diagnostic]:
-    """At the end the robot is still in the ground.
+STUCK_IN_GROUND = Rule(
+    code="SPN055",
+    name="stuck-in-ground",
+    severity=Severity.ERROR,
+    summary="The robot is in the ground at the end of the simulation.",
+    what="Measures the lowest point of the robot's collision shapes at the end. A robot that is "
+    "rising and would be out of the ground within 3 s is not reported.",
+    why="The robot sinks in or cannot get out: contacts are too soft, or shapes lock each other.",
+    example='arguments=["-entity", "my_robot", "-topic", "robot_description", "-z", "-1.0"]',
+    instead='arguments=["-entity", "my_robot", "-topic", "robot_description", "-z", "0.1"]',
+)
 
-    ## What it does
-    Measures the lowest point of the robot's collision shapes at the end of the simulation. A robot
-    that     is still rising, and would be out within 3 s, is not checked.
 
-    ## Why is this bad?
-    It sinks in or cannot get out: contacts are too soft, or shapes lock each other.
-
-    ## Use instead
-    A spawn pose above the ground; collision shapes without zero sizes; usual kp and kd.
-    """
+def stuck_in_ground(entity: str, depth_at_end: float, climb: float) -> Iterator[Diagnostic]:
+    """Report a robot that is in the ground at the end."""
     if depth_at_end > CONTACT_SLACK and not is_on_its_way_out(depth_at_end, climb):
-        yield Diagnostic(
-            code="SPN055",
-            severity=Severity.ERROR,
-            message=f"The robot is {depth_at_end:.3f} m deep in the ground at the end.",
+        yield STUCK_IN_GROUND.at(
+            None,
             element=entity,
+            message=f"The robot is {depth_at_end:.3f} m deep in the ground at the end.",
             hint="Spawn it above the ground, and check its collision shapes.",
         )
 
@@ -235,16 +243,26 @@ def _spawn_at(spawn_z: float, rise: float, why: str, height: SpawnHeight | None)
     return f"{'Raise' if rise > 0 else 'Lower'} it by {abs(rise):.3f} m {why}: {how}."
 
 
-TIPPED = math.radians(15)  # what a person calls leaning over
-FALLEN = 0.5  # m further down than at the start: no contact holds the robot
-SEEN = 0.01  # rad/s or m/s; slower motion is not worth telling
-THROWN = 0.5  # m above where it was spawned: contact forces have shot it up
-CREEPING = 0.05  # m/s; slower, and a robot rocks or rolls out: it will stand
-ROCKING = 0.3  # rad/s
-STANDARD_GRAVITY = 9.8  # m/s²
-LIFTED = 0.1  # m; so much higher the energy that came from nowhere could lift the robot
-BEYOND = {JointType.REVOLUTE: 0.05, JointType.PRISMATIC: 0.01}  # rad, m; limits are a little soft
-NAMED = 3  # so many joints are told in a message
+FALLS_WITHOUT_END = Rule(
+    code="SPN056",
+    name="falls-without-end",
+    severity=Severity.ERROR,
+    summary="The robot falls through the ground, or the world has no ground.",
+    what="Looks whether the robot ends up below the ground and below where it was spawned. In a "
+    "world without ground plane, looks whether it is lower and accelerates with gravity.",
+    why="No part of the robot touches the ground.",
+    example="""
+<link name="base_link">
+  <visual><geometry><box size="0.4 0.3 0.2"/></geometry></visual>
+</link>
+""",
+    instead="""
+<link name="base_link">
+  <visual><geometry><box size="0.4 0.3 0.2"/></geometry></visual>
+  <collision><geometry><box size="0.4 0.3 0.2"/></geometry></collision>
+</link>
+""",
+)
 
 
 def falls_without_end(
@@ -255,82 +273,99 @@ def falls_without_end(
     has_ground: bool,
     is_falling: bool,
 ) -> Iterator[Diagnostic]:
-    """The robot falls through the ground, or there is none.
-
-    ## What it does
-    Looks whether the robot is below the ground at the end, and lower than it was spawned; in a
-    world without a ground plane, whether it is lower and gets faster as gravity has it.
-
-    ## Why is this bad?
-    Nothing of the robot touches the ground, or the world has none.
-
-    ## Use instead
-    <collision> in the links that stand on the ground, and a ground plane in the world.
-    """
+    """Report a robot that falls through the ground, or in a world without ground."""
     floor = min(lowest_at_start, 0.0) if has_ground else lowest_at_start
     if lowest_at_end < floor - FALLEN and (has_ground or is_falling):
-        yield Diagnostic(
-            code="SPN056",
-            severity=Severity.ERROR,
+        yield FALLS_WITHOUT_END.at(
+            None,
+            element=entity,
             message=f"The robot falls: at the end it is {-lowest_at_end:.1f} m below z = 0."
             if has_ground
             else f"The robot falls, by {lowest_at_start - lowest_at_end:.1f} m so far.",
-            element=entity,
             hint="Give the links that stand on the ground a <collision>."
             if has_ground
-            else "Spawn it above what carries it (x, y, z), or include model://ground_plane.",
+            else "Spawn it above a model that carries it (x, y, z), or include model://ground_plane.",
         )
+
+
+THROWN_INTO_THE_AIR = Rule(
+    code="SPN057",
+    name="thrown-into-the-air",
+    severity=Severity.ERROR,
+    summary="Contact forces throw the robot upward.",
+    what="Compares the highest position of the root link with where it was spawned, less the depth "
+    "in the ground that it had to rise from.",
+    why="Overlapping shapes push each other apart with forces that no real contact has.",
+    example='arguments=["-entity", "my_robot", "-topic", "robot_description", "-z", "-0.5"]',
+    instead='arguments=["-entity", "my_robot", "-topic", "robot_description", "-z", "0.1"]',
+)
 
 
 def thrown_into_the_air(entity: str, rise: float) -> Iterator[Diagnostic]:
-    """Contact forces shoot the robot up.
-
-    ## What it does
-    Compares the highest point the robot's root reaches with where it was spawned, less the depth
-    out of which it had to come.
-
-    ## Why is this bad?
-    Overlapping shapes push each other apart with forces no real contact has.
-
-    ## Use instead
-    A spawn pose above the ground, and links whose collision shapes do not overlap.
-    """
+    """Report a robot that contact forces throw upward."""
     if rise > THROWN:
-        yield Diagnostic(
-            code="SPN057",
-            severity=Severity.ERROR,
-            message=f"The robot is thrown {rise:.2f} m up.",
+        yield THROWN_INTO_THE_AIR.at(
+            None,
             element=entity,
-            hint="Spawn it above the ground; let no collision shapes of one robot overlap.",
+            message=f"The robot is thrown {rise:.2f} m upward.",
+            hint="Spawn it above the ground, and avoid overlapping collision shapes.",
         )
 
 
-def gives_way(travel: Mapping[str, float], entity: str, *, is_moving: bool) -> Iterator[Diagnostic]:
-    """Joints that nobody drives give way under gravity.
+UNACTUATED_JOINTS_MOVE = Rule(
+    code="SPN060",
+    name="unactuated-joints-move",
+    severity=Severity.INFO,
+    summary="Joints that are not actuated move under gravity.",
+    what="Measures how far each joint, wheels apart, moved from where it started.",
+    why="This is no mistake: an arm without controllers falls, in Gazebo as on the bench. It shows "
+    "what the robot does until its controllers are started.",
+    example='<joint name="shoulder" type="revolute">',
+    instead="""
+<ros2_control name="arm" type="system">
+  <hardware><plugin>gz_ros2_control/GazeboSimSystem</plugin></hardware>
+  <joint name="shoulder"><command_interface name="position"/></joint>
+</ros2_control>
+""",
+)
 
-    ## What it does
-    Looks how far every joint that is no axle was from where it started.
 
-    ## Why is this bad?
-    It is not: an arm without a controller falls, in Gazebo as on the bench. It says what the robot
-    is like until its controllers are started.
-
-    ## Use instead
-    ros2_control with controllers that hold the joints from the start, or joint damping.
-    """
+def unactuated_joints_move(
+    travel: Mapping[str, float], entity: str, *, is_moving: bool
+) -> Iterator[Diagnostic]:
+    """Report joints that nothing drives and that gravity moves."""
     if not travel:
         return
     farthest = sorted(travel, key=lambda name: travel[name], reverse=True)
-    told = ", ".join(f"`{name}`" for name in farthest[:NAMED])
-    told += f" and {len(farthest) - NAMED} more" if len(farthest) > NAMED else ""
-    yield Diagnostic(
-        code="SPN060",
-        severity=Severity.INFO,
-        message=f"Nobody drives its joints, and gravity moves {told}"
-        + (" (still moving at the end)." if is_moving else "."),
+    names = ", ".join(f"`{name}`" for name in farthest[:NAMED])
+    names += f" and {len(farthest) - NAMED} more" if len(farthest) > NAMED else ""
+    yield UNACTUATED_JOINTS_MOVE.at(
+        None,
         element=entity,
-        hint="Controllers hold them in Gazebo; without any, this is what happens there too.",
+        message=f"Gravity moves joints that are not actuated: {names}"
+        + (" (still moving at the end)." if is_moving else "."),
+        hint="Start controllers that hold them; without controllers the same happens in Gazebo.",
     )
+
+
+GAINS_ENERGY = Rule(
+    code="SPN061",
+    name="gains-energy",
+    severity=Severity.ERROR,
+    severity_varies="a warning where other robots can push it",
+    summary="The energy of the robot grows although nothing drives it.",
+    what="Compares kinetic and potential energy during the simulation with the energy when "
+    "spawned. What pushes the robot out of the ground is allowed for.",
+    why="The model is unstable: it shakes and then explodes.",
+    example="""
+<inertial>
+  <mass value="5"/>
+  <inertia ixx="1e-6" iyy="1e-6" izz="1e-6" ixy="0" ixz="0" iyz="0"/>
+</inertial>
+""",
+    instead="Use the inertias of the real parts and collision shapes that do not overlap, or a "
+    "shorter max_step_size.",
+)
 
 
 def gains_energy(  # noqa: PLR0913  facts
@@ -342,61 +377,76 @@ def gains_energy(  # noqa: PLR0913  facts
     *,
     is_alone: bool,
 ) -> Iterator[Diagnostic]:
-    """The robot's energy grows although nobody drives it.
-
-    ## What it does
-    Compares kinetic and potential energy during the simulation with that when spawned; what pushes
-    it out of the ground is allowed for. Where several robots can push each other, it is a warning.
-
-    ## Why is this bad?
-    Energy that comes from nowhere is the mark of an unstable model: it shakes, and then explodes.
-
-    ## Use instead
-    Inertias of the real parts (none a thousand times smaller than its neighbor's), joint limits
-    that hold the start position, collision shapes that do not overlap, a shorter physics step.
-    """
+    """Report a robot whose energy grows although nothing drives it."""
     weight = mass * max(gravity, STANDARD_GRAVITY)
     if gain > weight * (LIFTED + penetration):
-        yield Diagnostic(
-            code="SPN061",
-            severity=Severity.ERROR if is_alone else Severity.WARNING,
-            message=f"The robot gains {gain:.3g} J from nowhere: the model is unstable."
+        yield GAINS_ENERGY.at(
+            None,
+            element=entity,
+            message=f"The robot gains {gain:.3g} J though nothing drives it: the model is unstable."
             if is_alone
             else f"The robot gains {gain:.3g} J: it is unstable, or another robot pushes it.",
-            element=entity,
             hint="Look for links far lighter than their neighbors, inertias that are too small, "
             "and overlapping collision shapes; or shorten the world's max_step_size.",
+            severity=Severity.ERROR if is_alone else Severity.WARNING,
         )
+
+
+JOINT_BEYOND_LIMIT = Rule(
+    code="SPN062",
+    name="joint-beyond-limit",
+    severity=Severity.WARNING,
+    summary="A joint is beyond its limits at the end of the simulation.",
+    what="Compares the positions of the joints at the end with the limits of the description.",
+    why="The limit does not hold what is attached to the joint, or other limits and contacts pull "
+    "against it.",
+    example='<limit lower="0.5" upper="1.5" effort="10" velocity="1"/>',
+    instead='<limit lower="-1.5" upper="1.5" effort="10" velocity="1"/>',
+)
 
 
 def joint_beyond_limit(
     entity: str, joints: Iterable[Joint], positions: Mapping[str, float]
 ) -> Iterator[Diagnostic]:
-    """At the end a joint is beyond its limit.
-
-    ## What it does
-    Compares the positions at the end with the limits of the description.
-
-    ## Why is this bad?
-    The limit does not hold what hangs on the joint, or other limits and contacts pull against it.
-
-    ## Use instead
-    Limits that the start position (0) is within; inertias of the real parts.
-    """
+    """Report joints that end up beyond their limits."""
     for joint in joints:
         slack = BEYOND.get(joint.type)
         if slack is None or joint.limit is None or joint.name not in positions:
             continue
         position, limit = positions[joint.name], joint.limit
         if not limit.lower - slack <= position <= limit.upper + slack:
-            yield Diagnostic(
-                code="SPN062",
-                severity=Severity.WARNING,
+            yield JOINT_BEYOND_LIMIT.at(
+                None,
+                element=entity,
                 message=f"At the end the joint `{joint.name}` is at {position:.3f}, beyond its "
                 f"limits {limit.lower:g} to {limit.upper:g} (rad or m).",
-                element=entity,
-                hint="Check the limits, and the masses and inertias of what hangs on the joint.",
+                hint="Check the limits, and masses and inertias of what is attached to the joint.",
             )
+
+
+KEEPS_MOVING = Rule(
+    code="SPN058",
+    name="keeps-moving",
+    severity=Severity.ERROR,
+    severity_varies="a warning where joints that are not actuated move, and where it moves slowly",
+    summary="The robot does not come to rest within the simulation.",
+    what="Looks whether the speed of the robot stays low from some moment on. A robot that stands "
+    "while its unactuated joints swing is reported by `unactuated-joints-move` alone.",
+    why="A robot that nothing drives should stand still: this one slides, rolls away, shakes or "
+    "falls.",
+    example="""
+<gazebo reference="wheel">
+  <mu1>0.0</mu1>
+  <mu2>0.0</mu2>
+</gazebo>
+""",
+    instead="""
+<gazebo reference="wheel">
+  <mu1>1.0</mu1>
+  <mu2>1.0</mu2>
+</gazebo>
+""",
+)
 
 
 def keeps_moving(  # noqa: PLR0913  facts
@@ -406,32 +456,20 @@ def keeps_moving(  # noqa: PLR0913  facts
     *,
     turning: float,
     joint_speed: float,
-    gave_way: bool,
+    has_passive_joints: bool,
 ) -> Iterator[Diagnostic]:
-    """The robot does not come to rest within the simulation.
-
-    ## What it does
-    Looks whether the robot's speed stays low from some moment on. A robot that stands while its
-    limbs swing is told by `joints-give-way`.
-
-    ## Why is this bad?
-    A robot that nobody drives should stand still: it slides, rolls away, shakes or falls.
-
-    ## Use instead
-    Friction on what touches the ground, inertias of the right size, joints with damping; or a
-    longer simulation (--seconds).
-    """
-    if settled_after is None and not (gave_way and speed < SEEN and turning < SEEN):
+    """Report a robot that does not come to rest."""
+    if settled_after is None and not (has_passive_joints and speed < SEEN and turning < SEEN):
         is_slow = speed < CREEPING and turning < ROCKING
-        yield Diagnostic(
-            code="SPN058",
-            severity=Severity.WARNING if gave_way or is_slow else Severity.ERROR,
+        yield KEEPS_MOVING.at(
+            None,
+            element=entity,
             message="The robot does not come to rest: at the end it moves at "
             f"{speed:.3f} m/s{_and_turns(turning, joint_speed)}.",
-            element=entity,
-            hint="Its limbs give way and move it; controllers would hold them. Or try --seconds 10."
-            if gave_way
+            hint="Its unactuated joints move it; controllers would hold them. Or try --seconds 10."
+            if has_passive_joints
             else "Check friction (mu1, mu2), inertias and joint damping, or try --seconds 10.",
+            severity=Severity.WARNING if has_passive_joints or is_slow else Severity.ERROR,
         )
 
 
@@ -440,29 +478,32 @@ def _and_turns(turning: float, joint_speed: float) -> str:
     return turns + (f", a joint at {joint_speed:.2f} rad/s or m/s" if joint_speed > SEEN else "")
 
 
-def tips_over(entity: str, tilt: float, *, gave_way: bool) -> Iterator[Diagnostic]:
-    """The robot ends up leaning or on its side.
+TIPS_OVER = Rule(
+    code="SPN059",
+    name="tips-over",
+    severity=Severity.ERROR,
+    severity_varies="a warning where joints that are not actuated move, and on models of the world "
+    "that may be slopes",
+    summary="The robot leans or lies on its side at the end of the simulation.",
+    what="Measures the angle between the robot's up axis at the end and when it was spawned.",
+    why="The center of mass is not above what the robot stands on, or something pushes it over. "
+    "Controllers that hold its joints may keep it upright.",
+    example='<inertial><origin xyz="0.5 0 1.2"/><mass value="20"/></inertial>',
+    instead='<inertial><origin xyz="0 0 0.1"/><mass value="20"/></inertial>',
+)
 
-    ## What it does
-    Measures the angle by which the robot's up axis has turned away from where it was spawned.
 
-    ## Why is this bad?
-    Its center of mass is not above what it stands on, or it was pushed over. With limbs that gave
-    way it is a warning: controllers that hold them may keep it upright.
-
-    ## Use instead
-    Masses and inertia origins of the real parts; wheels and casters that reach the ground together;
-    for a robot that is bolted to the floor a root link `world` and a fixed joint.
-    """
+def tips_over(entity: str, tilt: float, *, has_passive_joints: bool) -> Iterator[Diagnostic]:
+    """Report a robot that ends up leaning or on its side."""
     if tilt > TIPPED:
-        yield Diagnostic(
-            code="SPN059",
-            severity=Severity.WARNING if gave_way else Severity.ERROR,
-            message=f"The robot tips over by {math.degrees(tilt):.0f} degrees"
-            + (" while its limbs give way." if gave_way else "."),
+        yield TIPS_OVER.at(
+            None,
             element=entity,
+            message=f"The robot tips over by {math.degrees(tilt):.0f} degrees"
+            + (" while its unactuated joints move." if has_passive_joints else "."),
             hint="If it is bolted to the floor: add a root link `world` and a fixed joint to it. "
             "If it walks: its controllers must hold it."
-            if gave_way
+            if has_passive_joints
             else "Check masses, inertial origins and that all wheels reach the ground.",
+            severity=Severity.WARNING if has_passive_joints else Severity.ERROR,
         )
