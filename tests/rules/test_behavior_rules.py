@@ -14,9 +14,9 @@ from wsgen.model.robot import Joint, JointLimit, JointType, Link, Mimic, Robot
 from wsgen.rules.behaviors import (
     check_behavior,
     command_beyond_limit,
-    unknown_behavior_joint,
     no_diff_drive,
     unclear_behavior_robot,
+    unknown_behavior_joint,
 )
 from wsgen.simulation.scene import BehaviorMeasurement
 

@@ -28,8 +28,8 @@ from wsgen.rules.robots import (
     implausible_inertia,
     loose_joint,
     massless_root,
-    no_visual,
     no_collision,
+    no_visual,
     ros_1_plugin,
     starts_outside_limits,
 )
