@@ -20,7 +20,7 @@ from wsgen.pipeline import run_robots as robot_runs
 from wsgen.pipeline.behaviors import plan_behaviors
 from wsgen.pipeline.prepare import PreparedRobot
 from wsgen.pipeline.request import ValidateRequest
-from wsgen.pipeline.run_robots import SimulationResult, try_robots
+from wsgen.pipeline.run_robots import SimulationResult, simulate_robots
 from wsgen.simulation.contact_shapes import MOST_LINKS
 from wsgen.simulation.scene import (
     DRAWING,
@@ -98,7 +98,7 @@ class Engines:
 def simulated(engines: Engines, *entities: str, both: bool = False) -> SimulationResult:
     request = ValidateRequest(engines=("bullet", "dart") if both else ("bullet",))
     robots = [prepared(entity) for entity in entities]
-    return try_robots(WORLD, robots, request, "name", run=engines)
+    return simulate_robots(WORLD, robots, request, "name", run=engines)
 
 
 def test_a_robot_that_kills_the_engine_is_named_and_the_others_are_tried() -> None:
@@ -119,7 +119,7 @@ def test_an_engine_that_dies_while_it_draws_costs_the_picture_alone(tmp_path: Pa
             return super().__call__(task, *arguments, **more)
 
     request = ValidateRequest(picture_folder=tmp_path)
-    outcome = try_robots(WORLD, [prepared("a")], request, "name", run=DiesDrawing())
+    outcome = simulate_robots(WORLD, [prepared("a")], request, "name", run=DiesDrawing())
     assert [robot.passed for robot in outcome.robots] == [True]
     assert [(found.code, found.severity) for found in outcome.diagnostics] == [
         ("SPN034", Severity.ERROR)
@@ -160,11 +160,11 @@ def test_a_consequence_is_told_with_its_cause_of_the_same_robot(engines: tuple[s
     without = replace(prepared("a"), diagnostics=(NOTHING_TO_TOUCH,))
     robots = [without, prepared("b")]
     request = ValidateRequest(engines=engines)
-    outcome = try_robots(WORLD, robots, request, "name", run=Falling("a", "b"))
+    outcome = simulate_robots(WORLD, robots, request, "name", run=Falling("a", "b"))
     assert [robot.passed for robot in outcome.robots] == [False, False]
     assert [(found.code, found.element) for found in outcome.diagnostics] == [("SPN056", "b")]
     before = Diagnostic(code="ROB051", severity=Severity.WARNING, message="Something else.")
-    first, cause, other = outcome.told_after([before, NOTHING_TO_TOUCH])
+    first, cause, other = outcome.diagnostics_after([before, NOTHING_TO_TOUCH])
     assert (first, other.code) == (before, "SPN056")
     assert (cause.code, cause.severity, cause.line) == ("ROB053", Severity.ERROR, 2)
     assert cause.message.startswith("No link has a <collision>. In the simulation, the robot falls")
@@ -173,8 +173,8 @@ def test_a_consequence_is_told_with_its_cause_of_the_same_robot(engines: tuple[s
 def test_scenery_that_falls_for_what_is_told_of_it_stays_a_warning() -> None:
     ball = replace(prepared("ball"), is_static_model=True, diagnostics=(NOTHING_TO_TOUCH,))
     robots = [ball, prepared("a")]
-    outcome = try_robots(WORLD, robots, ValidateRequest(), "name", run=Falling("ball"))
-    (cause,) = outcome.told_after([NOTHING_TO_TOUCH])
+    outcome = simulate_robots(WORLD, robots, ValidateRequest(), "name", run=Falling("ball"))
+    (cause,) = outcome.diagnostics_after([NOTHING_TO_TOUCH])
     assert cause.severity is Severity.WARNING
     assert "falls" in cause.message
     assert [robot.passed for robot in outcome.robots] == [True]
@@ -195,7 +195,7 @@ def test_more_links_than_pybullet_can_do_go_to_dart(
     for missing, tried_in, codes in (([], ["dart"], ["SPN089"]), (["dart"], request.engines, [])):
         monkeypatch.setattr(robot_runs, "missing_engines", lambda _, missing=missing: missing)
         engines = Engines()
-        outcome = try_robots(WORLD, [large, prepared("a")], request, "name", run=engines)
+        outcome = simulate_robots(WORLD, [large, prepared("a")], request, "name", run=engines)
         assert [scene.engine for scene in engines.scenes] == list(tried_in)
         found = [one for one in outcome.diagnostics if one.code == "SPN089"]
         assert [(one.code, one.element) for one in found] == [(code, "large") for code in codes]
@@ -271,7 +271,7 @@ def test_behaviors_are_given_to_their_robots_and_judged() -> None:
             return answered(replace(result, robot_runs=robot_runs))
 
     engines = Moves(mass=2.0, movable_joints=1)
-    outcome = try_robots(
+    outcome = simulate_robots(
         WORLD,
         robots,
         ValidateRequest(engines=("dart",)),

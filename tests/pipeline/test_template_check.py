@@ -40,7 +40,7 @@ def only(found: tuple[Diagnostic, ...]) -> Diagnostic:
     return one
 
 
-def test_a_template_that_is_sound(tmp_path: Path) -> None:
+def test_a_template_without_mistakes(tmp_path: Path) -> None:
     assert check(write_template(tmp_path, robot=ROBOT)) == ()
 
 
@@ -98,7 +98,7 @@ def test_other_values_of_booleans_and_choices_are_rendered(tmp_path: Path) -> No
 
 
 def test_template_without_a_robot(tmp_path: Path) -> None:
-    """Files alone are a package; there is nothing to try."""
+    """Files alone are a package; nothing is simulated."""
     manifest = f'{HEAD}[files]\n"launch/gazebo_model.launch.py" = "robot.xacro.j2"\n'
     assert check(write_template(tmp_path, manifest, robot="VALUE = 1\n")) == ()
 

@@ -1,9 +1,7 @@
-"""What a robot must do beyond standing, and what came of it. SI units.
+"""What a robot must do beyond standing, its differential drive, and the result. SI units.
 
 "Ahead" is the x axis of the root link as the robot stands when a behavior begins; headings are
-those of this axis on the ground.
-
-A differential drive as Gazebo's plugins have it. SI units.
+those of this axis on the ground. A differential drive is that of Gazebo's plugins.
 """
 
 from __future__ import annotations
@@ -68,21 +66,21 @@ class Behavior:
 
 @dataclass(frozen=True, kw_only=True)
 class BehaviorRun:
-    """A behavior that can be tried, with the robot that is to show it."""
+    """A behavior that can be simulated, with its robot."""
 
     entity: str
     behavior: Behavior
-    drive: DiffDrive | None = None  # what it drives with, where it is told to
+    drive: DiffDrive | None = None  # of the robot, for a task that drives it
 
 
 @dataclass(frozen=True, kw_only=True)
 class BehaviorOutcome:
-    """What came of a behavior."""
+    """The result of a behavior."""
 
     name: str
     task: Drive | Reach
     passed: bool
-    # What was measured at the end; None where it was not tried, or is not what it is about.
+    # What was measured at the end; None where it was not simulated or the task is another one.
     moved: tuple[float, float, float] | None = None  # m, m, rad: x, y, yaw
     positions: Mapping[str, float] | None = None  # rad or m, of the joints that the task names
 
@@ -120,7 +118,7 @@ class WheelPair:
 
 @dataclass(frozen=True, kw_only=True)
 class DiffDrive:
-    """What a diff drive plugin was told."""
+    """The configuration of a diff drive plugin."""
 
     generation: str  # the simulator that has the plugin: "classic" or "gz"
     pairs: tuple[WheelPair, ...]

@@ -1,4 +1,4 @@
-"""How a machine comes by a target: the packages of apt, where apt gets them, and the container.
+"""How to install a target: the packages of apt, where apt gets them, and the container.
 
 Data as in `wsgen.model.facts`, with its source beside it.
 """

@@ -1,6 +1,7 @@
-"""The trees that a lumped robot consists of: one, or more where parts are loose.
+"""The tree of links and joints: separate parts of it, and which joints gravity can move.
 
-Which joints gravity can move: arms and legs, not wheels.
+A lumped robot is one tree, or several where parts are loose. Gravity moves arms and legs, not
+wheels.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def split_trees(robot: Robot) -> list[tuple[Robot, Pose]]:
-    """Every tree as a robot of its own, with the pose of its root in the frame of `robot.root`.
+    """Every tree as a separate robot, with the pose of its root in the frame of `robot.root`.
 
     The poses are those with all joints at zero. The tree of the robot's own root comes first; links
     and joints keep their order.

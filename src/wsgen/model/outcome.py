@@ -1,4 +1,4 @@
-"""What `wsgen validate` found out, ready for a report. SI units; poses in the world frame."""
+"""The results of `wsgen validate`, ready for a report. SI units; poses in the world frame."""
 
 from __future__ import annotations
 
@@ -47,10 +47,10 @@ class RobotOutcome:
     joints: int
     movable_joints: int
     mass: float  # kg
-    simulated: Simulated | None = None  # None: it did not come into the engine
+    simulated: Simulated | None = None  # None: it was not simulated
     rest: Rest | None = None
     behaviors: tuple[BehaviorOutcome, ...] = ()  # what it must do beyond standing
-    passed: bool = False  # no error was found about this robot
+    passed: bool = False  # no error is reported about this robot
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,7 +72,7 @@ class PackageOutcome:
 
     @property
     def passed(self) -> bool:
-        """Whether there is a robot and no error; a world file may hold none."""
+        """Whether there is a robot and no error; a world file may have no robot."""
         is_world = self.file is not None and self.world is not None and self.world.file is not None
         return (bool(self.robots) or is_world) and not has_errors(self.diagnostics)
 

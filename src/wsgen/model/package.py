@@ -1,10 +1,8 @@
-"""What a package is to be: everything that its files are made from.
+"""The specification of a package: everything that its files are made from.
 
-Names of packages, after REP-144 and after what breaks in practice.
-
-A package name becomes a folder, a CMake project, often a CMake target, a Python module and a C++
-namespace. REP-144 gives the mandatory form; the tables below are the names of that form which one
-of the others cannot take.
+The name of a package becomes a folder, a CMake project, often a CMake target, a Python module and a
+C++ namespace. REP-144 gives the mandatory form; the tables below are the names of that form that
+one of the others cannot be.
 """
 
 from __future__ import annotations

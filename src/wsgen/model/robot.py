@@ -171,7 +171,7 @@ class Link:
     gravity: bool = True
     velocity_decay: float = 0.0  # 1/s, of linear and angular speed; only Gazebo Classic applies it
     is_as_meant: bool = True  # if not, a part of it was not understood, which has been reported
-    has_error: bool = False  # one has been reported; what else is wrong may come from that
+    has_error: bool = False  # one is reported; others may follow from it
     line: int | None = None  # of the element in the URDF text, 1-based
 
 
@@ -258,8 +258,8 @@ class GazeboTag:
 class Robot:
     """A tree of links; `root` is the link without a parent.
 
-    A lumped robot may be several trees: what hangs on a joint that Gazebo makes no joint of
-    (floating, planar) is loose, and `loose` says where it is at the start.
+    A lumped robot may be several trees: the child of a joint that Gazebo does not create (floating,
+    planar) is loose, and `loose` says where it is at the start.
     """
 
     name: str

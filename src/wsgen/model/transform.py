@@ -1,9 +1,7 @@
-"""Rotations and changes of frame, on plain tuples.
+"""Poses, rotations and changes of frame, on plain tuples.
 
 A rotation is a 3 by 3 matrix as a tuple of rows; it takes a vector from the rotated frame to the
 frame it is seen from. Quaternions are ordered x, y, z, w.
-
-Positions and orientations.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What a package says its robots must do: which of it can be tried, and what came of that."""
+"""The behaviors that a package asks of its robots: which can be simulated, and their results."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class BehaviorPlan:
-    """The behaviors of a package, and the robots that are to show them."""
+    """The behaviors of a package, and the robots that they are for."""
 
     file: Path  # that they are written in
     entities: dict[str, str]  # which robot shows what, by the name of the behavior
     behaviors: tuple[Behavior, ...]
-    behavior_runs: tuple[BehaviorRun, ...]  # what can be tried of them
+    behavior_runs: tuple[BehaviorRun, ...]  # those that can be simulated
     diagnostics: tuple[Diagnostic, ...]  # why the rest cannot
 
     @property
@@ -53,7 +53,7 @@ class BehaviorPlan:
         )
 
     def fails(self, entity: str) -> bool:
-        """Whether something that this robot should do cannot be tried."""
+        """Whether a behavior of this robot cannot be simulated."""
         simulated = {behavior_run.behavior.name for behavior_run in self.behavior_runs}
         return any(
             name not in simulated for name, shown_by in self.entities.items() if shown_by == entity
@@ -62,7 +62,7 @@ class BehaviorPlan:
     def outcomes(
         self, entity: str, robot_run: RobotRun | None, diagnostics: Iterable[Diagnostic]
     ) -> tuple[BehaviorOutcome, ...]:
-        """What came of the behaviors of a robot, with the findings of all engines."""
+        """The results of the behaviors of a robot, with the diagnostics of all engines."""
         failed = {found.element for found in diagnostics}
         measured = {} if robot_run is None else {one.name: one for one in robot_run.behaviors}
         outcomes = []
@@ -89,20 +89,20 @@ class BehaviorPlan:
 def plan_behaviors(
     settings: Settings, prepared: Sequence[PreparedRobot], *, generation: str | None
 ) -> BehaviorPlan:
-    """Give the behaviors to the robots that are spawned, as far as these can show them."""
+    """Assign the behaviors to the robots that are spawned."""
     robots = {robot.entity: robot for robot in prepared if not robot.is_static_model}
     found: list[Diagnostic] = []
     entities: dict[str, str] = {}
     behavior_runs: list[BehaviorRun] = []
     for behavior in settings.behaviors:
-        wrong = tuple(unclear_behavior_robot(behavior, list(robots), settings.file))
-        found += wrong
-        if wrong:
+        unclear = tuple(unclear_behavior_robot(behavior, list(robots), settings.file))
+        found += unclear
+        if unclear:
             continue
         entity = next(iter(robots)) if behavior.robot is None else behavior.robot
         entities[behavior.name] = entity
-        behavior_run, wrong = _behavior_run(behavior, robots[entity], settings.file, generation)
-        found += wrong
+        behavior_run, problems = _behavior_run(behavior, robots[entity], settings.file, generation)
+        found += problems
         if behavior_run is not None:
             behavior_runs.append(behavior_run)
     return BehaviorPlan(
@@ -125,8 +125,8 @@ def _behavior_run(
                 no_diff_drive(behavior, drive.reason, drive.hint, file, has_plugin=drive.is_there)
             )
         return BehaviorRun(entity=prepared.entity, behavior=behavior, drive=drive), ()
-    wrong = (
+    problems = (
         *unknown_behavior_joint(behavior, task.positions, robot, file),
         *command_beyond_limit(behavior, task.positions, robot.joints, file),
     )
-    return (None if wrong else BehaviorRun(entity=prepared.entity, behavior=behavior)), wrong
+    return (None if problems else BehaviorRun(entity=prepared.entity, behavior=behavior)), problems

@@ -1,4 +1,4 @@
-"""How long each stage takes, told to whoever listens."""
+"""Time the stages of a package and post their progress as events."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
-LOOK_EVERY = 0.2  # s; from one look at what a child says to the next
+LOOK_EVERY = 0.2  # s; between two reads of the progress of a child process
 DRAW = "draw"
 STAGES = ("launch", "expand", "load", "simulate")
 
 
 class Step:
-    """What is being done; whoever does it says when it fails."""
+    """What is being done; set `succeeded` when it fails."""
 
     succeeded = True
-    # Drawing is done within a step, and told as one of its own.
+    # Drawing is done within a step, and posted as a separate one.
     drawn = ""  # the names of the files; empty where nothing was to be drawn
     drawing = 0.0  # wall-clock s
     is_drawn = True
@@ -79,7 +79,7 @@ class Clock:
 
     @contextmanager
     def watch(self, stage: str, file: Path | None) -> Iterator[None]:
-        """Post what a child process says in a file about how far it is, while it goes on."""
+        """Post the progress that a child process writes to a file, while it runs."""
         if self.listener is None or file is None:
             yield
             return
@@ -93,16 +93,16 @@ class Clock:
             watcher.join()
 
     def _watch(self, stage: str, file: Path, done: threading.Event) -> None:
-        told = ""
+        posted = ""
         while not done.wait(LOOK_EVERY):
-            with suppress(OSError):  # nothing is said yet
+            with suppress(OSError):  # the file is not written yet
                 text = file.read_text(encoding="utf-8")
-                if text not in {"", told}:
-                    told = text
+                if text not in {"", posted}:
+                    posted = text
                     post(self.listener, StepProgressed(step=(self.package, stage), detail=text))
 
     def split(self, stage: str, other: str, seconds: float) -> None:
-        """Say that so much of a stage's time was spent on what another stage is for."""
+        """Move so many seconds from one stage to another."""
         self.seconds[stage] -= seconds
         self.seconds[other] += seconds
 

@@ -1,4 +1,4 @@
-"""A robot file on its way through the stages of `wsgen validate`, without a package."""
+"""Validate one robot or world file, without a package."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wsgen.diagnostics import Diagnostic, Severity, has_errors
+from wsgen.description_rules import UNREADABLE_DESCRIPTION
+from wsgen.diagnostics import Rule, Severity, has_errors
 from wsgen.files import read_regular
 from wsgen.model.outcome import PackageOutcome
 from wsgen.pipeline.clock import Clock
@@ -20,12 +21,13 @@ from wsgen.pipeline.prepare import (
     share_around,
     share_on_model_path,
 )
-from wsgen.pipeline.run_robots import SimulationResult, try_robots
+from wsgen.pipeline.run_robots import SimulationResult, simulate_robots
 from wsgen.sdf.reader import DEFAULT_WORLD
 from wsgen.urdf.reader import TEXT_LIMIT
 from wsgen.xacro.reader import expand_file
 
 if TYPE_CHECKING:
+    from wsgen.diagnostics import Diagnostic
     from wsgen.events import Listener
     from wsgen.isolation.parent import Run
     from wsgen.model.world import World
@@ -33,8 +35,26 @@ if TYPE_CHECKING:
     from wsgen.workspace.overlay import Overlay
 
 
+NO_MODEL = Rule(
+    code="WLD042",
+    name="no-model",
+    severity=Severity.ERROR,
+    severity_varies="an information for the file of a world",
+    summary="The SDF file has no model to simulate.",
+    why="Nothing is simulated, so nothing is checked but the file.",
+    example='<sdf version="1.6"/>',
+    instead="""
+<sdf version="1.6">
+  <model name="box">
+    <link name="link"/>
+  </model>
+</sdf>
+""",
+)
+
+
 class FileValidation:
-    """Reads, simulates and checks; collects what is found on the way.
+    """Reads, simulates and checks one file; collects what is reported on the way.
 
     A robot stands just above the ground of an empty world; the models of a world file stand where
     the file puts them.
@@ -61,7 +81,7 @@ class FileValidation:
         self.diagnostics: list[Diagnostic] = []
 
     def run(self) -> PackageOutcome:
-        """All stages, as far as they go."""
+        """Run all stages, up to the first that fails."""
         with tempfile.TemporaryDirectory(prefix="wsgen-") as folder:
             context = PrepareContext(
                 share_of=self._share_of,
@@ -78,9 +98,11 @@ class FileValidation:
         simulated = SimulationResult()
         if prepared and world:
             with self.clock.step("simulate", name_some(prepared)) as step:
-                simulated = try_robots(world, prepared, self.request, self.name, run=self.run_task)
+                simulated = simulate_robots(
+                    world, prepared, self.request, self.name, run=self.run_task
+                )
                 step.succeeded = all(robot.passed for robot in simulated.robots)
-                simulated.tell_drawing(step, self.request)
+                simulated.report_drawing(step, self.request)
             self.clock.take(simulated.seconds or {})
         return PackageOutcome(
             package=None,
@@ -89,7 +111,7 @@ class FileValidation:
             launch_file=None,
             world=world,
             robots=simulated.robots,
-            diagnostics=tuple(simulated.told_after(self.diagnostics)),
+            diagnostics=tuple(simulated.diagnostics_after(self.diagnostics)),
             picture=simulated.picture,
             picture_tile=simulated.picture_tile,
             world_picture=simulated.world_picture,
@@ -124,22 +146,21 @@ class FileValidation:
 
     def _read_sdf(self, context: PrepareContext) -> tuple[World | None, list[PreparedRobot]]:
         found = read_file(self.file, context, self.overlay.environment)
-        prepared, flawed = describe_models(found, context)
-        self.diagnostics += (*found.diagnostics, *flawed)
+        prepared, more = describe_models(found, context)
+        self.diagnostics += (*found.diagnostics, *more)
         if not prepared and not has_errors(self.diagnostics):
             self.diagnostics.append(
-                Diagnostic(
-                    code="WLD042",
+                NO_MODEL.at(
+                    self.file,
+                    message="The file has no model to simulate.",
+                    hint="Name a package that spawns a robot into it: wsgen validate PACKAGE",
                     severity=Severity.ERROR if found.world is None else Severity.INFO,
-                    message="The file holds no model to try.",
-                    file=self.file,
-                    hint="A package that spawns a robot into it tries more: wsgen validate PACKAGE",
                 )
             )
         return found.world or DEFAULT_WORLD, prepared
 
     def _share_of(self, package: str) -> Path | None:
-        """What is sourced comes first: it is what Gazebo would find."""
+        """Sourced packages come first, as for Gazebo."""
         return self.overlay.share(package) or self.on_model_path(package) or self.around(package)
 
 
@@ -149,11 +170,9 @@ def _read_bytes(file: Path) -> tuple[bytes | None, tuple[Diagnostic, ...]]:
         return read_regular(file, 4 * TEXT_LIMIT), ()  # bytes of UTF-8
     except OSError as error:
         return None, (
-            Diagnostic(
-                code="ROB072",
-                severity=Severity.ERROR,
-                message=f"The robot description cannot be read: {error.strerror}.",
-                file=file,
-                hint="Name a file that you may read.",
+            UNREADABLE_DESCRIPTION.at(
+                file,
+                message=f"Cannot read the robot description: {error.strerror}.",
+                hint="Check the permissions of the file.",
             ),
         )

@@ -1,9 +1,4 @@
-"""One package on its way through the stages of `wsgen validate`.
-
-The source of an installed package: what a person edits, and what was not built since.
-
-World files that a launch file names and that are not there.
-"""
+"""Validate one package: evaluate its launch file, read world and robots, simulate and check."""
 
 from __future__ import annotations
 
@@ -12,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.diagnostics import Diagnostic, Severity, has_errors
+from wsgen.diagnostics import Diagnostic, Rule, Severity, has_errors
 from wsgen.isolation import parent
 from wsgen.launch.evaluate import evaluate
 from wsgen.launch.explain_missing import first_missing
@@ -31,7 +26,7 @@ from wsgen.pipeline.prepare import (
     share_on_model_path,
     without_taken,
 )
-from wsgen.pipeline.run_robots import SimulationResult, try_robots
+from wsgen.pipeline.run_robots import SimulationResult, simulate_robots
 from wsgen.rules.allowances import unknown_rule_allowed, without_allowed
 from wsgen.rules.scenes import spawned_twice
 from wsgen.sdf.lookup import find_world, gazebo_worlds, is_there, world_names
@@ -54,13 +49,13 @@ if TYPE_CHECKING:
     from wsgen.workspace.settings import Settings
 
 
-NAMED = 5  # so many files are told in a message
+NAMED = 5  # at most so many files are named in a message
 
 
 def name_sources(
     diagnostics: Iterable[Diagnostic], share: Path, source: Path
 ) -> Iterator[Diagnostic]:
-    """Name the file that a person edits instead of its installed copy, where the two are equal.
+    """Name the source file instead of its installed copy, where the two are equal.
 
     A change of the copy would be lost in the next build.
     """
@@ -72,18 +67,20 @@ def name_sources(
             yield found
 
 
+CHANGED_SINCE_BUILD = Rule(
+    code="PKG052",
+    name="changed-since-build",
+    severity=Severity.WARNING,
+    summary="A file was changed after the last build.",
+    what="Compares the installed files with those of the same name in the source of the package.",
+    why="`ros2 launch` and this simulation read the installed files: the change has no effect yet.",
+    example="wsgen build\n$EDITOR src/my_robot/model/robot.xacro\nwsgen validate",
+    instead="wsgen build\n$EDITOR src/my_robot/model/robot.xacro\nwsgen build\nwsgen validate",
+)
+
+
 def changed_since_build(share: Path, source: Path) -> Iterator[Diagnostic]:
-    """Files of the source differ from what is installed.
-
-    ## What it does
-    Compares the installed files with those of the same name in the package's source.
-
-    ## Why is this bad?
-    `ros2 launch` and this simulation read the installed files: the change has no effect yet.
-
-    ## Use instead
-    A build after every change, or one with --symlink-install.
-    """
+    """Report files of the source that differ from what is installed."""
     changed = [
         origin.relative_to(source).as_posix()
         for file in sorted(share.rglob("*"))
@@ -91,12 +88,10 @@ def changed_since_build(share: Path, source: Path) -> Iterator[Diagnostic]:
     ]
     if changed:
         others = f" and {len(changed) - NAMED} more" if len(changed) > NAMED else ""
-        yield Diagnostic(
-            code="PKG052",
-            severity=Severity.WARNING,
+        yield CHANGED_SINCE_BUILD.at(
+            source / changed[0],
             message=f"Changed since the last build: {', '.join(changed[:NAMED])}{others}. "
-            "What is checked are the installed files.",
-            file=source / changed[0],
+            "The installed files are checked.",
             hint="Run `wsgen build`, then validate again.",
         )
 
@@ -119,42 +114,62 @@ def _same(first: Path, second: Path) -> bool:
         return False
 
 
+MISSING_WORLD = Rule(
+    code="WLD001",
+    name="missing-world",
+    severity=Severity.ERROR,
+    summary="The world file that the launch file names does not exist.",
+    why="The simulator stops, or starts without the world.",
+    example="# launch file\nworld = os.path.join(share, 'worlds', 'office.world')\n\n"
+    "# CMakeLists.txt\ninstall(DIRECTORY launch DESTINATION share/${PROJECT_NAME})",
+    instead="# CMakeLists.txt\ninstall(DIRECTORY launch worlds DESTINATION share/${PROJECT_NAME})",
+)
+
+
 def missing_world(plan: LaunchPlan, file: Path) -> Diagnostic:
-    """Report the path of a world that leads to nothing, at the line that writes it."""
+    """Report the path of a world that does not exist, at the line that writes it."""
     missing, beside = first_missing(str(file))
     written, line = where_written(missing, plan.evaluated_files) or (plan.launch_file, None)
-    return Diagnostic(
-        code="WLD001",
-        severity=Severity.ERROR,
-        message=f"The world file '{file}' is not there.",
-        file=Path(written),
-        line=line,
-        element=missing,
+    return MISSING_WORLD.at(
+        Path(written),
+        line,
+        missing,
+        message=f"The world file '{file}' does not exist.",
         hint=advice(
             missing,
             beside,
-            "Put its folder into an install(DIRECTORY ...) rule of CMakeLists.txt, then build "
-            "again with `wsgen build`.",
+            "Add its folder to an install(DIRECTORY ...) rule of CMakeLists.txt, then run "
+            "`wsgen build`.",
         ),
     )
 
 
+UNKNOWN_WORLD = Rule(
+    code="WLD008",
+    name="unknown-world",
+    severity=Severity.WARNING,
+    summary="No world file of this name is found; Gazebo may bring one along.",
+    why="The simulation uses an empty world with a ground plane instead. If Gazebo has no world of "
+    "this name either, it stops.",
+    example="launch_arguments={'gz_args': 'my_wrold.sdf'}.items()",
+    instead="launch_arguments={'gz_args': os.path.join(share, 'worlds', 'my_world.sdf')}.items()",
+)
+
+
 def unknown_world(plan: LaunchPlan, name: str, environment: Mapping[str, str]) -> Diagnostic:
-    """Report the name of a world that is not found here; Gazebo may have it."""
+    """Report the name of a world that is not found; Gazebo may have it."""
     written, line = where_written(name, plan.evaluated_files) or (plan.launch_file, None)
-    gazebos = gazebo_worlds()
-    use_path = "Give the path of a world file that the package installs."
-    return Diagnostic(
-        code="WLD008",
-        severity=Severity.WARNING,
-        message=f"No file is called {name}. If it is one of Gazebo's own worlds, Gazebo finds it; "
-        "the simulation takes a ground plane instead.",
-        file=Path(written),
-        line=line,
-        element=name,
+    of_gazebo = gazebo_worlds()
+    use_path = "Use the path of a world file that the package installs."
+    return UNKNOWN_WORLD.at(
+        Path(written),
+        line,
+        name,
+        message=f"No world file {name} is found. If Gazebo brings it along, Gazebo finds it; "
+        "the simulation uses a ground plane instead.",
         hint=use_path
-        if name in gazebos
-        else advice(name, [*gazebos, *world_names(environment)], use_path),
+        if name in of_gazebo
+        else advice(name, [*of_gazebo, *world_names(environment)], use_path),
     )
 
 
@@ -167,7 +182,7 @@ class Started(NamedTuple):
 
 
 class Validation:
-    """Evaluates, reads, simulates and checks; collects what is found on the way."""
+    """Evaluates, reads, simulates and checks; collects what is reported on the way."""
 
     def __init__(
         self,
@@ -186,12 +201,12 @@ class Validation:
         self.generation: str | None = None  # of the simulator: "classic" or "gz"
         self.diagnostics: list[Diagnostic] = []
         self.settings: Settings | None = None
-        self.wrong_settings: tuple[Diagnostic, ...] = ()
+        self.settings_diagnostics: tuple[Diagnostic, ...] = ()
         if selected.source is not None:
-            self.settings, self.wrong_settings = read_settings(selected.source)
+            self.settings, self.settings_diagnostics = read_settings(selected.source)
 
     def run(self) -> PackageOutcome:
-        """All stages, as far as they go."""
+        """Run all stages, up to the first that fails."""
         with tempfile.TemporaryDirectory(prefix="wsgen-") as folder:
             return self._run(Path(folder))
 
@@ -207,7 +222,7 @@ class Validation:
             launch_file=launch_file,
             world=world,
             robots=simulated.robots,
-            diagnostics=self._told(),
+            diagnostics=self._reported(),
             picture=simulated.picture,
             picture_tile=simulated.picture_tile,
             world_picture=simulated.world_picture,
@@ -216,7 +231,7 @@ class Validation:
         )
 
     def _play(self, started: Started, folder: Path) -> tuple[World | None, SimulationResult]:
-        """Put what the plan spawns into the world that it names, and try it."""
+        """Put what the plan spawns into the world that it names, and simulate it."""
         environment = {**self.overlay.environment, **started.plan.environment}
         on_model_path = share_on_model_path(environment)
         context = PrepareContext(
@@ -236,21 +251,23 @@ class Validation:
         if not prepared:
             return world, SimulationResult()
         taken = [robot.entity for robot in prepared]
-        return world, self._try(world, [*without_taken(static_models, taken), *prepared], folder)
+        return world, self._simulate(
+            world, [*without_taken(static_models, taken), *prepared], folder
+        )
 
-    def _told(self) -> tuple[Diagnostic, ...]:
-        """The findings as the package's source has them, without what it has on purpose."""
+    def _reported(self) -> tuple[Diagnostic, ...]:
+        """The diagnostics with files of the source, without those that the package allows."""
         source, share = self.selected.source, self.selected.share
         settings = self.settings
         if source is None or share is None or settings is None:
             return tuple(self.diagnostics)
-        told = (
+        reported = (
             *changed_since_build(share, source),
             *name_sources(self.diagnostics, share, source),
-            *self.wrong_settings,
+            *self.settings_diagnostics,
             *unknown_rule_allowed(settings.allow, settings.file),
         )
-        return without_allowed(told, settings.allow)
+        return without_allowed(reported, settings.allow)
 
     def _evaluate(self, launch_file: Path) -> Started | None:
         with self.clock.step("launch", launch_file.name) as step:
@@ -281,18 +298,18 @@ class Validation:
         with self.clock.step("expand", Path(name).name) as step:
             file = find_world(name, environment)
             if file is None or not is_there(file):
-                lost = (
+                missing = (
                     unknown_world(started.plan, name, environment)
                     if file is None
                     else missing_world(started.plan, file)
                 )
-                step.succeeded = not has_errors([lost])
-                self.diagnostics.append(lost)
+                step.succeeded = not has_errors([missing])
+                self.diagnostics.append(missing)
                 return DEFAULT_WORLD if file is None else None, []
             found = read_file(file, context, environment)
-            static_models, flawed = describe_models(found, context, is_static_model=True)
-            step.succeeded = not has_errors((*found.diagnostics, *flawed))
-        self.diagnostics += (*found.diagnostics, *flawed)
+            static_models, more = describe_models(found, context, is_static_model=True)
+            step.succeeded = not has_errors((*found.diagnostics, *more))
+        self.diagnostics += (*found.diagnostics, *more)
         return found.world, static_models
 
     def _describe(
@@ -305,7 +322,7 @@ class Validation:
         with self.clock.step("expand", "robot description") as step:
             spawns, before = started.spawns, len(self.diagnostics)
             self.diagnostics += spawned_twice([spawn.entity for spawn in spawns], in_world)
-            # Of two with one name the simulator refuses the second.
+            # The simulator refuses the second of two with one name.
             unique = {spawn.entity: spawn for spawn in reversed(spawns)}
             prepared = [
                 robot
@@ -322,8 +339,8 @@ class Validation:
     ) -> PreparedRobot | None:
         if is_sdf(spawn.description):
             found = read_spawned(spawn, context, environment)
-            models, flawed = describe_models(found, context)
-            self.diagnostics += (*found.diagnostics, *flawed)
+            models, more = describe_models(found, context)
+            self.diagnostics += (*found.diagnostics, *more)
             return next(
                 (
                     replace(model, entity=spawn.entity, height=spawn.height, on_the_ground=False)
@@ -351,13 +368,15 @@ class Validation:
 
         return plan_behaviors(self.settings, prepared, generation=self.generation)
 
-    def _try(self, world: World, prepared: list[PreparedRobot], folder: Path) -> SimulationResult:
+    def _simulate(
+        self, world: World, prepared: list[PreparedRobot], folder: Path
+    ) -> SimulationResult:
         progress = folder / "progress" if self.request.video else None
         with (
             self.clock.step("simulate", name_some(prepared)) as step,
             self.clock.watch(DRAW, progress),
         ):
-            simulated = try_robots(
+            simulated = simulate_robots(
                 world,
                 prepared,
                 self.request,
@@ -367,8 +386,8 @@ class Validation:
                 progress=progress,
             )
             step.succeeded = all(robot.passed for robot in simulated.robots)
-            simulated.tell_drawing(step, self.request)
-        self.diagnostics = simulated.told_after(self.diagnostics)
+            simulated.report_drawing(step, self.request)
+        self.diagnostics = simulated.diagnostics_after(self.diagnostics)
         self.clock.take(simulated.seconds or {})
         return simulated
 
@@ -377,7 +396,7 @@ def _nothing_spawned(launch_file: Path | None) -> Diagnostic:
     return Diagnostic(
         code="SPN003",
         severity=Severity.ERROR,
-        message="What the launch file spawns has no link: there is no robot to try.",
+        message="No model that the launch file spawns has a link.",
         file=launch_file,
-        hint="Spawn a model with <link>, or leave the package out.",
+        hint="Spawn a model with a <link>.",
     )

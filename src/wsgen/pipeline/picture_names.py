@@ -1,4 +1,4 @@
-"""Names for files that are tried: of their pictures, and in the progress."""
+"""Names of validated files, for their pictures and in the progress."""
 
 from __future__ import annotations
 

@@ -1,8 +1,7 @@
-"""A robot description becomes the robot that Gazebo would simulate.
+"""Turn descriptions into the robots and models that Gazebo would simulate.
 
-The folders of packages and models that addresses name.
-
-The models of SDF become robots to be tried, or the scenery of others.
+URDF texts become robots, models of SDF robots or static models; packages and models that their
+addresses name are looked up in folders.
 """
 
 from __future__ import annotations
@@ -12,7 +11,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wsgen.diagnostics import Diagnostic, Severity, has_errors
+from wsgen.description_rules import ONE_NAME_FOR_LINK_AND_JOINT
+from wsgen.diagnostics import Rule, Severity, has_errors
 from wsgen.meshes.inspection import inspect_meshes
 from wsgen.meshes.lookup import find_meshes
 from wsgen.meshes.shapes import build_shapes
@@ -30,15 +30,16 @@ from wsgen.xmltree import Malformed, child_text, parse
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from wsgen.diagnostics import Diagnostic
     from wsgen.isolation.parent import Run
     from wsgen.model.plan import Spawn, SpawnHeight
     from wsgen.sdf.models import SdfFile, SdfModel
 
 
-REFUSED_BY_GAZEBO_SIM = frozenset(("ROB034",))  # and perhaps not by Gazebo Classic
+REFUSED_BY_GAZEBO_SIM = frozenset((ONE_NAME_FOR_LINK_AND_JOINT.code,))  # not by Gazebo Classic
 OLD_SDFORMAT = frozenset(("ROB079", "ROB080"))  # what only its older versions do
 FORTRESS = frozenset(("humble", "iron"))  # distributions with a Gazebo Sim that may have such
-NAMED = 3  # so many robots are told in a line
+NAMED = 3  # at most so many robots are named in a line
 
 ShareOf = Callable[[str], Path | None]  # package name -> its installed share folder
 
@@ -60,12 +61,12 @@ class PreparedRobot:
     entity: str
     written: Robot
     lumped: Robot
-    is_sound: bool = True  # if not, the engine would try another robot than the described one
+    can_run: bool = True  # if not, an engine would simulate another robot than the described one
     spawn_pose: Pose = IDENTITY
     height: SpawnHeight | None = None  # where a launch file gives that of the spawn pose
     on_the_ground: bool = False  # as low as it can stand, instead of at the height of that pose
-    is_static_model: bool = False  # a model of the world around the robots that are tried
-    may_move: bool = False  # a thing of a world that is tried: that it rolls or tips is no fault
+    is_static_model: bool = False  # a model of the world around the robots
+    may_move: bool = False  # a model of a world file: it may roll or tip over
     diagnostics: tuple[Diagnostic, ...] = ()  # about its description, as they have been reported
 
 
@@ -80,7 +81,7 @@ def describe(  # noqa: PLR0913  most have defaults
     generation: str | None = None,
     distro: str | None = None,
 ) -> tuple[PreparedRobot | None, tuple[Diagnostic, ...]]:
-    """Read, complete and lump the robot of a URDF text; None where there is no robot to try.
+    """Read, complete and lump the robot of a URDF text; None where there is no robot.
 
     `file` is what the text comes from or was expanded from, and what the diagnostics name, with
     places in what a person edits; bytes are those of the file itself. The robot is called
@@ -99,7 +100,7 @@ def describe(  # noqa: PLR0913  most have defaults
             entity=entity or written.name,
             written=written,
             lumped=lumped,
-            is_sound=not has_errors(found),
+            can_run=not has_errors(found),
             spawn_pose=spawn_pose,
             on_the_ground=on_the_ground,
         )
@@ -111,12 +112,12 @@ def describe(  # noqa: PLR0913  most have defaults
 def _at_the_misspelling(
     found: Sequence[Diagnostic], more: Iterable[Diagnostic]
 ) -> tuple[tuple[Diagnostic, ...], tuple[Diagnostic, ...]]:
-    """Both, with what Gazebo refuses for a misspelt <inertial> told as an error about that."""
-    told, left = list(found), []
+    """Both, with what Gazebo refuses for a misspelled <inertial> as an error about that."""
+    reported, left = list(found), []
     for error in more:
         places = (
             place
-            for place, cause in enumerate(told)
+            for place, cause in enumerate(reported)
             if error.severity is Severity.ERROR
             and cause.code in MISSPELLED
             and _is_in_inertial(cause.element or "", error.element or "")
@@ -125,11 +126,11 @@ def _at_the_misspelling(
         if place is None:
             left.append(error)
         else:
-            cause = told[place]
+            cause = reported[place]
             what = cause.message.partition(": ")[0]
             message = f"{what}: {error.message}"
-            told[place] = replace(cause, severity=Severity.ERROR, message=message)
-    return tuple(told), tuple(left)
+            reported[place] = replace(cause, severity=Severity.ERROR, message=message)
+    return tuple(reported), tuple(left)
 
 
 def _is_in_inertial(element: str, link: str) -> bool:
@@ -141,7 +142,7 @@ def _is_in_inertial(element: str, link: str) -> bool:
 def _for_simulator(
     diagnostics: Iterable[Diagnostic], generation: str | None, distro: str | None
 ) -> Iterator[Diagnostic]:
-    """The findings as they hold for a simulator: what it refuses is an error."""
+    """The diagnostics as they hold for a simulator: what it refuses is an error."""
     has_old_sdformat = generation != "gz" or distro in {None, *FORTRESS}
     for found in diagnostics:
         if generation == "gz" and found.code in REFUSED_BY_GAZEBO_SIM:
@@ -151,14 +152,14 @@ def _for_simulator(
 
 
 def _first_of_each_inertial(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
-    """One finding about each <inertial>: those behind it come from the same numbers."""
+    """The first diagnostic about each <inertial>: the others come from the same numbers."""
     kept: list[Diagnostic] = []
-    told: set[str] = set()
+    reported: set[str] = set()
     for found in diagnostics:
         link, inertial, _ = (found.element or "").partition("/inertial")
-        if not inertial or link not in told:
+        if not inertial or link not in reported:
             kept.append(found)
-        told |= {link} if inertial else set()
+        reported |= {link} if inertial else set()
     return tuple(kept)
 
 
@@ -169,14 +170,14 @@ def _as_in_gazebo(
     located, missing = find_meshes(
         written, share_of=context.share_of, folder=file.parent if file else None, file=file
     )
-    readable, flawed = complete(located, file, context)
+    readable, broken = complete(located, file, context)
     lumped, dropped = lump(readable, file=file)
-    return lumped, (*missing, *flawed, *dropped)
+    return lumped, (*missing, *broken, *dropped)
 
 
 def name_some(prepared: Sequence[PreparedRobot]) -> str:
-    """The names of the robots that are tried, of many the first few."""
-    names = [robot.entity for robot in prepared if robot.is_sound and not robot.is_static_model]
+    """The names of the robots that are simulated, of many the first few."""
+    names = [robot.entity for robot in prepared if robot.can_run and not robot.is_static_model]
     others = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
     return ", ".join(names[:NAMED]) + others
 
@@ -185,16 +186,16 @@ def complete(
     robot: Robot, file: Path | None, context: PrepareContext
 ) -> tuple[Robot, tuple[Diagnostic, ...]]:
     """The robot with shapes and mesh files that every engine reads as Gazebo does."""
-    readable, flawed = inspect_meshes(
+    readable, broken = inspect_meshes(
         robot,
         file=file,
         folder=context.folder,
         run=context.run,
         with_colors=context.with_colors,
     )
-    # Afterwards: these are not a person's meshes, whose slips would be looked for.
-    built, wrong = build_shapes(readable, file=file, folder=context.folder, run=context.run)
-    return built, (*flawed, *wrong)
+    # Afterwards: meshes that wsgen writes need no inspection.
+    built, more = build_shapes(readable, file=file, folder=context.folder, run=context.run)
+    return built, (*broken, *more)
 
 
 def share_on_model_path(environment: Mapping[str, str]) -> Callable[[str], Path | None]:
@@ -289,34 +290,45 @@ def _read_included(
     return lumped, (*found, *missing, *dropped)
 
 
+TOO_MANY_MODELS = Rule(
+    code="SPN035",
+    name="too-many-models",
+    severity=Severity.ERROR,
+    summary="The scene has more than 1000 models.",
+    why="The simulation would take hours. Public worlds have some dozens of models.",
+    example="A world file with 5000 <model> elements, one for each brick.",
+    instead="Combine the bricks that never move in one static model.",
+)
+
+
 def describe_models(
     found: SdfFile, context: PrepareContext, *, is_static_model: bool = False
 ) -> tuple[list[PreparedRobot], tuple[Diagnostic, ...]]:
-    """The models that have links, ready for an engine, and what is wrong with their meshes.
+    """The models that have links, ready for an engine, and the diagnostics about their meshes.
 
-    Scenery is there with all that can be had of it; of a file that is tried by itself nothing is
-    sound where there are errors: the scene would be another one than described.
+    Static models are there as far as they can be read. Of a file that is simulated by itself, no
+    model can run where there are errors: the scene would not be the described one.
     """
     models = [model for model in found.models if model.robot is not None]
     if len(models) > MOST_MODELS:
         return [], (_too_many(len(models), found),)
-    robots, flawed = _completed(models, context)
-    is_sound = is_static_model or not has_errors((*found.diagnostics, *flawed))
+    robots, more = _completed(models, context)
+    can_run = is_static_model or not has_errors((*found.diagnostics, *more))
     return [
         PreparedRobot(
             entity=model.name,
             written=written,
             lumped=robot,
-            is_sound=is_sound,
+            can_run=can_run,
             spawn_pose=model.pose_in_world,
             on_the_ground=found.world is None and not model.is_static,
             is_static_model=is_static_model,
             may_move=found.world is not None,
-            diagnostics=_about(model, models, (*found.diagnostics, *flawed)),
+            diagnostics=_about(model, models, (*found.diagnostics, *more)),
         )
         for model, robot in zip(models, robots, strict=True)
         if (written := model.robot) is not None
-    ], flawed
+    ], more
 
 
 def _about(
@@ -337,8 +349,8 @@ def _completed(
 ) -> tuple[list[Robot], tuple[Diagnostic, ...]]:
     """The robots of the models, with files that engines read.
 
-    The links of all models of one file are looked into together: a child process for each of some
-    hundred models would take longer than to simulate them.
+    The links of all models of one file are completed together: a child process for each of some
+    hundred models would take longer than their simulation.
     """
     completed: dict[int, Robot] = {}
     diagnostics: list[Diagnostic] = []
@@ -358,8 +370,8 @@ def _completed(
             ),
             is_static=is_static,
         )
-        whole, flawed = complete(together, file, context)
-        diagnostics += flawed
+        whole, more = complete(together, file, context)
+        diagnostics += more
         links = iter(whole.links)
         for number, robot in zip(numbers, robots, strict=True):
             own = (replace(next(links), name=link.name) for link in robot.links)
@@ -368,18 +380,16 @@ def _completed(
 
 
 def _too_many(models: int, found: SdfFile) -> Diagnostic:
-    return Diagnostic(
-        code="SPN035",
-        severity=Severity.ERROR,
-        message=f"The world holds {models:,} models: a simulation takes at most {MOST_MODELS:,}.",
-        file=found.world.file if found.world else None,
-        hint="Make one static model of what never moves, or split the world.",
+    return TOO_MANY_MODELS.at(
+        found.world.file if found.world else None,
+        message=f"The world has {models:,} models: a simulation takes at most {MOST_MODELS:,}.",
+        hint="Combine what never moves in one static model, or split the world.",
     )
 
 
 def without_taken(
     static_models: Iterable[PreparedRobot], taken: Iterable[str]
 ) -> list[PreparedRobot]:
-    """The scenery without models whose names are taken by what is spawned: one scene, one name."""
+    """The static models without those whose names are taken by what is spawned."""
     names = set(taken)
     return [model for model in static_models if model.entity not in names]

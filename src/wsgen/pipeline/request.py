@@ -10,12 +10,12 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
-FILE_SUFFIXES = (".urdf", ".xacro", ".sdf", ".world")  # what can be tried without a package
+FILE_SUFFIXES = (".urdf", ".xacro", ".sdf", ".world")  # what can be validated without a package
 
 
 @dataclass(frozen=True, kw_only=True)
 class ValidateRequest:
-    """Packages and files, and how they are tried."""
+    """Packages and files, and how they are validated."""
 
     packages: Sequence[str] = ()
     files: Sequence[Path] = ()  # neither: every package of the workspace that can be launched
@@ -23,9 +23,9 @@ class ValidateRequest:
     launch_arguments: Mapping[str, str] = field(default_factory=dict)
     seconds: float = 3.0  # of simulated time
     engines: Sequence[str] = ("bullet",)  # the first one's figures are reported
-    jobs: int = 1  # so many packages or files at a time
+    jobs: int = 1  # number of packages or files to process in parallel
     picture_folder: Path | None = None
-    video: Path | None = None  # a .gif or .mp4 of the simulation, where one thing is tried
+    video: Path | None = None  # a .gif or .mp4 of the simulation of one launch file
 
     @property
     def is_drawn(self) -> bool:

@@ -1,16 +1,17 @@
-"""Try described robots in one world or more, and check what was measured."""
+"""Simulate prepared robots in a world, in one engine or more, and check what was measured."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from wsgen.diagnostics import Diagnostic, Severity, has_errors
+from wsgen.diagnostics import Rule, Severity, has_errors
 from wsgen.isolation.outcome import Limits
 from wsgen.model.outcome import Rest, RobotOutcome, Simulated
 from wsgen.pipeline.clock import DRAW
 from wsgen.rules.causes import fold_consequences, joints_beyond_limits
 from wsgen.rules.check import check_run
+from wsgen.rules.runs import KEEPS_MOVING, TIPS_OVER
 from wsgen.rules.scenes import engines_disagree
 from wsgen.simulation.contact_shapes import MOST_LINKS, most_parts
 from wsgen.simulation.run import missing_engines, run_simulation
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
+    from wsgen.diagnostics import Diagnostic
     from wsgen.isolation.parent import Run
     from wsgen.model.world import World
     from wsgen.pipeline.behaviors import BehaviorPlan
@@ -29,13 +31,13 @@ if TYPE_CHECKING:
     from wsgen.simulation.scene import RobotRun, SimulationOutcome
 
 
-MOVES = {"SPN058", "SPN059"}  # keeps moving, tips over
+MOVES = {KEEPS_MOVING.code, TIPS_OVER.code}
 ENGINE_NAMES = {"bullet": "PyBullet", "dart": "DART"}
 
 
 @dataclass(frozen=True, kw_only=True)
 class SimulationResult:
-    """What came of a simulation."""
+    """What a simulation measured, and what is reported about it."""
 
     robots: tuple[RobotOutcome, ...] = ()
     diagnostics: tuple[Diagnostic, ...] = ()  # of the run alone
@@ -47,12 +49,12 @@ class SimulationResult:
     video: Path | None = None
     seconds: Mapping[str, float] | None = None  # wall-clock: load, simulate, draw
 
-    def told_after(self, before: Iterable[Diagnostic]) -> list[Diagnostic]:
+    def diagnostics_after(self, before: Iterable[Diagnostic]) -> list[Diagnostic]:
         """What was reported before the run, and what the run adds to it."""
         return [*(self.causes.get(one, one) for one in before), *self.diagnostics]
 
-    def tell_drawing(self, step: Step, request: ValidateRequest) -> None:
-        """Say of the step of the simulation what was to be drawn in it, and how long that took."""
+    def report_drawing(self, step: Step, request: ValidateRequest) -> None:
+        """Note in the step of the simulation what was drawn in it, and how long that took."""
         wanted = [request.video] if request.video else []
         if request.picture_folder is not None:
             wanted += [file for file in (self.picture, self.world_picture) if file]
@@ -61,7 +63,7 @@ class SimulationResult:
         step.is_drawn = self.video is not None or request.video is None
 
 
-def try_robots(  # noqa: PLR0913  what is tried, and how
+def simulate_robots(  # noqa: PLR0913  what is simulated, and how
     world: World,
     prepared: Sequence[PreparedRobot],
     request: ValidateRequest,
@@ -71,25 +73,25 @@ def try_robots(  # noqa: PLR0913  what is tried, and how
     behavior_plan: BehaviorPlan | None = None,
     progress: Path | None = None,
 ) -> SimulationResult:
-    """Simulate the sound robots, if there are any, and check all; `name` is the picture's.
+    """Simulate the robots that can be simulated, and check all; `name` is the picture's.
 
-    `behavior plan` is what they must do beyond standing; into the file `progress` the child process
-    writes how far a video is.
+    `behavior_plan` is what they must do beyond standing; the child process writes the progress of a
+    video to the file `progress`.
     """
-    sound = [robot for robot in prepared if robot.is_sound]
+    runnable = [robot for robot in prepared if robot.can_run]
     robots = [robot for robot in prepared if not robot.is_static_model]
-    untried = () if behavior_plan is None else behavior_plan.diagnostics
+    not_run = () if behavior_plan is None else behavior_plan.diagnostics
     nothing = tuple(_outcome(robot, None, behavior_plan=behavior_plan) for robot in robots)
-    if all(robot.is_static_model for robot in sound):
-        return SimulationResult(robots=nothing, diagnostics=untried)
-    changes = tuple(_beyond_bullet(sound)) if "bullet" in request.engines else ()
+    if all(robot.is_static_model for robot in runnable):
+        return SimulationResult(robots=nothing, diagnostics=not_run)
+    changes = tuple(_beyond_bullet(runnable)) if "bullet" in request.engines else ()
     if changes:
         request = replace(request, engines=("dart",))
     limits = _limits(request, behavior_plan)
     outcomes = [
         run_simulation(
             replace(
-                _scene(world, sound, request, name, engine=engine, behavior_plan=behavior_plan),
+                _scene(world, runnable, request, name, engine=engine, behavior_plan=behavior_plan),
                 progress=progress,
             ),
             limits=limits,
@@ -97,24 +99,24 @@ def try_robots(  # noqa: PLR0913  what is tried, and how
         )
         for engine in request.engines
     ]
-    found: list[Diagnostic] = [*untried, *changes]
+    found: list[Diagnostic] = [*not_run, *changes]
     failed: set[str] = set()
     for engine, outcome in zip(request.engines, outcomes, strict=True):
-        checked, failed_here = _check(world, sound, outcome, behavior_plan)
+        checked, failed_here = _check(world, runnable, outcome, behavior_plan)
         found += checked if engine == request.engines[0] else _others(checked, found, engine)
         failed |= failed_here
     first, *others = outcomes
     for other in others:
-        found += _compared(first, other)
+        found += _compare(first, other)
     measured = {robot_run.entity: robot_run for robot_run in first.robot_runs}
-    causes, found = _fold(sound, found)
+    causes, found = _fold(runnable, found)
     return SimulationResult(
         robots=tuple(
             _outcome(
                 robot,
                 measured.get(robot.entity),
                 engine=request.engines[0],
-                passed=robot.is_sound and robot.entity not in failed,
+                passed=robot.can_run and robot.entity not in failed,
                 behavior_plan=behavior_plan,
                 found=found,
             )
@@ -130,19 +132,30 @@ def try_robots(  # noqa: PLR0913  what is tried, and how
     )
 
 
+ENGINE_CHANGED = Rule(
+    code="SPN089",
+    name="engine-changed",
+    severity=Severity.INFO,
+    summary="The robot is too complex for PyBullet; DART simulates it.",
+    what="Counts the links, and further parts where a link has several frictions.",
+    why="PyBullet does not simulate robots with more parts than its limit.",
+    example="wsgen validate my_robot",
+    instead="wsgen validate my_robot --engine dart",
+)
+
+
 def _beyond_bullet(robots: Sequence[PreparedRobot]) -> Iterator[Diagnostic]:
-    """For each robot that is too much for PyBullet, that DART takes its place, if it can."""
+    """For each robot that is too much for PyBullet, report that DART simulates it."""
     if missing_engines(["dart"]):
         return  # PyBullet says what to install
     for robot in robots:
         parts = most_parts(robot.lumped)
         if parts > MOST_LINKS:
-            yield Diagnostic(
-                code="SPN089",
-                severity=Severity.INFO,
-                message=f"The robot has {parts} links with a friction of their own, more than the "
-                f"{MOST_LINKS} that PyBullet simulates: it is simulated in DART.",
+            yield ENGINE_CHANGED.at(
+                None,
                 element=robot.entity,
+                message=f"The robot has {parts} links with separate friction, more than the "
+                f"{MOST_LINKS} that PyBullet simulates: DART simulates it.",
                 hint="Add --engine dart to choose DART yourself.",
             )
 
@@ -150,7 +163,7 @@ def _beyond_bullet(robots: Sequence[PreparedRobot]) -> Iterator[Diagnostic]:
 def _limits(request: ValidateRequest, behavior_plan: BehaviorPlan | None) -> Limits:
     """How long a simulation may take.
 
-    Large robots are slower than their own time; this is about hanging, not about slow.
+    Large robots are slower than real time; the limit is for a simulation that hangs.
     """
     seconds = request.seconds
     if behavior_plan is not None:  # before each it stands again
@@ -160,17 +173,17 @@ def _limits(request: ValidateRequest, behavior_plan: BehaviorPlan | None) -> Lim
 
 def _check(
     world: World,
-    sound: Sequence[PreparedRobot],
+    runnable: Sequence[PreparedRobot],
     outcome: SimulationOutcome,
     behavior_plan: BehaviorPlan | None,
 ) -> tuple[list[Diagnostic], set[str]]:
-    """What is found in the simulation of one engine, and the entities that do not pass it."""
+    """The diagnostics of the simulation in one engine, and the entities that do not pass it."""
     failed: set[str] = set()
-    static_models = {robot.entity for robot in sound if robot.is_static_model}
+    static_models = {robot.entity for robot in runnable if robot.is_static_model}
     found = [_soften(one) if one.element in static_models else one for one in outcome.diagnostics]
     measured = {robot_run.entity: robot_run for robot_run in outcome.robot_runs}
-    free = [robot for robot in sound if not robot.lumped.is_static]
-    for robot in sound:
+    free = [robot for robot in runnable if not robot.lumped.is_static]
+    for robot in runnable:
         robot_run = measured.get(robot.entity)
         checked = (
             ()
@@ -202,7 +215,7 @@ def _check(
 def _fold(
     robots: Sequence[PreparedRobot], found: Sequence[Diagnostic]
 ) -> tuple[dict[Diagnostic, Diagnostic], list[Diagnostic]]:
-    """Causes in the descriptions with what follows from them, and what is found besides."""
+    """Causes in the descriptions with what follows from them, and all other diagnostics."""
     causes: dict[Diagnostic, Diagnostic] = {}
     left = list(found)
     for robot in robots:
@@ -214,25 +227,25 @@ def _fold(
     return causes, left
 
 
-def _soften(finding: Diagnostic) -> Diagnostic:
-    """A finding about the scenery: worth telling, and no fault of the robots that are checked."""
-    is_error = finding.severity is Severity.ERROR
-    return replace(finding, severity=Severity.WARNING) if is_error else finding
+def _soften(diagnostic: Diagnostic) -> Diagnostic:
+    """A warning instead of an error: the robots that are validated do not fail for it."""
+    is_error = diagnostic.severity is Severity.ERROR
+    return replace(diagnostic, severity=Severity.WARNING) if is_error else diagnostic
 
 
 def _others(
-    checked: Sequence[Diagnostic], told: Sequence[Diagnostic], engine: str
+    checked: Sequence[Diagnostic], reported: Sequence[Diagnostic], engine: str
 ) -> list[Diagnostic]:
-    """The findings of a second engine that the first had not, with its name."""
-    known = {(finding.code, finding.element) for finding in told}
+    """The diagnostics of a second engine that the first did not have, with its name."""
+    known = {(found.code, found.element) for found in reported}
     return [
-        replace(finding, message=f"In {ENGINE_NAMES[engine]}: {finding.message}")
-        for finding in checked
-        if (finding.code, finding.element) not in known
+        replace(found, message=f"In {ENGINE_NAMES[engine]}: {found.message}")
+        for found in checked
+        if (found.code, found.element) not in known
     ]
 
 
-def _compared(first: SimulationOutcome, other: SimulationOutcome) -> Iterator[Diagnostic]:
+def _compare(first: SimulationOutcome, other: SimulationOutcome) -> Iterator[Diagnostic]:
     measured = {robot_run.entity: robot_run for robot_run in other.robot_runs}
     for robot_run in first.robot_runs:
         if robot_run.entity in measured:
@@ -241,7 +254,7 @@ def _compared(first: SimulationOutcome, other: SimulationOutcome) -> Iterator[Di
 
 def _scene(  # noqa: PLR0913  what is in it, and how it is played
     world: World,
-    sound: Sequence[PreparedRobot],
+    runnable: Sequence[PreparedRobot],
     request: ValidateRequest,
     name: str,
     *,
@@ -260,7 +273,7 @@ def _scene(  # noqa: PLR0913  what is in it, and how it is played
                 on_the_ground=robot.on_the_ground,
                 is_static_model=robot.is_static_model,
             )
-            for robot in sound
+            for robot in runnable
         ),
         seconds=request.seconds,
         behavior_runs=() if behavior_plan is None else behavior_plan.behavior_runs,

@@ -1,7 +1,4 @@
-"""Which packages are checked, and by which of their launch files.
-
-Which launch files a package has.
-"""
+"""Which packages are validated, and by which of their launch files."""
 
 from __future__ import annotations
 
@@ -12,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.build.cmake_text import read_calls
 from wsgen.build.request import refuse_empty
-from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.diagnostics import Rule, Severity
 from wsgen.errors import NotFoundError, RequestError
 from wsgen.suggestions import ask_for_nearest
 from wsgen.workspace.layout import find_launch_files, find_packages
@@ -22,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from wsgen.build.cmake_text import Call
+    from wsgen.diagnostics import Diagnostic
     from wsgen.pipeline.request import ValidateRequest
     from wsgen.workspace.layout import Workspace
     from wsgen.workspace.overlay import Overlay
@@ -33,11 +31,50 @@ __all__ = ["find_launch_files", "may_spawn", "name_launch_file"]
 SPAWNING_WORDS = (b"spawn", b"create")
 LAUNCH_FUNCTION = b"def generate_launch_description("
 
+UNINSTALLED_LAUNCH_FILE = Rule(
+    code="PKG050",
+    name="uninstalled-launch-file",
+    severity=Severity.ERROR,
+    summary="The package does not install its launch file where `ros2 launch` looks for it.",
+    why="`ros2 launch` finds launch files only in `share/PACKAGE` of the install space.",
+    example="install(DIRECTORY model DESTINATION share/${PROJECT_NAME})",
+    instead="install(DIRECTORY launch model DESTINATION share/${PROJECT_NAME})",
+)
+NO_LAUNCH_FILE = Rule(
+    code="PKG051",
+    name="no-launch-file",
+    severity=Severity.ERROR,
+    summary="The package has no launch file.",
+    what="Looks for files that end with `launch.py`, `launch.xml` or `launch.yaml`. A file that is "
+    "a launch file by its content but not by its name is named.",
+    why="Without a launch file nothing spawns the robot.",
+    example="src/my_robot/launch/gazebo_model.py",
+    instead="src/my_robot/launch/gazebo_model.launch.py",
+)
+NOT_BUILT = Rule(
+    code="PKG053",
+    name="not-built",
+    severity=Severity.ERROR,
+    summary="A package that spawns a robot is not installed.",
+    why="`ros2 launch` and this simulation read the installed files.",
+    example="wsgen new my_robot\nwsgen validate",
+    instead="wsgen new my_robot\nwsgen build\nwsgen validate",
+)
+SEVERAL_LAUNCH_FILES = Rule(
+    code="PKG054",
+    name="several-launch-files",
+    severity=Severity.ERROR,
+    summary="Several launch files of a package may spawn a robot.",
+    why="It is not clear which of them is meant, so the package is not simulated.",
+    example="wsgen validate",
+    instead="wsgen validate my_robot --launch gazebo_model.launch.py",
+)
+
 
 def name_launch_file(share: Path, wanted: str) -> Path | None:
     """The installed file that is meant by a name, or by the end of a path.
 
-    As for `ros2 launch`, a file that is named is one, however it is called.
+    As for `ros2 launch`, any file that is named is a launch file.
     """
     parts = Path(wanted).parts
     named = sorted(file for file in share.rglob("*") if file.name == Path(wanted).name)
@@ -90,12 +127,12 @@ class SelectedPackage:
 def choose(
     workspace: Workspace, overlay: Overlay, request: ValidateRequest
 ) -> tuple[tuple[SelectedPackage, ...], tuple[str, ...]]:
-    """The packages to check, and the names of those that are left out as they spawn nothing.
+    """The packages to validate, and the names of those that are left out as they spawn nothing.
 
     Raises:
         RequestError: a package or launch file that is named does not exist, or it is not clear
             which launch file of a named package is meant.
-        NotFoundError: a named package is not built, or there is nothing to check.
+        NotFoundError: a named package is not built, or no package spawns a robot.
     """
     sources = {package.name: package.path for package in find_packages(workspace)}
     if request.packages:
@@ -164,7 +201,7 @@ def _choose_unnamed(
 ) -> SelectedPackage | None:
     """One of several packages; None where neither source nor install space spawns a robot.
 
-    What is wrong with one package is its own problem, so that the others are checked.
+    The problem of one package is reported with it, so that the others are validated.
     """
     files = find_launch_files(share) if share else ()
     if wanted is not None:
@@ -192,10 +229,10 @@ def _choose_unnamed(
 
 
 def no_such_launch_file(package: str, wanted: str, files: Sequence[Path]) -> RequestError:
-    """What is said of the name of a launch file that a package has not installed."""
+    """The error for the name of a launch file that a package does not install."""
     names = [file.name for file in files]
     return RequestError(
-        f"{package} has not installed a launch file {wanted}.",
+        f"{package} does not install a launch file {wanted}.",
         hint=f"{ask_for_nearest(Path(wanted).name, names)}Installed: {', '.join(names) or 'none'}.",
     )
 
@@ -204,36 +241,30 @@ def _no_launch_file(source: Path | None, share: Path) -> Diagnostic:
     written = find_launch_files(source) if source is not None else ()
     rule = _find_install_rule(source, written[0]) if source is not None and written else None
     if source is not None and rule is not None:
-        return _misled_launch_file(source, written[0], rule, share.name)
+        return _misplaced_launch_file(source, written[0], rule, share.name)
     if source is not None and written:
         folder = written[0].relative_to(source).parent.as_posix()
         what = f"FILES {written[0].name}" if folder == "." else f"DIRECTORY {folder.split('/')[0]}"
-        return Diagnostic(
-            code="PKG050",
-            severity=Severity.ERROR,
-            message="The package has a launch file, but does not install it: "
+        return UNINSTALLED_LAUNCH_FILE.at(
+            source / "CMakeLists.txt",
+            message="The package does not install its launch file "
             f"{written[0].relative_to(source)}.",
-            file=source / "CMakeLists.txt",
             hint=f"Write in CMakeLists.txt: install({what} DESTINATION "
             "share/${PROJECT_NAME}); then run `wsgen build`.",
         )
     misnamed = find_misnamed(source or share)
     if misnamed is not None:
         file, name = misnamed
-        return Diagnostic(
-            code="PKG051",
-            severity=Severity.ERROR,
-            message=f"The package has no launch file: `{file.name}` is not named as one.",
-            file=file,
+        return NO_LAUNCH_FILE.at(
+            file,
+            message=f"The package has no launch file: `{file.name}` is not named like one.",
             hint=f"Rename it to {name}, then run `wsgen build`.",
         )
-    return Diagnostic(
-        code="PKG051",
-        severity=Severity.ERROR,
+    return NO_LAUNCH_FILE.at(
+        source or share,
         message="The package has no launch file.",
-        file=source or share,
-        hint="Launch files are named *.launch.py and lie in the package's folder launch/, which "
-        "CMakeLists.txt installs.",
+        hint="Write a file launch/NAME.launch.py, and install the folder launch/ in "
+        "CMakeLists.txt.",
     )
 
 
@@ -252,50 +283,41 @@ def _find_install_rule(source: Path, file: Path) -> Call | None:
     return None
 
 
-def _misled_launch_file(source: Path, file: Path, rule: Call, package: str) -> Diagnostic:
-    """What there is to say of a launch file that is installed, and not found where it should be."""
+def _misplaced_launch_file(source: Path, file: Path, rule: Call, package: str) -> Diagnostic:
+    """Report a launch file that is installed, but not where it is looked for."""
     position = rule.arguments.index("DESTINATION") + 1
     place = rule.arguments[position]
     variable = "${PROJECT_NAME}"
     name = file.relative_to(source)
     meant = place.replace(variable, package).split("/")[:2]
     if meant == ["share", package]:
-        message = f"The install space does not hold {name}, which install() names in line "
+        message = f"The install space does not contain {name}, which install() names in line "
         message += f"{rule.line} of CMakeLists.txt."
-        hint = "Run `wsgen build`; if that does not help, look for an if() around install()."
+        hint = "Run `wsgen build`; if that does not help, check for an if() around install()."
     else:
-        message = f"{name} is installed to {place}, and `ros2 launch` looks in share/{package}."
+        message = f"{name} is installed to {place}, but `ros2 launch` looks in share/{package}."
         lost = re.search(r"(?<!\$)\{PROJECT_NAME\}", place)
         hint = (
             f"Write: DESTINATION share/{variable}{' (a $ is missing)' if lost else ''}; then run "
         )
         hint += "`wsgen build`."
-    return Diagnostic(
-        code="PKG050",
-        severity=Severity.ERROR,
-        message=message,
-        file=source / "CMakeLists.txt",
-        line=rule.argument_lines[position],
-        hint=hint,
+    return UNINSTALLED_LAUNCH_FILE.at(
+        source / "CMakeLists.txt", rule.argument_lines[position], message=message, hint=hint
     )
 
 
 def _not_built(name: str, source: Path) -> Diagnostic:
-    return Diagnostic(
-        code="PKG053",
-        severity=Severity.ERROR,
+    return NOT_BUILT.at(
+        source,
         message=f"{name} is not installed: it was not built, or its build failed.",
-        file=source,
         hint=f"Run: wsgen build {name}",
     )
 
 
 def _several_launch_files(name: str, files: list[Path]) -> Diagnostic:
     names = ", ".join(file.name for file in files)
-    return Diagnostic(
-        code="PKG054",
-        severity=Severity.ERROR,
+    return SEVERAL_LAUNCH_FILES.at(
+        files[0].parent,
         message=f"Several launch files may spawn a robot: {names}.",
-        file=files[0].parent,
         hint=f"Choose one: wsgen validate {name} --launch {files[0].name}",
     )

@@ -1,9 +1,7 @@
-"""Whether a template makes good packages: for every target it is rendered, read and tried.
+"""Check a template: render it for every target, parse the files and simulate the robot.
 
 The files are laid out as CMake would install them, without building, so that the launch file, the
 robot and the world go through the stages of `wsgen validate`.
-
-Whether the files of a package are what their endings say: XML, Python, TOML, a manifest.
 """
 
 from __future__ import annotations
@@ -16,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen import tomlfile
-from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.diagnostics import Rule, Severity
 from wsgen.isolation.fork_server import ForkServer
 from wsgen.model.package import Maintainer
 from wsgen.pipeline.package_validation import Validation
@@ -36,6 +34,7 @@ from wsgen.xmltree import Malformed, parse
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
+    from wsgen.diagnostics import Diagnostic
     from wsgen.isolation.parent import Run
     from wsgen.model.target import Target
     from wsgen.templating.manifest import Template
@@ -44,8 +43,20 @@ if TYPE_CHECKING:
 XML = {".config", ".dae", ".gazebo", ".sdf", ".urdf", ".world", ".xacro", ".xml"}
 
 
+MALFORMED_RENDERED_FILE = Rule(
+    code="TPL006",
+    name="malformed-rendered-file",
+    severity=Severity.ERROR,
+    summary="A rendered file is not well-formed.",
+    what="Parses the XML, Python and TOML files of the package that the template renders.",
+    why="Every package that is made from the template has the same mistake.",
+    example='<link name="{{ name }}_base">',
+    instead='<link name="{{ name }}_base"/>',
+)
+
+
 def check_written_files(package: Path) -> Iterator[Diagnostic]:
-    """Yield what is wrong with the form of the files of a package's folder."""
+    """Report files of a package's folder that are not well-formed."""
     yield from check_package_xml(package / "package.xml")
     yield from read_settings(package)[1]
     for file in sorted(path for path in package.rglob("*") if path.is_file()):
@@ -68,19 +79,17 @@ def check_written_files(package: Path) -> Iterator[Diagnostic]:
 
 
 def _malformed(file: Path, form: str, why: str, line: int | None) -> Diagnostic:
-    return Diagnostic(
-        code="TPL006",
-        severity=Severity.ERROR,
+    return MALFORMED_RENDERED_FILE.at(
+        file,
+        line,
         message=f"{file.name} is not {form}: {why}.",
-        file=file,
-        line=line,
         hint="Fix the source; `wsgen new -t FOLDER` writes the file to look at.",
     )
 
 
 PACKAGE = "some_robot"
 MAINTAINER = Maintainer(name="Somebody", email="somebody@example.com")
-NAMED = 3  # so many cases are told in a message
+NAMED = 3  # at most so many cases are named in a message
 
 
 class Case(NamedTuple):
@@ -96,9 +105,9 @@ class Case(NamedTuple):
 
 
 def check_template(template: Template) -> tuple[Diagnostic, ...]:
-    """What is wrong with the packages of a template, each finding once.
+    """Report what is wrong with the packages of a template, each diagnostic once.
 
-    Files that are named are paths in the package, but for those of the template itself.
+    Files are named by their paths in the package, except those of the template itself.
     """
     cases = tuple(_cases(template))
     with tempfile.TemporaryDirectory(prefix="wsgen-") as folder, ForkServer() as fork_server:
@@ -130,15 +139,15 @@ def _check_case(case: Case, template: Template, folder: Path, run: Run) -> tuple
         license_name="MIT",
         settings=case.settings,
     )
-    tree, faults = render_tree_apart(spec, template, run=run)
-    if faults:
-        return faults
+    tree, diagnostics = render_tree_apart(spec, template, run=run)
+    if diagnostics:
+        return diagnostics
     source = folder / "src" / PACKAGE
     write_package(tree, source)
     found = list(check_written_files(source))
     if not found and not case.settings:
         overlay = _install(source, folder / "install", installed_folders(tree))
-        found += _try(source, overlay, run)
+        found += _simulate(source, overlay, run)
     return tuple(_relative(one, folder) for one in found)
 
 
@@ -154,8 +163,8 @@ def _install(source: Path, prefix: Path, folders: Iterable[str]) -> Overlay:
     return Overlay(install=prefix, environment=environment, prefixes=(prefix,))
 
 
-def _try(source: Path, overlay: Overlay, run: Run) -> Iterator[Diagnostic]:
-    """The findings of `wsgen validate`, for every launch file that spawns a robot."""
+def _simulate(source: Path, overlay: Overlay, run: Run) -> Iterator[Diagnostic]:
+    """The diagnostics of `wsgen validate`, for every launch file that spawns a robot."""
     share = overlay.prefixes[0] / "share" / PACKAGE
     request = ValidateRequest(engines=(default_engine(),))
     for file in filter(may_spawn, find_launch_files(share)):
@@ -164,7 +173,7 @@ def _try(source: Path, overlay: Overlay, run: Run) -> Iterator[Diagnostic]:
 
 
 def _relative(found: Diagnostic, folder: Path) -> Diagnostic:
-    """The finding without the folders of the check, which are gone after it."""
+    """The diagnostic without the temporary folders of the check."""
     file = found.file
     for root in (folder / "src" / PACKAGE, folder / "install" / "share" / PACKAGE):
         if file is not None and file.is_relative_to(root):
@@ -173,7 +182,7 @@ def _relative(found: Diagnostic, folder: Path) -> Diagnostic:
 
 
 def _gather(found: dict[Case, tuple[Diagnostic, ...]]) -> tuple[Diagnostic, ...]:
-    """Each finding once, with the cases it is about unless it is about all."""
+    """Each diagnostic once, with the cases it is about unless it is about all."""
     cases: dict[Diagnostic, list[str]] = {}
     for case, diagnostics in found.items():
         for one in dict.fromkeys(diagnostics):

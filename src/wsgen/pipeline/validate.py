@@ -1,6 +1,6 @@
-"""The stages of `wsgen validate`: overlay, launch plan, robot and world, simulation, verdict.
+"""The stages of `wsgen validate`: overlay, launch plan, robot and world, simulation, checks.
 
-Play one launch file, of whatever package or of none.
+`play` runs them for one launch file, as `wsgen launch --play` does.
 """
 
 from __future__ import annotations
@@ -52,21 +52,21 @@ def validate(
 ) -> Outcome:
     """Validate packages of a workspace, and files; `request.jobs` of them at a time.
 
-    `ended` gets the outcomes one by one, for callers whom an interruption (KeyboardInterrupt, or
-    whatever a handler of signals raises) shall not cost those that are there.
+    Outcomes are added to `ended` one by one, so that a caller keeps them when it is interrupted (by
+    KeyboardInterrupt, or by what a handler of signals raises).
 
-    Files need no workspace, but one that is built may hold the packages whose meshes they name.
+    Files need no workspace, but a built one may have the packages whose meshes they name.
 
     Raises:
         RequestError: a package or launch file of that name does not exist, or an option is given
             that nothing named here takes.
-        NotFoundError: the workspace is not built, no package has a launch file, a file is not
-            there, or an engine is not installed.
+        NotFoundError: the workspace is not built, no package has a launch file, a file does not
+            exist, or an engine is not installed.
         NotReadableError: a FILE is no regular file, or the folder for the pictures cannot be made.
     """
     prepare(request)
     overlay = _overlay(workspace, request, environment)
-    told = OneAtATime(listener)
+    serial = OneAtATime(listener)
     packages: Sequence[SelectedPackage] = ()
     left_out: tuple[str, ...] = ()
     if workspace is not None and (request.packages or not request.files):
@@ -74,22 +74,22 @@ def validate(
 
     def subjects(run: Run) -> list[Validation | FileValidation]:
         return [
-            *(Validation(package, overlay, request, told, run) for package in packages),
-            *_files(request, [package.name for package in packages], overlay, told, run),
+            *(Validation(package, overlay, request, serial, run) for package in packages),
+            *_files(request, [package.name for package in packages], overlay, serial, run),
         ]
 
     if len(packages) + len(request.files) == 1:  # a server would serve one child
         (subject,) = subjects(parent.run)
         return Outcome(packages=(subject.run(),), left_out=left_out)
     ended = [] if ended is None else ended
-    _run_several(subjects, request.jobs, told, ended)
+    _run_several(subjects, request.jobs, serial, ended)
     return Outcome(packages=_without_used_elsewhere(ended, request), left_out=left_out)
 
 
 def _without_used_elsewhere(
     outcomes: Sequence[PackageOutcome], request: ValidateRequest
 ) -> tuple[PackageOutcome, ...]:
-    """Of what is given to all, report as unused only what none of them uses."""
+    """Report a launch argument as unused only if no package or file uses it."""
     unused = [
         {found.element for found in outcome.diagnostics if _is_unused_argument(found)}
         for outcome in outcomes
@@ -117,7 +117,7 @@ def _is_unused_argument(found: Diagnostic) -> bool:
 def _run_several(
     subjects: Callable[[Run], list[Validation | FileValidation]],
     jobs: int,
-    told: OneAtATime,
+    serial: OneAtATime,
     ended: list[PackageOutcome],
 ) -> None:
     """Run them, `jobs` at a time, with child processes that share their start."""
@@ -127,7 +127,7 @@ def _run_several(
     with ExitStack() as stack:
         pool = _thread_pool(stack, jobs)
         todo = subjects(stack.enter_context(ForkServer()).run)
-        stack.callback(told.close)  # what loses its child then has not failed
+        stack.callback(serial.close)  # what loses its child then has not failed
         if pool is None:
             for subject in todo:
                 ended.append(subject.run())  # noqa: PERF401  they are there when one is interrupted
@@ -147,9 +147,9 @@ def _run_several(
 
 
 def _thread_pool(stack: ExitStack, jobs: int) -> Executor | None:
-    """Threads that wait for child processes, in which what takes long happens; None for one job.
+    """Threads that wait for child processes; None for one job.
 
-    When the stack is left early, nothing more is begun.
+    When the stack is left early, no further job is started.
     """
     if jobs == 1:
         return None
@@ -182,11 +182,11 @@ def _files(
 
 
 def prepare(request: ValidateRequest) -> None:
-    """See that there is what the request needs, before anything is begun.
+    """Check that all that the request needs is there, before anything is started.
 
     Raises:
         RequestError: an option is given that nothing named here takes.
-        NotFoundError: a file is not there, or an engine is not installed.
+        NotFoundError: a file does not exist, or an engine is not installed.
         NotReadableError: a FILE is no regular file, or the folder for the pictures cannot be made.
     """
     missing = missing_engines(request.engines)
@@ -195,14 +195,14 @@ def prepare(request: ValidateRequest) -> None:
             f"The engine {missing[0]} is not installed.",
             hint="Install it: pip install 'wsgen[dart]'"
             if missing[0] == "dart"
-            else "PyBullet has no wheels for this Python; take --engine dart.",
+            else "PyBullet has no wheels for this Python; use --engine dart.",
         )
     for file in request.files:
         kind = irregular_kind(file)
         if kind is not None:
-            raise NotReadableError(f"{file} is {kind}.", hint="Name a regular file.")
+            raise NotReadableError(f"{file} is {kind}.", hint="Give a regular file.")
         if not file.is_file():
-            raise NotFoundError(f"There is no file {file}.", hint="Check its path.")
+            raise NotFoundError(f"The file {file} does not exist.", hint="Check its path.")
     if request.files and not request.packages:
         _refuse_idle_options(request)
     if request.picture_folder is not None:
@@ -210,21 +210,21 @@ def prepare(request: ValidateRequest) -> None:
 
 
 def _refuse_idle_options(request: ValidateRequest) -> None:
-    """What is asked for and would do nothing is a mistake."""
+    """Refuse options that would have no effect."""
     if request.launch_file is not None:
         raise RequestError(
-            "A robot file is tried without a launch file.", hint="Leave --launch out."
+            "A robot file is validated without a launch file.", hint="Remove --launch."
         )
     if request.launch_arguments and all(file.suffix != ".xacro" for file in request.files):
         raise RequestError(
-            "Only a .xacro file takes arguments.", hint="Leave --arg out, or name a .xacro file."
+            "Only a .xacro file takes arguments.", hint="Remove --arg, or give a .xacro file."
         )
 
 
 def _overlay(
     workspace: Workspace | None, request: ValidateRequest, environment: Mapping[str, str]
 ) -> Overlay:
-    """The sourced workspace; for files alone, what is sourced already may have to do."""
+    """The sourced workspace; for files alone, the environment as it is."""
     if workspace is not None:
         try:
             return source_overlay(workspace, environment)
@@ -246,8 +246,8 @@ def _make_folder(folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise NotReadableError(
-            f"The folder {folder} for pictures cannot be made: {error.strerror}.",
-            hint="Name a folder that you may write to.",
+            f"Cannot create the folder {folder} for pictures: {error.strerror}.",
+            hint="Give a folder that you can write to.",
         ) from error
 
 
@@ -262,11 +262,11 @@ def play(  # noqa: PLR0913  what to play, where, how
 ) -> Outcome:
     """Evaluate a launch file, spawn what it spawns, simulate and check it.
 
-    `package` is the one that the file belongs to, if any; `workspace` may have its source. Of the
-    request everything counts that says how to try, and nothing that says what.
+    `package` is the one that the file belongs to, if any; `workspace` may have its source. The
+    packages, files and launch file of the request are ignored.
 
     Raises:
-        RequestError: there can be no such video.
+        RequestError: the video cannot be recorded.
         NotFoundError: an engine or the encoder of the video is not installed.
         NotReadableError: the folder for the pictures cannot be made.
     """
@@ -274,11 +274,11 @@ def play(  # noqa: PLR0913  what to play, where, how
     if request.video is not None and lacks_encoder(request.video):
         raise NotFoundError(
             "PyAV, which writes .mp4, is not installed.",
-            hint="Install it: pip install 'wsgen[video]'; or name a .gif.",
+            hint="Install it: pip install 'wsgen[video]'; or record a .gif.",
         )
     problem = None if request.video is None else why_no_video(request.video)
     if problem is not None:
-        raise RequestError(f"Cannot record a video: {problem}.", hint="Name a .gif, for example.")
+        raise RequestError(f"Cannot record a video: {problem}.", hint="Record a .gif, for example.")
     written = [] if workspace is None else find_packages(workspace)
     selected = SelectedPackage(
         name=package or launch_file.stem,
