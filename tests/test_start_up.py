@@ -75,6 +75,7 @@ def test_new_loads_what_it_renders_with(tmp_path: Path) -> None:
         "diagnostics",
         "errors",
         "model",
+        "pipeline",  # `create` alone
         "suggestions",
         "templating",
         "tomlfile",

@@ -1,0 +1,188 @@
+"""Find the launch file that `wsgen launch` names, and plan what it would start."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from wsgen.diagnostics import has_errors
+from wsgen.errors import NotFoundError, RequestError
+from wsgen.launch.evaluate import evaluate
+from wsgen.launch.known_packages import prefix
+from wsgen.pipeline.clock import Clock
+from wsgen.workspace.layout import (
+    Workspace,
+    find_launch_files,
+    find_packages,
+    find_workspace,
+    open_workspace,
+    read_package,
+)
+from wsgen.workspace.overlay import Overlay, require_share, source_overlay
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from wsgen.events import Listener
+    from wsgen.model.plan import LaunchPlan
+
+
+class SelectedLaunchFile(NamedTuple):
+    """A launch file, with where it and what it needs are looked up."""
+
+    file: Path
+    package: str | None  # that it belongs to
+    words: tuple[str, ...]  # the launch arguments behind it, NAME:=VALUE
+    workspace: Workspace | None
+    overlay: Overlay  # the sourced workspace, or the environment as it is
+
+
+def select_launch_file(words: Sequence[str], workspace: str | None) -> SelectedLaunchFile:
+    """The launch file that the words of `ros2 launch` mean: PACKAGE FILE or PATH, then arguments.
+
+    `workspace` is the folder of one that is to be used; without it, it is the one around the launch
+    file or the current folder, if there is one.
+
+    Raises:
+        RequestError: The words name no launch file, or more than one.
+        NotFoundError: The package or a given workspace does not exist, or is not built.
+    """
+    place = _find_workspace(workspace, words[0])
+    overlay = _source(place, is_given=workspace is not None)
+    package, file, arguments = _choose(words, place, overlay)
+    return SelectedLaunchFile(
+        file=file, package=package, words=tuple(arguments), workspace=place, overlay=overlay
+    )
+
+
+def plan_launch(
+    selected: SelectedLaunchFile,
+    arguments: Mapping[str, str],
+    *,
+    only_arguments: bool = False,
+    listener: Listener | None = None,
+) -> LaunchPlan:
+    """Evaluate the launch file; its diagnostics name source files where they are known."""
+    file, package = selected.file, selected.package
+    with Clock(package or file.stem, listener).step("launch", file.name) as step:
+        plan = evaluate(
+            file,
+            package=package,
+            arguments=arguments,
+            environment=selected.overlay.environment,
+            only_arguments=only_arguments,
+        )
+        step.succeeded = not has_errors(plan.diagnostics)
+    return _with_sources_named(plan, selected.workspace, selected.overlay)
+
+
+def _with_sources_named(
+    plan: LaunchPlan, workspace: Workspace | None, overlay: Overlay
+) -> LaunchPlan:
+    """The plan whose diagnostics name the package's source, where the workspace has it."""
+    share = overlay.share(plan.package) if plan.package else None
+    if workspace is None or share is None or not plan.diagnostics:
+        return plan
+    # It loads the engines' side of wsgen, which a plan without diagnostics does not need.
+    from wsgen.pipeline.package_validation import name_sources  # noqa: PLC0415
+
+    diagnostics = plan.diagnostics
+    for package in find_packages(workspace):
+        if package.name == plan.package:
+            diagnostics = tuple(name_sources(diagnostics, share, package.path))
+    return replace(plan, diagnostics=diagnostics)
+
+
+def _find_workspace(given: str | None, first_word: str) -> Workspace | None:
+    """The given workspace, or the one around the current folder or the launch file."""
+    if given is not None:
+        return open_workspace(given)
+    if Path(first_word).is_file():
+        return find_workspace(Path(first_word).resolve().parent) or find_workspace(Path.cwd())
+    try:
+        return open_workspace(None)
+    except (NotFoundError, RequestError):  # none, or several: a sourced one may have the package
+        return None
+
+
+def _source(workspace: Workspace | None, *, is_given: bool) -> Overlay:
+    """The workspace's overlay if it is built, else the environment as it is."""
+    if workspace is not None and (is_given or (workspace.install / "setup.bash").is_file()):
+        return source_overlay(workspace, os.environ)
+    # Where nothing is sourced, only the packages of ROS that wsgen knows are found.
+    environment = {"AMENT_PREFIX_PATH": prefix(), **os.environ}
+    prefixes = environment["AMENT_PREFIX_PATH"].split(os.pathsep)
+    return Overlay(
+        install=Path(prefixes[0]),
+        environment=environment,
+        prefixes=tuple(Path(one) for one in prefixes if one),
+    )
+
+
+def _choose(
+    words: Sequence[str], workspace: Workspace | None, overlay: Overlay
+) -> tuple[str | None, Path, Sequence[str]]:
+    """The package, the launch file and the launch arguments that the words mean."""
+    first, rest = words[0], words[1:]
+    names_file = bool(rest) and ":=" not in rest[0]
+    path = Path(first)
+    if path.exists() and (not names_file or overlay.share(first) is None):
+        if names_file:
+            raise RequestError(
+                f"{rest[0]!r} is not a launch argument, and {first!r} is not a package.",
+                hint="Give arguments after the path of a launch file: name:=value.",
+            )
+        return _package_of(path), path, rest
+    if not names_file and overlay.share(first) is not None:
+        raise _no_file_named(first, require_share(overlay, workspace, first))
+    if not names_file:
+        raise RequestError(
+            f"The launch file {first!r} does not exist.",
+            hint="Give its path, or a package and the name of a launch file: "
+            "wsgen launch PACKAGE FILE",
+        )
+    if workspace is None and overlay.share(first) is None and not overlay.packages():
+        open_workspace(None)  # raises an error that names the workspaces, if there are several
+    share = require_share(overlay, workspace, first)
+    return first, _find_file(first, share, rest[0]), rest[1:]
+
+
+def _no_file_named(package: str, share: Path) -> RequestError:
+    """The error for a package without the name of one of its launch files."""
+    names = [file.name for file in find_launch_files(share)]
+    if not names:
+        return RequestError(
+            f"The package {package} does not install a launch file.",
+            hint="Install one in its CMakeLists.txt, then build again.",
+        )
+    return RequestError(
+        f"{package} is a package: the name of the launch file is missing.",
+        hint=f"wsgen launch {package} {' | '.join(names)}",
+    )
+
+
+def _find_file(package: str, share: Path, name: str) -> Path:
+    """The file of that name anywhere in the share folder, as `ros2 launch` looks for it."""
+    found = sorted(file for file in share.rglob("*") if file.name == name and file.is_file())
+    if len(found) == 1:
+        return found[0]
+    if found:
+        raise RequestError(
+            f"{package} installs {name} more than once.",
+            hint=f"Give the path of one: {', '.join(str(file) for file in found)}",
+        )
+    # It reads CMake files, which only an error needs.
+    from wsgen.pipeline.selection import no_such_launch_file  # noqa: PLC0415
+
+    raise no_such_launch_file(package, name, find_launch_files(share))
+
+
+def _package_of(file: Path) -> str | None:
+    """The package that a launch file belongs to, by the nearest package.xml above it."""
+    for folder in file.absolute().parents:
+        if (folder / "package.xml").is_file():
+            package = read_package(folder)
+            return None if package is None else package.name
+    return None
