@@ -123,7 +123,7 @@ def test_structure_a(robot: InstallSpace) -> None:
     )
     simulator, _ = find_simulator(plan)
     assert simulator is not None
-    assert (simulator.generation, simulator.world, simulator.is_headless) == (
+    assert (simulator.kind, simulator.world, simulator.is_headless) == (
         "classic",
         world,
         True,

@@ -302,7 +302,7 @@ def test_simulator(started: LaunchPlan, simulator: tuple[str, str | None, bool])
     found, wrong = find_simulator(started)
     assert not wrong
     assert found is not None
-    assert (found.generation, found.world, found.is_headless) == simulator
+    assert (found.kind, found.world, found.is_headless) == simulator
 
 
 @pytest.mark.parametrize(

@@ -231,7 +231,7 @@ def test_the_actions_of_gazebo(space: InstallSpace) -> None:
     assert len({one.line for one in plan.processes}) == 1
     simulator, _ = find_simulator(plan)
     assert simulator is not None
-    assert (simulator.generation, simulator.world) == ("gz", "/w/a.sdf")
+    assert (simulator.kind, simulator.world) == ("gz", "/w/a.sdf")
     (spawn,), wrong = find_spawns(plan)
     assert not wrong
     assert (spawn.entity, spawn.pose_in_world.xyz) == ("r", (1.5, 0.0, 0.0))

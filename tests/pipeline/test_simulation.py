@@ -250,7 +250,7 @@ def test_behaviors_are_given_to_their_robots_and_judged() -> None:
             behavior("is not", "d"),
         ),
     )
-    behavior_plan = plan_behaviors(settings, robots, generation=None)
+    behavior_plan = plan_behaviors(settings, robots, simulator=None)
     assert [behavior_run.entity for behavior_run in behavior_plan.behavior_runs] == ["a", "b"]
 
     class Moves(Engines):

@@ -28,7 +28,7 @@ FILE = Path("wsgen.toml")
 STRAIGHT = Drive(linear=0.5, x=1.0, y=0.0, yaw=0.0)
 TURN = Drive(angular=1.0, x=0.0, y=0.0, yaw=2.0)
 PAIR = WheelPair(left="l", right="r", separation=0.4, radius=0.1)
-DRIVE = DiffDrive(generation="gz", pairs=(PAIR,))
+DRIVE = DiffDrive(simulator="gz", pairs=(PAIR,))
 POSITIONS = {"a": 0.5, "b": -0.5}
 
 
@@ -111,7 +111,7 @@ def test_a_finding_names_what_was_wanted_and_where_that_is_written() -> None:
         (
             STRAIGHT,
             (2.0, 0.0, 0.0),
-            replace(DRIVE, generation="classic"),
+            replace(DRIVE, simulator="classic"),
             "wheel_diameter = 0.2 m: wheel_diameter = 0.4 m would",
         ),
         (STRAIGHT, (0.0, 0.0, 0.0), DRIVE, "Do the wheels reach the ground"),

@@ -136,16 +136,16 @@ def test_no_visual() -> None:
 
 
 @pytest.mark.parametrize(
-    ("generation", "severity"),
+    ("simulator", "severity"),
     [(None, Severity.WARNING), ("classic", Severity.WARNING), ("gz", Severity.ERROR)],
 )
-def test_loose_joint(generation: str | None, severity: Severity) -> None:
+def test_loose_joint(simulator: str | None, severity: Severity) -> None:
     floating = replace(JOINT, type=JointType.FLOATING)
-    (found,) = loose_joint([JOINT, floating], None, generation)
+    (found,) = loose_joint([JOINT, floating], None, simulator)
     assert (found.code, found.severity) == ("ROB055", severity)
     planar = replace(JOINT, type=JointType.PLANAR)
-    assert [one.code for one in loose_joint([planar], None, generation)] == ["ROB055"]
-    assert list(loose_joint([JOINT], None, generation)) == []
+    assert [one.code for one in loose_joint([planar], None, simulator)] == ["ROB055"]
+    assert list(loose_joint([JOINT], None, simulator)) == []
 
 
 def limited(lower: float, upper: float, kind: JointType = JointType.REVOLUTE) -> Joint:

@@ -26,7 +26,7 @@ THIN = 0.01  # m; DART lets wheels touch the ground at their inner edges
 ON_ITS_SIDE = Pose(rpy=(math.pi / 2, 0.0, 0.0))
 AT = Pose((1.0, -2.0, RADIUS + 0.005), (0.0, 0.0, 0.7))  # behaviors are seen from the robot
 PAIR = WheelPair(left="left", right="right", separation=SEPARATION, radius=RADIUS)
-DRIVE = DiffDrive(generation="gz", pairs=(PAIR,))
+DRIVE = DiffDrive(simulator="gz", pairs=(PAIR,))
 
 
 def two_wheeled(limit: JointLimit | None = None) -> Robot:

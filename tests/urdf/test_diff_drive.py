@@ -61,7 +61,7 @@ def test_the_plugin_of_gazebo_classic() -> None:
         "<max_wheel_acceleration>1.5</max_wheel_acceleration>",
     )
     assert drive == DiffDrive(
-        generation="classic",
+        simulator="classic",
         pairs=(WheelPair(left="l", right="r", separation=0.5, radius=0.1),),
         torque=20.0,
         rim=Bounds(braking=-1.5, acceleration=1.5),
@@ -86,7 +86,7 @@ def test_the_plugin_of_gazebo_sim(file: str) -> None:
         "<max_acceleration>4</max_acceleration>",
     )
     assert drive == DiffDrive(
-        generation="gz",
+        simulator="gz",
         pairs=(WheelPair(left="l", right="r", separation=0.5, radius=0.1),),
         linear=Bounds(fastest=1.0, braking=-3.0, acceleration=4.0),
         angular=Bounds(fastest=2.0, acceleration=4.0),
@@ -110,11 +110,11 @@ def test_two_pairs_of_wheels() -> None:
 
 def test_of_two_plugins_that_of_the_simulator_counts() -> None:
     both = robot((SIM, JOINTS), (CLASSIC, JOINTS))
-    for generation, expected in (("gz", "gz"), ("classic", "classic"), (None, "gz")):
-        drive = find_diff_drive(both, generation=generation)
+    for simulator, expected in (("gz", "gz"), ("classic", "classic"), (None, "gz")):
+        drive = find_diff_drive(both, simulator=simulator)
         assert isinstance(drive, DiffDrive)
-        assert drive.generation == expected
-    other = find_diff_drive(robot((CLASSIC, JOINTS)), generation="gz")
+        assert drive.simulator == expected
+    other = find_diff_drive(robot((CLASSIC, JOINTS)), simulator="gz")
     assert isinstance(other, NoDrive)
     assert other.reason == (
         "its diff drive plugin is for Gazebo Classic, and the launch file starts Gazebo Sim"

@@ -130,7 +130,7 @@ def test_that_is_what_it_refuses(
 
 
 @pytest.mark.parametrize(
-    ("generation", "distro", "is_told"),
+    ("simulator", "distro", "is_told"),
     [
         (None, None, True),
         ("classic", "humble", True),
@@ -140,21 +140,21 @@ def test_that_is_what_it_refuses(
     ],
 )
 def test_only_where_such_a_version_may_be(
-    generation: str | None, distro: str | None, *, is_told: bool, tmp_path: Path
+    simulator: str | None, distro: str | None, *, is_told: bool, tmp_path: Path
 ) -> None:
     context = PrepareContext(share_of=lambda _: None, folder=tmp_path, run=parent.run)
     _, found = describe(
         robot(CARRIED["no inertial"][0]).encode(),
         file=tmp_path / "robot.urdf",
         context=context,
-        generation=generation,
+        simulator=simulator,
         distro=distro,
     )
     assert ("ROB080" in {one.code for one in found}) == is_told
 
 
 @pytest.mark.parametrize(
-    ("generation", "severity"),
+    ("simulator", "severity"),
     [(None, Severity.WARNING), ("classic", Severity.WARNING), ("gz", Severity.ERROR)],
 )
 @pytest.mark.parametrize(
@@ -162,14 +162,14 @@ def test_only_where_such_a_version_may_be(
     [("continuous", "arm", "ROB034"), ("floating", "j", "ROB055"), ("planar", "j", "ROB055")],
 )
 def test_what_the_simulator_of_the_target_refuses(  # noqa: PLR0917  cases
-    tmp_path: Path, kind: str, name: str, code: str, generation: str | None, severity: Severity
+    tmp_path: Path, kind: str, name: str, code: str, simulator: str | None, severity: Severity
 ) -> None:
     """For a bare file it is a warning that names the simulator."""
     text = robot(link("base", MASS) + link("arm", MASS) + joint(name, "base", "arm", kind=kind))
     context = PrepareContext(share_of=lambda _: None, folder=tmp_path, run=parent.run)
     _, found = describe(
-        text.encode(), file=tmp_path / "robot.urdf", context=context, generation=generation
+        text.encode(), file=tmp_path / "robot.urdf", context=context, simulator=simulator
     )
     (one,) = (one for one in found if one.code == code)
     assert one.severity is severity
-    assert ("Gazebo Sim refuses" in one.message) == (generation != "classic" or code == "ROB034")
+    assert ("Gazebo Sim refuses" in one.message) == (simulator != "classic" or code == "ROB034")

@@ -430,7 +430,7 @@ def _how_to_spawn(plan: LaunchPlan) -> str:
     hint = (
         "Give a launch file that starts a simulator and a spawner."
         if simulator is None
-        else _HOW_TO_SPAWN[simulator.generation]
+        else _HOW_TO_SPAWN[simulator.kind]
     )
     robots = (process.description_file for process in plan.processes)
     robot = next((file for file in robots if file is not None), None)
@@ -460,24 +460,20 @@ def _included_simulator(include: Include) -> Simulator | None:
         if not _is_true(values.get("server", "true")):
             return None
         headless = not _is_true(values.get("gui", "true"))
-        return Simulator(
-            generation="classic", world=values.get("world") or None, is_headless=headless
-        )
+        return Simulator(kind="classic", world=values.get("world") or None, is_headless=headless)
     if key == ("gazebo_ros", "gzserver.launch.py"):
-        return Simulator(generation="classic", world=values.get("world") or None, is_headless=True)
+        return Simulator(kind="classic", world=values.get("world") or None, is_headless=True)
     if key in {("ros_gz_sim", "gz_sim.launch.py"), ("ros_ign_gazebo", "ign_gazebo.launch.py")}:
         return _gz(split(values.get("gz_args") or values.get("ign_args") or ""))
     if key in {("ros_gz_sim", "gz_server.launch.py"), ("ros_gz_sim", "ros_gz_sim.launch.py")}:
-        return Simulator(
-            generation="gz", world=values.get("world_sdf_file") or None, is_headless=True
-        )
+        return Simulator(kind="gz", world=values.get("world_sdf_file") or None, is_headless=True)
     return None
 
 
 def _started_simulator(process: Process) -> Simulator | None:
     if process.package == "ros_gz_sim" and process.executable in _GZ_SERVERS:
         world = process.parameters.get("world_sdf_file")
-        return Simulator(generation="gz", world=world or None, is_headless=True)
+        return Simulator(kind="gz", world=world or None, is_headless=True)
     words = process.command or (process.executable or "", *process.arguments)
     if len(words) == 1:
         words = tuple(split(words[0]))
@@ -487,7 +483,7 @@ def _started_simulator(process: Process) -> Simulator | None:
     if program in {"gazebo", "gzserver"}:
         worlds = [word for word in words[1:] if word.endswith((".world", ".sdf"))]
         return Simulator(
-            generation="classic",
+            kind="classic",
             world=worlds[0] if worlds else None,
             is_headless=program == "gzserver",
         )
@@ -501,9 +497,7 @@ def _gz(words: Sequence[str]) -> Simulator | None:
     if "-g" in words:
         return None
     worlds = [word for word in words if word.endswith((".sdf", ".world"))]
-    return Simulator(
-        generation="gz", world=worlds[0] if worlds else None, is_headless="-s" in words
-    )
+    return Simulator(kind="gz", world=worlds[0] if worlds else None, is_headless="-s" in words)
 
 
 def _read_spawn(

@@ -120,7 +120,7 @@ class WheelPair:
 class DiffDrive:
     """The configuration of a diff drive plugin."""
 
-    generation: str  # the simulator that has the plugin: "classic" or "gz"
+    simulator: str  # that has the plugin: "classic" or "gz"
     pairs: tuple[WheelPair, ...]
     torque: float | None = None  # N m, of each wheel; None: what the limits of the joints say
     linear: Bounds = field(default_factory=Bounds)

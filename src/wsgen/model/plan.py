@@ -120,6 +120,6 @@ class Spawn:
 class Simulator:
     """The simulator that the plan starts."""
 
-    generation: str  # "classic" or "gz"
+    kind: str  # "classic" or "gz"
     world: str | None  # path or name as the launch gives it; None: the simulator's default world
     is_headless: bool = False

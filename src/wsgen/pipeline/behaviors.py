@@ -87,7 +87,7 @@ class BehaviorPlan:
 
 
 def plan_behaviors(
-    settings: Settings, prepared: Sequence[PreparedRobot], *, generation: str | None
+    settings: Settings, prepared: Sequence[PreparedRobot], *, simulator: str | None
 ) -> BehaviorPlan:
     """Assign the behaviors to the robots that are spawned."""
     robots = {robot.entity: robot for robot in prepared if not robot.is_static_model}
@@ -101,7 +101,7 @@ def plan_behaviors(
             continue
         entity = next(iter(robots)) if behavior.robot is None else behavior.robot
         entities[behavior.name] = entity
-        behavior_run, problems = _behavior_run(behavior, robots[entity], settings.file, generation)
+        behavior_run, problems = _behavior_run(behavior, robots[entity], settings.file, simulator)
         found += problems
         if behavior_run is not None:
             behavior_runs.append(behavior_run)
@@ -115,11 +115,11 @@ def plan_behaviors(
 
 
 def _behavior_run(
-    behavior: Behavior, prepared: PreparedRobot, file: Path, generation: str | None
+    behavior: Behavior, prepared: PreparedRobot, file: Path, simulator: str | None
 ) -> tuple[BehaviorRun | None, tuple[Diagnostic, ...]]:
     robot, task = prepared.lumped, behavior.task
     if isinstance(task, Drive):
-        drive = find_diff_drive(robot, generation=generation)
+        drive = find_diff_drive(robot, simulator=simulator)
         if isinstance(drive, NoDrive):
             return None, tuple(
                 no_diff_drive(behavior, drive.reason, drive.hint, file, has_plugin=drive.is_there)

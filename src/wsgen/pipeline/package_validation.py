@@ -198,7 +198,7 @@ class Validation:
         self.request = request
         self.run_task = run
         self.clock = Clock(selected.name, listener)
-        self.generation: str | None = None  # of the simulator: "classic" or "gz"
+        self.simulator_kind: str | None = None  # "classic" or "gz"
         self.diagnostics: list[Diagnostic] = []
         self.settings: Settings | None = None
         self.settings_diagnostics: tuple[Diagnostic, ...] = ()
@@ -285,7 +285,7 @@ class Validation:
             step.succeeded = not has_errors(found)
         self.clock.split("launch", "expand", plan.seconds_in_xacro)
         self.diagnostics += found
-        self.generation = simulator.generation if simulator else None
+        self.simulator_kind = simulator.kind if simulator else None
         return Started(plan, simulator, spawns) if is_evaluated else None
 
     def _read_world(
@@ -354,7 +354,7 @@ class Validation:
             context=context,
             entity=spawn.entity,
             spawn_pose=spawn.pose_in_world,
-            generation=self.generation,
+            simulator=self.simulator_kind,
             distro=(self.settings and self.settings.distro) or environment.get("ROS_DISTRO"),
         )
         self.diagnostics += diagnostics
@@ -366,7 +366,7 @@ class Validation:
             return None
         from wsgen.pipeline.behaviors import plan_behaviors  # noqa: PLC0415
 
-        return plan_behaviors(self.settings, prepared, generation=self.generation)
+        return plan_behaviors(self.settings, prepared, simulator=self.simulator_kind)
 
     def _simulate(
         self, world: World, prepared: list[PreparedRobot], folder: Path

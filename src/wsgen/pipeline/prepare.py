@@ -78,14 +78,14 @@ def describe(  # noqa: PLR0913  most have defaults
     entity: str | None = None,
     spawn_pose: Pose = IDENTITY,
     on_the_ground: bool = False,
-    generation: str | None = None,
+    simulator: str | None = None,
     distro: str | None = None,
 ) -> tuple[PreparedRobot | None, tuple[Diagnostic, ...]]:
     """Read, complete and lump the robot of a URDF text; None where there is no robot.
 
     `file` is what the text comes from or was expanded from, and what the diagnostics name, with
     places in what a person edits; bytes are those of the file itself. The robot is called
-    `entity`, or as its description calls it, and is for the simulator of that `generation` in that
+    `entity`, or as its description calls it, and is for the simulator of that `simulator` in that
     ROS 2 distribution, where they are known.
     """
     written, found = read_urdf(text, file=file)
@@ -93,9 +93,9 @@ def describe(  # noqa: PLR0913  most have defaults
     if written is not None:
         lumped, more = _as_in_gazebo(written, file, context)
         found, more = _at_the_misspelling(found, more)
-        checked = check_robot(written, file, simulator=generation)
+        checked = check_robot(written, file, simulator=simulator)
         found = _first_of_each_inertial((*found, *more, *checked))
-        found = tuple(_for_simulator(found, generation, distro))
+        found = tuple(_for_simulator(found, simulator, distro))
         prepared = PreparedRobot(
             entity=entity or written.name,
             written=written,
@@ -140,12 +140,12 @@ def _is_in_inertial(element: str, link: str) -> bool:
 
 
 def _for_simulator(
-    diagnostics: Iterable[Diagnostic], generation: str | None, distro: str | None
+    diagnostics: Iterable[Diagnostic], simulator: str | None, distro: str | None
 ) -> Iterator[Diagnostic]:
     """The diagnostics as they hold for a simulator: what it refuses is an error."""
-    has_old_sdformat = generation != "gz" or distro in {None, *FORTRESS}
+    has_old_sdformat = simulator != "gz" or distro in {None, *FORTRESS}
     for found in diagnostics:
-        if generation == "gz" and found.code in REFUSED_BY_GAZEBO_SIM:
+        if simulator == "gz" and found.code in REFUSED_BY_GAZEBO_SIM:
             yield replace(found, severity=Severity.ERROR)
         elif has_old_sdformat or found.code not in OLD_SDFORMAT:
             yield found

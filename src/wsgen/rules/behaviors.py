@@ -376,7 +376,7 @@ def _size_in_plugin(drive: DiffDrive, radius: float) -> str:
 
 
 def _size(drive: DiffDrive, radius: float) -> str:
-    if drive.generation == "classic":
+    if drive.simulator == "classic":
         return f"wheel_diameter = {2 * radius:.3g} m"
     return f"wheel_radius = {radius:.3g} m"
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 CLASSIC, SIM = "classic", "gz"
-GENERATIONS = {
+SIMULATORS = {
     "gazebo_ros_diff_drive": CLASSIC,
     "gz-sim-diff-drive-system": SIM,
     "ignition-gazebo-diff-drive-system": SIM,
@@ -46,20 +46,20 @@ ABSENT = NoDrive(
 )
 
 
-def find_diff_drive(robot: Robot, *, generation: str | None = None) -> DiffDrive | NoDrive:
+def find_diff_drive(robot: Robot, *, simulator: str | None = None) -> DiffDrive | NoDrive:
     """The drive of a robot, lumped or not, or what keeps its plugin from working.
 
-    Of plugins for both simulators the one for that `generation` counts.
+    Of plugins for both simulators the one for that `simulator` counts.
     """
     found = list(_plugins(robot))
     if not found:
         return ABSENT
-    suited = [one for one in found if generation in (None, one[0])]
+    suited = [one for one in found if simulator in (None, one[0])]
     if not suited:
         there = {CLASSIC: "Gazebo Classic", SIM: "Gazebo Sim"}
         return NoDrive(
             f"its diff drive plugin is for {there[found[0][0]]}, and the launch file starts "
-            f"{there[generation or CLASSIC]}",
+            f"{there[simulator or CLASSIC]}",
             "Name the plugin of that simulator.",
         )
     kind, plugin = suited[0]
@@ -81,8 +81,8 @@ def _plugins(robot: Robot) -> Iterator[tuple[str, Plugin]]:
     for tag in robot.gazebo:
         for plugin in tag.plugins:
             name = plugin.filename.rpartition("/")[2].removeprefix("lib").removesuffix(".so")
-            if name in GENERATIONS:
-                yield GENERATIONS[name], plugin
+            if name in SIMULATORS:
+                yield SIMULATORS[name], plugin
 
 
 def _read(kind: str, plugin: Plugin, robot: Robot) -> DiffDrive:
@@ -100,13 +100,13 @@ def _read(kind: str, plugin: Plugin, robot: Robot) -> DiffDrive:
     if kind == CLASSIC:
         most = _number(values, "max_wheel_acceleration", 0.0) or math.inf
         return DiffDrive(
-            generation=kind,
+            simulator=kind,
             pairs=pairs,
             torque=_number(values, "max_wheel_torque", TORQUE),
             rim=Bounds(braking=-most, acceleration=most),
         )
     return DiffDrive(
-        generation=kind,
+        simulator=kind,
         pairs=pairs,
         linear=_bounds(values, "linear"),
         angular=_bounds(values, "angular"),
