@@ -134,7 +134,7 @@ def test_a_wheel_size_that_is_wrong_in_the_plugin_is_found(workspace: Path, engi
     [
         ('[[behavior]]\nname = "a"\ndrive = { linear = 1 }\nmoved = { x = 1 }\n', "PKG060", None),
         ("[[behavior]]\n", "PKG060", None),
-        (BEHAVIORS.replace("seconds", 'robot = "other"\nseconds'), "SPN080", "there are `"),
+        (BEHAVIORS.replace("seconds", 'robot = "other"\nseconds'), "SPN080", "the robots are `"),
         (
             '[[behavior]]\nname = "a"\njoints = { elbow = 1 }\nseconds = 1\n',
             "SPN083",

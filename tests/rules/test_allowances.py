@@ -1,28 +1,32 @@
-"""What a package has on purpose."""
+"""Warnings that a package allows."""
 
 from pathlib import Path
 
-from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.rules.allowances import unknown_rule_allowed, without_allowed
+from wsgen.rules.robots import MASSLESS_ROOT, NO_VISUAL
+from wsgen.rules.runs import FALLS_WITHOUT_END
 
-ROOT = Diagnostic(code="ROB051", severity=Severity.WARNING, message="massless")
-DROPPED = Diagnostic(code="ROB040", severity=Severity.ERROR, message="dropped")
+ROOT = MASSLESS_ROOT.at(None, message="massless")
+INVISIBLE = NO_VISUAL.at(None, message="invisible")
+FALLING = FALLS_WITHOUT_END.at(None, message="falls")
 
 
 def test_an_allowed_warning_is_silent() -> None:
-    assert without_allowed([ROOT, DROPPED], ["massless-root"]) == (DROPPED,)
+    assert without_allowed([ROOT, INVISIBLE], ["massless-root"]) == (INVISIBLE,)
+    assert without_allowed([ROOT, INVISIBLE], ["ROB054"]) == (ROOT,)
 
 
 def test_an_error_cannot_be_allowed() -> None:
-    assert without_allowed([DROPPED], ["dropped-link"]) == (DROPPED,)
+    assert without_allowed([FALLING], ["falls-without-end"]) == (FALLING,)
 
 
 def test_what_is_not_allowed_stays() -> None:
     assert without_allowed([ROOT], ["ros-1-plugin"]) == (ROOT,)
 
 
-def test_a_misspelt_name_is_told_with_its_neighbor() -> None:
+def test_a_misspelled_name_is_reported_with_the_nearest() -> None:
     (found,) = unknown_rule_allowed(["masless-root"], Path("wsgen.toml"))
     assert found.code == "PKG061"
     assert "massless-root" in (found.hint or "")
-    assert list(unknown_rule_allowed(["massless-root"], Path("wsgen.toml"))) == []
+    assert list(unknown_rule_allowed(["massless-root", "ROB051"], Path("wsgen.toml"))) == []
+    assert len(list(unknown_rule_allowed(["Massless-Root"], Path("wsgen.toml")))) == 1

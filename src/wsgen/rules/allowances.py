@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import difflib
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Diagnostic, Rule, Severity
-from wsgen.rules.catalogue import all_rules
+from wsgen.rules.catalogue import all_rules, find_rule
+from wsgen.suggestions import did_you_mean, nearest
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -28,26 +28,22 @@ def without_allowed(
     diagnostics: Iterable[Diagnostic], allow: Sequence[str]
 ) -> tuple[Diagnostic, ...]:
     """The diagnostics without those whose rule is allowed by name or code; errors always stay."""
-    if not allow:
-        return tuple(diagnostics)
-    codes = {rule.code for rule in all_rules() if rule.name in allow or rule.code in allow}
     return tuple(
         found
         for found in diagnostics
-        if found.severity is Severity.ERROR or found.code not in codes
+        if found.severity is Severity.ERROR or not {found.name, found.code} & set(allow)
     )
 
 
 def unknown_rule_allowed(allow: Iterable[str], file: Path) -> Iterator[Diagnostic]:
     """Report the names in `allow` that no rule has."""
     for name in allow:
-        names = [rule.name for rule in all_rules()]
-        codes = {rule.code for rule in all_rules()}
-        if name not in names and name not in codes:
-            near = difflib.get_close_matches(name, names, n=1)
+        rule = find_rule(name)
+        if rule is None or name not in {rule.name, rule.code}:
+            near = nearest(name, [rule.name for rule in all_rules()])
             yield UNKNOWN_RULE_ALLOWED.at(
                 file,
                 element="validate.allow",
-                message=f"There is no rule {name!r} to allow.",
-                hint=f"Did you mean {near[0]!r}?" if near else "`wsgen rule` lists the names.",
+                message=f"The allowed rule {name!r} does not exist.",
+                hint=did_you_mean(near) if near else "`wsgen rule` lists the names.",
             )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import importlib
+import sys
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity
@@ -86,14 +87,14 @@ MODULES = (
 @functools.cache
 def all_rules() -> tuple[Rule, ...]:
     """Every rule, by family and code."""
-    found = [
-        rule
-        for module in MODULES
-        for rule in vars(importlib.import_module(module)).values()
-        if isinstance(rule, Rule)
-    ]
+    found = [rule for module in MODULES for rule in _rules_in(module)]
     known = {rule.code for rule in found} | {rule.name for rule in found}
     return collect([*found, *(_remaining(*one) for one in REMAINING if not {*one[:2]} & known)])
+
+
+def _rules_in(module: str) -> list[Rule]:
+    names = vars(importlib.import_module(module)).values()
+    return [value for value in names if isinstance(value, Rule)]
 
 
 def _remaining(code: str, name: str, summary: str) -> Rule:
@@ -130,9 +131,18 @@ def collect(found: Iterable[Rule]) -> tuple[Rule, ...]:
 
 
 def find_rule(name: str) -> Rule | None:
-    """The rule with that code or name."""
+    """The rule with that code or name, capitals or not.
+
+    Modules that are loaded already are searched first: importing all takes longer than to validate
+    a small package.
+    """
     wanted = name.strip()
-    for rule in all_rules():
+    loaded = [rule for module in MODULES if module in sys.modules for rule in _rules_in(module)]
+    return _select(wanted, loaded) or _select(wanted, all_rules())
+
+
+def _select(wanted: str, rules: Iterable[Rule]) -> Rule | None:
+    for rule in rules:
         if wanted.upper() == rule.code or wanted.lower() == rule.name:
             return rule
     return None
