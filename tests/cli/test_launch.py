@@ -257,7 +257,7 @@ def test_play_makes_a_film(
 
 
 @pytest.mark.parametrize(
-    ("file", "told"),
+    ("file", "message"),
     [("video.png", "neither"), ("nowhere/video.gif", "does not exist"), (".", "neither")],
 )
 def test_a_film_that_cannot_be_is_refused_before_the_trial(
@@ -265,13 +265,13 @@ def test_a_film_that_cannot_be_is_refused_before_the_trial(
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
     file: str,
-    told: str,
+    message: str,
 ) -> None:
     monkeypatch.chdir(built)
     words = ("gazebo_test", "gazebo_model.launch.py", "--play", "--record", file)
     code, out, err = launch(capsys, *words)
     assert (code, out) == (2, "")
-    assert told in err
+    assert message in err
 
 
 def test_a_film_without_its_encoder_and_a_trial_without_its_engine(

@@ -38,8 +38,8 @@ def files(folder: Path) -> set[str]:
 
 def test_quiet_leaves_the_warnings(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert new("gazebo_test", "-q") == 0
-    told = capsys.readouterr()
-    assert (told.out, told.err) == ("", NOTE)
+    output = capsys.readouterr()
+    assert (output.out, output.err) == ("", NOTE)
     assert new("other", "-q", "--dry-run") == 0
     assert "src/other/package.xml" in capsys.readouterr().out  # the list that was asked for
 
@@ -61,12 +61,12 @@ def test_new_workspace(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
             "wsgen.toml",
         )
     }
-    told = capsys.readouterr()
-    assert told.out == (
+    output = capsys.readouterr()
+    assert output.out == (
         "Wrote ws_gazebo/src/gazebo_test\nWrote ws_gazebo/.gitignore\n"
         "Next: cd ws_gazebo && wsgen build && wsgen validate\n"
     )
-    assert told.err == NOTE
+    assert output.err == NOTE
 
 
 def test_second_package_goes_into_the_workspace_around(
@@ -159,9 +159,9 @@ def test_workspace_among_packages(here: Path, capsys: pytest.CaptureFixture[str]
 
 def test_json(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert new("gazebo_test", "--format", "json") == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told.pop("files") == sorted(files(here / "ws_gazebo" / "src" / "gazebo_test"))
-    assert told == {
+    output = json.loads(capsys.readouterr().out)
+    assert output.pop("files") == sorted(files(here / "ws_gazebo" / "src" / "gazebo_test"))
+    assert output == {
         "version": 1,
         "package": "gazebo_test",
         "path": str(here / "ws_gazebo" / "src" / "gazebo_test"),
@@ -174,13 +174,13 @@ def test_json(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
 def test_dry_run(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert new("gazebo_test", "--dry-run") == 0
     assert not list(here.iterdir())
-    told = capsys.readouterr()
-    assert told.err == f"{NOTE}Nothing was written.\n"
+    output = capsys.readouterr()
+    assert output.err == f"{NOTE}Nothing was written.\n"
     assert new("gazebo_test", "--dry-run", "--format", "json") == 0
     assert json.loads(capsys.readouterr().out)["written"] is False
     assert new("gazebo_test") == 0
     assert {str(here / "ws_gazebo" / name) for name in files(here / "ws_gazebo")} == set(
-        told.out.splitlines()
+        output.out.splitlines()
     )
 
 
@@ -213,9 +213,9 @@ def test_wrong_request(
     here: Path, arguments: list[str], message: str, hint: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run(["new", *GIVEN, *arguments]) == 2
-    told = capsys.readouterr()
-    assert told.out == ""
-    said, simulated = told.err.splitlines()
+    output = capsys.readouterr()
+    assert output.out == ""
+    said, simulated = output.err.splitlines()
     assert message in said
     assert hint in simulated
     assert not list(here.iterdir())
@@ -238,9 +238,9 @@ def test_sourced_ros_that_is_not_known(
 ) -> None:
     monkeypatch.setenv("ROS_DISTRO", "noetic")
     assert new("gazebo_test") == 2
-    told = capsys.readouterr().err
-    assert "The environment says ROS_DISTRO=noetic" in told
-    assert "unset ROS_DISTRO" in told
+    output = capsys.readouterr().err
+    assert "The environment says ROS_DISTRO=noetic" in output
+    assert "unset ROS_DISTRO" in output
     assert not list(here.iterdir())
     assert new("gazebo_test", "--distro", "jazzy") == 0
     monkeypatch.setenv("ROS_DISTRO", "")
@@ -316,7 +316,7 @@ def test_a_step_that_is_taken_is_not_the_next(
     option: str, next_step: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert new("gazebo_test", option) == 0
-    told = capsys.readouterr()
-    assert "Next:" not in told.out
-    assert "wsgen build" not in told.err
-    assert [line for line in told.err.splitlines() if line.startswith("Next:")] == [next_step]
+    output = capsys.readouterr()
+    assert "Next:" not in output.out
+    assert "wsgen build" not in output.err
+    assert [line for line in output.err.splitlines() if line.startswith("Next:")] == [next_step]

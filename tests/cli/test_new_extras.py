@@ -182,10 +182,10 @@ def test_the_second_package_keeps_the_workflow(
     capsys.readouterr()
     assert new("other_robot", "-w", "ws_gazebo", "--ci", "github") == 3
     assert texts(here) == before
-    told = capsys.readouterr()
-    assert told.out == ""
-    assert "wsgen.yml exists already; nothing was written." in told.err
-    assert "Leave --ci away" in told.err
+    output = capsys.readouterr()
+    assert output.out == ""
+    assert "wsgen.yml exists already; nothing was written." in output.err
+    assert "Leave --ci away" in output.err
     assert new("other_robot", "-w", "ws_gazebo", "--ci", "github", "--dry-run") == 3
     assert new("other_robot", "-w", "ws_gazebo", "--ci", "gitlab") == 0
     assert (here / "ws_gazebo" / ".gitlab-ci.yml").is_file()
@@ -201,8 +201,8 @@ def test_dry_run(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_json(capsys: pytest.CaptureFixture[str]) -> None:
     assert new("some_robot", "--ci", "gitlab", "--format", "json") == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told["workspace_files"] == [".gitignore", ".gitlab-ci.yml"]
+    output = json.loads(capsys.readouterr().out)
+    assert output["workspace_files"] == [".gitignore", ".gitlab-ci.yml"]
 
 
 def test_a_service_that_is_not_known(here: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -38,7 +38,7 @@ def test_what_a_child_says_about_how_far_it_is_is_posted(
     assert heard[1] == StepProgressed(step=("robot", "simulate"), detail="frame 1 of 2")
 
 
-def test_drawing_is_told_as_a_step_of_its_own() -> None:
+def test_drawing_is_posted_as_a_separate_step() -> None:
     heard: list[Event] = []
     one = Clock("robot", heard.append)
     with one.step("simulate", "e") as step:

@@ -94,7 +94,7 @@ def test_what_is_not_named_is_not_judged() -> None:
     assert codes(replace(STRAIGHT, tolerance=0.5), 0.6, 0.4, 0.0) == []
 
 
-def test_a_finding_names_what_was_wanted_and_where_that_is_written() -> None:
+def test_a_diagnostic_names_what_was_wanted_and_where_that_is_written() -> None:
     (found,) = checked(STRAIGHT, (0.5, 0.0, -1e-9))
     assert found.message == (
         "`does it`: after 2 s the robot is at x = 0.5 m, y = 0 m from where it began; "
@@ -147,7 +147,7 @@ def test_joints() -> None:
     assert checked(wide, positions={"a": 0.4, "b": -0.5}) == ()
 
 
-def test_of_many_joints_some_are_told() -> None:
+def test_of_many_joints_some_are_reported() -> None:
     positions = dict.fromkeys("abcdefg", 1.0)
     (found,) = checked(Reach(positions=positions), positions=dict.fromkeys("abcdefg", 0.0))
     assert "e is at 0 (not 1) and 2 more." in found.message

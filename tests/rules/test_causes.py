@@ -1,4 +1,4 @@
-"""What of a run is told with the diagnostic about the description that explains it."""
+"""What of a run is folded into the diagnostic about the description that explains it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from wsgen.rules.causes import CONSEQUENCES, fold_consequences, joints_beyond_li
 ERROR, WARNING, INFO = Severity
 
 
-def told(code: str, severity: Severity = WARNING, element: str = "robot") -> Diagnostic:
+def about(code: str, severity: Severity = WARNING, element: str = "robot") -> Diagnostic:
     return Diagnostic(code=code, severity=severity, message=f"About {code}.", element=element)
 
 
@@ -20,8 +20,8 @@ def folded(*prepared: Diagnostic, run: Diagnostic) -> bool:
 
 
 def test_the_cause_takes_over_severity_and_message() -> None:
-    run = [told("SPN065", WARNING), told("SPN061", ERROR), told("SPN055", ERROR)]
-    (cause,), left = fold_consequences([told("ROB049")], run)
+    run = [about("SPN065", WARNING), about("SPN061", ERROR), about("SPN055", ERROR)]
+    (cause,), left = fold_consequences([about("ROB049")], run)
     assert left == ()
     assert (cause.code, cause.severity) == ("ROB049", ERROR)
     assert cause.message == "About ROB049. In the simulation, about SPN061."
@@ -29,37 +29,37 @@ def test_the_cause_takes_over_severity_and_message() -> None:
 
 def test_a_consequence_that_names_its_engine_is_not_put_into_another_sentence() -> None:
     falls = Diagnostic(code="SPN056", severity=ERROR, message="In DART: The robot falls.")
-    (cause,), _ = fold_consequences([told("ROB053")], [falls])
+    (cause,), _ = fold_consequences([about("ROB053")], [falls])
     assert cause.message == "About ROB053. In DART: The robot falls."
 
 
 def test_an_information_makes_no_warning_of_a_cause_and_none_harmless() -> None:
-    (cause,), _ = fold_consequences([told("ROB070", INFO)], [told("SPN061", WARNING)])
+    (cause,), _ = fold_consequences([about("ROB070", INFO)], [about("SPN061", WARNING)])
     assert cause.severity is WARNING
-    (cause,), _ = fold_consequences([told("ROB053", ERROR)], [told("SPN056", WARNING)])
+    (cause,), _ = fold_consequences([about("ROB053", ERROR)], [about("SPN056", WARNING)])
     assert cause.severity is ERROR
 
 
 def test_what_nothing_explains_stays() -> None:
-    prepared = [told("ROB053"), told("ROB052")]
-    run = [told("SPN059", ERROR), told("SPN060", INFO), told("SPN056", ERROR)]
+    prepared = [about("ROB053"), about("ROB052")]
+    run = [about("SPN059", ERROR), about("SPN060", INFO), about("SPN056", ERROR)]
     result = fold_consequences(prepared, run)
     assert [found.code for found in result.run] == ["SPN059", "SPN060"]
     assert [found.severity for found in result.prepared] == [ERROR, WARNING]
 
 
 def test_one_consequence_has_one_cause_the_first_of_the_table() -> None:
-    inertias = [told("ROB050", element=f"link[@name='{name}']/inertial/inertia") for name in "ab"]
-    prepared = [*inertias, told("ROB049")]
-    result = fold_consequences(prepared, [told("SPN061", ERROR)])
+    inertias = [about("ROB050", element=f"link[@name='{name}']/inertial/inertia") for name in "ab"]
+    prepared = [*inertias, about("ROB049")]
+    result = fold_consequences(prepared, [about("SPN061", ERROR)])
     assert [found.severity for found in result.prepared] == [WARNING, WARNING, ERROR]
-    result = fold_consequences(inertias, [told("SPN061", ERROR)])
+    result = fold_consequences(inertias, [about("SPN061", ERROR)])
     assert [found.severity for found in result.prepared] == [ERROR, WARNING]
 
 
 def test_a_warning_about_motion_has_its_cause_in_joints_that_are_not_actuated() -> None:
-    assert folded(told("ROB050"), run=told("SPN058", ERROR))
-    assert not folded(told("ROB050"), run=told("SPN058", WARNING))
+    assert folded(about("ROB050"), run=about("SPN058", ERROR))
+    assert not folded(about("ROB050"), run=about("SPN058", WARNING))
 
 
 @pytest.mark.parametrize(
@@ -84,13 +84,13 @@ def test_a_warning_about_motion_has_its_cause_in_joints_that_are_not_actuated() 
     ],
 )
 def test_what_is_only_seen_explains_no_motion(code: str, element: str, *, explains: bool) -> None:
-    cause = told(code, element=element)
-    assert folded(cause, run=told("SPN056", ERROR)) is explains
+    cause = about(code, element=element)
+    assert folded(cause, run=about("SPN056", ERROR)) is explains
 
 
 def test_joints_that_their_limits_move() -> None:
     limit = "joint[@name='lift']/limit"
-    prepared = [told("ROB070", element=limit), told("ROB023", element="joint[@name='x']/limit")]
+    prepared = [about("ROB070", element=limit), about("ROB023", element="joint[@name='x']/limit")]
     assert joints_beyond_limits(prepared) == {"lift"}
 
 

@@ -1,4 +1,4 @@
-"""All rules together: which findings a robot and a simulation end with."""
+"""All rules together: which diagnostics a robot and a simulation end with."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def codes(robot_run: RobotRun, *, robot: Robot = ROBOT, world: World = WORLD) ->
     return [found.code for found in check_run(robot, world, robot_run)]
 
 
-def test_what_its_limits_push_is_not_told_as_moved_by_gravity() -> None:
+def test_what_its_limits_push_is_not_reported_as_moved_by_gravity() -> None:
     assert [found.code for found in check_run(ARM, WORLD, GAVE_WAY)] == ["SPN060"]
     beyond = with_joint(JointType.REVOLUTE, JointLimit(lower=0.8, upper=2.0))
     assert check_run(beyond, WORLD, GAVE_WAY, pushed={"arm"}) == ()

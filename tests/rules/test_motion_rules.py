@@ -173,7 +173,7 @@ def test_a_robot_that_keeps_moving(
     assert found(diagnostics) == expected
 
 
-def test_what_still_moves_is_told() -> None:
+def test_what_still_moves_is_reported() -> None:
     (swings,) = rules.keeps_moving(
         "r", None, 0.1, turning=0.0, joint_speed=1.5, has_passive_joints=False
     )

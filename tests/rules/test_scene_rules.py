@@ -26,7 +26,7 @@ def overlap(link: str, other: str, depth: float = 0.1, *, entity: str | None = N
     return Overlapping(link=link, other_entity=entity, other_link=other, depth=depth)
 
 
-def test_overlapping_robots_are_told_once_with_the_deepest() -> None:
+def test_overlapping_robots_are_reported_once_with_the_deepest() -> None:
     seen_from_a = [
         overlap("a1", "b1", 0.1, entity="b"),
         overlap("a2", "b2", 0.3, entity="b"),
@@ -47,7 +47,7 @@ def test_what_is_hardly_in_each_other_is_a_warning() -> None:
     assert shallow.severity is Severity.WARNING
 
 
-def test_the_robot_is_told_to_be_in_the_scenery() -> None:
+def test_the_robot_is_reported_to_be_in_the_static_model() -> None:
     seen_from_robot = [overlap("base", "l", entity="a_wall")]
     (found_in,) = rules.overlapping_robots("robot", seen_from_robot, {"a_wall", "b_wall"})
     assert found_in.element == "robot"
@@ -56,7 +56,7 @@ def test_the_robot_is_told_to_be_in_the_scenery() -> None:
     assert "`b_wall`" in other.message
 
 
-def test_the_widest_gaps_under_a_hull_are_told() -> None:
+def test_the_widest_gaps_under_a_hull_are_reported() -> None:
     gaps = [HullGap("arm", "post", 0.006), HullGap("fork", "post", 0.1)]
     first, second = rules.rests_on_hull("r", gaps)
     assert found([first, second]) == [("SPN066", Severity.WARNING)] * 2
@@ -130,7 +130,7 @@ def test_engines_that_disagree(measured: dict[str, object], words: str) -> None:
     assert one.message == f"PyBullet and DART disagree: {words}."
 
 
-def test_who_comes_to_rest_is_told() -> None:
+def test_who_comes_to_rest_is_reported() -> None:
     (one,) = rules.engines_disagree(replace(STANDS, settled_after=None), STANDS)
     assert "only in DART" in one.message
 
@@ -141,7 +141,7 @@ def test_poses_of_what_moves_are_not_compared() -> None:
     assert found(rules.engines_disagree(moving, elsewhere)) == []
 
 
-def test_all_differences_are_told_together() -> None:
+def test_all_differences_are_reported_together() -> None:
     other = replace(STANDS, mass=2.0, movable_joints=1, rest_pose=Pose((0.0, 0.0, 1.25)))
     (one,) = rules.engines_disagree(STANDS, other)
     assert one.message.count(";") == 2

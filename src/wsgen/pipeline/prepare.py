@@ -290,9 +290,9 @@ def _read_included(
     return lumped, (*found, *missing, *dropped)
 
 
-TOO_MANY_MODELS = Rule(
+OVERSIZED_SCENE = Rule(
     code="SPN035",
-    name="too-many-models",
+    name="oversized-scene",
     severity=Severity.ERROR,
     summary="The scene has more than 1000 models.",
     why="The simulation would take hours. Public worlds have some dozens of models.",
@@ -380,7 +380,7 @@ def _completed(
 
 
 def _too_many(models: int, found: SdfFile) -> Diagnostic:
-    return TOO_MANY_MODELS.at(
+    return OVERSIZED_SCENE.at(
         found.world.file if found.world else None,
         message=f"The world has {models:,} models: a simulation takes at most {MOST_MODELS:,}.",
         hint="Combine what never moves in one static model, or split the world.",

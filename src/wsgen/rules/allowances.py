@@ -1,4 +1,4 @@
-"""What a package allows in its `wsgen.toml`."""
+"""Warnings that a package allows in its `wsgen.toml`."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ UNKNOWN_RULE_ALLOWED = Rule(
     code="PKG061",
     name="unknown-rule-allowed",
     severity=Severity.WARNING,
-    summary="wsgen.toml allows a rule that does not exist.",
+    summary="`wsgen.toml` allows a rule that does not exist.",
     what="Compares the names in `allow` of `wsgen.toml` with all rules.",
     why="A misspelled name allows nothing.",
     example='[validate]\nallow = ["masless-root"]',

@@ -33,13 +33,13 @@ def robot(link: Link, one: Joint | None = None, *more: tuple[Link, Joint]) -> Ro
 
 
 @pytest.mark.parametrize("center", [(0.0, 0.0, 0.0), (0.0, 0.3, 0.0), (0.003, -0.3, 0.003)])
-def test_a_wheel_is_no_limb(center: tuple[float, float, float]) -> None:
+def test_a_wheel_is_no_unactuated_joint(center: tuple[float, float, float]) -> None:
     """Its center of mass may be anywhere along its axle, and a little beside it."""
     assert unactuated_joints(robot(part("wheel", center))) == set()
 
 
 @pytest.mark.parametrize("center", [(0.006, 0.0, 0.0), (0.0, 0.3, 0.2), (0.004, 0.0, 0.004)])
-def test_what_is_off_its_axle_is_a_limb(center: tuple[float, float, float]) -> None:
+def test_a_wheel_off_its_axle_is_an_unactuated_joint(center: tuple[float, float, float]) -> None:
     assert unactuated_joints(robot(part("arm", center))) == {"arm"}
 
 
@@ -50,11 +50,11 @@ def test_the_axis_is_that_of_the_joint() -> None:
 
 
 @pytest.mark.parametrize("kind", [JointType.REVOLUTE, JointType.PRISMATIC])
-def test_what_does_not_turn_without_end_is_a_limb(kind: JointType) -> None:
+def test_what_does_not_turn_without_end_is_an_unactuated_joint(kind: JointType) -> None:
     assert unactuated_joints(robot(part("arm"), joint("base", "arm", kind))) == {"arm"}
 
 
-def test_what_carries_something_is_a_limb() -> None:
+def test_what_carries_something_is_an_unactuated_joint() -> None:
     """A turntable with a wheel on it; a caster's fork."""
     fork = robot(part("fork"), joint("base", "fork"), (part("wheel"), joint("fork", "wheel")))
     assert unactuated_joints(fork) == {"fork"}
@@ -65,7 +65,7 @@ def test_fixed_joints_and_links_without_mass() -> None:
     assert unactuated_joints(robot(Link(name="frame"))) == {"frame"}
 
 
-def test_the_swivel_of_a_caster_is_no_limb() -> None:
+def test_the_swivel_of_a_caster_is_no_unactuated_joint() -> None:
     """Gravity cannot turn it, though it carries the wheel."""
     upright = replace(joint("base", "fork"), axis_in_joint=(0.0, 0.0, 1.0))
     wheel = part("wheel"), joint("fork", "wheel")
