@@ -9,7 +9,8 @@ import pytest
 
 from install_space import HEAD, InstallSpace
 from wsgen.launch.spawning import find_simulator, find_spawns
-from wsgen.model.plan import Include, LaunchPlan, Process, Spawn, SpawnHeight
+from wsgen.model.plan import Include, LaunchPlan, Process
+from wsgen.model.spawn import Spawn, SpawnHeight
 
 URDF = "<robot name='r'/>"
 
@@ -171,8 +172,8 @@ def test_file(tmp_path: Path) -> None:
         ("-topic robot_description -entity", "SPN004", "-entity"),
         ("-topic robot_description -entity e -q 1", "SPN004", "does not know '-q'"),
         ("-topic robot_description -entity e -x one", "SPN005", "-x of the spawner is 'one'"),
-        ("-topic robot_description -entity e -x nan", "SPN005", "no finite number"),
-        ("-topic robot_description -entity e -x=inf", "SPN005", "no finite number"),
+        ("-topic robot_description -entity e -x nan", "SPN005", "not a finite number"),
+        ("-topic robot_description -entity e -x=inf", "SPN005", "not a finite number"),
         ("-database cup -entity e", "SPN006", "cup"),
         ("-stdin -entity e", "SPN007", "standard input"),
         ("-entity e", "SPN004", "exactly one of -file, -topic"),

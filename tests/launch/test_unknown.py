@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
 IMPORT = HEAD.count("\n") + 1  # the line of the first import after the head
 RVIZ = "Node(package='rviz2', executable='rviz2', name='n', {})"
-WHY_MODULE = "its Python module is not here"
-WHY_VALUE = "it comes from a Python module that is not here"
+WHY_MODULE = "its Python module is not installed"
+WHY_VALUE = "it comes from a Python module that is not installed"
 
 
 def unresolved(plan: LaunchPlan) -> list[tuple[str, str, int | None]]:

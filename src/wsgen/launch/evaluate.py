@@ -2,22 +2,43 @@
 
 from __future__ import annotations
 
-import os
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
-from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.diagnostics import Rule, Severity
 from wsgen.isolation import parent
+from wsgen.isolation.codec import decode
 from wsgen.isolation.outcome import Died, Limits
-from wsgen.launch import codes
-from wsgen.model.plan import Include, LaunchArgument, LaunchPlan, Process, Unresolved
+from wsgen.model.plan import LaunchPlan, LaunchRequest
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+    from pathlib import Path
 
+    from wsgen.diagnostics import Diagnostic
     from wsgen.isolation.parent import Run
 
 
+TAKES_TOO_LONG = Rule(
+    code="LCH012",
+    name="launch-takes-too-long",
+    severity=Severity.ERROR,
+    summary="The evaluation of the launch file does not end in time.",
+    what="Limits the evaluation to 30 s of CPU time and 300 s of wall-clock time.",
+    why="`ros2 launch` would hang in the launch file and start nothing.",
+    example="while not os.path.exists(path):\n    pass",
+    instead="RegisterEventHandler(OnProcessExit(target_action=converter, on_exit=[spawner]))",
+)
+PROCESS_DIES = Rule(
+    code="LCH013",
+    name="launch-crashes",
+    severity=Severity.ERROR,
+    summary="The process that evaluates the launch file ends without an answer.",
+    what="Looks for crashes, and for more than 64 MB of output or 2 GiB of memory.",
+    why="`ros2 launch` runs the same code in its own process, and would end in the same way.",
+    example="os._exit(3)",
+    instead="raise RuntimeError('The model has no meshes.')",
+)
 TASK = "wsgen.tasks.launch:evaluate_launch"
 LIMITS = Limits(seconds=30.0, memory=2 * 2**30)
 
@@ -39,15 +60,18 @@ def evaluate(  # noqa: PLR0913  all but two have defaults
     and nothing it describes is started. `environment` is that of the sourced workspace. With
     `only_arguments` it is loaded and not played, and the plan holds the arguments that it and
     what it includes declare, their defaults in the words of `ros2 launch --show-args`. `task`
-    names the function that the child calls, and `run` starts it. Whatever is wrong with the launch
-    file, or with what it includes, is in the diagnostics of the plan; nothing is raised for it.
+    names the function that the child calls, and `run` starts it. Mistakes in the launch file, or
+    in what it includes, are diagnostics of the plan; nothing is raised for them.
     """
+    request = LaunchRequest(
+        launch_file=launch_file.absolute(),
+        package=package,
+        arguments=dict(arguments),
+        only_arguments=only_arguments,
+    )
     outcome = run(
         task,
-        str(launch_file.absolute()),
-        package,
-        dict(arguments),
-        only_arguments,
+        request,
         limits=limits,
         environment=_complete(environment),
     )
@@ -55,7 +79,7 @@ def evaluate(  # noqa: PLR0913  all but two have defaults
         return LaunchPlan(
             package=package, launch_file=launch_file, diagnostics=(_death(outcome, launch_file),)
         )
-    return _read(outcome.value, package, launch_file)
+    return replace(decode(outcome.value, LaunchPlan), launch_file=launch_file)
 
 
 def _complete(environment: Mapping[str, str]) -> dict[str, str]:
@@ -70,58 +94,15 @@ def _complete(environment: Mapping[str, str]) -> dict[str, str]:
 
 def _death(died: Died, launch_file: Path) -> Diagnostic:
     if died.cause in ("cpu time", "wall-clock time"):
-        return Diagnostic(
-            code=codes.TAKES_TOO_LONG,
-            severity=Severity.ERROR,
+        return TAKES_TOO_LONG.at(
+            launch_file,
             message=f"Evaluating the launch file {died.reason}.",
-            file=launch_file,
             hint=died.hint("Look for a loop that never ends; a launch file only describes."),
         )
-    return Diagnostic(
-        code=codes.PROCESS_DIES,
-        severity=Severity.ERROR,
+    return PROCESS_DIES.at(
+        launch_file,
         message=f"Evaluating the launch file stopped: it {died.reason}.",
-        file=launch_file,
         hint=died.hint(
-            f"Its last words: {died.output[-400:]}" if died.output else "It said nothing."
+            f"Its last words: {died.output[-400:]}" if died.output else "It printed nothing."
         ),
     )
-
-
-def _read(answer: dict[str, Any], package: str | None, launch_file: Path) -> LaunchPlan:
-    """The plan from what the child answered."""
-    return LaunchPlan(
-        package=package,
-        launch_file=launch_file,
-        arguments=tuple(LaunchArgument(**entry) for entry in answer["arguments"]),
-        processes=tuple(_process(entry) for entry in answer["processes"]),
-        includes=tuple(
-            Include(**{**entry, "file": Path(entry["file"])}) for entry in answer["includes"]
-        ),
-        environment=answer["environment"],
-        unresolved=tuple(Unresolved(**_with_path(entry)) for entry in answer["unresolved"]),
-        diagnostics=tuple(
-            Diagnostic(**{**_with_path(entry), "severity": Severity(entry["severity"])})
-            for entry in answer["diagnostics"]
-        ),
-        seconds_in_xacro=answer["seconds_in_xacro"],
-    )
-
-
-def _process(entry: dict[str, Any]) -> Process:
-    command, description_file = entry["command"], entry.get("description_file")
-    return Process(
-        **{
-            **_with_path(entry),
-            "arguments": tuple(entry["arguments"]),
-            "configurations": tuple(entry.get("configurations", ())),
-            "remappings": tuple((source, target) for source, target in entry["remappings"]),
-            "command": None if command is None else tuple(command),
-            "description_file": None if description_file is None else Path(description_file),
-        }
-    )
-
-
-def _with_path(entry: dict[str, Any]) -> dict[str, Any]:
-    file = entry["file"]
-    return {**entry, "file": None if file is None else Path(os.fspath(file))}

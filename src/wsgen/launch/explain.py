@@ -1,7 +1,7 @@
-"""Turn what stopped the evaluation of a launch file into a diagnostic, in the user's words.
+"""Make a diagnostic of the exception that stopped the evaluation of a launch file.
 
-Runs in the child process and only when something is wrong. Each explainer below looks at one kind
-of exception and gives code, message and hint, or None where it is not its kind.
+Runs in the child process and only when there is something to report. Each explainer below looks at
+one kind of exception and gives rule, message and hint, or None where it is not its kind.
 """
 
 from __future__ import annotations
@@ -12,9 +12,11 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from wsgen.diagnostics import Rule, Severity
 from wsgen.files import save_as_utf8, wide_encoding
-from wsgen.launch import codes, explain_missing, explain_names
-from wsgen.launch.explain_missing import Explanation
+from wsgen.launch import explain_missing, explain_names
+from wsgen.launch.explain_missing import EXECUTABLE_NOT_FOUND, Explanation
+from wsgen.launch.explain_names import RAISES, REFUSED_BY_LAUNCH
 from wsgen.launch.record import RECORD, ForkError, last_user_line
 from wsgen.launch.syntax import keyword_of, where_written
 from wsgen.suggestions import advice
@@ -22,7 +24,129 @@ from wsgen.suggestions import advice
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from wsgen.diagnostics import Diagnostic
 
+
+SYNTAX_ERROR = Rule(
+    code="LCH001",
+    name="launch-syntax",
+    severity=Severity.ERROR,
+    summary="The launch file is not valid Python.",
+    why="Python cannot run the launch file, so `ros2 launch` starts nothing.",
+    example="return LaunchDescription([spawner, publisher",
+    instead="return LaunchDescription([spawner, publisher])",
+)
+ARGUMENT_WITHOUT_VALUE = Rule(
+    code="LCH006",
+    name="argument-without-value",
+    severity=Severity.ERROR,
+    summary="A launch argument has no default, and no value is given.",
+    why="`ros2 launch` refuses to start a launch file without its required arguments. A launch "
+    "argument with a default works without options.",
+    example="DeclareLaunchArgument('world')",
+    instead="DeclareLaunchArgument('world', default_value='empty.world')",
+)
+UNDEFINED_CONFIGURATION = Rule(
+    code="LCH009",
+    name="undefined-configuration",
+    severity=Severity.ERROR,
+    summary="A launch configuration is used before it is set.",
+    what="Evaluates the launch description in order, as `launch` does: a configuration exists "
+    "from the action on that declares or sets it.",
+    why="`ros2 launch` stops at the action that uses it.",
+    example="LaunchDescription([\n"
+    "    LogInfo(msg=LaunchConfiguration('world')),\n"
+    "    DeclareLaunchArgument('world', default_value='empty.world'),\n"
+    "])",
+    instead="LaunchDescription([\n"
+    "    DeclareLaunchArgument('world', default_value='empty.world'),\n"
+    "    LogInfo(msg=LaunchConfiguration('world')),\n"
+    "])",
+)
+INTERACTIVE_INPUT = Rule(
+    code="LCH011",
+    name="interactive-input",
+    severity=Severity.ERROR,
+    summary="The launch file asks for keyboard input.",
+    why="A launch that waits for input cannot run in a script, in a test or in an included launch "
+    "file, and its choices cannot be given on the command line.",
+    example="world = input('Which world? ')",
+    instead="DeclareLaunchArgument('world', default_value='empty.world')",
+)
+EXITS = Rule(
+    code="LCH014",
+    name="launch-exits",
+    severity=Severity.ERROR,
+    summary="The launch file ends the program.",
+    what="Looks for `SystemExit` and `KeyboardInterrupt` that leave the launch file.",
+    why="`ros2 launch` ends without starting anything, often without saying why.",
+    example="if not os.path.exists(path):\n    sys.exit(1)",
+    instead="if not os.path.exists(path):\n    raise FileNotFoundError(path)",
+)
+DESCRIPTION_NOT_YAML = Rule(
+    code="LCH015",
+    name="description-not-yaml",
+    severity=Severity.ERROR,
+    summary="The value of a parameter, such as a robot description, cannot be parsed as YAML.",
+    why="launch_ros parses a parameter value that is a substitution as YAML unless "
+    "`ParameterValue` gives it a type, and stops the launch where it cannot. In a robot a `: ` "
+    "or ` #` is enough, for example in a comment.",
+    example="Node(..., parameters=[{'robot_description': Command(['xacro ', path])}])",
+    instead="Node(..., parameters=[{'robot_description': ParameterValue(\n"
+    "    Command(['xacro ', path]), value_type=str)}])",
+)
+VARIABLE_NOT_SET = Rule(
+    code="LCH020",
+    name="variable-not-set",
+    severity=Severity.ERROR,
+    summary="The launch file reads an environment variable that is not set.",
+    what="Looks for `os.environ[NAME]` of a variable that neither the sourced workspace nor the "
+    "environment of wsgen sets.",
+    why="Python raises a KeyError, and the launch stops on every machine that does not set the "
+    "variable.",
+    example="os.environ['GAZEBO_MODEL_PATH']",
+    instead="os.environ.get('GAZEBO_MODEL_PATH', '')",
+)
+NOT_MARKUP = Rule(
+    code="LCH023",
+    name="launch-markup",
+    severity=Severity.ERROR,
+    summary="The launch file is not well-formed XML or YAML.",
+    why="`ros2 launch` cannot read the file and starts nothing.",
+    example='<launch>\n  <node pkg="rviz2" exec="rviz2">\n</launch>',
+    instead='<launch>\n  <node pkg="rviz2" exec="rviz2"/>\n</launch>',
+)
+NEEDS_UNKNOWN = Rule(
+    code="LCH024",
+    name="launch-needs-unknown",
+    severity=Severity.ERROR,
+    summary="The launch file needs a value that is known only where ROS is installed.",
+    what="Looks for exceptions about a placeholder `$(...)`: the output of a command, or a value "
+    "from a Python module that is not installed.",
+    why="wsgen cannot evaluate the rest of the launch file. With ROS installed the launch may "
+    "work.",
+    example="path = find_model('arm')  # of a package that is not installed\nopen(path)",
+    instead="Install the package that provides the value, and source it.",
+)
+FORKS = Rule(
+    code="LCH025",
+    name="launch-forks",
+    severity=Severity.ERROR,
+    summary="The launch file forks.",
+    why="Two processes would go on with the same launch, and each would start everything.",
+    example="if os.fork() == 0:\n    run_server()",
+    instead="ExecuteProcess(cmd=['python3', path_of_server])",
+)
+NOT_UTF_8 = Rule(
+    code="LCH032",
+    name="launch-encoding",
+    severity=Severity.ERROR,
+    summary="The launch file is not encoded in UTF-8.",
+    why="Python, XML and YAML are read as UTF-8, so `ros2 launch` cannot read the file. Some "
+    "editors on Windows save other encodings.",
+    example="iconv -t UTF-16 robot.launch.py > saved_as_utf_16.launch.py",
+    instead="iconv -f UTF-16 -t UTF-8 saved_as_utf_16.launch.py > robot.launch.py",
+)
 # What is said of bytes that are no text, by Python, by YAML and by XML.
 _ABOUT_BYTES = re.compile(
     r"null byte|codec|utf-8|encoding|character|not well-formed", re.IGNORECASE
@@ -35,13 +159,13 @@ _TYPOGRAPHIC = {
 }
 LEAST_NULLS = 0.25  # of the bytes of a text in UTF-16 that is mostly of Latin letters
 BRIEF = 150  # characters of what an exception says behind an explanation
-MOST_TOLD = 400  # characters of what an exception says; a whole robot may be in it
+LONGEST = 400  # characters of what an exception says; a whole robot may be in it
 
 
 def explain(
     error: BaseException, launch_file: str, xacro_fault: dict[str, Any] | None
-) -> dict[str, Any]:
-    """The diagnostic, as JSON, also of an exception that cannot even be printed."""
+) -> Diagnostic:
+    """The diagnostic, also of an exception that cannot even be printed."""
     try:
         return _explain(error, launch_file, xacro_fault)
     except Exception:  # noqa: BLE001  the exception is foreign code
@@ -50,28 +174,22 @@ def explain(
 
 def _explain(
     error: BaseException, launch_file: str, xacro_fault: dict[str, Any] | None
-) -> dict[str, Any]:
-    told = explain_missing.of_xacro(error, xacro_fault)
+) -> Diagnostic:
+    explanation = explain_missing.of_xacro(error, xacro_fault)
     for explainer in _EXPLAINERS:
-        told = told or explainer(error)
-    told = told or _other(error)
+        explanation = explanation or explainer(error)
+    explanation = explanation or _other(error)
     where: tuple[str, int | None] = (launch_file, None)
-    if told.file is not None:
-        where = (told.file, told.line)
+    if explanation.file is not None:
+        where = (explanation.file, explanation.line)
     else:
         where = last_user_line(error) or vars(error).get("wsgen_location", where)
-        if told.written is not None:
-            where = where_written(told.written, RECORD.launch_files) or where
+        if explanation.written is not None:
+            where = where_written(explanation.written, RECORD.launch_files) or where
     file, line = where
-    return {
-        "code": told.code,
-        "severity": "error",
-        "message": told.message,
-        "file": file,
-        "line": line,
-        "element": told.element,
-        "hint": told.hint,
-    }
+    return explanation.rule.at(
+        Path(file), line, explanation.element, message=explanation.message, hint=explanation.hint
+    )
 
 
 def _encoding(error: BaseException) -> Explanation | None:
@@ -88,22 +206,22 @@ def _encoding(error: BaseException) -> Explanation | None:
     nulls = content.count(b"\0")
     if nulls and nulls < len(content) * LEAST_NULLS and wide_encoding(content) is None:
         return Explanation(
-            codes.SYNTAX_ERROR,
-            "The launch file has a null byte, which no text has.",
-            "Delete that character, or get the file anew.",
+            SYNTAX_ERROR,
+            "The launch file has a null byte, which Python cannot read.",
+            "Delete that character, or get the file again.",
             file,
             content.count(b"\n", 0, content.index(b"\0")) + 1,
         )
     if not nulls:
         try:
             content.decode("utf-8")
-        except UnicodeDecodeError as wrong:
-            line = content.count(b"\n", 0, wrong.start) + 1
+        except UnicodeDecodeError as undecodable:
+            line = content.count(b"\n", 0, undecodable.start) + 1
             encoding, known = "an older encoding", "ISO-8859-1"
         else:
             return None
     return Explanation(
-        codes.NOT_UTF_8,
+        NOT_UTF_8,
         f"The launch file is not in UTF-8 but in {encoding}.",
         save_as_utf8(known),
         file,
@@ -119,14 +237,14 @@ def _syntax_error(error: BaseException) -> Explanation | None:
     if "character" in error.msg and typographic:
         changes = ", ".join(f"{char} by {_TYPOGRAPHIC[char]}" for char in typographic)
         return Explanation(
-            codes.SYNTAX_ERROR,
+            SYNTAX_ERROR,
             f"Python cannot read the launch file: {error.msg}, in `{text}`.",
-            f"Replace {changes}: text that is copied from a page may have other characters.",
+            f"Replace {changes}: text copied from a web page may have other characters.",
             error.filename,
             error.lineno,
         )
     return Explanation(
-        codes.SYNTAX_ERROR,
+        SYNTAX_ERROR,
         f"Python cannot read the launch file: {error.msg}" + (f", in `{text}`." if text else "."),
         "Look at this line and the one before it: brackets, commas, quotes, indentation.",
         error.filename,
@@ -138,7 +256,7 @@ def _markup_error(error: BaseException) -> Explanation | None:
     if type(error).__name__ != "InvalidFrontendLaunchFileError":
         return None
     return Explanation(
-        codes.NOT_MARKUP,
+        NOT_MARKUP,
         f"The launch file is {error}.",
         getattr(error, "wsgen_hint", None) or "Look at this line and the one before it.",
     )
@@ -150,7 +268,7 @@ def _needs_unknown(error: BaseException) -> Explanation | None:
     if not RECORD.is_unknown(f"{error} {named}"):
         return None
     return Explanation(
-        codes.NEEDS_UNKNOWN,
+        NEEDS_UNKNOWN,
         "The launch file cannot be evaluated further without ROS: it needs a value that is not "
         f"known, {named or error}.",
         "Install the package that the value comes from, and source it.",
@@ -162,7 +280,7 @@ def _missing_argument(error: BaseException) -> Explanation | None:
     if argument is None:
         return None
     return Explanation(
-        codes.ARGUMENT_WITHOUT_VALUE,
+        ARGUMENT_WITHOUT_VALUE,
         f"The launch argument '{argument}' has no default and no value was given.",
         f"Give it, {argument}:=VALUE, or declare it with default_value=.",
         element=argument,
@@ -182,7 +300,7 @@ def _environment(error: BaseException) -> Explanation | None:
         return None
     name = error.args[0]
     return Explanation(
-        codes.VARIABLE_NOT_SET,
+        VARIABLE_NOT_SET,
         f"The launch file needs the environment variable {name}, which is not set.",
         f"Read it with a default, os.environ.get('{name}', ''), or set it before the launch.",
         element=str(name),
@@ -192,27 +310,26 @@ def _environment(error: BaseException) -> Explanation | None:
 def _program_end(error: BaseException) -> Explanation | None:
     if isinstance(error, EOFError):
         return Explanation(
-            codes.INTERACTIVE_INPUT,
-            "The launch file asks for input, and nobody can answer.",
+            INTERACTIVE_INPUT,
+            "The launch file asks for keyboard input, which a launch does not have.",
             "Declare a launch argument instead: DeclareLaunchArgument(NAME, default_value=...).",
         )
     if isinstance(error, ForkError):
         return Explanation(
-            codes.FORKS,
-            "The launch file forks: two processes would go on with it.",
-            "Start what is needed with ExecuteProcess; a launch file only describes.",
+            FORKS,
+            "The launch file forks: two processes would go on with the launch.",
+            "Start other programs with ExecuteProcess; a launch file only describes.",
         )
     if isinstance(error, (SystemExit, KeyboardInterrupt)):
         return Explanation(
-            codes.EXITS,
+            EXITS,
             f"The launch file ends the program: {type(error).__name__}({error}).",
             "Raise an exception that says what is wrong, instead of leaving the program.",
         )
     if isinstance(error, RecursionError):
         return Explanation(
-            codes.RAISES,
-            "The launch file goes round in a circle: it includes or calls itself without end; or "
-            "it is nested too deeply.",
+            RAISES,
+            "The launch file includes or calls itself without end, or it is nested too deeply.",
             "Give the include a condition that becomes false.",
         )
     return None
@@ -223,7 +340,7 @@ def _refusal(error: BaseException) -> Explanation | None:
     kind, text = type(error).__name__, str(error)
     if text.startswith("Unable to parse the value of parameter"):
         return Explanation(
-            codes.DESCRIPTION_NOT_YAML,
+            DESCRIPTION_NOT_YAML,
             f"{text}.",
             "ParameterValue(Command([...]), value_type=str) keeps the text as it is; launch_ros "
             "reads it as YAML otherwise, and a ': ' or ' #' in the robot is enough to stop it.",
@@ -231,7 +348,7 @@ def _refusal(error: BaseException) -> Explanation | None:
     if kind == "SubstitutionFailure" and text.startswith("launch configuration"):
         name = text.split("'")[1]
         return Explanation(
-            codes.UNDEFINED_CONFIGURATION,
+            UNDEFINED_CONFIGURATION,
             f"The launch configuration '{name}' does not exist when it is used.",
             advice(
                 name,
@@ -244,29 +361,29 @@ def _refusal(error: BaseException) -> Explanation | None:
         )
     if kind == "SubstitutionFailure" and text.startswith("executable"):
         return Explanation(
-            codes.EXECUTABLE_NOT_FOUND,
+            EXECUTABLE_NOT_FOUND,
             f"{text[0].upper()}{text[1:]}.",
             "Check the spelling, and that the program is on PATH.",
         )
     return None
 
 
-def _wrong_value(error: BaseException) -> Explanation | None:
+def _invalid_value(error: BaseException) -> Explanation | None:
     """A value that is nearly what the launch system takes."""
     text = str(error)
     if "xml.dom.minidom.Document" in text:
         return Explanation(
-            codes.REFUSED_BY_LAUNCH,
+            REFUSED_BY_LAUNCH,
             "A parameter of the node is the XML document of xacro, and must be its text.",
             "Write xacro.process_file(...).toxml().",
         )
-    wrong_type = getattr(error, "wsgen_wrong_type", None)
-    if wrong_type is not None:
-        argument, accepted, name, caller = wrong_type
+    type_error = getattr(error, "wsgen_wrong_type", None)
+    if type_error is not None:
+        argument, accepted, name, caller = type_error
         is_dictionary = isinstance(argument, dict)
         known = " or ".join(dict.fromkeys(_TYPES[one] for one in accepted if one in _TYPES))
         return Explanation(
-            codes.REFUSED_BY_LAUNCH,
+            REFUSED_BY_LAUNCH,
             f"`{name}` of {caller} must be {known}, and is {_prepared(argument)} "
             f"({_quoted(error, BRIEF)}).",
             f"Put square brackets around it: {name}=[{'{...}' if is_dictionary else '...'}]."
@@ -277,7 +394,7 @@ def _wrong_value(error: BaseException) -> Explanation | None:
         return _not_text(error, error.wsgen_not_text[0])
     if getattr(error, "wsgen_is_mapping", False):
         return Explanation(
-            codes.REFUSED_BY_LAUNCH,
+            REFUSED_BY_LAUNCH,
             f"{text}: `launch_arguments` of the include is a dictionary, and must be pairs of a "
             "name and a value.",
             "Write launch_arguments={...}.items().",
@@ -314,13 +431,13 @@ def _not_text(error: BaseException, value: object) -> Explanation:
     written = None if place is None else keyword_of(value, *place)
     if place is None or written is None:
         return Explanation(
-            codes.REFUSED_BY_LAUNCH,
+            REFUSED_BY_LAUNCH,
             f"The launch file gives {what} where launch takes text ({_quoted(error, BRIEF)}).",
             hint,
         )
     name, line = written
     return Explanation(
-        codes.REFUSED_BY_LAUNCH,
+        REFUSED_BY_LAUNCH,
         f"`{name}` holds {what}, and must hold text ({_quoted(error, BRIEF)}).",
         hint,
         place[0],
@@ -329,7 +446,7 @@ def _not_text(error: BaseException, value: object) -> Explanation:
     )
 
 
-def _quoted(error: BaseException, most: int = MOST_TOLD) -> str:
+def _quoted(error: BaseException, most: int = LONGEST) -> str:
     """What Python says of it, for who searches for that; at most so many characters."""
     text = f"{type(error).__name__}: {error}".rstrip(": ")
     return f"{text[:most]}..." if len(text) > most else text
@@ -339,12 +456,12 @@ def _other(error: BaseException) -> Explanation:
     text = _quoted(error)
     if _is_from_launch(error):
         return Explanation(
-            codes.REFUSED_BY_LAUNCH,
+            REFUSED_BY_LAUNCH,
             f"launch refuses this: {text}.",
             "The real ros2 launch refuses it too; check the types and the order of the arguments.",
         )
     return Explanation(
-        codes.RAISES,
+        RAISES,
         f"The launch file raises {text}.",
         "Fix it; `ros2 launch` would fail in the same way.",
     )
@@ -377,5 +494,5 @@ _EXPLAINERS: tuple[Callable[[BaseException], Explanation | None], ...] = (
     _environment,
     _program_end,
     _refusal,
-    _wrong_value,
+    _invalid_value,
 )

@@ -1,36 +1,87 @@
-"""Explain what is missing, or wrong in a xacro file: packages, share files, descriptions."""
+"""Explain missing packages, files and executables, and what xacro reports."""
 
 from __future__ import annotations
 
 import os
 import re
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
-from wsgen.launch import codes, known_packages
-from wsgen.launch.record import RECORD
+from wsgen.diagnostics import Rule, Severity
+from wsgen.launch import known_packages
+from wsgen.launch.syntax import first_missing
 from wsgen.suggestions import advice, did_you_mean, nearest
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from wsgen.launch.record import Location
+FILE_NOT_INSTALLED = Rule(
+    code="LCH005",
+    name="file-not-installed",
+    severity=Severity.ERROR,
+    summary="The launch file, or the xacro file, uses a file that is not installed.",
+    why="`ros2 launch` works on the install space: what CMakeLists.txt or setup.py does not "
+    "install is not found there, and the launch stops.",
+    example="install(DIRECTORY launch DESTINATION share/${PROJECT_NAME})",
+    instead="install(DIRECTORY launch model DESTINATION share/${PROJECT_NAME})",
+)
+PACKAGE_NOT_FOUND = Rule(
+    code="LCH007",
+    name="package-not-found",
+    severity=Severity.ERROR,
+    summary="A package that is looked up is not installed.",
+    what="Looks up packages in the sourced install spaces, and accepts those that docs/launch.md "
+    "lists or that package.xml declares.",
+    why="`get_package_share_directory()`, `FindPackageShare` and `$(find ...)` raise an error for "
+    "it, and the launch stops.",
+    example="get_package_share_directory('my_robot_desription')",
+    instead="get_package_share_directory('my_robot_description')",
+)
+XACRO_FAILS = Rule(
+    code="LCH008",
+    name="xacro-fails",
+    severity=Severity.ERROR,
+    summary="xacro cannot expand the robot description.",
+    why="`Command` and `xacro.process_file()` fail, and the launch stops before it starts "
+    "anything.",
+    example='<cylinder radius="${raduis}" length="0.1"/>',
+    instead='<xacro:property name="radius" value="0.05"/>\n'
+    '<cylinder radius="${radius}" length="0.1"/>',
+)
+NOT_READABLE = Rule(
+    code="LCH018",
+    name="launch-not-readable",
+    severity=Severity.ERROR,
+    summary="The launch file, or a file that it uses, cannot be read.",
+    what="Looks for files without read permission, and for folders, devices and named pipes in "
+    "the place of a file.",
+    why="The launch stops with the error of the operating system.",
+    example="chmod 000 launch/robot.launch.py",
+    instead="chmod 644 launch/robot.launch.py",
+)
+EXECUTABLE_NOT_FOUND = Rule(
+    code="LCH021",
+    name="executable-not-found",
+    severity=Severity.ERROR,
+    summary="A package has no executable of that name, or it is not on PATH.",
+    what="Looks in `lib/PACKAGE` of the install space for `Node` and `ExecutableInPackage`, and "
+    "on PATH for `FindExecutable`.",
+    why="launch refuses to start the node, and stops the whole launch.",
+    example="Node(package='robot_state_publisher', executable='robot_state_publiser')",
+    instead="Node(package='robot_state_publisher', executable='robot_state_publisher')",
+)
 
 
 class Explanation(NamedTuple):
-    """What is told of an exception; file and line only where they are not the launch file's."""
+    """What is reported of an exception; file and line where they are not the launch file's."""
 
-    code: str
+    rule: Rule
     message: str
     hint: str
     file: str | None = None
     line: int | None = None
     element: str | None = None
-    written: str | None = None  # the text that is wrong: its line is meant, where there is one
+    written: str | None = None  # the text that is meant: its line is reported, where it has one
 
 
 def of_xacro(error: BaseException, fault: dict[str, Any] | None) -> Explanation | None:
-    """What xacro found fault with; None where it did not."""
+    """What xacro reports; None where it is not about xacro."""
     outcome = getattr(error, "wsgen_outcome", None)
     fault = fault or (outcome.fault if outcome is not None else None)
     if fault is None:
@@ -42,7 +93,7 @@ def of_xacro(error: BaseException, fault: dict[str, Any] | None) -> Explanation 
             fault["package"], fault.get("file"), fault.get("line"), fault.get("hint")
         )
     return Explanation(
-        codes.XACRO_FAILS,
+        XACRO_FAILS,
         f"xacro fails: {fault['message']}",
         fault.get("hint") or "Fix the xacro file; `xacro FILE` shows the same error.",
         fault.get("file"),
@@ -57,7 +108,7 @@ def package_error(error: BaseException) -> Explanation | None:
         return _missing_package(str(getattr(error, "name", error)))
     if isinstance(error, OSError) and "AMENT_PREFIX_PATH" in str(error):
         return Explanation(
-            codes.PACKAGE_NOT_FOUND,
+            PACKAGE_NOT_FOUND,
             "No install space is sourced: AMENT_PREFIX_PATH is not set.",
             "Source install/setup.bash first.",
         )
@@ -68,7 +119,7 @@ def _missing_package(
     package: str, file: str | None = None, line: int | None = None, hint: str | None = None
 ) -> Explanation:
     return Explanation(
-        codes.PACKAGE_NOT_FOUND,
+        PACKAGE_NOT_FOUND,
         f"The package '{package}' is not found.",
         hint
         or advice(
@@ -97,23 +148,21 @@ def file_error(error: BaseException) -> Explanation | None:
         return None
     if not isinstance(error, (FileNotFoundError, NotADirectoryError)):
         return Explanation(
-            codes.NOT_READABLE,
+            NOT_READABLE,
             f"The file '{error.filename}' cannot be read: {error.strerror or error}.",
             "Check the path and its permissions.",
         )
     stand_in = getattr(error, "wsgen_stand_in", None)
     if stand_in is not None:
         return Explanation(
-            codes.FILE_NOT_INSTALLED,
+            FILE_NOT_INSTALLED,
             f"{error}.",
             advice(stand_in.name, stand_in.names, "Check the path in the launch file."),
             element=stand_in.name,
             written=stand_in.name,
         )
     if error.filename is None:
-        return Explanation(
-            codes.FILE_NOT_INSTALLED, f"{error}.", "Check the path in the launch file."
-        )
+        return Explanation(FILE_NOT_INSTALLED, f"{error}.", "Check the path in the launch file.")
     return _missing_file(os.fspath(error.filename))
 
 
@@ -121,7 +170,7 @@ def _missing_file(path: str) -> Explanation:
     package = known_packages.package_of(path)
     if package is not None and known_packages.is_stand_in(path):
         return Explanation(
-            codes.PACKAGE_NOT_FOUND,
+            PACKAGE_NOT_FOUND,
             f"A file of the package '{package}' is needed, and the package is not installed "
             f"here: '{path}'.",
             f"Build {package} in this workspace, or source an installation that has it.",
@@ -130,8 +179,8 @@ def _missing_file(path: str) -> Explanation:
     joined = _glued_package(path)
     if joined is not None:
         return Explanation(
-            codes.FILE_NOT_INSTALLED,
-            f"The file '{path}' is not there: '/' is missing after the share folder of {joined}.",
+            FILE_NOT_INSTALLED,
+            f"The file '{path}' does not exist: '/' is missing after the share folder of {joined}.",
             f"Write os.path.join(get_package_share_directory('{joined}'), ...).",
             element=path,
         )
@@ -139,23 +188,23 @@ def _missing_file(path: str) -> Explanation:
     near = nearest(missing, beside)
     if near is not None:
         return Explanation(
-            codes.FILE_NOT_INSTALLED,
-            f"The file '{path}' is not there.",
+            FILE_NOT_INSTALLED,
+            f"The file '{path}' does not exist.",
             did_you_mean(near),
             element=missing,
             written=missing,
         )
     if package is not None and known_packages.is_known(package):
         return Explanation(
-            codes.FILE_NOT_INSTALLED,
+            FILE_NOT_INSTALLED,
             f"The package '{package}' has no file '{path}'.",
             "Check the path in the launch file.",
             element=path,
         )
     if package is None:
         return Explanation(
-            codes.FILE_NOT_INSTALLED,
-            f"The file '{path}' is not there.",
+            FILE_NOT_INSTALLED,
+            f"The file '{path}' does not exist.",
             "Look it up in the share folder of a package: get_package_share_directory('PACKAGE').",
             element=path,
         )
@@ -163,8 +212,8 @@ def _missing_file(path: str) -> Explanation:
     folder, found, _ = inside.partition("/")
     what = f"DIRECTORY {folder}" if found else f"FILES {inside}"
     return Explanation(
-        codes.FILE_NOT_INSTALLED,
-        f"'{inside}' is not in the install space of {package}: '{path}' is not there.",
+        FILE_NOT_INSTALLED,
+        f"'{inside}' is not in the install space of {package}: '{path}' does not exist.",
         f"Install it: install({what} DESTINATION share/${{PROJECT_NAME}}) in the CMakeLists.txt "
         f"of {package}, above ament_package(), then build again. If that is there, check the "
         "spelling of the path.",
@@ -183,18 +232,6 @@ def _glued_package(path: str) -> str | None:
     except (OSError, ValueError):
         return None
     return max(glued, key=len, default=None)
-
-
-def first_missing(path: str) -> tuple[str, list[str]]:
-    """The first part of a path that is not there, and what is in its place."""
-    missing = Path(path)
-    # Unlike the method, this does not raise where a name is too long or a folder is closed.
-    while not os.path.isdir(missing.parent) and missing.parent != missing:
-        missing = missing.parent
-    try:
-        return missing.name, os.listdir(missing.parent)
-    except OSError:
-        return missing.name, []
 
 
 def executable_error(error: BaseException) -> Explanation | None:
@@ -217,49 +254,9 @@ def executable_error(error: BaseException) -> Explanation | None:
     else:
         hint = f"It has {', '.join(known)}." if known else "Check the spelling."
     return Explanation(
-        codes.EXECUTABLE_NOT_FOUND,
+        EXECUTABLE_NOT_FOUND,
         f"The package '{package}' has no executable '{program}'.",
         hint,
         element=program,
         written=program,
     )
-
-
-def report_unused_arguments(
-    launch_file: str, given: Sequence[str], of_includes: Sequence[tuple[str, Location, bool]]
-) -> None:
-    """Report launch arguments that nobody declares or reads.
-
-    `given` are those of the command line; `of_includes` the names that includes give, with the
-    line of the include and whether the included file is only stood in for.
-    """
-    for file in RECORD.launch_files:
-        if b"argv" in Path(file).read_bytes():
-            return  # it may look for its arguments in the command line
-    declared = list(RECORD.argument_use.declared)
-    for name in given:
-        RECORD.note_diagnostic(
-            codes.UNUSED_ARGUMENT,
-            "warning",
-            f"The launch argument `{name}` has no effect: no launch file declares or reads it.",
-            (launch_file, None),
-            hint=advice(
-                name,
-                declared,
-                f"Remove it, or declare it: DeclareLaunchArgument('{name}', default_value=...).",
-            ),
-            element=name,
-        )
-    for name, location, is_stand_in in of_includes:
-        # What is stood in for may take more arguments in another release.
-        if is_stand_in and nearest(name, declared, cutoff=known_packages.SURELY) is None:
-            continue
-        RECORD.note_diagnostic(
-            codes.UNUSED_INCLUDE_ARGUMENT,
-            "warning",
-            f"The launch argument `{name}` has no effect: the included launch file does not "
-            "declare or read it.",
-            location,
-            hint=advice(name, declared, "Remove it from launch_arguments."),
-            element=name,
-        )

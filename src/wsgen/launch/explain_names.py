@@ -1,6 +1,6 @@
-"""Explain names that are wrong in a launch file: not imported, misspelt, not of the launch API.
+"""Explain names in a launch file that are not imported, misspelled or not of the launch API.
 
-Like the rest of what explains, it runs in the child process and only when something is wrong.
+Like the other explainers, it runs in the child process and only when there is something to report.
 """
 
 from __future__ import annotations
@@ -13,17 +13,99 @@ import re
 import sys
 from typing import TYPE_CHECKING
 
-from wsgen.launch import codes
+from wsgen.diagnostics import Rule, Severity
 from wsgen.launch.explain_missing import Explanation, packages
-from wsgen.launch.missing_modules import KNOWN
 from wsgen.launch.record import RECORD
 from wsgen.launch.syntax import nodes_of
+from wsgen.launch.worker import KNOWN_MODULES
 from wsgen.suggestions import advice, did_you_mean, nearest
 
 if TYPE_CHECKING:
     from types import FrameType, TracebackType
 
 
+IMPORT_ERROR = Rule(
+    code="LCH002",
+    name="launch-import",
+    severity=Severity.ERROR,
+    summary="The launch file imports a module that is not installed.",
+    why="Python raises an ImportError, and `ros2 launch` starts nothing.",
+    example="from lanuch import LaunchDescription",
+    instead="from launch import LaunchDescription",
+)
+NO_LAUNCH_FUNCTION = Rule(
+    code="LCH003",
+    name="no-launch-function",
+    severity=Severity.ERROR,
+    summary="The launch file does not define generate_launch_description().",
+    why="`ros2 launch` calls this function, and refuses a file without it.",
+    example="def generate_launch_desciption():\n    return LaunchDescription([])",
+    instead="def generate_launch_description():\n    return LaunchDescription([])",
+)
+RAISES = Rule(
+    code="LCH004",
+    name="launch-raises",
+    severity=Severity.ERROR,
+    summary="The launch file raises an exception.",
+    why="`ros2 launch` stops with the same exception and starts nothing.",
+    example="import os\npath = os.path.jion(share, 'model')",
+    instead="import os\npath = os.path.join(share, 'model')",
+)
+REFUSED_BY_LAUNCH = Rule(
+    code="LCH010",
+    name="refused-by-launch",
+    severity=Severity.ERROR,
+    summary="launch refuses a value that the launch file gives to it.",
+    what="Checks the types, the order and the values of arguments as `launch` and `launch_ros` do.",
+    why="`ros2 launch` raises an error, at once or when it comes to the action.",
+    example="Node(package='rviz2', executable='rviz2', parameters={'use_sim_time': True})",
+    instead="Node(package='rviz2', executable='rviz2', parameters=[{'use_sim_time': True}])",
+)
+UNSUPPORTED_API = Rule(
+    code="LCH017",
+    name="unsupported-launch-api",
+    severity=Severity.ERROR,
+    summary="The launch file uses a part of the launch API that wsgen does not know.",
+    what="Compares what is imported from `launch`, `launch_ros` and `ament_index_python` with the "
+    "names in docs/launch.md.",
+    why="Most often the name is misspelled, and `ros2 launch` fails in the same way. What wsgen "
+    "does not know it cannot evaluate, and does not guess.",
+    example="from launch.actions import Node",
+    instead="from launch_ros.actions import Node",
+)
+OLD_KEYWORD = Rule(
+    code="LCH022",
+    name="old-keyword",
+    severity=Severity.ERROR,
+    summary="A node is described with keyword arguments that were removed in ROS 2 Galactic.",
+    why="`Node` raises a TypeError for `node_executable`, `node_name` and `node_namespace`, and "
+    "the launch stops.",
+    example="Node(package='rviz2', node_executable='rviz2', node_name='view')",
+    instead="Node(package='rviz2', executable='rviz2', name='view')",
+)
+UNDEFINED_NAME = Rule(
+    code="LCH030",
+    name="undefined-name",
+    severity=Severity.ERROR,
+    summary="The launch file uses a name that it neither defines nor imports.",
+    why="Python raises a NameError, and `ros2 launch` starts nothing.",
+    example="from launch import LaunchDescription\n\n"
+    "def generate_launch_description():\n"
+    "    return LaunchDescription([Node(package='rviz2', executable='rviz2')])",
+    instead="from launch import LaunchDescription\n"
+    "from launch_ros.actions import Node\n\n"
+    "def generate_launch_description():\n"
+    "    return LaunchDescription([Node(package='rviz2', executable='rviz2')])",
+)
+INVALID_KEYWORD = Rule(
+    code="LCH031",
+    name="invalid-keyword",
+    severity=Severity.ERROR,
+    summary="A class of the launch API lacks a keyword argument, or does not know one.",
+    why="Python raises a TypeError, and `ros2 launch` starts nothing.",
+    example="Node(package='rviz2', excutable='rviz2')",
+    instead="Node(package='rviz2', executable='rviz2')",
+)
 # Modules that launch files import from. Of a name that several have, the first is meant.
 API = (
     "launch",
@@ -53,7 +135,7 @@ API_PACKAGES = frozenset(
 # Other names that launch files use, and where they come from; modules are imported themselves.
 ELSEWHERE = {"Path": "pathlib", "join": "os.path", "dirname": "os.path", "exists": "os.path"}
 MODULES = frozenset(("xacro", "yaml", "launch", "launch_ros", "ament_index_python"))
-MOST_TOLD = 80  # characters of a value
+LONGEST = 80  # characters of a value
 REMOVED = frozenset(("node_executable", "node_name", "node_namespace"))  # keywords of Foxy
 
 
@@ -92,14 +174,14 @@ def of_name(error: BaseException) -> Explanation | None:
     statement = import_line(name)
     if statement is not None:
         return Explanation(
-            codes.UNDEFINED_NAME,
+            UNDEFINED_NAME,
             f"{error}: the launch file does not import `{name}`.",
             f"Add `{statement}` at the top of the file.",
             element=name,
         )
     if name == RECORD.package or name in packages():
         return Explanation(
-            codes.UNDEFINED_NAME,
+            UNDEFINED_NAME,
             f"{error}: it is the name of {'this' if name == RECORD.package else 'a'} package, and "
             "has no quotes.",
             f"Put quotes round it: '{name}'.",
@@ -111,7 +193,7 @@ def of_name(error: BaseException) -> Explanation | None:
     if near is not None:
         missing = None if near in known else import_line(near)
         hint = did_you_mean(near) + (f" Add `{missing}` at the top." if missing else "")
-    return Explanation(codes.UNDEFINED_NAME, f"{error}.", hint, element=name)
+    return Explanation(UNDEFINED_NAME, f"{error}.", hint, element=name)
 
 
 def _visible_names(error: BaseException) -> set[str]:
@@ -139,15 +221,15 @@ def of_import(error: BaseException) -> Explanation | None:
         return _no_such_name(module, named[1])
     if module.partition(".")[0] in API_PACKAGES and "." in module:
         return Explanation(
-            codes.UNSUPPORTED_API,
+            UNSUPPORTED_API,
             f"The launch API has no module `{module}`, as far as wsgen knows it.",
             advice(module, API, "Check the spelling."),
             element=module,
         )
-    names = {*MODULES, *KNOWN, *sys.stdlib_module_names}
+    names = {*MODULES, *KNOWN_MODULES, *sys.stdlib_module_names}
     return Explanation(
-        codes.IMPORT_ERROR,
-        f"The launch file imports what is not there: {error}.",
+        IMPORT_ERROR,
+        f"The launch file cannot import this: {error}.",
         advice(
             module,
             [name for name in names if not name.startswith("_")],
@@ -158,12 +240,14 @@ def of_import(error: BaseException) -> Explanation | None:
 
 
 def _no_such_name(module: str, name: str) -> Explanation:
-    """What is told of a name that a module of the launch API does not have."""
+    """A name that a module of the launch API does not have."""
     here = {other for other in dir(importlib.import_module(module)) if not other.startswith("_")}
     here.update(_public_names(module))
     statement = import_line(name)
     near = nearest(name, here) or nearest(name, _importable_names())
-    hint = "Check the spelling; what is right and yet not known cannot be evaluated without ROS."
+    hint = (
+        "Check the spelling. wsgen cannot evaluate names of the launch API that it does not know."
+    )
     if statement is not None:
         hint = f"Write `{statement}`."
     elif near in here:
@@ -171,7 +255,7 @@ def _no_such_name(module: str, name: str) -> Explanation:
     elif near is not None:
         hint = did_you_mean(import_line(near) or near)
     return Explanation(
-        codes.UNSUPPORTED_API,
+        UNSUPPORTED_API,
         f"`{module}` has no `{name}`, as far as wsgen knows the launch API.",
         hint,
         element=name,
@@ -191,7 +275,7 @@ def of_attribute(error: BaseException) -> Explanation | None:
     if near is None:
         return None
     return Explanation(
-        codes.RAISES,
+        RAISES,
         f"The launch file raises AttributeError: {error}.",
         did_you_mean(near),
         element=error.name,
@@ -201,9 +285,9 @@ def of_attribute(error: BaseException) -> Explanation | None:
 def of_keyword(error: BaseException) -> Explanation | None:
     """A keyword argument that a class of the launch API does not have, or one that it lacks."""
     text = str(error)
-    wrong = re.match(r"(\w+)\.__init__\(\) got an unexpected keyword argument '(\w+)'", text)
+    unexpected = re.match(r"(\w+)\.__init__\(\) got an unexpected keyword argument '(\w+)'", text)
     missing = re.match(r"(\w+)\.__init__\(\) missing \d+ required [\w -]+: '(\w+)'", text)
-    found = wrong or missing
+    found = unexpected or missing
     if found is None or not isinstance(error, TypeError):
         return None
     place = _user_step(error)
@@ -216,10 +300,10 @@ def of_keyword(error: BaseException) -> Explanation | None:
     owner = type(made) if made is not None else place.tb_frame.f_globals.get(name)
     known = _parameters(owner) if isinstance(owner, type) else set()
     unknown = [keyword for keyword in given if keyword not in known] if known else []
-    keyword = wrong[2] if wrong else next(iter(unknown), None)
+    keyword = unexpected[2] if unexpected else next(iter(unknown), None)
     if keyword is None:
         return Explanation(
-            codes.WRONG_KEYWORD,
+            INVALID_KEYWORD,
             f"`{name}` is not given `{found[2]}`, which it needs.",
             f"Add `{found[2]}=...` to its arguments.",
             file,
@@ -229,7 +313,7 @@ def of_keyword(error: BaseException) -> Explanation | None:
     said = f"`{name}` has no argument `{keyword}`" + (f" ({text})" if missing else "")
     if keyword in REMOVED:
         return Explanation(
-            codes.OLD_KEYWORD,
+            OLD_KEYWORD,
             f"{said}.",
             "Node takes executable, name and namespace; node_executable, node_name and "
             "node_namespace were removed in Galactic.",
@@ -239,7 +323,7 @@ def of_keyword(error: BaseException) -> Explanation | None:
         )
     near = nearest(keyword, known - given.keys())
     return Explanation(
-        codes.WRONG_KEYWORD,
+        INVALID_KEYWORD,
         f"{said}.",
         did_you_mean(near) if near else f"It has {', '.join(sorted(known))}.",
         file,
@@ -300,9 +384,9 @@ def of_returned(error: BaseException) -> Explanation | None:
         None,
     )
     if returned[1] != "None" or function is None:
-        what = returned[1][:MOST_TOLD] + ("..." if len(returned[1]) > MOST_TOLD else "")
+        what = returned[1][:LONGEST] + ("..." if len(returned[1]) > LONGEST else "")
         return Explanation(
-            codes.REFUSED_BY_LAUNCH,
+            REFUSED_BY_LAUNCH,
             f"{message}, and returns {what}.",
             "Write `return LaunchDescription([...])`.",
         )
@@ -319,7 +403,7 @@ def of_returned(error: BaseException) -> Explanation | None:
         isinstance(node, ast.Return) and node.value is not None for node in ast.walk(function)
     )
     return Explanation(
-        codes.REFUSED_BY_LAUNCH,
+        REFUSED_BY_LAUNCH,
         f"{message}, and returns None{'' if has_return else ': it has no `return`'}.",
         f"Add `return {made[-1] if made else 'LaunchDescription([...])'}` as its last line.",
     )
@@ -336,7 +420,7 @@ def of_launch_function(error: BaseException) -> Explanation | None:
     wanted = "generate_launch_description"
     near = nearest(wanted, functions)
     return Explanation(
-        codes.NO_LAUNCH_FUNCTION,
+        NO_LAUNCH_FUNCTION,
         f"The launch file has no function {wanted}().",
         f"Rename `{near}` to `{wanted}`: ros2 launch calls it by this name."
         if near

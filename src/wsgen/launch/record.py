@@ -1,25 +1,32 @@
-"""What is noted down while a launch file is evaluated, in the child process.
+"""What is recorded while a launch file is evaluated, in the child process.
 
 There is one record in a process, because launch files make a `LaunchContext` of their own to
-perform substitutions, and what these find out belongs to the same plan. Everything in it is made
-of JSON values. No dataclasses: they would cost more than the rest of the module.
+perform substitutions, and what these find out belongs to the same plan.
+
+The commands of `Command([...])` are not executed: xacro runs in this process, given by who
+evaluates the launch file; a few commands that only read or repeat are done here. The output of
+every other one is known only where ROS is.
 """
 
 from __future__ import annotations
 
 import contextlib
 import os
+import shlex
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wsgen.files import refuse_irregular
-from wsgen.launch import codes
+from wsgen.model.plan import Unresolved
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
     from types import FrameType
 
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.model.plan import Include, LaunchArgument, Process
 
 if TYPE_CHECKING:
     Location = tuple[str, int]  # file, 1-based line
@@ -30,11 +37,11 @@ _NOT_THE_USERS = (_MACHINERY, "<frozen importlib")
 
 
 class ForkError(Exception):
-    """The launch file forks; raised in it, and explained as what is wrong with it."""
+    """The launch file forks; raised in it, and reported."""
 
 
 class CommandOutcome:
-    """What a command line printed, and where it found fault if it did."""
+    """What a command line printed, and the error that xacro found."""
 
     __slots__ = ("code", "fault", "stderr", "stdout", "unused")
 
@@ -49,7 +56,7 @@ class CommandOutcome:
         self.stdout = stdout
         self.stderr = stderr
         self.code = code
-        self.fault = fault  # message, file, line of the user's file that is wrong
+        self.fault = fault  # message, file, line of the error in the user's file
         self.unused = unused  # arguments of xacro: name, message, hint
 
 
@@ -59,7 +66,7 @@ class ArgumentUse:
     def __init__(self) -> None:
         self.declared: dict[str, None] = {}  # in order
         self.read: set[str] = set()
-        # By includes: name, line of the include, whether the included file is only stood in for.
+        # By includes: name, line of the include, whether the included file is not installed.
         self.given: list[tuple[str, Location, bool]] = []
         self.not_run: set[object] = set()  # launch files and functions that may yet read any
         self.is_unknown = False  # something takes part that is not here, and may read any
@@ -75,11 +82,11 @@ class Record:
 
     def __init__(self) -> None:
         self.package: str | None = None  # the one whose launch file is evaluated
-        self.arguments: dict[str, dict[str, Any]] = {}  # declared ones by name, in order
-        self.processes: list[dict[str, Any]] = []  # keyword arguments of model.plan.Process
-        self.includes: list[dict[str, Any]] = []  # of model.plan.Include
-        self.unresolved: list[dict[str, Any]] = []  # of model.plan.Unresolved
-        self.diagnostics: list[dict[str, Any]] = []  # of diagnostics.Diagnostic
+        self.arguments: dict[str, LaunchArgument] = {}  # declared ones by name, in order
+        self.processes: list[Process] = []
+        self.includes: list[Include] = []
+        self.unresolved: list[Unresolved] = []
+        self.diagnostics: list[Diagnostic] = []
         self.launch_files: list[str] = []  # evaluated ones, in order
         self.reading: Location | None = None  # element of an XML or YAML file that is made into one
         self.run_xacro: CommandRunner | None = None
@@ -91,8 +98,8 @@ class Record:
 
     def note_unresolved(self, what: str, why: str, location: Location | None) -> None:
         """Note a value that only a real ROS could give."""
-        file, line = location or (None, None)
-        entry = {"what": what, "why": why, "file": file, "line": line}
+        file, line = split_location(location)
+        entry = Unresolved(what=what, why=why, file=file, line=line)
         if entry not in self.unresolved:
             self.unresolved.append(entry)
 
@@ -106,43 +113,14 @@ class Record:
         """Whether a text has one in it that stands for something unknown."""
         return "$(" in text and any(unknown in text for unknown in self.unknown_texts)
 
-    def note_diagnostic(  # noqa: PLR0913  the fields of a diagnostic
-        self,
-        code: str,
-        severity: str,
-        message: str,
-        location: Location | tuple[str, None] | None,
-        *,
-        hint: str | None = None,
-        element: str | None = None,
-    ) -> None:
-        """Note what is wrong with the user's files."""
-        file, line = location or (None, None)
-        self.diagnostics.append(
-            {
-                "code": code,
-                "severity": severity,
-                "message": message,
-                "file": file,
-                "line": line,
-                "element": element,
-                "hint": hint,
-            }
-        )
-
     def note_unused_xacro_arguments(
         self, unused: Sequence[Mapping[str, str]], location: Location | None = None
     ) -> None:
         """Note the arguments that are given to xacro and that the xacro file does not have."""
-        for argument in unused:
-            self.note_diagnostic(
-                codes.UNUSED_XACRO_ARGUMENT,
-                "warning",
-                argument["message"],
-                location or caller(),
-                hint=argument["hint"],
-                element=argument["name"],
-            )
+        if unused:
+            from wsgen.launch.launch_warnings import report_unused_xacro_arguments
+
+            report_unused_xacro_arguments(unused, location)
 
     def note_text(self, text: str, file: str) -> None:
         """Note that a text, as a description of a robot is one, was made from a file."""
@@ -150,10 +128,13 @@ class Record:
 
     def find_description_files(self) -> None:
         """Note with each process which file the description is of that it is given."""
-        for process in self.processes:
-            for value in (*process["parameters"].values(), *process["arguments"]):
+        for index, process in enumerate(self.processes):
+            for value in (*process.parameters.values(), *process.arguments):
                 if isinstance(value, str) and value.lstrip().startswith("<"):
-                    process["description_file"] = self._file_of(_fold(value))
+                    file = self._file_of(_fold(value))
+                    self.processes[index] = replace(
+                        process, description_file=None if file is None else Path(file)
+                    )
 
     def _file_of(self, text: str) -> str | None:
         if text in self.texts:
@@ -180,8 +161,13 @@ def _fold(text: str) -> str:
 RECORD = Record()
 
 
+def split_location(location: Location | None) -> tuple[Path | None, int | None]:
+    """File and line of a place, both None where it is not known."""
+    return (None, None) if location is None else (Path(location[0]), location[1])
+
+
 def caller() -> Location | None:
-    """The line that called into the recording modules; None where none of the user's did."""
+    """The line that called into the shim; None where no line of the user did."""
     if RECORD.reading is not None:
         return RECORD.reading
     frame: FrameType | None = sys._getframe(1)  # noqa: SLF001  no stack has to be built for it
@@ -211,3 +197,49 @@ def last_user_line(error: BaseException) -> Location | None:
             found = (file, step.tb_lineno)
         step = step.tb_next
     return found
+
+
+def run_command(words: Sequence[str], location: Location | None) -> CommandOutcome:
+    """What a command line prints; a placeholder where that cannot be known."""
+    if not words:
+        return CommandOutcome("", stderr="the command line is empty", code=127)
+    xacro = _xacro_words(words)
+    if xacro is not None and RECORD.run_xacro is not None:
+        outcome = RECORD.run_xacro(xacro)
+        RECORD.note_unused_xacro_arguments(outcome.unused, location)
+        return outcome
+    program = os.path.basename(words[0])
+    if program == "cat":
+        return _cat(words[1:])
+    if program == "echo":
+        return CommandOutcome(" ".join(words[1:]) + "\n")
+    line = shlex.join(words)
+    why = "commands other than xacro and cat are not executed"
+    return CommandOutcome(RECORD.note_unknown(line, why, location))
+
+
+def _xacro_words(words: Sequence[str]) -> list[str] | None:
+    """The words from `xacro` on, however it is started."""
+    for start in (("ros2", "run", "xacro"), ("python3", "-m"), ("python", "-m"), ()):
+        rest = words[len(start) :]
+        begins = [os.path.basename(word) for word in words[:1]] + list(words[1 : len(start)])
+        is_start = not start or begins == list(start)
+        if is_start and rest and os.path.basename(rest[0]) in {"xacro", "xacro.py"}:
+            return list(rest)
+    return None
+
+
+def _cat(files: Sequence[str]) -> CommandOutcome:
+    text = ""
+    for file in files:
+        try:
+            text += Path(file).read_text(encoding="utf-8")
+            RECORD.note_text(text, os.path.abspath(file))
+        except OSError as error:  # noqa: PERF203  each file may fail
+            return CommandOutcome(
+                "",
+                stderr=f"cat: {file}: {error.strerror}",
+                code=1,
+                fault={"message": f"cat: {file}: {error.strerror}", "missing": file},
+            )
+    return CommandOutcome(text)

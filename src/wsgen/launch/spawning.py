@@ -1,14 +1,9 @@
-"""Read from a plan which simulator it starts and which robots it puts into it.
+"""Read from a plan which simulator it starts and which robots it spawns.
 
-The options of the programs that spawn robots.
-
-`spawn_entity.py` (gazebo_ros) reads `-name value` as argparse does, `create` (ros_gz_sim) as
-gflags does: `-name value`, `-name=value` or `--name=value`; it takes node parameters too, which
-win over the options.
-
-Where the description of a spawned robot comes from: a topic, a file, a parameter, a text.
-
-What is wrong with a process of a plan.
+The description of a robot comes from a topic, a file, a parameter or a text, as the options of the
+spawner say. `spawn_entity.py` (gazebo_ros) reads `-name value` as argparse does, `create`
+(ros_gz_sim) as gflags does: `-name value`, `-name=value` or `--name=value`; it takes node
+parameters too, which win over the options.
 """
 
 from __future__ import annotations
@@ -19,10 +14,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.launch.known_packages import SURELY
-from wsgen.launch.syntax import loose_actions
-from wsgen.model.plan import Process, Simulator, Spawn, SpawnHeight
+from wsgen.launch.syntax import unused_actions
+from wsgen.model.plan import Process
+from wsgen.model.spawn import Simulator, Spawn, SpawnHeight
 from wsgen.model.transform import Pose
 from wsgen.suggestions import advice, nearest
 
@@ -32,6 +28,132 @@ if TYPE_CHECKING:
     from wsgen.model.plan import Include, LaunchPlan
 
 
+NO_SIMULATOR = Rule(
+    code="SPN001",
+    name="no-simulator",
+    severity=Severity.ERROR,
+    summary="The launch file starts no simulator.",
+    what="Looks for the launch files and programs of Gazebo Classic and Gazebo Sim among what the "
+    "launch file includes and starts.",
+    why="The spawner waits for the service of a simulator that never starts.",
+    example="gazebo = IncludeLaunchDescription(...)  # not added to the LaunchDescription",
+    instead="launch_description.add_action(gazebo)",
+)
+ROS_1_SPAWNER = Rule(
+    code="SPN002",
+    name="ros-1-spawner",
+    severity=Severity.ERROR,
+    summary="The launch file uses the spawner of ROS 1.",
+    why="gazebo_ros of ROS 2 does not install `spawn_model`, so that the launch stops.",
+    example="Node(package='gazebo_ros', executable='spawn_model',\n"
+    "     arguments=['-topic', 'robot_description', '-model', 'my_robot'])",
+    instead="Node(package='gazebo_ros', executable='spawn_entity.py',\n"
+    "     arguments=['-topic', 'robot_description', '-entity', 'my_robot'])",
+)
+NO_ROBOT = Rule(
+    code="SPN003",
+    name="no-robot",
+    severity=Severity.ERROR,
+    summary="The launch file spawns no robot.",
+    why="The simulator starts without the robot, and nothing can be simulated.",
+    example="spawner = Node(package='gazebo_ros', executable='spawn_entity.py', ...)  # not added",
+    instead="launch_description.add_action(spawner)",
+)
+INVALID_SPAWNER_OPTION = Rule(
+    code="SPN004",
+    name="invalid-spawner-option",
+    severity=Severity.ERROR,
+    summary="The spawner does not accept its options.",
+    what="Reads the arguments of `spawn_entity.py` and `create`, and the parameters of `create`, "
+    "as these programs do.",
+    why="The spawner ends with an error message, and the robot does not appear.",
+    example="arguments=['-topic', 'robot_description']  # of spawn_entity.py",
+    instead="arguments=['-topic', 'robot_description', '-entity', 'my_robot']",
+)
+INVALID_SPAWN_POSE = Rule(
+    code="SPN005",
+    name="invalid-spawn-pose",
+    severity=Severity.ERROR,
+    summary="A coordinate of the spawn pose is not a finite number.",
+    why="The spawner refuses the value, or puts the robot where the physics engine cannot "
+    "simulate it.",
+    example="arguments=['-topic', 'robot_description', '-entity', 'my_robot', '-z', 'high']",
+    instead="arguments=['-topic', 'robot_description', '-entity', 'my_robot', '-z', '0.5']",
+)
+DATABASE_MODEL = Rule(
+    code="SPN006",
+    name="database-model",
+    severity=Severity.ERROR,
+    summary="The spawner takes the model from Gazebo's model database.",
+    why="The model is not part of the workspace, so wsgen cannot simulate it; Gazebo looks for it "
+    "in its own folders or downloads it.",
+    example="arguments=['-database', 'coke_can', '-entity', 'can']",
+    instead="arguments=['-file', os.path.join(share, 'models', 'can', 'model.sdf'), "
+    "'-entity', 'can']",
+)
+NO_DESCRIPTION_SOURCE = Rule(
+    code="SPN007",
+    name="no-description-source",
+    severity=Severity.ERROR,
+    summary="The spawner reads the robot from its standard input.",
+    why="launch connects nothing to the standard input of a process, so the spawner waits for "
+    "ever.",
+    example="arguments=['-stdin', '-entity', 'my_robot']",
+    instead="arguments=['-topic', 'robot_description', '-entity', 'my_robot']",
+)
+UNPUBLISHED_DESCRIPTION = Rule(
+    code="SPN008",
+    name="unpublished-description",
+    severity=Severity.ERROR,
+    summary="No robot_state_publisher publishes the topic that the spawner reads.",
+    what="Compares the topic of the spawner with those of every robot_state_publisher, with "
+    "namespaces and remappings.",
+    why="The spawner waits for the topic for ever, and the robot does not appear.",
+    example="arguments=['-topic', 'robot', '-entity', 'my_robot']",
+    instead="arguments=['-topic', 'robot_description', '-entity', 'my_robot']",
+)
+PUBLISHER_WITHOUT_DESCRIPTION = Rule(
+    code="SPN009",
+    name="publisher-without-description",
+    severity=Severity.ERROR,
+    summary="robot_state_publisher has no parameter robot_description.",
+    why="robot_state_publisher ends with an error, and the spawner waits for the topic for ever.",
+    example="Node(package='robot_state_publisher', executable='robot_state_publisher')",
+    instead="Node(package='robot_state_publisher', executable='robot_state_publisher',\n"
+    "     parameters=[{'robot_description': text}])",
+)
+MISSING_SPAWN_PARAMETER = Rule(
+    code="SPN010",
+    name="missing-spawn-parameter",
+    severity=Severity.ERROR,
+    summary="The spawner reads the robot from a parameter that is not set.",
+    why="The spawner finds no description and ends with an error.",
+    example="Node(package='ros_gz_sim', executable='create',\n"
+    "     arguments=['-param', 'robot_description'])",
+    instead="Node(package='ros_gz_sim', executable='create',\n"
+    "     arguments=['-param', 'robot_description'],\n"
+    "     parameters=[{'robot_description': text}])",
+)
+DESCRIPTION_NOT_TEXT = Rule(
+    code="SPN011",
+    name="description-not-text",
+    severity=Severity.ERROR,
+    summary="The robot description is not the text of a URDF or SDF.",
+    why="robot_state_publisher and the spawners parse the value as XML, and end with an error for "
+    "a path or an empty text.",
+    example="parameters=[{'robot_description': os.path.join(share, 'model', 'robot.xacro')}]",
+    instead="parameters=[{'robot_description': ParameterValue(\n"
+    "    Command(['xacro ', path]), value_type=str)}]",
+)
+UNREADABLE_SPAWN_FILE = Rule(
+    code="SPN012",
+    name="unreadable-spawn-file",
+    severity=Severity.ERROR,
+    summary="The file to spawn cannot be read.",
+    why="The spawner, or robot_state_publisher, ends with an error, and the robot does not appear.",
+    example="install(DIRECTORY launch DESTINATION share/${PROJECT_NAME})",
+    instead="install(DIRECTORY launch model DESTINATION share/${PROJECT_NAME})",
+)
 _POSE = ("x", "y", "z", "R", "P", "Y")
 
 
@@ -81,17 +203,17 @@ CREATE = Options(
 
 
 class Read(NamedTuple):
-    """Options without their dashes, and what is wrong with them: what and what to do."""
+    """Options without their dashes, and the errors in them: message and hint."""
 
     values: Mapping[str, str]
-    faults: list[tuple[str, str]]
+    errors: list[tuple[str, str]]
 
 
 def read_options_of(process: Process, options: Options) -> Read:
     """The options of a spawner, from its arguments and, where it reads them, its parameters."""
-    values, faults = _read_words(process, options)
-    if faults:  # what is lacking may follow from them
-        return Read(values, faults)
+    values, errors = _read_words(process, options)
+    if errors:  # what is lacking may follow from them
+        return Read(values, errors)
     if options.reads_parameters:
         known = options.with_value | options.flags
         values.update(
@@ -105,25 +227,25 @@ def read_options_of(process: Process, options: Options) -> Read:
     all_sources = ", ".join(f"-{name}" for name in options.sources)
     if len(given) != 1:
         found = " and ".join(f"-{name}" for name in given) or "none of them"
-        faults.append(
+        errors.append(
             (
                 f"{process.executable} needs exactly one of {all_sources}, and is given {found}.",
                 "Usually it is '-topic', 'robot_description'.",
             )
         )
     if not values.get(options.entity) and not options.default_entity:
-        faults.append(
+        errors.append(
             (
                 f"{process.executable} is not given -{options.entity}, the name of the model.",
                 f"Add '-{options.entity}', 'NAME' to its arguments.",
             )
         )
-    return Read(values, faults)
+    return Read(values, errors)
 
 
 def _read_words(process: Process, options: Options) -> tuple[dict[str, str], list[tuple[str, str]]]:
     values: dict[str, str] = {}
-    faults: list[tuple[str, str]] = []
+    errors: list[tuple[str, str]] = []
     words = list(process.arguments)
     while words:
         word = words.pop(0)
@@ -131,7 +253,7 @@ def _read_words(process: Process, options: Options) -> tuple[dict[str, str], lis
             break
         name, has_value, value = word.lstrip("-").partition("=")
         if not word.startswith("-") or name not in options.with_value | options.flags:
-            faults.append(_unknown(process, word, options))
+            errors.append(_unknown(process, word, options))
             if word.startswith("-") and not has_value and words and words[0][:1] != "-":
                 words.pop(0)  # its value
         elif has_value:
@@ -143,17 +265,17 @@ def _read_words(process: Process, options: Options) -> tuple[dict[str, str], lis
         elif words:
             values[name] = words.pop(0)
         else:
-            faults.append(
+            errors.append(
                 (f"{word} of {process.executable} has no value.", f"Add it: {word} VALUE.")
             )
-    return values, faults
+    return values, errors
 
 
 def _unknown(process: Process, word: str, options: Options) -> tuple[str, str]:
     if " " in word.strip():
         return (
-            f"'{word}' is one argument of {process.executable}, and none that it knows.",
-            "Each option and each value is an item of its own in the list of arguments.",
+            f"'{word}' is one argument of {process.executable}, which does not know it.",
+            "Write each option and each value as a separate item of `arguments`.",
         )
     names = [f"-{name}" for name in sorted(options.with_value | options.flags)]
     return (
@@ -170,20 +292,12 @@ def split(line: str) -> list[str]:
         return [line]
 
 
-def fault(code: str, process: Process, message: str, hint: str) -> Diagnostic:
-    """An error at the line of the launch file that describes the process."""
-    return Diagnostic(
-        code=code,
-        severity=Severity.ERROR,
-        message=message,
-        file=process.file,
-        line=process.line,
-        element=process.executable,
-        hint=hint,
-    )
+def _report(rule: Rule, process: Process, message: str, hint: str) -> Diagnostic:
+    """At the line of the launch file that describes the process."""
+    return rule.at(process.file, process.line, process.executable, message=message, hint=hint)
 
 
-def or_loose(
+def _or_unused_action(
     missing: Diagnostic, plan: LaunchPlan, *kinds: str, names: Collection[str]
 ) -> Diagnostic:
     """What is reported as missing; or the action that was created for it and never added.
@@ -191,7 +305,7 @@ def or_loose(
     `kinds` are the classes of such actions; `names` the programs, launch files and packages of
     which they name one.
     """
-    for action in loose_actions(plan.evaluated_files, kinds):
+    for action in unused_actions(plan.evaluated_files, kinds):
         if not action.words.isdisjoint(names):
             return replace(
                 missing,
@@ -223,15 +337,15 @@ def find_description(
     if "param" in options:
         return _from_parameter(spawner, options["param"])
     if "database" in options:
-        return fault(
-            "SPN006",
+        return _report(
+            DATABASE_MODEL,
             spawner,
-            f"-database {options['database']} takes a model from Gazebo's own folders, which are "
-            "not here.",
+            f"-database {options['database']} takes a model from Gazebo's own folders, which "
+            "wsgen does not have.",
             "Use -file with the model's file, or -topic robot_description.",
         )
-    return fault(
-        "SPN007",
+    return _report(
+        NO_DESCRIPTION_SOURCE,
         spawner,
         f"{spawner.executable} reads the robot from standard input, and nothing writes to it.",
         "Use '-topic', 'robot_description' instead of -stdin.",
@@ -267,8 +381,8 @@ def _from_topic(
     if wanted in published:
         return _published(published[wanted])
     others = ", ".join(published) or "nothing, as it starts no robot_state_publisher"
-    missing = fault(
-        "SPN008",
+    missing = _report(
+        UNPUBLISHED_DESCRIPTION,
         spawner,
         f"{spawner.executable} waits for the topic {wanted}, and no robot_state_publisher "
         f"publishes it; the launch file publishes {others}.",
@@ -279,7 +393,7 @@ def _from_topic(
             "robot_description, or correct -topic.",
         ),
     )
-    return missing if published else or_loose(missing, plan, "Node", names={PUBLISHER})
+    return missing if published else _or_unused_action(missing, plan, "Node", names={PUBLISHER})
 
 
 def _published(publisher: Process) -> tuple[str, Path | None] | Diagnostic:
@@ -288,8 +402,8 @@ def _published(publisher: Process) -> tuple[str, Path | None] | Diagnostic:
         return _from_file(publisher, publisher.arguments[0])
     if PARAMETER not in publisher.parameters:
         misspelt = nearest(PARAMETER, publisher.parameters, cutoff=SURELY)
-        return fault(
-            "SPN009",
+        return _report(
+            PUBLISHER_WITHOUT_DESCRIPTION,
             publisher,
             "robot_state_publisher is not given the parameter robot_description"
             + (f" but `{misspelt}`." if misspelt else "."),
@@ -302,8 +416,8 @@ def _published(publisher: Process) -> tuple[str, Path | None] | Diagnostic:
 
 def _from_parameter(spawner: Process, name: str) -> tuple[str, Path | None] | Diagnostic:
     if name not in spawner.parameters:
-        return fault(
-            "SPN010",
+        return _report(
+            MISSING_SPAWN_PARAMETER,
             spawner,
             f"{spawner.executable} reads the parameter '{name}', which it is not given.",
             f"Add parameters=[{{'{name}': ...}}] to the Node, or use -topic robot_description.",
@@ -317,9 +431,9 @@ def _text(process: Process, value: Any) -> tuple[str, Path | None] | Diagnostic:
     if isinstance(value, str) and not value.strip():
         what = "is empty"
     else:
-        what = f"is no robot: '{str(value)[:60]}'"
-    return fault(
-        "SPN011",
+        what = f"is not the text of a robot: '{str(value)[:60]}'"
+    return _report(
+        DESCRIPTION_NOT_TEXT,
         process,
         f"The robot_description {what}.",
         "Give it the text of the URDF, not its path: "
@@ -333,9 +447,9 @@ def _from_file(process: Process, path: str) -> tuple[str, Path | None] | Diagnos
     try:
         text = Path(path).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or "it is no text"
-        return fault(
-            "SPN012",
+        reason = getattr(error, "strerror", None) or "it is not text in UTF-8"
+        return _report(
+            UNREADABLE_SPAWN_FILE,
             process,
             f"The file to spawn cannot be read: '{path}': {reason}.",
             "Check the path, and that CMakeLists.txt installs its folder.",
@@ -380,47 +494,45 @@ def find_simulator(plan: LaunchPlan) -> tuple[Simulator | None, tuple[Diagnostic
         simulator = _started_simulator(process)
         if simulator is not None:
             return simulator, ()
-    missing = Diagnostic(
-        code="SPN001",
-        severity=Severity.ERROR,
+    missing = NO_SIMULATOR.at(
+        plan.launch_file,
         message="The launch file starts no simulator.",
-        file=plan.launch_file,
         hint="Include gazebo.launch.py of gazebo_ros, or gz_sim.launch.py of ros_gz_sim.",
     )
     kinds = ("IncludeLaunchDescription", "ExecuteProcess")
-    return None, (or_loose(missing, plan, *kinds, names=_SIMULATOR_NAMES),)
+    return None, (_or_unused_action(missing, plan, *kinds, names=_SIMULATOR_NAMES),)
 
 
 def find_spawns(plan: LaunchPlan) -> tuple[tuple[Spawn, ...], tuple[Diagnostic, ...]]:
-    """The robots that the plan spawns, and what is wrong with those that it would not."""
+    """The robots that the plan spawns, and why others would not appear."""
     spawns: list[Spawn] = []
     diagnostics: list[Diagnostic] = []
     for process in (*plan.processes, *_included_spawners(plan)):
         key = (process.package or "", process.executable or "")
         if key in _SPAWNERS:
-            spawn, wrong = _read_spawn(plan, process, _SPAWNERS[key])
-            diagnostics += wrong
+            spawn, found = _read_spawn(plan, process, _SPAWNERS[key])
+            diagnostics += found
             if spawn is not None:
                 spawns.append(spawn)
         elif process.package == "gazebo_ros" and process.executable in _SPAWNERS_OF_ROS_1:
             diagnostics.append(
-                fault(
-                    "SPN002",
+                _report(
+                    ROS_1_SPAWNER,
                     process,
                     f"'{process.executable}' is the spawner of ROS 1.",
                     "In ROS 2 it is executable='spawn_entity.py', with -entity instead of -model.",
                 )
             )
     if not spawns and not diagnostics:
-        missing = Diagnostic(
-            code="SPN003",
-            severity=Severity.ERROR,
+        missing = NO_ROBOT.at(
+            plan.launch_file,
             message="The launch file spawns no robot.",
-            file=plan.launch_file,
             hint=_how_to_spawn(plan),
         )
         names = {executable for _, executable in _SPAWNERS} | _SPAWNING_LAUNCH_FILES
-        diagnostics.append(or_loose(missing, plan, "Node", "IncludeLaunchDescription", names=names))
+        diagnostics.append(
+            _or_unused_action(missing, plan, "Node", "IncludeLaunchDescription", names=names)
+        )
     return tuple(spawns), tuple(diagnostics)
 
 
@@ -436,7 +548,7 @@ def _how_to_spawn(plan: LaunchPlan) -> str:
     robot = next((file for file in robots if file is not None), None)
     if robot is None:
         return hint
-    return f"{hint} Without one, the robot is tried by: wsgen validate {shlex.quote(str(robot))}"
+    return f"{hint} To simulate the robot alone: wsgen validate {shlex.quote(str(robot))}"
 
 
 def _included_spawners(plan: LaunchPlan) -> Iterator[Process]:
@@ -504,24 +616,24 @@ def _read_spawn(
     plan: LaunchPlan, process: Process, options: Options
 ) -> tuple[Spawn | None, list[Diagnostic]]:
     read = read_options_of(process, options)
-    wrong = [fault("SPN004", process, text, hint) for text, hint in read.faults]
-    pose, bad_numbers = _pose(read.values)
-    wrong += [
-        fault(
-            "SPN005",
+    errors = [_report(INVALID_SPAWNER_OPTION, process, text, hint) for text, hint in read.errors]
+    pose, invalid = _pose(read.values)
+    errors += [
+        _report(
+            INVALID_SPAWN_POSE,
             process,
-            f"-{name} of the spawner is '{value}', which is no finite number.",
+            f"-{name} of the spawner is '{value}', which is not a finite number.",
             "Give meters for -x -y -z and radians for -R -P -Y.",
         )
-        for name, value in bad_numbers
+        for name, value in invalid
     ]
     if not any(source in read.values for source in options.sources):
-        return None, wrong
+        return None, errors
     description = find_description(plan, process, read.values)
     if isinstance(description, Diagnostic):
-        return None, [*wrong, description]
-    if wrong:
-        return None, wrong
+        return None, [*errors, description]
+    if errors:
+        return None, errors
     text, file = description
     entity = read.values.get(options.entity) or options.default_entity
     return (
@@ -565,9 +677,9 @@ def _height(plan: LaunchPlan, process: Process, value: str | None) -> SpawnHeigh
 
 
 def _pose(values: Mapping[str, str]) -> tuple[Pose, list[tuple[str, str]]]:
-    """The pose that the options say, and the options that say no number."""
+    """The pose that the options say, and the options that are not numbers."""
     numbers: dict[str, float] = {}
-    wrong = []
+    invalid = []
     for name in ("x", "y", "z", "R", "P", "Y"):
         value = values.get(name, "0")
         try:
@@ -575,9 +687,9 @@ def _pose(values: Mapping[str, str]) -> tuple[Pose, list[tuple[str, str]]]:
         except ValueError:
             numbers[name] = math.nan
         if not math.isfinite(numbers[name]):
-            wrong.append((name, value))
+            invalid.append((name, value))
     xyz = (numbers["x"], numbers["y"], numbers["z"])
-    return Pose(xyz=xyz, rpy=(numbers["R"], numbers["P"], numbers["Y"])), wrong
+    return Pose(xyz=xyz, rpy=(numbers["R"], numbers["P"], numbers["Y"])), invalid
 
 
 def _is_true(text: str) -> bool:

@@ -1,8 +1,9 @@
-"""What is written where in launch files of Python, read without running them."""
+"""What is written where in launch files of Python, read without running them; paths in them."""
 
 from __future__ import annotations
 
 import ast
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -52,8 +53,20 @@ def _is(node: ast.expr, value: object) -> bool:
     return type(written) is type(value) and bool(written == value)
 
 
-class LooseAction(NamedTuple):
-    """An action that a launch file creates and does nothing with."""
+def first_missing(path: str) -> tuple[str, list[str]]:
+    """The first part of a path that is not there, and what is in its place."""
+    missing = Path(path)
+    # Unlike the method, this does not raise where a name is too long or a folder is closed.
+    while not os.path.isdir(missing.parent) and missing.parent != missing:
+        missing = missing.parent
+    try:
+        return missing.name, os.listdir(missing.parent)
+    except OSError:
+        return missing.name, []
+
+
+class UnusedAction(NamedTuple):
+    """An action that a launch file creates and does not add to its description."""
 
     kind: str  # its class
     name: str  # of the variable
@@ -62,8 +75,8 @@ class LooseAction(NamedTuple):
     line: int
 
 
-def loose_actions(files: Iterable[Path], kinds: Iterable[str]) -> Iterator[LooseAction]:
-    """The actions of these classes that are given to a variable which nothing reads."""
+def unused_actions(files: Iterable[Path], kinds: Iterable[str]) -> Iterator[UnusedAction]:
+    """The actions of these classes that are assigned to a variable which nothing reads."""
     for file in files:
         nodes = list(nodes_of(file))
         names = [node for node in nodes if isinstance(node, ast.Name)]
@@ -79,4 +92,4 @@ def loose_actions(files: Iterable[Path], kinds: Iterable[str]) -> Iterator[Loose
                     if isinstance(part, ast.Constant) and isinstance(part.value, str)
                     for word in part.value.replace("/", " ").split()
                 )
-                yield LooseAction(kind, target.id, words, file, node.lineno)
+                yield UnusedAction(kind, target.id, words, file, node.lineno)

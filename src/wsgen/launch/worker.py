@@ -1,83 +1,112 @@
 """Evaluate a launch file in this process; only ever called in a child process.
 
-The launch file is a program and is run as one. The recording modules stand in the place of the
-real `launch`, `launch_ros` and `ament_index_python`, so that it starts nothing.
+The launch file is a program and is run as one. The shim stands in the place of the real `launch`,
+`launch_ros` and `ament_index_python`, so that it starts nothing. Python modules of packages that
+are not installed can be imported all the same: what a launch file takes from them is unknown, see
+`launch._unknown`. A module that nobody knows and no package.xml declares stays the ImportError
+that it is.
 """
 
 from __future__ import annotations
 
 import os
 import sys
+from importlib.machinery import ModuleSpec
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from wsgen.launch import known_packages
-from wsgen.launch.missing_modules import AbsentModules
 from wsgen.launch.record import RECORD, ForkError, caller
+from wsgen.model.plan import LaunchArgument, LaunchPlan
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterable, Mapping, Sequence
 
-    from wsgen.launch.record import CommandRunner
+    from wsgen.launch.record import CommandRunner, Location
+    from wsgen.model.plan import LaunchRequest
 
-
-if TYPE_CHECKING:
     FaultFinder = Callable[[BaseException], "dict[str, Any] | None"]
 
 _SHIM = os.path.join(os.path.dirname(os.path.dirname(__file__)), "launch_shim")
 _ROS_PACKAGES = os.path.join(os.path.dirname(__file__), "ros_packages")
 _DESCRIPTIONS = (".urdf", ".xacro", ".sdf", ".xml")
-_STOOD_IN = ("launch", "launch_ros", "launch_xml", "launch_yaml", "ament_index_python")
+_SHIM_PACKAGES = ("launch", "launch_ros", "launch_xml", "launch_yaml", "ament_index_python")
+_DEPENDENCIES = {"depend", "exec_depend", "build_depend", "buildtool_depend", "test_depend"}
+# Modules of ROS that launch files import; the names are those of their packages.
+KNOWN_MODULES = frozenset(
+    (
+        "ament_package",
+        "composition_interfaces",
+        "controller_manager",
+        "launch_param_builder",
+        "launch_pytest",
+        "launch_testing",
+        "launch_testing_ament_cmake",
+        "launch_testing_ros",
+        "moveit_configs_utils",
+        "nav2_common",
+        "nav2_simple_commander",
+        "osrf_pycommon",
+        "rcl_interfaces",
+        "rclpy",
+        "ros2launch",
+        "ros2pkg",
+        "ros2run",
+        "rosidl_runtime_py",
+        "rospkg",
+        "tf2_ros",
+        "tf_transformations",
+    )
+)
+MESSAGES = ("_msgs", "_interfaces", "_srvs")
 
 
-def evaluate(  # noqa: PLR0913  what only the parent knows
-    launch_file: str,
-    package: str | None,
-    arguments: Mapping[str, str],
-    *,
-    run_xacro: CommandRunner,
-    find_xacro_fault: FaultFinder,
-    only_arguments: bool = False,
-) -> dict[str, Any]:
-    """What the launch file would start, as JSON; what is wrong with it is part of that.
+def evaluate(
+    request: LaunchRequest, *, run_xacro: CommandRunner, find_xacro_fault: FaultFinder
+) -> LaunchPlan:
+    """What the launch file would start, and the diagnostics about it.
 
     With `only_arguments` it is loaded and asked for its arguments, as `ros2 launch --show-args`
-    does, and not played: their defaults are told in words. `run_xacro` gives the outcome of a
+    does, and not played: their defaults are described in words. `run_xacro` gives the outcome of a
     command line that begins with `xacro`; `find_xacro_fault` says whether an exception is xacro's,
     and what it is about.
     """
-    RECORD.package = package
+    launch_file = str(request.launch_file)
+    RECORD.package = request.package
     RECORD.run_xacro = run_xacro
     _install()
     RECORD.environment = dict(os.environ)
     sys.addaudithook(_watch)
     try:
-        if only_arguments:
+        if request.only_arguments:
             _ask_for_arguments(launch_file)
         else:
-            _play(launch_file, arguments)
-            _report_unused_arguments(launch_file, arguments)
+            _play(launch_file, request.arguments)
+            _report_unused_arguments(launch_file, request.arguments)
     except BaseException as error:  # noqa: BLE001  foreign code
         from wsgen.launch.explain import explain
 
         RECORD.diagnostics.append(explain(error, launch_file, find_xacro_fault(error)))
     RECORD.find_description_files()
-    return {
-        "arguments": list(RECORD.arguments.values()),
-        "processes": RECORD.processes,
-        "includes": RECORD.includes,
-        "environment": RECORD.changed_environment(),
-        "unresolved": RECORD.unresolved,
-        "diagnostics": RECORD.diagnostics,
-    }
+    return LaunchPlan(
+        package=request.package,
+        launch_file=request.launch_file,
+        arguments=tuple(RECORD.arguments.values()),
+        processes=tuple(RECORD.processes),
+        includes=tuple(RECORD.includes),
+        environment=RECORD.changed_environment(),
+        unresolved=tuple(RECORD.unresolved),
+        diagnostics=tuple(RECORD.diagnostics),
+    )
 
 
 def _install() -> None:
-    """Put the recording modules before all others, here and in what the launch file starts."""
-    for name in [name for name in sys.modules if name.partition(".")[0] in _STOOD_IN]:
+    """Put the shim before all other modules, here and in what the launch file starts."""
+    for name in [name for name in sys.modules if name.partition(".")[0] in _SHIM_PACKAGES]:
         del sys.modules[name]
     sys.path.insert(0, _SHIM)
     sys.path.append(_ROS_PACKAGES)
-    sys.meta_path.append(AbsentModules(_is_declared))
+    sys.meta_path.append(_MissingModules())
     inherited = os.environ.get("PYTHONPATH")
     os.environ["PYTHONPATH"] = os.pathsep.join([inherited, _SHIM] if inherited else [_SHIM])
     # Where wsgen is installed there is an xacro, for launch files that start it themselves.
@@ -114,10 +143,72 @@ def _is_declared(package: str) -> bool:
     """Whether the package whose launch file this is says that it needs another one."""
     if RECORD.package is None:
         return False
-    from wsgen.launch.manifest import declares
-
     prefixes = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
-    return declares(prefixes, RECORD.package, package)
+    return _declares(prefixes, RECORD.package, package)
+
+
+def _declares(prefixes: Iterable[str], package: str, dependency: str) -> bool:
+    """Whether the installed package.xml of a package names another one as a dependency."""
+    from xml.etree import ElementTree as ET
+
+    for prefix in prefixes:
+        file = os.path.join(prefix, "share", package, "package.xml")
+        if os.path.isfile(file):
+            try:
+                root = ET.parse(file).getroot()  # noqa: S314  the user's own manifest
+            except (ET.ParseError, OSError):
+                return False
+            return any(
+                element.tag in _DEPENDENCIES and (element.text or "").strip() == dependency
+                for element in root
+            )
+    return False
+
+
+def _is_of_library(location: Location | None) -> bool:
+    """Whether a library looks for something that it can do without."""
+    return location is None or location[0].startswith((sys.prefix, sys.base_prefix))
+
+
+class _MissingModule(ModuleType):
+    """Every name in it is unknown."""
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__"):
+            raise AttributeError(f"module {self.__name__!r} has no attribute {name!r}")
+        from launch._unknown import Unknown
+
+        return Unknown(f"{self.__name__}.{name}")
+
+
+class _MissingModules:
+    """The last finder: it is asked for what no other one has found."""
+
+    def find_spec(
+        self, name: str, _path: Sequence[str] | None = None, _target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        """Find modules of packages that are not installed, and what may be in them."""
+        package, _, inside = name.partition(".")
+        if inside and not isinstance(sys.modules.get(package), _MissingModule):
+            return None  # the package is here, and has no such module
+        location = caller()
+        if not inside and (_is_of_library(location) or not self._is_expected(package)):
+            return None
+        if not inside:
+            RECORD.note_unresolved(package, "its Python module is not installed", location)
+            RECORD.argument_use.is_unknown = True
+        return ModuleSpec(name, self, is_package=True)  # type: ignore[arg-type]  # all it needs
+
+    @staticmethod
+    def _is_expected(package: str) -> bool:
+        return package in KNOWN_MODULES or package.endswith(MESSAGES) or _is_declared(package)
+
+    def create_module(self, spec: ModuleSpec) -> ModuleType:
+        """Make an empty module."""
+        return _MissingModule(spec.name)
+
+    def exec_module(self, module: ModuleType) -> None:
+        """Nothing is in it."""
 
 
 def _ask_for_arguments(launch_file: str) -> None:
@@ -127,15 +218,15 @@ def _ask_for_arguments(launch_file: str) -> None:
     description = AnyLaunchDescriptionSource(launch_file).get_launch_description(LaunchContext())
     for argument in description.get_launch_arguments():
         default = argument.default_value
-        RECORD.arguments[argument.name] = {
-            "name": argument.name,
-            "default": None
+        RECORD.arguments[argument.name] = LaunchArgument(
+            name=argument.name,
+            default=None
             if default is None
             else " + ".join(substitution.describe() for substitution in default),
-            "value": None,
-            "description": argument.description,
-            "is_conditional": argument.conditionally_included,
-        }
+            value=None,
+            description=str(argument.description),
+            is_conditional=bool(argument.conditionally_included),
+        )
 
 
 def _report_unused_arguments(launch_file: str, arguments: Mapping[str, str]) -> None:
@@ -144,7 +235,7 @@ def _report_unused_arguments(launch_file: str, arguments: Mapping[str, str]) -> 
     given = [name for name in arguments if use.is_unused(name)]
     of_includes = [entry for entry in use.given if use.is_unused(entry[0])]
     if given or of_includes:
-        from wsgen.launch.explain_missing import report_unused_arguments
+        from wsgen.launch.launch_warnings import report_unused_arguments
 
         report_unused_arguments(launch_file, given, of_includes)
 

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping  # noqa: TC003  a plan is decoded by its type hints
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from pathlib import Path  # noqa: TC003
+from typing import Any
 
-from wsgen.model.transform import IDENTITY, Pose
+from wsgen.diagnostics import Diagnostic  # noqa: TC001
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-    from pathlib import Path
 
-    from wsgen.diagnostics import Diagnostic
+@dataclass(frozen=True, kw_only=True)
+class LaunchRequest:
+    """A launch file to evaluate."""
+
+    launch_file: Path  # absolute
+    package: str | None  # the one whose launch file it is, if that is known
+    arguments: Mapping[str, str]
+    only_arguments: bool = False  # ask for the declared arguments, as --show-args does
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,7 +62,7 @@ class Include:
     package: str | None
     file: Path
     arguments: Mapping[str, str] = field(default_factory=dict)
-    evaluated: bool = True  # False: the package is stood in for, its launch file was not run
+    evaluated: bool = True  # False: the package is not installed, its launch file was not run
     # What a launch file that was not run would have seen: given, inherited and its own defaults.
     configurations: Mapping[str, str] = field(default_factory=dict)
 
@@ -90,36 +96,3 @@ class LaunchPlan:
         """The launch files that were run: this one, and those that it includes."""
         included = (include.file for include in self.includes if include.evaluated)
         return tuple(dict.fromkeys((self.launch_file, *included)))
-
-
-@dataclass(frozen=True, kw_only=True)
-class SpawnHeight:
-    """Where a launch file says how high a robot is spawned, or where it could say so."""
-
-    file: Path | None
-    line: int | None
-    option: str  # "-z", or "z" among the parameters or launch arguments
-    holder: str  # what has the option: "the arguments of spawn_entity.py"
-    is_given: bool = False  # if not, the spawner takes its default
-    launch_argument: str | None = None  # the one whose value it is
-
-
-@dataclass(frozen=True, kw_only=True)
-class Spawn:
-    """A robot that the plan puts into the simulator."""
-
-    entity: str
-    description: str  # URDF text
-    description_file: Path | None = None  # where it was read from, when that is known
-    pose_in_world: Pose = IDENTITY
-    process: Process | None = None  # the spawner
-    height: SpawnHeight | None = None
-
-
-@dataclass(frozen=True, kw_only=True)
-class Simulator:
-    """The simulator that the plan starts."""
-
-    kind: str  # "classic" or "gz"
-    world: str | None  # path or name as the launch gives it; None: the simulator's default world
-    is_headless: bool = False

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, NamedTuple
 from wsgen.diagnostics import Diagnostic, Rule, Severity, has_errors
 from wsgen.isolation import parent
 from wsgen.launch.evaluate import evaluate
-from wsgen.launch.explain_missing import first_missing
 from wsgen.launch.spawning import find_simulator, find_spawns
-from wsgen.launch.syntax import where_written
+from wsgen.launch.syntax import first_missing, where_written
 from wsgen.model.outcome import PackageOutcome
 from wsgen.pipeline.clock import DRAW, Clock
 from wsgen.pipeline.prepare import (
@@ -40,7 +39,8 @@ if TYPE_CHECKING:
 
     from wsgen.events import Listener
     from wsgen.isolation.parent import Run
-    from wsgen.model.plan import LaunchPlan, Simulator, Spawn
+    from wsgen.model.plan import LaunchPlan
+    from wsgen.model.spawn import Simulator, Spawn
     from wsgen.model.world import World
     from wsgen.pipeline.behaviors import BehaviorPlan
     from wsgen.pipeline.request import ValidateRequest

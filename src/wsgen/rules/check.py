@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
-    from wsgen.model.plan import SpawnHeight
     from wsgen.model.robot import Robot
+    from wsgen.model.spawn import SpawnHeight
     from wsgen.model.world import World
     from wsgen.simulation.scene import RobotRun
 

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
     from wsgen.diagnostics import Diagnostic
-    from wsgen.model.plan import SpawnHeight
     from wsgen.model.robot import Joint
+    from wsgen.model.spawn import SpawnHeight
 
 
 MASS_TOLERANCE = 1e-6  # relative; the engine computes in double precision

@@ -2,33 +2,24 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from wsgen.launch import worker
 from wsgen.launch.record import RECORD, CommandOutcome
 from wsgen.xacro import expansion
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
+
+    from wsgen.model.plan import LaunchPlan, LaunchRequest
 
 
-def evaluate_launch(
-    launch_file: str,
-    package: str | None,
-    arguments: Mapping[str, str],
-    only_arguments: bool,  # noqa: FBT001  tasks are called by position
-) -> dict[str, Any]:
+def evaluate_launch(request: LaunchRequest) -> LaunchPlan:
     """Evaluate a launch file, with the real xacro for its xacro commands."""
     watch = expansion.Watch(RECORD.note_text, RECORD.note_unused_xacro_arguments)
-    plan = worker.evaluate(
-        launch_file,
-        package,
-        arguments,
-        run_xacro=_run_xacro,
-        find_xacro_fault=expansion.explain_error,
-        only_arguments=only_arguments,
-    )
-    return {**plan, "seconds_in_xacro": watch.seconds}
+    plan = worker.evaluate(request, run_xacro=_run_xacro, find_xacro_fault=expansion.explain_error)
+    return replace(plan, seconds_in_xacro=watch.seconds)
 
 
 def _run_xacro(words: Sequence[str]) -> CommandOutcome:

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import importlib
 import sys
-from importlib.abc import Loader
 from importlib.machinery import ModuleSpec
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
@@ -58,10 +57,14 @@ class Finder:
         home = _home(name) if name.startswith("launch") else None
         if home is None:
             return None
-        return ModuleSpec(name, _Loader(home), is_package=name in NAMES)
+        return ModuleSpec(
+            name,
+            _Loader(home),  # type: ignore[arg-type]  # `importlib.abc` takes longer than the rest
+            is_package=name in NAMES,
+        )
 
 
-class _Loader(Loader):
+class _Loader:
     def __init__(self, home: str) -> None:
         self._home = home
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from launch.launch_context import LaunchContext
 
 
-WHY = "it comes from a Python module that is not here"
+WHY = "it comes from a Python module that is not installed"
 
 
 class Unknown(Action, Substitution):

@@ -7,6 +7,8 @@ import os
 import shlex
 from collections.abc import Iterable, Mapping
 from collections.abc import Iterable as _Iterable
+from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from launch._events import ProcessExited, ProcessStarted, TimerEvent
@@ -23,10 +25,11 @@ from launch.base import Action, Event, Substitution, TextSubstitution
 from launch.launch_context import NEVER, PROCESS_TIME, LaunchContext
 from launch.launch_description import LaunchDescriptionSource
 from wsgen.launch import known_packages
-from wsgen.launch.record import RECORD
+from wsgen.launch.record import RECORD, split_location
+from wsgen.model.plan import Include, LaunchArgument, Process
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Sequence
+    from collections.abc import Awaitable, Callable
 
     from launch.base import BaseEventHandler, LaunchDescriptionEntity, SomeSubstitutionsType
     from launch.launch_description import LaunchDescription
@@ -138,15 +141,15 @@ class DeclareLaunchArgument(Action):
             )
 
     def _note(self, default: str | None, value: str) -> None:
-        if self.wsgen_location is not None:  # the stand-ins' arguments are nobody's
+        if self.wsgen_location is not None:  # not those of the ROS package shims
             RECORD.arguments.setdefault(
                 self.__name,
-                {
-                    "name": self.__name,
-                    "default": default,
-                    "value": str(value),
-                    "description": "" if self.__description is None else str(self.__description),
-                },
+                LaunchArgument(
+                    name=str(self.__name),
+                    default=default,
+                    value=str(value),
+                    description="" if self.__description is None else str(self.__description),
+                ),
             )
 
 
@@ -234,8 +237,8 @@ class ExecuteLocal(Action):
         self.__executed = False
         self.return_code: int | None = None
 
-    def prepare(self, context: LaunchContext) -> dict[str, Any]:
-        """What is to be noted of the process; see `wsgen.model.plan.Process`."""
+    def prepare(self, context: LaunchContext) -> Process:
+        """What is recorded of the process, but for when it starts and where it is written."""
         raise NotImplementedError
 
     def execute(self, context: LaunchContext) -> Iterable[LaunchDescriptionEntity] | None:
@@ -250,23 +253,23 @@ class ExecuteLocal(Action):
             context.register_event_handler(
                 OnProcessExit(target_action=self, on_exit=self.__on_exit)
             )
-        file, line = self.wsgen_location or (None, None)
+        file, line = split_location(self.wsgen_location)
         RECORD.processes.append(
-            {
-                **process,
-                "starts": context.timeline.cause,
-                "start_time": round(context.timeline.now, 6),
-                "file": file,
-                "line": line,
-            }
+            replace(
+                process,
+                starts=context.timeline.cause,
+                start_time=round(context.timeline.now, 6),
+                file=file,
+                line=line,
+            )
         )
         self._happen(context, process)
         return None
 
-    def _happen(self, context: LaunchContext, process: dict[str, Any]) -> None:
-        command: Sequence[str] = process["command"] or process["arguments"]
-        program = process["executable"] or (command[0].rpartition("/")[2] if command else "")
-        self.process_name = process["name"] or program
+    def _happen(self, context: LaunchContext, process: Process) -> None:
+        command = process.command or process.arguments
+        program = process.executable or (command[0].rpartition("/")[2] if command else "")
+        self.process_name = process.name or program
         details: dict[str, Any] = {
             "action": self,
             "name": self.process_name,
@@ -310,7 +313,7 @@ class ExecuteProcess(ExecuteLocal):
         """What the process is called."""
         return self.__name
 
-    def prepare(self, context: LaunchContext) -> dict[str, Any]:
+    def prepare(self, context: LaunchContext) -> Process:
         """Perform the words."""
         prefix = self.__prefix
         if prefix is None:
@@ -321,23 +324,19 @@ class ExecuteProcess(ExecuteLocal):
         if self.__cwd is not None:
             perform_substitutions(context, self.__cwd)
         name = None if self.__name is None else perform_substitutions(context, self.__name)
-        return {
-            "package": None,
-            "executable": None,
-            "name": name,
-            "namespace": "",
-            "parameters": {},
-            "arguments": [],
-            "remappings": [],
-            "command": words,
-            "environment": {
+        return Process(
+            package=None,
+            executable=None,
+            name=name,
+            command=tuple(words),
+            environment={
                 **RECORD.changed_environment(),
                 **{
                     perform_substitutions(context, name): perform_substitutions(context, value)
                     for name, value in self.__environment
                 },
             },
-        }
+        )
 
 
 def _variables(
@@ -626,12 +625,12 @@ class _Entrance(Action):
         stand_in = known_packages.stand_in_of(self.__file)
         configurations = context.launch_configurations.unread()
         RECORD.includes.append(
-            {
-                "package": known_packages.package_of(self.__file),
-                "file": self.__file,
-                "arguments": {name: configurations[name] for name in self.__names},
-                "evaluated": stand_in is None and not RECORD.is_unknown(self.__file),
-            }
+            Include(
+                package=known_packages.package_of(self.__file),
+                file=Path(self.__file),
+                arguments={name: str(configurations[name]) for name in self.__names},
+                evaluated=stand_in is None and not RECORD.is_unknown(self.__file),
+            )
         )
 
 
@@ -640,11 +639,14 @@ class _Exit(Action):
 
     def execute(self, context: LaunchContext) -> None:
         """Add the configurations that it was not given, and has all the same."""
-        RECORD.includes[-1]["configurations"] = {
-            name: value
-            for name, value in context.launch_configurations.unread().items()
-            if isinstance(value, str)
-        }
+        RECORD.includes[-1] = replace(
+            RECORD.includes[-1],
+            configurations={
+                name: value
+                for name, value in context.launch_configurations.unread().items()
+                if isinstance(value, str)
+            },
+        )
 
 
 def _text(context: LaunchContext, name: Any) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib
 import os
 import shlex
-import shutil
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,8 +14,8 @@ from launch.base import Substitution, SubstitutionFailure, TextSubstitution  # n
 from launch.conditions import evaluate_condition_expression
 from launch.launch_context import local_of
 from wsgen.files import refuse_irregular
-from wsgen.launch import commands, known_packages
-from wsgen.launch.record import RECORD
+from wsgen.launch import known_packages
+from wsgen.launch.record import RECORD, run_command
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -144,7 +143,7 @@ class Command(Substitution):
                 "expected 'on_stderr' to be one of: 'fail', 'ignore', 'warn', and 'capture', "
                 f"but got '{on_stderr}'"
             )
-        outcome = commands.run(shlex.split(line), self.wsgen_location)
+        outcome = run_command(shlex.split(line), self.wsgen_location)
         if outcome.code != 0:
             raise _failure(
                 f"executed command failed. Command: {line}\n"
@@ -279,6 +278,8 @@ class FindExecutable(Substitution):
     def perform(self, context: LaunchContext) -> str:
         """The path."""
         name = perform_substitutions(context, self.__name)
+        import shutil  # seldom needed, and it brings bz2 and lzma
+
         path = shutil.which(name) or known_packages.program_path(name)
         if path is None:
             raise SubstitutionFailure(f"executable '{name}' not found on the PATH")

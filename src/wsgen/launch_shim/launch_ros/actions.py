@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from launch._finder import show_public_names
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
     from launch.base import Event, LaunchDescriptionEntity, SomeSubstitutionsType, Substitution
     from launch.launch_context import LaunchContext
     from launch_ros.utilities import ComposableNode
+    from wsgen.model.plan import Process
 
 
 UNSPECIFIED_NAME = "<node_name_unspecified>"
@@ -84,7 +86,7 @@ class Node(ExecuteProcess):
             raise RuntimeError("cannot access 'node_name' before executing action")
         return self.__full_name
 
-    def prepare(self, context: LaunchContext) -> dict[str, Any]:
+    def prepare(self, context: LaunchContext) -> Process:
         """Perform everything, in the order of the original, so that the same mistake is met."""
         name = None if self.__name is None else perform_substitutions(context, self.__name)
         if name is not None:
@@ -111,19 +113,19 @@ class Node(ExecuteProcess):
             package = perform_substitutions(context, self.__package)
             context.perform_substitution(ExecutableInPackage(executable, package))
         process = super().prepare(context)
-        words = process["command"]  # a prefix and the arguments
-        return {
-            **process,
-            "package": package,
-            "executable": executable,
-            "name": name,
-            "namespace": namespace or "",
-            "parameters": parameters,
-            "arguments": words[len(words) - len(self.cmd) :],
-            "configurations": [_configuration(context, word) for word in self.cmd],
-            "remappings": remappings,
-            "command": None,
-        }
+        words = process.command or ()  # a prefix and the arguments
+        return replace(
+            process,
+            package=package,
+            executable=executable,
+            name=name,
+            namespace=namespace or "",
+            parameters=parameters,
+            arguments=words[len(words) - len(self.cmd) :],
+            configurations=tuple(_configuration(context, word) for word in self.cmd),
+            remappings=tuple(remappings),
+            command=None,
+        )
 
 
 def _configuration(context: LaunchContext, word: list[Substitution]) -> str | None:

@@ -11,8 +11,8 @@ from launch._utilities import normalize_to_list_of_substitutions, perform_substi
 from launch.base import Substitution
 from launch_ros.parameter_descriptions import Parameter, ParameterFile, ParameterValue
 from wsgen.files import refuse_irregular
-from wsgen.launch import codes
-from wsgen.launch.record import RECORD
+from wsgen.launch.record import RECORD, split_location
+from wsgen.model.plan import Process
 
 if TYPE_CHECKING:
     from launch.base import Condition, SomeSubstitutionsType
@@ -205,7 +205,7 @@ def _evaluate(context: LaunchContext, name: str, value: Any, location: Location 
             and isinstance(value.value, list)
             and _is_description(name, read)
         ):
-            _warn_of_yaml(location)
+            _report_description_as_yaml(location)
         return read
     if isinstance(value, _Texts):
         values = [_read_yaml(name, perform_substitutions(context, item)) for item in value.items]
@@ -214,7 +214,7 @@ def _evaluate(context: LaunchContext, name: str, value: Any, location: Location 
         text = perform_substitutions(context, value)
         read = _read_yaml(name, text)
         if _is_description(name, text):
-            _warn_of_yaml(location)
+            _report_description_as_yaml(location)
         if read is None:
             return ""
         if isinstance(read, _SCALARS):
@@ -261,17 +261,10 @@ def _is_description(name: str, value: Any) -> bool:
     )
 
 
-def _warn_of_yaml(location: Location | None) -> None:
-    RECORD.note_diagnostic(
-        codes.DESCRIPTION_AS_YAML,
-        "warning",
-        "robot_description is read as YAML: its line breaks are folded, and a ': ' or ' #' in "
-        "the robot, in a comment for example, stops the launch.",
-        location,
-        element="robot_description",
-        hint="Wrap it: ParameterValue(Command([...]), value_type=str), from "
-        "launch_ros.parameter_descriptions.",
-    )
+def _report_description_as_yaml(location: Location | None) -> None:
+    from wsgen.launch.launch_warnings import report_description_as_yaml
+
+    report_description_as_yaml(location)
 
 
 def _as_json(value: Any) -> Any:
@@ -351,27 +344,24 @@ def note_composable_node(
     )
     name = None if node.name is None else perform_substitutions(context, node.name)
     full_name = f"{(namespace or '').rstrip('/')}/{name or ''}"
-    file, line = location or (None, None)
+    file, line = split_location(location)
     RECORD.processes.append(
-        {
-            "package": perform_substitutions(context, node.package),
-            "executable": perform_substitutions(context, node.plugin),
-            "name": name,
-            "namespace": namespace or "",
-            "parameters": {
+        Process(
+            package=perform_substitutions(context, node.package),
+            executable=perform_substitutions(context, node.plugin),
+            name=name,
+            namespace=namespace or "",
+            parameters={
                 **global_parameters(context, node=full_name, location=location),
                 **evaluate_parameters(context, node.parameters, node=full_name, location=location),
             },
-            "arguments": [],
-            "remappings": perform_remap_rules(context, node.remappings),
-            "command": None,
-            "environment": {},
-            "container": container,
-            "starts": context.timeline.cause,
-            "start_time": round(context.timeline.now, 6),
-            "file": file,
-            "line": line,
-        }
+            remappings=tuple(perform_remap_rules(context, node.remappings)),
+            container=container,
+            starts=context.timeline.cause,
+            start_time=round(context.timeline.now, 6),
+            file=file,
+            line=line,
+        )
     )
 
 
@@ -390,14 +380,9 @@ def read(
         refuse_irregular(path)
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError):
-        RECORD.note_diagnostic(
-            codes.PARAMETER_FILE_MISSING,
-            "warning",
-            f"The parameter file '{path}' cannot be read; the node starts without it.",
-            location,
-            hint="Check the path, and that CMakeLists.txt installs the folder: "
-            "install(DIRECTORY config DESTINATION share/${PROJECT_NAME}).",
-        )
+        from wsgen.launch.launch_warnings import report_parameter_file
+
+        report_parameter_file(path, location)
         return {}
     if parameter_file.may_have_substitutions(context):
         from launch.frontend.template import parse_substitution

@@ -8,7 +8,7 @@ import pytest
 
 from install_space import HEAD, InstallSpace
 from wsgen.launch.spawning import find_simulator, find_spawns
-from wsgen.launch.syntax import loose_actions, where_written
+from wsgen.launch.syntax import unused_actions, where_written
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -93,7 +93,7 @@ def test_what_is_missing_for_another_reason(space: InstallSpace) -> None:
 )
 def test_variables_that_nothing_reads(tmp_path: Path, text: str, names: list[str]) -> None:
     (tmp_path / "f.py").write_text(text)
-    assert [found.name for found in loose_actions([tmp_path / "f.py"], ["Node"])] == names
+    assert [found.name for found in unused_actions([tmp_path / "f.py"], ["Node"])] == names
 
 
 def test_a_text_is_found_where_it_is_written_once(tmp_path: Path) -> None:

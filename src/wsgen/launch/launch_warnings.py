@@ -1,0 +1,167 @@
+"""The rules about mistakes with which a launch starts: arguments without effect, lost parameters.
+
+In the child process this is imported only where there is something to report.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from wsgen.diagnostics import Rule, Severity
+from wsgen.launch import known_packages
+from wsgen.launch.record import RECORD, caller
+from wsgen.suggestions import advice, nearest
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.launch.record import Location
+
+
+DESCRIPTION_AS_YAML = Rule(
+    code="LCH016",
+    name="description-as-yaml",
+    severity=Severity.WARNING,
+    summary="A robot description is parsed as YAML.",
+    what="Looks at a `robot_description` that is a substitution, such as `Command`, without "
+    "`ParameterValue`.",
+    why="launch_ros parses the value of such a parameter as YAML. Its line breaks are folded, and "
+    "a `: ` or ` #` anywhere in the robot, for example in a comment, stops the launch.",
+    example="Node(..., parameters=[{'robot_description': Command(['xacro ', path])}])",
+    instead="Node(..., parameters=[{'robot_description': ParameterValue(\n"
+    "    Command(['xacro ', path]), value_type=str)}])",
+)
+PARAMETER_FILE_MISSING = Rule(
+    code="LCH019",
+    name="parameter-file-missing",
+    severity=Severity.WARNING,
+    summary="A parameter file cannot be read.",
+    why="`ros2 launch` prints a warning and starts the node without these parameters.",
+    example="Node(..., parameters=[os.path.join(share, 'config', 'no_such_file.yaml')])",
+    instead="# CMakeLists.txt\ninstall(DIRECTORY config DESTINATION share/${PROJECT_NAME})",
+)
+UNUSED_ARGUMENT = Rule(
+    code="LCH033",
+    name="unused-argument",
+    severity=Severity.WARNING,
+    summary="No launch file declares or reads a launch argument that is given.",
+    why="`ros2 launch` ignores the argument without a message, so that a misspelled name goes "
+    "unnoticed. Nothing is reported where the argument may be read unseen, for example by a "
+    "package that is not installed.",
+    example="ros2 launch my_robot gazebo_model.launch.py wrld:=office.world",
+    instead="ros2 launch my_robot gazebo_model.launch.py world:=office.world",
+)
+UNUSED_INCLUDE_ARGUMENT = Rule(
+    code="LCH034",
+    name="unused-include-argument",
+    severity=Severity.WARNING,
+    summary="An included launch file does not declare or read an argument that it is given.",
+    why="`ros2 launch` ignores the argument without a message, so that a misspelled name goes "
+    "unnoticed.",
+    example="IncludeLaunchDescription(source, launch_arguments={'wrld': path}.items())",
+    instead="IncludeLaunchDescription(source, launch_arguments={'world': path}.items())",
+)
+UNUSED_XACRO_ARGUMENT = Rule(
+    code="LCH035",
+    name="unused-xacro-argument",
+    severity=Severity.WARNING,
+    summary="The xacro file does not use an argument that it is given.",
+    what="Compares the arguments of the xacro command, or the mappings of "
+    "`xacro.process_file()`, with the names that the xacro file and its includes ask for.",
+    why="xacro ignores the argument without a message, so that a misspelled name goes unnoticed.",
+    example="Command(['xacro ', path, ' lenght:=0.5'])",
+    instead="Command(['xacro ', path, ' length:=0.5'])",
+)
+
+
+def report_unused_arguments(
+    launch_file: str, given: Sequence[str], of_includes: Sequence[tuple[str, Location, bool]]
+) -> None:
+    """Report launch arguments that nobody declares or reads.
+
+    `given` are those of the command line; `of_includes` the names that includes give, with the
+    line of the include and whether the included file belongs to a package that is not installed.
+    """
+    for file in RECORD.launch_files:
+        if b"argv" in Path(file).read_bytes():
+            return  # it may look for its arguments in the command line
+    declared = list(RECORD.argument_use.declared)
+    for name in given:
+        _report(
+            UNUSED_ARGUMENT,
+            (launch_file, None),
+            name,
+            f"The launch argument `{name}` has no effect: no launch file declares or reads it.",
+            advice(
+                name,
+                declared,
+                f"Remove it, or declare it: DeclareLaunchArgument('{name}', default_value=...).",
+            ),
+        )
+    for name, location, is_shim in of_includes:
+        # A launch file that is not installed may take more arguments in another release.
+        if is_shim and nearest(name, declared, cutoff=known_packages.SURELY) is None:
+            continue
+        _report(
+            UNUSED_INCLUDE_ARGUMENT,
+            location,
+            name,
+            f"The launch argument `{name}` has no effect: the included launch file does not "
+            "declare or read it.",
+            advice(name, declared, "Remove it from launch_arguments."),
+        )
+
+
+def report_unused_xacro_arguments(
+    unused: Sequence[Mapping[str, str]], location: Location | None
+) -> None:
+    """Report the arguments that a launch file gives to xacro and no xacro file uses."""
+    for argument in unused:
+        _report(
+            UNUSED_XACRO_ARGUMENT,
+            location or caller(),
+            argument["name"],
+            argument["message"],
+            argument["hint"],
+        )
+
+
+def report_description_as_yaml(location: Location | None) -> None:
+    """Report a robot description that is parsed as YAML."""
+    _report(
+        DESCRIPTION_AS_YAML,
+        location,
+        "robot_description",
+        "robot_description is parsed as YAML: its line breaks are folded, and a ': ' or ' #' in "
+        "the robot, in a comment for example, stops the launch.",
+        "Wrap it: ParameterValue(Command([...]), value_type=str), from "
+        "launch_ros.parameter_descriptions.",
+    )
+
+
+def report_parameter_file(path: Path, location: Location | None) -> None:
+    """Report a parameter file that cannot be read."""
+    _report(
+        PARAMETER_FILE_MISSING,
+        location,
+        None,
+        f"The parameter file '{path}' cannot be read; the node starts without it.",
+        "Check the path, and that CMakeLists.txt installs the folder: "
+        "install(DIRECTORY config DESTINATION share/${PROJECT_NAME}).",
+    )
+
+
+def _report(
+    rule: Rule,
+    location: Location | tuple[str, None] | None,
+    element: str | None,
+    message: str,
+    hint: str,
+) -> None:
+    file, line = location or (None, None)
+    diagnostic: Diagnostic = rule.at(
+        None if file is None else Path(file), line, element, message=message, hint=hint
+    )
+    RECORD.diagnostics.append(diagnostic)
