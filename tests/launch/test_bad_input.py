@@ -45,6 +45,12 @@ def test_bytes_that_are_no_text(space: InstallSpace) -> None:
     assert "UTF-8" in only_message(plan, "LCH032")
 
 
+def test_syntax_error_with_a_line_that_is_no_number(space: InstallSpace) -> None:
+    plan = evaluate(space, "raise SyntaxError('no', ('a.py', 'one', 1, 'text'))\n")
+    only_message(plan, "LCH001")
+    assert plan.diagnostics[0].line is None
+
+
 def test_import_of_what_is_not_there(space: InstallSpace) -> None:
     plan = evaluate(space, "import os\nimport no_such_module\n")
     assert "'no_such_module'" in only_message(plan, "LCH002")
@@ -135,7 +141,7 @@ def test_included_launch_file_that_is_not_there(space: InstallSpace) -> None:
     assert "'launch/no.py' is not in the install space" in only_message(plan, "LCH005")
 
 
-def test_misspelt_launch_file_of_a_known_package(space: InstallSpace) -> None:
+def test_misspelled_launch_file_of_a_known_package(space: InstallSpace) -> None:
     plan = space.play(
         "IncludeLaunchDescription([FindPackageShare('gazebo_ros'), '/launch/gazebo_ros.launch.py'])"
     )

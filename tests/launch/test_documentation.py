@@ -25,18 +25,18 @@ if TYPE_CHECKING:
 
 
 ROOT = Path(__file__).parents[2]
-RECORDING = ROOT / "src" / "wsgen" / "launch_shim"
+SHIM = ROOT / "src" / "wsgen" / "launch_shim"
 
 # What differs from the original; everything else does not.
 PARTLY = {
     "AnonName": "the name is the same in every evaluation, so that plans can be compared",
     "Command": "executes xacro, `cat` and `echo` only",
-    "ComposableNodeContainer": "the nodes are recorded as loaded; nobody is asked to load them",
-    "FindExecutable": "also finds programs of ROS and Gazebo that are not here",
+    "ComposableNodeContainer": "records the nodes as loaded, without a service call",
+    "FindExecutable": "also finds programs of ROS and Gazebo that are not installed",
     "LaunchLogDir": "the folder above that of the launch, whose name has the time in it",
     "LaunchService": "plays what it is given at once, when it is run",
     "LoadComposableNodes": "see `ComposableNodeContainer`",
-    "OnProcessIO": "never handles anything, because nothing writes; listed as unresolved",
+    "OnProcessIO": "handles no event, because no process writes; listed as unresolved",
     "OpaqueCoroutine": "sleeps in no time; unresolved if it waits for anything else for 1 s",
     "Parameter": "without descriptor",
     "ProcessIO": "never happens",
@@ -53,8 +53,8 @@ PARTLY = {
 def names() -> dict[str, list[str]]:
     """Package -> the names that can be imported from it."""
     found = {}
-    for file in sorted(RECORDING.rglob("__init__.py")):
-        package = ".".join(file.parent.relative_to(RECORDING).parts)
+    for file in sorted(SHIM.rglob("__init__.py")):
+        package = ".".join(file.parent.relative_to(SHIM).parts)
         tree = ast.parse(file.read_text(encoding="utf-8"))
         for node in tree.body:
             if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
@@ -64,13 +64,11 @@ def names() -> dict[str, list[str]]:
                     found[package] = [name for name, home in homes.items() if home]
                 elif target == "__all__" and isinstance(node.value, ast.List):
                     found[package] = ast.literal_eval(node.value)
-    shown: dict[str, dict[str, str]] = runpy.run_path(str(RECORDING / "launch" / "_public.py"))[
-        "NAMES"
-    ]
+    shown: dict[str, dict[str, str]] = runpy.run_path(str(SHIM / "launch" / "_public.py"))["NAMES"]
     for package, homes in shown.items():
         found[package] = [name for name, home in homes.items() if home and home[0] != "."]
     module = "launch_ros.parameter_descriptions"
-    tree = ast.parse((RECORDING / f"{module.replace('.', '/')}.py").read_text(encoding="utf-8"))
+    tree = ast.parse((SHIM / f"{module.replace('.', '/')}.py").read_text(encoding="utf-8"))
     found[module] = [node.name for node in tree.body if isinstance(node, ast.ClassDef)]
     return {package: found[package] for package in sorted(found) if found[package]}
 
@@ -99,7 +97,7 @@ def tags() -> str:
         "from launch.frontend.template import FORMS; "
         "print(json.dumps([known_tags(), sorted(FORMS)]))"
     )
-    found = subprocess.check_output([sys.executable, "-c", code, str(RECORDING)], text=True)
+    found = subprocess.check_output([sys.executable, "-c", code, str(SHIM)], text=True)
     actions, substitutions = json.loads(found)
     return (
         f"Tags: {words(actions)}; `if` and `unless` on each.\n\n"

@@ -400,7 +400,7 @@ def test_parameters_of_all_nodes(space: InstallSpace) -> None:
     ]
 
 
-def test_a_stand_in_can_be_played_itself(space: InstallSpace) -> None:
+def test_a_package_shim_can_be_played_itself(space: InstallSpace) -> None:
     space.add("my_robot")
     plan = space.evaluate(Path("/opt/ros/iron/share/gazebo_ros/launch/gazebo.launch.py"))
     assert not plan.diagnostics

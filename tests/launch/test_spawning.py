@@ -51,7 +51,7 @@ def only_spawn(*processes: Process) -> Spawn:
     return spawn
 
 
-def only_fault(*processes: Process) -> tuple[str, str]:
+def only_error(*processes: Process) -> tuple[str, str]:
     spawns, (diagnostic,) = find_spawns(plan(*processes))
     assert not spawns
     assert diagnostic.hint
@@ -189,7 +189,7 @@ def test_wrong_arguments(arguments: str, code: str, words: str) -> None:
 
 
 def test_two_sources() -> None:
-    code, message = only_fault(
+    code, message = only_error(
         spawner("-topic", "robot_description", "-file", "x", "-entity", "e"), publisher()
     )
     assert code == "SPN004"
@@ -204,14 +204,14 @@ def test_options_glued_into_one_argument() -> None:
 
 
 def test_nobody_publishes() -> None:
-    code, message = only_fault(spawner("-topic", "robot_description", "-entity", "e"))
+    code, message = only_error(spawner("-topic", "robot_description", "-entity", "e"))
     assert code == "SPN008"
     assert "it starts no robot_state_publisher" in message
 
 
 @pytest.mark.parametrize("description", ["", " \n", "/path/r.urdf", 3, ["<robot/>"]])
 def test_description_that_is_none(description: Any) -> None:
-    code, _ = only_fault(
+    code, _ = only_error(
         spawner("-topic", "robot_description", "-entity", "e"), publisher(description)
     )
     assert code == "SPN011"
@@ -219,7 +219,7 @@ def test_description_that_is_none(description: Any) -> None:
 
 def test_publisher_without_description() -> None:
     bare = Process(package="robot_state_publisher", executable="robot_state_publisher")
-    code, _ = only_fault(spawner("-topic", "robot_description", "-entity", "e"), bare)
+    code, _ = only_error(spawner("-topic", "robot_description", "-entity", "e"), bare)
     assert code == "SPN009"
 
 
@@ -235,14 +235,14 @@ def test_publisher_with_a_file_as_argument(tmp_path: Path) -> None:
 
 
 def test_spawner_of_ros_1() -> None:
-    code, _ = only_fault(
+    code, _ = only_error(
         Process(package="gazebo_ros", executable="spawn_model", arguments=("-urdf",)), publisher()
     )
     assert code == "SPN002"
 
 
 def test_no_spawner() -> None:
-    assert only_fault(publisher())[0] == "SPN003"
+    assert only_error(publisher())[0] == "SPN003"
 
 
 def test_create() -> None:
@@ -264,7 +264,7 @@ def test_create_with_parameters() -> None:
 
 def test_create_from_a_parameter() -> None:
     assert only_spawn(create("-param", "d", parameters={"d": URDF})).description == URDF
-    assert only_fault(create("-param", "d"))[0] == "SPN010"
+    assert only_error(create("-param", "d"))[0] == "SPN010"
 
 
 def include(name: str, package: str = "gazebo_ros", **values: str) -> LaunchPlan:
@@ -322,27 +322,27 @@ def test_no_simulator(started: LaunchPlan) -> None:
     assert diagnostic.code == "SPN001"
 
 
-def test_misspelt_option_is_one_fault() -> None:
+def test_misspelled_option_is_one_error() -> None:
     process = spawner("-topic", "robot_description", "-enity", "r")
     _, (found,) = find_spawns(plan(publisher(), process))
     assert "'-enity'" in found.message
     assert "Did you mean `-entity`?" in (found.hint or "")
 
 
-def test_option_without_value_is_one_fault() -> None:
+def test_option_without_value_is_one_error() -> None:
     assert (
-        "-entity" in only_fault(publisher(), spawner("-topic", "robot_description", "-entity"))[1]
+        "-entity" in only_error(publisher(), spawner("-topic", "robot_description", "-entity"))[1]
     )
 
 
-def test_misspelt_topic() -> None:
+def test_misspelled_topic() -> None:
     process = spawner("-topic", "robot_descripton", "-entity", "r")
     _, (found,) = find_spawns(plan(publisher(), process))
     assert found.code == "SPN008"
     assert "Did you mean `/robot_description`?" in (found.hint or "")
 
 
-def test_misspelt_parameter() -> None:
+def test_misspelled_parameter() -> None:
     wrong = Process(
         package="robot_state_publisher",
         executable="robot_state_publisher",

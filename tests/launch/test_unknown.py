@@ -1,4 +1,4 @@
-"""What a launch file takes from modules that are not here is unknown, and all else resolves."""
+"""What a launch file takes from modules that are not installed is unknown, and all else resolves."""
 
 from __future__ import annotations
 

@@ -163,19 +163,19 @@ LONGEST = 400  # characters of what an exception says; a whole robot may be in i
 
 
 def explain(
-    error: BaseException, launch_file: str, xacro_fault: dict[str, Any] | None
+    error: BaseException, launch_file: str, xacro_error: dict[str, Any] | None
 ) -> Diagnostic:
     """The diagnostic, also of an exception that cannot even be printed."""
     try:
-        return _explain(error, launch_file, xacro_fault)
+        return _explain(error, launch_file, xacro_error)
     except Exception:  # noqa: BLE001  the exception is foreign code
         return _explain(RuntimeError(type(error).__name__), launch_file, None)
 
 
 def _explain(
-    error: BaseException, launch_file: str, xacro_fault: dict[str, Any] | None
+    error: BaseException, launch_file: str, xacro_error: dict[str, Any] | None
 ) -> Diagnostic:
-    explanation = explain_missing.of_xacro(error, xacro_fault)
+    explanation = explain_missing.of_xacro(error, xacro_error)
     for explainer in _EXPLAINERS:
         explanation = explanation or explainer(error)
     explanation = explanation or _other(error)
@@ -188,7 +188,11 @@ def _explain(
             where = where_written(explanation.written, RECORD.launch_files) or where
     file, line = where
     return explanation.rule.at(
-        Path(file), line, explanation.element, message=explanation.message, hint=explanation.hint
+        Path(file),
+        line if isinstance(line, int) else None,  # a SyntaxError of the user may hold anything
+        explanation.element,
+        message=explanation.message,
+        hint=explanation.hint,
     )
 
 
@@ -263,15 +267,15 @@ def _markup_error(error: BaseException) -> Explanation | None:
 
 
 def _needs_unknown(error: BaseException) -> Explanation | None:
-    """Whatever fails over a text that stands for something unknown."""
+    """An error about a text that represents an unknown value."""
     named = getattr(error, "filename", None)
     if not RECORD.is_unknown(f"{error} {named}"):
         return None
     return Explanation(
         NEEDS_UNKNOWN,
-        "The launch file cannot be evaluated further without ROS: it needs a value that is not "
-        f"known, {named or error}.",
-        "Install the package that the value comes from, and source it.",
+        "The launch file cannot be evaluated further without ROS: it needs an unknown value, "
+        f"{named or error}.",
+        "Install the package that provides the value, and source it.",
     )
 
 
@@ -282,7 +286,7 @@ def _missing_argument(error: BaseException) -> Explanation | None:
     return Explanation(
         ARGUMENT_WITHOUT_VALUE,
         f"The launch argument '{argument}' has no default and no value was given.",
-        f"Give it, {argument}:=VALUE, or declare it with default_value=.",
+        f"Give a value, {argument}:=VALUE, or declare the argument with default_value=...",
         element=argument,
     )
 
@@ -324,7 +328,7 @@ def _program_end(error: BaseException) -> Explanation | None:
         return Explanation(
             EXITS,
             f"The launch file ends the program: {type(error).__name__}({error}).",
-            "Raise an exception that says what is wrong, instead of leaving the program.",
+            "Raise an exception with a message instead of ending the program.",
         )
     if isinstance(error, RecursionError):
         return Explanation(
@@ -384,7 +388,7 @@ def _invalid_value(error: BaseException) -> Explanation | None:
         known = " or ".join(dict.fromkeys(_TYPES[one] for one in accepted if one in _TYPES))
         return Explanation(
             REFUSED_BY_LAUNCH,
-            f"`{name}` of {caller} must be {known}, and is {_prepared(argument)} "
+            f"`{name}` of {caller} must be {known}, and is {_described(argument)} "
             f"({_quoted(error, BRIEF)}).",
             f"Put square brackets around it: {name}=[{'{...}' if is_dictionary else '...'}]."
             if "a list" in known
@@ -415,14 +419,14 @@ _TYPES: dict[type, str] = {
 }
 
 
-def _prepared(value: object) -> str:
+def _described(value: object) -> str:
     return _TYPES.get(type(value), f"a {type(value).__name__}")
 
 
 def _not_text(error: BaseException, value: object) -> Explanation:
     """A number, or anything else that is none, where the launch system takes text."""
     is_plain = value is None or isinstance(value, (bool, int, float))
-    what = _prepared(value)
+    what = _described(value)
     if is_plain:
         kind = "number " if isinstance(value, (int, float)) and not isinstance(value, bool) else ""
         what = f"the {kind}{value}" if kind else str(value)

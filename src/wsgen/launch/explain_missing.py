@@ -80,25 +80,25 @@ class Explanation(NamedTuple):
     written: str | None = None  # the text that is meant: its line is reported, where it has one
 
 
-def of_xacro(error: BaseException, fault: dict[str, Any] | None) -> Explanation | None:
+def of_xacro(error: BaseException, xacro_error: dict[str, Any] | None) -> Explanation | None:
     """What xacro reports; None where it is not about xacro."""
     outcome = getattr(error, "wsgen_outcome", None)
-    fault = fault or (outcome.fault if outcome is not None else None)
-    if fault is None:
+    found = xacro_error or (outcome.error if outcome is not None else None)
+    if found is None:
         return None
-    if fault.get("missing"):
-        return _missing_file(fault["missing"])
-    if fault.get("package"):
+    if found.get("missing"):
+        return _missing_file(found["missing"])
+    if found.get("package"):
         return _missing_package(
-            fault["package"], fault.get("file"), fault.get("line"), fault.get("hint")
+            found["package"], found.get("file"), found.get("line"), found.get("hint")
         )
     return Explanation(
         XACRO_FAILS,
-        f"xacro fails: {fault['message']}",
-        fault.get("hint") or "Fix the xacro file; `xacro FILE` shows the same error.",
-        fault.get("file"),
-        fault.get("line"),
-        fault.get("element"),
+        f"xacro fails: {found['message']}",
+        found.get("hint") or "Fix the xacro file; `xacro FILE` shows the same error.",
+        found.get("file"),
+        found.get("line"),
+        found.get("element"),
     )
 
 
@@ -143,7 +143,7 @@ def packages() -> set[str]:
 
 
 def file_error(error: BaseException) -> Explanation | None:
-    """A file that is not there or cannot be read."""
+    """A file that does not exist or cannot be read."""
     if not isinstance(error, OSError):
         return None
     if not isinstance(error, (FileNotFoundError, NotADirectoryError)):
@@ -152,14 +152,14 @@ def file_error(error: BaseException) -> Explanation | None:
             f"The file '{error.filename}' cannot be read: {error.strerror or error}.",
             "Check the path and its permissions.",
         )
-    stand_in = getattr(error, "wsgen_stand_in", None)
-    if stand_in is not None:
+    shim = getattr(error, "wsgen_shim", None)
+    if shim is not None:
         return Explanation(
             FILE_NOT_INSTALLED,
             f"{error}.",
-            advice(stand_in.name, stand_in.names, "Check the path in the launch file."),
-            element=stand_in.name,
-            written=stand_in.name,
+            advice(shim.name, shim.names, "Check the path in the launch file."),
+            element=shim.name,
+            written=shim.name,
         )
     if error.filename is None:
         return Explanation(FILE_NOT_INSTALLED, f"{error}.", "Check the path in the launch file.")
@@ -168,7 +168,7 @@ def file_error(error: BaseException) -> Explanation | None:
 
 def _missing_file(path: str) -> Explanation:
     package = known_packages.package_of(path)
-    if package is not None and known_packages.is_stand_in(path):
+    if package is not None and known_packages.is_in_shim(path):
         return Explanation(
             PACKAGE_NOT_FOUND,
             f"A file of the package '{package}' is needed, and the package is not installed "

@@ -1,4 +1,4 @@
-"""Packages of ROS that launch files name and that need not be here.
+"""Shims of ROS packages: packages that launch files name and that need not be installed.
 
 Their share folders can be looked up and joined, and their launch files be included: these declare
 the same arguments with the same defaults as the real ones, because the defaults leak into the
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 
-SURELY = 0.8  # so alike two words are, as difflib counts, that one is the other misspelt
+SURELY = 0.8  # so alike two words are, as difflib counts, that one is the other misspelled
 
 _FLAGS_OF_BOTH = {"version": "false", "verbose": "false", "help": "false", "extra_gazebo_args": ""}
 
@@ -127,7 +127,7 @@ _OTHERS = frozenset(
     )
 )
 
-# Programs of packages that need not be here: all of them that a misspelt name could mean.
+# Programs of packages that need not be installed: all of them that a misspelled name could mean.
 _EXECUTABLES = {
     "controller_manager": ("hardware_spawner", "ros2_control_node", "spawner", "unspawner"),
     "gazebo_ros": ("spawn_entity.py",),
@@ -146,17 +146,17 @@ _EXECUTABLES = {
     "xacro": ("xacro",),
 }
 
-# Packages that the manifest of the evaluated package says it needs, and that are not here.
+# Packages that the evaluated package declares in package.xml, and that are not installed.
 _declared: set[str] = set()
 
-# What `gz_sim.launch.py` runs where nothing is said: the Gazebo of the distribution.
+# What `gz_sim.launch.py` runs by default: the Gazebo of the distribution.
 _GZ_VERSIONS = {"humble": "6", "iron": "6", "jazzy": "8", "kilted": "9"}
 
 _PROGRAMS = frozenset(
     ("gazebo", "gz", "gzclient", "gzserver", "ign", "ros2", "ruby", "rviz2", "xacro", "xterm")
 )
 
-# Programs that run until they are told to stop; all others are taken to do their work and exit.
+# Programs that run until they are stopped; all others are assumed to do their work and exit.
 _RUN_FOR_EVER = frozenset(
     (
         "async_slam_toolbox_node",
@@ -184,8 +184,8 @@ _RUN_FOR_EVER = frozenset(
 )
 
 
-class StandInFile:
-    """A launch file of a package that is not here."""
+class LaunchFileShim:
+    """A launch file of a package that is not installed."""
 
     __slots__ = ("name", "package")
 
@@ -210,7 +210,7 @@ class StandInFile:
             error = FileNotFoundError(
                 f"{self.package} has no launch file '{self.name}'; it has {', '.join(files)}"
             )
-            error.wsgen_stand_in = self  # type: ignore[attr-defined]  # for who explains it
+            error.wsgen_shim = self  # type: ignore[attr-defined]  # for who explains it
             raise error
         arguments = dict(files.get(self.name, {}))
         if "gz_version" in arguments:
@@ -221,12 +221,12 @@ class StandInFile:
 
 
 def prefix() -> str:
-    """Where packages that are not here are said to be: where ROS would have installed them."""
+    """The prefix of packages that are not installed: where ROS would have installed them."""
     return f"/opt/ros/{os.environ.get('ROS_DISTRO', 'iron')}"
 
 
 def is_known(package: str) -> bool:
-    """Whether a package need not be here."""
+    """Whether a package need not be installed."""
     return (
         package in _LAUNCH_FILES
         or package in _OTHERS
@@ -236,17 +236,17 @@ def is_known(package: str) -> bool:
 
 
 def names() -> set[str]:
-    """The packages that need not be here."""
+    """The packages that need not be installed."""
     return {*_LAUNCH_FILES, *_OTHERS, *_declared}
 
 
 def programs_of(package: str) -> tuple[str, ...]:
-    """The programs of a package that need not be here; none where they are not known."""
+    """The programs of a package that need not be installed; none where they are not known."""
     return _EXECUTABLES.get(package, ())
 
 
-def has_misspelt(package: str, program: str) -> bool:
-    """Whether a program is surely none of a package that need not be here, but nearly so called.
+def has_misspelled(package: str, program: str) -> bool:
+    """Whether a program is surely none of a package, but nearly so called.
 
     Other names may be those of programs that another release has.
     """
@@ -257,21 +257,21 @@ def has_misspelt(package: str, program: str) -> bool:
 
 
 def declare(package: str) -> None:
-    """From here on the package is one of those that need not be here."""
+    """From here on the package is one of those that need not be installed."""
     _declared.add(package)
 
 
-def stand_in_prefix(package: str) -> str | None:
-    """The prefix to name for a package that is not here."""
+def shim_prefix(package: str) -> str | None:
+    """The prefix of a package that is not installed; None where it must be."""
     return prefix() if is_known(package) else None
 
 
-def stand_in_of(file: str) -> StandInFile | None:
-    """The launch file of a known package that a path means, unless it is really there."""
+def shim_of(file: str) -> LaunchFileShim | None:
+    """The launch file of a known package that a path means, unless it is installed."""
     package = package_of(file)
-    if package is None or not is_stand_in(file) or os.path.exists(file):
+    if package is None or not is_in_shim(file) or os.path.exists(file):
         return None
-    return StandInFile(package, os.path.basename(file))
+    return LaunchFileShim(package, os.path.basename(file))
 
 
 def package_of(file: str) -> str | None:
@@ -280,8 +280,8 @@ def package_of(file: str) -> str | None:
     return rest.split("/", 1)[0] if found and "/" in rest else None
 
 
-def is_stand_in(file: str) -> bool:
-    """Whether a path leads into the share folder of a package that is not here."""
+def is_in_shim(file: str) -> bool:
+    """Whether a path leads into the share folder of a package that is not installed."""
     package = package_of(file)
     return package is not None and is_known(package) and file.startswith(_share(package))
 

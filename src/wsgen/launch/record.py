@@ -43,20 +43,20 @@ class ForkError(Exception):
 class CommandOutcome:
     """What a command line printed, and the error that xacro found."""
 
-    __slots__ = ("code", "fault", "stderr", "stdout", "unused")
+    __slots__ = ("code", "error", "stderr", "stdout", "unused")
 
     def __init__(
         self,
         stdout: str,
         stderr: str = "",
         code: int = 0,
-        fault: dict[str, Any] | None = None,
+        error: dict[str, Any] | None = None,
         unused: Sequence[Mapping[str, str]] = (),
     ) -> None:
         self.stdout = stdout
         self.stderr = stderr
         self.code = code
-        self.fault = fault  # message, file, line of the error in the user's file
+        self.error = error  # message, file, line of the mistake in the user's file
         self.unused = unused  # arguments of xacro: name, message, hint
 
 
@@ -69,10 +69,10 @@ class ArgumentUse:
         # By includes: name, line of the include, whether the included file is not installed.
         self.given: list[tuple[str, Location, bool]] = []
         self.not_run: set[object] = set()  # launch files and functions that may yet read any
-        self.is_unknown = False  # something takes part that is not here, and may read any
+        self.is_unknown = False  # a package that is not installed takes part, and may read any
 
     def is_unused(self, name: str) -> bool:
-        """Whether nobody declares or reads the argument; False where that cannot be known."""
+        """Whether the argument is neither declared nor read; False where that is unknown."""
         is_known = not (self.is_unknown or self.not_run)
         return is_known and name not in self.declared and name not in self.read
 
@@ -240,6 +240,6 @@ def _cat(files: Sequence[str]) -> CommandOutcome:
                 "",
                 stderr=f"cat: {file}: {error.strerror}",
                 code=1,
-                fault={"message": f"cat: {file}: {error.strerror}", "missing": file},
+                error={"message": f"cat: {file}: {error.strerror}", "missing": file},
             )
     return CommandOutcome(text)

@@ -401,14 +401,14 @@ def _published(publisher: Process) -> tuple[str, Path | None] | Diagnostic:
     if PARAMETER not in publisher.parameters and publisher.arguments:
         return _from_file(publisher, publisher.arguments[0])
     if PARAMETER not in publisher.parameters:
-        misspelt = nearest(PARAMETER, publisher.parameters, cutoff=SURELY)
+        misspelled = nearest(PARAMETER, publisher.parameters, cutoff=SURELY)
         return _report(
             PUBLISHER_WITHOUT_DESCRIPTION,
             publisher,
             "robot_state_publisher is not given the parameter robot_description"
-            + (f" but `{misspelt}`." if misspelt else "."),
-            f"Rename `{misspelt}` to `robot_description`."
-            if misspelt
+            + (f" but `{misspelled}`." if misspelled else "."),
+            f"Rename `{misspelled}` to `robot_description`."
+            if misspelled
             else "Add parameters=[{'robot_description': ...}] to the Node.",
         )
     return _text(publisher, publisher.parameters[PARAMETER])

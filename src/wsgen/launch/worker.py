@@ -3,8 +3,8 @@
 The launch file is a program and is run as one. The shim stands in the place of the real `launch`,
 `launch_ros` and `ament_index_python`, so that it starts nothing. Python modules of packages that
 are not installed can be imported all the same: what a launch file takes from them is unknown, see
-`launch._unknown`. A module that nobody knows and no package.xml declares stays the ImportError
-that it is.
+`launch._unknown`. A module that is neither known nor declared in package.xml
+stays an ImportError.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from wsgen.launch.record import CommandRunner, Location
     from wsgen.model.plan import LaunchRequest
 
-    FaultFinder = Callable[[BaseException], "dict[str, Any] | None"]
+    Explainer = Callable[[BaseException], "dict[str, Any] | None"]
 
 _SHIM = os.path.join(os.path.dirname(os.path.dirname(__file__)), "launch_shim")
 _ROS_PACKAGES = os.path.join(os.path.dirname(__file__), "ros_packages")
@@ -62,14 +62,14 @@ MESSAGES = ("_msgs", "_interfaces", "_srvs")
 
 
 def evaluate(
-    request: LaunchRequest, *, run_xacro: CommandRunner, find_xacro_fault: FaultFinder
+    request: LaunchRequest, *, run_xacro: CommandRunner, explain_xacro: Explainer
 ) -> LaunchPlan:
     """What the launch file would start, and the diagnostics about it.
 
     With `only_arguments` it is loaded and asked for its arguments, as `ros2 launch --show-args`
     does, and not played: their defaults are described in words. `run_xacro` gives the outcome of a
-    command line that begins with `xacro`; `find_xacro_fault` says whether an exception is xacro's,
-    and what it is about.
+    command line that begins with `xacro`; `explain_xacro` says what an exception of
+    xacro is about; None for others.
     """
     launch_file = str(request.launch_file)
     RECORD.package = request.package
@@ -86,7 +86,7 @@ def evaluate(
     except BaseException as error:  # noqa: BLE001  foreign code
         from wsgen.launch.explain import explain
 
-        RECORD.diagnostics.append(explain(error, launch_file, find_xacro_fault(error)))
+        RECORD.diagnostics.append(explain(error, launch_file, explain_xacro(error)))
     RECORD.find_description_files()
     return LaunchPlan(
         package=request.package,
@@ -114,7 +114,7 @@ def _install() -> None:
     os.environ["PATH"] = os.pathsep.join([os.environ.get("PATH", os.defpath), beside])
     from ament_index_python import packages
 
-    packages.stand_in_prefix = _stand_in_prefix
+    packages.shim_prefix = _shim_prefix
 
 
 def _watch(event: str, arguments: tuple[Any, ...]) -> None:
@@ -129,14 +129,14 @@ def _watch(event: str, arguments: tuple[Any, ...]) -> None:
         RECORD.opened.append(os.path.abspath(str(arguments[0])))
 
 
-def _stand_in_prefix(package: str) -> str | None:
-    """The prefix to name for a package that is not here: a known one, or one that is declared."""
+def _shim_prefix(package: str) -> str | None:
+    """The prefix of a package that is not installed: a known one, or one that is declared."""
     if not known_packages.is_known(package) and _is_declared(package):
         known_packages.declare(package)
         RECORD.note_unresolved(
-            package, "the package is declared in package.xml and not installed here", caller()
+            package, "the package is declared in package.xml and not installed", caller()
         )
-    return known_packages.stand_in_prefix(package)
+    return known_packages.shim_prefix(package)
 
 
 def _is_declared(package: str) -> bool:
@@ -187,10 +187,10 @@ class _MissingModules:
     def find_spec(
         self, name: str, _path: Sequence[str] | None = None, _target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        """Find modules of packages that are not installed, and what may be in them."""
+        """Find modules of packages that are not installed, and the modules in them."""
         package, _, inside = name.partition(".")
         if inside and not isinstance(sys.modules.get(package), _MissingModule):
-            return None  # the package is here, and has no such module
+            return None  # the package is installed, and has no such module
         location = caller()
         if not inside and (_is_of_library(location) or not self._is_expected(package)):
             return None

@@ -16,6 +16,7 @@ from wsgen.errors import NotFoundError, NotReadableError, RequestError
 from wsgen.events import OneAtATime
 from wsgen.files import irregular_kind
 from wsgen.isolation import parent
+from wsgen.launch.launch_warnings import UNUSED_ARGUMENT, UNUSED_XACRO_ARGUMENT
 from wsgen.model.outcome import Outcome
 from wsgen.pipeline.package_validation import Validation
 from wsgen.pipeline.request import ValidateRequest
@@ -37,7 +38,7 @@ if TYPE_CHECKING:
     from wsgen.workspace.layout import Workspace
 
 
-UNUSED_ARGUMENTS = ("LCH033", "LCH035")
+UNUSED_ARGUMENTS = (UNUSED_ARGUMENT.code, UNUSED_XACRO_ARGUMENT.code)
 
 __all__ = ["ValidateRequest", "prepare", "validate"]
 

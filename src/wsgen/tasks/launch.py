@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 def evaluate_launch(request: LaunchRequest) -> LaunchPlan:
     """Evaluate a launch file, with the real xacro for its xacro commands."""
     watch = expansion.Watch(RECORD.note_text, RECORD.note_unused_xacro_arguments)
-    plan = worker.evaluate(request, run_xacro=_run_xacro, find_xacro_fault=expansion.explain_error)
+    plan = worker.evaluate(request, run_xacro=_run_xacro, explain_xacro=expansion.explain_error)
     return replace(plan, seconds_in_xacro=watch.seconds)
 
 

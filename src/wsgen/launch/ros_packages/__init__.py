@@ -1,4 +1,4 @@
-"""Python modules of packages that are not here and whose actions are known.
+"""Shims of the Python modules of packages whose actions are known.
 
 Those packages have no `__init__.py`, and so any that is installed comes before them, wherever it
 stands on the path.

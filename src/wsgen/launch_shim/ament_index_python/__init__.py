@@ -1,4 +1,4 @@
-"""Recording stand-in for the `ament_index_python` package; also knows packages not here.
+"""Shim of the `ament_index_python` package; also knows packages that are not installed.
 
 It imports nothing of wsgen, so that programs which a launch file starts can use it too.
 """

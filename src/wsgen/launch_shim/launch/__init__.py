@@ -1,4 +1,4 @@
-"""Recording stand-in for the `launch` package: evaluates launch files, starts nothing."""
+"""Shim of the `launch` package: evaluates launch files, starts nothing."""
 
 import sys
 

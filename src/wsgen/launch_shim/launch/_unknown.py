@@ -1,4 +1,4 @@
-"""What a module that is not here would have given.
+"""The values of a module that is not installed.
 
 Such a thing can stand anywhere: it can be called, be subscripted, be a base class, a text, an
 action, a parameter. Whatever comes of it is unknown too. When its value is needed, that is noted

@@ -217,7 +217,7 @@ _RUNNING = {
 
 
 class ExecuteLocal(Action):
-    """Something that would be started; here it is noted, and its events happen."""
+    """A process; it is recorded instead of started, and its events happen."""
 
     wsgen_keywords = _RUNNING  # that are taken and say nothing
 
@@ -582,7 +582,7 @@ class IncludeLaunchDescription(Action):
                 "current_launch_file_directory": os.path.dirname(file),
             }
         )
-        # The launch file that is played itself is included by nobody's line.
+        # No line includes the launch file that is played itself.
         location = self.wsgen_location
         is_include = location is not None
         try:
@@ -592,13 +592,13 @@ class IncludeLaunchDescription(Action):
             raise
         _require_arguments(description, list(names))
         if location is not None:
-            is_stand_in = known_packages.stand_in_of(file) is not None
-            RECORD.argument_use.given += [(name, location, is_stand_in) for name in names]
+            is_shim = known_packages.shim_of(file) is not None
+            RECORD.argument_use.given += [(name, location, is_shim) for name in names]
         return [
             *(SetLaunchConfiguration(name, value) for name, value in self.__launch_arguments),
             *([_Entrance(file, names)] if is_include else []),
             description,
-            *([_Exit()] if is_include and known_packages.stand_in_of(file) else []),
+            *([_Exit()] if is_include and known_packages.shim_of(file) else []),
         ]
 
     def argument_names_without_context(self) -> list[str]:
@@ -613,7 +613,7 @@ class IncludeLaunchDescription(Action):
 
 
 class _Entrance(Action):
-    """Notes the include, with its arguments as they were set."""
+    """Records the include, with its arguments as they were set."""
 
     def __init__(self, file: str, names: list[str]) -> None:
         super().__init__()
@@ -622,20 +622,20 @@ class _Entrance(Action):
 
     def execute(self, context: LaunchContext) -> None:
         """Note it."""
-        stand_in = known_packages.stand_in_of(self.__file)
+        shim = known_packages.shim_of(self.__file)
         configurations = context.launch_configurations.unread()
         RECORD.includes.append(
             Include(
                 package=known_packages.package_of(self.__file),
                 file=Path(self.__file),
                 arguments={name: str(configurations[name]) for name in self.__names},
-                evaluated=stand_in is None and not RECORD.is_unknown(self.__file),
+                evaluated=shim is None and not RECORD.is_unknown(self.__file),
             )
         )
 
 
 class _Exit(Action):
-    """Notes what a launch file that is not here would have seen."""
+    """Records what a launch file that is not installed would have seen."""
 
     def execute(self, context: LaunchContext) -> None:
         """Add the configurations that it was not given, and has all the same."""
@@ -654,7 +654,7 @@ def _text(context: LaunchContext, name: Any) -> str:
 
 
 def _require_arguments(description: LaunchDescription, given: list[str]) -> None:
-    """Refuse to include what declares an argument that nobody gives, before anything is done."""
+    """Refuse an include that lacks a required argument, before anything is done."""
     for (
         argument,
         includes,
@@ -673,7 +673,7 @@ def _require_arguments(description: LaunchDescription, given: list[str]) -> None
 
 
 class LogInfo(Action):
-    """A message; it is performed, because that can fail, and told to nobody."""
+    """A message; it is performed, because that can fail, and not printed."""
 
     def __init__(self, *, msg: SomeSubstitutionsType, **kwargs: Any) -> None:
         super().__init__(**kwargs)
@@ -743,7 +743,7 @@ class OpaqueCoroutine(Action):
         context.timeline.post(_Turn(self))
 
     def run(self, context: LaunchContext) -> None:
-        """Run it to its end; what it gives back is nobody's."""
+        """Run it to its end; its result is dropped."""
         import asyncio
 
         first = () if self.__ignore_context else (context,)

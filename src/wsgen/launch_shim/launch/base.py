@@ -84,7 +84,7 @@ class Action(LaunchDescriptionEntity):
         return [(f"{self.condition.describe()} is True", self.get_sub_entities())]
 
     def visit(self, context: LaunchContext) -> Iterable[LaunchDescriptionEntity] | None:
-        """Execute it if its condition holds, and tell whoever waits for that."""
+        """Execute it if its condition holds, and emit the event that it is complete."""
         if self.__condition is not None and not self.__condition.evaluate(context):
             return None
         try:
@@ -100,7 +100,7 @@ class Action(LaunchDescriptionEntity):
         self.announce_completion(context)
 
     def announce_completion(self, context: LaunchContext) -> None:
-        """Tell whoever waits for the action to be complete."""
+        """Emit the event that the action is complete."""
         if context.has_event_handlers:
             from launch._events import ExecutionComplete
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription
     from launch.base import Event, SomeSubstitutionsType, Substitution
-    from wsgen.launch.known_packages import StandInFile
+    from wsgen.launch.known_packages import LaunchFileShim
 
     Declared = tuple[DeclareLaunchArgument, tuple[IncludeLaunchDescription, ...]]
 
@@ -126,7 +126,7 @@ class LaunchDescriptionSource:
                 self.__launch_description = self._load(
                     perform_substitutions(LaunchContext(), self.__location)
                 )
-            except Exception:  # noqa: BLE001  foreign code; it is told when it is really included
+            except Exception:  # noqa: BLE001  foreign code; reported when it is really included
                 return None
         return self.__launch_description
 
@@ -152,10 +152,10 @@ class LaunchDescriptionSource:
 
     def _load(self, location: str) -> LaunchDescription:
         RECORD.argument_use.not_run.discard(self)
-        stand_in = known_packages.stand_in_of(os.path.normpath(location))
-        if stand_in is not None:
-            RECORD.argument_use.is_unknown |= not stand_in.has_known_arguments
-            return _stand_in_description(stand_in)
+        shim = known_packages.shim_of(os.path.normpath(location))
+        if shim is not None:
+            RECORD.argument_use.is_unknown |= not shim.has_known_arguments
+            return _shim_description(shim)
         if RECORD.is_unknown(location):
             RECORD.argument_use.is_unknown = True
             return LaunchDescription()
@@ -166,11 +166,11 @@ class LaunchDescriptionSource:
         raise NotImplementedError(location)
 
 
-def _stand_in_description(stand_in: StandInFile) -> LaunchDescription:
-    """What is known of a launch file whose package is not here: its arguments."""
+def _shim_description(shim: LaunchFileShim) -> LaunchDescription:
+    """What is known of a launch file whose package is not installed: its arguments."""
     from launch.actions import DeclareLaunchArgument
 
-    defaults = stand_in.arguments(os.environ.get("ROS_DISTRO", ""))
+    defaults = shim.arguments(os.environ.get("ROS_DISTRO", ""))
     return LaunchDescription(
         [DeclareLaunchArgument(name, default_value=value) for name, value in defaults.items()]
     )

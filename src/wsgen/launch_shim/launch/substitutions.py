@@ -161,7 +161,7 @@ class Command(Substitution):
 
 def _failure(message: str, outcome: CommandOutcome) -> SubstitutionFailure:
     failure = SubstitutionFailure(message)
-    failure.wsgen_outcome = outcome  # type: ignore[attr-defined]  # says which file is wrong
+    failure.wsgen_outcome = outcome  # type: ignore[attr-defined]  # says which file it is about
     return failure
 
 

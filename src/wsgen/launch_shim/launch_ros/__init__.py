@@ -1,4 +1,4 @@
-"""Recording stand-in for the `launch_ros` package."""
+"""Shim of the `launch_ros` package."""
 
 from launch._finder import names_on_demand
 

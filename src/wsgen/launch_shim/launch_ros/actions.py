@@ -210,7 +210,7 @@ class LifecycleNode(Node):
         return None
 
     def change_state(self, transition: int, context: LaunchContext) -> None:
-        """Make a transition if its first state is the node's, and tell who waits for it."""
+        """Make a transition if its first state is the node's, and emit its events."""
         states = _STATES.get(transition)
         if states is None or states[0] != self.__state:
             return

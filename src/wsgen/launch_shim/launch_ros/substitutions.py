@@ -35,7 +35,7 @@ class ExecutableInPackage(Substitution):
         return self.__package
 
     def perform(self, context: LaunchContext) -> str:
-        """The path; not looked for where the package itself is not here."""
+        """The path; not looked for where the package itself is not installed."""
         executable = perform_substitutions(context, self.__executable)
         package = perform_substitutions(context, self.__package)
         if RECORD.is_unknown(package) or RECORD.is_unknown(executable):
@@ -43,10 +43,10 @@ class ExecutableInPackage(Substitution):
         prefix = get_package_prefix(package)
         folder = os.path.join(prefix, "lib", package)
         path = os.path.join(folder, executable)
-        is_stand_in = prefix == known_packages.prefix() and not os.path.isdir(folder)
+        is_shim = prefix == known_packages.prefix() and not os.path.isdir(folder)
         is_missing = (
-            known_packages.has_misspelt(package, executable)
-            if is_stand_in
+            known_packages.has_misspelled(package, executable)
+            if is_shim
             else not os.access(path, os.X_OK)
         )
         if is_missing:

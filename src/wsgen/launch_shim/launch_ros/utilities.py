@@ -372,7 +372,7 @@ def read(
     node: str,
     location: tuple[str, int] | None,
 ) -> dict[str, Any]:
-    """What a file says for a node, given by its full name; nothing where there is no file."""
+    """What a file says for a node, given by its full name; nothing where the file is missing."""
     path = parameter_file.evaluate(context)
     if RECORD.is_unknown(str(path)):
         return {}
@@ -393,7 +393,7 @@ def read(
     try:
         content = yaml.safe_load(text)
     except yaml.YAMLError as error:
-        RECORD.note_unresolved(str(path), f"it is no YAML: {error}", location)
+        RECORD.note_unresolved(str(path), f"it is not YAML: {error}", location)
         return {}
     found: dict[str, Any] = {}
     for name, section in (content or {}).items() if isinstance(content, dict) else ():

@@ -1,4 +1,4 @@
-"""Recording stand-in for the `launch_xml` package."""
+"""Shim of the `launch_xml` package."""
 
 from launch._finder import show_public_names
 from launch.launch_description_sources import FrontendLaunchDescriptionSource

@@ -50,8 +50,8 @@ def get_launch_description_from_frontend_launch_file(launch_file_path: str) -> L
     RECORD.launch_files.append(path)
     try:
         root = _read(text, path)
-    except ValueError as wrong:
-        found = wrong if isinstance(wrong, NotMarkupError) else NotMarkupError(str(wrong))
+    except ValueError as refusal:
+        found = refusal if isinstance(refusal, NotMarkupError) else NotMarkupError(str(refusal))
         error = InvalidFrontendLaunchFileError(str(found))
         error.wsgen_hint = found.hint
         locate(error, (path, found.line))
@@ -72,7 +72,7 @@ def _read(text: bytes, path: str) -> Entity:
 
 
 class Entity:
-    """A tag with attributes and nested entities; knows which of them nobody asked for."""
+    """A tag with attributes and nested entities; knows which of them were not asked for."""
 
     def __init__(self, type_name: str, location: Location) -> None:
         self.type_name = type_name
@@ -97,7 +97,7 @@ class Entity:
         raise NotImplementedError
 
     def require_all_read(self) -> None:
-        """Refuse what nobody asked for, which is what nobody knows; ValueError."""
+        """Refuse what was not asked for, because no action knows it; ValueError."""
         raise NotImplementedError
 
     def missing(self, name: str, kind: Any) -> AttributeError:

@@ -1,4 +1,4 @@
-"""What is misspelt, forgotten or not imported is named, with what was meant."""
+"""What is misspelled, forgotten or not imported is named, with what was meant."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ def test_name_that_is_not_defined(space: InstallSpace, text: str, meant: str) ->
         (HEAD + "LaunchDescription().add_actoin", "LCH004", "Did you mean `add_action`?"),
     ],
 )
-def test_module_or_attribute_that_is_misspelt(
+def test_module_or_attribute_that_is_misspelled(
     space: InstallSpace, text: str, code: str, meant: str
 ) -> None:
     plan = load(space, text)
@@ -134,7 +134,7 @@ def test_module_or_attribute_that_is_misspelt(
         ("\nExecuteProcess()", "is not given `cmd`", "Add `cmd=...`"),
     ],
 )
-def test_keyword_that_is_misspelt(space: InstallSpace, call: str, wrong: str, meant: str) -> None:
+def test_keyword_that_is_misspelled(space: InstallSpace, call: str, wrong: str, meant: str) -> None:
     plan = load(space, f"{HEAD}\nx = {call if call[0] != chr(10) else '(' + call + ')'}\n")
     message = only_message(plan, "LCH031")
     assert wrong in message
@@ -162,7 +162,7 @@ def test_something_else_returned(space: InstallSpace, value: str) -> None:
     assert len(message) < 400
 
 
-def test_misspelt_launch_function(space: InstallSpace) -> None:
+def test_misspelled_launch_function(space: InstallSpace) -> None:
     text = f"{HEAD}\ndef generate_launch_desciption():\n    return LaunchDescription()\n"
     plan = load(space, text)
     assert "Rename `generate_launch_desciption`" in only_message(plan, "LCH003")
@@ -178,7 +178,7 @@ def test_forgotten_items(space: InstallSpace) -> None:
     assert ".items()" not in only_message(space.play(pairs), "LCH010")
 
 
-def test_misspelt_package(space: InstallSpace) -> None:
+def test_misspelled_package(space: InstallSpace) -> None:
     before = "PACKAGE = 'my_robto'\n\nget_package_share_directory(PACKAGE)"
     plan = space.play("", before=before)
     assert "Did you mean `my_robot`?" in only_message(plan, "LCH007")
@@ -187,7 +187,7 @@ def test_misspelt_package(space: InstallSpace) -> None:
     assert "Did you mean `robot_state_publisher`?" in only_message(plan, "LCH007")
 
 
-def test_misspelt_file(space: InstallSpace) -> None:
+def test_misspelled_file(space: InstallSpace) -> None:
     space.add("my_robot", {"model/robot.xacro": "<robot name='r'/>"})
     before = "FILE = 'model/robto.xacro'\nimport xacro\n"
     call = "xacro.process_file(get_package_share_directory('my_robot') + '/' + FILE)"
@@ -207,7 +207,7 @@ def test_share_folder_and_path_without_a_slash_between(space: InstallSpace) -> N
     assert "os.path.join" in message
 
 
-def test_misspelt_launch_file_of_a_package_that_is_not_here(space: InstallSpace) -> None:
+def test_misspelled_launch_file_of_a_package_that_is_not_here(space: InstallSpace) -> None:
     plan = space.play("\n\n" + GAZEBO.format("gazebo.lanuch.py", ""))
     assert "Did you mean `gazebo.launch.py`?" in only_message(plan, "LCH005")
 
@@ -220,7 +220,7 @@ def test_misspelt_launch_file_of_a_package_that_is_not_here(space: InstallSpace)
         ("other", "tlaker", "talker"),
     ],
 )
-def test_misspelt_executable(space: InstallSpace, package: str, program: str, meant: str) -> None:
+def test_misspelled_executable(space: InstallSpace, package: str, program: str, meant: str) -> None:
     space.add("other")
     space.add_program("other", "talker")
     plan = space.play(f"Node(package='{package}',\n\nexecutable='{program}')")
@@ -302,7 +302,7 @@ def test_executable_that_a_package_may_have(space: InstallSpace, program: str) -
     assert not space.play(f"Node(package='controller_manager', executable='{program}')").diagnostics
 
 
-def test_misspelt_configuration(space: InstallSpace) -> None:
+def test_misspelled_configuration(space: InstallSpace) -> None:
     plan = space.play(
         "DeclareLaunchArgument('world', default_value=''), "
         "LogInfo(msg=LaunchConfiguration('wrold'))"
