@@ -60,32 +60,32 @@ def test_none_are_none(tmp_path: Path) -> None:
     ("instead_of", "text", "line", "element", "message"),
     [
         ('name = "drives"', "", 1, "0.name", "has no name"),
-        ('name = "drives"', "name = 3", 2, "0.name", "no text"),
-        ('name = "drives"', 'name = " "', 2, "0.name", "no text"),
-        ('name = "drives"', 'name = "a\\nb"', 2, "0.name", "no text"),
+        ('name = "drives"', "name = 3", 2, "0.name", "not a text"),
+        ('name = "drives"', 'name = " "', 2, "0.name", "not a text"),
+        ('name = "drives"', 'name = "a\\nb"', 2, "0.name", "not a text"),
         ('name = "drives"', f'name = "{"a" * 81}"', 2, "0.name", "more than 80"),
         ("seconds = 2", "", 1, "0.seconds", "no `seconds`"),
-        ("seconds = 2", 'seconds = "2"', 4, "0.seconds", "is no number"),
-        ("seconds = 2", "seconds = true", 4, "0.seconds", "is no number"),
+        ("seconds = 2", 'seconds = "2"', 4, "0.seconds", "is not a number"),
+        ("seconds = 2", "seconds = true", 4, "0.seconds", "is not a number"),
         ("seconds = 2", "seconds = 0", 4, "0.seconds", "is 0"),
         ("seconds = 2", "seconds = -1", 4, "0.seconds", "is -1"),
         ("seconds = 2", "seconds = 61", 4, "0.seconds", "is 61"),
         ("seconds = 2", "seconds = nan", 4, "0.seconds", "is nan"),
         ("seconds = 2", "seconds = inf", 4, "0.seconds", "is inf"),
-        ("{ linear = 0.5 }", "0.5", 3, "0.drive", "no table of numbers"),
-        ("{ linear = 0.5 }", "{}", 3, "0.drive", "no table of numbers"),
+        ("{ linear = 0.5 }", "0.5", 3, "0.drive", "not a table of numbers"),
+        ("{ linear = 0.5 }", "{}", 3, "0.drive", "not a table of numbers"),
         ("{ linear = 0.5 }", "{ linear = 1e9 }", 3, "0.drive.linear", "is 1e+09"),
-        ("{ linear = 0.5 }", '{ linear = "a" }', 3, "0.drive.linear", "no number"),
-        ("{ linear = 0.5 }", "{ x = 0.5 }", 3, "0.drive.x", "`drive` knows no key `x`"),
+        ("{ linear = 0.5 }", '{ linear = "a" }', 3, "0.drive.linear", "not a number"),
+        ("{ linear = 0.5 }", "{ x = 0.5 }", 3, "0.drive.x", "`drive` has no key `x`"),
         ("moved = { x = 1, yaw = 0.0 }", "", 1, "0.moved", "no `moved`"),
-        ("moved = { x = 1, yaw = 0.0 }", "moved = [1]", 5, "0.moved", "no table of numbers"),
-        ("yaw = 0.0", "z = 0.0", 5, "0.moved.z", "`moved` knows no key `z`"),
+        ("moved = { x = 1, yaw = 0.0 }", "moved = [1]", 5, "0.moved", "not a table of numbers"),
+        ("yaw = 0.0", "z = 0.0", 5, "0.moved.z", "`moved` has no key `z`"),
         ("seconds = 2", "seconds = 2\ntolerance = 0", 5, "0.tolerance", "is 0"),
         ("seconds = 2", "seconds = 2\ntolerance = 2", 5, "0.tolerance", "is 2"),
         ("seconds = 2", "seconds = 2\nwithin = 1", 5, "0.within", "no key `within` here"),
         ("seconds = 2", "seconds = 2\nsecond = 1", 5, "0.second", "no key `second`."),
-        ("seconds = 2", "seconds = 2\nrobot = 1", 5, "0.robot", "not the name of one"),
-        ("seconds = 2", 'seconds = 2\nrobot = ""', 5, "0.robot", "not the name of one"),
+        ("seconds = 2", "seconds = 2\nrobot = 1", 5, "0.robot", "is not a name"),
+        ("seconds = 2", 'seconds = 2\nrobot = ""', 5, "0.robot", "is not a name"),
         ("seconds = 2", "seconds = 2\njoints = { a = 1 }", 1, "0", "both `drive` and `joints`"),
         ("drive = { linear = 0.5 }", "", 1, "0", "neither `drive` nor `joints`"),
     ],
@@ -106,7 +106,7 @@ def test_what_is_wrong_is_named_with_its_line(
 def test_two_of_one_name(tmp_path: Path) -> None:
     behaviors, found = read(tmp_path, f"{DRIVES}\n{DRIVES}")
     assert [behavior.name for behavior in behaviors] == ["drives"]
-    assert [(one.message, one.line) for one in found] == [("Two behaviors are called `drives`.", 8)]
+    assert [(one.message, one.line) for one in found] == [("Two behaviors are named `drives`.", 8)]
 
 
 def test_wrong_values_of_joints(tmp_path: Path) -> None:
@@ -138,7 +138,7 @@ def test_too_many(tmp_path: Path) -> None:
     assert "51 behaviors" in found[0].message
 
 
-@pytest.mark.parametrize("key", ["behaviors", "behavior", "behavour", "Behavior"])
+@pytest.mark.parametrize("key", ["behaviors", "behaviour", "behavour", "Behavior"])
 def test_a_key_that_is_nearly_right(tmp_path: Path, key: str) -> None:
     behaviors, found = read(tmp_path, DRIVES.replace("[[behavior]]", f"[[{key}]]"))
     assert behaviors == ()

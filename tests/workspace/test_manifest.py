@@ -95,7 +95,7 @@ def test_what_catkin_pkg_refuses(
     ("old", "new", "line", "told"),
     [
         ("</license>", "", 7, ("<license> is not closed", "Add </license>")),
-        ("</license>", "</license>", 7, ("<license> is closed by </license>", "Write </license>")),
+        ("</license>", "</licens>", 7, ("<license> is closed by </licens>", "Write </license>")),
         ("</package>", "", 2, ("<package> is not closed", "Add </package>")),
         ("A robot", "A & robot", 5, ("`&` stands alone", "&amp;")),
         ("A robot", "A < robot", 5, ("`<` stands alone", "&lt;")),

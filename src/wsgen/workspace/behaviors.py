@@ -1,11 +1,11 @@
-"""`[[behavior]]` of a package's `wsgen.toml`: read, and all that is wrong with its form."""
+"""Read `[[behavior]]` of a package's `wsgen.toml`, and report every mistake in its form."""
 
 from __future__ import annotations
 
 import math
 from typing import TYPE_CHECKING, Any
 
-from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.model.behavior import Behavior, Drive, Reach
 from wsgen.tomlfile import find_line
 
@@ -13,6 +13,26 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
     from pathlib import Path
 
+
+INVALID_SETTINGS = Rule(
+    code="PKG060",
+    name="invalid-settings",
+    severity=Severity.ERROR,
+    severity_varies="a warning for a mistake in `[validate]`",
+    summary="wsgen.toml is not TOML, or a key or value in it is invalid.",
+    why="wsgen ignores an entry that it cannot use: a rule is not allowed, or a behavior is not "
+    "checked.",
+    example="""[[behavior]]
+name = "drives straight"
+drive = { linear = "fast" }
+seconds = 2.0
+moved = { x = 1.0 }""",
+    instead="""[[behavior]]
+name = "drives straight"
+drive = { linear = 0.5 }
+seconds = 2.0
+moved = { x = 1.0 }""",
+)
 
 TABLE = "behavior"
 EXAMPLE = (
@@ -27,7 +47,7 @@ TWIST = ("linear", "angular")
 PLACE = ("x", "y", "yaw")
 
 MOST = 50  # behaviors; each takes seconds of simulated time
-LONGEST_NAME = 80  # characters; it is told in a line
+LONGEST_NAME = 80  # characters; it is shown on one line
 LONGEST = 60.0  # s
 FASTEST = 100.0  # m/s or rad/s
 FARTHEST = FASTEST * LONGEST  # m or rad
@@ -36,19 +56,19 @@ FARTHEST = FASTEST * LONGEST  # m or rad
 def read_behaviors(
     document: Mapping[str, Any], file: Path, text: str
 ) -> tuple[tuple[Behavior, ...], tuple[Diagnostic, ...]]:
-    """The behaviors that can be used, and what is wrong with the others.
+    """Return the valid behaviors, and the mistakes in the others.
 
-    `document` is what the `text` of the file says.
+    `document` is the parsed `text` of the file.
     """
     reader = _Reader(file, text)
     tables = document.get(TABLE, [])
     if not isinstance(tables, list) or not all(isinstance(table, dict) for table in tables):
-        reader.wrong("`behavior` is no list of tables.", EXAMPLE, TABLE)
+        reader.report("`behavior` is not a list of tables.", EXAMPLE, TABLE)
         return (), tuple(reader.found)
     if len(tables) > MOST:
-        reader.wrong(
-            f"There are {len(tables)} behaviors; at most {MOST} are tried.",
-            "Put robots that do so much into several packages.",
+        reader.report(
+            f"wsgen.toml defines {len(tables)} behaviors; the limit is {MOST}.",
+            "Split the robots into several packages.",
             TABLE,
         )
         return (), tuple(reader.found)
@@ -61,38 +81,31 @@ def read_behaviors(
 
 
 class _Reader:
-    """Reads values of a file, and collects what is wrong."""
+    """Reads the values of a file, and collects the mistakes."""
 
     def __init__(self, file: Path, text: str) -> None:
         self.file = file
         self.text = text
         self.found: list[Diagnostic] = []
 
-    def wrong(self, message: str, hint: str, *where: str) -> None:
-        """Add that something is wrong at a place: the way of keys that leads to it."""
+    def report(self, message: str, hint: str, *where: str) -> None:
+        """Report a mistake at a path of keys."""
+        line = find_line(self.text, where)
         self.found.append(
-            Diagnostic(
-                code="PKG060",
-                severity=Severity.ERROR,
-                message=message,
-                file=self.file,
-                line=find_line(self.text, where),
-                element=".".join(where),
-                hint=hint,
-            )
+            INVALID_SETTINGS.at(self.file, line, ".".join(where), message=message, hint=hint)
         )
 
     def behavior(self, table: dict[str, Any], index: int, before: Iterable[str]) -> Behavior | None:
-        """One table; None where anything of it is wrong."""
+        """Read one table; None where it has a mistake."""
         count = len(self.found)
         where = (TABLE, str(index))
         kinds = [key for key in ("drive", "joints") if key in table]
         if len(kinds) != 1:
-            self.wrong(
+            self.report(
                 "A behavior has both `drive` and `joints`."
                 if kinds
                 else "A behavior has neither `drive` nor `joints`.",
-                "Give it one of them: what the robot drives, or where its joints go.",
+                "Give it one of them: `drive` for a mobile robot, `joints` for a target position.",
                 *where,
             )
             kinds = []
@@ -117,35 +130,33 @@ class _Reader:
     def _name(self, table: dict[str, Any], before: Iterable[str], *where: str) -> str | None:
         name = table.get("name")
         if not isinstance(name, str) or not name.strip() or not name.isprintable():
-            self.wrong(
+            self.report(
                 "A behavior has no name."
                 if name is None
-                else "The `name` of a behavior is no text on one line.",
+                else "The `name` of a behavior is not a text on one line.",
                 'Write for example: name = "drives straight"',
                 *where,
                 "name",
             )
             return None
         if len(name) > LONGEST_NAME:
-            self.wrong(
+            self.report(
                 f"The `name` of a behavior has more than {LONGEST_NAME} characters.",
-                "Say in a few words what the robot does.",
+                "Describe in a few words what the robot does.",
                 *where,
                 "name",
             )
         if name in before:
-            self.wrong(
-                f"Two behaviors are called `{name}`.", "Give each its own name.", *where, "name"
-            )
+            self.report(f"Two behaviors are named `{name}`.", "Rename one of them.", *where, "name")
         return name
 
     def _robot(self, table: dict[str, Any], *where: str) -> str | None:
         robot = table.get("robot")
         if robot is None or (isinstance(robot, str) and robot):
             return robot
-        self.wrong(
-            "The `robot` of a behavior is not the name of one.",
-            "Write the name that it is spawned under, or leave the key out if there is one robot.",
+        self.report(
+            "The `robot` of a behavior is not a name.",
+            "Write the name that the robot is spawned under; with a single robot, remove the key.",
             *where,
             "robot",
         )
@@ -169,14 +180,14 @@ class _Reader:
     def _numbers(
         self, table: dict[str, Any], *where: str, keys: tuple[str, ...] | None, most: float
     ) -> dict[str, float] | None:
-        """A table of numbers, one at least; any keys where none are given."""
+        """Read a table of one or more numbers; without `keys` it may have any."""
         inside = table.get(where[-1])
         if not isinstance(inside, dict) or not inside:
             some = " = 0.5, ".join(keys or ("joint_1", "joint_2")) + " = 0.5"
-            self.wrong(
+            self.report(
                 f"A behavior has no `{where[-1]}`."
                 if inside is None
-                else f"`{where[-1]}` is no table of numbers.",
+                else f"`{where[-1]}` is not a table of numbers.",
                 f"Write for example: {where[-1]} = {{ {some} }}",
                 *where,
             )
@@ -196,31 +207,31 @@ class _Reader:
         most: float,
         positive: bool = False,
     ) -> float | None:
-        """The number at the last key of the way; None after saying what is wrong with it."""
+        """Read the number at the last key of the path; None if it is invalid, which is reported."""
         value = table.get(where[-1], default)
-        span = f"greater than 0, and at most {most:g}" if positive else f"at most {most:g} in size"
+        span = f"greater than 0 and at most {most:g}" if positive else f"from {-most:g} to {most:g}"
         if isinstance(value, bool) or not isinstance(value, int | float):
-            self.wrong(
+            self.report(
                 f"A behavior has no `{where[-1]}`."
                 if value is None
-                else f"`{where[-1]}` is no number.",
+                else f"`{where[-1]}` is not a number.",
                 f"Write a number {span}.",
                 *where,
             )
             return None
         if not math.isfinite(value) or abs(value) > most or (positive and value <= 0):
-            self.wrong(f"`{where[-1]}` is {value:g}.", f"Write a number {span}.", *where)
+            self.report(f"`{where[-1]}` is {value:g}.", f"Write a number {span}.", *where)
             return None
         return float(value)
 
     def _no_others(self, table: dict[str, Any], keys: tuple[str, ...], *where: str) -> bool:
-        """Report keys that mean nothing here; gives whether there are none."""
+        """Report unknown keys; return whether none was found."""
         unknown = [key for key in table if key not in keys]
         for key in unknown:
-            self.wrong(
-                f"`{where[0] if len(where) < 3 else where[-1]}` knows no key `{key}`"  # noqa: PLR2004  in a table of it
+            self.report(
+                f"`{where[0] if len(where) < 3 else where[-1]}` has no key `{key}`"  # noqa: PLR2004  in a table of it
                 + (" here." if key in KEYS else "."),
-                f"It knows {', '.join(f'`{one}`' for one in keys)}.",
+                f"Its keys are {', '.join(f'`{one}`' for one in keys)}.",
                 *where,
                 key,
             )

@@ -234,7 +234,7 @@ def read_package(folder: Path) -> PackageFolder | None:
             build_type=manifest.build_type,
             test_dependencies=manifest.test_dependencies,
         )
-    if manifest.code == FOREIGN_MANIFEST:
+    if manifest.code == FOREIGN_MANIFEST.code:
         return None
     return PackageFolder(path=folder, name=folder.name, build_type="", diagnostics=(manifest,))
 

@@ -1,7 +1,7 @@
-"""What is needed of a package.xml, read in a millisecond.
+"""Read the name, the build type and the test dependencies from a package.xml.
 
-Only expat of the standard library: enough to list a workspace's packages. Whether ROS accepts the
-manifest is for `package_xml` to say, which asks catkin_pkg.
+It uses only expat of the standard library and takes a millisecond, which is enough to list the
+packages of a workspace. `package_xml` checks with catkin_pkg whether ROS accepts the manifest.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 from xml.parsers import expat
 
-from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.xmlsyntax import find_mistake
 
 if TYPE_CHECKING:
@@ -18,10 +18,55 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
-MALFORMED_MANIFEST = "PKG001"
-UNREADABLE_MANIFEST = "PKG002"
-FOREIGN_MANIFEST = "PKG003"
-UNNAMED_PACKAGE = "PKG004"
+MALFORMED_MANIFEST = Rule(
+    code="PKG001",
+    name="malformed-manifest",
+    severity=Severity.ERROR,
+    summary="package.xml is not well-formed XML.",
+    what="Parses package.xml, and refuses entities, which no manifest of ROS declares.",
+    why="colcon cannot read the name and the dependencies of the package.",
+    example="""<package format="3">
+  <name>my_robot<name>
+</package>""",
+    instead="""<package format="3">
+  <name>my_robot</name>
+</package>""",
+)
+UNREADABLE_MANIFEST = Rule(
+    code="PKG002",
+    name="unreadable-manifest",
+    severity=Severity.ERROR,
+    summary="package.xml cannot be read, or is not UTF-8 text.",
+    why="colcon and CMake read package.xml as UTF-8, whatever encoding it declares.",
+    example="""<?xml version="1.0" encoding="ISO-8859-1"?>
+<package format="3">...""",
+    instead="Save package.xml as UTF-8, and make it readable for your user.",
+)
+FOREIGN_MANIFEST = Rule(
+    code="PKG003",
+    name="foreign-manifest",
+    severity=Severity.WARNING,
+    summary="package.xml is not the manifest of a ROS package.",
+    what="Looks at the root element of package.xml, which is `<package>` in ROS.",
+    why="Other tools, such as Dynamics 365, also name a file package.xml. colcon does not take its "
+    "folder for a ROS package.",
+    example='<ImportExportXml version="1.0">...</ImportExportXml>',
+    instead='<package format="3">...</package>',
+)
+UNNAMED_PACKAGE = Rule(
+    code="PKG004",
+    name="unnamed-package",
+    severity=Severity.ERROR,
+    summary="package.xml does not name the package.",
+    why="colcon, `ros2 launch` and `$(find ...)` know a package by the name in package.xml.",
+    example="""<package format="3">
+  <version>0.0.0</version>
+</package>""",
+    instead="""<package format="3">
+  <name>my_robot</name>
+  <version>0.0.0</version>
+</package>""",
+)
 
 DEFAULT_BUILD_TYPE = "catkin"  # what colcon and catkin_pkg take where none is exported
 
@@ -37,7 +82,7 @@ class Manifest:
     lines: Mapping[tuple[str, ...], int] = field(default_factory=dict, compare=False)
 
     def line_of(self, *path: str) -> int | None:
-        """Give the line on which the element begins; None if there is none."""
+        """Return the line on which the element begins; None if it is missing."""
         return self.lines.get(path)
 
 
@@ -74,7 +119,7 @@ class _Handler:
 
 
 def read_manifest(file: Path) -> Manifest | Diagnostic:
-    """Read a package.xml, or say what keeps it from being read."""
+    """Read a package.xml, or report why it cannot be read."""
     parser = expat.ParserCreate()
     handler = _Handler(parser)
     parser.StartElementHandler = handler.start
@@ -88,62 +133,50 @@ def read_manifest(file: Path) -> Manifest | Diagnostic:
         if handler.root == "package":
             data.decode("utf-8")  # as colcon and CMake read it, whatever encoding it declares
     except OSError as error:
-        return Diagnostic(
-            code=UNREADABLE_MANIFEST,
-            severity=Severity.ERROR,
+        return UNREADABLE_MANIFEST.at(
+            file,
             message=f"package.xml cannot be read: {error.strerror or error}.",
-            file=file,
-            hint="Check what it is (ls -l) and that you may read it.",
+            hint="Check that it is a file and that you may read it (ls -l).",
         )
     except UnicodeDecodeError as error:
-        return Diagnostic(
-            code=UNREADABLE_MANIFEST,
-            severity=Severity.ERROR,
+        return UNREADABLE_MANIFEST.at(
+            file,
+            data.count(b"\n", 0, error.start) + 1,
             message="package.xml is not UTF-8 text.",
-            file=file,
-            line=data.count(b"\n", 0, error.start) + 1,
-            hint="Save it in the encoding UTF-8.",
+            hint="Save it as UTF-8.",
         )
     except expat.ExpatError as error:
         mistake = find_mistake(data)
-        return Diagnostic(
-            code=MALFORMED_MANIFEST,
-            severity=Severity.ERROR,
+        return MALFORMED_MANIFEST.at(
+            file,
+            mistake.line if mistake else error.lineno,
             message=f"package.xml is not well-formed XML: {mistake.message if mistake else error}.",
-            file=file,
-            line=mistake.line if mistake else error.lineno,
             hint=mistake.hint if mistake else "",
         )
     except _EntityError:
-        return Diagnostic(
-            code=MALFORMED_MANIFEST,
-            severity=Severity.ERROR,
+        return MALFORMED_MANIFEST.at(
+            file,
+            parser.CurrentLineNumber,
             message="package.xml declares an XML entity.",
-            file=file,
-            line=parser.CurrentLineNumber,
-            hint="Write the text itself in the place of the entity.",
+            hint="Replace the entity by its text.",
         )
     return _make_manifest(handler, file)
 
 
 def _make_manifest(handler: _Handler, file: Path) -> Manifest | Diagnostic:
     if handler.root != "package":
-        return Diagnostic(
-            code=FOREIGN_MANIFEST,
-            severity=Severity.WARNING,
-            message=f"package.xml is no ROS manifest: its root element is <{handler.root}>.",
-            file=file,
-            line=1,
-            hint="The root element of a ROS package's manifest is <package>.",
+        return FOREIGN_MANIFEST.at(
+            file,
+            1,
+            message=f"package.xml is not a ROS manifest: its root element is <{handler.root}>.",
+            hint="Make <package> the root element if this is a ROS package.",
         )
     name = next(iter(handler.texts.get(("name",), [])), "")
     if not name:
-        return Diagnostic(
-            code=UNNAMED_PACKAGE,
-            severity=Severity.ERROR,
-            message="package.xml names no package.",
-            file=file,
+        return UNNAMED_PACKAGE.at(
+            file,
             element="package/name",
+            message="package.xml does not name the package.",
             hint=f"Add <name>{file.parent.name}</name> below <package>.",
         )
     build_types = handler.texts.get(("export", "build_type"), [])

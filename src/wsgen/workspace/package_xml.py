@@ -1,14 +1,11 @@
-"""Whether ROS accepts a package.xml: catkin_pkg says, as it does to colcon and to CMake.
-
-What to write where catkin_pkg refuses a package.xml, by its words.
-"""
+"""Check a package.xml with catkin_pkg, as colcon and CMake do; hints say how to fix it."""
 
 from __future__ import annotations
 
 import re
 from typing import TYPE_CHECKING
 
-from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.suggestions import did_you_mean, nearest
 from wsgen.workspace.manifest import read_manifest
 
@@ -33,7 +30,7 @@ TAGS = (
     *("group_depend", "member_of_group"),
 )
 
-# SimulationResult in order; the words of the complaint that are in parentheses go into the hint.
+# The first that matches counts; the groups of the pattern go into the hint.
 HINTS = (
     (r"Only one <(\w+)>", "Keep one <{0}>."),
     (r'more than one "(\w+)"', "Keep one <{0}>."),
@@ -59,86 +56,105 @@ MISSING = re.compile(
 OTHERWISE = "REP-149 describes the format of package.xml."
 
 
-def hint_for(complaint: str, text: str) -> str:
+def hint_for(problem: str, text: str) -> str:
     """Say what to write.
 
     Args:
-        complaint: one of catkin_pkg's sentences.
+        problem: one of catkin_pkg's sentences.
         text: the package.xml.
     """
-    missing = MISSING.search(complaint)
+    missing = MISSING.search(problem)
     if missing:
         element = missing[1]
-        if len(re.findall(rf"<{element}[\s>]", text)) > 1 and "exactly one" in complaint:
+        if len(re.findall(rf"<{element}[\s>]", text)) > 1 and "exactly one" in problem:
             return f"Keep one <{element}>."
         return f"Add: {EXAMPLES[element]}"
-    unknown = re.search(r"following tags: (.+?)\.?$", complaint)
+    unknown = re.search(r"following tags: (.+?)\.?$", problem)
     for tag in unknown[1].split(", ") if unknown else ():
         near = nearest(tag, TAGS)
         if near is not None:
             return did_you_mean(near)
     for pattern, hint in HINTS:
-        match = re.search(pattern, complaint)
+        match = re.search(pattern, problem)
         if match:
             return hint.format(*(group or "" for group in match.groups()))
     return OTHERWISE
 
 
-REFUSED_MANIFEST = "PKG005"
-QUESTIONABLE_MANIFEST = "PKG006"
+REFUSED_MANIFEST = Rule(
+    code="PKG005",
+    name="invalid-manifest",
+    severity=Severity.ERROR,
+    summary="catkin_pkg refuses package.xml.",
+    what="Reads package.xml with catkin_pkg, as colcon and ament_cmake do.",
+    why="colcon then takes the package for one of plain CMake, in another environment and with "
+    "other arguments, or skips it.",
+    example="""<package format="3">
+  <name>my_robot</name>
+  <version>1</version>""",
+    instead="""<package format="3">
+  <name>my_robot</name>
+  <version>1.0.0</version>""",
+)
+QUESTIONABLE_MANIFEST = Rule(
+    code="PKG006",
+    name="questionable-manifest",
+    severity=Severity.WARNING,
+    summary="catkin_pkg warns about package.xml.",
+    why="The package builds, but its manifest does not follow REP 149. Tools that release or "
+    "document packages may refuse it.",
+    example="<name>MyRobot</name>",
+    instead="<name>my_robot</name>",
+)
 
 ELEMENTS = ("maintainer", "author", "description", "license", "version", "name", "format")
 
 
 def check_package_xml(file: Path) -> tuple[Diagnostic, ...]:
-    """List what catkin_pkg refuses (errors) and what it merely dislikes (warnings)."""
+    """List what catkin_pkg refuses (errors) and what it warns about (warnings)."""
     from catkin_pkg.package import InvalidPackage, parse_package_string  # noqa: PLC0415  25 ms that only a failed build and checks pay
 
     manifest = read_manifest(file)
     if isinstance(manifest, Diagnostic):
         return (manifest,)
     text = file.read_text(encoding="utf-8", errors="replace")
-    complaints: list[str] = []
+    warnings: list[str] = []
     refusal = ""
     try:
         # As bytes: a text must not carry an encoding declaration.
-        parse_package_string(file.read_bytes(), filename=str(file), warnings=complaints)
+        parse_package_string(file.read_bytes(), filename=str(file), warnings=warnings)
     except InvalidPackage as error:
         refusal = error.msg
     except (AssertionError, ValueError, UnicodeError) as error:
         refusal = f"catkin_pkg cannot read it ({error})"
     return (
         *(_refused(file, text, line) for line in _split_refusal(refusal)),
-        *(_disliked(file, text, line) for line in complaints),
+        *(_questionable(file, text, line) for line in warnings),
     )
 
 
 def _split_refusal(message: str) -> Iterator[str]:
-    """Yield the single complaints of a message that may hold several, a line each."""
+    """Yield the problems of a message that may name several, a line each."""
     for line in message.splitlines():
-        complaint = line.strip().removeprefix("- ")
-        if complaint and complaint != "Error(s):":
-            yield complaint
+        problem = line.strip().removeprefix("- ")
+        if problem and problem != "Error(s):":
+            yield problem
 
 
-def _refused(file: Path, text: str, complaint: str) -> Diagnostic:
-    return Diagnostic(
-        code=REFUSED_MANIFEST,
-        severity=Severity.ERROR,
-        message=f"package.xml is not accepted: {_finish(complaint)}",
-        file=file,
-        line=_find_line(text, complaint),
-        hint=hint_for(complaint, text),
+def _refused(file: Path, text: str, problem: str) -> Diagnostic:
+    return REFUSED_MANIFEST.at(
+        file,
+        _find_line(text, problem),
+        message=f"catkin_pkg refuses package.xml: {_finish(problem)}",
+        hint=hint_for(problem, text),
     )
 
 
-def _disliked(file: Path, text: str, complaint: str) -> Diagnostic:
-    return Diagnostic(
-        code=QUESTIONABLE_MANIFEST,
-        severity=Severity.WARNING,
-        message=f"package.xml is questionable: {_finish(complaint)}",
-        file=file,
-        line=_find_line(text, complaint),
+def _questionable(file: Path, text: str, problem: str) -> Diagnostic:
+    return QUESTIONABLE_MANIFEST.at(
+        file,
+        _find_line(text, problem),
+        message=f"catkin_pkg warns about package.xml: {_finish(problem)}",
         hint="The package builds all the same; REP-149 describes the format.",
     )
 
@@ -147,12 +163,12 @@ def _finish(sentence: str) -> str:
     return sentence if sentence.endswith((".", "!", "?")) else f"{sentence}."
 
 
-def _find_line(text: str, complaint: str) -> int | None:
+def _find_line(text: str, problem: str) -> int | None:
     """Guess the line meant: that of a tag, of a quoted value, or of the element that is named."""
-    words = re.findall(r"\w+", complaint)
-    quoted = [first or second for first, second in re.findall(r"\"([^\"]+)\"|'([^']+)'", complaint)]
+    words = re.findall(r"\w+", problem)
+    quoted = [first or second for first, second in re.findall(r"\"([^\"]+)\"|'([^']+)'", problem)]
     named = {word.lower().rstrip("s") for word in words}
-    unknown = re.search(r"following tags: (.+?)\.?$", complaint)
+    unknown = re.search(r"following tags: (.+?)\.?$", problem)
     needles = (
         *(f"<{tag}" for tag in (unknown[1].split(", ") if unknown else ())),
         *(f"<{word}" for word in words if word.endswith("_depend")),

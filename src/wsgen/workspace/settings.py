@@ -1,4 +1,4 @@
-"""What a package says to wsgen: its `wsgen.toml`."""
+"""Read the settings of a package, its `wsgen.toml`."""
 
 from __future__ import annotations
 
@@ -6,29 +6,31 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from wsgen import tomlfile
-from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.diagnostics import Severity
 from wsgen.suggestions import suggest
+from wsgen.workspace.behaviors import INVALID_SETTINGS, TABLE, read_behaviors
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
+    from wsgen.diagnostics import Diagnostic
     from wsgen.model.behavior import Behavior
 
 
 FILE = "wsgen.toml"
-# What `wsgen new` records, and what a person may wish.
-KNOWN = ("schema", "wsgen", "template", "target", "package", "answers", "validate", "behavior")
+# What `wsgen new` records, and what a user may set.
+KNOWN_KEYS = ("schema", "wsgen", "template", "target", "package", "answers", "validate", "behavior")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Settings:
-    """The part of the file that is a wish, not a record."""
+    """The part of the file that a user sets, and the distribution that `wsgen new` recorded."""
 
     file: Path
-    allow: tuple[str, ...] = ()  # names of rules whose findings the package has on purpose
+    allow: tuple[str, ...] = ()  # names of rules that the package breaks on purpose
     behaviors: tuple[Behavior, ...] = ()  # what its robot must do beyond standing
-    distro: str | None = None  # that the package is for, as `wsgen new` has recorded it
+    distro: str | None = None  # target of the package, as `wsgen new` recorded it
 
 
 def read_settings(package: Path) -> tuple[Settings, tuple[Diagnostic, ...]]:
@@ -40,20 +42,26 @@ def read_settings(package: Path) -> tuple[Settings, tuple[Diagnostic, ...]]:
         return Settings(file=file), ()
     except OSError as error:
         return Settings(file=file), (
-            _lost(file, f"{FILE} cannot be read: {error.strerror}.", "Make it readable."),
+            INVALID_SETTINGS.at(
+                file,
+                message=f"{FILE} cannot be read: {error.strerror}.",
+                hint="Make it readable for your user.",
+            ),
         )
     except ValueError as error:
         return Settings(file=file), (
-            _lost(file, f"{FILE} is not TOML: {error}.", "Fix it, or remove it."),
+            INVALID_SETTINGS.at(
+                file, message=f"{FILE} is not TOML: {error}.", hint="Fix it, or remove the file."
+            ),
         )
-    behaviors, found = _behaviors(document, file)
+    behaviors, found = _read_behaviors(document, file)
     settings = Settings(file=file, behaviors=behaviors, distro=_distro(document))
-    found = (*_unknown(document, file), *found)
+    found = (*_unknown_keys(document, file), *found)
     allow = _allow(document)
     if allow is None:
         return settings, (
             *found,
-            _wrong(
+            _warn(
                 file,
                 "`allow` in [validate] is not a list of names.",
                 'Write for example: allow = ["massless-root"]',
@@ -63,7 +71,7 @@ def read_settings(package: Path) -> tuple[Settings, tuple[Diagnostic, ...]]:
     return replace(settings, allow=allow), (
         *found,
         *(
-            _wrong(file, f"[validate] knows no key `{key}`.", "It knows `allow`.")
+            _warn(file, f"[validate] has no key `{key}`.", "Its only key is `allow`.")
             for key in unknown
         ),
     )
@@ -75,22 +83,23 @@ def _distro(document: dict[str, Any]) -> str | None:
     return distro if isinstance(distro, str) else None
 
 
-def _behaviors(
+def _read_behaviors(
     document: dict[str, Any], file: Path
 ) -> tuple[tuple[Behavior, ...], tuple[Diagnostic, ...]]:
-    """Most packages have none, and load nothing for them."""
-    if "behavior" not in document:
+    if TABLE not in document:
         return (), ()
-    from wsgen.workspace.behaviors import read_behaviors  # noqa: PLC0415
-
     return read_behaviors(document, file, file.read_text(encoding="utf-8"))
 
 
-def _unknown(document: dict[str, Any], file: Path) -> Iterator[Diagnostic]:
-    """What nobody reads is a mistake: a behavior that is misspelt would never be tried."""
+def _unknown_keys(document: dict[str, Any], file: Path) -> Iterator[Diagnostic]:
+    """Report keys that nothing reads: wsgen would never run a misspelled behavior."""
     for key in document:
-        if key not in KNOWN:
-            yield _lost(file, f"{FILE} knows no key `{key}`.", suggest(key.lower(), KNOWN))
+        if key not in KNOWN_KEYS:
+            yield INVALID_SETTINGS.at(
+                file,
+                message=f"{FILE} has no key `{key}`.",
+                hint=suggest(key.lower(), KNOWN_KEYS),
+            )
 
 
 def _allow(document: dict[str, Any]) -> tuple[str, ...] | None:
@@ -101,12 +110,5 @@ def _allow(document: dict[str, Any]) -> tuple[str, ...] | None:
     return tuple(names)
 
 
-def _lost(file: Path, message: str, hint: str) -> Diagnostic:
-    """Something that the package wants and does not get."""
-    return Diagnostic(code="PKG060", severity=Severity.ERROR, message=message, file=file, hint=hint)
-
-
-def _wrong(file: Path, message: str, hint: str) -> Diagnostic:
-    return Diagnostic(
-        code="PKG060", severity=Severity.WARNING, message=message, file=file, hint=hint
-    )
+def _warn(file: Path, message: str, hint: str) -> Diagnostic:
+    return INVALID_SETTINGS.at(file, message=message, hint=hint, severity=Severity.WARNING)
