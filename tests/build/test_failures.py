@@ -39,7 +39,7 @@ CMAKE_CASES = {
     ),
     "needs a package that is not there": (
         CMAKE.replace("install(", "find_package(gazebo_msgs REQUIRED)\ninstall("),
-        ("BLD008", 4, "gazebo_msgs", "Source the ROS that has it"),
+        ("BLD008", 4, "gazebo_msgs", "Source a ROS that has it"),
     ),
     "misspells a package": (
         CMAKE.replace("find_package(ament_cmake", "find_package(ament_cmak"),
@@ -63,15 +63,15 @@ CMAKE_CASES = {
     ),
     "has another name than the manifest": (
         CMAKE.replace("project(demo", "project(robot"),
-        ("BLD029", 2, "calls the package robot, and package.xml (line 3)", "project(demo)"),
+        ("BLD029", 2, "names the package robot, but package.xml (line 3)", "project(demo)"),
     ),
     "does not close a quotation mark": (
         CMAKE.replace("find_package(", 'message("hello)\nfind_package('),
-        ("BLD011", 3, "opened here", "Close it"),
+        ("BLD011", 3, "opens a quotation mark", "Close it"),
     ),
     "does not close one of several quotation marks": (
         CMAKE.replace("find_package(", 'message("hello)\nmessage("bye")\nfind_package('),
-        ("BLD011", 3, "opened here", "Close it"),
+        ("BLD011", 3, "opens a quotation mark", "Close it"),
     ),
     "does not end an if()": (
         CMAKE.replace("install(", "if(UNIX)\nif(TRUE)\nendif()\ninstall("),
@@ -99,7 +99,7 @@ CMAKE_CASES = {
     ),
     "asks for a CMake to come": (
         CMAKE.replace("3.20", "99.0"),
-        ("BLD013", 1, "CMake 99.0 is needed", "newer"),
+        ("BLD013", 1, "requires CMake 99.0", "newer"),
     ),
     "misspells a command": (
         CMAKE.replace("ament_package", "ament_pakage"),
@@ -257,7 +257,10 @@ def test_a_package_that_is_asked_for_and_skipped(tmp_path: Path) -> None:
 MANIFEST_CASES = {
     "is no XML": (PACKAGE_XML.replace("</license>", ""), ("PKG001", 7, "<license> is not closed")),
     "is empty": ("", ("PKG001", 1, "the file is empty")),
-    "names no package": (PACKAGE_XML.replace("<name>demo</name>", ""), ("PKG004", None, "names")),
+    "names no package": (
+        PACKAGE_XML.replace("<name>demo</name>", ""),
+        ("PKG004", None, "does not name"),
+    ),
     "has a bad address": (
         PACKAGE_XML.replace("somebody@example.com", "somebody"),
         ("PKG005", 6, "Invalid email"),
@@ -455,7 +458,7 @@ def test_a_file_in_the_place_of_a_folder(folder: str, tmp_path: Path) -> None:
     [
         (Finished(returncode=-9, output=""), "signal 9"),
         (Finished(returncode=1, output="something\nthat nobody knows\n"), "that nobody knows"),
-        (Finished(returncode=1, output=""), "colcon failed without a word."),
+        (Finished(returncode=1, output=""), "colcon failed without output."),
         (
             Finished(returncode=1, output="Traceback (most recent call last):\n  f()\nOops: no\n"),
             "colcon failed: Oops: no",

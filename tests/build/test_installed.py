@@ -33,7 +33,7 @@ def rebuild(package: Path, *arguments: str) -> BuildResult:
 def test_a_folder_that_is_not_installed_any_more(package: Path) -> None:
     (package / "CMakeLists.txt").write_text(CMAKE.replace("launch model", "launch"))
     finding = only_warning(rebuild(package))
-    assert "any more: model/robot.xacro." in finding.message
+    assert "no longer installs: model/robot.xacro." in finding.message
     root = package.parents[1]
     assert f"rm -rf '{root}/install/demo' '{root}/build/demo'" in (finding.hint or "")
     assert only_warning(rebuild(package)) == finding  # as long as it is there
@@ -41,7 +41,7 @@ def test_a_folder_that_is_not_installed_any_more(package: Path) -> None:
 
 def test_a_file_that_was_renamed(package: Path) -> None:
     (package / "model" / "robot.xacro").rename(package / "model" / "arm.xacro")
-    assert "any more: model/robot.xacro." in only_warning(rebuild(package)).message
+    assert "no longer installs: model/robot.xacro." in only_warning(rebuild(package)).message
     share = package.parents[1] / "install" / "demo" / "share" / "demo"
     (share / "model" / "robot.xacro").unlink()
     assert rebuild(package).diagnostics == ()

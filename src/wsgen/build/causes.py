@@ -1,8 +1,6 @@
-"""Causes of a failed build that are a single word of CMakeLists.txt, or one too few.
+"""Causes of a failed build: a mistake in CMakeLists.txt, a tool of the machine, a missing file.
 
-Causes of a failed build that lie in the machine: a tool is missing, old or the wrong one.
-
-Causes of a failed build that lie in the files of the package.
+A cause is a function that recognizes it in the output of the build, and reports it.
 """
 
 from __future__ import annotations
@@ -11,7 +9,7 @@ import re
 from typing import TYPE_CHECKING
 
 from wsgen.build.cmake_text import find_open_block, find_open_quote, read_calls
-from wsgen.diagnostics import Diagnostic, has_errors
+from wsgen.diagnostics import Diagnostic, Rule, Severity, has_errors
 from wsgen.suggestions import ask_for_nearest, did_you_mean, nearest
 from wsgen.workspace.manifest import read_manifest
 from wsgen.workspace.package_xml import check_package_xml
@@ -22,12 +20,177 @@ if TYPE_CHECKING:
     from wsgen.build.failure import Failure
 
 
-CMAKE_SYNTAX = "BLD011"
-UNKNOWN_COMMAND = "BLD027"
-MISSING_DESTINATION = "BLD028"
-DIFFERENT_NAMES = "BLD029"
+CMAKE_SYNTAX = Rule(
+    code="BLD011",
+    name="cmake-syntax",
+    severity=Severity.ERROR,
+    summary="CMake cannot parse CMakeLists.txt.",
+    what="Names the line that opens a quotation mark or a block, which CMake reads to the end of "
+    "the file.",
+    why="CMake stops, and the package is not built.",
+    example="""if(BUILD_TESTING)
+  find_package(ament_lint_auto REQUIRED)
+ament_package()""",
+    instead="""if(BUILD_TESTING)
+  find_package(ament_lint_auto REQUIRED)
+endif()
+ament_package()""",
+)
+UNKNOWN_COMMAND = Rule(
+    code="BLD027",
+    name="unknown-command",
+    severity=Severity.ERROR,
+    summary="CMakeLists.txt calls a command that CMake does not know.",
+    why="CMake stops at the call. The name is misspelled, or find_package() of the package that "
+    "defines the command is missing or comes later.",
+    example="""find_package(ament_cmake REQUIRED)
+ament_pakage()""",
+    instead="""find_package(ament_cmake REQUIRED)
+ament_package()""",
+)
+MISSING_DESTINATION = Rule(
+    code="BLD028",
+    name="missing-destination",
+    severity=Severity.ERROR,
+    summary="install() has no DESTINATION.",
+    why="CMake does not know where to install the files, and stops.",
+    example="install(DIRECTORY launch)",
+    instead="install(DIRECTORY launch DESTINATION share/${PROJECT_NAME})",
+)
+DIFFERENT_NAMES = Rule(
+    code="BLD029",
+    name="different-names",
+    severity=Severity.ERROR,
+    summary="package.xml and project() name the package differently.",
+    why="ament_package() requires both names to be equal, and stops.",
+    example="project(my_robots)  # package.xml: <name>my_robot</name>",
+    instead="project(my_robot)",
+)
+WRONG_PYTHON = Rule(
+    code="BLD004",
+    name="wrong-python",
+    severity=Severity.ERROR,
+    summary="CMake uses a Python that lacks the modules of the build.",
+    what="Looks for failed imports of catkin_pkg and ament_package in the output of the build.",
+    why="ament_cmake runs Python scripts that import these modules. CMake found another Python "
+    "first, for example that of an active conda environment.",
+    example="conda activate base; colcon build",
+    instead="conda deactivate; rm -r build/my_robot; colcon build",
+)
+UNSUPPORTED_EMPY = Rule(
+    code="BLD005",
+    name="unsupported-empy",
+    severity=Severity.ERROR,
+    summary="The Python of the build has empy 4 or no empy; ROS needs empy 3.",
+    why="The templates of ament and rosidl use the interface of empy 3, which empy 4 changed.",
+    example="python3 -m pip install empy",
+    instead="python3 -m pip install 'empy>=3.3.4,<4'",
+)
+MISSING_COMPILER = Rule(
+    code="BLD006",
+    name="missing-compiler",
+    severity=Severity.ERROR,
+    summary="project() requires a compiler that is not installed.",
+    why="project() enables C and C++ by default, and CMake stops without a compiler.",
+    example="project(my_robot)",
+    instead="project(my_robot LANGUAGES NONE)  # if it only installs files",
+)
+MISSING_CMAKE = Rule(
+    code="BLD007",
+    name="missing-cmake",
+    severity=Severity.ERROR,
+    summary="colcon does not find CMake.",
+    why="colcon builds ament_cmake packages with CMake.",
+    example="CMAKE_COMMAND=/opt/cmake/bin/cmake wsgen build  # a path that does not exist",
+    instead="python3 -m pip install cmake",
+)
+OLD_CMAKE_MINIMUM = Rule(
+    code="BLD012",
+    name="old-cmake-minimum",
+    severity=Severity.ERROR,
+    summary="cmake_minimum_required() names a version that this CMake no longer supports.",
+    why="CMake 4 has removed compatibility with versions before 3.5, and stops.",
+    example="cmake_minimum_required(VERSION 2.8)",
+    instead="cmake_minimum_required(VERSION 3.20)",
+)
+OLD_CMAKE = Rule(
+    code="BLD013",
+    name="old-cmake",
+    severity=Severity.ERROR,
+    summary="The installed CMake is older than the version that the package requires.",
+    why="CMake stops at cmake_minimum_required().",
+    example="cmake_minimum_required(VERSION 3.28)  # with CMake 3.22",
+    instead="python3 -m pip install -U cmake",
+)
+MISSING_BUILD_PROGRAM = Rule(
+    code="BLD014",
+    name="missing-build-program",
+    severity=Severity.ERROR,
+    summary="CMake does not find the build program of its generator, make or ninja.",
+    why="CMake writes files for this program, which then builds and installs the package.",
+    example="wsgen build -- --cmake-args -G Ninja  # without ninja",
+    instead="sudo apt install ninja-build",
+)
+MISSING_MANIFEST = Rule(
+    code="PKG010",
+    name="missing-manifest",
+    severity=Severity.ERROR,
+    summary="An ament package has no package.xml.",
+    why="ament_cmake reads package.xml, and ROS knows a package by it.",
+    example="src/my_robot/CMakeLists.txt  # without src/my_robot/package.xml",
+    instead="git checkout package.xml",
+)
+MISSING_AMENT_CMAKE = Rule(
+    code="BLD002",
+    name="ament-cmake-not-found",
+    severity=Severity.ERROR,
+    summary="CMake does not find ament_cmake.",
+    why="ament_cmake defines the commands that install a package for ROS 2.",
+    example="colcon build  # in a shell without a sourced ROS",
+    instead="source /opt/ros/humble/setup.bash; colcon build",
+)
+MISSING_INSTALLED_PATH = Rule(
+    code="BLD003",
+    name="missing-installed-path",
+    severity=Severity.ERROR,
+    summary="install() names a file or folder that does not exist.",
+    why="CMake stops while it installs the package. Git does not keep empty folders, so one may "
+    "be missing only from a clone.",
+    example="install(DIRECTORY launch meshes DESTINATION share/${PROJECT_NAME})",
+    instead="install(DIRECTORY launch DESTINATION share/${PROJECT_NAME})",
+)
+MISSING_DEPENDENCY = Rule(
+    code="BLD008",
+    name="missing-dependency",
+    severity=Severity.ERROR,
+    summary="find_package() does not find a package.",
+    why="CMake stops. The package is not installed, or colcon does not build it first because "
+    "package.xml does not name it.",
+    example="find_package(my_robot_msgs REQUIRED)",
+    instead="<depend>my_robot_msgs</depend>",
+)
+REPEATED_AMENT_PACKAGE = Rule(
+    code="BLD009",
+    name="repeated-ament-package",
+    severity=Severity.ERROR,
+    summary="CMakeLists.txt calls ament_package() more than once.",
+    why="Each call defines the same CMake targets and installs the same files; the second one "
+    "fails.",
+    example="""ament_package()
+ament_package()""",
+    instead="ament_package()  # once, at the end",
+)
+MISSING_CMAKE_FILE = Rule(
+    code="BLD021",
+    name="missing-cmake-file",
+    severity=Severity.ERROR,
+    summary="An ament_cmake package has no CMakeLists.txt.",
+    why="CMake builds and installs the package from this file.",
+    example="src/my_robot/package.xml  # without src/my_robot/CMakeLists.txt",
+    instead="git checkout CMakeLists.txt",
+)
 
-# What packages of robots call, and the package that brings it; CMake's own without one.
+# Commands that packages of robots call -> the package that defines them; empty for CMake's own.
 COMMANDS = {
     "ament_auto_find_build_dependencies": "ament_cmake_auto",
     "ament_auto_package": "ament_cmake_auto",
@@ -62,9 +225,9 @@ def unclosed_quote(failure: Failure) -> Iterator[Diagnostic]:
     if any(error.message.startswith("Parse error") for error in failure.errors):
         line = find_open_quote(failure.cmake_file)
         if line is not None:
-            yield failure.diagnose(
+            yield failure.report(
                 CMAKE_SYNTAX,
-                "a quotation mark is opened here and not closed on this line.",
+                "this line opens a quotation mark and does not close it.",
                 line=line,
                 hint='Close it: "..."',
             )
@@ -78,14 +241,14 @@ def unclosed_block(failure: Failure) -> Iterator[Diagnostic]:
     if opened is not None:
         end = f"end{opened.command}()"
         where = f" before {closing.command}() in line {closing.line}" if closing else ""
-        yield failure.diagnose(
+        yield failure.report(
             CMAKE_SYNTAX,
             f"{opened.command}() in line {opened.line} has no {end}{where}.",
             line=opened.line,
             hint=f"Add {end} where the block ends.",
         )
     elif closing is not None:
-        yield failure.diagnose(
+        yield failure.report(
             CMAKE_SYNTAX,
             f"{closing.command}() in line {closing.line} ends no {closing.command[3:]}().",
             line=closing.line,
@@ -94,22 +257,21 @@ def unclosed_block(failure: Failure) -> Iterator[Diagnostic]:
 
 
 def syntax(failure: Failure) -> Iterator[Diagnostic]:
-    """Hand on where CMake could not read on."""
+    """Report where CMake stopped parsing."""
     for error in failure.errors:
         if error.message.startswith("Parse error"):
             what = error.message.removeprefix("Parse error.").strip()
-            yield failure.diagnose(
+            yield failure.report(
                 CMAKE_SYNTAX,
-                f"CMake cannot read the file: {what}",
+                f"CMake cannot parse the file: {what}",
                 error=error,
-                hint="Look for a parenthesis or quotation mark that is not closed, from this line "
-                "on.",
+                hint="Look from here on for a parenthesis or quotation mark that is not closed.",
             )
             return
 
 
 def unknown_command(failure: Failure) -> Iterator[Diagnostic]:
-    """Name the command that was meant, or the package that brings it."""
+    """Name the command that was meant, or the package that defines it."""
     # Only the first error: a command can be unknown because a find_package() before it failed.
     for error in failure.errors[:1]:
         match = re.search(r'Unknown CMake command "(\w+)"', error.message)
@@ -123,32 +285,35 @@ def unknown_command(failure: Failure) -> Iterator[Diagnostic]:
         name = match[1].lower()
         near = nearest(name, {*COMMANDS, *own}, cutoff=0.7)
         if COMMANDS.get(name):
-            hint = f"Write before it: find_package({COMMANDS[name]} REQUIRED)"
+            hint = f"Add before it: find_package({COMMANDS[name]} REQUIRED)"
         elif near:
             hint = did_you_mean(near)
         else:
-            hint = "Fix its name, or find the package that brings it before it is called."
-        yield failure.diagnose(
-            UNKNOWN_COMMAND, f"there is no CMake command {match[1]}().", error=error, hint=hint
+            hint = "Fix its name, or call find_package() of the package that defines it before."
+        yield failure.report(
+            UNKNOWN_COMMAND,
+            f"CMake does not know the command {match[1]}().",
+            error=error,
+            hint=hint,
         )
 
 
 def missing_destination(failure: Failure) -> Iterator[Diagnostic]:
-    """Say where to install what is to be installed nowhere."""
+    """Say where to install to."""
     for error in failure.errors:
         match = re.search(r"install (\w+) given no .*DESTINATION", error.message)
         if match:
             place = "lib" if match[1] in {"TARGETS", "PROGRAMS"} else "share"
-            yield failure.diagnose(
+            yield failure.report(
                 MISSING_DESTINATION,
-                f"install({match[1]} ...) does not say where to.",
+                f"install({match[1]} ...) has no DESTINATION.",
                 error=error,
                 hint=f"Add before its parenthesis: DESTINATION {place}/${{PROJECT_NAME}}",
             )
 
 
 def different_names(failure: Failure) -> Iterator[Diagnostic]:
-    """Say which file calls the package what."""
+    """Report both names, with their lines."""
     for error in failure.errors:
         match = re.search(
             r"package name '(.+?)' in '.*?' does not match current PROJECT_NAME '(.*?)'",
@@ -159,10 +324,10 @@ def different_names(failure: Failure) -> Iterator[Diagnostic]:
         manifest = read_manifest(failure.folder / "package.xml")
         line = None if isinstance(manifest, Diagnostic) else manifest.line_of("name")
         called = [call for call in read_calls(failure.cmake_file) if call.command == "project"]
-        yield failure.diagnose(
+        yield failure.report(
             DIFFERENT_NAMES,
-            f"project() calls the package {match[2]}, and package.xml"
-            f"{f' (line {line})' if line else ''} calls it {match[1]}.",
+            f"project() names the package {match[2]}, but package.xml"
+            f"{f' (line {line})' if line else ''} names it {match[1]}.",
             error=None if called else error,
             line=called[-1].line if called else None,
             hint=f"Write project({match[1]}) here, or <name>{match[2]}</name> in package.xml; "
@@ -180,36 +345,28 @@ CMAKE_CAUSES = (
 )
 
 
-WRONG_PYTHON = "BLD004"
-UNSUPPORTED_EMPY = "BLD005"
-MISSING_COMPILER = "BLD006"
-MISSING_CMAKE = "BLD007"
-OLD_CMAKE_MINIMUM = "BLD012"
-OLD_CMAKE = "BLD013"
-MISSING_BUILD_PROGRAM = "BLD014"
-
-
 def _unsupported_empy(failure: Failure) -> Iterator[Diagnostic]:
     if re.search(
         r"module 'em' has no attribute|No module named 'em'$", failure.output, re.MULTILINE
     ):
-        yield failure.diagnose(
+        yield failure.report(
             UNSUPPORTED_EMPY,
-            f"the templates of ROS need empy 3, and the Python that CMake took"
-            f"{_python_taken(failure)} has another one, or none.",
+            f"the templates of ROS need empy 3, but the Python that CMake uses"
+            f"{_used_python(failure)} has another version or none.",
             hint="Install it there: python3 -m pip install 'empy>=3.3.4,<4' (apt: python3-empy). "
-            f"{failure.forget}",
+            f"{failure.clear_cache}",
         )
 
 
 def _wrong_python(failure: Failure) -> Iterator[Diagnostic]:
     match = re.search(r"No module named '?(catkin_pkg|ament_package)", failure.output)
     if match:
-        yield failure.diagnose(
+        yield failure.report(
             WRONG_PYTHON,
-            f"CMake took a Python{_python_taken(failure)} that does not have {match[1]}.",
-            hint=f"{failure.forget} Leave other environments (conda, venv) and give no "
-            "Python3_EXECUTABLE; under a sourced ROS: sudo apt install python3-catkin-pkg-modules.",
+            f"CMake uses a Python{_used_python(failure)} without {match[1]}.",
+            hint="Deactivate other environments (conda, venv) and do not set Python3_EXECUTABLE; "
+            "with a sourced ROS: sudo apt install python3-catkin-pkg-modules. "
+            f"{failure.clear_cache}",
         )
 
 
@@ -217,11 +374,11 @@ def _missing_cmake(failure: Failure) -> Iterator[Diagnostic]:
     if "Could not find 'cmake' executable" in failure.output or re.search(
         r"FileNotFoundError: .*cmake", failure.output
     ):
-        yield failure.diagnose(
+        yield failure.report(
             MISSING_CMAKE,
-            "there is no CMake.",
-            hint="Install it: python3 -m pip install cmake (apt: cmake); CMAKE_COMMAND, if it is "
-            "set, must be the path of one.",
+            "colcon does not find CMake.",
+            hint="Install it: python3 -m pip install cmake (apt: cmake). If CMAKE_COMMAND is "
+            "set, it must be the path of CMake.",
         )
 
 
@@ -229,10 +386,10 @@ def _missing_build_program(failure: Failure) -> Iterator[Diagnostic]:
     for error in failure.errors:
         match = re.search(r'unable to find a build program corresponding to "(.+?)"', error.message)
         if match:
-            yield failure.diagnose(
+            yield failure.report(
                 MISSING_BUILD_PROGRAM,
-                f"there is no program for CMake's generator {match[1]}.",
-                hint=f"Install it (apt: make or ninja-build). {failure.forget}",
+                f"CMake does not find the build program of its generator {match[1]}.",
+                hint=f"Install it (apt: make or ninja-build). {failure.clear_cache}",
             )
             return
 
@@ -241,12 +398,12 @@ def _missing_compiler(failure: Failure) -> Iterator[Diagnostic]:
     for error in failure.errors:
         match = re.search(r"No CMAKE_(C|CXX)_COMPILER could be found", error.message)
         if match:
-            yield failure.diagnose(
+            yield failure.report(
                 MISSING_COMPILER,
-                f"there is no {'C' if match[1] == 'C' else 'C++'} compiler.",
+                f"CMake does not find a {'C' if match[1] == 'C' else 'C++'} compiler.",
                 error=error,
-                hint=f"A package without C and C++ needs none: project({failure.package} LANGUAGES "
-                "NONE). Otherwise install one (apt: build-essential).",
+                hint="Install one (apt: build-essential). A package without C and C++ code needs "
+                f"none: project({failure.package} LANGUAGES NONE)",
             )
             return
 
@@ -254,28 +411,28 @@ def _missing_compiler(failure: Failure) -> Iterator[Diagnostic]:
 def _cmake_version(failure: Failure) -> Iterator[Diagnostic]:
     for error in failure.errors:
         if re.search(r"Compatibility with CMake < \S+ has been removed", error.message):
-            yield failure.diagnose(
+            yield failure.report(
                 OLD_CMAKE_MINIMUM,
-                "cmake_minimum_required names a version that this CMake no longer imitates.",
+                "cmake_minimum_required() names a version that this CMake no longer supports.",
                 error=error,
-                hint="Write cmake_minimum_required(VERSION 3.20), which every supported ROS has; "
-                "for packages of others: wsgen build -- --cmake-args "
+                hint="Write cmake_minimum_required(VERSION 3.20), which every supported ROS has. "
+                "For packages that you cannot change: wsgen build -- --cmake-args "
                 "-DCMAKE_POLICY_VERSION_MINIMUM=3.5",
             )
         match = re.search(
             r"CMake (\S+) or higher is required\. You are running version (\S+)", error.message
         )
         if match:
-            yield failure.diagnose(
+            yield failure.report(
                 OLD_CMAKE,
-                f"CMake {match[1]} is needed, and this is {match[2].rstrip('.')}.",
+                f"the package requires CMake {match[1]}, but {match[2].rstrip('.')} is installed.",
                 error=error,
-                hint="Install a newer one: python3 -m pip install -U cmake; CMAKE_COMMAND, if it "
-                "is set, chooses the one that is used.",
+                hint="Install a newer one: python3 -m pip install -U cmake. If CMAKE_COMMAND is "
+                "set, it chooses the CMake that is used.",
             )
 
 
-def _python_taken(failure: Failure) -> str:
+def _used_python(failure: Failure) -> str:
     match = re.search(r"execute_process\((\S+)", failure.output)
     return f" ({match[1]})" if match else ""
 
@@ -290,14 +447,7 @@ MACHINE_CAUSES = (
 )
 
 
-MISSING_MANIFEST = "PKG010"
-MISSING_AMENT_CMAKE = "BLD002"
-MISSING_INSTALLED_PATH = "BLD003"
-MISSING_DEPENDENCY = "BLD008"
-REPEATED_AMENT_PACKAGE = "BLD009"
-MISSING_CMAKE_FILE = "BLD021"
-
-# Names that may have been meant.
+# Names to suggest for a misspelled one.
 USUAL_PACKAGES = (
     *("ament_cmake", "ament_cmake_auto", "ament_cmake_python", "ament_lint_auto", "rclcpp"),
     *("controller_manager", "gazebo_dev", "gazebo_msgs", "gazebo_ros", "geometry_msgs"),
@@ -306,39 +456,37 @@ USUAL_PACKAGES = (
     *("tf2_ros", "trajectory_msgs", "urdf", "visualization_msgs", "xacro"),
 )
 
-GIT_KEEPS_NO_EMPTY_FOLDERS = (
-    " Git keeps no empty folders: one that was empty is missing from a clone."
-)
+GIT_KEEPS_NO_EMPTY_FOLDERS = " Git does not keep empty folders: they are missing from a clone."
 
 
 def refused_manifest(failure: Failure) -> Iterator[Diagnostic]:
-    """Say what is wrong with package.xml.
+    """Report the mistakes in package.xml.
 
-    colcon takes the package for one of plain CMake then, in another environment and with other
-    arguments, so that whatever fails after that may have its cause here.
+    colcon then takes the package for one of plain CMake, in another environment and with other
+    arguments, so any later failure may have its cause here.
     """
     file = failure.folder / "package.xml"
-    findings = check_package_xml(file) if file.is_file() else ()
-    if has_errors(findings):
-        yield from findings
+    diagnostics = check_package_xml(file) if file.is_file() else ()
+    if has_errors(diagnostics):
+        yield from diagnostics
 
 
 def _missing_manifest(failure: Failure) -> Iterator[Diagnostic]:
     if not (failure.folder / "package.xml").exists() and "package.xml" in failure.output:
-        yield failure.diagnose(
+        yield failure.report(
             MISSING_MANIFEST,
-            "package.xml is missing, by which the package is a package of ROS.",
-            hint="Bring it back (git checkout package.xml), or write one; to begin afresh: "
+            "package.xml is missing; ROS knows a package by it.",
+            hint="Restore it (git checkout package.xml), write one, or create a new package: "
             "wsgen new PACKAGE",
         )
 
 
 def _missing_cmake_file(failure: Failure) -> Iterator[Diagnostic]:
     if not failure.cmake_file.exists():
-        yield failure.diagnose(
+        yield failure.report(
             MISSING_CMAKE_FILE,
-            "CMakeLists.txt is missing, by which the package is built and installed.",
-            hint="Bring it back (git checkout CMakeLists.txt), or write one.",
+            "CMakeLists.txt is missing; CMake builds and installs the package from it.",
+            hint="Restore it (git checkout CMakeLists.txt), or write one.",
         )
 
 
@@ -349,25 +497,24 @@ def _missing_package(failure: Failure) -> Iterator[Diagnostic]:
             continue
         name = match[1]
         if name == "ament_cmake":
-            yield failure.diagnose(
+            yield failure.report(
                 MISSING_AMENT_CMAKE,
-                "ament_cmake was not found.",
+                "CMake does not find ament_cmake.",
                 error=error,
                 hint="Source a ROS (source /opt/ros/<distro>/setup.bash), or install the one that "
                 "comes with wsgen: python3 -m pip install --force-reinstall ros-ament-cmake",
             )
         elif name in failure.siblings:
-            yield failure.diagnose(
+            yield failure.report(
                 MISSING_DEPENDENCY,
-                f"{name} is in this workspace and was not built before.",
+                f"colcon did not build {name} of this workspace first.",
                 error=error,
-                hint=f"Add <depend>{name}</depend> to package.xml, from which colcon takes the "
-                "order.",
+                hint=f"Add <depend>{name}</depend> to package.xml; colcon takes the order from it.",
             )
         else:
-            yield failure.diagnose(
+            yield failure.report(
                 MISSING_DEPENDENCY,
-                f"find_package({name}) found nothing.",
+                f"find_package({name}) does not find the package.",
                 error=error,
                 hint=_where_to_get(name, failure),
             )
@@ -378,16 +525,16 @@ def _where_to_get(name: str, failure: Failure) -> str:
     near = None if name in known else nearest(name, known, cutoff=0.75)
     if near is not None:
         return did_you_mean(near)
-    without = "remove the line if it is only launched or read, not compiled against"
+    without = "remove the line if the package does not compile against it"
     if failure.distro:
         return f"Install it (apt: ros-{failure.distro}-{name.replace('_', '-')}), or {without}."
-    return f"Source the ROS that has it (source /opt/ros/<distro>/setup.bash), or {without}."
+    return f"Source a ROS that has it (source /opt/ros/<distro>/setup.bash), or {without}."
 
 
 def _repeated_ament_package(failure: Failure) -> Iterator[Diagnostic]:
     calls = [call for call in read_calls(failure.cmake_file) if call.command == "ament_package"]
     if len(calls) > 1 and "ament_package" in failure.output:
-        yield failure.diagnose(
+        yield failure.report(
             REPEATED_AMENT_PACKAGE,
             f"ament_package() is called again; the first call is in line {calls[0].line}.",
             line=calls[1].line,
@@ -406,17 +553,17 @@ def _missing_installed_path(failure: Failure) -> Iterator[Diagnostic]:
         name = str(path.relative_to(failure.folder))
         line, kind = _find_install(failure, name)
         beside = [entry.name for entry in path.parent.iterdir()] if path.parent.is_dir() else []
-        yield failure.diagnose(
+        yield failure.report(
             MISSING_INSTALLED_PATH,
-            f"the {kind} {name} is to be installed and does not exist.",
+            f"install() names the {kind} {name}, which does not exist.",
             line=line,
-            hint=f"{ask_for_nearest(path.name, beside)}Make it, or take it out of install()."
+            hint=f"{ask_for_nearest(path.name, beside)}Create it, or remove it from install()."
             f"{GIT_KEEPS_NO_EMPTY_FOLDERS if kind == 'folder' else ''}",
         )
 
 
 def _find_install(failure: Failure, name: str) -> tuple[int | None, str]:
-    """Find the line that installs the path, and whether it takes it for a folder or a file."""
+    """Find the line that installs the path, and whether it installs it as a folder or a file."""
     for call in read_calls(failure.cmake_file):
         if call.command != "install":
             continue

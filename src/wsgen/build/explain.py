@@ -1,11 +1,7 @@
-"""Why a package failed to build, from what its programs wrote to standard error.
+"""Explain why a build failed, from the output of colcon and of the programs of its packages.
 
-One function for each known cause, tried in order; it yields what it recognizes. The first that
-recognizes something has the word, for one cause often makes several messages.
-
-Why colcon itself gave up, from what it said.
-
-Why a build failed: what colcon said of itself, or else what its packages said.
+For each known cause there is one function that yields what it recognizes. They are tried in order,
+and the first that recognizes something counts, as one cause often prints several messages.
 """
 
 from __future__ import annotations
@@ -19,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.build import causes
 from wsgen.build.failure import Failure, last_words
-from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.errors import NotReadableError, RequestError
 from wsgen.files import explain_write_error, find_full_disk, full_folder
 
@@ -30,12 +26,77 @@ if TYPE_CHECKING:
     from wsgen.workspace.layout import Inventory, Workspace
 
 
-CMAKE_ERROR = "BLD015"
-UNEXPLAINED_FAILURE = "BLD016"
+CMAKE_ERROR = Rule(
+    code="BLD015",
+    name="unexplained-cmake-error",
+    severity=Severity.ERROR,
+    summary="CMake reports an error that wsgen does not explain further.",
+    why="CMake stops, and the package is not built. The message is that of CMake.",
+    example='message(FATAL_ERROR "not supported")',
+    instead="Fix what the message names; the log of colcon has the whole output.",
+)
+UNEXPLAINED_FAILURE = Rule(
+    code="BLD016",
+    name="unexplained-failure",
+    severity=Severity.ERROR,
+    summary="The build of a package fails for a reason that wsgen does not know.",
+    why="colcon does not install the package, nor those that depend on it.",
+    example="int main() { return missing; }",
+    instead="Fix what the last lines of the output name; the log of colcon has the whole output.",
+)
+DUPLICATE_NAME = Rule(
+    code="PKG007",
+    name="duplicate-package",
+    severity=Severity.ERROR,
+    summary="Two packages of the workspace have the same name.",
+    why="colcon builds nothing then.",
+    example="""src/my_robot/package.xml    <name>my_robot</name>
+src/my_robot_2/package.xml  <name>my_robot</name>""",
+    instead="""src/my_robot/package.xml    <name>my_robot</name>
+src/my_robot_2/package.xml  <name>my_robot_2</name>""",
+)
+OTHER_INSTALL_LAYOUT = Rule(
+    code="BLD017",
+    name="other-install-layout",
+    severity=Severity.ERROR,
+    summary="The install space was created with another layout, merged or isolated.",
+    why="colcon refuses to mix both layouts in one install space.",
+    example="colcon build --merge-install; colcon build",
+    instead="rm -r install; colcon build",
+)
+OTHER_BUILD_TOOL = Rule(
+    code="BLD018",
+    name="other-build-tool",
+    severity=Severity.ERROR,
+    summary="Another tool than colcon created the build folder.",
+    why="colcon refuses to build in a folder of another tool, such as catkin_make.",
+    example="catkin_make; colcon build",
+    instead="rm -r build; colcon build",
+)
+UNBUILT_DEPENDENCY = Rule(
+    code="BLD019",
+    name="unbuilt-dependency",
+    severity=Severity.ERROR,
+    summary="A package of the workspace that another one depends on has not been built.",
+    why="colcon sources the install space of each dependency before it builds a package.",
+    example="wsgen build -- --packages-select my_robot  # my_robot_msgs was never built",
+    instead="wsgen build my_robot  # with the packages that it depends on",
+)
+COLCON_FAILURE = Rule(
+    code="BLD020",
+    name="colcon-failure",
+    severity=Severity.ERROR,
+    summary="colcon itself fails, or a signal ends it.",
+    why="No package failed, but colcon did not complete the build.",
+    example="kill -9 $(pgrep colcon)",
+    instead="Fix what the message names, and build again.",
+)
+# These repeat the output.
+UNEXPLAINED = frozenset(rule.code for rule in (CMAKE_ERROR, UNEXPLAINED_FAILURE, COLCON_FAILURE))
 
 
 def explain(failure: Failure) -> tuple[Diagnostic, ...]:
-    """Say why the package failed, and what to do."""
+    """Explain why the package failed, and what to do."""
     for cause in CAUSES:
         found = tuple(cause(failure))
         if found:
@@ -47,16 +108,14 @@ def _any_cmake_error(failure: Failure) -> Iterator[Diagnostic]:
     for error in failure.errors:
         is_named = error.command and error.command not in {"message", error.message.split("(")[0]}
         what = f"{error.command}(): {error.message}" if is_named else error.message
-        yield failure.diagnose(
-            CMAKE_ERROR, f"CMake: {what}", error=error, hint=failure.where_to_look
-        )
+        yield failure.report(CMAKE_ERROR, f"CMake: {what}", error=error, hint=failure.where_to_look)
 
 
 def _unexplained(failure: Failure) -> Diagnostic:
     words = last_words(failure.output)
-    return failure.diagnose(
+    return failure.report(
         UNEXPLAINED_FAILURE,
-        f"the build failed{': ' if words else ' without a word.'}{words}",
+        f"the build failed{': ' if words else ' without output.'}{words}",
         hint=failure.where_to_look,
     )
 
@@ -70,15 +129,8 @@ CAUSES = (
 )
 
 
-DUPLICATE_NAME = "PKG007"
-OTHER_INSTALL_LAYOUT = "BLD017"
-OTHER_BUILD_TOOL = "BLD018"
-UNBUILT_DEPENDENCY = "BLD019"
-COLCON_FAILURE = "BLD020"
-
-
-def recognize(output: str, workspace: Workspace) -> tuple[Diagnostic, ...]:
-    """Say what is known about colcon's words; nothing if nothing is."""
+def recognize_colcon_failure(output: str, workspace: Workspace) -> tuple[Diagnostic, ...]:
+    """Report the known causes in the output of colcon."""
     for cause in COLCON_CAUSES:
         found = tuple(cause(output, workspace))
         if found:
@@ -87,7 +139,7 @@ def recognize(output: str, workspace: Workspace) -> tuple[Diagnostic, ...]:
 
 
 def explain_colcon(output: str, returncode: int, workspace: Workspace) -> tuple[Diagnostic, ...]:
-    """Say why colcon failed without a package having failed and for no known cause.
+    """Report that colcon failed without a failed package and without a known cause.
 
     Raises:
         RequestError: it refused its arguments.
@@ -99,21 +151,19 @@ def explain_colcon(output: str, returncode: int, workspace: Workspace) -> tuple[
     _refuse_unwritable(output, workspace)
     words = last_words(output)
     return (
-        _diagnose(
-            COLCON_FAILURE,
-            f"colcon failed{': ' if words else ' without a word.'}{words}",
-            file=workspace.root,
+        COLCON_FAILURE.at(
+            workspace.root,
+            message=f"colcon failed{': ' if words else ' without output.'}{words}",
             hint=f"Its log: {workspace.log / 'latest_build' / 'logger_all.log'}",
         ),
     )
 
 
 def _ended_by_signal(number: int, workspace: Workspace) -> Diagnostic:
-    return _diagnose(
-        COLCON_FAILURE,
-        f"colcon was ended by signal {number}.",
-        file=workspace.root,
-        hint="Something outside ended it; if it was signal 9, memory may have run out.",
+    return COLCON_FAILURE.at(
+        workspace.root,
+        message=f"colcon was ended by signal {number}.",
+        hint="Another process sent it; Linux sends signal 9 when memory runs out.",
     )
 
 
@@ -121,8 +171,8 @@ def _refuse_request(output: str) -> None:
     usage = re.search(r"^colcon(?: build)?: error: (.+)$", output, re.MULTILINE)
     if usage:
         raise RequestError(
-            f"colcon does not take these arguments: {usage[1]}.",
-            hint="What follows -- goes to colcon build; its options: colcon build --help",
+            f"colcon refuses the arguments: {usage[1]}.",
+            hint="Arguments after -- go to colcon build; colcon build --help lists its options.",
         )
     unknown = re.search(
         r"^(?:Package '\S+' specified with|the --packages-).*$", output, re.MULTILINE
@@ -130,7 +180,7 @@ def _refuse_request(output: str) -> None:
     if unknown:
         raise RequestError(
             f"colcon: {unknown[0].rstrip('.')}.",
-            hint="Names are those in package.xml; ignored packages (COLCON_IGNORE) do not count.",
+            hint="Use the names in package.xml; colcon skips ignored packages (COLCON_IGNORE).",
         )
 
 
@@ -140,25 +190,23 @@ def _duplicate_names(output: str, workspace: Workspace) -> Iterator[Diagnostic]:
         return
     for name, folders in re.findall(r"^- (\S+):\n((?:  - .+\n?)+)", listing, re.MULTILINE):
         paths = [line.removeprefix("  - ").strip() for line in folders.splitlines()]
-        yield _diagnose(
-            DUPLICATE_NAME,
-            f"{len(paths)} packages are called {name}: {', '.join(paths)}.",
-            file=workspace.root / paths[-1] / "package.xml",
+        yield DUPLICATE_NAME.at(
+            workspace.root / paths[-1] / "package.xml",
             element=name,
+            message=f"{len(paths)} packages are named {name}: {', '.join(paths)}.",
             hint="Rename one (package.xml and project()), or put an empty file COLCON_IGNORE into "
-            "the folder of the one that is not to be built.",
+            "the folder of the one that colcon should not build.",
         )
 
 
 def _other_install_layout(output: str, workspace: Workspace) -> Iterator[Diagnostic]:
     match = re.search(r"was created with the layout '(\w+)'", output)
     if match:
-        option = "Add --merge-install to" if match[1] == "merged" else "Take --merge-install from"
-        yield _diagnose(
-            OTHER_INSTALL_LAYOUT,
-            f"The install space was made with the layout '{match[1]}', and this build wants the "
+        option = "Add --merge-install to" if match[1] == "merged" else "Remove --merge-install from"
+        yield OTHER_INSTALL_LAYOUT.at(
+            workspace.install,
+            message=f"The install space has the layout '{match[1]}', but this build uses the "
             "other one.",
-            file=workspace.install,
             hint=f"{option} colcon's arguments, or remove {workspace.install}.",
         )
 
@@ -166,10 +214,9 @@ def _other_install_layout(output: str, workspace: Workspace) -> Iterator[Diagnos
 def _other_build_tool(output: str, workspace: Workspace) -> Iterator[Diagnostic]:
     match = re.search(r"The build directory '.+?' was created by '(.+?)'", output)
     if match:
-        yield _diagnose(
-            OTHER_BUILD_TOOL,
-            f"The build folder was made by {match[1]}.",
-            file=workspace.build,
+        yield OTHER_BUILD_TOOL.at(
+            workspace.build,
+            message=f"{match[1]} created the build folder, not colcon.",
             hint=f"Remove {workspace.build}, or build elsewhere: wsgen build -- --build-base DIR",
         )
 
@@ -178,10 +225,9 @@ def _unbuilt_dependency(output: str, workspace: Workspace) -> Iterator[Diagnosti
     match = re.search(r"following packages have been built:\n((?:\s*- \S+\n?)+)", output)
     if match:
         names = re.findall(r"- (\S+)", match[1])
-        yield _diagnose(
-            UNBUILT_DEPENDENCY,
-            f"Not built yet, and needed by what is to be built: {', '.join(names)}.",
-            file=workspace.root,
+        yield UNBUILT_DEPENDENCY.at(
+            workspace.root,
+            message=f"Dependencies of the selected packages are not built yet: {', '.join(names)}.",
             hint=f"Build them first: wsgen build {' '.join(names)}",
         )
 
@@ -196,8 +242,7 @@ def _refuse_unwritable(output: str, workspace: Workspace) -> None:
         cannot_write = explain_write_error(OSError(number, os.strerror(number)), file).message
         raise NotReadableError(
             f"colcon {cannot_write[0].lower()}{cannot_write[1:]}",
-            hint="Check that build, install and log of the workspace are folders, and that you may "
-            "write there.",
+            hint="Make build, install and log of the workspace folders that you may write to.",
         )
 
 
@@ -209,19 +254,6 @@ COLCON_CAUSES = (
 )
 
 
-def _diagnose(
-    code: str, message: str, *, file: Path, hint: str, element: str | None = None
-) -> Diagnostic:
-    return Diagnostic(
-        code=code,
-        severity=Severity.ERROR,
-        message=message,
-        file=file,
-        element=element,
-        hint=hint,
-    )
-
-
 def explain_failure(
     workspace: Workspace,
     inventory: Inventory,
@@ -230,9 +262,9 @@ def explain_failure(
     *,
     distro: str,
 ) -> tuple[Diagnostic, ...]:
-    """Say what went wrong and where, for each package that failed.
+    """Explain the failure of each package.
 
-    `distro` is that of the ROS that is sourced, or empty.
+    `distro` is that of the sourced ROS, or empty.
 
     Raises:
         RequestError: colcon refused its arguments.
@@ -243,8 +275,8 @@ def explain_failure(
         "\n".join([finished.output, *(line for one in failed for line in one.error_output)]),
         workspace,
     )
-    _refuse(full_folder(*_written_folders(workspace)), workspace)  # too full to say so
-    known = recognize(finished.output, workspace)
+    _refuse(full_folder(*_written_folders(workspace)), workspace)  # a program may not print it
+    known = recognize_colcon_failure(finished.output, workspace)
     if known:
         return known
     if failed:
@@ -281,8 +313,8 @@ def _explain_packages(
 ) -> Iterator[Diagnostic]:
     readable = [package for package in inventory.packages if not package.diagnostics]
     folders = {package.name: package.path for package in readable}
-    # colcon takes a package whose manifest cannot be read for one of plain CMake, and goes on;
-    # the failure that follows has its cause in the manifest, which is in the result already.
+    # colcon takes a package with an unreadable manifest for one of plain CMake, and goes on. The
+    # failure that follows has its cause in the manifest, which is reported already.
     has_unreadable = len(readable) < len(inventory.packages)
     for result in failed:
         folder = folders.get(result.name)

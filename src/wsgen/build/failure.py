@@ -1,7 +1,4 @@
-"""A package that failed to build, and how its diagnostics are made.
-
-What CMake prints, as values: errors, and the versions that it deprecates.
-"""
+"""A package that failed to build, and what CMake printed about it, as values."""
 
 from __future__ import annotations
 
@@ -10,11 +7,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from wsgen.diagnostics import Diagnostic, Severity
-
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Sequence
     from pathlib import Path
+
+    from wsgen.diagnostics import Diagnostic, Rule
 
 
 _HEADING = re.compile(
@@ -96,11 +93,11 @@ def split_deprecations(
     return tuple(others), tuple(places)
 
 
-LAST_LINES = 5  # of the output of a failure that nobody knows
+LAST_LINES = 5  # of the output of a failure without a known cause
 
 
 def last_words(output: str) -> str:
-    """Put the end of an output on one line; of a traceback only what it comes to."""
+    """Put the end of an output on one line; of a traceback only its last line."""
     lines = [line.strip() for line in output.splitlines() if line.strip()]
     return " / ".join(
         lines[-1:] if "Traceback (most recent call" in output else lines[-LAST_LINES:]
@@ -113,7 +110,7 @@ class Failure:
 
     package: str
     folder: Path  # with package.xml and CMakeLists.txt
-    build_folder: Path  # in which CMake keeps what it has found out
+    build_folder: Path  # with CMake's cache
     output: str  # what its programs wrote to standard error
     siblings: Collection[str]  # names of all packages of the workspace
     distro: str  # of the ROS that is sourced; empty without one
@@ -121,7 +118,7 @@ class Failure:
 
     @property
     def cmake_file(self) -> Path:
-        """The file in which CMake begins."""
+        """The CMakeLists.txt of the package."""
         return self.folder / "CMakeLists.txt"
 
     @cached_property
@@ -129,37 +126,31 @@ class Failure:
         """CMake's errors in the output."""
         return read_errors(self.output)
 
-    def diagnose(
+    def report(
         self,
-        code: str,
+        rule: Rule,
         message: str,
         *,
         hint: str,
         error: CMakeError | None = None,
         line: int | None = None,
     ) -> Diagnostic:
-        """Make a diagnostic of the error's call, a line of CMakeLists.txt, or the package."""
+        """Report a rule at the error's call, at a line of CMakeLists.txt, or for the package."""
         file: Path | None = self.cmake_file if line is not None else None
         if error is not None:
             file, line = error.locate(self.folder)
-        return Diagnostic(
-            code=code,
-            severity=Severity.ERROR,
-            message=f"{self.package}: {message}",
-            file=file or self.folder,
-            line=line,
-            element=self.package,
-            hint=hint,
+        return rule.at(
+            file or self.folder, line, self.package, message=f"{self.package}: {message}", hint=hint
         )
 
     @property
-    def forget(self) -> str:
-        """What to do where CMake has remembered something wrong."""
-        return f"Then remove {self.build_folder}, where CMake remembers, and build again."
+    def clear_cache(self) -> str:
+        """What to do where CMake's cache holds something wrong."""
+        return f"Then remove {self.build_folder}, which holds CMake's cache, and build again."
 
     @property
     def where_to_look(self) -> str:
-        """Where everything is that was printed."""
+        """Where to find the whole output."""
         if self.log is None:
-            return "Build again with --verbose to see everything that is printed."
-        return f"Everything that was printed: {self.log / self.package / 'stdout_stderr.log'}"
+            return "Build again with --verbose to see the whole output."
+        return f"The whole output is in {self.log / self.package / 'stdout_stderr.log'}"

@@ -1,8 +1,6 @@
-"""What a package has in the install space after it was built, and should not have, or should.
+"""Check what a build left: the files in the install space, and build folders made elsewhere.
 
-Build folders that were made elsewhere: of a workspace or package that was moved or copied.
-
-CMake keeps absolute paths. In the copy of a workspace it says so on standard error, and then
+CMake keeps absolute paths. In a copy of a workspace it only warns on standard error, and then
 builds the original.
 """
 
@@ -15,34 +13,79 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.build.cmake_text import read_calls
-from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.diagnostics import Rule, Severity
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
+    from wsgen.diagnostics import Diagnostic
     from wsgen.workspace.layout import PackageFolder, Workspace
 
 
-MISSING_AMENT_PACKAGE = "BLD010"
-STALE_FILES = "BLD024"
+MISSING_AMENT_PACKAGE = Rule(
+    code="BLD010",
+    name="missing-ament-package",
+    severity=Severity.ERROR,
+    summary="CMakeLists.txt of an ament_cmake package does not call ament_package().",
+    what="Looks for the package in the ament index of the install space, after the build.",
+    why="ament_package() registers the package in the ament index. Without it `ros2 launch` and "
+    "`$(find ...)` do not find the package.",
+    example="""find_package(ament_cmake REQUIRED)
+install(DIRECTORY launch DESTINATION share/${PROJECT_NAME})""",
+    instead="""find_package(ament_cmake REQUIRED)
+install(DIRECTORY launch DESTINATION share/${PROJECT_NAME})
+ament_package()""",
+)
+STALE_FILES = Rule(
+    code="BLD024",
+    name="stale-files",
+    severity=Severity.WARNING,
+    summary="The install space has files that the package no longer installs.",
+    what="Compares the share folder of the package with the list of files that CMake installed, "
+    "unless install() runs a script.",
+    why="CMake does not remove files that an earlier build installed. A launch file still finds "
+    "them here, but not after a build in a clone of the workspace.",
+    example="git mv model/robot.xacro model/arm.xacro; wsgen build",
+    instead="rm -r install/my_robot build/my_robot; wsgen build",
+)
+RELOCATED_WORKSPACE = Rule(
+    code="BLD025",
+    name="relocated-workspace",
+    severity=Severity.ERROR,
+    summary="The workspace was moved or copied after it was built.",
+    what="Compares the folder in CMakeCache.txt with the build folder.",
+    why="CMake keeps absolute paths, and would go on building in the first place.",
+    example="cp -r ws ws_2; cd ws_2; wsgen build",
+    instead="cp -r ws ws_2; cd ws_2; rm -r build install log; wsgen build",
+)
+RELOCATED_PACKAGE = Rule(
+    code="BLD026",
+    name="relocated-package",
+    severity=Severity.ERROR,
+    summary="A package was moved to another folder after it was built.",
+    what="Compares the source folder in CMakeCache.txt with the folder of the package.",
+    why="CMake keeps absolute paths, and looks for the sources in the first folder.",
+    example="mv src/my_robot src/robots/my_robot; wsgen build",
+    instead="mv src/my_robot src/robots/my_robot; rm -r build/my_robot; wsgen build",
+)
 
 CMAKE_TYPES = frozenset({"ament_cmake", "cmake"})
 INDEX = "share/ament_index/resource_index/packages"
-COLCONS = ("package.sh", "package.bash", "package.zsh", "package.ps1", "package.dsv")
-COLCONS_FOLDERS = frozenset({"hook"})
-NAMED = 5  # so many files are told in a message
+COLCON_FILES = ("package.sh", "package.bash", "package.zsh", "package.ps1", "package.dsv")
+COLCON_FOLDERS = frozenset({"hook"})
+NAMED = 5  # files in a message
 
 
 def check_installed(
     packages: Iterable[PackageFolder], workspace: Workspace
 ) -> Iterator[Diagnostic]:
-    """Look at what packages of CMake have installed, where colcon puts it by default.
+    """Check the files that packages of CMake installed, where colcon puts them by default.
 
-    Elsewhere (--install-base, --merge-install, --symlink-install) nothing is found.
+    With --install-base, --merge-install or --symlink-install nothing is checked.
     """
     for package in packages:
         prefix = workspace.install / package.name
-        # Written by colcon in every build: it is not only there from another build.
+        # colcon writes it in every build.
         if package.diagnostics or not (prefix / "share" / package.name / "package.sh").is_file():
             continue
         if package.build_type in CMAKE_TYPES:
@@ -73,14 +116,12 @@ def _is_registered(package: PackageFolder, prefix: Path, written: frozenset[str]
 
 def _missing_ament_package(package: PackageFolder) -> Diagnostic:
     file = package.path / "CMakeLists.txt"
-    return Diagnostic(
-        code=MISSING_AMENT_PACKAGE,
-        severity=Severity.ERROR,
+    return MISSING_AMENT_PACKAGE.at(
+        file,
+        max((call.line for call in read_calls(file)), default=None),
+        package.name,
         message=f"{package.name} was built, but ROS will not find it: its CMakeLists.txt "
         "does not call ament_package().",
-        file=file,
-        line=max((call.line for call in read_calls(file)), default=None),
-        element=package.name,
         hint="Call ament_package() at the end of CMakeLists.txt.",
     )
 
@@ -90,27 +131,25 @@ def _stale_files(
 ) -> Iterator[Diagnostic]:
     calls = read_calls(package.path / "CMakeLists.txt")
     if any(call.command == "install" and {"CODE", "SCRIPT"} & {*call.arguments} for call in calls):
-        return  # what a script installs is written down nowhere
+        return  # CMake does not list what a script installs
     share = prefix / "share" / package.name
     stale = [
         name
         for name in _list_files(share)
-        if f"share/{package.name}/{name}" not in written and name not in COLCONS
+        if f"share/{package.name}/{name}" not in written and name not in COLCON_FILES
     ]
     if stale:
         others = f" and {len(stale) - NAMED} more" if len(stale) > NAMED else ""
         folders = shlex.join(
             str(space / package.name) for space in (workspace.install, workspace.build)
         )
-        yield Diagnostic(
-            code=STALE_FILES,
-            severity=Severity.WARNING,
-            message=f"Still in the install space of {package.name}, and not installed any more: "
-            f"{', '.join(stale[:NAMED])}{others}. Whoever builds afresh will not have them.",
-            file=share,
+        yield STALE_FILES.at(
+            share,
             element=package.name,
-            hint=f"If that is meant, remove them: rm -rf {folders}; then build again. Otherwise "
-            "look at what install() in CMakeLists.txt names.",
+            message=f"The install space of {package.name} has files that the package no longer "
+            f"installs: {', '.join(stale[:NAMED])}{others}. A fresh build will not have them.",
+            hint=f"If that is intended, remove them (rm -rf {folders}) and build again. Otherwise "
+            "add them to install() in CMakeLists.txt.",
         )
 
 
@@ -120,24 +159,21 @@ def _list_files(share: Path) -> Iterator[str]:
         folders[:] = sorted(
             name
             for name in folders
-            if name != "__pycache__" and (below.parts or name not in COLCONS_FOLDERS)
+            if name != "__pycache__" and (below.parts or name not in COLCON_FOLDERS)
         )
         yield from ((below / name).as_posix() for name in sorted(files))
 
 
-MOVED_WORKSPACE = "BLD025"
-MOVED_PACKAGE = "BLD026"
-
 ENTRY = re.compile(r"^CMAKE_(CACHEFILE_DIR|HOME_DIRECTORY):INTERNAL=(.*)$", re.MULTILINE)
-# With these, the build folders are others, or what CMake remembers is forgotten first.
-EXCUSES = ("--build-base", "--cmake-clean-cache")
+# With these options CMake uses other build folders, or a new cache.
+OTHER_CACHE = ("--build-base", "--cmake-clean-cache")
 
 
-def find_moved(
+def find_relocated(
     workspace: Workspace, packages: Iterable[PackageFolder], colcon_arguments: Sequence[str]
 ) -> tuple[Diagnostic, ...]:
-    """Say what CMake remembers of another place; once where it is the whole workspace."""
-    if any(argument.startswith(EXCUSES) for argument in colcon_arguments):
+    """Report packages whose CMake cache is of another place; once for a whole workspace."""
+    if any(argument.startswith(OTHER_CACHE) for argument in colcon_arguments):
         return ()
     found: list[Diagnostic] = []
     for package in packages:
@@ -150,33 +186,30 @@ def find_moved(
         built_in = remembered.get("CACHEFILE_DIR", str(folder))
         source = remembered.get("HOME_DIRECTORY", str(package.path))
         if os.path.realpath(built_in) != os.path.realpath(folder):
-            return (_moved_workspace(workspace, built_in),)
+            return (_relocated_workspace(workspace, built_in),)
         if os.path.realpath(source) != os.path.realpath(package.path):
-            found.append(_moved_package(workspace, package, source))
+            found.append(_relocated_package(workspace, package, source))
     return tuple(found)
 
 
-def _moved_workspace(workspace: Workspace, built_in: str) -> Diagnostic:
+def _relocated_workspace(workspace: Workspace, built_in: str) -> Diagnostic:
     spaces = (workspace.build, workspace.install, workspace.log)
-    return Diagnostic(
-        code=MOVED_WORKSPACE,
-        severity=Severity.ERROR,
+    return RELOCATED_WORKSPACE.at(
+        workspace.build,
         message=f"The workspace was moved or copied: it was built in {built_in}, and CMake would "
-        "go on there.",
-        file=workspace.build,
+        "go on building there.",
         hint=f"Remove build, install and log, then build again: rm -rf "
         f"{shlex.join(map(str, spaces))}",
     )
 
 
-def _moved_package(workspace: Workspace, package: PackageFolder, source: str) -> Diagnostic:
+def _relocated_package(workspace: Workspace, package: PackageFolder, source: str) -> Diagnostic:
     spaces = (workspace.build / package.name, workspace.install / package.name)
-    return Diagnostic(
-        code=MOVED_PACKAGE,
-        severity=Severity.ERROR,
-        message=f"{package.name} was moved: it was built from {source}, where CMake looks for it.",
-        file=package.path,
+    return RELOCATED_PACKAGE.at(
+        package.path,
         element=package.name,
-        hint="Remove what was built of it, then build again: rm -rf "
+        message=f"{package.name} was moved: it was built from {source}, and CMake still looks for "
+        "it there.",
+        hint="Remove its build and install folders, then build again: rm -rf "
         f"{shlex.join(map(str, spaces))}",
     )

@@ -1,4 +1,4 @@
-"""`colcon build` with the right toolchain, its progress as events, its failures explained."""
+"""Run `colcon build` with the right toolchain, post its progress, and explain its failures."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.build.colcon import STEP, Finished, PackageResult, Progress, run_colcon
-from wsgen.build.installed import check_installed, find_moved
+from wsgen.build.installed import check_installed, find_relocated
 from wsgen.build.request import (
     block_extensions,
     blocked_extensions,
@@ -19,11 +19,11 @@ from wsgen.build.request import (
 from wsgen.build.sources import (
     missing_build_types,
     missing_test_dependencies,
-    passed_over,
+    skipped_packages,
     unknown_build_types,
 )
 from wsgen.build.toolchain import find_toolchain, package_prefixes
-from wsgen.diagnostics import Diagnostic, Severity, has_errors
+from wsgen.diagnostics import Diagnostic, Rule, Severity, has_errors
 from wsgen.errors import NotFoundError
 from wsgen.events import Listener, OutputLine, StepEnded, StepStarted, post
 from wsgen.workspace.layout import take_inventory
@@ -37,20 +37,28 @@ if TYPE_CHECKING:
     from wsgen.workspace.layout import Inventory, PackageFolder, Workspace
 
 
-UNEXPLAINED = frozenset({"BLD015", "BLD016", "BLD020"})  # these say no more than the output
-DEPRECATED_MINIMUM = "BLD030"
-MINIMUM_THAT_LASTS = "cmake_minimum_required(VERSION 3.8...3.31)"
+DEPRECATED_MINIMUM = Rule(
+    code="BLD030",
+    name="deprecated-cmake-minimum",
+    severity=Severity.INFO,
+    summary="cmake_minimum_required() names a version that CMake deprecates.",
+    what="Collects the deprecation warnings of CMake, and reports them once for all packages.",
+    why="A later CMake will refuse the package. Until then it prints a warning of nine lines for "
+    "each package.",
+    example="cmake_minimum_required(VERSION 3.8)",
+    instead="cmake_minimum_required(VERSION 3.8...3.31)",
+)
 
 
 @dataclass(frozen=True, kw_only=True)
 class BuildResult:
-    """What became of the build."""
+    """The outcome of a build."""
 
-    succeeded: bool  # every package was built, and nothing is wrong with the user's files
+    succeeded: bool  # every package was built, and no diagnostic is an error
     packages: tuple[PackageResult, ...]  # in the order in which they ended
     seconds: float  # wall-clock
     diagnostics: tuple[Diagnostic, ...] = ()
-    log_folder: Path | None = None  # None where logging is off, or colcon did not get so far
+    log_folder: Path | None = None  # None if logging is off, or colcon failed before
     colcon_output: tuple[str, ...] = ()  # the lines that colcon itself wrote to standard error
 
     @property
@@ -64,20 +72,24 @@ class BuildResult:
 
     @property
     def unexplained_output(self) -> tuple[str, ...]:
-        """What was written to standard error and is not in other words in the diagnostics.
+        """The lines on standard error that the diagnostics do not explain.
 
-        Those are the warnings of what was built, and the output of failures that nobody knows.
+        These are warnings of built packages, and the output of failures without a known cause.
         """
         errors = [found for found in self.diagnostics if found.severity is Severity.ERROR]
-        puzzling = {found.element for found in errors if found.code in UNEXPLAINED}
-        explained = {found.element for found in errors} - puzzling
-        lines = [] if errors and not puzzling else [*self.colcon_output]
+        unexplained = set()
+        if errors:
+            from wsgen.build.explain import UNEXPLAINED  # noqa: PLC0415  who succeeds saves 5 ms
+
+            unexplained = {found.element for found in errors if found.code in UNEXPLAINED}
+        explained = {found.element for found in errors} - unexplained
+        lines = [] if errors and not unexplained else [*self.colcon_output]
         for package in self.packages:
-            if package.name in puzzling or (
+            if package.name in unexplained or (
                 package.outcome == "built" and package.name not in explained
             ):
                 lines += package.error_output
-        if any(found.code == DEPRECATED_MINIMUM for found in self.diagnostics):
+        if any(found.code == DEPRECATED_MINIMUM.code for found in self.diagnostics):
             from wsgen.build.failure import split_deprecations  # noqa: PLC0415  as above
 
             return split_deprecations(lines)[0]
@@ -86,7 +98,7 @@ class BuildResult:
 
 @dataclass(frozen=True, kw_only=True)
 class _Job:
-    """The request, looked at."""
+    """The request, with the packages that it selects."""
 
     workspace: Workspace
     inventory: Inventory
@@ -105,20 +117,20 @@ def build(
 ) -> BuildResult:
     """Build the workspace with colcon, or some packages with those they depend on.
 
-    What the programs of a package print arrives at the listener as OutputLine while it is built;
-    what they wrote to standard error is in the result as well, for those who show it at the end.
+    The output of a package arrives at the listener as OutputLine events during the build. The
+    result also holds its standard error, for callers that show it at the end.
 
     Args:
         workspace: where to build.
         packages: names of packages; empty for all.
         colcon_arguments: further arguments for `colcon build`.
         environment: the user's variables; the toolchain's are added to them.
-        listener: told what happens, in steps `("build",)` and `("build", PACKAGE)`.
+        listener: gets the events, in steps `("build",)` and `("build", PACKAGE)`.
 
     Raises:
         RequestError: a package is unknown or ignored, colcon refuses the arguments, or nothing
-            can be built in a folder of this name.
-        NotFoundError: there is nothing to build, or nothing to build it with.
+            can be built in a folder with this name.
+        NotFoundError: the workspace has no package, or the toolchain is missing.
         NotReadableError: build, install or log cannot be written.
         KeyboardInterrupt: the build was interrupted; nothing that it started is left running.
     """
@@ -167,35 +179,35 @@ def _count(result: BuildResult) -> str:
 def _build(
     job: _Job, environment: Mapping[str, str], progress: Progress
 ) -> tuple[bool, tuple[Diagnostic, ...]]:
-    """Build, and say whether colcon succeeded and what there is to tell."""
+    """Build; return whether colcon succeeded, and the diagnostics."""
     post(progress.listener, StepStarted(step=STEP, detail=str(job.workspace.root)))
-    broken = tuple(finding for package in job.selected for finding in package.diagnostics)
+    broken = tuple(found for package in job.selected for found in package.diagnostics)
     if job.names and has_errors(broken):
-        return False, broken  # colcon would say that there is no such package
-    moved = find_moved(job.workspace, job.inventory.packages, job.colcon_arguments)
-    if moved:
-        return False, (*broken, *moved)  # it might build, and elsewhere
+        return False, broken  # colcon would not find the package
+    relocated = find_relocated(job.workspace, job.inventory.packages, job.colcon_arguments)
+    if relocated:
+        return False, (*broken, *relocated)  # CMake might build in the other place
     finished, notes = _run(job, environment, progress)
-    overlooked = tuple(_overlooked(job, finished, progress))
+    unreported = tuple(_unreported(job, finished, progress))
     if finished.returncode == 0 and not finished.output:
-        return True, (*broken, *notes, *overlooked)
+        return True, (*broken, *notes, *unreported)
     from wsgen.build.explain import explain_failure, refuse_full_disk  # noqa: PLC0415  who succeeds saves 5 ms
 
     if finished.returncode == 0:
-        refuse_full_disk(finished.output, job.workspace)  # colcon's log has not found room
-        return True, (*broken, *notes, *overlooked)
+        refuse_full_disk(finished.output, job.workspace)  # colcon could not write its log
+        return True, (*broken, *notes, *unreported)
     distro = environment.get("ROS_DISTRO", "")
     causes = explain_failure(job.workspace, job.inventory, progress, finished, distro=distro)
-    # What makes colcon build a package as another one is the cause of whatever fails in it.
-    mistaken = {finding.element for finding in overlooked}
-    causes = tuple(finding for finding in causes if finding.element not in mistaken)
-    return False, (*broken, *causes, *overlooked, *notes)
+    # Where colcon mistakes the kind of a package, that is the cause of all that fails in it.
+    mistaken = {found.element for found in unreported}
+    causes = tuple(found for found in causes if found.element not in mistaken)
+    return False, (*broken, *causes, *unreported, *notes)
 
 
 def _run(
     job: _Job, environment: Mapping[str, str], progress: Progress
 ) -> tuple[Finished, tuple[Diagnostic, ...]]:
-    """Run colcon; also say what was changed about the request."""
+    """Run colcon; also report how the request was changed."""
     toolchain = _find_toolchain(job, environment)
     variables = toolchain.environment(environment) if toolchain else dict(environment)
     block_extensions(
@@ -224,8 +236,8 @@ def _run(
     )
     outcomes = {package.outcome for package in progress.results}
     if "interrupted" in outcomes and "failed" not in outcomes:
-        raise KeyboardInterrupt  # somebody interrupted colcon and not us
-    if progress.results:  # otherwise it is in the diagnostics or in the error
+        raise KeyboardInterrupt  # the signal reached colcon alone
+    if progress.results:  # otherwise the diagnostics or the error show it
         progress.colcon_output += finished.output.splitlines()
         for line in progress.colcon_output:
             post(progress.listener, OutputLine(step=STEP, text=line, is_error_stream=True))
@@ -234,7 +246,7 @@ def _run(
 
 
 def _find_toolchain(job: _Job, environment: Mapping[str, str]) -> Toolchain | None:
-    """Find it; None if there is none and no package needs ament_cmake."""
+    """Find it; None if it is missing and no package needs ament_cmake."""
     try:
         return find_toolchain(environment)
     except NotFoundError:
@@ -244,7 +256,7 @@ def _find_toolchain(job: _Job, environment: Mapping[str, str]) -> Toolchain | No
 
 
 def _deprecated_minimum(job: _Job, progress: Progress) -> Iterator[Diagnostic]:
-    """Say once which packages name an old version of CMake; CMake has nine lines for each."""
+    """Report once which packages name an old version; CMake prints nine lines for each."""
     places: list[tuple[str, Path, int]] = []
     for result in progress.results:
         if any("cmake_minimum_required" in line for line in result.error_output):
@@ -256,18 +268,16 @@ def _deprecated_minimum(job: _Job, progress: Progress) -> Iterator[Diagnostic]:
     if places:
         names = ", ".join(dict.fromkeys(name for name, _, _ in places))
         _, file, line = places[0]
-        yield Diagnostic(
-            code=DEPRECATED_MINIMUM,
-            severity=Severity.INFO,
+        yield DEPRECATED_MINIMUM.at(
+            file,
+            line,
             message=f"CMake deprecates the version in cmake_minimum_required() of {names}.",
-            file=file,
-            line=line,
-            hint=f"Write {MINIMUM_THAT_LASTS}: the oldest CMake as before, up to the newest known.",
+            hint=f"Write {DEPRECATED_MINIMUM.instead}: the oldest version up to the newest tested.",
         )
 
 
-def _overlooked(job: _Job, finished: Finished, progress: Progress) -> Iterator[Diagnostic]:
-    """Say what colcon passed over in silence."""
+def _unreported(job: _Job, finished: Finished, progress: Progress) -> Iterator[Diagnostic]:
+    """Report mistakes that colcon does not report, or not for the package."""
     unknown = tuple(unknown_build_types(job.inventory.packages, finished.output))
     yield from unknown
     yield from missing_build_types(job.selected)
@@ -278,7 +288,7 @@ def _overlooked(job: _Job, finished: Finished, progress: Progress) -> Iterator[D
         for package in job.selected:
             if not package.diagnostics and package.name not in results:
                 yield from check_package_xml(package.path / "package.xml")
-    explained = {finding.element for finding in unknown}
-    yield from passed_over(job.selected, wanted={*job.names} - explained, built=results)
+    explained = {found.element for found in unknown}
+    yield from skipped_packages(job.selected, wanted={*job.names} - explained, built=results)
     built = (package for package in job.inventory.packages if package.name in results)
     yield from check_installed(built, job.workspace)

@@ -1,11 +1,4 @@
-"""Packages that only tests need, and that this machine may not have.
-
-`ros2 pkg create` writes `find_package(ament_lint_auto REQUIRED)` into every package, inside
-`if(BUILD_TESTING)`, which is on. Where the linters are not installed, a package that is in order
-then does not build; without its tests it does.
-
-What colcon passes over in silence: packages that it does not build, or builds as other ones.
-"""
+"""Packages that colcon skips or builds as another kind, and tests whose tools are not installed."""
 
 from __future__ import annotations
 
@@ -13,7 +6,7 @@ import re
 from typing import TYPE_CHECKING
 
 from wsgen.build.cmake_text import read_calls
-from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.suggestions import suggest
 from wsgen.workspace.manifest import DEFAULT_BUILD_TYPE, read_manifest
 
@@ -25,15 +18,64 @@ if TYPE_CHECKING:
     from wsgen.workspace.manifest import Manifest
 
 
-TESTS_LEFT_OUT = "BLD001"
+# `ros2 pkg create` writes `find_package(ament_lint_auto REQUIRED)` into every package.
+TESTS_LEFT_OUT = Rule(
+    code="BLD001",
+    name="tests-left-out",
+    severity=Severity.INFO,
+    summary="The tests of a package need a package that is not installed, so it is built without.",
+    what="Looks inside `if(BUILD_TESTING)`, which is on by default, for a required package that "
+    "only tests need.",
+    why="colcon builds the package with `-DBUILD_TESTING=OFF`, because it would fail otherwise. "
+    "`colcon test` then runs no tests.",
+    example="""if(BUILD_TESTING)
+  find_package(ament_lint_auto REQUIRED)
+endif()""",
+    instead="sudo apt install ros-humble-ament-lint-auto",
+)
+UNKNOWN_BUILD_TYPE = Rule(
+    code="PKG008",
+    name="unknown-build-type",
+    severity=Severity.ERROR,
+    summary="colcon does not know the build type of a package.",
+    why="colcon does not build the package, and does not name it in its message.",
+    example="<build_type>ament_cmke</build_type>",
+    instead="<build_type>ament_cmake</build_type>",
+)
+MISSING_BUILD_TYPE = Rule(
+    code="PKG009",
+    name="missing-build-type",
+    severity=Severity.ERROR,
+    summary="The package.xml of an ament package has no build type.",
+    what="Looks at packages whose CMakeLists.txt calls ament_package().",
+    why="colcon then takes the package for one of ROS 1 (catkin). It builds it, but the setup "
+    "files do not bring it into the environment of ROS 2.",
+    example="<export/>",
+    instead="""<export>
+  <build_type>ament_cmake</build_type>
+</export>""",
+)
+SKIPPED_PACKAGE = Rule(
+    code="BLD023",
+    name="skipped-package",
+    severity=Severity.ERROR,
+    summary="colcon does not build a package that was named.",
+    why="An option such as --packages-skip, or a file of default options, excludes the package; "
+    "colcon does not report that.",
+    example="build: {packages-skip: [my_robot]}  # colcon_defaults.yaml",
+    instead="build: {packages-skip: []}  # colcon_defaults.yaml",
+)
+
 WITHOUT_TESTS = "-DBUILD_TESTING=OFF"
 LINTER = "ament_lint_auto"  # needed by tests alone, listed as test_depend or not
+BUILD_TASKS = "colcon_core.task.build"  # colcon's extensions, one for each build type
+ROS_PREFIX = "ros."  # of the names of those for packages with package.xml
 
 
 def missing_test_dependencies(
     packages: Iterable[PackageFolder], *, prefixes: Collection[Path], built_here: Collection[str]
 ) -> tuple[Diagnostic, ...]:
-    """Say which packages require a test package that is neither installed nor built here.
+    """Report packages that require a test package that is neither installed nor built here.
 
     Args:
         packages: those that will be built.
@@ -57,15 +99,13 @@ def missing_test_dependencies(
             if name in built_here or is_installed(name, prefixes):
                 continue
             found.append(
-                Diagnostic(
-                    code=TESTS_LEFT_OUT,
-                    severity=Severity.INFO,
-                    message=f"Built without tests (BUILD_TESTING=OFF): {package.name} requires "
-                    f"{name} for them, which is not installed.",
-                    file=file,
-                    line=call.line,
-                    element=package.name,
-                    hint=f"Nothing to do, or install {name}.",
+                TESTS_LEFT_OUT.at(
+                    file,
+                    call.line,
+                    package.name,
+                    message=f"{package.name} is built without tests (BUILD_TESTING=OFF), because "
+                    f"they require {name}, which is not installed.",
+                    hint=f"Install {name} to run its tests.",
                 )
             )
     return tuple(found)
@@ -81,28 +121,20 @@ def is_installed(name: str, prefixes: Iterable[Path]) -> bool:
     )
 
 
-UNKNOWN_BUILD_TYPE = "PKG008"
-MISSING_BUILD_TYPE = "PKG009"
-PASSED_OVER = "BLD023"
-
-BUILD_TASKS = "colcon_core.task.build"  # colcon's extensions, one for each build type
-ROS_PREFIX = "ros."  # of the names of those for packages with package.xml
-
-
 def unknown_build_types(packages: Iterable[PackageFolder], output: str) -> Iterator[Diagnostic]:
-    """Say which packages colcon knows no way to build, which it says without naming them.
+    """Report packages of an unknown build type, which colcon does not name.
 
     Args:
         packages: all packages of the workspace.
-        output: what colcon itself had to say.
+        output: what colcon itself printed.
     """
     refused = set(re.findall(rf"No task extension to 'build' a '{ROS_PREFIX}(.+?)' pack", output))
     for package in packages:
         if not package.diagnostics and package.build_type in refused:
-            yield _diagnose(
-                package,
+            yield _report(
                 UNKNOWN_BUILD_TYPE,
-                f"colcon did not build {package.name}: it knows no build type "
+                package,
+                f"colcon did not build {package.name}: it does not know the build type "
                 f"{package.build_type}.",
                 element="build_type",
                 hint=suggest(package.build_type, _known_build_types()),
@@ -110,11 +142,7 @@ def unknown_build_types(packages: Iterable[PackageFolder], output: str) -> Itera
 
 
 def missing_build_types(packages: Iterable[PackageFolder]) -> Iterator[Diagnostic]:
-    """Say which packages of ament are taken for such of ROS 1, as package.xml does not tell.
-
-    They are built and installed, but what colcon writes for them does not bring them into the
-    environment of ROS 2.
-    """
+    """Report packages of ament that colcon takes for packages of ROS 1."""
     for package in packages:
         if package.diagnostics or package.build_type != DEFAULT_BUILD_TYPE:
             continue
@@ -124,10 +152,10 @@ def missing_build_types(packages: Iterable[PackageFolder]) -> Iterator[Diagnosti
         if any(
             call.command == "ament_package" for call in read_calls(package.path / "CMakeLists.txt")
         ):
-            yield _diagnose(
-                package,
+            yield _report(
                 MISSING_BUILD_TYPE,
-                f"package.xml of {package.name} gives no build type, so colcon takes it for a "
+                package,
+                f"package.xml of {package.name} has no build type, so colcon takes it for a "
                 f"{DEFAULT_BUILD_TYPE} package of ROS 1, and ROS 2 will not find it.",
                 element="export",
                 hint=f"{_where_to_add(manifest)}<build_type>ament_cmake</build_type>"
@@ -135,19 +163,19 @@ def missing_build_types(packages: Iterable[PackageFolder]) -> Iterator[Diagnosti
             )
 
 
-def passed_over(
+def skipped_packages(
     packages: Iterable[PackageFolder], *, wanted: Collection[str], built: Collection[str]
 ) -> Iterator[Diagnostic]:
-    """Say which packages were asked for by name and not built, for whatever reason."""
+    """Report packages that were selected by name and not built, for whatever reason."""
     for package in packages:
         if package.name in wanted and package.name not in built and not package.diagnostics:
-            yield _diagnose(
+            yield _report(
+                SKIPPED_PACKAGE,
                 package,
-                PASSED_OVER,
                 f"colcon did not build {package.name}.",
                 element="name",
-                hint="Look for what makes it skip the package: its arguments (--packages-...), or "
-                "a colcon_defaults.yaml.",
+                hint="Look for what excludes it: colcon's arguments (--packages-...), or a "
+                "colcon_defaults.yaml.",
             )
 
 
@@ -162,20 +190,12 @@ def _where_to_add(manifest: Manifest) -> str:
     return "Add below <export>: " if manifest.line_of("export") else "Add: <export>"
 
 
-def _diagnose(
-    package: PackageFolder, code: str, message: str, *, element: str, hint: str
+def _report(
+    rule: Rule, package: PackageFolder, message: str, *, element: str, hint: str
 ) -> Diagnostic:
     file = package.path / "package.xml"
     manifest = read_manifest(file)
     line = None
     if not isinstance(manifest, Diagnostic):
         line = manifest.line_of("export", element) or manifest.line_of(element)
-    return Diagnostic(
-        code=code,
-        severity=Severity.ERROR,
-        message=message,
-        file=file,
-        line=line,
-        element=package.name,
-        hint=hint,
-    )
+    return rule.at(file, line, package.name, message=message, hint=hint)
