@@ -147,7 +147,7 @@ def test_a_folder_that_git_did_not_keep(tmp_path: Path) -> None:
     (package / "launch").rmdir()
     finding = only(build_here(tmp_path))
     assert (finding.code, finding.line) == ("BLD003", 5)
-    assert "Git keeps no empty folders" in (finding.hint or "")
+    assert "Git does not keep empty folders" in (finding.hint or "")
 
 
 def test_no_cmake_file(tmp_path: Path) -> None:

@@ -52,7 +52,7 @@ def test_not_activated(tmp_path: Path) -> None:
 def test_without_linters(tmp_path: Path) -> None:
     """As `ros2 pkg create` leaves a package; `wsgen build` does the same."""
     write_package(tmp_path, cmake=LINTED)
-    plain_colcon(tmp_path, outside(), warning="demo requires ament_lint_auto for them, which is")
+    plain_colcon(tmp_path, outside(), warning="demo is built without tests, which is")
     assert cache_entry(tmp_path, "BUILD_TESTING") == "OFF"
 
 
@@ -61,7 +61,7 @@ def test_without_linters_from_elsewhere(tmp_path: Path, arguments: tuple[str, ..
     write_package(tmp_path, cmake=LINTED)
     root = tmp_path / "elsewhere"
     root.mkdir()
-    plain_colcon(root, outside(), *arguments, warning="demo requires ament_lint_auto for them")
+    plain_colcon(root, outside(), *arguments, warning="demo is built without tests")
     assert cache_entry(root, "BUILD_TESTING") == "OFF"
 
 

@@ -128,7 +128,7 @@ def test_existing_folder(here: Path, capsys: pytest.CaptureFixture[str]) -> None
     (package / "package.xml").write_text("mine")
     assert new("gazebo_test") == 3
     assert (package / "package.xml").read_text() == "mine"
-    assert "exists already" in capsys.readouterr().err
+    assert "already exists" in capsys.readouterr().err
     assert new("gazebo_test", "--dry-run") == 3
 
 
@@ -187,26 +187,26 @@ def test_dry_run(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
 @pytest.mark.parametrize(
     ("arguments", "message", "hint"),
     [
-        (["../evil"], "is a path", "would do: evil"),
-        (["/srv/evil"], "is a path", "would do: evil"),
-        ([""], "is empty", "would do: my_robot"),
-        (["x" * 300], "xxx...' is longer than 64", "would do: xxx"),
-        (["röbot"], "lower-case", "would do: robot"),
-        (["test"], "CMake", "would do: test_robot"),
-        (["import"], "Python", "would do: import_robot"),
-        (["xacro"], "no package can need itself", "would do: xacro_robot"),
-        (["ament_cmake"], "no package can need itself", "would do: ament_cmake_robot"),
-        (["a_b", "-t", "crane"], "no template 'crane'", "simple"),
-        (["a_b", "-t", "base"], "only there to be extended", "simple"),
+        (["../evil"], "is a path", "valid name: evil"),
+        (["/srv/evil"], "is a path", "valid name: evil"),
+        ([""], "is empty", "valid name: my_robot"),
+        (["x" * 300], "xxx...' is longer than 64", "valid name: xxx"),
+        (["röbot"], "lower-case", "valid name: robot"),
+        (["test"], "CMake", "valid name: test_robot"),
+        (["import"], "Python", "valid name: import_robot"),
+        (["xacro"], "depends on", "valid name: xacro_robot"),
+        (["ament_cmake"], "depends on", "valid name: ament_cmake_robot"),
+        (["a_b", "-t", "crane"], "'crane' does not exist", "simple"),
+        (["a_b", "-t", "base"], "is abstract", "simple"),
         (["a_b", "-t", "."], "has no template.toml", "simple"),
         (["a_b", "--distro", "noetic"], "'noetic' is no ROS 2", "--distro lyrical"),
         (["a_b", "--distro", "jazzy", "--sim", "classic"], "not released", "jazzy --sim gz"),
-        (["a_b", "--set", "mass=heavy"], "'heavy' is no number", "--set mass=1"),
-        (["a_b", "--license", "GPL"], "no text of a license 'GPL'", "Apache-2.0"),
+        (["a_b", "--set", "mass=heavy"], "`mass` must be a number", "--set mass=1"),
+        (["a_b", "--license", "GPL"], "not have the text of the license 'GPL'", "Apache-2.0"),
         (["a_b", "--description", ""], "description is empty", "--description"),
         (["a_b", "--description", "a\x07b"], "U+0007", "control"),
         (["a_b", "--maintainer-name", 'A "B"'], "CMake", "--maintainer-name"),
-        (["a_b", "--maintainer-email", "nobody"], "'nobody' is no e-mail", "@example.com"),
+        (["a_b", "--maintainer-email", "nobody"], "'nobody' is not a valid e-mail", "@example.com"),
     ],
 )
 def test_wrong_request(

@@ -184,8 +184,8 @@ def test_the_second_package_keeps_the_workflow(
     assert texts(here) == before
     output = capsys.readouterr()
     assert output.out == ""
-    assert "wsgen.yml exists already; nothing was written." in output.err
-    assert "Leave --ci away" in output.err
+    assert "wsgen.yml already exists; nothing was written." in output.err
+    assert "Omit --ci" in output.err
     assert new("other_robot", "-w", "ws_gazebo", "--ci", "github", "--dry-run") == 3
     assert new("other_robot", "-w", "ws_gazebo", "--ci", "gitlab") == 0
     assert (here / "ws_gazebo" / ".gitlab-ci.yml").is_file()

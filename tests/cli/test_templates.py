@@ -25,14 +25,14 @@ def test_variables(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["templates", "simple"]) == 0
     told = capsys.readouterr().out
     assert "targets: humble-classic, iron-classic, humble-gz" in told
-    assert "length=0.5  number from 0.001 to 100 m      Height of the cylinder" in told
+    assert "length=0.5  a number from 0.001 to 100 m      Height of the cylinder" in told
 
 
 def test_variables_of_a_template_of_the_user(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["templates", str(EXAMPLE)]) == 0
     told = capsys.readouterr().out
     assert "bob=sphere " in told
-    assert "choice: sphere, box" in told
+    assert "one of sphere, box" in told
     assert "joint_states=true" in told
 
 
@@ -102,10 +102,10 @@ def test_check_of_a_broken_template(
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["crane"], "There is no template 'crane'"),
-        (["base"], "only there to be extended"),
+        (["crane"], "'crane' does not exist"),
+        (["base"], "is abstract"),
         (["--check"], "--check needs a template"),
-        (["--check", "crane"], "There is no template 'crane'"),
+        (["--check", "crane"], "'crane' does not exist"),
     ],
 )
 def test_wrong_request(

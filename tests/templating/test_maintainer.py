@@ -68,7 +68,7 @@ def test_login_that_is_no_address(monkeypatch: pytest.MonkeyPatch, login: str, e
 
 
 def test_what_is_given_is_checked() -> None:
-    with pytest.raises(RequestError, match="'nobody' is no e-mail"):
+    with pytest.raises(RequestError, match="'nobody' is not a valid e-mail"):
         find_maintainer(None, "nobody")
     with pytest.raises(RequestError, match="CMake"):
         find_maintainer("${x}", None)

@@ -80,40 +80,44 @@ def test_targets(tmp_path: Path, targets: str, names: str) -> None:
         ('extends = "base"\ndescription = "x"\n', None, "`schema` is missing"),
         ('schema = 2\ndescription = "x"\n', 1, "`schema` is 2"),
         ('schema = 1\nextends = "base"\n', None, None),  # base has a description
-        ("schema = 1\n", None, "There is no `description`"),
-        ('schema = 1\nextends = "crane"\n', 2, "There is no template 'crane' to extend"),
-        ('schema = 1\nextends = "../x"\n', 2, "There is no template '../x' to extend"),
-        (f"schema = 1\nextends = 3\n{FILES}", 2, "`extends` is an integer where a text is wanted"),
-        (f'{HEAD}color = "red"\n', 4, "There is no key `color` here"),
-        (f"{HEAD}abstract = 1\n", 4, "`abstract` is an integer where true or false is wanted"),
-        (f'{HEAD}targets = "gz"\n', 4, "`targets` is a text where a list is wanted"),
-        (f"{HEAD}targets = []\n", 4, "`targets` names none"),
-        (f'{HEAD}targets = ["noetic"]\n', 4, "There is no target 'noetic'"),
-        (f"{HEAD}targets = [1]\n", 4, "`targets` is no list of texts"),
-        (f'{HEAD}files = ["a"]\n', 4, "`files` is a list where a table is wanted"),
-        (f'{HEAD}[files]\n"a.txt" = 1\n', 5, "The source of 'a.txt' is no text"),
-        (f"{HEAD}[dependencies]\nexec = []\n", 5, "There is no key `exec` here"),
+        ("schema = 1\n", None, "`description` is missing"),
+        ('schema = 1\nextends = "crane"\n', 2, "The template 'crane' to extend does not exist"),
+        ('schema = 1\nextends = "../x"\n', 2, "The template '../x' to extend does not exist"),
+        (f"schema = 1\nextends = 3\n{FILES}", 2, "`extends` is an integer; it must be a text"),
+        (f'{HEAD}color = "red"\n', 4, "The key `color` is unknown here"),
+        (f"{HEAD}abstract = 1\n", 4, "`abstract` is an integer; it must be true or false"),
+        (f'{HEAD}targets = "gz"\n', 4, "`targets` is a text; it must be a list"),
+        (f"{HEAD}targets = []\n", 4, "`targets` is empty"),
+        (f'{HEAD}targets = ["noetic"]\n', 4, "The target 'noetic' is unknown"),
+        (f"{HEAD}targets = [1]\n", 4, "`targets` is not a list of texts"),
+        (f'{HEAD}files = ["a"]\n', 4, "`files` is a list; it must be a table"),
+        (f'{HEAD}[files]\n"a.txt" = 1\n', 5, "The source of 'a.txt' is not a text"),
+        (f"{HEAD}[dependencies]\nexec = []\n", 5, "The key `exec` is unknown here"),
         (
             f'{HEAD}[dependencies]\nexec_depend = ["Bad Name"]\n',
             5,
             "The dependency 'Bad Name' may have only",
         ),
-        (f"{HEAD}[[parts]]\nwhen = 1\n", 5, "`when` is an integer where a table is wanted"),
-        (f'{HEAD}[[parts]]\nif = "x"\n', 5, "There is no key `if` here"),
-        (f"{HEAD}parts = [1]\n", 4, "A part is no table"),
+        (f"{HEAD}[[parts]]\nwhen = 1\n", 5, "`when` is an integer; it must be a table"),
+        (f'{HEAD}[[parts]]\nif = "x"\n', 5, "The key `if` is unknown here"),
+        (f"{HEAD}parts = [1]\n", 4, "A part is not a table"),
         (
             f"{HEAD}[[parts]]\nwhen.x = 1\n[[parts]]\nwhen.lidar = true\n",
             5,
-            "A condition cannot ask for `x`",
+            "The condition names `x`",
         ),
-        (f'{HEAD}[[parts]]\nwhen.distro = "noetic"\n', 5, "'noetic' is no distro: humble"),
-        (f"{HEAD}[variables]\nmass = 1\n", 5, "`mass` is an integer where a table is wanted"),
-        (f"{HEAD}{VARIABLE.replace('mass', 'Mass')}", 4, "A variable cannot be called `Mass`"),
-        (f"{HEAD}{VARIABLE.replace('mass', 'class')}", 4, "cannot be called `class`"),
-        (f"{HEAD}{VARIABLE.replace('mass', 'items')}", 4, "cannot be called `items`"),
-        (f"{HEAD}{VARIABLE.replace('mass', 'distro')}", 4, "cannot be called `distro`"),
-        (f"{HEAD}{VARIABLE.replace('number', 'float')}", 6, "There is no type 'float'"),
-        (f"{HEAD}{VARIABLE.replace('unit', 'units')}", 7, "There is no key `units` here"),
+        (
+            f'{HEAD}[[parts]]\nwhen.distro = "noetic"\n',
+            5,
+            "`distro` is 'noetic'; it must be one of humble",
+        ),
+        (f"{HEAD}[variables]\nmass = 1\n", 5, "`mass` is an integer; it must be a table"),
+        (f"{HEAD}{VARIABLE.replace('mass', 'Mass')}", 4, "A variable cannot be named `Mass`"),
+        (f"{HEAD}{VARIABLE.replace('mass', 'class')}", 4, "cannot be named `class`"),
+        (f"{HEAD}{VARIABLE.replace('mass', 'items')}", 4, "cannot be named `items`"),
+        (f"{HEAD}{VARIABLE.replace('mass', 'distro')}", 4, "cannot be named `distro`"),
+        (f"{HEAD}{VARIABLE.replace('number', 'float')}", 6, "The type 'float' is unknown"),
+        (f"{HEAD}{VARIABLE.replace('unit', 'units')}", 7, "The key `units` is unknown here"),
         (
             f"{HEAD}{VARIABLE.replace('minimum = 0', '')}",
             4,
@@ -122,14 +126,14 @@ def test_targets(tmp_path: Path, targets: str, names: str) -> None:
         (
             f"{HEAD}{VARIABLE.replace('default = 1', 'default = 3')}",
             8,
-            "The default 3.0 of `mass` is no number from 0 to 2 kg",
+            "The default of `mass` is 3.0; it must be a number from 0 to 2 kg",
         ),
-        (f"{HEAD}{VARIABLE.replace('= 2', '= true')}", 10, "`maximum` is no number"),
-        (f"{HEAD}{VARIABLE.replace('= 1', '= nan')}", 8, "is no number from 0 to 2 kg"),
+        (f"{HEAD}{VARIABLE.replace('= 2', '= true')}", 10, "`maximum` is not a number"),
+        (f"{HEAD}{VARIABLE.replace('= 1', '= nan')}", 8, "must be a number from 0 to 2 kg"),
         (
             f'{HEAD}[variables.kind]\nhelp = ""\ntype = "choice"\nchoices = ["a"]\ndefault = "b"',
             8,
-            "The default 'b' of `kind` is no choice: a",
+            "The default of `kind` is 'b'; it must be one of a",
         ),
     ],
 )
@@ -163,9 +167,9 @@ def test_all_faults_are_told(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        (b"schema = \n", "is no TOML"),
-        (b"schema = 1\xff\n", "is no TOML"),
-        (b"", "is no file with anything in it"),
+        (b"schema = \n", "is not TOML"),
+        (b"schema = 1\xff\n", "is not TOML"),
+        (b"", "is empty or not a file"),
         (b"a = " + b"[" * 5000, "template.toml is"),
         (b"#" * (2**20 + 1), "is too large"),
     ],
@@ -182,7 +186,7 @@ def test_file_that_is_none(tmp_path: Path) -> None:
     (tmp_path / "folder" / "template.toml").mkdir()
     os.mkfifo(tmp_path / "pipe" / "template.toml")
     for kind in ("folder", "pipe"):
-        with pytest.raises(BrokenTemplateError, match="is no file with anything in it"):
+        with pytest.raises(BrokenTemplateError, match="is empty or not a file"):
             load(tmp_path / kind)
 
 
@@ -197,5 +201,5 @@ def test_folder_whose_name_does_not_print(tmp_path: Path) -> None:
 
 
 def test_abstract_template_of_the_user(tmp_path: Path) -> None:
-    with pytest.raises(RequestError, match="is only there to be extended"):
+    with pytest.raises(RequestError, match="is abstract"):
         load(write_template(tmp_path, f"{HEAD}abstract = true\n"))

@@ -52,10 +52,10 @@ def test_what_base_brings_and_what_is_written(tmp_path: Path) -> None:
         ("a\n{{ files | random }}", 2, "No filter named 'random'"),
         ("a\n{{ lipsum() }}", 2, "'lipsum' is undefined"),
         ("a\n{% include 'none.j2' %}", 2, "The source 'none.j2' does not exist"),
-        ("a\n{% include '../x.j2' %}", 2, "'../x.j2' is no path below"),
-        ("a\n{% include '/etc/passwd' %}", 2, "'/etc/passwd' is no path below"),
+        ("a\n{% include '../x.j2' %}", 2, "'../x.j2' is not a path below"),
+        ("a\n{% include '/etc/passwd' %}", 2, "'/etc/passwd' is not a path below"),
         ("a\n{% include 'template.toml' %}", 2, "does not end in .j2"),
-        ("a\n{% include 'wsgen:../pyproject.toml' %}", 2, "is no path below"),
+        ("a\n{% include 'wsgen:../pyproject.toml' %}", 2, "is not a path below"),
         ("a\n{% include 'wsgen:base/none.j2' %}", 2, "does not exist"),
         ("a\n{% include 'robot.xacro.j2' %}", 2, "includes or calls itself without end"),
         ("{% macro m() %}\n{{ m() }}{% endmacro %}{{ m() }}", 2, "calls itself without end"),
@@ -126,17 +126,17 @@ def test_every_fault_comes_back_from_the_child(tmp_path: Path) -> None:
     ("source", "words"),
     [
         ("none.j2", "does not exist"),
-        ("../robot.xacro.j2", "is no path below"),
-        ("/etc/passwd.j2", "is no path below"),
-        ("a//b.j2", "is no path below"),
-        ("a\\\\b.j2", "is no path below"),
+        ("../robot.xacro.j2", "is not a path below"),
+        ("/etc/passwd.j2", "is not a path below"),
+        ("a//b.j2", "is not a path below"),
+        ("a\\\\b.j2", "is not a path below"),
         ("template.toml", "does not end in .j2"),
-        ("folder.j2", "is no file"),
-        ("pipe.j2", "is no file"),
+        ("folder.j2", "is not a file"),
+        ("pipe.j2", "is not a file"),
         ("link.j2", "leads out of the template's folder"),
-        ("circle.j2", "is no file|leads out|does not exist"),
+        ("circle.j2", "is not a file|leads out|does not exist"),
         ("linked/x.j2", "leads out of the template's folder"),
-        ("wsgen:base/../../x.j2", "is no path below"),
+        ("wsgen:base/../../x.j2", "is not a path below"),
         ("wsgen:crane/x.j2", "does not exist"),
     ],
 )
@@ -174,10 +174,10 @@ def test_source_that_is_no_text(tmp_path: Path) -> None:
     ("files", "message"),
     [
         ('"../evil" = "robot.xacro.j2"', "The path '../evil' cannot be in a package"),
-        ('"{{ nothing }}" = "robot.xacro.j2"', "is no name that a path may have"),
+        ('"{{ nothing }}" = "robot.xacro.j2"', "is not allowed in a path"),
         ('"readme.MD" = "robot.xacro.j2"', "'README.md' and 'readme.MD' exclude each other"),
         ('"model" = "robot.xacro.j2"', "'model' and 'model/"),
-        ('"COLCON_IGNORE" = "robot.xacro.j2"', "colcon passes the package over"),
+        ('"COLCON_IGNORE" = "robot.xacro.j2"', "colcon ignores a package"),
     ],
 )
 def test_path_that_cannot_be(tmp_path: Path, files: str, message: str) -> None:
@@ -189,5 +189,5 @@ def test_path_that_cannot_be(tmp_path: Path, files: str, message: str) -> None:
 def test_template_that_makes_no_package(tmp_path: Path) -> None:
     folder = write_template(tmp_path, 'schema = 1\ndescription = "x"\n' + FILES)
     _, faults = render(folder)
-    assert faults[0].message == "The template makes no 'package.xml'."
+    assert faults[0].message == "The template does not create 'package.xml'."
     assert 'extends = "base"' in (faults[0].hint or "")

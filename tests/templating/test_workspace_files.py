@@ -89,6 +89,6 @@ def test_the_disk_refuses(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     monkeypatch.setattr(os, "fsync", full)
-    with pytest.raises(NotReadableError, match="Make room"):
+    with pytest.raises(NotReadableError, match="Free space"):
         adding_files(TREE, tmp_path / "ws", where_missing=SPARE).__enter__()
     assert not list(tmp_path.iterdir())

@@ -94,7 +94,7 @@ def test_nothing_is_overwritten(folder: Path, tmp_path: Path, kind: str) -> None
     else:
         folder.symlink_to(tmp_path if kind == "link" else tmp_path / "nowhere")
     before = (identity(folder), read(tmp_path))
-    with pytest.raises(WouldOverwriteError, match="exists already"):
+    with pytest.raises(WouldOverwriteError, match="already exists"):
         write_package(TREE, folder)
     assert (identity(folder), read(tmp_path)) == before
     assert names(folder.parent) == ["robot"]
@@ -190,7 +190,7 @@ def test_full_disk(folder: Path, moment: int, monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setattr(os, "fsync", fsync)
     with pytest.raises(NotReadableError, match="No space left") as caught:
         write_package(TREE, folder)
-    assert "Make room" in caught.value.hint
+    assert "Free space" in caught.value.hint
     assert not folder.parents[1].exists()
 
 

@@ -107,7 +107,7 @@ def _describe(template: Template) -> list[str]:
 def _row(variable: Variable) -> tuple[str, ...]:
     from wsgen.templating.variables import show
 
-    return (f"{variable.name}={show(variable.default)}", variable.wanted, variable.help)
+    return (f"{variable.name}={show(variable.default)}", variable.expected, variable.help)
 
 
 def _table(rows: Sequence[tuple[str, ...]]) -> list[str]:

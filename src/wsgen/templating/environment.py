@@ -1,16 +1,12 @@
-"""Jinja2 as templates meet it.
+"""The Jinja2 environment of templates, and the cache of compiled templates.
 
-All templates run in its sandbox, those of wsgen as well: what is written for the ones works in the
-others, and the compiled templates are the same. Nothing in it depends on time or chance, so that
-the same answers give the same files.
+All templates run in Jinja2's sandbox, also those of wsgen, so that the same source behaves alike in
+both. The environment depends on neither time nor chance: the same answers give the same files.
 
-The compiled templates of earlier runs, in the user's cache folder.
-
-Compiling the templates costs more than all the rest of `wsgen new`. All of them are kept in one
-file, which is a convenience: whatever is wrong with it, it is as if there were none.
-
-Loading code means trusting whoever wrote it. Folder and file must belong to the user and be
-writable by nobody else; the folder is opened once, so that none can be put in its place.
+Compiling the templates costs more than all the rest of `wsgen new`, so the compiled templates are
+kept in one file in the user's cache folder. A missing or broken file is ignored. Loading code means
+trusting whoever wrote it: folder and file must belong to the user and be writable by nobody else.
+The folder is opened once, so that it cannot be replaced meanwhile.
 """
 
 from __future__ import annotations
@@ -52,7 +48,7 @@ class CodeFile:
         )
 
     def read(self) -> dict[str, Entry]:
-        """What is in the file; nothing if it is missing, broken or not to be trusted."""
+        """Read the file; nothing if it is missing, broken or not trusted."""
         try:
             with _open_folder() as folder:
                 descriptor = os.open(self._name, os.O_RDONLY | os.O_NOFOLLOW, dir_fd=folder)
@@ -64,7 +60,7 @@ class CodeFile:
         return entries if isinstance(entries, dict) else {}
 
     def write(self, entries: dict[str, Entry]) -> None:
-        """Replace the file; nothing happens if that is impossible."""
+        """Replace the file, if possible."""
         with contextlib.suppress(OSError, RuntimeError), _open_folder() as folder:
             unfinished = f"{self._name}.{os.getpid()}"
             flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW
@@ -80,11 +76,10 @@ class CodeFile:
 
 @contextlib.contextmanager
 def _open_folder() -> Iterator[int]:
-    """A descriptor of wsgen's cache folder, which is made if it is missing.
+    """Open wsgen's cache folder, which is created if it is missing, and yield its descriptor.
 
     Raises:
-        OSError, RuntimeError: there is none, nor a home to make it in, or it is not the user's
-            alone.
+        OSError, RuntimeError: it cannot be created, or is not the user's alone.
     """
     cache = Path(os.environ.get("XDG_CACHE_HOME", ""))
     if not cache.is_absolute():  # the XDG specification ignores it then, and so an empty one
@@ -105,7 +100,7 @@ def _trust(descriptor: int) -> None:
         raise PermissionError
 
 
-# The first that an exception is of.
+# The first type that matches an exception counts.
 _HINTS: tuple[tuple[type[Exception], str], ...] = (
     (jinja2.TemplateSyntaxError, "Fix the tag in this line."),
     (
@@ -114,14 +109,14 @@ _HINTS: tuple[tuple[type[Exception], str], ...] = (
     ),
     (
         jinja2.exceptions.SecurityError,
-        "Templates may not do that; docs/templates.md lists what there is.",
+        "Templates may not do that; docs/templates.md lists what they may use.",
     ),
     (
         jinja2.UndefinedError,
-        "Fix the name, or declare the variable; docs/templates.md lists what there is.",
+        "Fix the name, or declare the variable; docs/templates.md lists the names.",
     ),
-    (RecursionError, "Break the circle."),
-    (TimeoutError, "See what is repeated here, and how often."),
+    (RecursionError, "Remove the recursion."),
+    (TimeoutError, "Check the loops here, and how often they run."),
     (Exception, "Fix the expression in this line."),
 )
 
@@ -149,7 +144,7 @@ class Environment(ImmutableSandboxedEnvironment):
         del self.filters["random"]
 
     def keep_compiled(self) -> None:
-        """Write what was compiled, for the next time."""
+        """Write newly compiled templates to the cache."""
         self._compiled.save()
 
 
@@ -164,7 +159,7 @@ class _Loader(jinja2.BaseLoader):
         environment: jinja2.Environment,  # noqa: ARG002  Jinja2's signature
         template: str,
     ) -> tuple[str, str, Callable[[], bool]]:
-        """The text of a source; it does not change while wsgen runs."""
+        """Read a source; it does not change while wsgen runs."""
         try:
             text, file = read_source(template, self._folder)
         except SourceError as error:
@@ -173,7 +168,7 @@ class _Loader(jinja2.BaseLoader):
 
 
 class _CompiledTemplates(jinja2.BytecodeCache):
-    """Jinja2's view of the file of compiled templates, which holds those of wsgen alone."""
+    """Jinja2's interface to the file of compiled templates, which holds only those of wsgen."""
 
     def __init__(self) -> None:
         self._file = CodeFile(jinja2.__version__)
@@ -181,32 +176,32 @@ class _CompiledTemplates(jinja2.BytecodeCache):
         self._grew = False
 
     def get_cache_key(self, name: str, filename: str | None = None) -> str:  # noqa: ARG002  Jinja2's signature
-        """The name: that of a source of wsgen says which it is."""
+        """Return the name, which identifies a source of wsgen."""
         return name
 
     def load_bytecode(self, bucket: Bucket) -> None:
-        """Give the code if the source is still the same."""
+        """Load the code if the source has not changed."""
         checksum, code = self._entries.get(bucket.key, ("", None))
         if code is not None and checksum == bucket.checksum:
             bucket.code = code
 
     def dump_bytecode(self, bucket: Bucket) -> None:
-        """Keep code that was compiled just now."""
+        """Keep newly compiled code."""
         if bucket.code is not None and bucket.key.startswith(SHIPPED):
             self._entries[bucket.key] = (bucket.checksum, bucket.code)
             self._grew = True
 
     def save(self) -> None:
-        """Write what was compiled."""
+        """Write newly compiled templates."""
         if self._grew:
             self._file.write(self._entries)
 
 
-def words_for(error: Exception) -> tuple[str, str]:
-    """What an exception from within a template says, and what to do about it."""
+def describe_error(error: Exception) -> tuple[str, str]:
+    """Describe an exception that a template raises, and what to do about it."""
     said = str(error)
     if isinstance(error, jinja2.TemplateSyntaxError):
-        said = error.message or "This is no tag of Jinja2"
+        said = error.message or "This is not a tag of Jinja2"
     elif isinstance(error, jinja2.TemplateNotFound):
         said = f"The source {said}"
     elif isinstance(error, RecursionError):
@@ -218,7 +213,7 @@ def words_for(error: Exception) -> tuple[str, str]:
 
 
 def syntax_place(error: Exception) -> tuple[Path | None, int | None]:
-    """File and line of a template that cannot be compiled: its code was never run."""
+    """Return file and line of a template that cannot be compiled."""
     if isinstance(error, jinja2.TemplateSyntaxError) and error.filename:
         return Path(error.filename), error.lineno
     return None, None

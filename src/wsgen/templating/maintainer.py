@@ -1,4 +1,4 @@
-"""Who maintains a new package, where the request does not say so."""
+"""Find the maintainer of a new package that the request does not name."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ if TYPE_CHECKING:
     from wsgen.model.package import Maintainer
 
 
-# What `ros2 pkg create` writes for somebody whose address nobody knows.
+# What `ros2 pkg create` writes for an unknown address.
 UNKNOWN_DOMAIN = "todo.todo"
 GIT_TIMEOUT = 5.0  # s; git answers in milliseconds unless its files lie on a dead network disk
 
 
 def find_maintainer(name: str | None, email: str | None) -> Maintainer:
-    """The given name and address; for what is not given git's, else the login's.
+    """Return the given name and address, or else those of git, or else of the login.
 
-    What git has and package.xml cannot hold is passed over.
+    Values of git that package.xml cannot hold are ignored.
 
     Raises:
-        RequestError: a given name or address cannot stand in package.xml.
+        RequestError: a given name or address is not valid in package.xml.
     """
     known = _ask_git()
     login = _login()
@@ -48,7 +48,7 @@ def _usable(text: str | None, check: Callable[[str], str]) -> str | None:
 
 
 def _ask_git() -> Mapping[str, str]:
-    """The user.name and user.email of git, read by git itself: it knows its includes and scopes."""
+    """Read user.name and user.email with git itself, which knows its includes and scopes."""
     command = ("git", "config", "--null", "--get-regexp", r"^user\.(name|email)$")
     try:
         answer = subprocess.run(  # noqa: PLW1510  1 means that nothing is set
@@ -62,7 +62,7 @@ def _ask_git() -> Mapping[str, str]:
 
 
 def _login() -> str:
-    """The login's name, as far as it can stand before the @ of an address."""
+    """Return the login's name, without characters that are invalid before the @ of an address."""
     name = os.environ.get("LOGNAME") or os.environ.get("USER")
     if not name:
         try:

@@ -1,13 +1,7 @@
-"""A template: what can be asked of it, for which targets, and which files and needs it has.
+"""Read a template: its variables, the targets it is made for, its files and dependencies.
 
-A template is a folder with a `template.toml`, one that comes with wsgen or one of the user's;
-docs/templates.md describes it, `templates/simple` is an example.
-
-A `template.toml` as it is written: read, and what is wrong with its form collected.
-
-What a value means is for `manifest` and `manifest_parts` to say; here it is read with its type.
-
-What a `template.toml` says of variables, targets, and files that exist under a condition.
+A template is a folder with a `template.toml`, one that comes with wsgen or one of the user's.
+docs/templates.md describes it; `templates/simple` is an example.
 """
 
 from __future__ import annotations
@@ -17,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wsgen import tomlfile
-from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.diagnostics import Rule, Severity
 from wsgen.errors import BrokenTemplateError, RequestError
 from wsgen.model.package import PYTHON_KEYWORDS, check_package_name
 from wsgen.model.target import SIMULATORS, TARGETS
@@ -29,6 +23,7 @@ from wsgen.tomlfile import find_line
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from wsgen.diagnostics import Diagnostic
     from wsgen.model.package import Answer
     from wsgen.model.target import Target
 
@@ -36,6 +31,36 @@ if TYPE_CHECKING:
 MANIFEST = "template.toml"
 SCHEMA = 1
 MAXIMUM_BYTES = 2**20
+
+UNREADABLE_TEMPLATE = Rule(
+    code="TPL001",
+    name="unreadable-template",
+    severity=Severity.ERROR,
+    summary="template.toml cannot be read, is empty or is not TOML.",
+    why="wsgen knows the variables, the targets and the files of a template only from this file.",
+    example="schema = ",
+    instead="schema = 1",
+)
+INVALID_TEMPLATE = Rule(
+    code="TPL002",
+    name="invalid-template",
+    severity=Severity.ERROR,
+    summary="A key or a value in template.toml is invalid.",
+    what="Checks all keys and the types of their values, names and bounds of variables, targets, "
+    "conditions and dependencies.",
+    why="wsgen refuses the template instead of ignoring what it does not understand.",
+    example="""[variables.mass]
+help = "Mass of the body"
+type = "float"
+default = 1.0""",
+    instead="""[variables.mass]
+help = "Mass of the body"
+type = "number"
+unit = "kg"
+default = 1.0
+minimum = 0.1
+maximum = 100.0""",
+)
 
 _KINDS = {
     str: "a text",
@@ -47,74 +72,68 @@ _KINDS = {
 
 
 class ManifestFile:
-    """The document of one file, and what was found wrong with it."""
+    """The document of one file, and the mistakes in it."""
 
     def __init__(self, file: Path) -> None:
         self.file = file
-        self.faults: list[Diagnostic] = []
+        self.diagnostics: list[Diagnostic] = []
         self.document = self._load()
 
-    def wrong(self, message: str, hint: str, *where: str) -> None:
-        """Add that something is wrong at a place: the way of keys that leads to it."""
-        self.faults.append(
-            Diagnostic(
-                code="TPL002",
-                severity=Severity.ERROR,
-                message=message,
-                file=self.file,
-                line=find_line(self.file.read_text(encoding="utf-8"), where),
-                element=".".join(where) or None,
-                hint=hint,
-            )
+    def report(self, message: str, hint: str, *where: str) -> None:
+        """Report a mistake at a path of keys."""
+        line = find_line(self.file.read_text(encoding="utf-8"), where)
+        element = ".".join(where) or None
+        self.diagnostics.append(
+            INVALID_TEMPLATE.at(self.file, line, element, message=message, hint=hint)
         )
 
     def take(self, table: Mapping[str, Any], kind: type, *where: str, default: Any = None) -> Any:
-        """The value at the last key of the way, or the default if it is missing or of no use."""
+        """Return the value at a path of keys, or the default if it is missing or invalid."""
         value = table.get(where[-1])
         if value is None:
             return default
         if not isinstance(value, kind) or (kind is int and isinstance(value, bool)):
-            self.wrong(
-                f"`{where[-1]}` is {_name_kind(value)} where {_KINDS[kind]} is wanted.",
-                "docs/templates.md shows each key.",
+            self.report(
+                f"`{where[-1]}` is {_name_kind(value)}; it must be {_KINDS[kind]}.",
+                "docs/templates.md describes each key.",
                 *where,
             )
             return default
         return value
 
     def take_texts(self, table: Mapping[str, Any], *where: str) -> tuple[str, ...]:
-        """A list of texts; empty if it is missing or of no use."""
+        """Return a list of texts; empty if it is missing or invalid."""
         values = self.take(table, list, *where, default=[])
         if not all(isinstance(value, str) for value in values):
-            self.wrong(f"`{where[-1]}` is no list of texts.", 'Write ["one", "two"].', *where)
+            self.report(f"`{where[-1]}` is not a list of texts.", 'Write ["one", "two"].', *where)
             return ()
         return tuple(values)
 
     def check_keys(self, table: Mapping[str, Any], known: tuple[str, ...], *where: str) -> None:
-        """Add the keys that mean nothing: a misspelt one would be passed over in silence."""
+        """Report unknown keys, which nothing would read."""
         for key in table:
             if key not in known:
-                self.wrong(
-                    f"There is no key `{key}` here.", f"Keys: {', '.join(known)}.", *where, key
+                self.report(
+                    f"The key `{key}` is unknown here.", f"Keys: {', '.join(known)}.", *where, key
                 )
 
     def _load(self) -> dict[str, Any]:
         try:
             if self.file.is_file() and self.file.stat().st_size > MAXIMUM_BYTES:
-                return self._unreadable("is too large", f"{MAXIMUM_BYTES} bytes are the limit.")
-            # A pipe would be waited for without end.
+                return self._unreadable("is too large", f"The limit is {MAXIMUM_BYTES} bytes.")
+            # Reading from a pipe would wait without end.
             document = tomlfile.load(self.file) if self.file.is_file() else {}
         except OSError as error:
             return self._unreadable(f"cannot be read: {error.strerror}", "Make it readable.")
         except RecursionError:
             return self._unreadable("is nested too deeply", "Write plain tables.")
         except ValueError as error:
-            return self._unreadable(f"is no TOML: {error}", "Fix it at the place that is named.")
+            return self._unreadable(f"is not TOML: {error}", "Fix the named line.")
         if not document:
-            return self._unreadable("is no file with anything in it", f"Write: schema = {SCHEMA}")
+            return self._unreadable("is empty or not a file", f"Write: schema = {SCHEMA}")
         if document.get("schema") != SCHEMA:
             is_there = "schema" in document
-            self.wrong(
+            self.report(
                 f"`schema` is {document['schema']!r}." if is_there else "`schema` is missing.",
                 f"Write: schema = {SCHEMA}",
                 "schema",
@@ -122,14 +141,8 @@ class ManifestFile:
         return document
 
     def _unreadable(self, what: str, hint: str) -> dict[str, Any]:
-        self.faults.append(
-            Diagnostic(
-                code="TPL001",
-                severity=Severity.ERROR,
-                message=f"{MANIFEST} {what}.",
-                file=self.file,
-                hint=hint,
-            )
+        self.diagnostics.append(
+            UNREADABLE_TEMPLATE.at(self.file, message=f"{MANIFEST} {what}.", hint=hint)
         )
         return {}
 
@@ -158,9 +171,9 @@ TARGET_WORDS = ("distro", "simulator")
 
 
 class Part(NamedTuple):
-    """Files and dependencies that belong to a package under one condition."""
+    """Files and dependencies of a package that depend on one condition."""
 
-    when: Mapping[str, tuple[Answer, ...]]  # variable, distro or simulator -> values that will do
+    when: Mapping[str, tuple[Answer, ...]]  # variable, distro or simulator -> accepted values
     files: Mapping[str, str]  # pattern of the path in the package -> name of the source
     dependencies: Mapping[str, tuple[str, ...]]  # as in PackageSpec
 
@@ -173,7 +186,7 @@ class Part(NamedTuple):
 def read_variables(
     manifest: ManifestFile, tables: Mapping[str, Mapping[str, Any]]
 ) -> dict[str, Variable]:
-    """The variables of a template from their tables, those that it takes over included."""
+    """Read the variables of a template from their tables, inherited ones included."""
     variables = {}
     for name, table in tables.items():
         # `package.answers.NAME` must mean the answer, and xacro must take NAME for a property.
@@ -183,9 +196,9 @@ def read_variables(
             or name in TARGET_WORDS
             or hasattr(dict, name)
         ):
-            manifest.wrong(
-                f"A variable cannot be called `{name}`.",
-                "Take lower-case letters a to z, digits and underscores, and no keyword of Python.",
+            manifest.report(
+                f"A variable cannot be named `{name}`.",
+                "Use lower-case letters a to z, digits and underscores, and no keyword of Python.",
                 *("variables", name),
             )
         else:
@@ -197,18 +210,22 @@ def read_variables(
 
 def _read_variable(manifest: ManifestFile, name: str, table: Mapping[str, Any]) -> Variable | None:
     where = ("variables", name)
-    before = len(manifest.faults)
+    before = len(manifest.diagnostics)
     manifest.check_keys(table, VARIABLE_KEYS, *where)
     kind = table.get("type")
     needed = {"help", "type", "default"}
     if kind not in TYPES:
-        manifest.wrong(f"There is no type {kind!r}.", f"Types: {', '.join(TYPES)}.", *where, "type")
+        manifest.report(
+            f"The type {kind!r} is unknown.", f"Types: {', '.join(TYPES)}.", *where, "type"
+        )
     elif kind in {"number", "integer"}:
         needed |= {"minimum", "maximum"} | ({"unit"} if kind == "number" else set())
     elif kind == "choice":
         needed |= {"choices"}
     for key in sorted(needed - set(table)):
-        manifest.wrong(f"The variable `{name}` has no `{key}`.", f"Add a line: {key} = ...", *where)
+        manifest.report(
+            f"The variable `{name}` has no `{key}`.", f"Add a line: {key} = ...", *where
+        )
     variable = Variable(
         name=name,
         help=manifest.take(table, str, *where, "help", default=""),
@@ -219,37 +236,37 @@ def _read_variable(manifest: ManifestFile, name: str, table: Mapping[str, Any]) 
         maximum=_bound(manifest, table, *where, "maximum"),
         choices=manifest.take_texts(table, *where, "choices"),
     )
-    if len(manifest.faults) == before and not variable.accepts(variable.default):
-        manifest.wrong(
-            f"The default {variable.default!r} of `{name}` is no {variable.wanted}.",
-            "Change the default, or what is wanted.",
+    if len(manifest.diagnostics) == before and not variable.accepts(variable.default):
+        manifest.report(
+            f"The default of `{name}` is {variable.default!r}; it must be {variable.expected}.",
+            "Change the default, or the bounds.",
             *where,
             "default",
         )
-    return variable if len(manifest.faults) == before else None
+    return variable if len(manifest.diagnostics) == before else None
 
 
 def _number(value: Any, kind: str) -> Any:
-    """A number of TOML may be written without a point."""
+    """Convert a number, which TOML may have without a point."""
     return float(value) if kind == "number" and type(value) is int else value
 
 
 def _bound(manifest: ManifestFile, table: Mapping[str, Any], *where: str) -> float:
     bound = table.get(where[-1], 0.0)
     if isinstance(bound, bool) or not isinstance(bound, (int, float)):
-        manifest.wrong(f"`{where[-1]}` is no number.", "Write a number.", *where)
+        manifest.report(f"`{where[-1]}` is not a number.", "Write a number.", *where)
         return 0.0
     return bound
 
 
 def read_targets(manifest: ManifestFile) -> tuple[Target, ...]:
-    """The targets that a template is made for; all, where it does not say."""
+    """Read the targets that a template is made for; by default all."""
     words = manifest.take_texts(manifest.document, "targets")
     known = {word for target in TARGETS for word in (target.name, target.distro, target.simulator)}
     for word in words:
         if word not in known:
-            manifest.wrong(
-                f"There is no target {word!r}.",
+            manifest.report(
+                f"The target {word!r} is unknown.",
                 f"Write a simulator ({', '.join(SIMULATORS)}), a distribution (jazzy), or both"
                 " (jazzy-gz).",
                 "targets",
@@ -257,20 +274,20 @@ def read_targets(manifest: ManifestFile) -> tuple[Target, ...]:
     if "targets" not in manifest.document:
         return TARGETS
     if manifest.document["targets"] == []:
-        manifest.wrong("`targets` names none.", "Leave it out for all of them.", "targets")
+        manifest.report("`targets` is empty.", "Remove it to support all targets.", "targets")
     return tuple(
         target for target in TARGETS if {target.name, target.distro, target.simulator} & set(words)
     )
 
 
 def read_parts(manifest: ManifestFile, variables: Mapping[str, Variable], own: str) -> list[Part]:
-    """The unconditional part of a template, then the others; `own` qualifies its sources."""
+    """Read the unconditional part of a template, then the others; `own` qualifies its sources."""
     document = manifest.document
     parts = [_read_part(manifest, document, {}, own)]
     for index, table in enumerate(manifest.take(document, list, "parts", default=[])):
         where = ("parts", str(index))
         if not isinstance(table, dict):
-            manifest.wrong("A part is no table.", "Write it below [[parts]].", "parts")
+            manifest.report("A part is not a table.", "Write it below [[parts]].", "parts")
             continue
         manifest.check_keys(table, PART_KEYS, *where)
         when = _read_condition(manifest, table, variables, *where, "when")
@@ -288,8 +305,8 @@ def _read_part(
     files = {}
     for path, source in manifest.take(table, dict, *where, "files", default={}).items():
         if not isinstance(source, str):
-            manifest.wrong(
-                f"The source of {path!r} is no text.",
+            manifest.report(
+                f"The source of {path!r} is not a text.",
                 'Write: "path/in/the/package" = "source.j2"',
                 *(*where, "files", path),
             )
@@ -311,7 +328,7 @@ def _check_dependency(manifest: ManifestFile, name: str, *where: str) -> None:
     # A rosdep key of the system, python3-numpy, has dashes.
     problem = check_package_name(re.sub(r"[-.]", "_", name))
     if problem is not None:
-        manifest.wrong(f"The dependency {name!r} {problem}.", "Name a ROS package.", *where)
+        manifest.report(f"The dependency {name!r} {problem}.", "Name a ROS package.", *where)
 
 
 def _read_condition(
@@ -325,15 +342,15 @@ def _read_condition(
         values = tuple(value) if isinstance(value, list) else (value,)
         if name in variables:
             usable = all(variables[name].accepts(one) for one in values)
-            wanted = variables[name].wanted
+            expected = variables[name].expected
         elif name in TARGET_WORDS:
             known = {getattr(target, name) for target in TARGETS}
             usable = all(isinstance(one, str) and one in known for one in values)
-            wanted = f"{name}: {', '.join(sorted(known))}"
+            expected = f"one of {', '.join(sorted(known))}"
         else:
-            manifest.wrong(
-                f"A condition cannot ask for `{name}`: there is no such variable.",
-                f"It asks for {', '.join((*TARGET_WORDS, *variables))}.",
+            manifest.report(
+                f"The condition names `{name}`, which is not a variable.",
+                f"It may name {', '.join((*TARGET_WORDS, *variables))}.",
                 *where,
                 name,
             )
@@ -341,7 +358,12 @@ def _read_condition(
         if usable:
             condition[name] = values
         else:
-            manifest.wrong(f"{value!r} is no {wanted}.", "Write one, or a list.", *where, name)
+            manifest.report(
+                f"`{name}` is {value!r}; it must be {expected}.",
+                "Write a value, or a list.",
+                *where,
+                name,
+            )
     return condition
 
 
@@ -359,20 +381,20 @@ KEYS = (
 
 
 class Template(NamedTuple):
-    """A template with what it takes over from those that it extends.
+    """A template, with what it inherits from those that it extends.
 
     A named tuple: `wsgen new` pays for every dataclass that is defined.
     """
 
     name: str
     folder: Path
-    is_shipped: bool  # with wsgen; the others are foreign code
-    is_abstract: bool  # only made to be extended
+    is_shipped: bool  # with wsgen; other templates are foreign code
+    is_abstract: bool  # only to be extended
     description: str
     targets: tuple[Target, ...]  # that it is made for
     tables: Mapping[str, dict[str, Any]]  # of the variables, as written
     variables: Mapping[str, Variable]
-    parts: tuple[Part, ...]  # those that it takes over first
+    parts: tuple[Part, ...]  # inherited ones first
 
     def sources(self, target: Target, answers: Mapping[str, Answer]) -> dict[str, str]:
         """Pattern of the path in the package -> name of the source, as in `sources`."""
@@ -396,16 +418,16 @@ class Template(NamedTuple):
 
 
 def template_names() -> list[str]:
-    """The templates that come with wsgen, without those that are only made to be extended."""
+    """List the templates that come with wsgen, without the abstract ones."""
     return [name for name in _shipped() if not _load_shipped(name).is_abstract]
 
 
 def load_template(given: str) -> Template:
-    """The template of a name, or that in a folder of the user.
+    """Load a template by its name, or from a folder of the user.
 
     Raises:
-        RequestError: there is no such template.
-        BrokenTemplateError: its template.toml cannot be used.
+        RequestError: the template does not exist.
+        BrokenTemplateError: its template.toml is invalid.
     """
     if is_shipped(given):
         template = _load_shipped(given)
@@ -413,41 +435,43 @@ def load_template(given: str) -> Template:
         folder = Path(given).expanduser()
         if not (folder / MANIFEST).exists():
             raise _no_template(given, folder)
-        template, faults = read_template(folder)
-        refuse(faults, folder)
+        template, diagnostics = read_template(folder)
+        refuse(diagnostics, folder)
     if template.is_abstract:
         raise RequestError(
-            f"Template {template.name!r} is only there to be extended.",
+            f"Template {template.name!r} is abstract: other templates extend it.",
             hint=f"Templates: {', '.join(template_names())}.",
         )
     return template
 
 
 def read_template(folder: Path) -> tuple[Template, tuple[Diagnostic, ...]]:
-    """The template of the user in a folder, as far as it can be read, and what is wrong with it."""
+    """Read the template in a folder of the user, as far as possible, and report its mistakes."""
     folder = folder.resolve()  # so that `-t .` has a name as well
     manifest = ManifestFile(folder / MANIFEST)
     name = folder.name
     if not name.isprintable():  # it is written into wsgen.toml
-        manifest.wrong("The folder's name has characters that do not print.", "Rename the folder.")
+        manifest.report(
+            "The name of the folder has characters that do not print.", "Rename the folder."
+        )
     template = _read(manifest, name, is_shipped=False)
-    return template, tuple(manifest.faults)
+    return template, tuple(manifest.diagnostics)
 
 
-def refuse(faults: Sequence[Diagnostic], folder: Path) -> None:
-    """Stop if there are faults in the user's template.
+def refuse(diagnostics: Sequence[Diagnostic], folder: Path) -> None:
+    """Stop if the user's template has mistakes.
 
     Raises:
-        BrokenTemplateError: there are; tells the first one, and how to see the others.
+        BrokenTemplateError: it has; names the first one, and how to see the others.
     """
-    if not faults:
+    if not diagnostics:
         return
-    first = faults[0]
+    first = diagnostics[0]
     place = f"{first.file}:{first.line}: " if first.line else f"{first.file}: "
-    more = f" ({len(faults) - 1} more: wsgen templates --check {folder})"
+    more = f" ({len(diagnostics) - 1} more: wsgen templates --check {folder})"
     raise BrokenTemplateError(
         (place if first.file else "") + first.message,
-        hint=(first.hint or "") + (more if len(faults) > 1 else ""),
+        hint=(first.hint or "") + (more if len(diagnostics) > 1 else ""),
     )
 
 
@@ -463,7 +487,7 @@ def is_shipped(name: str) -> bool:
 def _load_shipped(name: str) -> Template:
     manifest = ManifestFile(templates_folder() / name / MANIFEST)
     template = _read(manifest, name, is_shipped=True)
-    refuse(manifest.faults, template.folder)
+    refuse(manifest.diagnostics, template.folder)
     return template
 
 
@@ -472,12 +496,12 @@ def _no_template(given: str, folder: Path) -> RequestError:
     if folder.is_dir():
         return RequestError(
             f"The folder {given} has no {MANIFEST}.",
-            hint=f"docs/templates.md says how to write a template; those of wsgen are: {names}.",
+            hint=f"docs/templates.md describes how to write one; those of wsgen are: {names}.",
         )
     return RequestError(
-        f"There is no template {given!r}.",
-        hint=f"{ask_for_nearest(given, template_names())}Templates: {names}; or give a folder of "
-        "yours.",
+        f"Template {given!r} does not exist.",
+        hint=f"{ask_for_nearest(given, template_names())}Templates: {names}; or name a folder with "
+        f"a {MANIFEST}.",
     )
 
 
@@ -491,8 +515,8 @@ def _read(manifest: ManifestFile, name: str, *, is_shipped: bool) -> Template:
     description = manifest.take(document, str, "description")
     if base is not None:
         description = description or base.description
-    if not description and not manifest.faults:
-        manifest.wrong("There is no `description`.", "Say in a sentence what it makes.")
+    if not description and not manifest.diagnostics:
+        manifest.report("`description` is missing.", "Describe in a sentence what it creates.")
     own = f"{SHIPPED}{name}/" if is_shipped else ""
     parts = read_parts(manifest, variables, own)
     targets = read_targets(manifest)
@@ -510,14 +534,14 @@ def _read(manifest: ManifestFile, name: str, *, is_shipped: bool) -> Template:
 
 
 def _read_base(manifest: ManifestFile) -> Template | None:
-    """The template that is extended; it comes with wsgen."""
+    """Load the template that is extended, one of wsgen's."""
     name = manifest.take(manifest.document, str, "extends")
     if name is None:
         return None
     if not is_shipped(name):
-        manifest.wrong(
-            f"There is no template {name!r} to extend.",
-            f"Those of wsgen can be: {', '.join(_shipped())}.",
+        manifest.report(
+            f"The template {name!r} to extend does not exist.",
+            f"Templates of wsgen can be extended: {', '.join(_shipped())}.",
             "extends",
         )
         return None
@@ -525,7 +549,7 @@ def _read_base(manifest: ManifestFile) -> Template | None:
 
 
 def _merge_tables(manifest: ManifestFile, base: Template | None) -> dict[str, dict[str, Any]]:
-    """The tables of the variables; of one that is taken over, single keys may be said anew."""
+    """Merge the tables of the variables; single keys replace those of an inherited one."""
     tables = dict(base.tables) if base is not None else {}
     for name in manifest.take(manifest.document, dict, "variables", default={}):
         own = manifest.take(manifest.document["variables"], dict, "variables", name, default={})

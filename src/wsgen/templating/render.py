@@ -1,9 +1,4 @@
-"""PackageSpec and Template -> the texts of the package's files. Writes nothing.
-
-Paths of the files of a package: written with names in them, and fit for every disk.
-
-An exception from within a template -> where it is wrong, and what to do about it.
-"""
+"""Render a package: PackageSpec and Template -> the texts of its files. It writes nothing."""
 
 from __future__ import annotations
 
@@ -13,9 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen import __version__
-from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.model.package import WINDOWS_DEVICES
-from wsgen.templating.environment import Environment, syntax_place, words_for
+from wsgen.templating.environment import Environment, describe_error, syntax_place
 from wsgen.templating.manifest import MANIFEST, refuse
 from wsgen.templating.sources import ENDING, SourceError, find_source
 
@@ -27,11 +22,47 @@ if TYPE_CHECKING:
     from wsgen.templating.manifest import Template
 
 
+MISSING_SOURCE = Rule(
+    code="TPL003",
+    name="missing-template-source",
+    severity=Severity.ERROR,
+    summary="A source that template.toml names is missing or outside of the template's folder.",
+    why="wsgen renders each file of a package from its source, and reads no other files.",
+    example="""[files]
+"model/robot.xacro" = "../robot.xacro.j2\"""",
+    instead="""[files]
+"model/robot.xacro" = "robot.xacro.j2\"""",
+)
+FAILING_TEMPLATE = Rule(
+    code="TPL004",
+    name="failing-template",
+    severity=Severity.ERROR,
+    summary="A source of a template cannot be rendered.",
+    what="Renders the sources with Jinja2 in a sandbox, with limits of time, memory and size.",
+    why="wsgen writes no package with missing files. An undefined name is an error, as it would "
+    "be an empty text in a file.",
+    example='<mass value="{{ package.answers.mas }}"/>',
+    instead='<mass value="{{ package.answers.mass }}"/>',
+)
+INVALID_PATH = Rule(
+    code="TPL005",
+    name="impossible-package-path",
+    severity=Severity.ERROR,
+    summary="A path of a file cannot be in a package, or a required file is missing.",
+    what="Checks the paths in `[files]` of template.toml, with names filled in; package.xml and "
+    "wsgen.toml are required.",
+    why="A package must be usable on Linux, macOS and Windows, and colcon must find it.",
+    example="""[files]
+"build/robot.xacro" = "robot.xacro.j2\"""",
+    instead="""[files]
+"model/robot.xacro" = "robot.xacro.j2\"""",
+)
+
 MAXIMUM_BYTES = 255  # of one name, on most disks
 MAXIMUM_PATH = 400  # characters: below the folders of a workspace it becomes longer
-# Folders that colcon makes, and that of git: what lies there is not the package's.
+# Folders that colcon and git create: what lies there is not the package's.
 RESERVED_FOLDERS = frozenset({"build", "install", "log", ".git"})
-# colcon would pass the package over.
+# colcon would ignore the package.
 RESERVED_FILES = frozenset({"colcon_ignore", "ament_ignore", "catkin_ignore"})
 
 _NAME = re.compile(r"\{\{ *([a-z_.0-9]+) *\}\}")
@@ -39,14 +70,14 @@ _WINDOWS_CANNOT = frozenset('<>:"|?*\\')
 
 
 class PathError(Exception):
-    """A path that no package can have; the message is a sentence about it."""
+    """A path that a package cannot have; the message is a clause that says why."""
 
 
 def fill_in(pattern: str, spec: PackageSpec) -> str:
-    """The path that a pattern stands for: `{{ package.name }}` and the like become names.
+    """Fill in names: `{{ package.name }}` and the like.
 
     Raises:
-        PathError: it names something else, or is no path that a package can have.
+        PathError: the pattern has another name, or a package cannot have the path.
     """
     names = _names(spec)
 
@@ -55,12 +86,12 @@ def fill_in(pattern: str, spec: PackageSpec) -> str:
             return names[match[1]]
         except KeyError:
             raise PathError(
-                f"{match[0]} is no name that a path may have in it: {', '.join(names)}"
+                f"{match[0]} is not allowed in a path; these are: {', '.join(names)}"
             ) from None
 
     path = _NAME.sub(name, pattern)
     if "{" in path or "}" in path:
-        raise PathError("a path has no logic in it, only names such as {{ package.name }}")
+        raise PathError("it has other braces than those of names such as {{ package.name }}")
     problem = check_path(path)
     if problem is not None:
         raise PathError(problem)
@@ -68,35 +99,35 @@ def fill_in(pattern: str, spec: PackageSpec) -> str:
 
 
 def check_path(path: str) -> str | None:
-    """What keeps a path from being one in a package; None if nothing does."""
+    """Return why a package cannot have a path; None if it can."""
     return next(_problems(path), None)
 
 
 def _problems(path: str) -> Iterator[str]:
     parts = path.split("/")
     if not {"", ".", ".."}.isdisjoint(parts):
-        yield "it is no path below the package's folder, written with single slashes"
+        yield "it is not a path below the package's folder with single slashes"
     if not path.isprintable():
-        yield "it has a character in it that does not print"
+        yield "it has a character that does not print"
     elif len(path) > MAXIMUM_PATH or any(len(part.encode()) > MAXIMUM_BYTES for part in parts):
         yield "it is too long"
     for part in parts:
         if not _WINDOWS_CANNOT.isdisjoint(part) or part != part.strip(" ").rstrip("."):
-            yield f"{part!r} is no name on Windows, where nobody could check the package out"
+            yield f"{part!r} is not a valid name on Windows"
         if part.split(".")[0].lower() in WINDOWS_DEVICES:
-            yield f"{part!r} is a device on Windows, where nobody could check the package out"
+            yield f"{part!r} is a device on Windows"
     if parts[0].lower() in RESERVED_FOLDERS:
-        yield f"{parts[0]!r} is a folder that colcon or git makes"
+        yield f"{parts[0]!r} is a folder that colcon or git creates"
     if parts[-1].lower() in RESERVED_FILES:
-        yield f"with a file {parts[-1]!r} colcon passes the package over"
+        yield f"colcon ignores a package with a file {parts[-1]!r}"
 
 
 def find_collision(paths: Iterable[str]) -> tuple[str, str] | None:
-    """Two paths that are one on some disks, or of which one needs the other to be a folder."""
+    """Find two paths that are equal on some disks, or of which one needs the other as a folder."""
     known: dict[str, str] = {}
     folders: dict[str, str] = {}
     for path in paths:
-        # macOS and Windows do not tell capitals apart, macOS not how accents are written.
+        # macOS and Windows ignore case, macOS also how accents are encoded.
         same = unicodedata.normalize("NFC", path).casefold()
         if same in known:
             return known[same], path
@@ -111,7 +142,7 @@ def find_collision(paths: Iterable[str]) -> tuple[str, str] | None:
 
 
 def _names(spec: PackageSpec) -> dict[str, str]:
-    """What may stand in a path: names, and answers that are texts."""
+    """The names that a path may have in it, and their values."""
     return {
         "package.name": spec.name,
         "package.target.distro": spec.target.distro,
@@ -124,33 +155,25 @@ def _names(spec: PackageSpec) -> dict[str, str]:
     }
 
 
-def explain(error: Exception, *, path: str, source: str, folder: Path) -> Diagnostic:
-    """What went wrong while the file at `path` in the package was rendered from `source`."""
+def report_error(error: Exception, *, path: str, source: str, folder: Path) -> Diagnostic:
+    """Report an exception while the file at `path` in the package was rendered from `source`."""
     file, line = _find_place(error)
     if file is None:
         try:
             file = find_source(source, folder)
-        except SourceError:  # it is what is missing
+        except SourceError:  # the source itself is missing
             file = folder
-    message, hint = words_for(error)
-    return Diagnostic(
-        code="TPL004",
-        severity=Severity.ERROR,
-        message=message,
-        file=file,
-        line=line,
-        element=path,
-        hint=hint,
-    )
+    message, hint = describe_error(error)
+    return FAILING_TEMPLATE.at(file, line, path, message=message, hint=hint)
 
 
 def _find_place(error: Exception) -> tuple[Path | None, int | None]:
-    """File and line of the innermost template that the exception passed through."""
+    """Find file and line of the innermost template that the exception passed through."""
     place: tuple[Path | None, int | None] = syntax_place(error)
     step: TracebackType | None = error.__traceback__
     while step is not None:
         name = step.tb_frame.f_code.co_filename
-        # Jinja2 puts the lines of the sources in the place of those of its own code.
+        # Jinja2 replaces the lines of its own code by those of the sources.
         if name.endswith(ENDING):
             place = (Path(name), step.tb_lineno)
         step = step.tb_next
@@ -160,38 +183,38 @@ def _find_place(error: Exception) -> tuple[Path | None, int | None]:
 # Path in the package, with slashes -> text of the file.
 RenderedTree = dict[str, str]
 
-MAXIMUM_FILE = 2**20  # characters: a loop that writes for ever is no template
+MAXIMUM_FILE = 2**20  # characters: a loop may write without end
 MAXIMUM_TREE = 2**23
-# Without them it is no package, or none that `wsgen update` could bring changes to.
+# A package needs the first, and `wsgen update` will need the second.
 NEEDED = ("package.xml", "wsgen.toml")
-# Folders that the build reads and nobody after it.
+# Folders that only the build reads.
 ONLY_FOR_BUILDING = {"cmake", "hooks", "test"}
 
 
 class TooLargeError(Exception):
-    """More text came out of a template than a package can use."""
+    """A template renders more text than is allowed."""
 
 
 def render_package(spec: PackageSpec, template: Template) -> RenderedTree:
-    """All files of a package, sorted by path; each text ends with a line end.
+    """Render all files of a package, sorted by path; each text ends with a line end.
 
-    This runs the template here and now: one of the user's is for `render_apart`.
+    This runs the template in this process; `render_apart` runs one of the user's.
 
     Raises:
-        BrokenTemplateError: the template does not give files that can be written.
+        BrokenTemplateError: a file cannot be rendered, or not be written.
     """
-    tree, faults = render_tree(spec, template)
-    refuse(faults, template.folder)
+    tree, diagnostics = render_tree(spec, template)
+    refuse(diagnostics, template.folder)
     return tree
 
 
 def render_tree(
     spec: PackageSpec, template: Template
 ) -> tuple[RenderedTree, tuple[Diagnostic, ...]]:
-    """The files as far as they can be rendered, and what is wrong with the template."""
-    sources, faults = _place(spec, template)
-    if faults:
-        return {}, tuple(faults)
+    """Render the files as far as possible, and report the mistakes in the template."""
+    sources, diagnostics = _place(spec, template)
+    if diagnostics:
+        return {}, tuple(diagnostics)
     environment = Environment(template.folder)
     context = {
         "package": spec,
@@ -204,15 +227,17 @@ def render_tree(
     for path in sorted(sources):
         error = _render_into(tree, path, environment, sources[path], context)
         if error is not None:
-            faults.append(explain(error, path=path, source=sources[path], folder=template.folder))
-        if isinstance(error, TimeoutError):  # there is no time for the others
+            diagnostics.append(
+                report_error(error, path=path, source=sources[path], folder=template.folder)
+            )
+        if isinstance(error, TimeoutError):  # no time is left for the others
             break
     environment.keep_compiled()
-    return tree, tuple(faults)
+    return tree, tuple(diagnostics)
 
 
 def installed_folders(files: Iterable[str]) -> list[str]:
-    """The folders of a package that its users need, sorted."""
+    """List the folders of a package that its users need, sorted."""
     folders = {path.partition("/")[0] for path in files if "/" in path}
     return sorted(folders - ONLY_FOR_BUILDING)
 
@@ -224,7 +249,7 @@ def _render_into(
     source: str,
     context: Mapping[str, object],
 ) -> Exception | None:
-    """Add a file to the tree, or say what keeps its source from being rendered."""
+    """Add a file to the tree, or return the exception that its source raises."""
     left = min(MAXIMUM_FILE, MAXIMUM_TREE - sum(map(len, tree.values())))
     pieces = []
     try:
@@ -232,8 +257,8 @@ def _render_into(
             left -= len(piece)
             if left < 0:
                 return TooLargeError(
-                    f"what is rendered is too large: {MAXIMUM_FILE} characters a file and"
-                    f" {MAXIMUM_TREE} a package are the limits"
+                    f"the rendered text is too large: the limits are {MAXIMUM_FILE} characters a"
+                    f" file and {MAXIMUM_TREE} a package"
                 )
             pieces.append(piece)
     except Exception as error:  # noqa: BLE001  expressions in templates raise anything
@@ -244,27 +269,27 @@ def _render_into(
 
 
 def _place(spec: PackageSpec, template: Template) -> tuple[dict[str, str], list[Diagnostic]]:
-    """Path in the package -> name of the source; and paths and sources that cannot be."""
+    """Return the path in the package -> name of the source, and report invalid ones."""
     placed: dict[str, str] = {}
-    faults = []
+    diagnostics = []
     for pattern, source in template.sources(spec.target, spec.answers).items():
         path = _place_one(pattern, source, spec, template)
         if isinstance(path, Diagnostic):
-            faults.append(path)
+            diagnostics.append(path)
         else:
             placed[path] = source
     collision = find_collision(placed)
     if collision is not None:
         one, other = collision
-        faults.append(
-            _misplaced(
-                template, f"The paths {one!r} and {other!r} exclude each other on some disk."
+        diagnostics.append(
+            _invalid_path(
+                template, f"The paths {one!r} and {other!r} exclude each other on some disks."
             )
         )
     for path in NEEDED:
-        if path not in placed and not faults:
-            faults.append(_misplaced(template, f"The template makes no {path!r}."))
-    return placed, faults
+        if path not in placed and not diagnostics:
+            diagnostics.append(_invalid_path(template, f"The template does not create {path!r}."))
+    return placed, diagnostics
 
 
 def _place_one(
@@ -274,29 +299,25 @@ def _place_one(
         path = fill_in(pattern, spec)
         find_source(source, template.folder)
     except PathError as error:
-        return _misplaced(template, f"The path {pattern!r} cannot be in a package: {error}.")
+        return _invalid_path(template, f"The path {pattern!r} cannot be in a package: {error}.")
     except SourceError as error:
-        return _missing(template, pattern, f"The source {source!r} {error}.")
+        return _missing_source(template, pattern, f"The source {source!r} {error}.")
     return path
 
 
-def _misplaced(template: Template, message: str) -> Diagnostic:
-    return Diagnostic(
-        code="TPL005",
-        severity=Severity.ERROR,
-        message=message,
-        file=template.folder / MANIFEST,
+def _invalid_path(template: Template, message: str) -> Diagnostic:
+    return INVALID_PATH.at(
+        template.folder / MANIFEST,
         element="files",
-        hint='Change [files]; `extends = "base"` brings what every package has.',
+        message=message,
+        hint='Change [files]; `extends = "base"` adds the files that every package has.',
     )
 
 
-def _missing(template: Template, pattern: str, message: str) -> Diagnostic:
-    return Diagnostic(
-        code="TPL003",
-        severity=Severity.ERROR,
-        message=message,
-        file=template.folder / MANIFEST,
+def _missing_source(template: Template, pattern: str, message: str) -> Diagnostic:
+    return MISSING_SOURCE.at(
+        template.folder / MANIFEST,
         element=f"files.{pattern}",
-        hint=f"Write that file below {template.folder}, or change [files].",
+        message=message,
+        hint=f"Write the source below {template.folder}, or change [files].",
     )

@@ -1,10 +1,8 @@
-"""Where the sources of templates lie, and which names they go by.
+"""Find the sources of templates by their names.
 
-A source of a template that comes with wsgen is called `wsgen:TEMPLATE/PATH`, from everywhere: in
-`template.toml`, in {% extends %} and in {% include %}. A source of the template at hand is called
-by its path below the template's folder; there is no name for what lies outside of it.
-
-Where the templates lie.
+A source of a template that comes with wsgen is named `wsgen:TEMPLATE/PATH`, from everywhere: in
+`template.toml`, in {% extends %} and in {% include %}. A source of the current template is named by
+its path below the template's folder. Sources outside of these folders have no name.
 """
 
 from __future__ import annotations
@@ -17,10 +15,10 @@ _PACKAGE = Path(__file__).parent.parent
 
 
 def templates_folder() -> Path:
-    """The templates of the installed wheel, or those of the checkout that is installed editable.
+    """Find the templates of the installed wheel, or of the checkout of an editable install.
 
     Raises:
-        NotFoundError: neither is there.
+        NotFoundError: neither exists.
     """
     for folder in (_PACKAGE / "_templates", _PACKAGE.parent.parent / "templates"):
         if folder.is_dir():
@@ -33,18 +31,18 @@ def templates_folder() -> Path:
 
 SHIPPED = "wsgen:"
 ENDING = ".j2"
-MAXIMUM_BYTES = 2**20  # of a source: more is no template
+MAXIMUM_BYTES = 2**20  # of a source
 
 
 class SourceError(Exception):
-    """A name that no source goes by; the message is the end of a sentence that begins with it."""
+    """No source has the name; the message continues a sentence that begins with the name."""
 
 
 def read_source(name: str, folder: Path) -> tuple[str, Path]:
-    """The text of a source and its file; `folder` is that of the template at hand.
+    """Read a source, and return its text and file; `folder` is that of the current template.
 
     Raises:
-        SourceError: there is none of this name, or it cannot be read.
+        SourceError: it does not exist, or cannot be read.
     """
     file = find_source(name, folder)
     try:
@@ -58,24 +56,24 @@ def read_source(name: str, folder: Path) -> tuple[str, Path]:
 
 
 def find_source(name: str, folder: Path) -> Path:
-    """The file of a source, which is a file and nothing else, and in its folder.
+    """Find the file of a source, which must be a regular file in its folder.
 
     Raises:
-        SourceError: there is none of this name.
+        SourceError: it does not exist.
     """
     is_shipped = name.startswith(SHIPPED)
     root = templates_folder() if is_shipped else folder
     parts = name.removeprefix(SHIPPED).split("/")
     if any(part in {"", ".", ".."} or not part.isprintable() or "\\" in part for part in parts):
-        raise SourceError("is no path below the template's folder, written with single slashes")
+        raise SourceError("is not a path below the template's folder with single slashes")
     if not name.endswith(ENDING):
         raise SourceError(f"does not end in {ENDING}")
     file = root.joinpath(*parts)
-    # Ours are not looked at: the folder may be linked together in any way by who installed it.
+    # Not for those of wsgen: an installation may link its folders in any way.
     if not is_shipped and not _lies_in(file, root):
         raise SourceError("leads out of the template's folder by a link")
     if not file.is_file():
-        raise SourceError("is no file" if file.exists() else "does not exist")
+        raise SourceError("is not a file" if file.exists() else "does not exist")
     return file
 
 

@@ -1,7 +1,4 @@
-"""From the words of a request to a PackageSpec; what is wrong with the request is found here.
-
-The licenses whose texts come with wsgen.
-"""
+"""Make a PackageSpec from a request: check its names, answers, license and maintainer."""
 
 from __future__ import annotations
 
@@ -25,33 +22,33 @@ _ENDING = ".txt.j2"
 
 
 def license_names() -> list[str]:
-    """SPDX identifiers, sorted."""
+    """List the SPDX identifiers of the licenses that come with wsgen, sorted."""
     files = (templates_folder() / _FOLDER).glob(f"*{_ENDING}")
     return sorted(file.name.removesuffix(_ENDING) for file in files)
 
 
 def find_license(name: str) -> str:
-    """The SPDX identifier in its own spelling; capitals do not matter in `name`.
+    """Return the SPDX identifier in its own spelling; case does not matter in `name`.
 
     Raises:
-        RequestError: no text of such a license is here.
+        RequestError: wsgen does not have the text of this license.
     """
     known = license_names()
     for license_name in known:
         if license_name.lower() == name.lower():
             return license_name
     raise RequestError(
-        f"wsgen has no text of a license {name!r}.",
-        hint=f"Take --license {' or '.join(known)}; for another one change the file LICENSE and the"
+        f"wsgen does not have the text of the license {name!r}.",
+        hint=f"Use --license {' or '.join(known)}; for another one change the file LICENSE and the"
         " <license> of package.xml afterwards.",
     )
 
 
 def make_maintainer(name: str, email: str) -> Maintainer:
-    """Check both.
+    """Check name and address.
 
     Raises:
-        RequestError: one of them cannot stand in package.xml.
+        RequestError: one of them is not valid in package.xml.
     """
     return Maintainer(name=check_maintainer_name(name), email=check_maintainer_email(email))
 
@@ -66,10 +63,10 @@ def make_spec(  # noqa: PLR0913  the words of the request, all by keyword
     settings: Iterable[str] = (),
     description: str | None = None,
 ) -> PackageSpec:
-    """Check every word and fill in what is not given.
+    """Check the request and fill in what it leaves out.
 
     Raises:
-        RequestError: the first thing that is wrong, with what would do.
+        RequestError: for the first mistake, with a valid value.
     """
     _check_target(template, target)
     answers = resolve_answers(template.variables, settings, template.name)
@@ -93,7 +90,7 @@ def _check_target(template: Template, target: Target) -> None:
         nearest = next(same, template.targets[-1])
         raise RequestError(
             f"Template {template.name!r} is not made for {target.ros} with {target.gazebo}.",
-            hint=f"Take --distro {nearest.distro} --sim {nearest.simulator}; it is made for"
+            hint=f"Use --distro {nearest.distro} --sim {nearest.simulator}; it is made for"
             f" {', '.join(one.name for one in template.targets)}.",
         )
 
@@ -103,11 +100,9 @@ def _check_name(name: str, dependencies: Mapping[str, tuple[str, ...]]) -> None:
     if broken is not None:
         suggestion = suggest_package_name(name)
     elif any(name in needed for needed in dependencies.values()):
-        broken = "is a package that the new one needs, and no package can need itself"
+        broken = "is the name of a package that the new one depends on"
         suggestion = f"{name}_robot"
     else:
         return
     shown = name if len(name) <= 40 else f"{name[:40]}..."  # noqa: PLR2004  enough to know it
-    raise RequestError(
-        f"The package name {shown!r} {broken}.", hint=f"A name that would do: {suggestion}"
-    )
+    raise RequestError(f"The package name {shown!r} {broken}.", hint=f"A valid name: {suggestion}")

@@ -1,7 +1,7 @@
-"""Text that users give: what of it can stand in a package, and how it is written into each format.
+"""Check text that users give, and escape it for each format.
 
-Users' text goes into package.xml, wsgen.toml, README.md and the license, nowhere else. All other
-files get names that `model.names` has checked, and numbers.
+Text of users goes only into package.xml, wsgen.toml, README.md and the license. All other files get
+checked names and numbers.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from wsgen.model.package import Answer
 
 
-# First and last of each run of characters that XML 1.0 has, without the control characters and the
-# line ends of Unicode that TOML, Python or a terminal would stumble over.
+# First and last of each range of characters in XML 1.0, without the control characters and the line
+# ends of Unicode that break TOML, Python or a terminal.
 _USABLE = (
     ("\t", "\n"),
     (" ", "~"),
@@ -31,13 +31,13 @@ _BREAKS_CMAKE = ('"', "\\", "${", "$ENV{", "$CACHE{")
 _EMAIL = re.compile(
     r"[-\w%+]+(\.[-\w%+]+)*@[-a-z0-9%]+(\.[-a-z0-9%]+)*\.[a-z]{2,}", re.ASCII | re.IGNORECASE
 )
-# Characters that mean something in Markdown, the last ones at the start of a paragraph.
+# Characters that are special in Markdown; the second group at the start of a paragraph.
 _MARKDOWN = str.maketrans({character: f"\\{character}" for character in "\\`*_[]<>&|#~"})
 _MARKDOWN_LIST = ("-", "+", "=", *(f"{digit}{sign}" for digit in "0123456789" for sign in ".)"))
 
 
 def check_description(text: str) -> str:
-    """A description of one or more lines, without the white space around it.
+    """Check a description of one or more lines, and strip it.
 
     Raises:
         RequestError: it is empty or has characters that package.xml cannot hold.
@@ -45,72 +45,72 @@ def check_description(text: str) -> str:
     text = text.replace("\r\n", "\n").strip()
     if not text:
         raise RequestError(
-            "The description is empty, which package.xml may not be.",
-            hint="Say in a sentence what the package is for, or leave --description away.",
+            "The description is empty; package.xml requires one.",
+            hint="Describe in a sentence what the package is for, or omit --description.",
         )
     _check_characters("description", text)
     return text
 
 
 def check_maintainer_name(text: str) -> str:
-    """A name on one line that package.xml and CMake can hold.
+    """Check a name on one line that package.xml and CMake can hold, and strip it.
 
     Raises:
-        RequestError: it is none.
+        RequestError: it is invalid.
     """
     text = text.strip()
     if not text or "\n" in text or "\t" in text:
         raise RequestError(
             "The maintainer's name is empty or has several lines.",
-            hint="Give --maintainer-name 'First Last'.",
+            hint="Use --maintainer-name 'First Last'.",
         )
     _check_characters("maintainer's name", text)
     broken = [sign for sign in _BREAKS_CMAKE if sign in text]
     if broken:
         raise RequestError(
-            f"The maintainer's name has {broken[0]} in it; ament_cmake copies the name into a"
-            " string of CMake, which that breaks.",
-            hint="Give a --maintainer-name without double quotes, backslashes and ${.",
+            f"The maintainer's name contains {broken[0]}, which breaks the string of CMake into"
+            " which ament_cmake copies the name.",
+            hint="Use a --maintainer-name without double quotes, backslashes and ${.",
         )
     return text
 
 
 def check_maintainer_email(text: str) -> str:
-    """An address of the form that package.xml's schema asks for.
+    """Check an address against the schema of package.xml.
 
     Raises:
-        RequestError: it is none.
+        RequestError: it is invalid.
     """
     if not _EMAIL.fullmatch(text):
         raise RequestError(
-            f"{text!r} is no e-mail address that package.xml may have.",
-            hint="Give --maintainer-email name@example.com, in ASCII letters.",
+            f"{text!r} is not a valid e-mail address in package.xml.",
+            hint="Use --maintainer-email name@example.com, in ASCII letters.",
         )
     return text
 
 
 def xml_text(text: str) -> str:
-    """As text between tags."""
+    """Escape text between tags."""
     return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
 
 
 def toml_string(text: str) -> str:
-    """As a basic string with its quotes."""
+    """Write a basic string with its quotes."""
     escaped = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
     return f'"{escaped}"'
 
 
 def toml_value(value: Answer) -> str:
-    """As what it is: a number, `true` or `false`, or a string with its quotes."""
+    """Write a number, `true` or `false`, or a string with its quotes."""
     if isinstance(value, bool):
         return "true" if value else "false"
     return toml_string(value) if isinstance(value, str) else repr(value)
 
 
 def markdown_text(text: str) -> str:
-    """As one paragraph that shows the text as it is."""
+    """Escape a paragraph that shows the text as it is."""
     line = " ".join(text.split()).translate(_MARKDOWN)
-    # A digit and its sign would begin a numbered list, which only the sign's escape prevents.
+    # A digit and its sign would begin a numbered list; escaping the sign prevents it.
     if line.startswith(_MARKDOWN_LIST):
         sign = 1 if line[0].isdigit() else 0
         line = f"{line[:sign]}\\{line[sign:]}"
@@ -121,7 +121,7 @@ def _check_characters(what: str, text: str) -> None:
     for character in text:
         if not any(first <= character <= last for first, last in _USABLE):
             raise RequestError(
-                f"The {what} has the character U+{ord(character):04X} in it, which package.xml"
+                f"The {what} contains the character U+{ord(character):04X}, which package.xml"
                 " cannot hold.",
-                hint="Take it out: control characters and bytes that are no UTF-8 cannot stay.",
+                hint="Remove it: control characters and bytes that are not UTF-8 are invalid.",
             )

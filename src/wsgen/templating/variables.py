@@ -1,4 +1,4 @@
-"""The variables of a template: what kind of value each takes, and reading one from a request."""
+"""The variables of a template: their types and bounds, and reading a value from a request."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 TYPES = ("number", "integer", "string", "boolean", "choice")
 MAXIMUM_LENGTH = 100
-# A text goes into XML, Python, YAML and TOML as it is: it has nothing that means something there.
+# A text goes into XML, Python, YAML and TOML as it is, so none of these may be special there.
 _TEXT = frozenset(f"{string.ascii_letters}{string.digits}_./+- ")
 _TRUTHS = {"true": True, "1": True, "false": False, "0": False}
 
@@ -53,37 +53,38 @@ class Variable(NamedTuple):
         )
 
     @property
-    def wanted(self) -> str:
-        """What it takes, in words that go on after "it is no" or "it takes a"."""
+    def expected(self) -> str:
+        """The values that it accepts; continues a sentence with "must be"."""
         if self.type == "boolean":
-            return "boolean: true or false"
+            return "true or false"
         if self.type == "choice":
-            return f"choice: {', '.join(self.choices)}"
+            return f"one of {', '.join(self.choices)}"
         if self.type == "string":
             return (
-                f"text of at most {MAXIMUM_LENGTH} letters a to z, digits, single spaces and _./+-"
+                f"a text of up to {MAXIMUM_LENGTH} letters a to z, digits, single spaces and _./+-"
             )
+        article = "an" if self.type == "integer" else "a"
         unit = f" {self.unit}" if self.unit else ""
-        return f"{self.type} from {self.minimum:g} to {self.maximum:g}{unit}"
+        return f"{article} {self.type} from {self.minimum:g} to {self.maximum:g}{unit}"
 
 
 def resolve_answers(
     variables: Mapping[str, Variable], settings: Iterable[str], template: str
 ) -> dict[str, Answer]:
-    """The value of every variable: its default, or what the last `NAME=VALUE` for it says.
+    """Return the value of every variable: its default, or that of the last `NAME=VALUE` for it.
 
     Raises:
-        RequestError: no such variable, a value of another type, or one out of its bounds.
+        RequestError: a variable is unknown, or a value has another type or is out of bounds.
     """
     answers: dict[str, Answer] = {name: one.default for name, one in variables.items()}
     for setting in settings:
         name, separator, text = setting.partition("=")
         if not separator or name not in variables:
-            told = f"template {template!r} has no variable {name!r}." if separator else "no '='."
-            known = ", ".join(variables) or "there are none"
+            problem = f"template {template!r} has no variable {name!r}" if separator else "no '='"
+            known = ", ".join(variables) or "none"
             raise RequestError(
-                f"--set {setting}: {told}",
-                hint=f"{ask_for_nearest(name, variables)}Write --set NAME=VALUE; the names: "
+                f"--set {setting}: {problem}.",
+                hint=f"{ask_for_nearest(name, variables)}Write --set NAME=VALUE; variables: "
                 f"{known}.",
             )
         answers[name] = _read(variables[name], text, setting)
@@ -95,7 +96,7 @@ def _is_plain(text: str) -> bool:
 
 
 def show(value: Answer) -> str:
-    """A value as a user types it."""
+    """Format a value as a user types it."""
     if isinstance(value, bool):
         return "true" if value else "false"
     return f"{value:g}" if isinstance(value, float) else str(value)
@@ -117,8 +118,8 @@ def _read(variable: Variable, text: str, setting: str) -> Answer:
     if value is None or not variable.accepts(value):
         comma = "," in text and variable.type in {"number", "integer"}
         raise RequestError(
-            f"--set {setting}: {text!r} is no {variable.wanted}.",
-            hint=f"{'Write a point in place of the comma. ' if comma else ''}"
+            f"--set {setting}: `{variable.name}` must be {variable.expected}.",
+            hint=f"{'Replace the comma by a point. ' if comma else ''}"
             f"For example --set {variable.name}={show(variable.default)}",
         )
     return value

@@ -1,4 +1,4 @@
-"""Workflows for the services that build a repository when something is pushed to it."""
+"""Render workflows for services that build a repository after each push."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from wsgen.templating.render import RenderedTree
 
 
-# Service -> where it looks for a workflow, from the top of the repository; and the source.
+# Service -> path of its workflow in the repository, and the source.
 WORKFLOWS = {
     "github": (".github/workflows/wsgen.yml", "wsgen:workspace/github.yml.j2"),
     "gitlab": (".gitlab-ci.yml", "wsgen:workspace/gitlab.yml.j2"),
@@ -24,10 +24,10 @@ NEWEST_PYTHON = (3, 13)
 
 
 def render_workflow(service: str, target: Target) -> RenderedTree:
-    """The workflow of a service (a key of WORKFLOWS), by its path in the workspace.
+    """Render the workflow of a service (a key of WORKFLOWS), by its path in the workspace.
 
-    wsgen builds and validates on the Python of the target, which is the one that will run the
-    launch files, and on the newest with PyBullet.
+    It builds and validates on the Python of the target, which will run the launch files, and on
+    the newest Python with PyBullet.
     """
     path, source = WORKFLOWS[service]
     python = tuple(int(part) for part in target.fact("python").split("."))

@@ -1,18 +1,14 @@
-"""Write a package: it is there whole, or not at all.
+"""Write a package, or files of a workspace, atomically: all of them, or none.
 
-The files are written into a hidden folder next to the package's place, and one rename puts them
-there. `rename` replaces no folder that has something in it, so that the second of two commands
-with the same name fails. A hidden folder is not seen by colcon.
+A package is written into a hidden folder next to its place, and one rename puts it there. `rename`
+does not replace a folder with content, so of two commands with the same name the second fails.
+colcon does not see a hidden folder.
 
-A command that is killed leaves its hidden folder behind. It held a lock on it, which the system
-lets go of when the process is gone: the next command takes the lock of every such folder, and what
-it gets it removes.
+Files of a workspace are also written into a hidden folder first, and linked to their places from
+there, which fails where something exists.
 
-Files of a workspace that belong to none of its packages, added to it one by one.
-
-As with packages: all of them are there whole, or none is, and nothing that exists is touched. A
-file is written into a hidden folder first and linked to its place from there, which fails where
-something is already.
+A killed command leaves its hidden folder behind. It held a lock on it, which the system released
+when the process ended: the next command removes every such folder that it can lock.
 """
 
 from __future__ import annotations
@@ -37,11 +33,11 @@ UNFINISHED_PREFIX = ".wsgen-new-"
 def write_package(tree: Mapping[str, str], folder: Path) -> None:
     """Write the files of `tree` (path with slashes -> text) into the new folder `folder`.
 
-    Missing parents of `folder` are made, and removed again if nothing comes of it.
+    Missing parents of `folder` are created, and removed again if writing fails.
 
     Raises:
-        WouldOverwriteError: something is at `folder`; nothing was changed.
-        NotReadableError: the disk does not take the files; nothing is left of them.
+        WouldOverwriteError: `folder` exists; nothing was changed.
+        NotReadableError: the files cannot be written; nothing is left of them.
     """
     refuse_existing(folder)
     made: list[Path] = []
@@ -53,7 +49,7 @@ def write_package(tree: Mapping[str, str], folder: Path) -> None:
             _publish(unfinished / folder.name, folder)
     except BaseException as error:
         for parent in reversed(made):
-            with contextlib.suppress(OSError):  # somebody else put something into it
+            with contextlib.suppress(OSError):  # another process put something into it
                 parent.rmdir()
         if isinstance(error, OSError):
             raise explain_failure(error, folder) from error
@@ -61,20 +57,20 @@ def write_package(tree: Mapping[str, str], folder: Path) -> None:
 
 
 def refuse_existing(folder: Path) -> None:
-    """Stop if there is anything at `folder`, a broken link included.
+    """Stop if anything exists at `folder`, also a broken link.
 
     Raises:
-        WouldOverwriteError: there is; nothing was changed.
+        WouldOverwriteError: something exists; nothing was changed.
     """
     if os.path.lexists(folder):
         raise WouldOverwriteError(
-            f"{folder} exists already; nothing was written.",
-            hint="Take another name, or move the folder away first.",
+            f"{folder} already exists; nothing was written.",
+            hint="Use another name, or move the folder away first.",
         )
 
 
 def make_parents(folder: Path, made: list[Path]) -> None:
-    """Make a folder and those around it that are missing; appends to `made` what it made."""
+    """Create a folder and its missing parents; append to `made` what was created."""
     missing = [path for path in (folder, *folder.parents) if not path.exists()]
     for path in reversed(missing):
         with contextlib.suppress(FileExistsError):  # two commands at once
@@ -86,12 +82,12 @@ def make_parents(folder: Path, made: list[Path]) -> None:
 
 @contextlib.contextmanager
 def unfinished_folder(parent: Path) -> Iterator[Path]:
-    """A new hidden folder that this process has locked; it is gone at the end."""
+    """Create a hidden folder that this process has locked; it is removed at the end."""
     while True:
         folder = parent / f"{UNFINISHED_PREFIX}{os.getpid()}-{os.urandom(4).hex()}"
         folder.mkdir()
         with _lock(folder, wait=True):
-            # Before the lock was taken another command could have taken it for a leftover.
+            # Before it was locked, another command may have removed it as a leftover.
             if not folder.exists():
                 continue
             try:
@@ -102,7 +98,7 @@ def unfinished_folder(parent: Path) -> Iterator[Path]:
 
 
 def remove_leftovers(parent: Path) -> None:
-    """Remove what commands that were killed have left in a folder."""
+    """Remove what killed commands have left in a folder."""
     for folder in parent.glob(f"{UNFINISHED_PREFIX}*"):
         with _lock(folder, wait=False) as locked:
             if locked:
@@ -111,7 +107,7 @@ def remove_leftovers(parent: Path) -> None:
 
 @contextlib.contextmanager
 def _lock(folder: Path, *, wait: bool) -> Iterator[bool]:
-    """Whether this process has locked the folder; False also where nothing can be locked."""
+    """Lock the folder; yield False if it is locked already or cannot be locked."""
     try:
         descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
     except OSError:
@@ -129,7 +125,7 @@ def _lock(folder: Path, *, wait: bool) -> Iterator[bool]:
 
 
 def write_files(tree: Mapping[str, str], folder: Path) -> None:
-    """Write the files of a tree into a new folder, and see them safely on the disk."""
+    """Write the files of a tree into a new folder, and flush them to the disk."""
     folder.mkdir()
     for name, text in tree.items():
         file = folder / name
@@ -137,14 +133,14 @@ def write_files(tree: Mapping[str, str], folder: Path) -> None:
         with file.open("x", encoding="utf-8", newline="\n") as stream:
             stream.write(text)
             stream.flush()
-            # Some disks say only now that they are full; and after a power cut no file is empty.
+            # Some disks report only now that they are full; after a power cut no file is empty.
             os.fsync(stream.fileno())
 
 
 def _publish(unfinished: Path, folder: Path) -> None:
     refuse_existing(folder)
     try:
-        # POSIX replaces only an empty folder, one that somebody made since the line above.
+        # POSIX replaces only an empty folder, created since the line above.
         unfinished.rename(folder)
     except OSError as error:
         if error.errno in {errno.ENOTEMPTY, errno.EEXIST, errno.ENOTDIR, errno.EISDIR}:
@@ -153,45 +149,45 @@ def _publish(unfinished: Path, folder: Path) -> None:
 
 
 def explain_failure(error: OSError, folder: Path) -> NotReadableError:
-    """What keeps files from being written, and what to do about it."""
+    """Explain why files cannot be written, and what to do about it."""
     hints = {
-        errno.ENOSPC: "Make room on the disk, or give another --workspace.",
-        errno.EDQUOT: "Make room in your quota, or give another --workspace.",
-        errno.EROFS: "The disk is mounted read-only: give another --workspace.",
-        errno.ENOTDIR: "A file is where a folder should be: give another --workspace.",
-        errno.ENAMETOOLONG: "The path is too long: give a --workspace nearer to the top.",
+        errno.ENOSPC: "Free space on the disk, or use another --workspace.",
+        errno.EDQUOT: "Free space in your quota, or use another --workspace.",
+        errno.EROFS: "The disk is mounted read-only: use another --workspace.",
+        errno.ENOTDIR: "A file is where a folder should be: use another --workspace.",
+        errno.ENAMETOOLONG: "The path is too long: use a --workspace with a shorter path.",
     }
     place = error.filename or folder
     return NotReadableError(
-        f"The package cannot be written: {error.strerror} ({place}). Nothing is left of it.",
-        hint=hints.get(error.errno or 0, "Give a --workspace where you may write."),
+        f"The package cannot be written: {error.strerror} ({place}). Nothing was left behind.",
+        hint=hints.get(error.errno or 0, "Use a --workspace where you may write."),
     )
 
 
 # Path in the workspace -> text: what git leaves out.
 IGNORE_FILE = {".gitignore": "# What colcon makes, and makes again.\n/build/\n/install/\n/log/\n"}
-# What disks answer that know no hard links.
+# Errors of disks without hard links.
 _NO_LINKS = {errno.EPERM, errno.ENOTSUP, errno.EOPNOTSUPP, errno.EMLINK, errno.ENOSYS}
 
 
 def refuse_files(tree: Mapping[str, str], root: Path) -> None:
-    """Stop if a file of the tree exists in the workspace, or could only be put outside of it.
+    """Stop if a file of the tree exists in the workspace, or would be written outside of it.
 
     Raises:
-        WouldOverwriteError: something is at the place of a file.
-        NotReadableError: a link is on the way to it.
+        WouldOverwriteError: a file exists.
+        NotReadableError: one of its parent folders is a link.
     """
     for name in tree:
         for folder in _folders(name, root):
             if folder.is_symlink():
                 raise NotReadableError(
                     f"{folder} is a link; nothing was written.",
-                    hint="Make it a folder: wsgen writes into the workspace alone.",
+                    hint="Replace it by a folder: wsgen writes only into the workspace.",
                 )
         if os.path.lexists(root / name):
             raise WouldOverwriteError(
-                f"{root / name} exists already; nothing was written.",
-                hint="Leave --ci away if it builds the workspace already; else move it away first.",
+                f"{root / name} already exists; nothing was written.",
+                hint="Omit --ci if it builds the workspace already; otherwise move it away first.",
             )
 
 
@@ -199,13 +195,13 @@ def refuse_files(tree: Mapping[str, str], root: Path) -> None:
 def adding_files(
     tree: Mapping[str, str], root: Path, *, where_missing: Mapping[str, str]
 ) -> Iterator[None]:
-    """Add files to the workspace at `root`; if the block fails, they are gone again.
+    """Add files to the workspace at `root`; if the block fails, they are removed again.
 
-    Files of `where_missing` are left out where something is in their place.
+    Files of `where_missing` are only added if they do not exist.
 
     Raises:
         WouldOverwriteError: a file of `tree` exists; nothing was changed.
-        NotReadableError: the disk does not take the files; nothing is left of them.
+        NotReadableError: the files cannot be written; nothing is left of them.
     """
     refuse_files(tree, root)
     made: list[Path] = []
@@ -223,7 +219,7 @@ def adding_files(
             with contextlib.suppress(OSError):
                 path.unlink()
         for path in reversed(made):
-            with contextlib.suppress(OSError):  # somebody else put something into it
+            with contextlib.suppress(OSError):  # another process put something into it
                 path.rmdir()
         if isinstance(error, OSError):
             raise explain_failure(error, root) from error
