@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 
 from wsgen.cli import run
-from wsgen.doctor.report import Examination
+from wsgen.doctor.report import DoctorReport
 from wsgen.model.target import TARGETS, Target
 
 
@@ -47,7 +47,7 @@ def test_the_apt_line_says_where_it_works(
     title: str,
     command: str,
 ) -> None:
-    monkeypatch.setattr(Examination, "takes_apt", takes_apt)
+    monkeypatch.setattr(DoctorReport, "takes_apt", takes_apt)
     assert run(["doctor"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert lines[-4].endswith(title)
@@ -63,8 +63,8 @@ def test_json(target: Target, capsys: pytest.CaptureFixture[str]) -> None:
     assert told["passed"] is True
     assert told["target"]["simulator"] == target.simulator
     assert told["apt"].startswith(f"sudo apt install ros-{target.distro}-ros-core ")
-    assert {"name", "met", "needed", "text", "fix"} == set(told["wsgen"][0])
-    assert not any(found["needed"] for found in told["ros"])
+    assert {"name", "met", "required", "text", "fix"} == set(told["wsgen"][0])
+    assert not any(found["required"] for found in told["ros"])
 
 
 def test_every_key_is_documented(capsys: pytest.CaptureFixture[str]) -> None:
@@ -83,7 +83,7 @@ def test_something_is_missing(
     monkeypatch.setenv("CMAKE_COMMAND", "/gone/cmake")
     assert run(["doctor", "-q", "--color", "never"]) == 1
     told = capsys.readouterr().out
-    assert "  error  CMake  missing: CMAKE_COMMAND=/gone/cmake is no program\n" in told
+    assert "  error  CMake  missing: CMAKE_COMMAND=/gone/cmake is not a program\n" in told
     assert "try: unset CMAKE_COMMAND\n" in told
     assert "ninja" not in told
     assert told.endswith("wsgen cannot work here until that is fixed.\n")

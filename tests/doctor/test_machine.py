@@ -12,8 +12,8 @@ import pytest
 from wsgen.build.toolchain import SourcedRos, Wheels
 from wsgen.doctor import machine as machine_module
 from wsgen.doctor import requirements
-from wsgen.doctor.machine import Finding, Machine, here, read_os_release
-from wsgen.doctor.report import Examination, examine
+from wsgen.doctor.machine import Machine, Requirement, here, read_os_release
+from wsgen.doctor.report import DoctorReport, check_machine
 from wsgen.model.target import TARGETS, Target, choose_target
 from wsgen.simulation.run import MODULES
 from wsgen.tomlfile import load
@@ -76,23 +76,23 @@ def install_ros(root: Path, distro: str, *packages: str) -> None:
         (prefix / "share" / package / "package.xml").touch()
 
 
-def check(one: Machine, target: Target = IRON) -> Examination:
-    return examine(one, target, today=TODAY)
+def check(one: Machine, target: Target = IRON) -> DoctorReport:
+    return check_machine(one, target, today=TODAY)
 
 
-def own(one: Machine) -> dict[str, Finding]:
-    return {found.name: found for found in check(one).own}
+def own(one: Machine) -> dict[str, Requirement]:
+    return {found.name: found for found in check(one).wsgen}
 
 
-def ros(one: Machine, target: Target = IRON) -> dict[str, Finding]:
+def ros(one: Machine, target: Target = IRON) -> dict[str, Requirement]:
     return {found.name: found for found in check(one, target).ros}
 
 
 def test_a_machine_on_which_wsgen_can_work(tmp_path: Path) -> None:
     found = check(machine(tmp_path))
     assert found.passed
-    assert all(one.is_met for one in found.own)
-    assert not any(one.is_needed for one in found.ros)
+    assert all(one.is_met for one in found.wsgen)
+    assert not any(one.is_required for one in found.ros)
 
 
 @pytest.mark.parametrize(
@@ -137,8 +137,8 @@ def test_one_engine_is_enough(tmp_path: Path) -> None:
 def test_pictures_are_drawn_or_it_is_said_what_keeps_them_from_it(tmp_path: Path) -> None:
     assert own(machine(tmp_path))["pictures"].text == "drawn by PyBullet"
     broken = check(machine(tmp_path, python=(3, 12), why_no_picture="crashed (SIGSEGV)"))
-    (found,) = (one for one in broken.own if one.name == "pictures")
-    assert (found.is_met, found.is_needed) == (False, False)
+    (found,) = (one for one in broken.wsgen if one.name == "pictures")
+    assert (found.is_met, found.is_required) == (False, False)
     assert found.text == "cannot be drawn: PyBullet crashed (SIGSEGV)"
     assert found.fix == "/venv/bin/python -m pip install --force-reinstall pybullet-arm64"
     assert broken.passed  # all else can be done
@@ -163,9 +163,9 @@ def test_this_machine_draws_in_a_child_whose_death_is_told(
 def test_what_wsgen_can_do_without(tmp_path: Path, lacking: list[str]) -> None:
     one = machine(tmp_path, lacking=lacking, programs={"cmake": "c", "make": "m"})
     assert check(one).passed
-    missing = {found.name for found in check(one).own if not found.is_met}
+    missing = {found.name for found in check(one).wsgen if not found.is_met}
     assert missing >= {"C++ compiler", "git"}
-    assert all("only for" in found.text for found in check(one).own if not found.is_met)
+    assert all("only for" in found.text for found in check(one).wsgen if not found.is_met)
 
 
 def test_tools_that_are_missing(tmp_path: Path) -> None:
@@ -195,13 +195,13 @@ def test_no_ament_cmake(tmp_path: Path) -> None:
     assert "ros-ament-cmake-pytest" in found.fix
     install_ros(tmp_path, "jazzy")
     found = own(machine(tmp_path, toolchain=None, architecture="aarch64"))["ament_cmake"]
-    assert "elsewhere a ROS is needed" in found.text
+    assert "need a ROS installation" in found.text
     assert found.fix == f"source {tmp_path}/opt/ros/jazzy/setup.bash"
 
 
 def test_ament_cmake_of_a_sourced_ros(tmp_path: Path) -> None:
     found = own(machine(tmp_path, toolchain=SourcedRos(prefix=Path("/opt/ros/iron"))))
-    assert found["ament_cmake"].text == "of the sourced ROS, in /opt/ros/iron"
+    assert found["ament_cmake"].text == "from the sourced ROS, in /opt/ros/iron"
 
 
 @pytest.mark.parametrize("python", [(3, 9), (3, 15)])
@@ -212,7 +212,7 @@ def test_a_python_that_wsgen_is_not_for(tmp_path: Path, python: tuple[int, int])
 def test_the_ubuntu_of_the_target_without_ros(tmp_path: Path) -> None:
     os_release(tmp_path, JAMMY)
     found = ros(machine(tmp_path))
-    assert found["Ubuntu"] == Finding("Ubuntu", is_met=True, text="Ubuntu 22.04")
+    assert found["Ubuntu"] == Requirement("Ubuntu", is_met=True, text="Ubuntu 22.04")
     assert found["Python"].is_met
     assert "snapshots.ros.org/iron/final" in found["apt repository"].fix
     assert found["ROS 2 Iron"].fix == check(machine(tmp_path)).apt
@@ -259,7 +259,7 @@ def test_a_system_made_from_ubuntu(tmp_path: Path) -> None:
     os_release(tmp_path, MINT)
     found = ros(machine(tmp_path))["Ubuntu"]
     assert found.is_met
-    assert "Linux Mint 21.3, made from Ubuntu 22.04" in found.text
+    assert "Linux Mint 21.3, based on Ubuntu 22.04" in found.text
 
 
 def test_no_os_release(tmp_path: Path) -> None:
@@ -290,7 +290,7 @@ def test_os_release_of_the_other_place(tmp_path: Path) -> None:
 def test_no_linux(tmp_path: Path, system: str, name: str) -> None:
     one = machine(tmp_path, system=system, architecture="arm64", toolchain=None)
     assert f"this is {name}" in ros(one)["Ubuntu"].text
-    assert "elsewhere a ROS is needed" in own(one)["ament_cmake"].text
+    assert "need a ROS installation" in own(one)["ament_cmake"].text
     assert own(one)["ament_cmake"].fix == ""
 
 
@@ -331,7 +331,7 @@ def test_another_ros_is_sourced(tmp_path: Path) -> None:
 def test_another_ros_is_installed(tmp_path: Path) -> None:
     os_release(tmp_path, JAMMY)
     install_ros(tmp_path, "humble")
-    assert ros(machine(tmp_path))["ROS 2 Iron"].text == "not installed; there is humble"
+    assert ros(machine(tmp_path))["ROS 2 Iron"].text == "not installed; installed: humble"
 
 
 def test_a_variable_alone_is_no_ros(tmp_path: Path) -> None:
@@ -368,7 +368,7 @@ def test_every_command_can_be_typed(tmp_path: Path, target: Target) -> None:
     os_release(tmp_path, UBUNTU.format(version=target.ubuntu, name=target.fact("ubuntu_codename")))
     lacking = {"xacro", "pybullet", "dartpy", "av", "colcon_core"}
     found = check(machine(tmp_path, lacking=lacking, programs={}, toolchain=None), target)
-    commands = [one.fix for one in (*found.own, *found.ros) if one.fix]
+    commands = [one.fix for one in (*found.wsgen, *found.ros) if one.fix]
     assert len(commands) > 8
     for command in commands:
         assert shlex.split(command)[0] in {"/venv/bin/python", "sudo", "curl", "gpg", "wsgen"}
@@ -381,9 +381,9 @@ def test_what_has_ended_is_said(tmp_path: Path) -> None:
 
 
 def test_this_machine() -> None:
-    found = examine(here(os.environ), IRON, today=TODAY)
+    found = check_machine(here(os.environ), IRON, today=TODAY)
     assert found.passed
-    assert {one.name: one.text for one in found.own}["Python"].startswith(
+    assert {one.name: one.text for one in found.wsgen}["Python"].startswith(
         f"{sys.version_info[0]}.{sys.version_info[1]};"
     )
 

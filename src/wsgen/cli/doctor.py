@@ -19,8 +19,8 @@ from wsgen.errors import EXIT_FAILED, EXIT_PASSED
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from wsgen.doctor.machine import Finding
-    from wsgen.doctor.report import Examination
+    from wsgen.doctor.machine import Requirement
+    from wsgen.doctor.report import DoctorReport
 
 
 MARK_WIDTH = 7  # with the blanks behind it
@@ -53,62 +53,62 @@ def command(
     import time
 
     from wsgen.doctor.machine import here
-    from wsgen.doctor.report import examine
+    from wsgen.doctor.report import check_machine
 
     target = chosen_target(ctx, distro, sim)
-    examination = examine(here(os.environ), target, today=time.strftime("%Y-%m-%d"))
+    report = check_machine(here(os.environ), target, today=time.strftime("%Y-%m-%d"))
     if output_format == "json":
-        from wsgen.report.json_report import render_examination
+        from wsgen.report.json_report import render_doctor_report
 
-        click.echo(render_examination(examination), nl=False)
+        click.echo(render_doctor_report(report), nl=False)
     else:
-        for line in _render(examination, with_all=not quiet):
+        for line in _render(report, with_all=not quiet):
             click.echo(line)
-    return EXIT_PASSED if examination.passed else EXIT_FAILED
+    return EXIT_PASSED if report.passed else EXIT_FAILED
 
 
-def _render(examination: Examination, *, with_all: bool) -> Iterator[str]:
+def _render(report: DoctorReport, *, with_all: bool) -> Iterator[str]:
     """The lines that a person reads; without `with_all`, what is in order is left out."""
     from wsgen.model.installation import image, in_container
 
-    target = examination.target
+    target = report.target
     yield click.style(f"{target.ros} with {target.gazebo}, on Ubuntu {target.ubuntu}", bold=True)
-    for note in examination.notes:
+    for note in report.notes:
         yield f"note: {note}"
-    for title, findings in (
-        ("Without ROS: wsgen new, wsgen build, wsgen validate", examination.own),
-        ("With ROS: ros2 launch", examination.ros),
+    for title, requirements in (
+        ("Without ROS: wsgen new, wsgen build, wsgen validate", report.wsgen),
+        ("With ROS: ros2 launch", report.ros),
     ):
         yield ""
         yield click.style(title, bold=True)
-        yield from _table([found for found in findings if with_all or not found.is_met])
+        yield from _table([one for one in requirements if with_all or not one.is_met])
     yield ""
     installed = "All that steps 1 and 2 of the tutorial install, but for its editor"
-    if examination.takes_apt:
+    if report.takes_apt:
         yield f"{installed}:"
-        yield f"  {examination.apt}"
+        yield f"  {report.apt}"
     else:
         yield f"{installed}; in a container of {image(target)}, not here:"
-        yield f"  {in_container(examination.apt)}"
+        yield f"  {in_container(report.apt)}"
     yield ""
-    verdict = "can work here" if examination.passed else "cannot work here until that is fixed"
+    verdict = "can work here" if report.passed else "cannot work here until that is fixed"
     yield click.style(f"wsgen {verdict}.", bold=True)
 
 
-def _table(findings: Sequence[Finding]) -> Iterator[str]:
+def _table(requirements: Sequence[Requirement]) -> Iterator[str]:
     """A line for each, and one for what fixes it."""
-    if not findings:
+    if not requirements:
         yield "  Nothing is missing."
-    width = max((len(found.name) for found in findings), default=0)
-    for found in findings:
-        yield f"  {_mark(found)}{found.name:{width}}  {found.text}"
-        if found.fix:
-            yield f"{'':{width + MARK_WIDTH + 4}}{click.style('try:', fg='green')} {found.fix}"
+    width = max((len(one.name) for one in requirements), default=0)
+    for one in requirements:
+        yield f"  {_mark(one)}{one.name:{width}}  {one.text}"
+        if one.fix:
+            yield f"{'':{width + MARK_WIDTH + 4}}{click.style('try:', fg='green')} {one.fix}"
 
 
-def _mark(found: Finding) -> str:
-    if found.is_met:
+def _mark(requirement: Requirement) -> str:
+    if requirement.is_met:
         return click.style(f"{'ok':{MARK_WIDTH}}", fg="green")
-    if found.is_needed:
+    if requirement.is_required:
         return click.style(f"{'error':{MARK_WIDTH}}", fg="red", bold=True)
     return click.style(f"{'-':{MARK_WIDTH}}", fg="yellow")

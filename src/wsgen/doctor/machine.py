@@ -1,9 +1,7 @@
-"""What there is on a machine: looked at without importing a library.
+"""Look at a machine: its system, programs and Python modules, without importing a library.
 
-Whether pictures can be drawn is known when one is drawn; a child process does that, as an engine
-that another one has built may crash.
-
-Everything that is looked at is given, so that any machine can be looked at: `here` gives this one.
+Only a child process that draws a picture imports one, as a PyBullet built for another machine may
+crash. A `Machine` holds all that is looked at, so that tests can make one up.
 """
 
 from __future__ import annotations
@@ -28,19 +26,19 @@ if TYPE_CHECKING:
     from wsgen.build.toolchain import Toolchain
 
 
-OS_RELEASE = ("etc/os-release", "usr/lib/os-release")  # the first that is there
+OS_RELEASE = ("etc/os-release", "usr/lib/os-release")  # the first that exists
 DRAWING_TASK = "wsgen.rendering.renderer:draw_a_box"
 SYSTEMS = {"linux": "Linux", "darwin": "macOS", "win32": "Windows"}
 
 
-class Finding(NamedTuple):
-    """One thing that a machine has or lacks."""
+class Requirement(NamedTuple):
+    """Something that wsgen or ROS requires, and whether a machine has it."""
 
     name: str
     is_met: bool
-    text: str  # what is there; or that it is missing, and for what it is wanted
-    is_needed: bool = False  # by wsgen's own commands
-    fix: str = ""  # the command to type
+    text: str  # what the machine has; or that it is missing, and its purpose
+    is_required: bool = False  # by wsgen's own commands
+    fix: str = ""  # the command that fixes it
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,7 +55,7 @@ class Machine:
     interpreter: str  # its path
     which: Callable[[str, str], str | None]  # name of a program, PATH -> its path
     has_module: Callable[[str], bool]  # name of a Python module at the top level
-    why_no_picture: Callable[[], str | None]  # what keeps PyBullet from drawing; None if nothing
+    why_no_picture: Callable[[], str | None]  # why PyBullet cannot draw; None if it can
 
     @property
     def system_name(self) -> str:
@@ -65,14 +63,14 @@ class Machine:
         return SYSTEMS.get(self.system, self.system)
 
     def find(self, *programs: str, for_build: bool = False) -> str | None:
-        """The path of the first of these programs that is there."""
+        """Find the path of the first of these programs that exists."""
         variables = self.build_environment if for_build else self.environment
         path = variables.get("PATH", "")
         return next(filter(None, (self.which(name, path) for name in programs)), None)
 
 
 def here(environment: Mapping[str, str]) -> Machine:
-    """This machine, with these variables."""
+    """Return this machine, with these variables."""
     try:
         toolchain = find_toolchain(environment)
     except NotFoundError:
@@ -93,10 +91,10 @@ def here(environment: Mapping[str, str]) -> Machine:
 
 
 def read_os_release(root: Path) -> dict[str, str]:
-    """The settings of /etc/os-release, as freedesktop.org's specification has them.
+    """Read the settings of /etc/os-release, by the specification of freedesktop.org.
 
     Raises:
-        OSError: there is none, or it cannot be read.
+        OSError: it is missing, or cannot be read.
     """
     for name in OS_RELEASE:
         file = root / name
@@ -108,7 +106,7 @@ def read_os_release(root: Path) -> dict[str, str]:
 
 
 def names_in_apt(root: Path, hosts: tuple[str, ...]) -> bool:
-    """Whether apt gets packages from one of these hosts; what cannot be read names none."""
+    """Whether apt gets packages from one of these hosts; unreadable files are skipped."""
     folder = root / "etc" / "apt"
     files = [folder / "sources.list"]
     for pattern in ("*.list", "*.sources"):
@@ -125,7 +123,7 @@ def names_in_apt(root: Path, hosts: tuple[str, ...]) -> bool:
 
 
 def ros_prefixes(machine: Machine, distro: str) -> list[Path]:
-    """The folders in which packages of a distribution lie: what is sourced, then /opt/ros."""
+    """List the folders with packages of a distribution: what is sourced, then /opt/ros."""
     sourced = machine.environment.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
     return [*map(Path, filter(None, sourced)), machine.root / "opt" / "ros" / distro]
 
@@ -135,11 +133,11 @@ def _which(program: str, path: str) -> str | None:
 
 
 def _why_no_picture() -> str | None:
-    """Draw a small picture in a child process; what it died of goes on after "PyBullet"."""
+    """Draw a small picture in a child process; return why it failed, to follow "PyBullet"."""
     try:
         outcome = parent.run(DRAWING_TASK)
     except NotReadableError as error:
-        return f"was not tried: {error.message}"
+        return f"was not started: {error.message}"
     if isinstance(outcome, Died):
         return outcome.reason
     return None if outcome.value else "draws nothing"

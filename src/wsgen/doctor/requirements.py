@@ -1,6 +1,6 @@
-"""What wsgen's own commands need of a machine, without any ROS.
+"""Check the requirements of wsgen's own commands, and those of ROS.
 
-What `ros2 launch` of a package needs of a machine: the target's Ubuntu, its ROS, its Gazebo.
+wsgen requires no ROS. `ros2 launch` of a package requires the Ubuntu, ROS and Gazebo of the target.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ import shlex
 from typing import TYPE_CHECKING
 
 from wsgen.build.toolchain import MAKE_PROGRAMS, SourcedRos
-from wsgen.doctor.machine import Finding, names_in_apt, read_os_release, ros_prefixes
+from wsgen.doctor.machine import Requirement, names_in_apt, read_os_release, ros_prefixes
 from wsgen.model.facts import DISTROS, RELEASED_FOR
 from wsgen.model.installation import (
     APT_HOSTS,
@@ -72,8 +72,8 @@ WHEELS = (
 )
 
 
-def find_own_needs(machine: Machine) -> Iterator[Finding]:
-    """Say of each thing that `wsgen new`, `build` and `validate` use whether it is there."""
+def check_wsgen(machine: Machine) -> Iterator[Requirement]:
+    """Check what `wsgen new`, `build` and `validate` use."""
     yield _python_for_wsgen(machine)
     yield _modules(machine, "colcon", COLCON_PACKAGES)
     yield _ament_cmake(machine)
@@ -86,94 +86,96 @@ def find_own_needs(machine: Machine) -> Iterator[Finding]:
     yield from _extras(machine)
 
 
-def _python_for_wsgen(machine: Machine) -> Finding:
+def _python_for_wsgen(machine: Machine) -> Requirement:
     first, last = (".".join(map(str, version)) for version in PYTHONS)
-    return Finding(
+    return Requirement(
         name="Python",
         is_met=PYTHONS[0] <= machine.python <= PYTHONS[1],
-        text=f"{machine.python[0]}.{machine.python[1]}; wsgen is for {first} to {last}",
-        is_needed=True,
+        text=f"{machine.python[0]}.{machine.python[1]}; wsgen supports {first} to {last}",
+        is_required=True,
     )
 
 
-def _modules(machine: Machine, name: str, modules: Mapping[str, str]) -> Finding:
+def _modules(machine: Machine, name: str, modules: Mapping[str, str]) -> Requirement:
     missing = [pip for module, pip in modules.items() if not machine.has_module(module)]
-    return Finding(
+    return Requirement(
         name=name,
         is_met=not missing,
-        text=f"missing: {', '.join(missing)}" if missing else "installed beside wsgen",
-        is_needed=True,
+        text=f"missing: {', '.join(missing)}" if missing else "installed with wsgen",
+        is_required=True,
         fix=_pip(machine, *missing),
     )
 
 
-def _ament_cmake(machine: Machine) -> Finding:
+def _ament_cmake(machine: Machine) -> Requirement:
     found = machine.toolchain
     if found is not None:
-        whose = "of the sourced ROS" if isinstance(found, SourcedRos) else "of the wheels"
-        text = f"{whose}, in {found.prefix}"
-        return Finding("ament_cmake", is_met=True, text=text, is_needed=True)
+        source = "the sourced ROS" if isinstance(found, SourcedRos) else "the wheels"
+        text = f"from {source}, in {found.prefix}"
+        return Requirement("ament_cmake", is_met=True, text=text, is_required=True)
     has_wheels = (machine.system, machine.architecture) == ("linux", "x86_64")
     setup = _any_ros(machine)
     fix = f"source {setup}" if setup else ""
     if has_wheels:
         fix = _pip(machine, *WHEELS)
-    where = "" if has_wheels else "; its wheels are for Linux x86_64, elsewhere a ROS is needed"
-    return Finding("ament_cmake", is_met=False, text=f"missing{where}", is_needed=True, fix=fix)
+    where = "" if has_wheels else "; other systems than Linux x86_64 need a ROS installation"
+    return Requirement(
+        "ament_cmake", is_met=False, text=f"missing{where}", is_required=True, fix=fix
+    )
 
 
 def _any_ros(machine: Machine) -> str | None:
-    """The setup file of a ROS on this machine."""
+    """Find the setup file of a ROS on this machine."""
     found = sorted(machine.root.glob("opt/ros/*/setup.bash"))
     return str(found[-1]) if found else None
 
 
-def _cmake(machine: Machine) -> Finding:
+def _cmake(machine: Machine) -> Requirement:
     selected = machine.build_environment.get("CMAKE_COMMAND")
     if selected:
         found = machine.find(selected, for_build=True)
-        text = found or f"missing: CMAKE_COMMAND={selected} is no program"
+        text = found or f"missing: CMAKE_COMMAND={selected} is not a program"
         fix = "" if found else "unset CMAKE_COMMAND"
     else:
         found = machine.find("cmake", for_build=True)
         text, fix = found or "missing", "" if found else _pip(machine, "cmake")
-    return Finding("CMake", is_met=bool(found), text=text, is_needed=True, fix=fix)
+    return Requirement("CMake", is_met=bool(found), text=text, is_required=True, fix=fix)
 
 
-def _build_program(machine: Machine) -> Finding:
+def _build_program(machine: Machine) -> Requirement:
     found = machine.find("ninja", *MAKE_PROGRAMS, for_build=True)
-    return Finding(
+    return Requirement(
         "ninja or make",
         is_met=found is not None,
         text=found or "missing",
-        is_needed=True,
+        is_required=True,
         fix="" if found else _pip(machine, "ninja"),
     )
 
 
-def _engine(machine: Machine) -> Finding:
+def _engine(machine: Machine) -> Requirement:
     for module, name in (("pybullet", "PyBullet"), ("dartpy", "DART")):
         if machine.has_module(module):
-            return Finding("physics engine", is_met=True, text=name, is_needed=True)
+            return Requirement("physics engine", is_met=True, text=name, is_required=True)
     wanted = "dartpy" if machine.python > LAST_PYTHON_WITH_PYBULLET else _pybullet(machine)
-    return Finding(
+    return Requirement(
         "physics engine",
         is_met=False,
         text="missing: neither PyBullet nor DART",
-        is_needed=True,
+        is_required=True,
         fix=_pip(machine, wanted),
     )
 
 
-def _pictures(machine: Machine) -> Finding:
-    """What `--picture` and `--record` need."""
+def _pictures(machine: Machine) -> Requirement:
+    """Check whether `--picture` and `--record` can draw."""
     if not machine.has_module("pybullet"):
-        why, fix = "PyBullet draws them, and is not installed", _pip(machine, _pybullet(machine))
+        why, fix = "PyBullet is not installed", _pip(machine, _pybullet(machine))
         if machine.python > LAST_PYTHON_WITH_PYBULLET:
-            why, fix = "PyBullet draws them, and has no wheel for this Python", ""
-        return Finding("pictures", is_met=False, text=f"cannot be drawn: {why}", fix=fix)
+            why, fix = "PyBullet has no wheel for this Python", ""
+        return Requirement("pictures", is_met=False, text=f"cannot be drawn: {why}", fix=fix)
     problem = machine.why_no_picture()
-    return Finding(
+    return Requirement(
         "pictures",
         is_met=problem is None,
         text="drawn by PyBullet" if problem is None else f"cannot be drawn: PyBullet {problem}",
@@ -182,19 +184,19 @@ def _pictures(machine: Machine) -> Finding:
 
 
 def _pybullet(machine: Machine) -> str:
-    """What pip calls PyBullet: the original has no wheels for newer Pythons."""
+    """Return the name of PyBullet for pip: the original has no wheels for newer Pythons."""
     is_old = machine.python < FIRST_PYTHON_WITH_ITS_FORK
     return "pybullet" if is_old else "pybullet-arm64"  # the same module, on every architecture
 
 
-def _extras(machine: Machine) -> Iterator[Finding]:
-    """What wsgen can do without."""
+def _extras(machine: Machine) -> Iterator[Requirement]:
+    """Check what is optional."""
     for name, module, purpose, requirement in (
         ("DART", "dartpy", "a second engine", "wsgen[dart]"),
         ("PyAV", "av", "videos as MP4", "wsgen[video]"),
     ):
         is_there = machine.has_module(module)
-        yield Finding(
+        yield Requirement(
             name,
             is_met=is_there,
             text="installed" if is_there else f"missing; only for {purpose}",
@@ -206,7 +208,7 @@ def _extras(machine: Machine) -> Iterator[Finding]:
     ):
         found = machine.find(*programs, for_build=True)
         install = f"sudo apt install {package}" if machine.find("apt") else ""
-        yield Finding(
+        yield Requirement(
             name,
             is_met=found is not None,
             text=found or f"missing; only for {purpose}",
@@ -220,11 +222,11 @@ def _pip(machine: Machine, *requirements: str) -> str:
     return shlex.join([machine.interpreter, "-m", "pip", "install", *requirements])
 
 
-SYSTEM = "Ubuntu"  # the name of the finding about it
+SYSTEM = "Ubuntu"  # name of the requirement
 
 
-def find_ros_needs(machine: Machine, target: Target) -> Iterator[Finding]:
-    """Say of each thing that the target needs beyond wsgen whether it is there."""
+def check_ros(machine: Machine, target: Target) -> Iterator[Requirement]:
+    """Check what ROS of the target requires beyond wsgen."""
     ubuntu = _ubuntu(machine, target)
     yield ubuntu
     yield _python_for_ros(machine, target)
@@ -239,21 +241,21 @@ def find_ros_needs(machine: Machine, target: Target) -> Iterator[Finding]:
     yield _colcon(machine, can_install=ubuntu.is_met)
 
 
-def _ubuntu(machine: Machine, target: Target) -> Finding:
+def _ubuntu(machine: Machine, target: Target) -> Requirement:
     wanted = f"Ubuntu {target.ubuntu}"
     is_met = False
     fix = _container(target)
     if machine.system != "linux":
         text = (
             f"this is {machine.system_name}; {target.ros} is packaged for {wanted}."
-            " wsgen tries packages here, a container or another machine runs them"
+            " wsgen simulates packages here; run them in a container or on another machine"
         )
-        return Finding(SYSTEM, is_met=False, text=text, fix=fix)
+        return Requirement(SYSTEM, is_met=False, text=text, fix=fix)
     try:
         release = read_os_release(machine.root)
     except OSError as error:
-        text = f"not known: {error.filename}: {error.strerror}; {target.ros} is for {wanted}"
-        return Finding(SYSTEM, is_met=False, text=text, fix=fix)
+        text = f"unknown: {error.filename}: {error.strerror}; {target.ros} is packaged for {wanted}"
+        return Requirement(SYSTEM, is_met=False, text=text, fix=fix)
     name = release.get("PRETTY_NAME") or release.get("NAME") or "a Linux without a name"
     is_ubuntu = release.get("ID") == "ubuntu"
     codename = release.get("UBUNTU_CODENAME", release.get("VERSION_CODENAME") if is_ubuntu else "")
@@ -261,17 +263,17 @@ def _ubuntu(machine: Machine, target: Target) -> Finding:
         is_met, text, fix = True, name, ""
     elif codename == target.fact("ubuntu_codename"):
         is_met, fix = True, ""
-        text = f"{name}, made from {wanted}: its packages are for this, and nobody tests them here"
+        text = f"{name}, based on {wanted}; ROS is only tested on Ubuntu itself"
     else:
         text = f"this is {name}; {target.ros} is packaged for {wanted}"
         fitting = _distro_for(codename or "")
         if fitting:
             fix = f"wsgen doctor --distro {fitting}"
-    return Finding(SYSTEM, is_met=is_met, text=text, fix=fix)
+    return Requirement(SYSTEM, is_met=is_met, text=text, fix=fix)
 
 
 def _distro_for(codename: str) -> str | None:
-    """The distribution that lasts longest of those for an Ubuntu."""
+    """Find the distribution for an Ubuntu that is supported longest."""
     fitting = [
         target
         for target in (Target(distro=name, simulator="gz") for name in DISTROS)
@@ -281,48 +283,48 @@ def _distro_for(codename: str) -> str | None:
     return fitting[-1].distro if fitting else None
 
 
-def _python_for_ros(machine: Machine, target: Target) -> Finding:
+def _python_for_ros(machine: Machine, target: Target) -> Requirement:
     wanted = target.fact("python")
     ours = ".".join(map(str, machine.python))
-    text = f"{wanted}, as wsgen's own"
+    text = f"{wanted}, the same as wsgen's"
     if ours != wanted:
-        text = f"{target.ros} runs launch files with {wanted}, wsgen evaluates them with {ours}"
-    return Finding("Python", is_met=ours == wanted, text=text)
+        text = f"{target.ros} runs launch files with {wanted}, but wsgen evaluates them with {ours}"
+    return Requirement("Python", is_met=ours == wanted, text=text)
 
 
-def _apt(machine: Machine, target: Target) -> Finding:
+def _apt(machine: Machine, target: Target) -> Requirement:
     is_met = names_in_apt(machine.root, APT_HOSTS)
-    return Finding(
+    return Requirement(
         "apt repository",
         is_met=is_met,
-        text="of ROS, known to apt" if is_met else "of ROS, not known to apt",
+        text="apt knows the one of ROS" if is_met else "apt does not know the one of ROS",
         fix="" if is_met else apt_source(target),
     )
 
 
-def _ros(machine: Machine, target: Target, *, can_install: bool) -> Finding:
+def _ros(machine: Machine, target: Target, *, can_install: bool) -> Requirement:
     sourced = machine.environment.get("ROS_DISTRO", "")
     has_prefix = bool(machine.environment.get("AMENT_PREFIX_PATH"))
     setup = _setup_file(machine, target)
     if sourced == target.distro and has_prefix:
-        return Finding(target.ros, is_met=True, text="sourced")
+        return Requirement(target.ros, is_met=True, text="sourced")
     if sourced and has_prefix:
         others = f"{sourced} is sourced"
     else:
         found = sorted(path.parent.name for path in machine.root.glob("opt/ros/*/setup.bash"))
-        others = f"there is {', '.join(found)}" if found else ""
+        others = f"installed: {', '.join(found)}" if found else ""
     if setup.is_file():
         text = f"in {setup.parent}, not sourced"
         if sourced and has_prefix:
             text += f": {others}, so open a new terminal first"
-        return Finding(target.ros, is_met=False, text=text, fix=f"source {setup}")
+        return Requirement(target.ros, is_met=False, text=text, fix=f"source {setup}")
     text = f"not installed; {others}" if others else "not installed"
     fix = apt_install(target) if can_install else _container(target)
-    return Finding(target.ros, is_met=False, text=text, fix=fix)
+    return Requirement(target.ros, is_met=False, text=text, fix=fix)
 
 
-def _packages(machine: Machine, target: Target) -> Finding:
-    """Packages that hold others leave no trace that is sure: their simulator's package does."""
+def _packages(machine: Machine, target: Target) -> Requirement:
+    """Check ROS packages; metapackages are not checked, as they may leave no file."""
     wanted = [name for name in ros_packages(target) if name not in VARIANTS]
     wanted.append(target.programs["package"])
     prefixes = ros_prefixes(machine, target.distro)
@@ -332,7 +334,7 @@ def _packages(machine: Machine, target: Target) -> Finding:
         if not any((prefix / "share" / name / "package.xml").is_file() for prefix in prefixes)
     ]
     names = " ".join(debian_name(name, target.distro) for name in missing)
-    return Finding(
+    return Requirement(
         "ROS packages",
         is_met=not missing,
         text=f"missing: {', '.join(missing)}" if missing else ", ".join(wanted),
@@ -340,7 +342,7 @@ def _packages(machine: Machine, target: Target) -> Finding:
     )
 
 
-def _gazebo(machine: Machine, target: Target, *, can_install: bool) -> Finding:
+def _gazebo(machine: Machine, target: Target, *, can_install: bool) -> Requirement:
     if target.simulator == "classic":
         found = machine.find("gazebo")
     elif target.distro in RELEASED_FOR["gz_sim_vendor"]:
@@ -354,21 +356,21 @@ def _gazebo(machine: Machine, target: Target, *, can_install: bool) -> Finding:
             None,
         )
     else:
-        found = machine.find("ign")  # so its program is called up to Fortress
+        found = machine.find("ign")  # the name of its program up to Fortress
     if found:
-        return Finding(target.gazebo, is_met=True, text=found)
+        return Requirement(target.gazebo, is_met=True, text=found)
     name = debian_name(SIMULATOR_PACKAGES[target.simulator], target.distro)
     fix = f"sudo apt install {name}" if can_install else ""
-    return Finding(target.gazebo, is_met=False, text="missing", fix=fix)
+    return Requirement(target.gazebo, is_met=False, text="missing", fix=fix)
 
 
-def _colcon(machine: Machine, *, can_install: bool) -> Finding:
+def _colcon(machine: Machine, *, can_install: bool) -> Requirement:
     found = machine.find("colcon")
     if found:
-        return Finding("colcon", is_met=True, text=found)
+        return Requirement("colcon", is_met=True, text=found)
     fix = f"sudo apt install {COLCON}" if can_install else ""
-    text = "not on the PATH; `wsgen build` has its own"
-    return Finding("colcon", is_met=False, text=text, fix=fix)
+    text = "not on the PATH; `wsgen build` uses its own"
+    return Requirement("colcon", is_met=False, text=text, fix=fix)
 
 
 def _setup_file(machine: Machine, target: Target) -> Path:

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
     from wsgen.build.run import BuildResult
     from wsgen.diagnostics import Diagnostic, Rule
-    from wsgen.doctor.machine import Finding
-    from wsgen.doctor.report import Examination
+    from wsgen.doctor.machine import Requirement
+    from wsgen.doctor.report import DoctorReport
     from wsgen.model.behavior import BehaviorOutcome
     from wsgen.model.outcome import Outcome, PackageOutcome, RobotOutcome
     from wsgen.model.plan import Include, LaunchArgument, LaunchPlan, Process, Unresolved
@@ -294,33 +294,33 @@ def _bound(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def render_examination(examination: Examination) -> str:
+def render_doctor_report(report: DoctorReport) -> str:
     """One JSON document."""
-    target = examination.target
+    target = report.target
     document = {
         "version": 1,
-        "passed": examination.passed,
+        "passed": report.passed,
         "target": {
             "distro": target.distro,
             "simulator": target.simulator,
             "ubuntu": target.ubuntu,
             "end_of_life": target.end_of_life,
         },
-        "notes": list(examination.notes),
-        "wsgen": [_finding(found) for found in examination.own],
-        "ros": [_finding(found) for found in examination.ros],
-        "apt": examination.apt,
+        "notes": list(report.notes),
+        "wsgen": [_requirement(one) for one in report.wsgen],
+        "ros": [_requirement(one) for one in report.ros],
+        "apt": report.apt,
     }
     return json.dumps(document, indent=2) + "\n"
 
 
-def _finding(found: Finding) -> dict[str, object]:
+def _requirement(one: Requirement) -> dict[str, object]:
     return {
-        "name": found.name,
-        "met": found.is_met,
-        "needed": found.is_needed,
-        "text": found.text,
-        "fix": found.fix or None,
+        "name": one.name,
+        "met": one.is_met,
+        "required": one.is_required,
+        "text": one.text,
+        "fix": one.fix or None,
     }
 
 
