@@ -52,7 +52,7 @@ MISSING_DESTINATION = Rule(
     code="BLD028",
     name="missing-destination",
     severity=Severity.ERROR,
-    summary="install() has no DESTINATION.",
+    summary="`install()` has no DESTINATION.",
     why="CMake does not know where to install the files, and stops.",
     example="install(DIRECTORY launch)",
     instead="install(DIRECTORY launch DESTINATION share/${PROJECT_NAME})",
@@ -61,8 +61,8 @@ DIFFERENT_NAMES = Rule(
     code="BLD029",
     name="different-names",
     severity=Severity.ERROR,
-    summary="package.xml and project() name the package differently.",
-    why="ament_package() requires both names to be equal, and stops.",
+    summary="`package.xml` and project() name the package differently.",
+    why="`ament_package()` requires both names to be equal, and stops.",
     example="project(my_robots)  # package.xml: <name>my_robot</name>",
     instead="project(my_robot)",
 )
@@ -72,7 +72,7 @@ WRONG_PYTHON = Rule(
     severity=Severity.ERROR,
     summary="CMake uses a Python that lacks the modules of the build.",
     what="Looks for failed imports of catkin_pkg and ament_package in the output of the build.",
-    why="ament_cmake runs Python scripts that import these modules. CMake found another Python "
+    why="`ament_cmake` runs Python scripts that import these modules. CMake found another Python "
     "first, for example that of an active conda environment.",
     example="conda activate base; colcon build",
     instead="conda deactivate; rm -r build/my_robot; colcon build",
@@ -90,8 +90,8 @@ MISSING_COMPILER = Rule(
     code="BLD006",
     name="missing-compiler",
     severity=Severity.ERROR,
-    summary="project() requires a compiler that is not installed.",
-    why="project() enables C and C++ by default, and CMake stops without a compiler.",
+    summary="`project()` requires a compiler that is not installed.",
+    why="`project()` enables C and C++ by default, and CMake stops without a compiler.",
     example="project(my_robot)",
     instead="project(my_robot LANGUAGES NONE)  # if it only installs files",
 )
@@ -99,8 +99,8 @@ MISSING_CMAKE = Rule(
     code="BLD007",
     name="missing-cmake",
     severity=Severity.ERROR,
-    summary="colcon does not find CMake.",
-    why="colcon builds ament_cmake packages with CMake.",
+    summary="`colcon` does not find CMake.",
+    why="`colcon` builds ament_cmake packages with CMake.",
     example="CMAKE_COMMAND=/opt/cmake/bin/cmake wsgen build  # a path that does not exist",
     instead="python3 -m pip install cmake",
 )
@@ -108,7 +108,7 @@ OLD_CMAKE_MINIMUM = Rule(
     code="BLD012",
     name="old-cmake-minimum",
     severity=Severity.ERROR,
-    summary="cmake_minimum_required() names a version that this CMake no longer supports.",
+    summary="`cmake_minimum_required()` names a version that this CMake no longer supports.",
     why="CMake 4 has removed compatibility with versions before 3.5, and stops.",
     example="cmake_minimum_required(VERSION 2.8)",
     instead="cmake_minimum_required(VERSION 3.20)",
@@ -136,7 +136,7 @@ MISSING_MANIFEST = Rule(
     name="missing-manifest",
     severity=Severity.ERROR,
     summary="An ament package has no package.xml.",
-    why="ament_cmake reads package.xml, and ROS knows a package by it.",
+    why="`ament_cmake` reads package.xml, and ROS knows a package by it.",
     example="src/my_robot/CMakeLists.txt  # without src/my_robot/package.xml",
     instead="git checkout package.xml",
 )
@@ -145,7 +145,7 @@ MISSING_AMENT_CMAKE = Rule(
     name="ament-cmake-not-found",
     severity=Severity.ERROR,
     summary="CMake does not find ament_cmake.",
-    why="ament_cmake defines the commands that install a package for ROS 2.",
+    why="`ament_cmake` defines the commands that install a package for ROS 2.",
     example="colcon build  # in a shell without a sourced ROS",
     instead="source /opt/ros/humble/setup.bash; colcon build",
 )
@@ -153,7 +153,7 @@ MISSING_INSTALLED_PATH = Rule(
     code="BLD003",
     name="missing-installed-path",
     severity=Severity.ERROR,
-    summary="install() names a file or folder that does not exist.",
+    summary="`install()` names a file or folder that does not exist.",
     why="CMake stops while it installs the package. Git does not keep empty folders, so one may "
     "be missing only from a clone.",
     example="install(DIRECTORY launch meshes DESTINATION share/${PROJECT_NAME})",
@@ -163,7 +163,7 @@ MISSING_DEPENDENCY = Rule(
     code="BLD008",
     name="missing-dependency",
     severity=Severity.ERROR,
-    summary="find_package() does not find a package.",
+    summary="`find_package()` does not find a package.",
     why="CMake stops. The package is not installed, or colcon does not build it first because "
     "package.xml does not name it.",
     example="find_package(my_robot_msgs REQUIRED)",

@@ -40,7 +40,7 @@ UNEXPLAINED_FAILURE = Rule(
     name="unexplained-failure",
     severity=Severity.ERROR,
     summary="The build of a package fails for a reason that wsgen does not know.",
-    why="colcon does not install the package, nor those that depend on it.",
+    why="`colcon` does not install the package, nor those that depend on it.",
     example="int main() { return missing; }",
     instead="Fix what the last lines of the output name; the log of colcon has the whole output.",
 )
@@ -49,7 +49,7 @@ DUPLICATE_NAME = Rule(
     name="duplicate-package",
     severity=Severity.ERROR,
     summary="Two packages of the workspace have the same name.",
-    why="colcon builds nothing then.",
+    why="`colcon` builds nothing then.",
     example="""src/my_robot/package.xml    <name>my_robot</name>
 src/my_robot_2/package.xml  <name>my_robot</name>""",
     instead="""src/my_robot/package.xml    <name>my_robot</name>
@@ -60,7 +60,7 @@ OTHER_INSTALL_LAYOUT = Rule(
     name="other-install-layout",
     severity=Severity.ERROR,
     summary="The install space was created with another layout, merged or isolated.",
-    why="colcon refuses to mix both layouts in one install space.",
+    why="`colcon` refuses to mix both layouts in one install space.",
     example="colcon build --merge-install; colcon build",
     instead="rm -r install; colcon build",
 )
@@ -69,7 +69,7 @@ OTHER_BUILD_TOOL = Rule(
     name="other-build-tool",
     severity=Severity.ERROR,
     summary="Another tool than colcon created the build folder.",
-    why="colcon refuses to build in a folder of another tool, such as catkin_make.",
+    why="`colcon` refuses to build in a folder of another tool, such as catkin_make.",
     example="catkin_make; colcon build",
     instead="rm -r build; colcon build",
 )
@@ -78,7 +78,7 @@ UNBUILT_DEPENDENCY = Rule(
     name="unbuilt-dependency",
     severity=Severity.ERROR,
     summary="A package of the workspace that another one depends on has not been built.",
-    why="colcon sources the install space of each dependency before it builds a package.",
+    why="`colcon` sources the install space of each dependency before it builds a package.",
     example="wsgen build -- --packages-select my_robot  # my_robot_msgs was never built",
     instead="wsgen build my_robot  # with the packages that it depends on",
 )
@@ -86,7 +86,7 @@ COLCON_FAILURE = Rule(
     code="BLD020",
     name="colcon-failure",
     severity=Severity.ERROR,
-    summary="colcon itself fails, or a signal ends it.",
+    summary="`colcon` itself fails, or a signal ends it.",
     why="No package failed, but colcon did not complete the build.",
     example="kill -9 $(pgrep colcon)",
     instead="Fix what the message names, and build again.",

@@ -28,7 +28,7 @@ MISSING_AMENT_PACKAGE = Rule(
     severity=Severity.ERROR,
     summary="CMakeLists.txt of an ament_cmake package does not call ament_package().",
     what="Looks for the package in the ament index of the install space, after the build.",
-    why="ament_package() registers the package in the ament index. Without it `ros2 launch` and "
+    why="`ament_package()` registers the package in the ament index. Without it `ros2 launch` and "
     "`$(find ...)` do not find the package.",
     example="""find_package(ament_cmake REQUIRED)
 install(DIRECTORY launch DESTINATION share/${PROJECT_NAME})""",

@@ -41,7 +41,7 @@ DEPRECATED_MINIMUM = Rule(
     code="BLD030",
     name="deprecated-cmake-minimum",
     severity=Severity.INFO,
-    summary="cmake_minimum_required() names a version that CMake deprecates.",
+    summary="`cmake_minimum_required()` names a version that CMake deprecates.",
     what="Collects the deprecation warnings of CMake, and reports them once for all packages.",
     why="A later CMake will refuse the package. Until then it prints a warning of nine lines for "
     "each package.",

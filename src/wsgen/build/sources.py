@@ -26,7 +26,7 @@ TESTS_LEFT_OUT = Rule(
     summary="The tests of a package need a package that is not installed, so it is built without.",
     what="Looks inside `if(BUILD_TESTING)`, which is on by default, for a required package that "
     "only tests need.",
-    why="colcon builds the package with `-DBUILD_TESTING=OFF`, because it would fail otherwise. "
+    why="`colcon` builds the package with `-DBUILD_TESTING=OFF`, because it would fail otherwise. "
     "`colcon test` then runs no tests.",
     example="""if(BUILD_TESTING)
   find_package(ament_lint_auto REQUIRED)
@@ -37,8 +37,8 @@ UNKNOWN_BUILD_TYPE = Rule(
     code="PKG008",
     name="unknown-build-type",
     severity=Severity.ERROR,
-    summary="colcon does not know the build type of a package.",
-    why="colcon does not build the package, and does not name it in its message.",
+    summary="`colcon` does not know the build type of a package.",
+    why="`colcon` does not build the package, and does not name it in its message.",
     example="<build_type>ament_cmke</build_type>",
     instead="<build_type>ament_cmake</build_type>",
 )
@@ -48,7 +48,7 @@ MISSING_BUILD_TYPE = Rule(
     severity=Severity.ERROR,
     summary="The package.xml of an ament package has no build type.",
     what="Looks at packages whose CMakeLists.txt calls ament_package().",
-    why="colcon then takes the package for one of ROS 1 (catkin). It builds it, but the setup "
+    why="`colcon` then takes the package for one of ROS 1 (catkin). It builds it, but the setup "
     "files do not bring it into the environment of ROS 2.",
     example="<export/>",
     instead="""<export>
@@ -59,7 +59,7 @@ SKIPPED_PACKAGE = Rule(
     code="BLD023",
     name="skipped-package",
     severity=Severity.ERROR,
-    summary="colcon does not build a package that was named.",
+    summary="`colcon` does not build a package that was named.",
     why="An option such as --packages-skip, or a file of default options, excludes the package; "
     "colcon does not report that.",
     example="build: {packages-skip: [my_robot]}  # colcon_defaults.yaml",

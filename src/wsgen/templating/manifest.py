@@ -36,8 +36,8 @@ UNREADABLE_TEMPLATE = Rule(
     code="TPL001",
     name="unreadable-template",
     severity=Severity.ERROR,
-    summary="template.toml cannot be read, is empty or is not TOML.",
-    why="wsgen knows the variables, the targets and the files of a template only from this file.",
+    summary="`template.toml` cannot be read, is empty or is not TOML.",
+    why="`wsgen` knows the variables, the targets and the files of a template only from this file.",
     example="schema = ",
     instead="schema = 1",
 )
@@ -48,7 +48,7 @@ INVALID_TEMPLATE = Rule(
     summary="A key or a value in template.toml is invalid.",
     what="Checks all keys and the types of their values, names and bounds of variables, targets, "
     "conditions and dependencies.",
-    why="wsgen refuses the template instead of ignoring what it does not understand.",
+    why="`wsgen` refuses the template instead of ignoring what it does not understand.",
     example="""[variables.mass]
 help = "Mass of the body"
 type = "float"

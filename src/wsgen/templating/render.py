@@ -27,7 +27,7 @@ MISSING_SOURCE = Rule(
     name="missing-template-source",
     severity=Severity.ERROR,
     summary="A source that template.toml names is missing or outside of the template's folder.",
-    why="wsgen renders each file of a package from its source, and reads no other files.",
+    why="`wsgen` renders each file of a package from its source, and reads no other files.",
     example="""[files]
 "model/robot.xacro" = "../robot.xacro.j2\"""",
     instead="""[files]
@@ -39,7 +39,7 @@ FAILING_TEMPLATE = Rule(
     severity=Severity.ERROR,
     summary="A source of a template cannot be rendered.",
     what="Renders the sources with Jinja2 in a sandbox, with limits of time, memory and size.",
-    why="wsgen writes no package with missing files. An undefined name is an error, as it would "
+    why="`wsgen` writes no package with missing files. An undefined name is an error, as it would "
     "be an empty text in a file.",
     example='<mass value="{{ package.answers.mas }}"/>',
     instead='<mass value="{{ package.answers.mass }}"/>',

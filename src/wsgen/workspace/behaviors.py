@@ -19,8 +19,8 @@ INVALID_SETTINGS = Rule(
     name="invalid-settings",
     severity=Severity.ERROR,
     severity_varies="a warning for a mistake in `[validate]`",
-    summary="wsgen.toml is not TOML, or a key or value in it is invalid.",
-    why="wsgen ignores an entry that it cannot use: a rule is not allowed, or a behavior is not "
+    summary="`wsgen.toml` is not TOML, or a key or value in it is invalid.",
+    why="`wsgen` ignores an entry that it cannot use: a rule is not allowed, or a behavior is not "
     "checked.",
     example="""[[behavior]]
 name = "drives straight"

@@ -22,9 +22,9 @@ MALFORMED_MANIFEST = Rule(
     code="PKG001",
     name="malformed-manifest",
     severity=Severity.ERROR,
-    summary="package.xml is not well-formed XML.",
+    summary="`package.xml` is not well-formed XML.",
     what="Parses package.xml, and refuses entities, which no manifest of ROS declares.",
-    why="colcon cannot read the name and the dependencies of the package.",
+    why="`colcon` cannot read the name and the dependencies of the package.",
     example="""<package format="3">
   <name>my_robot<name>
 </package>""",
@@ -36,8 +36,8 @@ UNREADABLE_MANIFEST = Rule(
     code="PKG002",
     name="unreadable-manifest",
     severity=Severity.ERROR,
-    summary="package.xml cannot be read, or is not UTF-8 text.",
-    why="colcon and CMake read package.xml as UTF-8, whatever encoding it declares.",
+    summary="`package.xml` cannot be read, or is not UTF-8 text.",
+    why="`colcon` and CMake read package.xml as UTF-8, whatever encoding it declares.",
     example="""<?xml version="1.0" encoding="ISO-8859-1"?>
 <package format="3">...""",
     instead="Save package.xml as UTF-8, and make it readable for your user.",
@@ -46,7 +46,7 @@ FOREIGN_MANIFEST = Rule(
     code="PKG003",
     name="foreign-manifest",
     severity=Severity.WARNING,
-    summary="package.xml is not the manifest of a ROS package.",
+    summary="`package.xml` is not the manifest of a ROS package.",
     what="Looks at the root element of package.xml, which is `<package>` in ROS.",
     why="Other tools, such as Dynamics 365, also name a file package.xml. colcon does not take its "
     "folder for a ROS package.",
@@ -57,8 +57,8 @@ UNNAMED_PACKAGE = Rule(
     code="PKG004",
     name="unnamed-package",
     severity=Severity.ERROR,
-    summary="package.xml does not name the package.",
-    why="colcon, `ros2 launch` and `$(find ...)` know a package by the name in package.xml.",
+    summary="`package.xml` does not name the package.",
+    why="`colcon`, `ros2 launch` and `$(find ...)` know a package by the name in package.xml.",
     example="""<package format="3">
   <version>0.0.0</version>
 </package>""",

@@ -85,9 +85,9 @@ REFUSED_MANIFEST = Rule(
     code="PKG005",
     name="invalid-manifest",
     severity=Severity.ERROR,
-    summary="catkin_pkg refuses package.xml.",
+    summary="`catkin_pkg` refuses package.xml.",
     what="Reads package.xml with catkin_pkg, as colcon and ament_cmake do.",
-    why="colcon then takes the package for one of plain CMake, in another environment and with "
+    why="`colcon` then takes the package for one of plain CMake, in another environment and with "
     "other arguments, or skips it.",
     example="""<package format="3">
   <name>my_robot</name>
@@ -100,7 +100,7 @@ QUESTIONABLE_MANIFEST = Rule(
     code="PKG006",
     name="questionable-manifest",
     severity=Severity.WARNING,
-    summary="catkin_pkg warns about package.xml.",
+    summary="`catkin_pkg` warns about package.xml.",
     why="The package builds, but its manifest does not follow REP 149. Tools that release or "
     "document packages may refuse it.",
     example="<name>MyRobot</name>",
