@@ -1,6 +1,6 @@
-"""Files of a user: look at them before they are opened, write them whole or not at all.
+"""Files of a user: refuse to read what is not a regular file, and write files atomically.
 
-To read a device may never end, and to open a named pipe waits for somebody who writes into it.
+Reading a device may never end, and opening a named pipe waits for a writer.
 """
 
 from __future__ import annotations
@@ -34,11 +34,11 @@ UNFINISHED_PREFIX = ".wsgen-file-"
 STREAMS = ("/dev/", "/proc/")  # /dev/stdout may lead to a regular file that others write to
 
 FULL = frozenset({errno.ENOSPC, errno.EDQUOT})
-FULL_BELOW = 16384  # bytes: what is left where a program removed its last unfinished file
+FULL_BELOW = 16384  # bytes that may be free after a program removed its unfinished file
 
 
 def irregular_kind(path: str | Path) -> str | None:
-    """What is at a path instead of a regular file; None for a regular file, and for nothing.
+    """Say what is at a path instead of a regular file; None for a regular file or nothing.
 
     Links are followed, and named.
     """
@@ -52,24 +52,24 @@ def irregular_kind(path: str | Path) -> str | None:
 
 def _dead_link(path: str | Path) -> str | None:
     try:
-        return f"a link to {os.readlink(path)}, which is not there"  # noqa: PTH115
+        return f"a link to {os.readlink(path)}, which does not exist"  # noqa: PTH115
     except (OSError, ValueError):
         return None
 
 
 def refuse_irregular(path: str | Path) -> None:
-    """Raise OSError for what is there and is no regular file; `strerror` says what it is."""
+    """Raise OSError for anything that is not a regular file; `strerror` says what it is."""
     kind = irregular_kind(path)
     if kind is not None:
         raise OSError(errno.EINVAL, f"it is {kind}", str(path))
 
 
 def read_regular(path: Path, limit: int) -> bytes:
-    """The bytes of a regular file, at most one more than `limit`.
+    """Read a regular file, at most one byte more than `limit`.
 
     Raises:
-        OSError: It is no regular file, or cannot be read.
-        ValueError: No file can have this name.
+        OSError: It is not a regular file, or cannot be read.
+        ValueError: A file cannot have this name.
     """
     refuse_irregular(path)
     with path.open("rb") as stream:
@@ -77,14 +77,14 @@ def read_regular(path: Path, limit: int) -> bytes:
 
 
 def wide_encoding(data: bytes) -> str | None:
-    """The encoding with more than one byte for each letter that a text is in; None for others."""
+    """Detect UTF-16 or UTF-32; None for other encodings."""
     marked = next((name for mark, name in MARKS.items() if data.startswith(mark)), None)
     # XML begins with `<`, which UTF-16 without a mark writes with a null byte beside it.
     return marked or ("UTF-16" if data[:2] in {b"<\0", b"\0<"} else None)
 
 
 def save_as_utf8(encoding: str) -> str:
-    """How to make a text of another encoding one in UTF-8."""
+    """Return the hint to convert a text from another encoding to UTF-8."""
     return (
         "Save it as UTF-8: choose that encoding in the editor, or run "
         f"`iconv -f {encoding} -t UTF-8 FILE > NEW`."
@@ -92,14 +92,14 @@ def save_as_utf8(encoding: str) -> str:
 
 
 def write_file(file: Path, content: str | bytes) -> None:
-    """Write text, as UTF-8, or bytes: whoever reads sees the old file or the new one.
+    """Write text, as UTF-8, or bytes atomically: a reader sees the old file or the new one.
 
-    The content goes into a hidden file beside it, to the disk, and takes its place by one rename.
-    A link stays a link, an existing file keeps its mode, and a device or named pipe is written to;
-    so is a writable file in a folder that takes no new one.
+    The content goes into a hidden file next to it, which then replaces it by one rename. A link
+    stays a link, and an existing file keeps its mode. Devices, named pipes and writable files in a
+    read-only folder are written directly.
 
     Raises:
-        NotReadableError: the disk does not take it; what was there before is still there.
+        NotReadableError: it cannot be written; the old file is unchanged.
     """
     data = content.encode() if isinstance(content, str) else content
     try:
@@ -118,14 +118,14 @@ def write_file(file: Path, content: str | bytes) -> None:
 
 def _replace(file: Path, data: bytes) -> None:
     unfinished = file.with_name(f"{UNFINISHED_PREFIX}{os.getpid()}-{os.urandom(4).hex()}")
-    # Not `tempfile`, whose files nobody else may read: this one gets the mode of any new file.
+    # Not `tempfile`, whose files only the user may read: this one gets the mode of any new file.
     descriptor = os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
     try:
         with os.fdopen(descriptor, "wb") as stream:
             stream.write(data)
             stream.flush()
-            os.fsync(descriptor)  # some disks say only now that they are full
-        with suppress(OSError):  # there is no file yet, or the file system knows no modes
+            os.fsync(descriptor)  # some disks report only now that they are full
+        with suppress(OSError):  # the file is new, or the file system has no modes
             unfinished.chmod(stat.S_IMODE(file.stat().st_mode))
         unfinished.replace(file)
     except BaseException:
@@ -134,38 +134,41 @@ def _replace(file: Path, data: bytes) -> None:
 
 
 def explain_write_error(error: OSError, path: Path, *, what: str = "") -> NotReadableError:
-    """Say why `path` cannot be written, and what to do.
+    """Explain why `path` cannot be written, and what to do.
 
-    `what` names the thing to write where it is more than a file that could go elsewhere.
+    `what` names what is written if it is not a file that could be written elsewhere.
     """
     number = error.errno or 0
     place = mount_point(path)
     reasons = {
         errno.ENOSPC: (f"the disk is full ({place})", f"Free some space on {place}"),
-        errno.EDQUOT: (f"the disk quota is used up ({place})", f"Delete files of yours on {place}"),
+        errno.EDQUOT: (
+            f"the disk quota is used up ({place})",
+            f"Delete some of your files on {place}",
+        ),
         errno.EROFS: (f"the file system is read-only ({place})", ""),
         errno.EFBIG: ("the file is larger than the limit", "Raise the limit (ulimit -f)"),
-        errno.ENOENT: ("the folder does not exist", "Make the folder"),
+        errno.ENOENT: ("the folder does not exist", "Create the folder"),
     }
     reason, remedy = reasons.get(number, ((error.strerror or str(error)).lower(), ""))
     other = "" if what else "choose a folder that exists and that you may write to"
-    hint = ", or ".join(filter(None, (remedy, other))) or f"See who may write to {path}"
+    hint = ", or ".join(filter(None, (remedy, other))) or f"Check who may write to {path}"
     return NotReadableError(
         f"Cannot write {what or path}: {reason}.", hint=f"{hint[0].upper()}{hint[1:]}."
     )
 
 
 def mount_point(path: Path) -> Path:
-    """Name the file system that a path is on, or would be on, by the folder it is mounted at."""
+    """Return the folder at which the file system of a path is mounted."""
     real = Path(os.path.realpath(path))
     return next(folder for folder in (real, *real.parents) if os.path.ismount(folder))
 
 
 def find_full_disk(output: str, *folders: Path) -> OSError | None:
-    """Look for a full disk in what a program printed that wrote below the folders.
+    """Find the message of a full disk in the output of a program that wrote below the folders.
 
     Returns:
-        The error, with the folder that has least space as its file name; None if none was printed.
+        The error, with the folder with the least space as its file name; None if none was printed.
     """
     for number in sorted(FULL):
         if os.strerror(number) in output:  # as Python and C programs print it
@@ -174,7 +177,7 @@ def find_full_disk(output: str, *folders: Path) -> OSError | None:
 
 
 def full_folder(*folders: Path) -> OSError | None:
-    """Look for a folder that nothing more can be written to, where a program left no word of it."""
+    """Find a folder on a full disk, for programs that do not report it."""
     for folder in folders:
         if _free_bytes(folder) < FULL_BELOW:
             return OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(folder))
@@ -182,7 +185,7 @@ def full_folder(*folders: Path) -> OSError | None:
 
 
 def _free_bytes(folder: Path) -> float:
-    """For this user; infinite where that says nothing, as on a read-only file system."""
+    """Return the free bytes for this user; infinite if unknown or on a read-only file system."""
     try:
         system = os.statvfs(folder)
     except OSError:
@@ -190,5 +193,5 @@ def _free_bytes(folder: Path) -> float:
     if system.f_flag & os.ST_RDONLY:
         return math.inf
     if system.f_files and not system.f_favail:
-        return 0  # no file more, however small
+        return 0  # not even an empty file fits
     return system.f_bavail * system.f_frsize

@@ -1,4 +1,4 @@
-"""TOML files; the one place that knows where the parser of this Python is."""
+"""Read TOML on every Python, and find the lines of keys."""
 
 from __future__ import annotations
 
@@ -25,22 +25,22 @@ _KEY = rf"\s*({_DOTTED})\s*="
 
 
 def load(file: Path) -> dict[str, Any]:
-    """The document of a file.
+    """Read the document of a file.
 
     Raises:
         OSError: the file cannot be read.
-        ValueError: it is no TOML, or not UTF-8; the message says where.
+        ValueError: it is not TOML, or not UTF-8; the message says where.
     """
     document: dict[str, Any] = tomllib.loads(file.read_text(encoding="utf-8"))
     return document
 
 
 def find_line(text: str, where: Sequence[str]) -> int | None:
-    """The line (from 1) of the key that is meant, or of what is nearest around it.
+    """Find the line (from 1) of a key, or of the nearest table around it.
 
-    `where` is the way to it, with the index of a table in an array as a number in digits. Keys
-    within a table on one line are on that line. None if nothing of the way is in the text. The
-    standard library's parser does not say on which line something stands.
+    `where` is the path of keys, with the index of a table in an array as a number in digits. Keys
+    of an inline table are on its line. None if nothing of the path is in the text. The parser of
+    the standard library does not give the lines of values.
     """
     table: list[str] = []
     arrays: Counter[str] = Counter()
@@ -49,29 +49,29 @@ def find_line(text: str, where: Sequence[str]) -> int | None:
         header = re.match(_HEADER, line)
         if header is not None:
             table = _within_arrays(_split(header[2]), arrays, is_array=header[1] == "[[")
-            way = table
+            path = table
         elif (key := re.match(_KEY, line)) is not None:
-            way = table + _split(key[1])
+            path = table + _split(key[1])
         else:
             continue
-        shared = _shared(way, where)
-        # The way leads here or goes on from here; a neighbor of what is meant is no place.
-        if shared > best and shared in {len(way), len(where)}:
+        shared = _shared(path, where)
+        # One path must contain the other: a sibling of the key is not its place.
+        if shared > best and shared in {len(path), len(where)}:
             best, found = shared, number
     return found
 
 
 def _within_arrays(words: list[str], arrays: Counter[str], *, is_array: bool) -> list[str]:
-    """The way to a table, with the indices of the arrays around it; `arrays` counts them."""
-    way: list[str] = []
+    """Return the path to a table, with the indices of the arrays around it, counted by `arrays`."""
+    path: list[str] = []
     for place, word in enumerate(words, start=1):
-        way.append(word)
-        name = ".".join(way)
+        path.append(word)
+        name = ".".join(path)
         if is_array and place == len(words):
             arrays[name] += 1
         if arrays[name]:
-            way.append(str(arrays[name] - 1))
-    return way
+            path.append(str(arrays[name] - 1))
+    return path
 
 
 def _split(dotted: str) -> list[str]:
@@ -79,7 +79,7 @@ def _split(dotted: str) -> list[str]:
 
 
 def _shared(first: Sequence[str], second: Sequence[str]) -> int:
-    """How many words two ways begin with alike."""
+    """Count the words that two paths have in common at their start."""
     for index, (one, other) in enumerate(zip(first, second, strict=False)):
         if one != other:
             return index

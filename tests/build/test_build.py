@@ -129,7 +129,7 @@ def test_a_package_brings_what_it_depends_on(tmp_path: Path) -> None:
 def test_folders_that_cmake_or_colcon_cannot_write_down(sign: str, tmp_path: Path) -> None:
     root = tmp_path / f"my{sign}ws"
     write_package(root)
-    with pytest.raises(RequestError, match="do not cope with"):
+    with pytest.raises(RequestError, match="do not support"):
         build_here(root)
     assert [entry.name for entry in root.iterdir()] == ["src"]
 
@@ -233,7 +233,7 @@ def test_a_workspace_with_a_python_package(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("name", "hint"),
-    [("demmo", "Did you mean `demo`?"), ("something", "There are: demo."), ("../demo", "demo")],
+    [("demmo", "Did you mean `demo`?"), ("something", "Known: demo."), ("../demo", "demo")],
 )
 def test_an_unknown_package(tmp_path: Path, name: str, hint: str) -> None:
     write_package(tmp_path)

@@ -205,7 +205,7 @@ def test_an_ament_package_that_was_removed_later(tmp_path: Path) -> None:
 @pytest.mark.parametrize("requested", [(), ("demo",)])
 @pytest.mark.parametrize(
     ("build_type", "hint"),
-    [("ament_cmke", "Did you mean `ament_cmake`?"), ("meson", "There are: ament_cmake, ament_")],
+    [("ament_cmke", "Did you mean `ament_cmake`?"), ("meson", "Known: ament_cmake, ament_")],
 )
 def test_a_build_type_that_colcon_does_not_know(
     build_type: str, hint: str, requested: tuple[str, ...], tmp_path: Path

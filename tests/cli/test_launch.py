@@ -192,7 +192,7 @@ def test_neither_workspace_nor_package(
     monkeypatch.delenv("AMENT_PREFIX_PATH")
     code, _, err = launch(capsys, "my_robot", "r.launch.py")
     assert code == 4
-    assert "no colcon workspace" in err
+    assert "No colcon workspace" in err
 
 
 def test_an_argument_that_nobody_uses(share: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -147,7 +147,7 @@ def test_not_built(workspace: Path) -> None:
         code, _, words = validate(workspace, name)
         assert (code, f"There is no file {name}." in words) == (4, True)
     shutil.rmtree(workspace / "src" / PACKAGE)
-    assert "There is no package in" in validate(workspace)[2]
+    assert "has no package" in validate(workspace)[2]
 
 
 def test_model_is_not_installed(workspace: Path) -> None:

@@ -98,11 +98,11 @@ def test_the_end_of_the_parent_while_a_server_imports(tmp_path: Path) -> None:
 
 HELD_TOO_LATE = """
 import os, signal, sys
-from wsgen.isolation.parent_death import hold
+from wsgen.isolation.parent_death import end_with_parent
 os.setsid()
 for_child, ours = os.pipe()
 os.close(ours)
-hold(for_child, signal.SIGTERM)
+end_with_parent(for_child, signal.SIGTERM)
 sys.exit("still here")
 """
 

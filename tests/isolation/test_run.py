@@ -241,7 +241,7 @@ def test_a_child_that_prints_for_ever(run: Run, task: Task, swallow: bool) -> No
 def test_a_child_that_eats_memory(run: Run, task: Task) -> None:
     died = run(task("x = bytearray(3 * 2**30)\nreturn len(x)"), limits=Limits(memory=2**30))
     assert isinstance(died, Died)
-    assert died.reason == "needed more memory than it may have"
+    assert died.reason == "exceeded its memory limit"
 
 
 def test_an_exception_is_an_answer_too(run: Run, task: Task) -> None:

@@ -376,7 +376,7 @@ def test_launch_file_that_is_a_link_to_nothing(
     space.add("my_robot")
     (tmp_path / f"a.launch{suffix}").symlink_to("renamed.launch")
     words = only_message(space.evaluate(tmp_path / f"a.launch{suffix}"), "LCH018")
-    assert "a link to renamed.launch, which is not there" in words
+    assert "a link to renamed.launch, which does not exist" in words
 
 
 def test_other_files_that_are_pipes(space: InstallSpace, tmp_path: Path) -> None:

@@ -150,7 +150,7 @@ def test_what_is_there_instead_of_a_file(tmp_path: Path) -> None:
     for name, ending in (
         ("pipe.sdf", "it is a named pipe."),
         ("link.sdf", "it is a link to a device (/dev/zero)."),
-        ("dead.sdf", "it is a link to nowhere, which is not there."),
+        ("dead.sdf", "it is a link to nowhere, which does not exist."),
         ("", "it is a folder."),
     ):
         (found,) = read_sdf(tmp_path / name, find_model=lambda _: None).diagnostics

@@ -194,7 +194,7 @@ def test_opening_from_the_folder_in_which_new_was_called(
 
 
 def test_opening_what_is_around_a_workspace(root: Path) -> None:
-    with pytest.raises(RequestError, match="it holds ws") as raised:
+    with pytest.raises(RequestError, match="it contains ws") as raised:
         open_workspace(str(root.parent))
     assert raised.value.hint == f"Write: -w {root}"
     (root.parent / "build").mkdir()
@@ -216,5 +216,5 @@ def test_opening_where_the_package_has_no_manifest(
 def test_opening_where_there_is_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "somewhere" / "src").mkdir(parents=True)
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(NotFoundError, match="no colcon workspace around"):
+    with pytest.raises(NotFoundError, match="No colcon workspace was found around"):
         open_workspace(None)

@@ -1,4 +1,4 @@
-"""What a CMakeLists.txt says, as far as it can be read without running it."""
+"""Read the calls in a CMakeLists.txt without running it."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ BLOCKS = ("block", "foreach", "function", "if", "macro", "while")  # each ends w
 class Call:
     """One call of a command."""
 
-    command: str  # in lower case: CMake does not care
+    command: str  # in lower case: CMake ignores case
     arguments: tuple[str, ...]
     line: int  # 1-based, of the command
     argument_lines: tuple[int, ...]  # 1-based, of each argument
 
 
 def read_calls(file: Path) -> tuple[Call, ...]:
-    """List the calls in the order of the text; nothing where the file cannot be read."""
+    """List the calls in the order of the text; empty if the file cannot be read."""
     try:
         text = file.read_text(encoding="utf-8", errors="replace")
     except OSError:
@@ -46,8 +46,8 @@ def find_open_block(file: Path) -> tuple[Call | None, Call | None]:
     """Find the call that opens a block that is not closed, or closes one that is not open.
 
     Returns:
-        The call that opens a block without an end, and the call that ends another one in its place;
-        either may be None, both where all blocks are in order.
+        The call that opens a block without an end, and the call that ends another block instead;
+        either may be None, and both are if all blocks match.
     """
     opened: list[Call] = []
     for call in read_calls(file):
@@ -61,10 +61,10 @@ def find_open_block(file: Path) -> tuple[Call | None, Call | None]:
 
 
 def find_open_quote(file: Path) -> int | None:
-    """Find the line of a quotation mark that seems not to be closed: a guess.
+    """Guess the line of a quotation mark that is not closed.
 
-    It is the last one, if their number is odd; or before it one whose string takes the closing
-    parenthesis of its own line along, to the next mark that comes.
+    It is the last one if their number is odd, or an earlier one whose string contains the closing
+    parenthesis of its line.
     """
     try:
         text = _blank_comments(file.read_text(encoding="utf-8", errors="replace"))
@@ -90,7 +90,7 @@ def _find_calls(text: str) -> Iterator[Call]:
 
 
 def _blank_comments(text: str) -> str:
-    """Replace comments by nothing, keeping the lines."""
+    """Remove comments, keeping the line breaks."""
     return _COMMENT.sub(lambda match: "\n" * match[0].count("\n") if match[1] else match[0], text)
 
 

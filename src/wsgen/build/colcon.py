@@ -1,12 +1,9 @@
-"""Run colcon in a process of its own, and hand on its events while it works.
+"""Run colcon in a child process, and turn its events into those of wsgen.
 
-Why not in this process, which would save 40 ms of 490: colcon is written to run once. It caches
-the manifests and extensions it has read and where CMake is in module globals, changes the logging
-and, when interrupted, the handling of SIGINT, and it takes the environment and the current folder
-from the process, which other threads of ours may be using. As a process, with the group of
-processes it starts, it can also be ended as a whole.
-
-colcon's events as ours, and what the result of the build keeps of them.
+Running it in this process would save 40 ms of 490, but colcon is written to run once. It caches
+manifests, extensions and the path of CMake in module globals, changes the logging and, when
+interrupted, the handling of SIGINT, and uses the environment and the current folder of the process,
+which other threads may need. A child can also be ended together with the processes that it starts.
 """
 
 from __future__ import annotations
@@ -39,10 +36,10 @@ SECONDS_TO_STOP = 10.0  # wall-clock, for compilers to clean up
 
 @dataclass(frozen=True, kw_only=True)
 class Finished:
-    """How the process ended."""
+    """How colcon ended."""
 
     returncode: int  # negative: the number of the signal that ended it
-    output: str  # what colcon itself had to say
+    output: str  # what colcon itself printed
 
 
 def run_colcon(
@@ -54,9 +51,9 @@ def run_colcon(
 ) -> Finished:
     """Run `colcon` with the arguments in the folder, calling back for each event of the build.
 
-    The events are those of `colcon_events`. An interruption (Ctrl-C, or whatever a handler of
-    signals raises) ends colcon and all that it started, then goes on as the exception that it is.
-    The end of this process ends them, too.
+    The events are those of `colcon_events`. An interruption (Ctrl-C, or an exception of a signal
+    handler) ends colcon and all processes that it started, and is raised again. The end of this
+    process ends them, too.
     """
     with tempfile.TemporaryFile() as output, open_parent_death_pipe() as parent_death_pipe:
         request = {
@@ -78,9 +75,9 @@ def run_colcon(
         except OSError as error:
             raise NotReadableError(
                 f"colcon could not be started in {folder}: {error.strerror}.",
-                hint="Check that you may enter the folder and that memory is free.",
+                hint="Check that you may enter the folder, and that memory is free.",
             ) from error
-        with child:  # outermost: at its exit it waits, so the child has to have been ended
+        with child:  # outermost: its exit waits for the child, which must have ended
             try:
                 _send(child.stdin, json.dumps(request))
                 for line in child.stdout or ():
@@ -96,12 +93,12 @@ def run_colcon(
 
 def _send(stream: IO[bytes] | None, request: str) -> None:
     if stream is not None:
-        with suppress(BrokenPipeError), stream:  # it died at once; its exit code tells
+        with suppress(BrokenPipeError), stream:  # it died at once; its exit code shows it
             stream.write(request.encode())
 
 
 def _end(child: subprocess.Popen[bytes], first: signal.Signals) -> None:
-    """Signal the group as a terminal or supervisor would, and end by force what does not stop."""
+    """Signal the group as a terminal or supervisor would, and kill what does not stop."""
     for number, patience in ((first, SECONDS_TO_STOP), (signal.SIGKILL, None)):
         with suppress(ProcessLookupError, PermissionError):
             os.killpg(child.pid, number)
@@ -115,32 +112,32 @@ def _read(output: IO[bytes]) -> str:
 
 
 STEP = ("build",)
-INTERRUPTED = "SIGINT"  # what colcon gives for the return code of a job that it stopped
+INTERRUPTED = "SIGINT"  # colcon's return code of a job that it stopped
 
 
 @dataclass(frozen=True, kw_only=True)
 class PackageResult:
-    """What became of one package."""
+    """The outcome of one package."""
 
     name: str
-    outcome: str  # "built", "failed", "interrupted" (another one failed meanwhile) or "skipped"
+    outcome: str  # "built", "failed", "interrupted" (because another one failed) or "skipped"
     seconds: float  # wall-clock
-    error_output: tuple[str, ...] = ()  # the lines its programs wrote to standard error
+    error_output: tuple[str, ...] = ()  # the lines of its programs on standard error
 
 
 @dataclass
 class Progress:
-    """Called for each event of `colcon_events`."""
+    """Receives the events of `colcon_events`, posts ours, and collects results."""
 
     listener: Listener | None
     results: list[PackageResult] = field(default_factory=list)
     log_folder: Path | None = None
-    colcon_output: list[str] = field(default_factory=list)  # what it wrote to standard error
+    colcon_output: list[str] = field(default_factory=list)  # lines on standard error
     _started: dict[str, float] = field(default_factory=dict)  # time.monotonic()
     _error_output: dict[str, list[str]] = field(default_factory=dict)
 
     def __call__(self, event: dict[str, Any]) -> None:
-        """Hand on the event, and remember what the result needs."""
+        """Post the event, and keep what the result needs."""
         if event["event"] == "log":
             self.log_folder = None if event["path"] is None else Path(event["path"])
             return

@@ -1,7 +1,6 @@
-"""The process that colcon runs in: run as a script, with the request on standard input.
+"""The process that colcon runs in, a script with the request on standard input.
 
-It imports nothing but the standard library until the search path is set. Standard output carries
-the events to wsgen; what colcon itself prints goes to standard error.
+Standard output carries the events to wsgen; the output of colcon itself goes to standard error.
 """
 
 import gc
@@ -13,7 +12,7 @@ import sys
 from colcon_core.command import main
 
 from wsgen.build.colcon_events import write_events_to
-from wsgen.isolation.parent_death import hold
+from wsgen.isolation.parent_death import end_with_parent
 
 request = json.load(sys.stdin)
 sys.path[:] = request["path"]
@@ -21,10 +20,10 @@ events = os.fdopen(os.dup(1), "w", encoding="utf-8")
 os.dup2(2, 1)
 
 
-# Not SIGKILL: make and compilers remove the files that they have half written.
-hold(request["parent_death_pipe"], signal.SIGTERM)
+# Not SIGKILL: make and compilers remove unfinished files.
+end_with_parent(request["parent_death_pipe"], signal.SIGTERM)
 
-# The process is short, and importing colcon makes objects enough to keep the collector busy.
+# The process is short, and importing colcon creates enough objects to keep the collector busy.
 gc.disable()
 
 

@@ -1,9 +1,8 @@
-"""The build as seen from inside colcon: its events, written as JSON lines for `wsgen build`.
+"""An event handler inside colcon that writes its events as JSON lines for `wsgen build`.
 
-colcon takes event handlers from the entry points of installed distributions. The handler here is
-of use in the process that `wsgen build` starts and nowhere else, so it is not installed as an
-entry point, which every plain `colcon` would load, but offered by a distribution that exists in
-that process alone.
+colcon takes event handlers from the entry points of installed distributions. This handler is only
+useful in the process that `wsgen build` starts. It is not installed as an entry point, which every
+plain `colcon` would load, but offered by a distribution that exists only in that process.
 """
 
 from __future__ import annotations
@@ -29,14 +28,14 @@ _stream: TextIO = sys.stdout
 
 
 def write_events_to(stream: TextIO) -> None:
-    """Offer the handler to colcon; it will write to the stream."""
-    global _stream  # noqa: PLW0603  colcon makes the handler, so there is no argument to pass it by
+    """Offer the handler to colcon, and let it write to the stream."""
+    global _stream  # noqa: PLW0603  colcon creates the handler without arguments
     _stream = stream
     sys.meta_path.append(_Finder())
 
 
 class EventWriter(EventHandlerExtensionPoint):  # type: ignore[misc]  # colcon is not typed
-    """Write each event that is worth showing as one JSON object on a line."""
+    """Writes each event to show as one JSON object on a line."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -77,7 +76,7 @@ class EventWriter(EventHandlerExtensionPoint):  # type: ignore[misc]  # colcon i
             self._stream.write(json.dumps(event) + "\n")
             self._stream.flush()
         except BrokenPipeError:
-            # wsgen is gone, perhaps killed; nobody waits for this build any more.
+            # wsgen has ended, perhaps killed, so the build must end, too.
             os.killpg(os.getpgrp(), signal.SIGINT)
 
 
@@ -100,7 +99,7 @@ class _Offer(Distribution):
 
 
 class _Finder(DistributionFinder):
-    """Finds that distribution, and never a module."""
+    """Finds this distribution, and no module."""
 
     def find_spec(self, *_arguments: object) -> None:
         return None

@@ -1,4 +1,4 @@
-"""What plain `colcon` loads from wsgen: the toolchain, and tests that cannot be built left out.
+"""The extension of plain `colcon`: it sets the toolchain, and skips tests that cannot be built.
 
 Registered as `colcon_core.argument_parser`, the first group of extensions that colcon calls in
 every command, so that `.venv/bin/colcon build` finds CMake, Python and ament_cmake also where the
@@ -53,7 +53,7 @@ class ToolchainExtension(ArgumentParserDecoratorExtensionPoint):  # type: ignore
 
 
 class _WithoutTests(ArgumentParserDecorator):  # type: ignore[misc]  # colcon is not typed
-    """Builds without tests, as `wsgen build` does, where a linter that they need is missing."""
+    """Builds without tests, like `wsgen build`, if a linter that they need is missing."""
 
     def parse_args(self, *args: object, **kwargs: object) -> argparse.Namespace:
         """Add to the arguments of `colcon build`."""
@@ -68,7 +68,7 @@ def _leave_tests_out(parsed: argparse.Namespace) -> None:
     from wsgen.build.sources import WITHOUT_TESTS, missing_test_dependencies  # noqa: PLC0415
     from wsgen.workspace.layout import Workspace, take_inventory  # noqa: PLC0415
 
-    # Without colcon's extension for CMake, or for ROS, their arguments are not there.
+    # Without colcon's extensions for CMake or ROS, their arguments do not exist.
     for_cmake = getattr(parsed, "cmake_args", None) or ()
     for_ament = getattr(parsed, "ament_cmake_args", None) or ()
     if any("BUILD_TESTING" in word for word in (*for_cmake, *for_ament)):
@@ -91,7 +91,7 @@ def _leave_tests_out(parsed: argparse.Namespace) -> None:
         built_here={package.name for package in packages},
     )
     if notes:
-        # What colcon adds to the arguments of CMake, wherever those come from.
+        # colcon adds these to the arguments of CMake, wherever those come from.
         parsed.ament_cmake_args = [WITHOUT_TESTS, *for_ament]
         for note in notes:
             colcon_logger.getChild("wsgen").warning(note.message)

@@ -1,7 +1,4 @@
-"""Whether what is asked for can be built at all, before colcon is started.
-
-The command line and the variables with which colcon is run.
-"""
+"""Check a request before colcon starts, and make the command line and variables for colcon."""
 
 from __future__ import annotations
 
@@ -21,13 +18,13 @@ if TYPE_CHECKING:
 
 
 EVENT_HANDLERS = "colcon_core.event_handler"
-SILENCED = ("console_start_end", "console_stderr", "summary")  # our events say it already
+SILENCED = ("console_start_end", "console_stderr", "summary")  # our events replace them
 DISCOVERY_OPTIONS = ("--base-paths", "--paths", "--metas")
 SELECTION_OPTION = "--packages-"
 OUTPUT_OPTION = "--event-handlers"
 
-# A quarter of colcon's own time goes into these, and without a Python package in the workspace
-# they do nothing; the tests of packages have no part in a build.
+# These take a quarter of colcon's own time; without a Python package in the workspace they do
+# nothing, and a build does not run tests.
 PYTHON_EXTENSIONS = (
     "colcon_core.package_identification.python_setup_py",
     "colcon_core.package_augmentation.python_setup_py",
@@ -46,16 +43,15 @@ def build_arguments(
     without_tests: bool,
     blocked: Collection[str] = (),
 ) -> list[str]:
-    """Put the command line together.
+    """Make the command line.
 
-    Packages come with the packages of the workspace that they depend on. Of an option that is
-    given twice colcon takes the last, so nothing of the user's is repeated. `blocked` are the
-    extensions that the user has blocked, which colcon would not let itself be told about.
+    Packages are built with their dependencies in the workspace. Of a repeated option colcon takes
+    the last, so no option of the user is repeated. `blocked` are the extensions that the user has
+    blocked; colcon refuses options for them.
     """
     arguments = ["build", *colcon_arguments]
     if without_tests:
-        # Not --cmake-args: this option adds to those, also where a colcon_defaults.yaml gives
-        # them.
+        # Not --cmake-args: this option adds to them, also to those of a colcon_defaults.yaml.
         option = "--ament-cmake-args"
         position = arguments.index(option) + 1 if option in arguments else None
         if position is None:
@@ -71,17 +67,17 @@ def build_arguments(
 
 
 def discovers_elsewhere(colcon_arguments: Sequence[str]) -> bool:
-    """Whether the arguments let colcon look for packages outside the workspace's folders."""
+    """Whether the arguments make colcon search packages outside the workspace's folders."""
     return _uses(colcon_arguments, *DISCOVERY_OPTIONS)
 
 
 def selects_packages(colcon_arguments: Sequence[str]) -> bool:
-    """Whether the arguments choose among the packages."""
+    """Whether the arguments select packages."""
     return _uses(colcon_arguments, SELECTION_OPTION)
 
 
 def blocked_extensions(environment: Mapping[str, str]) -> list[str]:
-    """List the extensions of colcon, and groups of them, that are not to be used."""
+    """List the extensions of colcon, and groups of them, that the user has blocked."""
     return [entry for entry in environment.get(BLOCKLIST, "").split(os.pathsep) if entry]
 
 
@@ -92,10 +88,10 @@ def block_extensions(
     inventory: Inventory,
     colcon_arguments: Sequence[str],
 ) -> None:
-    """Let colcon leave out what it has no use for: our own extension, whose work is done.
+    """Block extensions that colcon does not need: our own, whose work is done.
 
-    And, in a workspace without Python packages, what is there for those; but not where colcon
-    looks further than the inventory did, be it by its arguments or by a file of default arguments.
+    Also, in a workspace without Python packages, those for Python; but not if colcon may search
+    further than the inventory, because of its arguments or a file of default arguments.
     """
     blocked = [*blocked_extensions(environment), TOOLCHAIN_EXTENSION]
     if not (
@@ -125,41 +121,41 @@ def choose_packages(
     names: Sequence[str],
     colcon_arguments: Sequence[str],
 ) -> tuple[PackageFolder, ...]:
-    """Return the ROS packages that are asked for by name; all where no name is given.
+    """Return the ROS packages with these names; all if no name is given.
 
     Raises:
-        RequestError: a name is that of no package, or of one that colcon is told to ignore.
-        NotFoundError: there is no package at all.
+        RequestError: a package is unknown or ignored.
+        NotFoundError: the workspace has no package.
     """
     if discovers_elsewhere(colcon_arguments):
-        return inventory.packages  # colcon knows better
+        return inventory.packages  # colcon searches elsewhere, too
     if not inventory.packages and not inventory.others:
         refuse_empty(workspace)
     known = {package.name: package for package in inventory.packages}
     for name in names:
-        # A package without package.xml may have any name; colcon will say.
+        # A package without package.xml may have any name; colcon knows it.
         if name not in known and not inventory.others:
             raise unknown_package(workspace, inventory, name)
     return tuple(package for package in inventory.packages if not names or package.name in names)
 
 
 def unknown_package(workspace: Workspace, inventory: Inventory, name: str) -> RequestError:
-    """Make the error for a name that colcon finds no package of."""
+    """Make the error for the name of a package that colcon does not find."""
     for folder, marker in _ignored_packages(workspace):
         package = read_package(folder)
         if package is not None and package.name == name:
             return RequestError(
-                f"The package {name} in {folder} is ignored: {marker} says so.",
+                f"colcon ignores the package {name} in {folder}, because {marker} exists.",
                 hint=f"Remove {marker} to build the package.",
             )
     return RequestError(
-        f"There is no package {name} in {workspace.root}.",
+        f"{workspace.root} has no package {name}.",
         hint=suggest(name, {package.name for package in inventory.packages}),
     )
 
 
 def refuse_empty(workspace: Workspace) -> NoReturn:
-    """Stop in a workspace without packages, and say why it has none.
+    """Stop in a workspace without packages, and explain why it has none.
 
     Raises:
         NotFoundError: always.
@@ -168,18 +164,18 @@ def refuse_empty(workspace: Workspace) -> NoReturn:
     if ignored is not None:
         folder, marker = ignored
         raise NotFoundError(
-            f"There is nothing to build in {workspace.root}: {folder} is ignored.",
-            hint=f"{marker} says so; remove it to build the package.",
+            f"{workspace.root} has no package to build: colcon ignores {folder}.",
+            hint=f"Remove {marker} to build the package.",
         )
     refuse_missing_manifest([workspace.root])
     raise NotFoundError(
-        f"There is no package in {workspace.root}.",
-        hint="Make one with: wsgen new PACKAGE",
+        f"{workspace.root} has no package.",
+        hint="Create one: wsgen new PACKAGE",
     )
 
 
 def _ignored_packages(workspace: Workspace) -> Iterator[tuple[Path, Path]]:
-    """Yield the packages that colcon leaves out, each with the file that makes it do so."""
+    """Yield the packages that colcon ignores, each with the marker file."""
     for folder, names in crawl(workspace.source, with_ignored=True):
         if "package.xml" not in names:
             continue

@@ -1,8 +1,8 @@
-"""Where CMake, Python and ament_cmake come from when colcon builds.
+"""Find CMake, Python and ament_cmake for a build.
 
 A sourced ROS is used as it is, with its own Python. Otherwise ament_cmake comes from the wheels
-that wsgen depends on, and CMake must use the interpreter that holds them; both also work when the
-virtual environment is not activated.
+that wsgen depends on, and CMake must use the interpreter of their environment. Both also work if
+the virtual environment is not activated.
 
 colcon loads this module at the start of every command, so it imports little.
 """
@@ -30,10 +30,10 @@ MAKE_PROGRAMS = ("gmake", "make", "smake")  # the names CMake looks for
 class SourcedRos:
     """A ROS whose setup file was sourced."""
 
-    prefix: Path  # the entry of AMENT_PREFIX_PATH that holds ament_cmake
+    prefix: Path  # the entry of AMENT_PREFIX_PATH with ament_cmake
 
     def environment(self, environ: Mapping[str, str]) -> dict[str, str]:
-        """Give the variables for the build: those given, without wsgen's own Python.
+        """Return the variables for the build: those given, without wsgen's own Python.
 
         An isolated virtual environment cannot see what the Python code of ROS imports, and CMake
         would take its interpreter because VIRTUAL_ENV or PATH names it.
@@ -46,24 +46,24 @@ class SourcedRos:
             if _same(variables.get("VIRTUAL_ENV", ""), sys.prefix):
                 del variables["VIRTUAL_ENV"]
         if shutil.which("cmake", path=variables.get("PATH")) is None:
-            _choose_cmake(variables)  # better ours than none
+            _choose_cmake(variables)  # that of the wheel
         return variables
 
 
 @dataclass(frozen=True, kw_only=True)
 class Wheels:
-    """The ament_cmake that pip installed beside wsgen."""
+    """The ament_cmake that pip installed with wsgen."""
 
-    prefix: Path  # holds share/ament_cmake
+    prefix: Path  # with share/ament_cmake
 
     def environment(self, environ: Mapping[str, str]) -> dict[str, str]:
-        """Give the variables for the build: those given, with this prefix and this Python."""
+        """Return the variables for the build: those given, with this prefix and this Python."""
         variables = dict(environ)
         scripts = str(self.prefix / "bin")
         path = [entry for entry in _split(environ, "PATH") if entry != scripts]
         variables["PATH"] = os.pathsep.join([scripts, *path])
-        # The end of the list: what the user put there goes first. AMENT_PREFIX_PATH would be the
-        # natural place, but colcon warns about every entry that has no local_setup file.
+        # At the end: prefixes of the user come first. AMENT_PREFIX_PATH would be the natural
+        # variable, but colcon warns about every entry without a local_setup file.
         prefixes = [
             entry for entry in _split(environ, "CMAKE_PREFIX_PATH") if entry != str(self.prefix)
         ]
@@ -71,7 +71,7 @@ class Wheels:
         _choose_python(variables)
         _choose_cmake(variables)
         if not any(shutil.which(name, path=variables["PATH"]) for name in MAKE_PROGRAMS):
-            # CMake does not look at it where a generator was chosen before.
+            # CMake ignores it if the build folder has a generator already.
             variables.setdefault("CMAKE_GENERATOR", "Ninja")
         return variables
 
@@ -83,7 +83,7 @@ def find_toolchain(environment: Mapping[str, str]) -> Toolchain:
     """Find the ament_cmake to build with.
 
     Raises:
-        NotFoundError: neither a sourced ROS nor the wheels hold ament_cmake.
+        NotFoundError: neither a sourced ROS nor the wheels have ament_cmake.
     """
     for prefix in map(Path, _split(environment, "AMENT_PREFIX_PATH")):
         if (prefix / AMENT_CMAKE).is_file():
@@ -92,14 +92,14 @@ def find_toolchain(environment: Mapping[str, str]) -> Toolchain:
         if (prefix / AMENT_CMAKE).is_file():
             return Wheels(prefix=prefix)
     raise NotFoundError(
-        "ament_cmake was not found: no ROS is sourced, and it is not installed beside wsgen.",
+        "ament_cmake was not found: no ROS is sourced, and it is not installed with wsgen.",
         hint="Source a ROS (source /opt/ros/<distro>/setup.bash), or install wsgen with pip on "
-        "Linux x86_64, where ament_cmake comes with it.",
+        "Linux x86_64, which also installs ament_cmake.",
     )
 
 
 def use_toolchain(environment: MutableMapping[str, str]) -> None:
-    """Change the variables in place; without any toolchain they stay as they are."""
+    """Change the variables in place; without a toolchain they stay as they are."""
     try:
         wanted = find_toolchain(environment).environment(environment)
     except NotFoundError:
@@ -133,11 +133,11 @@ def _installation_prefixes() -> Iterator[Path]:
 
 
 def _choose_python(variables: dict[str, str]) -> None:
-    """Make CMake's FindPython take the running interpreter."""
+    """Make FindPython of CMake use the running interpreter."""
     if sys.prefix != sys.base_prefix:
         variables["VIRTUAL_ENV"] = sys.prefix
     else:
-        # Another environment that is active must not win.
+        # Another active environment must not take precedence.
         variables.pop("VIRTUAL_ENV", None)
         for name in ("Python3_ROOT_DIR", "Python_ROOT_DIR"):
             variables.setdefault(name, sys.prefix)

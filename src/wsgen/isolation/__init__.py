@@ -2,5 +2,5 @@
 
 Launch files, xacro expressions and physics engines are foreign code: they run in a child, and the
 child's death is a value, never the death of wsgen. `parent.run` starts an interpreter for one
-child, `fork server` forks many from one; `child` is what happens in them.
+child, `fork_server.ForkServer` forks many from one; `child` is what runs in them.
 """

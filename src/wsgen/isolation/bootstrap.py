@@ -1,4 +1,4 @@
-"""The first lines of a child process: find wsgen again, then do the task.
+"""The first lines of a child process: set the module search path, then perform the task.
 
 Run as a script in an isolated interpreter (`python -I bootstrap.py`), with the request on
 standard input. It imports nothing but the standard library until the search path is set.
@@ -12,7 +12,7 @@ from wsgen.isolation import child
 
 
 def set_search_path(own: list[str]) -> None:
-    """Look for modules where wsgen does, and behind that where the environment says."""
+    """Search modules where wsgen does, then in PYTHONPATH."""
     overlay = os.environ.get("PYTHONPATH", "").split(os.pathsep)
     sys.path[:] = own + [entry for entry in overlay if entry and entry not in own]
 
@@ -24,7 +24,7 @@ set_search_path(request["path"])
 if "control" in request:
     from wsgen.isolation.fork_server_process import serve
 
-    request = serve(request)  # comes back in each child that the server forks
+    request = serve(request)  # returns in each child that the server forks
     set_search_path(request["path"])
 
 child.perform(request)

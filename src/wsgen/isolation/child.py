@@ -1,4 +1,4 @@
-"""What happens in the child process: set the limits, call the function, leave the answer."""
+"""The work of a child process: set the limits, call the function, write the answer."""
 
 from __future__ import annotations
 
@@ -18,28 +18,28 @@ from wsgen.isolation.codec import encode
 if sys.platform != "win32":
     import resource
 
-SPARE_CPU_SECONDS = 5  # for who does not want to end at the limit
+SPARE_CPU_SECONDS = 5  # between the soft and the hard limit
 
 _scratch: Path | None = None
 
 
 def announce(step: str) -> None:
-    """Say what comes now; it is what is reported if the process dies in it."""
+    """Name the next step, which is reported if the process dies in it."""
     if _scratch is not None:
         _scratch.joinpath("step").write_text(step, encoding="utf-8")
 
 
 def scratch_folder() -> Path | None:
-    """A folder that goes when the process ends, however it ends; None outside of a child."""
+    """Return a folder that is removed when the process ends; None outside of a child."""
     return _scratch
 
 
 def perform(request: dict[str, Any]) -> None:
-    """Do the task and end the process; the answer lies in the scratch folder."""
+    """Perform the task, write its answer into the scratch folder, and end the process."""
     global _scratch  # noqa: PLW0603  the process has one task; its functions announce from anywhere
     _scratch = Path(request["scratch"])
     if sys.platform == "linux":
-        from wsgen.isolation.guard import stand_guard  # noqa: PLC0415  there is none elsewhere
+        from wsgen.isolation.guard import stand_guard  # noqa: PLC0415  only on Linux
 
         stand_guard(request["parent_death_pipe"], request["cpu_seconds"])
     _limit(request["memory"], request["cpu_seconds"], request["output"])
@@ -48,7 +48,7 @@ def perform(request: dict[str, Any]) -> None:
         value = getattr(importlib.import_module(module), function)(*request["arguments"])
         text = encode({"value": value})
     except MemoryError:
-        text = json.dumps({"died": "needed more memory than it may have", "cause": "memory"})
+        text = json.dumps({"died": "exceeded its memory limit", "cause": "memory"})
     except SystemExit:
         raise
     except BaseException as error:  # noqa: BLE001  foreign code may raise anything
@@ -61,16 +61,16 @@ def perform(request: dict[str, Any]) -> None:
     with suppress(OSError, ValueError):  # the foreign code may have closed them
         sys.stdout.flush()
         sys.stderr.flush()
-    # Engines and interpreters of foreign code may crash or wait while they are torn down; the
-    # answer is there, so nothing is lost by leaving at once.
+    # Engines and interpreters of foreign code may crash or hang at their exit. The answer is
+    # written, so the process ends at once.
     os._exit(0)
 
 
 def _limit(memory: int, cpu_seconds: float, output: int) -> None:
-    """Limit address space, CPU time and output where the system knows how."""
+    """Limit address space, CPU time and output where the system supports it."""
     if sys.platform == "win32":
         return
-    # Python would make an exception of it, which foreign code may swallow and go on.
+    # Python would raise an exception, which foreign code may ignore.
     signal.signal(signal.SIGXFSZ, signal.SIG_DFL)
     whole_seconds = math.ceil(cpu_seconds)
     for kind, soft, hard in (

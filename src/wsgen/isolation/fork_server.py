@@ -1,12 +1,12 @@
-"""Run many functions in child processes of their own that share the start of the interpreter.
+"""Run many functions in child processes that are forked from one interpreter.
 
 Starting an interpreter and importing a physics engine takes longer than most robots need to come
-to rest. A fork server does it once for each module, in a server that does nothing else (`server`),
-and every task runs in a child that is forked from there.
+to rest. A fork server does it once for each module, in a server process that does nothing else
+(`fork_server_process`), and every task runs in a child that is forked from there.
 
-Only on Linux: Windows cannot fork, on macOS the system's libraries may crash in a forked child,
-and elsewhere nothing would end the children when this process is killed. There, and where a module
-starts threads when it is imported, every task starts its own interpreter.
+It works on Linux only: Windows cannot fork, on macOS the system's libraries may crash in a forked
+child, and elsewhere nothing would end the children when this process is killed. There, and where a
+module starts threads when it is imported, every task starts its own interpreter.
 """
 
 from __future__ import annotations
@@ -41,17 +41,18 @@ if TYPE_CHECKING:
     from types import TracebackType
 
 
-MESSAGE_BYTES = 64  # a report is some words and a number
+MESSAGE_BYTES = 64  # a report is a word and a number
 
 
 class ForkServer(contextlib.AbstractContextManager["ForkServer"]):
-    """A context manager whose `run` means what `parent.run` means and costs less.
+    """A context manager whose `run` does what `parent.run` does, faster.
 
-    The first task of a module starts the module's server, which imports it with this process's
-    environment; every child begins with what that left and nothing of the tasks before. What
-    the interpreter and the dynamic loader read at their start (`LC_ALL`, `LD_LIBRARY_PATH`) is
-    this process's for every child, whatever environment it then is given. Threads may share a
-    fork server. Leaving the context ends the servers, and calls that are still waiting with them.
+    The first task of a module starts the server of this module, which imports it with the
+    environment of this process. Every child starts from the state after this import, without that
+    of other tasks. Variables that the interpreter and the dynamic loader read at their start
+    (`LC_ALL`, `LD_LIBRARY_PATH`) are those of this process for every child, whatever environment
+    it gets. Threads may share a fork server. Leaving the context ends the servers, and all calls
+    that still wait.
     """
 
     def __init__(self) -> None:
@@ -80,8 +81,8 @@ class ForkServer(contextlib.AbstractContextManager["ForkServer"]):
     ) -> Answered | Died:
         """Call `module:function` with the arguments in a child; see `parent.run`.
 
-        When the server itself is killed, the calls that wait for its children say so, and the next
-        call starts another one.
+        When the server itself is killed, the calls that wait for its children report them as lost,
+        and the next call starts another server.
 
         Raises:
             NotReadableError: The folder or the memory for the child is missing.
@@ -102,9 +103,9 @@ class ForkServer(contextlib.AbstractContextManager["ForkServer"]):
         environment: Mapping[str, str] | None,
         folder: Path | None,
     ) -> Answered | Died | None:
-        """As `run`; None if the task has to start its own interpreter."""
+        """Run the task like `run`; return None if it has to start its own interpreter."""
         with (
-            # Only what a dying server leaves running can disturb the cleaning up.
+            # A process that a dying server left behind may still write into the folder.
             tempfile.TemporaryDirectory(prefix="wsgen-", ignore_cleanup_errors=True) as name,
             open_parent_death_pipe() as parent_death_pipe,
         ):
@@ -137,19 +138,19 @@ class ForkServer(contextlib.AbstractContextManager["ForkServer"]):
         return server
 
     def _report_lost_children(self, server: _Server, scratch: Path) -> Died:
-        """Say that a child was lost with its server."""
+        """Report that a child was lost with its server."""
         with self._lock:
             server.close()
         how = describe_exit(server.process.returncode)
         death = read_death(scratch, f"was lost with the process that had started it, which {how}")
-        return death if death.output else replace(death, output=server.last_words)
+        return death if death.output else replace(death, output=server.last_output)
 
 
 class _Server:
     """The parent's side of a server."""
 
     def __init__(self, module: str) -> None:
-        self.last_words = ""
+        self.last_output = ""
         self._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         with contextlib.ExitStack() as stack, theirs:
             scratch = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="wsgen-")))
@@ -167,7 +168,7 @@ class _Server:
                 "parent_death_pipe": parent_death_pipe,
             }
             if self.process.stdin is not None:
-                # A server that dies before it has read them is seen by its end.
+                # A server that dies before it has read them is noticed at its end.
                 with contextlib.suppress(BrokenPipeError), self.process.stdin as stream:
                     pickle.dump(orders, stream)
             self._stack = stack.pop_all()
@@ -177,9 +178,9 @@ class _Server:
         return self.process.poll() is None
 
     def send(self, scratch: Path, parent_death_pipe: int) -> socket.socket:
-        """Ask for a child; gives the socket for the report of how it ended."""
+        """Request a child; return the socket for the report of its end."""
         report, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        # That the server has just died is seen by the report, which ends without a word.
+        # A server that has just died closes the socket without a report.
         with theirs, contextlib.suppress(ConnectionError):
             socket.send_fds(
                 self._control, [os.fsencode(scratch)], [theirs.fileno(), parent_death_pipe]
@@ -193,11 +194,11 @@ class _Server:
     def _end(self) -> None:
         self.process.kill()
         self.process.wait()
-        self.last_words = read_tail(self._output)
+        self.last_output = read_tail(self._output)
 
 
 def _wait(report: socket.socket, seconds: float) -> str | None:
-    """The report of how the child ended; empty if its server died, None if the time was over."""
+    """Return the report of the child's end; empty if its server died, None after the limit."""
     with report:
         report.settimeout(seconds)
         try:

@@ -1,11 +1,11 @@
-"""The process between wsgen and a child: it limits and ends all that the child starts.
+"""The guard, a process between wsgen and a child: it limits and ends all that the child starts.
 
-A child may start processes that leave its group and its session. Linux hands what loses its parent
-to the guard, so that it finds all of them: those whose CPU time counts, and those to end. A child
-that kills its parent kills its guard, not wsgen.
+A child may start processes that leave its group and its session. Linux makes the guard the parent
+of every process that loses its own, so the guard finds all of them, counts their CPU time and ends
+them. A child that kills its parent kills its guard, not wsgen.
 
-Elsewhere than on Linux there is no guard: the system limits the CPU time of each process by
-itself, and a process that leaves the child's group outlives it.
+Other systems than Linux have no guard: they limit the CPU time of each process on its own, and a
+process that leaves the child's group outlives the child.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import time
 from contextlib import suppress
 from typing import TYPE_CHECKING, NoReturn
 
-from wsgen.isolation.parent_death import hold
+from wsgen.isolation.parent_death import end_with_parent
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator
@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 PR_SET_CHILD_SUBREAPER = 36  # linux/prctl.h
 FIRST_FIELD = 3  # of /proc/PID/stat behind the name of the program
 PARENT, FIRST_TIME, LAST_TIME = 4, 14, 17  # fields of /proc/PID/stat, counted from 1
-SHORTEST_WAIT = 0.05  # s between two looks at the CPU time
-SECONDS_TO_END = 5.0  # wall-clock, for processes that have SIGKILL coming
+SHORTEST_WAIT = 0.05  # s between two checks of the CPU time
+SECONDS_TO_END = 5.0  # wall-clock, for processes after SIGKILL
 WATCHED = (signal.SIGCHLD, signal.SIGTERM)
 
 
@@ -35,7 +35,7 @@ def adopt_orphans() -> None:
     """Become the parent of each descendant that loses its own."""
     try:
         import ctypes  # noqa: PLC0415  an interpreter may have been built without
-    except ImportError:  # what leaves the child's group then escapes
+    except ImportError:  # processes that leave the child's group then escape
         return
     ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
 
@@ -43,13 +43,13 @@ def adopt_orphans() -> None:
 def stand_guard(parent_death_pipe: int, cpu_seconds: float) -> None:
     """Fork; return in the child, the leader of a session, and guard it in this process.
 
-    When the child ends, the guard ends what the child has started, then itself in the same way.
-    It does so, too, when the parent-death pipe or a SIGTERM says that nobody waits, and, by
-    SIGXCPU, when child and descendants have used that much CPU time.
+    When the child ends, the guard ends all processes that the child started, then itself with the
+    same status. It also ends them when its parent ends or sends SIGTERM, and, with SIGXCPU, when
+    they exceed the CPU time.
     """
     signal.signal(signal.SIGCHLD, signal.SIG_DFL)
     signal.pthread_sigmask(signal.SIG_BLOCK, WATCHED)
-    hold(parent_death_pipe, signal.SIGTERM)
+    end_with_parent(parent_death_pipe, signal.SIGTERM)
     adopt_orphans()
     own_parent_death_pipe, own_end = os.pipe()
     pid = os.fork()
@@ -58,19 +58,19 @@ def stand_guard(parent_death_pipe: int, cpu_seconds: float) -> None:
     os.setsid()
     os.close(own_end)
     os.close(parent_death_pipe)
-    hold(own_parent_death_pipe, signal.SIGKILL)
+    end_with_parent(own_parent_death_pipe, signal.SIGKILL)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, WATCHED)
 
 
 def end_guard(pid: int) -> None:
-    """Have a guard end its child and itself, even if it was stopped."""
+    """Make a guard end its child and itself, even if it was stopped."""
     for number in (signal.SIGTERM, signal.SIGCONT):
         with suppress(ProcessLookupError):
             os.kill(pid, number)
 
 
 def kill_children(spared: Collection[int] = ()) -> None:
-    """Send SIGKILL to all children of this process but these."""
+    """Send SIGKILL to all children of this process except `spared`."""
     own_pid = os.getpid()
     for pid, fields in _read_processes():
         if int(fields[PARENT - FIRST_FIELD]) == own_pid and pid not in spared:
@@ -79,19 +79,19 @@ def kill_children(spared: Collection[int] = ()) -> None:
 
 
 def _watch(pid: int, cpu_seconds: float) -> int:
-    """Wait until the child ends or has to; end all; gives its exit code, negative for a signal."""
-    code, next_look = None, 0.0
+    """Wait for the child's end or a limit; end all; return its exit code, or minus the signal."""
+    code, next_check = None, 0.0
     while code is None and not _reap_orphans(pid):
-        # What wakes this process in between must not put the look off.
-        event = signal.sigtimedwait(WATCHED, max(0.0, next_look - time.monotonic()))
+        # Other signals must not delay the next check.
+        event = signal.sigtimedwait(WATCHED, max(0.0, next_check - time.monotonic()))
         if event is not None and event.si_signo == signal.SIGTERM:
             code = -signal.SIGTERM
-        elif time.monotonic() >= next_look:
+        elif time.monotonic() >= next_check:
             left = cpu_seconds - _descendants_cpu_seconds()
             code = -signal.SIGXCPU if left < 0.0 else None
-            # As long as this they cannot use up what is left on all cores.
+            # Even on all cores they cannot use up the rest in this time.
             wait = max(SHORTEST_WAIT, left / (os.cpu_count() or 1))
-            next_look = time.monotonic() + wait
+            next_check = time.monotonic() + wait
     with suppress(ProcessLookupError, PermissionError):
         os.killpg(pid, signal.SIGKILL)
     status = _end_children(pid)
@@ -99,7 +99,7 @@ def _watch(pid: int, cpu_seconds: float) -> int:
 
 
 def _reap_orphans(pid: int) -> bool:
-    """Reap what has ended, but for the child, whose status is still wanted; whether that has."""
+    """Reap ended processes except the child, whose status is needed later; whether it has ended."""
     while ended := os.waitid(os.P_ALL, 0, os.WEXITED | os.WNOHANG | os.WNOWAIT):
         if ended.si_pid == pid:
             return True
@@ -108,8 +108,8 @@ def _reap_orphans(pid: int) -> bool:
 
 
 def _end_children(pid: int) -> int:
-    """End and reap all children, also those that come from others; gives the status of this one."""
-    end = time.monotonic() + SECONDS_TO_END  # for what this user may not kill
+    """End and reap all children, also adopted ones; return the status of `pid`."""
+    end = time.monotonic() + SECONDS_TO_END  # some may be processes that this user may not kill
     status_of_child = 0
     while time.monotonic() < end:
         try:
@@ -125,7 +125,7 @@ def _end_children(pid: int) -> int:
 
 
 def _end_like(code: int) -> NoReturn:
-    """End this process as another one has ended."""
+    """End this process with the status of another one."""
     if code < 0:
         signal.pthread_sigmask(signal.SIG_UNBLOCK, WATCHED)
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
@@ -136,7 +136,7 @@ def _end_like(code: int) -> NoReturn:
 
 
 def _descendants_cpu_seconds() -> float:
-    """The CPU time of all processes below this one, and of those that have been waited for."""
+    """Add up the CPU time of all descendants of this process, reaped ones included."""
     family = {os.getpid()}
     processes = dict(_read_processes())
     ticks, grown = 0, True
@@ -154,7 +154,7 @@ def _descendants_cpu_seconds() -> float:
 
 
 def _read_processes() -> Iterator[tuple[int, list[str]]]:
-    """The number of every process and what /proc/PID/stat says behind its name."""
+    """Yield the id of every process, and the fields of /proc/PID/stat after its name."""
     for name in os.listdir("/proc"):  # noqa: PTH208  many
         if name.isdecimal():
             with suppress(OSError), open(f"/proc/{name}/stat", "rb") as stream:  # noqa: PTH123

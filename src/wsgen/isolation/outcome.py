@@ -1,4 +1,4 @@
-"""What became of a child process: its answer, or how it died."""
+"""The outcome of a child process: its answer, or how it died."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
-LAST_WORDS = 4000  # characters of the child's output that are worth telling
-OUTPUT_LIMIT = 64 * 2**20  # bytes of a file; a child that prints for ever must not fill the disk
-# A child that shares its core with eight others takes nine times as long as it computes.
+LAST_OUTPUT = 4000  # bytes of the child's output to keep
+OUTPUT_LIMIT = 64 * 2**20  # bytes of a file, so that a child cannot fill the disk
+# A child that shares its core with eight others takes nine times its CPU time.
 WALL_CLOCK_FACTOR = 10.0
 
 Cause = Literal["cpu time", "wall-clock time", "memory", "output", "crash", "exception"]
@@ -25,7 +25,7 @@ Cause = Literal["cpu time", "wall-clock time", "memory", "output", "crash", "exc
 
 @dataclass(frozen=True, kw_only=True)
 class Limits:
-    """How much a child may compute, how long it may take and how large it may grow."""
+    """Limits of a child's CPU time, wall-clock time and memory."""
 
     seconds: float = 60.0  # CPU time of the child and of all it starts
     wall_clock: float | None = None  # s, for what sleeps; None: WALL_CLOCK_FACTOR times `seconds`
@@ -33,7 +33,7 @@ class Limits:
 
     @property
     def wall_clock_seconds(self) -> float:
-        """How long the child may take, however little it computes."""
+        """The limit of wall-clock time."""
         return self.seconds * WALL_CLOCK_FACTOR if self.wall_clock is None else self.wall_clock
 
 
@@ -44,25 +44,25 @@ DEFAULT_LIMITS = Limits()
 class Answered:
     """The function returned."""
 
-    value: Any  # as JSON gives it back
-    output: str  # the last of what Python and C code printed meanwhile
+    value: Any  # as JSON returns it
+    output: str  # the end of what Python and C code printed
 
 
 @dataclass(frozen=True, kw_only=True)
 class Died:
     """The function did not return."""
 
-    reason: str  # goes on after "it": "used more than 60 s of CPU time", "crashed (SIGSEGV)"
-    step: str  # what the child had announced that it was doing; may be empty
-    output: str  # its last words
+    reason: str  # without a subject: "used more than 60 s of CPU time", "crashed (SIGSEGV)"
+    step: str  # the last one that the child announced; may be empty
+    output: str  # the end of its output
     cause: Cause = "crash"
 
     def hint(self, otherwise: str) -> str:
-        """What to do about it: `otherwise`, unless the cause itself says where to look."""
+        """Return what to do: `otherwise`, unless the cause has its own hint."""
         if self.cause == "wall-clock time":
             return (
-                "Try again when the machine is less busy. If it takes as long then, look for what "
-                "sleeps or waits: for input, a network, another process."
+                "Try again when the machine is less busy. If it takes as long again, look for code "
+                "that sleeps or waits for input, a network or another process."
             )
         if self.cause == "output":
             return "Look for a loop that prints or writes without end."
@@ -70,11 +70,11 @@ class Died:
 
 
 def conclude(scratch: Path, limits: Limits, *, returncode: int) -> Answered | Died:
-    """Read what a child that ended by itself left in its scratch folder.
+    """Read the outcome of a child that ended by itself from its scratch folder.
 
     Args:
         scratch: The folder of its request.
-        limits: Those it had.
+        limits: Its limits.
         returncode: Its exit code; negative for the signal that ended it.
 
     Raises:
@@ -93,7 +93,7 @@ def conclude(scratch: Path, limits: Limits, *, returncode: int) -> Answered | Di
 
 
 def _read_end(scratch: Path, limits: Limits, returncode: int) -> Died:
-    """Read what a child left that ended without an answer."""
+    """Read the outcome of a child that ended without an answer."""
     if os.name == "posix" and returncode == -signal.SIGXCPU:
         reason = f"used more than {limits.seconds:g} s of CPU time"
         return read_death(scratch, reason, "cpu time")
@@ -104,7 +104,7 @@ def _read_end(scratch: Path, limits: Limits, returncode: int) -> Died:
 
 
 def read_death(scratch: Path, reason: str, cause: Cause = "crash") -> Died:
-    """Read what a child left that died of this."""
+    """Read the outcome of a child that died of this reason."""
     return Died(
         reason=reason,
         step=read_tail(scratch / "step"),
@@ -114,14 +114,14 @@ def read_death(scratch: Path, reason: str, cause: Cause = "crash") -> Died:
 
 
 def read_lateness(scratch: Path, limits: Limits) -> Died:
-    """Read what a child left that took too long."""
+    """Read the outcome of a child that took too long."""
     reason = f"did not end within {limits.wall_clock_seconds:g} s"
     reason += " (it waits for something, or the machine is busy)"
     return read_death(scratch, reason, "wall-clock time")
 
 
 def describe_exit(code: int) -> str:
-    """Say how a process ended that was to leave something and did not."""
+    """Describe how a process ended that left no answer."""
     if code < 0:
         with contextlib.suppress(ValueError):
             return f"crashed ({signal.Signals(-code).name})"
@@ -129,11 +129,11 @@ def describe_exit(code: int) -> str:
 
 
 def read_tail(file: Path) -> str:
-    """The end of a text file; empty if there is no file."""
+    """Read the end of a text file; empty if it does not exist."""
     try:
         with file.open("rb") as stream:
             stream.seek(0, os.SEEK_END)
-            stream.seek(max(0, stream.tell() - LAST_WORDS))
+            stream.seek(max(0, stream.tell() - LAST_OUTPUT))
             return stream.read().decode("utf-8", "replace").strip()
     except OSError:
         return ""

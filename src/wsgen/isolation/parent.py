@@ -1,7 +1,4 @@
-"""Start a child process, wait for its answer, and say how it died if there is none.
-
-What callers need of whoever starts child processes.
-"""
+"""Start a child process, and return its answer or how it died."""
 
 from __future__ import annotations
 
@@ -34,10 +31,10 @@ if TYPE_CHECKING:
 __all__ = ["Answered", "Died", "Limits", "run"]
 
 BOOTSTRAP = str(Path(__file__).with_name("bootstrap.py"))
-SECONDS_TO_END = 10.0  # wall-clock, for a guard that is asked to end
+SECONDS_TO_END = 10.0  # wall-clock, for a guard after SIGTERM
 
-# Numerical libraries start a thread for every core when they are imported; nothing here uses
-# them, and without them numpy is imported in half the CPU time.
+# Numerical libraries start a thread for every core when they are imported. wsgen does not use these
+# threads; without them, importing numpy takes half the CPU time.
 ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
 
 
@@ -50,16 +47,16 @@ def run(
 ) -> Answered | Died:
     """Call `module:function` with the arguments in a fresh interpreter.
 
-    The arguments travel pickled (they are ours); the answer travels as JSON, because nothing that
-    foreign code had its hands on is unpickled. `environment` replaces the child's environment;
-    the module search path stays wsgen's own, with the environment's PYTHONPATH behind it, so that
-    a sourced ROS of another Python cannot put its modules in the place of wsgen's. `folder` is the
-    child's working directory.
+    The arguments are pickled, as they are ours. The answer is JSON, because data that foreign code
+    has touched must not be unpickled. `environment` replaces the child's environment. The module
+    search path stays that of wsgen, followed by PYTHONPATH of the environment, so that a sourced
+    ROS of another Python cannot replace modules of wsgen. `folder` is the child's working
+    directory.
 
     The child and its children end with the call and with this process, however it ends.
     """
     with (
-        # Only what outlives a guard that was killed can disturb the cleaning up.
+        # A process that a killed guard left behind may still write into the folder.
         tempfile.TemporaryDirectory(prefix="wsgen-", ignore_cleanup_errors=True) as name,
         open_parent_death_pipe() as parent_death_pipe,
     ):
@@ -73,7 +70,7 @@ def run(
         )
         is_late = False
         try:
-            # A child that dies before it has read the request is seen by its exit code.
+            # If the child dies before it has read the request, its exit code shows it.
             with contextlib.suppress(BrokenPipeError):
                 child.communicate(pickle.dumps(request), timeout=limits.wall_clock_seconds)
         except subprocess.TimeoutExpired:
@@ -88,7 +85,7 @@ def run(
 def make_request(
     task: str, arguments: tuple[object, ...], limits: Limits, scratch: Path, parent_death_pipe: int
 ) -> dict[str, Any]:
-    """What a child is told, whichever way it starts."""
+    """Make the request to a child, for either way to start it."""
     return {
         "task": task,
         "arguments": arguments,
@@ -102,7 +99,7 @@ def make_request(
 
 
 def search_path() -> list[str]:
-    """Where this process finds modules, for a child to find the same ones."""
+    """Return where this process finds modules, so that a child finds the same ones."""
     return [entry for entry in sys.path if entry]
 
 
@@ -135,12 +132,12 @@ def start_interpreter(
 
 
 def complete(environment: Mapping[str, str] | None) -> dict[str, str]:
-    """The environment of a child; None is this process's own."""
+    """Complete the environment of a child; None is that of this process."""
     return {**(os.environ if environment is None else environment), **ONE_THREAD}
 
 
 def not_started(error: OSError) -> NotReadableError:
-    """Say that the system refused to make the child."""
+    """Make the error for a child that the system refuses to start."""
     return NotReadableError(
         f"A child process could not be started: {error.strerror}.",
         hint="Check that the working folder exists and that memory is free.",
@@ -160,8 +157,8 @@ def _end(child: subprocess.Popen[bytes]) -> None:
 
 
 def _end_with_guard(guard: subprocess.Popen[bytes]) -> None:
-    """Have the guard end what it guards; one that ended has done so."""
-    from wsgen.isolation.guard import end_guard  # noqa: PLC0415  there is none elsewhere
+    """Make the guard end its child; a guard that has ended has done so."""
+    from wsgen.isolation.guard import end_guard  # noqa: PLC0415  only on Linux
 
     if guard.poll() is None:
         end_guard(guard.pid)

@@ -1,7 +1,7 @@
-"""A pipe that ties a child process to its parent: when the parent is gone, so is the child.
+"""The parent-death pipe, which ends a child process when its parent ends.
 
-Whatever ends the parent, kill -9 included, the system closes its end of the pipe. Linux then sends
-a signal to the whole group of processes that the child has asked it for, however busy they are.
+Whatever ends the parent, also kill -9, the system closes its end of the pipe. Linux then sends a
+signal to the child's whole process group, however busy it is.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 
 @contextmanager
 def open_parent_death_pipe() -> Iterator[int]:
-    """Open a pipe; yield the end for the child, as a descriptor to pass on to it.
+    """Open a pipe; yield the descriptor to pass to the child.
 
-    At the exit both ends are closed here: a child that is still there gets its signal.
+    Leaving the context closes both ends here: a child that still runs gets its signal.
     """
     for_child, ours = os.pipe()
     try:
@@ -30,10 +30,11 @@ def open_parent_death_pipe() -> Iterator[int]:
         os.close(ours)
 
 
-def hold(parent_death_pipe: int, number: int) -> None:
-    """In the child, the leader of its group: have the group get this signal when the parent ends.
+def end_with_parent(parent_death_pipe: int, number: int) -> None:
+    """Have this process's group get the signal `number` when the parent ends.
 
-    Elsewhere than on Linux it does nothing; there the parent can end the child and no one else.
+    The child, the leader of its group, calls it. On other systems than Linux it does nothing: there
+    only the parent ends the child.
     """
     if sys.platform != "linux":
         return
@@ -41,8 +42,8 @@ def hold(parent_death_pipe: int, number: int) -> None:
     fcntl.fcntl(parent_death_pipe, fcntl.F_SETOWN, -os.getpgrp())
     fcntl.fcntl(parent_death_pipe, fcntl.F_SETFL, os.O_ASYNC | os.O_NONBLOCK)
     try:
-        is_alone = os.read(parent_death_pipe, 1) == b""  # the parent ended before the lines above
+        has_ended = os.read(parent_death_pipe, 1) == b""  # before the lines above
     except BlockingIOError:
         return
-    if is_alone:
+    if has_ended:
         os.killpg(0, number)

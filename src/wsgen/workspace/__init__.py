@@ -1,1 +1,1 @@
-"""colcon's world: the workspace's folders, its packages, the toolchain, the build, the overlay."""
+"""colcon's world: the folders of a workspace, its packages, its settings and its overlay."""

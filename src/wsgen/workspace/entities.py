@@ -18,7 +18,7 @@ NAMED = re.compile(r"""['"]-(?:entity|name)['"]\s*,\s*['"]([^'"]+)['"]""")
 
 
 def spawned_entities(workspace: Workspace) -> frozenset[str]:
-    """What is written in the launch files of its packages; names that are computed are not seen."""
+    """Find the names in the launch files of its packages, except computed ones."""
     return frozenset(
         name
         for package in find_packages(workspace)
@@ -28,7 +28,7 @@ def spawned_entities(workspace: Workspace) -> frozenset[str]:
 
 
 def _read(file: Path) -> str:
-    """The text; none of a file that may not be read, which collides with nothing."""
+    """Read the text; empty if the file cannot be read."""
     try:
         return file.read_text(encoding="utf-8", errors="replace")
     except OSError:

@@ -1,7 +1,4 @@
-"""The folders of a colcon workspace, and the packages in it.
-
-Why there is no workspace where one was expected, or nothing in it to build.
-"""
+"""Find colcon workspaces and the packages in them, and explain why none was found."""
 
 from __future__ import annotations
 
@@ -20,23 +17,23 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
 
-# What lies in the folder of a package, and says so where package.xml is missing.
+# Files and folders that mark a package without package.xml.
 EVIDENCE = ("CMakeLists.txt", "setup.py", "launch", "model", "urdf", "worlds")
 
 
 def refuse_missing_manifest(roots: Iterable[Path]) -> None:
-    """Stop if something in `src` of one of the folders would be a package with a package.xml.
+    """Stop if a folder in `src` of one of the roots is a package except for its package.xml.
 
     Raises:
-        NotFoundError: something would.
+        NotFoundError: one is.
     """
     for root in roots:
         folder = next(_without_manifest(root / "src"), None)
         if folder is not None:
             raise NotFoundError(
-                f"{folder} has no package.xml, so there is no package in {root}.",
-                hint="Bring it back (git checkout package.xml), write one, or make another "
-                f"package with: wsgen new PACKAGE -w {root}",
+                f"{folder} has no package.xml, so {root} has no package.",
+                hint="Restore it (git checkout package.xml), write one, or create another package: "
+                f"wsgen new PACKAGE -w {root}",
             )
 
 
@@ -54,15 +51,15 @@ def _without_manifest(source: Path) -> Iterator[Path]:
 
 IGNORE_MARKERS = frozenset({"COLCON_IGNORE", "AMENT_IGNORE", "CATKIN_IGNORE"})
 PYTHON_MARKERS = frozenset({"setup.py", "setup.cfg", "pyproject.toml"})
-# How `ros2 launch` recognises launch files.
+# How `ros2 launch` recognizes launch files.
 LAUNCH_FILES = ("*launch.py", "*launch.xml", "*launch.yaml", "*launch.yml")
-# Beside `src`, these say that it holds the source code of one project.
+# Next to `src`, these mark the source code of a single project.
 PROJECT_MARKERS = PYTHON_MARKERS | {
     *("CMakeLists.txt", "Cargo.toml", "build.gradle", "go.mod", "meson.build", "package.json"),
     *("package.xml", "pom.xml"),
 }
-# How many folders below `src` are looked at to see that it is the source folder of a workspace,
-# and not that of something else with a million files, such as /usr/src.
+# Number of folders below `src` to search for a package, as a folder such as /usr/src may have
+# millions of files.
 EVIDENCE_LIMIT = 2000
 
 
@@ -79,17 +76,17 @@ class Workspace:
 
     @property
     def build(self) -> Path:
-        """What CMake made, a folder for each package."""
+        """The build folders of CMake, one for each package."""
         return self.root / "build"
 
     @property
     def install(self) -> Path:
-        """The install space: what `source install/setup.bash` brings in."""
+        """The install space, with setup.bash."""
         return self.root / "install"
 
     @property
     def log(self) -> Path:
-        """The logs, a folder for each run."""
+        """The logs, one folder for each run."""
         return self.root / "log"
 
 
@@ -101,35 +98,34 @@ class PackageFolder:
     name: str  # the folder's name where the manifest cannot be read
     build_type: str  # empty where the manifest cannot be read
     test_dependencies: frozenset[str] = frozenset()
-    diagnostics: tuple[Diagnostic, ...] = ()  # what is wrong with the manifest
+    diagnostics: tuple[Diagnostic, ...] = ()  # of the manifest
 
 
 @dataclass(frozen=True, kw_only=True)
 class Inventory:
-    """What colcon's crawl of a workspace meets."""
+    """The packages that colcon finds in a workspace."""
 
     packages: tuple[PackageFolder, ...] = ()  # ROS packages, ordered by path
     others: tuple[Path, ...] = ()  # packages without manifest: plain CMake, Python
-    has_python: bool = False  # colcon needs what it knows about Python packages
+    has_python: bool = False  # colcon needs its extensions for Python packages
 
 
 def open_workspace(given: str | None) -> Workspace:
-    """Return the workspace at the given folder, or else the one that is meant here.
+    """Return the workspace at the given folder, or else the one around or in the current folder.
 
-    That is the one around the current folder, or the only one in it: after `wsgen new`, nobody
-    needs to change the folder. A folder that is given is the workspace itself, as it is for
-    `wsgen new`, and not one that holds it.
+    A workspace in the current folder counts if it is the only one, so that users need not change
+    the folder after `wsgen new`. A given folder must be the workspace itself, as for `wsgen new`.
 
     Raises:
-        NotFoundError: there is none.
-        RequestError: there are several to choose from, or the folder given is around a workspace.
+        NotFoundError: no workspace was found.
+        RequestError: several were found, or the given folder is around a workspace.
     """
     if given is not None:
         root = Path(given).expanduser().absolute()
         if not root.is_dir():
             raise NotFoundError(
                 f"The workspace {root} does not exist.",
-                hint="Give the folder that holds src, or make one with: wsgen new PACKAGE -w DIR",
+                hint="Name the folder with src, or create one: wsgen new PACKAGE -w DIR",
             )
         _refuse_surroundings(root)
         return Workspace(root=root)
@@ -140,14 +136,14 @@ def open_workspace(given: str | None) -> Workspace:
     inside = _workspaces_in(here)
     if len(inside) > 1:
         raise RequestError(
-            f"There are several colcon workspaces in {here}.",
-            hint=f"Go into one, or choose: -w {' | '.join(folder.name for folder in inside)}",
+            f"{here} has several colcon workspaces.",
+            hint=f"Change into one, or choose: -w {' | '.join(folder.name for folder in inside)}",
         )
     if not inside:
         refuse_missing_manifest((here, *here.parents, *sorted(here.iterdir())))
         raise NotFoundError(
-            f"There is no colcon workspace around {here}, nor one in it.",
-            hint="Go into one, name it with --workspace, or make one with: wsgen new PACKAGE",
+            f"No colcon workspace was found around {here} or in it.",
+            hint="Change into one, name it with --workspace, or create one: wsgen new PACKAGE",
         )
     return Workspace(root=inside[0])
 
@@ -155,9 +151,8 @@ def open_workspace(given: str | None) -> Workspace:
 def find_workspace(start: Path) -> Workspace | None:
     """Find the workspace that a folder is in: the nearest one around it, itself included.
 
-    A folder is one if `src` in it holds packages (or nothing at all yet), or if colcon has left
-    its marks there. Where somebody once built inside `src` by mistake, the marks left there do
-    not hide the workspace around.
+    A folder is a workspace if its `src` has packages or is empty, or if colcon has built in it. A
+    build inside `src`, by mistake, does not hide the workspace around it.
     """
     start = start.absolute()
     marked: Workspace | None = None
@@ -179,9 +174,9 @@ def find_workspace(start: Path) -> Workspace | None:
 def workspace_of_source_folder(start: Path) -> Workspace | None:
     """Find the workspace that a folder is in by the name `src` alone, whatever `src` holds.
 
-    For writing a package where `find_workspace` finds no evidence: the folder holds `src`, or is in
-    it. Of several the outermost counts, as no workspace lies inside `src`. The home folder and
-    those of other projects are no workspaces.
+    It is for writing a package where `find_workspace` finds no evidence. The folder has `src`, or
+    is in it. Of several the outermost counts, as a workspace is never inside `src`. The home folder
+    and folders of other projects are not workspaces.
     """
     start = start.absolute()
     found: Workspace | None = None
@@ -199,12 +194,12 @@ def _may_hold_packages(folder: Path) -> bool:
 
 
 def _is_exposed(folder: Path) -> bool:
-    """Whether a `src` here may be anybody's."""
+    """Whether `src` in this folder may have any purpose."""
     return folder in {Path(folder.anchor), Path.home()}
 
 
 def find_packages(workspace: Workspace) -> tuple[PackageFolder, ...]:
-    """List the ROS packages that colcon would find, with what is wrong with their manifests."""
+    """List the ROS packages that colcon would find, with the mistakes in their manifests."""
     return take_inventory(workspace).packages
 
 
@@ -225,7 +220,7 @@ def take_inventory(workspace: Workspace) -> Inventory:
 
 
 def read_package(folder: Path) -> PackageFolder | None:
-    """Read the package in a folder; None if its package.xml is of something else than ROS."""
+    """Read the package in a folder; None if its package.xml is not one of ROS."""
     manifest = read_manifest(folder / "package.xml")
     if not isinstance(manifest, Diagnostic):
         return PackageFolder(
@@ -246,10 +241,10 @@ def find_launch_files(folder: Path) -> tuple[Path, ...]:
 
 
 def crawl(root: Path, *, with_ignored: bool = False) -> Iterator[tuple[Path, frozenset[str]]]:
-    """Yield the folders that colcon looks at, each with the names of its files.
+    """Yield the folders that colcon searches, each with the names of its files.
 
-    Like colcon, it follows links, leaves out hidden and ignored folders, and looks for no package
-    below a package. `with_ignored` yields those below ignored folders too.
+    Like colcon, it follows links, skips hidden and ignored folders, and does not search below a
+    package. `with_ignored` also yields folders below ignored ones.
     """
     visited = set()
     for name, folders, files in os.walk(root, followlinks=True):
@@ -265,13 +260,13 @@ def crawl(root: Path, *, with_ignored: bool = False) -> Iterator[tuple[Path, fro
 
 
 def _refuse_surroundings(root: Path) -> None:
-    """Stop where build, install and log would come to lie around a workspace."""
+    """Stop if build, install and log would be created around a workspace."""
     if _is_marked(root) or (root / "src").is_dir() or (root / "package.xml").exists():
         return
     inside = _workspaces_in(root)
     if inside:
         raise RequestError(
-            f"{root} is no workspace, it holds {' and '.join(path.name for path in inside)}.",
+            f"{root} is not a workspace; it contains {' and '.join(path.name for path in inside)}.",
             hint=f"Write: -w {shlex.quote(str(inside[0]))}",
         )
 
@@ -281,7 +276,7 @@ def _workspaces_in(folder: Path) -> list[Path]:
 
 
 def _is_workspace(folder: Path) -> bool:
-    """Whether a folder below the current one is plainly a workspace with packages."""
+    """Whether a folder is a workspace with packages."""
     return (
         folder.is_dir()
         and not (folder / "COLCON_IGNORE").exists()

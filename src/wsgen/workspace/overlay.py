@@ -1,4 +1,4 @@
-"""The overlay: the environment after `source install/setup.bash`, as a user has it."""
+"""Source the overlay: the environment of a user after `source install/setup.bash`."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 INDEX = Path("share", "ament_index", "resource_index", "packages")
-SECONDS_TO_SOURCE = 300.0  # wall-clock; a setup file may wait for ever, and a machine be busy
+SECONDS_TO_SOURCE = 300.0  # wall-clock; a setup file may never end, and the machine may be busy
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,7 +55,7 @@ def source_overlay(place: Workspace | Path, environment: Mapping[str, str]) -> O
         environment: the variables to begin with.
 
     Raises:
-        NotFoundError: it has not been built, or there is no shell.
+        NotFoundError: it has not been built, or no shell was found.
         NotReadableError: the setup file fails.
     """
     install = place.install if isinstance(place, Workspace) else place.absolute()
@@ -63,8 +63,8 @@ def source_overlay(place: Workspace | Path, environment: Mapping[str, str]) -> O
     try:
         finished = subprocess.run(
             [shell, "-c", '. "$0" >&2 && env -0', str(setup)],
-            # A sourced setup.sh cannot know where it lies, and the path that colcon wrote into it
-            # may not have spaces; setup.bash does not look at it.
+            # A sourced setup.sh cannot know its own path, and the one that colcon wrote into it
+            # must not have spaces; setup.bash ignores it.
             env={**environment, "COLCON_CURRENT_PREFIX": str(install)},
             stdin=subprocess.DEVNULL,
             capture_output=True,
@@ -73,14 +73,14 @@ def source_overlay(place: Workspace | Path, environment: Mapping[str, str]) -> O
         )
     except subprocess.TimeoutExpired as error:
         raise NotReadableError(
-            f"{setup} did not come to an end in {SECONDS_TO_SOURCE:g} s.",
-            hint="Try again when the machine is less busy, or see where it waits: "
+            f"Sourcing {setup} did not end within {SECONDS_TO_SOURCE:g} s.",
+            hint="Try again when the machine is less busy, or find where it waits: "
             f"{Path(shell).name} -xc '. {setup}'",
         ) from error
     if finished.returncode != 0 or not finished.stdout:
         said = finished.stderr.decode("utf-8", "replace").strip().splitlines()[-3:]
         raise NotReadableError(
-            f"{setup} cannot be sourced: {' / '.join(said) or 'it fails without a word'}.",
+            f"{setup} cannot be sourced: {' / '.join(said) or 'it fails without output'}.",
             hint=f"Remove {install} and build again: wsgen build",
         )
     variables = _read_variables(finished.stdout)
@@ -94,11 +94,11 @@ def source_overlay(place: Workspace | Path, environment: Mapping[str, str]) -> O
 
 
 def require_share(overlay: Overlay, workspace: Workspace | None, package: str) -> Path:
-    """Find the package's share folder, or say why it is not there.
+    """Find the package's share folder.
 
     Raises:
-        NotFoundError: the package is in the workspace and not installed.
-        RequestError: nobody knows the package.
+        NotFoundError: the package is in the workspace but not installed.
+        RequestError: the package is unknown.
     """
     share = overlay.share(package)
     if share is not None:
@@ -110,18 +110,18 @@ def require_share(overlay: Overlay, workspace: Workspace | None, package: str) -
             hint=f"Build it: wsgen build {package}",
         )
     raise RequestError(
-        f"There is no package {package}.",
+        f"Package {package} does not exist.",
         hint=suggest(package, {*written, *overlay.packages()}),
     )
 
 
 def _choose_shell(install: Path, environment: Mapping[str, str]) -> tuple[str, Path]:
-    """Take bash, as the users do, or any sh where there is none."""
+    """Choose bash, as users do, or sh if it is missing."""
     setups = [("bash", install / "setup.bash"), ("sh", install / "setup.sh")]
     written = [(name, setup) for name, setup in setups if setup.is_file()]
     if not written:
         raise NotFoundError(
-            f"Nothing has been built: there is no {setups[0][1]}.",
+            f"The workspace is not built: {setups[0][1]} does not exist.",
             hint="Build the workspace: wsgen build",
         )
     for name, setup in written:
@@ -129,12 +129,12 @@ def _choose_shell(install: Path, environment: Mapping[str, str]) -> tuple[str, P
         if shell is not None:
             return shell, setup
     raise NotFoundError(
-        f"There is no shell to source {written[0][1]} with.",
+        f"No shell was found to source {written[0][1]}.",
         hint="Install bash, or put it on PATH.",
     )
 
 
 def _read_variables(output: bytes) -> dict[str, str]:
-    """Read what `env -0` printed; bytes that are no text stay as Python keeps them."""
+    """Read the output of `env -0`; bytes that are not UTF-8 become surrogates."""
     pairs = (os.fsdecode(entry).partition("=") for entry in output.split(b"\0") if entry)
     return {name: value for name, equals, value in pairs if equals}

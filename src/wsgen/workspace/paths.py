@@ -1,4 +1,4 @@
-"""Which paths a workspace may have: what colcon, CMake and the shells can all write down."""
+"""Check that colcon, CMake and the shells can all handle the path of a workspace."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
-# Each was tried: with `$`, `:` and the backquote the build passes, and sourcing what it made does
+# As tried: with `$`, `:` and the backquote the build passes, but sourcing the install space does
 # not bring in the package; with the others CMake fails, or loses a part of the path.
 REFUSED = frozenset(';$:`"\\[]?<>\n\r')
 
 
 def check_workspace_path(path: Path) -> None:
-    """Stop where the path has a character that builds do not survive.
+    """Stop if the path has a character that breaks builds.
 
     Raises:
         RequestError: it has one.
@@ -25,8 +25,8 @@ def check_workspace_path(path: Path) -> None:
     if refused:
         named = " and ".join("a line break" if sign in "\n\r" else sign for sign in refused)
         raise RequestError(
-            f"A workspace cannot be in {str(path)!r}: CMake and colcon do not cope with {named} "
+            f"A workspace cannot be in {str(path)!r}: CMake and colcon do not support {named} "
             "in a path.",
-            hint="Rename the folder, or take another one; letters, digits, spaces, `-`, `_` and "
+            hint="Rename the folder, or use another one; letters, digits, spaces, `-`, `_` and "
             "`.` are safe.",
         )
