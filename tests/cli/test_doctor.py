@@ -84,7 +84,7 @@ def test_something_is_missing(
     assert run(["doctor", "-q", "--color", "never"]) == 1
     told = capsys.readouterr().out
     assert "  error  CMake  missing: CMAKE_COMMAND=/gone/cmake is not a program\n" in told
-    assert "try: unset CMAKE_COMMAND\n" in told
+    assert "  CMake: try: unset CMAKE_COMMAND\n" in told
     assert "ninja" not in told
     assert told.endswith("wsgen cannot work here until that is fixed.\n")
     assert run(["doctor", "--format", "json"]) == 1

@@ -65,15 +65,18 @@ def test_the_plan_as_a_tree(share: Path, capsys: pytest.CaptureFixture[str]) -> 
     lines = out.splitlines()
     assert "  height:=2  (given)  how high" in lines
     assert "  MODE=test" in lines
-    assert "  gazebo_ros gazebo.launch.py  (not here: not evaluated)" in lines
+    assert "  gazebo_ros gazebo.launch.py  (not installed: not evaluated)" in lines
     assert "      gui:=false" in lines
-    (node,) = (line for line in lines if line.startswith("  ├─ rviz2 rviz2  /a/view"))
+    (node,) = (line for line in lines if line.startswith("├── rviz2 rviz2  /a/view"))
     (started,) = (line for line in lines if "echo 2" in line)
-    assert started.startswith("  │  └─ echo 2  on start of view")
+    assert started.startswith("│   └── echo 2  on start of view")
     assert lines.index(node) < lines.index(started)
     assert any("robot_description: 17 characters from" in line for line in lines)
     assert any("x → y" in line for line in lines)
     assert any("after 3.0 s" in line for line in lines)
+    _, quiet, _ = launch(capsys, "my_robot", "r.launch.py", "height:=2", "-q")
+    branches = str.maketrans("", "", "├─│└ ")
+    assert quiet.translate(branches) == out.translate(branches)
     line = TEXT[: TEXT.index('"date"')].count("\n") + 1
     assert lines[-1] == (
         f"  date: commands other than xacro and cat are not executed  r.launch.py:{line}"

@@ -2,6 +2,8 @@
 
 import json
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -360,6 +362,19 @@ def test_the_next_steps(built: Path, tmp_path: Path) -> None:
     assert run.stderr.splitlines()[-1].startswith("Next: ros2 launch")
     for options in (("-q",), ("--format", "json"), ("--arg", "z:=-3")):
         assert "Next:" not in wsgen(built, "validate", *options).stderr
+
+
+@pytest.mark.parametrize(
+    ("options", "is_loaded"), [((), True), (("-q",), False), (("--format", "json"), False)]
+)
+def test_only_a_table_loads_rich(built: Path, options: tuple[str, ...], *, is_loaded: bool) -> None:
+    script = (
+        "import sys\nfrom wsgen.cli import run\n"
+        f"run({['validate', *options]!r})\nprint('rich' in sys.modules)"
+    )
+    command = [sys.executable, "-c", script]
+    run = subprocess.run(command, cwd=built, capture_output=True, text=True, check=True)
+    assert run.stdout.splitlines()[-1] == str(is_loaded)
 
 
 @pytest.mark.parametrize("engine", ["dart", "both"])

@@ -157,7 +157,7 @@ def test_what_cannot_be_tried_is_an_error(
         assert behaviors_of(document) == [
             {"name": "a", "passed": False, "moved": None, "joints": None, "expected": {"elbow": 1}}
         ]
-        assert "failed  a: not tried" in wsgen(workspace, "validate").stdout
+        assert "failed  a: not simulated" in wsgen(workspace, "validate").stdout
 
 
 def test_a_robot_without_a_drive_cannot_drive(workspace: Path) -> None:

@@ -77,7 +77,7 @@ def build_workspace(
     import shlex
 
     from wsgen.build.run import build
-    from wsgen.cli.output import render_findings
+    from wsgen.cli.output import render_diagnostics
     from wsgen.cli.progress import listening
     from wsgen.cli.words import next_command
     from wsgen.workspace.layout import open_workspace
@@ -99,7 +99,7 @@ def build_workspace(
 
         click.echo(render_build(result), nl=False)
     else:
-        for line in render_findings(result.diagnostics):
+        for line in render_diagnostics(result.diagnostics):
             click.echo(line, err=True)
         if result.not_built and "--continue-on-error" not in colcon_arguments and not quiet:
             words = [*packages, "--", *colcon_arguments, "--continue-on-error"]

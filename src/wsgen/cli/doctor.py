@@ -23,9 +23,6 @@ if TYPE_CHECKING:
     from wsgen.doctor.report import DoctorReport
 
 
-MARK_WIDTH = 7  # with the blanks behind it
-
-
 @click.command(
     cls=ExampleCommand,
     epilog="Exit code 0: wsgen's own commands can work here, whatever ROS lacks.",
@@ -62,13 +59,13 @@ def command(
 
         click.echo(render_doctor_report(report), nl=False)
     else:
-        for line in _render(report, with_all=not quiet):
+        for line in _render(report, quiet=quiet):
             click.echo(line)
     return EXIT_PASSED if report.passed else EXIT_FAILED
 
 
-def _render(report: DoctorReport, *, with_all: bool) -> Iterator[str]:
-    """The lines that a person reads; without `with_all`, what is in order is left out."""
+def _render(report: DoctorReport, *, quiet: bool) -> Iterator[str]:
+    """The lines that a person reads; with `quiet`, only what is missing."""
     from wsgen.model.installation import image, in_container
 
     target = report.target
@@ -81,7 +78,8 @@ def _render(report: DoctorReport, *, with_all: bool) -> Iterator[str]:
     ):
         yield ""
         yield click.style(title, bold=True)
-        yield from _table([one for one in requirements if with_all or not one.is_met])
+        shown = [found for found in requirements if not (quiet and found.is_met)]
+        yield from _table(shown, quiet=quiet)
     yield ""
     installed = "All that steps 1 and 2 of the tutorial install, but for its editor"
     if report.takes_apt:
@@ -95,20 +93,21 @@ def _render(report: DoctorReport, *, with_all: bool) -> Iterator[str]:
     yield click.style(f"wsgen {verdict}.", bold=True)
 
 
-def _table(requirements: Sequence[Requirement]) -> Iterator[str]:
-    """A line for each, and one for what fixes it."""
-    if not requirements:
-        yield "  Nothing is missing."
-    width = max((len(one.name) for one in requirements), default=0)
-    for one in requirements:
-        yield f"  {_mark(one)}{one.name:{width}}  {one.text}"
-        if one.fix:
-            yield f"{'':{width + MARK_WIDTH + 4}}{click.style('try:', fg='green')} {one.fix}"
+def _table(requirements: Sequence[Requirement], *, quiet: bool) -> list[str]:
+    """A row for each, then the commands that fix what is missing, unwrapped, to be copied."""
+    from wsgen.cli.terminal import draw_table
+
+    label = click.style("try:", fg="green")
+    rows = [(_mark(found), found.name, found.text) for found in requirements]
+    fixes = [f"  {found.name}: {label} {found.fix}" for found in requirements if found.fix]
+    return (draw_table(rows, quiet=quiet) or ["  Nothing is missing."]) + fixes
 
 
-def _mark(requirement: Requirement) -> str:
-    if requirement.is_met:
-        return click.style(f"{'ok':{MARK_WIDTH}}", fg="green")
-    if requirement.is_required:
-        return click.style(f"{'error':{MARK_WIDTH}}", fg="red", bold=True)
-    return click.style(f"{'-':{MARK_WIDTH}}", fg="yellow")
+def _mark(found: Requirement) -> str:
+    if found.is_met:
+        return click.style("ok", fg="green")
+    return (
+        click.style("error", fg="red", bold=True)
+        if found.is_needed
+        else click.style("-", fg="yellow")
+    )

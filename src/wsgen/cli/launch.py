@@ -111,7 +111,7 @@ def command(
         )
     with listening(quiet=quiet, verbose=verbose) as listener:
         plan = plan_launch(selected, arguments, only_arguments=show_arguments, listener=listener)
-    _write(plan, output_format=output_format, show_arguments=show_arguments)
+    _write(plan, output_format=output_format, show_arguments=show_arguments, quiet=quiet)
     return EXIT_FAILED if has_errors(plan.diagnostics) else EXIT_PASSED
 
 
@@ -156,17 +156,17 @@ def _play(
             workspace=selected.workspace,
             listener=listener,
         )
-    write_outcome(outcome, output_format=output_format, verbose=verbose)
+    write_outcome(outcome, output_format=output_format, quiet=quiet, verbose=verbose)
     return EXIT_PASSED if outcome.passed else EXIT_FAILED
 
 
-def _write(plan: LaunchPlan, *, output_format: str, show_arguments: bool) -> None:
+def _write(plan: LaunchPlan, *, output_format: str, show_arguments: bool, quiet: bool) -> None:
     if output_format == "json":
         from wsgen.report.json_report import render_plan
 
         click.echo(render_plan(plan), nl=False)
         return
-    from wsgen.cli.launch_tree import render_arguments, render_tree
+    from wsgen.cli.output import render_arguments, render_tree
 
-    for line in render_arguments(plan) if show_arguments else render_tree(plan):
+    for line in render_arguments(plan) if show_arguments else render_tree(plan, quiet=quiet):
         click.echo(line)

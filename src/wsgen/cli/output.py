@@ -1,7 +1,4 @@
-"""Outcome -> what a person reads at the end of `wsgen validate`.
-
-Diagnostics -> lines that a person reads.
-"""
+"""Results -> the lines that a person reads: diagnostics, outcomes, launch plans."""
 
 from __future__ import annotations
 
@@ -11,16 +8,19 @@ from typing import TYPE_CHECKING
 
 import click
 
+from wsgen.cli.terminal import Branch, draw_table, draw_tree
 from wsgen.cli.words import short_path
 from wsgen.diagnostics import Severity
 from wsgen.rules._remaining import REMAINING
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
+    from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.behavior import BehaviorOutcome
     from wsgen.model.outcome import Outcome, PackageOutcome, RobotOutcome
+    from wsgen.model.plan import Include, LaunchArgument, LaunchPlan, Process
 
 
 COLORS = {Severity.ERROR: "red", Severity.WARNING: "yellow", Severity.INFO: "blue"}
@@ -28,72 +28,68 @@ ORDER = tuple(COLORS)
 NAMES = {code: name for code, name, _ in REMAINING}
 
 
-def render_findings(
+def render_diagnostics(
     diagnostics: Sequence[Diagnostic], *, most_alike: int | None = None
 ) -> list[str]:
-    """Errors first; of each the place, what is wrong, and what to do.
+    """Errors first; of each the message, the place and what to do.
 
-    Of warnings and informations with one code, `most_alike` are told and the others counted. Errors
-    are all told.
+    Of warnings and informations with one code, `most_alike` are shown and the others are counted.
+    Errors are all shown.
     """
     lines: list[str] = []
-    told: Counter[str] = Counter()
-    for finding in sorted(diagnostics, key=lambda found: ORDER.index(found.severity)):
-        told[finding.code] += 1
-        is_one_of_many = most_alike is not None and told[finding.code] > most_alike
-        if is_one_of_many and finding.severity is not Severity.ERROR:
-            continue
-        kind = f"{finding.severity.value}[{finding.code}]"
-        label = click.style(kind, fg=COLORS[finding.severity])
-        lines.append(f"{label} {NAMES[finding.code]}: {finding.message}")
-        place = _place(finding)
+    alike: Counter[str] = Counter()
+    for diagnostic in sorted(diagnostics, key=lambda one: ORDER.index(one.severity)):
+        name = diagnostic.name or NAMES[diagnostic.code]
+        if diagnostic.severity is not Severity.ERROR:
+            alike[name] += 1
+            if most_alike is not None and alike[name] > most_alike:
+                continue
+        kind = f"{diagnostic.severity.value}[{diagnostic.code}]"
+        label = click.style(kind, fg=COLORS[diagnostic.severity])
+        lines.append(f"{label} {name}: {diagnostic.message}")
+        place = _place(diagnostic)
         if place:
             lines.append(f"    at: {place}")
-        if finding.hint:
-            lines.append(f"   try: {finding.hint}")
-    return lines + _not_told(diagnostics, told, most_alike)
+        if diagnostic.hint:
+            lines.append(f"   try: {diagnostic.hint}")
+    if most_alike is not None:
+        hidden = [
+            f"{count - most_alike} more of {name}"
+            for name, count in alike.items()
+            if count > most_alike
+        ]
+        lines += [f"and {', '.join(hidden)}: -v shows all"] if hidden else []
+    return lines
 
 
-def _not_told(
-    diagnostics: Sequence[Diagnostic], told: Counter[str], most_alike: int | None
-) -> list[str]:
-    severities = {found.code: found.severity for found in diagnostics}
-    left = [
-        f"{count - most_alike} more of {NAMES[code]}"
-        for code, count in told.items()
-        if most_alike is not None and count > most_alike and severities[code] is not Severity.ERROR
-    ]
-    return [f"and {', '.join(left)}: -v shows all"] if left else []
-
-
-def _place(finding: Diagnostic) -> str:
+def _place(diagnostic: Diagnostic) -> str:
     parts = []
-    if finding.file is not None:
-        short = short_path(finding.file)
-        parts.append(short if finding.line is None else f"{short}:{finding.line}")
-    if finding.element:
-        parts.append(finding.element)
+    if diagnostic.file is not None:
+        short = short_path(diagnostic.file)
+        parts.append(short if diagnostic.line is None else f"{short}:{diagnostic.line}")
+    if diagnostic.element:
+        parts.append(diagnostic.element)
     return "  ".join(parts)
 
 
-# Lengths in meters; the whole fits into 80 columns.
-HEADINGS = ("robot", "mass, kg", "joints move", "spawned at, m", "at the end, m", "")
+# Lengths in meters.
+HEADINGS = ("robot", "mass, kg", "movable", "spawned at, m", "at the end, m", "result")
 
-TIPS_OVER, GIVES_WAY = "SPN059", "SPN060"
-MOST_ALIKE = 3  # so many warnings of one code are told, without --verbose
+TIPS_OVER, PASSIVE = "SPN059", "SPN060"
+MOST_ALIKE = 3  # warnings of one code that are shown without --verbose
 
 
-def render_outcome_table(outcome: Outcome, *, verbose: bool = False) -> list[str]:
-    """A block a package: what was played, a table of robots, the findings, the picture."""
+def render_outcome(outcome: Outcome, *, verbose: bool = False, quiet: bool = False) -> list[str]:
+    """For each package: what was simulated, a table of robots, the diagnostics, the pictures."""
     lines: list[str] = []
     for package in outcome.packages:
-        lines += [*_package(package, verbose=verbose), ""]
+        lines += [*_package(package, verbose=verbose, quiet=quiet), ""]
     if len(outcome.packages) > 1:
         lines += [*_summary(outcome), ""]
     if not outcome.is_complete:
-        lines += ["interrupted: what is not named above was not checked", ""]
+        lines += ["interrupted: only the packages and files above were checked", ""]
     if outcome.left_out:
-        lines += [f"not checked, as they spawn no robot: {', '.join(outcome.left_out)}", ""]
+        lines += [f"not checked, because they spawn no robot: {', '.join(outcome.left_out)}", ""]
     return lines[:-1]
 
 
@@ -104,13 +100,13 @@ def _summary(outcome: Outcome) -> list[str]:
     return lines + [f"  {name}" for name in failed]
 
 
-def _package(package: PackageOutcome, *, verbose: bool) -> list[str]:
-    verdict = (
+def _package(package: PackageOutcome, *, verbose: bool, quiet: bool) -> list[str]:
+    result = (
         click.style("passed", fg="green", bold=True)
         if package.passed
         else click.style("failed", fg="red", bold=True)
     )
-    lines = [f"{click.style(_name(package), bold=True)}: {verdict}"]
+    lines = [f"{click.style(_name(package), bold=True)}: {result}"]
     if package.launch_file is not None:
         lines.append(f"  launch file  {short_path(package.launch_file)}")
     if package.world is not None and (package.robots or package.world.file):
@@ -120,18 +116,18 @@ def _package(package: PackageOutcome, *, verbose: bool) -> list[str]:
         )
     if package.robots:
         rows = [_robot(robot, package) for robot in package.robots]
-        lines += ["", *_table([HEADINGS, *rows])]
+        lines += ["", *draw_table(rows, headings=HEADINGS, wrapped=(0, -1), quiet=quiet)]
         lines += _behaviors(package)
-    findings = render_findings(package.diagnostics, most_alike=None if verbose else MOST_ALIKE)
-    if findings:
-        lines += ["", *(f"  {line}" for line in findings)]
+    shown = render_diagnostics(package.diagnostics, most_alike=None if verbose else MOST_ALIKE)
+    if shown:
+        lines += ["", *(f"  {line}" for line in shown)]
     if package.picture is not None:
         scale = f"  (a square is {package.picture_tile:g} m)" if package.picture_tile else ""
         lines += ["", f"  picture      {package.picture}{scale}"]
     if package.world_picture is not None:
         lines += [f"  whole world  {package.world_picture}"]
     if package.video is not None:
-        lines += [f"  video         {package.video}"]
+        lines += [f"  video        {package.video}"]
     return lines
 
 
@@ -153,7 +149,7 @@ def _did(behavior: BehaviorOutcome) -> str:
         return f"{x} m ahead, {y} m to the left, turned by {yaw} rad"
     if behavior.positions is not None:
         return ", ".join(f"{name} {_plain(value)}" for name, value in behavior.positions.items())
-    return "not tried"
+    return "not simulated"
 
 
 def _plain(value: float) -> str:
@@ -173,40 +169,171 @@ def _robot(robot: RobotOutcome, package: PackageOutcome) -> tuple[str, ...]:
         f"{robot.movable_joints} of {robot.joints}",
         _xyz(robot.spawn_pose.xyz),
         _xyz(rest.pose_in_world.xyz) if rest else "-",
-        _verdict(robot, package),
+        _result(robot, package),
     )
 
 
-def _verdict(robot: RobotOutcome, package: PackageOutcome) -> str:
+def _result(robot: RobotOutcome, package: PackageOutcome) -> str:
     if not robot.passed:
-        return "fails" if robot.rest else "not tried"
-    found = {found.code for found in package.diagnostics if found.element == robot.entity}
-    settled = None if robot.rest is None else robot.rest.settled_after
-    if TIPS_OVER in found:
+        return "fails" if robot.rest else "not simulated"
+    codes = {one.code for one in package.diagnostics if one.element == robot.entity}
+    if TIPS_OVER in codes:
         return "tips over"
-    if settled is None:
-        return "keeps moving, limp" if GIVES_WAY in found else "keeps moving"
-    return (
-        f"rests after {settled:.1f} s, limp"
-        if GIVES_WAY in found
-        else f"stands after {settled:.1f} s"
-    )
+    settled = None if robot.rest is None else robot.rest.settled_after
+    if PASSIVE in codes:
+        end = "did not settle" if settled is None else f"settled after {settled:.1f} s"
+        return f"{end}, unactuated joints"
+    return "did not settle" if settled is None else f"stands after {settled:.1f} s"
 
 
 def _xyz(xyz: tuple[float, float, float]) -> str:
-    """Centimetres on the ground, millimeters above it; adding zero makes -0.00 plain."""
+    """Centimeters on the ground, millimeters above it; adding zero makes -0.00 plain."""
     return " ".join(
         f"{round(value, decimals) + 0.0:.{decimals}f}" if math.isfinite(value) else str(value)
         for value, decimals in zip(xyz, (2, 2, 3), strict=True)
     )
 
 
-def _table(rows: list[tuple[str, ...]]) -> list[str]:
-    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
-    lines = [
-        "  "
-        + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
-        for row in rows
-    ]
-    rule = "  " + "  ".join("-" * width for width in widths)
-    return [click.style(lines[0], bold=True), rule, *lines[1:]]
+MOST_CHARACTERS = 72  # of a value; a robot description has thousands
+
+
+def render_arguments(plan: LaunchPlan) -> Iterator[str]:
+    """The arguments, in the form of `ros2 launch --show-args`; then the diagnostics."""
+    yield "Arguments (pass arguments as '<name>:=<value>'):"
+    for argument in plan.arguments:
+        yield ""
+        yield f"    '{argument.name}':{'*' if argument.is_conditional else ''}"
+        yield f"        {argument.description}"
+        if argument.default is not None:
+            yield f"        (default: {argument.default})"
+    if not plan.arguments:
+        yield ""
+        yield "  No arguments."
+    if any(argument.is_conditional for argument in plan.arguments):
+        yield ""
+        yield "* argument(s) which are only used if specific conditions occur"
+    yield from _diagnostics_of(plan)
+
+
+def render_tree(plan: LaunchPlan, *, quiet: bool = False) -> Iterator[str]:
+    """A tree of what starts, below arguments, environment and includes; then the diagnostics."""
+    yield click.style(short_path(plan.launch_file), bold=True)
+    yield from _section("arguments", [_argument(argument) for argument in plan.arguments])
+    yield from _section(
+        "environment", [f"{name}={value}" for name, value in plan.environment.items()]
+    )
+    yield from _section("includes", [line for one in plan.includes for line in _include(one)])
+    if plan.processes:
+        yield ""
+        yield from draw_tree(_starts(plan.processes), quiet=quiet)
+    yield from _section(
+        "not known without ROS",
+        [
+            f"{_clip(entry.what)}: {entry.why}{_file_and_line(entry.file, entry.line)}"
+            for entry in plan.unresolved
+        ],
+    )
+    yield from _diagnostics_of(plan)
+
+
+def _section(title: str, lines: Sequence[str]) -> Iterator[str]:
+    if lines:
+        yield ""
+        yield click.style(title, bold=True)
+        yield from (f"  {line}" for line in lines)
+
+
+def _diagnostics_of(plan: LaunchPlan) -> Iterator[str]:
+    if plan.diagnostics:
+        yield ""
+        yield from render_diagnostics(plan.diagnostics)
+
+
+def _argument(argument: LaunchArgument) -> str:
+    given = "" if argument.value == argument.default else click.style("  (given)", dim=True)
+    description = click.style(f"  {argument.description}", dim=True) if argument.description else ""
+    return f"{argument.name}:={_clip(str(argument.value))}{given}{description}"
+
+
+def _include(include: Include) -> Iterator[str]:
+    name = f"{include.package} {include.file.name}" if include.package else short_path(include.file)
+    note = "" if include.evaluated else click.style("  (not installed: not evaluated)", fg="yellow")
+    yield f"{name}{note}"
+    for argument, value in include.arguments.items():
+        yield f"    {argument}:={_clip(value)}"
+
+
+def _starts(processes: Sequence[Process]) -> Branch:
+    """Each process below the one whose start or exit causes it."""
+    followers: dict[int, list[Process]] = {}
+    first: dict[str, Process] = {}
+    roots: list[Process] = []
+    for process in processes:
+        _, _, name = process.starts.partition(" of ")
+        if name in first:
+            followers.setdefault(id(first[name]), []).append(process)
+        else:
+            roots.append(process)
+        first.setdefault(_process_name(process), process)
+    return Branch(click.style("starts", bold=True), _branches(roots, followers))
+
+
+def _branches(
+    processes: Sequence[Process], followers: dict[int, list[Process]]
+) -> tuple[Branch, ...]:
+    return tuple(
+        Branch(
+            "\n    ".join((_title(process), *_details(process))),
+            _branches(followers.get(id(process), ()), followers),
+        )
+        for process in processes
+    )
+
+
+def _title(process: Process) -> str:
+    what = click.style(_what(process), bold=True)
+    cause = "" if process.starts == "launch" else f"  {click.style(_cause(process), fg='cyan')}"
+    node = f"{process.namespace.rstrip('/')}/{process.name}" if process.name else process.namespace
+    called = f"  {node}" if node and process.command is None else ""
+    host = f"  in {process.container}" if process.container else ""
+    return f"{what}{called}{host}{cause}{_file_and_line(process.file, process.line)}"
+
+
+def _what(process: Process) -> str:
+    if process.command is not None:
+        return _clip(" ".join(process.command))
+    return f"{process.package} {process.executable}" if process.package else str(process.executable)
+
+
+def _cause(process: Process) -> str:
+    kind, _, rest = process.starts.partition(" ")
+    return {"timer": f"after {rest} s", "shutdown": "on shutdown"}.get(kind, f"on {process.starts}")
+
+
+def _process_name(process: Process) -> str:
+    if process.command:
+        return process.name or process.command[0].rpartition("/")[2]
+    return process.name or process.executable or ""
+
+
+def _details(process: Process) -> Iterator[str]:
+    if process.arguments:
+        yield f"arguments: {_clip(' '.join(process.arguments))}"
+    for name, value in process.parameters.items():
+        if process.description_file is not None and str(value).lstrip().startswith("<"):
+            yield f"{name}: {len(value)} characters from {short_path(process.description_file)}"
+        else:
+            yield f"{name}: {_clip(str(value))}"
+    for source, target in process.remappings:
+        yield f"{source} → {target}"
+
+
+def _clip(text: str) -> str:
+    line = " ".join(text.split())
+    return line if len(line) <= MOST_CHARACTERS else f"{line[: MOST_CHARACTERS - 1]}…"
+
+
+def _file_and_line(file: Path | None, line: int | None) -> str:
+    if file is None:
+        return ""
+    return click.style(f"  {file.name}" + (f":{line}" if line else ""), dim=True)

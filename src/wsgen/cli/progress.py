@@ -1,4 +1,4 @@
-"""Events -> standard error: a moving line on a terminal, a line a step elsewhere."""
+"""Events -> standard error: a status line on a terminal, elsewhere one line for each step."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class LineProgress:
-    """One line when a step ends, for logs; what other programs print with `verbose`."""
+    """One line when a step ends, for logs; with `verbose` also the output of other programs."""
 
     def __init__(self, *, verbose: bool) -> None:
         self.verbose = verbose
@@ -31,14 +31,13 @@ class LineProgress:
 
 
 class TerminalProgress(LineProgress):
-    """The step at work with a turning wheel below the lines of those that ended."""
+    """The running steps with a spinner, below the lines of those that ended."""
 
     def __init__(self, *, verbose: bool) -> None:
         super().__init__(verbose=verbose)
-        from rich.console import Console  # 20 ms that only a terminal pays
+        from wsgen.cli.terminal import StatusLine
 
-        color = click.get_current_context().color
-        self.status = Console(stderr=True, no_color=color is False).status("")
+        self.status = StatusLine()
         self.running: dict[tuple[str, ...], str] = {}  # several, with more than one job
 
     def __call__(self, event: Event) -> None:
@@ -47,16 +46,15 @@ class TerminalProgress(LineProgress):
             self.running[event.step] = _title(event)
         if isinstance(event, StepEnded):
             self.running.pop(event.step, None)
-            self.status.stop()
+            self.status.hide()
         super().__call__(event)
         if self.running:
-            self.status.update("  ".join(self.running.values()))
-            self.status.start()
+            self.status.show("  ".join(self.running.values()))
 
 
 @contextmanager
 def listening(*, quiet: bool, verbose: bool) -> Iterator[Listener | None]:
-    """The listener that suits standard error; None for `quiet`."""
+    """The listener for standard error; None for `quiet`."""
     if quiet:
         yield None
     elif sys.stderr is not None and sys.stderr.isatty():
@@ -64,7 +62,7 @@ def listening(*, quiet: bool, verbose: bool) -> Iterator[Listener | None]:
         try:
             yield progress
         finally:
-            progress.status.stop()
+            progress.status.hide()
     else:
         yield LineProgress(verbose=verbose)
 

@@ -2,16 +2,10 @@
 
 from __future__ import annotations
 
-import sys
-from typing import TYPE_CHECKING
-
 import click
 
 from wsgen.cli.options import ExampleCommand, format_option, output_options
 from wsgen.errors import EXIT_PASSED, RequestError
-
-if TYPE_CHECKING:
-    from wsgen.diagnostics import Rule
 
 
 @click.command(cls=ExampleCommand, examples=("wsgen rule", "wsgen rule massless-root"))
@@ -22,10 +16,11 @@ def command(
     name: str | None,
     *,
     output_format: str,
-    quiet: bool,  # noqa: ARG001  there is no progress to hide
+    quiet: bool,
     verbose: bool,  # noqa: ARG001  nothing is left out
 ) -> int:
     """List all rules, or show the documentation of the one with this CODE or NAME."""
+    from wsgen.cli.terminal import draw_markdown, draw_table
     from wsgen.rules.catalogue import all_rules, find_rule, to_markdown
 
     rules = all_rules()
@@ -38,39 +33,23 @@ def command(
         from wsgen.report.json_report import render_rules
 
         click.echo(render_rules(rules), nl=False)
-    elif name is not None:
-        _show(to_markdown(rules[0]))
+        return EXIT_PASSED
+    if name is not None:
+        lines = draw_markdown(to_markdown(rules[0]), quiet=quiet)
     else:
-        _list(rules)
+        rows = [(rule.code, rule.severity.value, rule.name, rule.summary) for rule in rules]
+        lines = draw_table(rows, indent="", quiet=quiet)
+    for line in lines:
+        click.echo(line)
     return EXIT_PASSED
 
 
 def _unknown(name: str) -> RequestError:
-    import difflib
-
     from wsgen.rules.catalogue import all_rules
+    from wsgen.suggestions import ask_for_nearest
 
     names = [one for rule in all_rules() for one in (rule.name, rule.code)]
-    near = difflib.get_close_matches(name, names, n=1)
-    hint = f"Did you mean {near[0]!r}? " if near else ""
     return RequestError(
-        f"No rule has the code or the name {name!r}.", hint=f"{hint}`wsgen rule` lists all rules."
+        f"No rule has the code or name {name!r}.",
+        hint=f"{ask_for_nearest(name, names)}`wsgen rule` lists all rules.",
     )
-
-
-def _show(text: str) -> None:
-    """Draw Markdown on a terminal; elsewhere it stays text."""
-    if sys.stdout is None or not sys.stdout.isatty():
-        click.echo(text, nl=False)
-        return
-    from rich.console import Console
-    from rich.markdown import Markdown
-
-    color = click.get_current_context().color
-    Console(no_color=color is False).print(Markdown(text))
-
-
-def _list(rules: tuple[Rule, ...]) -> None:
-    width = max(len(rule.name) for rule in rules)
-    for rule in rules:
-        click.echo(f"{rule.code}  {rule.severity.value:7}  {rule.name:{width}}  {rule.summary}")

@@ -36,7 +36,7 @@ def command(
     *,
     is_check: bool,
     output_format: str,
-    quiet: bool,  # noqa: ARG001  there is no progress to hide
+    quiet: bool,
     verbose: bool,  # noqa: ARG001  nothing is left out
 ) -> int:
     """List the templates; with a NAME or the FOLDER of one, its variables."""
@@ -54,34 +54,36 @@ def command(
 
         click.echo(render_templates(templates), nl=False)
     elif name:
-        click.echo("\n".join(_describe(templates[0])))
+        click.echo("\n".join(_describe(templates[0], quiet=quiet)))
     else:
-        width = max(len(template.name) for template in templates)
-        for template in templates:
-            click.echo(f"{template.name:{width}}  {template.description}")
+        from wsgen.cli.terminal import draw_table
+
+        rows = [(template.name, template.description) for template in templates]
+        for line in draw_table(rows, indent="", quiet=quiet):
+            click.echo(line)
     return EXIT_PASSED
 
 
 def _check(name: str, output_format: str) -> int:
     from wsgen.diagnostics import has_errors
 
-    found = _find_faults(name)
+    found = _diagnose(name)
     if output_format == "json":
         from wsgen.report.json_report import render_template_check
 
         click.echo(render_template_check(found), nl=False)
     else:
-        from wsgen.cli.output import render_findings
+        from wsgen.cli.output import render_diagnostics
 
-        for line in render_findings(found):
+        for line in render_diagnostics(found):
             click.echo(line)
-        verdict = "failed" if has_errors(found) else "passed"
-        click.echo(click.style(f"{name}: {verdict}", bold=True))
+        result = "failed" if has_errors(found) else "passed"
+        click.echo(click.style(f"{name}: {result}", bold=True))
     return EXIT_FAILED if has_errors(found) else EXIT_PASSED
 
 
-def _find_faults(name: str) -> Sequence[Diagnostic]:
-    """What is wrong with template.toml; if nothing is, what is wrong with its packages."""
+def _diagnose(name: str) -> Sequence[Diagnostic]:
+    """The diagnostics of template.toml; if it has none, those of its packages."""
     from pathlib import Path
 
     from wsgen.pipeline.template_check import check_template
@@ -89,18 +91,21 @@ def _find_faults(name: str) -> Sequence[Diagnostic]:
 
     if is_shipped(name) or not Path(name).is_dir():
         return check_template(load_template(name))
-    template, faults = read_template(Path(name))
-    return faults or check_template(template)
+    template, found = read_template(Path(name))
+    return found or check_template(template)
 
 
-def _describe(template: Template) -> list[str]:
-    """What a person reads of one template."""
+def _describe(template: Template, *, quiet: bool) -> list[str]:
+    """The text for one template."""
+    from wsgen.cli.terminal import draw_table
+
+    rows = [_row(variable) for variable in template.variables.values()]
     return [
         click.style(template.name, bold=True),
         f"  {template.description}",
         f"  targets: {', '.join(target.name for target in template.targets)}",
         "",
-        *_table([_row(variable) for variable in template.variables.values()]),
+        *(draw_table(rows, quiet=quiet) or ["  It has no variables."]),
     ]
 
 
@@ -108,10 +113,3 @@ def _row(variable: Variable) -> tuple[str, ...]:
     from wsgen.templating.variables import show
 
     return (f"{variable.name}={show(variable.default)}", variable.expected, variable.help)
-
-
-def _table(rows: Sequence[tuple[str, ...]]) -> list[str]:
-    if not rows:
-        return ["  It has no variables."]
-    widths = [max(len(row[column]) for row in rows) for column in range(2)]
-    return [f"  {one:{widths[0]}}  {two:{widths[1]}}  {three}" for one, two, three in rows]

@@ -162,14 +162,22 @@ def validate_packages(
     output_format: str = "text",
     json_file: str | None = None,
 ) -> int:
-    """Validate, tell the outcome, and return the exit code."""
+    """Validate, print the outcome, and return the exit code."""
     import os
+    from functools import partial
 
     from wsgen.cli.progress import listening
     from wsgen.model.outcome import Outcome
     from wsgen.pipeline.validate import validate
 
     place = _open_workspace(workspace, request)
+    write = partial(
+        write_outcome,
+        output_format=output_format,
+        json_file=json_file,
+        quiet=quiet,
+        verbose=verbose,
+    )
     ended: list[PackageOutcome] = []
     try:
         with listening(quiet=quiet, verbose=verbose) as listener:
@@ -183,13 +191,11 @@ def validate_packages(
     except (KeyboardInterrupt, SystemExit):  # a signal; the exit code stays that of the signal
         stopped = Outcome(packages=tuple(ended), is_complete=False)
         if ended:
-            write_outcome(
-                stopped, output_format=output_format, json_file=json_file, verbose=verbose
-            )
+            write(stopped)
         else:
             _write_json(stopped, output_format=output_format, json_file=json_file)
         raise
-    write_outcome(outcome, output_format=output_format, json_file=json_file, verbose=verbose)
+    write(outcome)
     if outcome.passed and output_format == "text" and not quiet:
         for line in _next_steps(outcome, request, place):
             click.echo(line, err=True)
@@ -258,15 +264,20 @@ def _open_workspace(given: str | None, request: ValidateRequest) -> Workspace | 
 
 
 def write_outcome(
-    outcome: Outcome, *, output_format: str, json_file: str | None = None, verbose: bool
+    outcome: Outcome,
+    *,
+    output_format: str,
+    json_file: str | None = None,
+    quiet: bool = False,
+    verbose: bool,
 ) -> None:
-    """Tell what came of it, as text or as JSON, and write the JSON file that is wanted."""
+    """Print the outcome as text or as JSON, and write the JSON file if one is wanted."""
     _write_json(outcome, output_format=output_format, json_file=json_file)
     if output_format == "json":
         return
-    from wsgen.cli.output import render_outcome_table
+    from wsgen.cli.output import render_outcome
 
-    for line in render_outcome_table(outcome, verbose=verbose):
+    for line in render_outcome(outcome, verbose=verbose, quiet=quiet):
         click.echo(line)
 
 
