@@ -2,13 +2,13 @@
 
 WsgenError                          base; never raised itself
 ├── RequestError                2   the request is wrong: name, option, template, target
-├── WouldOverwriteError         3   something is there already; nothing was written
-├── NotFoundError               4   a tool or a file that is needed is missing
-├── NotReadableError            4   a file is there and cannot be read or written
-└── BrokenTemplateError         4   a template is there and cannot be made into a package
+├── WouldOverwriteError         3   something exists already; nothing was written
+├── NotFoundError               4   a required tool or file is missing
+├── NotReadableError            4   a file exists and cannot be read or written
+└── BrokenTemplateError         4   a template exists and cannot be rendered
 
-What is wrong with the user's files is a `Diagnostic`, not an exception: wsgen goes on and collects
-the next one, and ends with exit code 1.
+An error in the user's files is a `Diagnostic`, not an exception: wsgen goes on, collects all
+of them, and ends with exit code 1.
 
 Every message says what happened and where; `hint` is the next step to try.
 """
@@ -21,10 +21,10 @@ EXIT_REQUEST = 2
 EXIT_WOULD_OVERWRITE = 3
 EXIT_MISSING = 4
 EXIT_BUG = 70
-EXIT_SIGNALLED = 128  # and the number of the signal
+EXIT_SIGNALLED = 128  # plus the number of the signal
 EXIT_INTERRUPTED = 130
 
-# What is reported when one of the signals that end wsgen comes.
+# What wsgen prints when one of these signals ends it.
 SIGNAL_MESSAGES = {
     "SIGINT": "wsgen: interrupted",  # Ctrl-C
     "SIGTERM": "wsgen: terminated",  # CI cancels
@@ -33,7 +33,7 @@ SIGNAL_MESSAGES = {
 
 
 class WsgenError(Exception):
-    """Base of all errors that are told to the user without a traceback."""
+    """Base of all errors that the user sees without a traceback."""
 
     exit_code = EXIT_REQUEST
 
@@ -48,30 +48,30 @@ class WsgenError(Exception):
 
 
 class RequestError(WsgenError):
-    """The request is wrong: nothing was looked at beyond it, nothing was written."""
+    """The request is wrong: nothing else was checked, nothing was written."""
 
     exit_code = EXIT_REQUEST
 
 
 class WouldOverwriteError(WsgenError):
-    """Something is there already; nothing was written."""
+    """Something exists already; nothing was written."""
 
     exit_code = EXIT_WOULD_OVERWRITE
 
 
 class NotFoundError(WsgenError):
-    """A tool, file or folder that is needed is missing."""
+    """A required tool, file or folder is missing."""
 
     exit_code = EXIT_MISSING
 
 
 class NotReadableError(WsgenError):
-    """A file or folder is there and cannot be read or written."""
+    """A file or folder exists and cannot be read or written."""
 
     exit_code = EXIT_MISSING
 
 
 class BrokenTemplateError(WsgenError):
-    """A template is there and cannot be made into a package."""
+    """A template exists and cannot be rendered."""
 
     exit_code = EXIT_MISSING

@@ -1,8 +1,8 @@
-"""What is happening now, as values; observers draw them.
+"""Progress as values; listeners draw them.
 
 A step is named by its path: `("build", "gazebo_test")` is the package inside the build.
-An observer that fails must not break the work: `post` swallows what a listener raises and keeps
-the work going, because a broken terminal is no reason to lose a build.
+A listener that fails must not break the work: `post` suppresses its exceptions, because a broken
+terminal is no reason to lose a build.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, kw_only=True)
 class StepStarted:
-    """A step begins; `detail` says on what."""
+    """A step begins; `detail` says what it works on."""
 
     step: tuple[str, ...]
     detail: str = ""
@@ -23,7 +23,7 @@ class StepStarted:
 
 @dataclass(frozen=True, kw_only=True)
 class StepProgressed:
-    """A step goes on: what it does at this moment."""
+    """A step continues; `detail` says what it does at this moment."""
 
     step: tuple[str, ...]
     detail: str
@@ -31,7 +31,7 @@ class StepProgressed:
 
 @dataclass(frozen=True, kw_only=True)
 class OutputLine:
-    """A line that a foreign program printed while the step ran."""
+    """A line that another program printed while the step ran."""
 
     step: tuple[str, ...]
     text: str
@@ -53,25 +53,25 @@ Listener = Callable[[Event], None]
 
 
 class OneAtATime:
-    """A listener for several threads: it hears one event after the other, until it is closed."""
+    """A listener for several threads: it receives one event at a time, until it is closed."""
 
     def __init__(self, listener: Listener | None) -> None:
         self._listener = listener
         self._lock = threading.Lock()
 
     def __call__(self, event: Event) -> None:
-        """Hand the event on."""
+        """Pass the event on."""
         with self._lock:
             if self._listener is not None:
                 self._listener(event)
 
     def close(self) -> None:
-        """Hear no more; what is interrupted is not told as what fails."""
+        """Receive no more events, so that an interrupted step is not reported as failed."""
         self._listener = None
 
 
 def post(listener: Listener | None, event: Event) -> None:
-    """Hand the event to the listener; a listener that raises does not break the work."""
+    """Pass the event to the listener; one that raises does not break the work."""
     if listener is not None:
         with contextlib.suppress(Exception):
             listener(event)

@@ -21,20 +21,20 @@ def test_this_machine(capsys: pytest.CaptureFixture[str]) -> None:
     assert told.err == ""
     assert lines[0] == "ROS 2 Iron with Gazebo Classic 11, on Ubuntu 22.04"
     assert lines[1].startswith("note: ROS 2 Iron has had no updates since 2024-12-04")
-    assert lines.index("Without ROS: wsgen new, wsgen build, wsgen validate") < lines.index(
-        "With ROS: ros2 launch"
-    )
+    assert lines.index(
+        "Requirements of wsgen: wsgen new, wsgen build, wsgen validate"
+    ) < lines.index("Requirements of ROS: ros2 launch")
     assert sum("apt install ros-iron-ros-core" in line for line in lines) >= 1
-    assert lines[-1] == "wsgen can work here."
+    assert lines[-1] == "wsgen has all it needs."
 
 
 @pytest.mark.parametrize(
     ("takes_apt", "title", "command"),
     [
-        (True, "but for its editor:", "  sudo apt install ros-iron-ros-core "),
+        (True, "except the editor:", "  sudo apt install ros-iron-ros-core "),
         (
             False,
-            "in a container of ros:iron-ros-base, not here:",
+            "in a container of ros:iron-ros-base (not on this machine):",
             "  apt update && apt install ros-iron-ros-core ",
         ),
     ],
@@ -86,7 +86,7 @@ def test_something_is_missing(
     assert "  error  CMake  missing: CMAKE_COMMAND=/gone/cmake is not a program\n" in told
     assert "  CMake: try: unset CMAKE_COMMAND\n" in told
     assert "ninja" not in told
-    assert told.endswith("wsgen cannot work here until that is fixed.\n")
+    assert told.endswith("Fix the errors above before using wsgen.\n")
     assert run(["doctor", "--format", "json"]) == 1
     assert json.loads(capsys.readouterr().out)["passed"] is False
 

@@ -171,8 +171,8 @@ def test_a_launch_file_with_an_error(share: Path, capsys: pytest.CaptureFixture[
         (("my_robot", "height:=2"), "the name of the launch file is missing"),
         (("my_robt",), "launch file 'my_robt' does not exist"),
         (("no.launch.py", "a:=b"), "launch file 'no.launch.py' does not exist"),
-        (("my_robot", "r.launch.py", "height=2"), "'height=2' is not of the form name:=value"),
-        (("my_robot", "r.launch.py", "height:="), "'height:=' is not of the form name:=value"),
+        (("my_robot", "r.launch.py", "height=2"), "'height=2' does not have the form name:=value"),
+        (("my_robot", "r.launch.py", "height:="), "'height:=' does not have the form name:=value"),
         (("here.py", "my_robot"), "'my_robot' is not a launch argument"),
     ],
 )

@@ -34,7 +34,7 @@ def command_that(raises: BaseException) -> click.Command:
         (ZeroDivisionError("division by zero"), 70, ("bug in wsgen", "WSGEN_TRACEBACK")),
     ],
 )
-def test_errors_are_told_without_a_traceback(
+def test_errors_are_printed_without_a_traceback(
     raised: BaseException,
     code: int,
     words: tuple[str, ...],
@@ -52,7 +52,7 @@ def test_errors_are_told_without_a_traceback(
         assert word in captured.err
 
 
-def test_a_misspelt_command(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_misspelled_command(capsys: pytest.CaptureFixture[str]) -> None:
     assert wsgen.cli.run(["biuld"]) == 2
     assert "wsgen build" in capsys.readouterr().err
 

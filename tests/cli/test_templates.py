@@ -38,7 +38,7 @@ def test_variables_of_a_template_of_the_user(capsys: pytest.CaptureFixture[str])
 
 def test_template_without_variables(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["templates", str(write_template(tmp_path))]) == 0
-    assert "It has no variables." in capsys.readouterr().out
+    assert "This template has no variables." in capsys.readouterr().out
 
 
 def test_json(capsys: pytest.CaptureFixture[str]) -> None:

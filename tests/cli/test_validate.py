@@ -147,7 +147,7 @@ def test_not_built(workspace: Path) -> None:
     assert "wsgen build" in words
     for name in ("../nope.txt", "nope.txt", "folder/nope"):
         code, _, words = validate(workspace, name)
-        assert (code, f"There is no file {name}." in words) == (4, True)
+        assert (code, f"The file {name} does not exist." in words) == (4, True)
     shutil.rmtree(workspace / "src" / PACKAGE)
     assert "has no package" in validate(workspace)[2]
 

@@ -37,12 +37,12 @@ GARBAGE_THRESHOLD = 100_000  # objects more than are freed, until the collector 
 
 # name -> one line of help; `wsgen.cli.NAME` holds the command as `command`.
 COMMANDS = {
-    "new": "Write a package, and the workspace around it if there is none.",
-    "templates": "List the templates and their variables, or check one of yours.",
-    "build": "Build the workspace with colcon and explain what fails.",
-    "validate": "Play the installed launch file and see whether the robot stands.",
-    "doctor": "Say what this machine has and lacks for a target, and what fixes it.",
-    "rule": "Show what the diagnostics mean: all rules, or the documentation of one.",
+    "new": "Create a package with a robot, and a workspace if none exists.",
+    "templates": "List the templates and their variables, or check your own template.",
+    "build": "Build the workspace with colcon and explain build errors.",
+    "validate": "Simulate the robots that the installed launch files spawn.",
+    "doctor": "Show what this machine has and lacks for a target, and the commands that fix it.",
+    "rule": "List all rules, or show the documentation of one.",
     "launch": "Show what a launch file would start, without ROS and without starting it.",
 }
 
@@ -55,10 +55,10 @@ class CommandTable(click.Group):
         return list(COMMANDS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """Import the one command that is asked for."""
+        """Import the command with this name."""
         if cmd_name not in COMMANDS:
             return None
-        if ctx.resilient_parsing:  # the completion of names needs no more than names
+        if ctx.resilient_parsing:  # completing names needs only names
             return click.Command(cmd_name, help=COMMANDS[cmd_name])
         return self._import_command(cmd_name)
 
@@ -70,16 +70,16 @@ class CommandTable(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Find the command; a misspelt one is answered with its neighbor."""
+        """Find the command; suggest the nearest one for a misspelled name."""
         name = args[0]
-        if ctx.resilient_parsing:  # the completion of what follows a name, or of a misspelt one
+        if ctx.resilient_parsing:  # completion of what follows a name, or of a misspelled one
             command = self._import_command(name) if name in COMMANDS else None
             return name if command else None, command, args[1:]
         if name not in COMMANDS and not name.startswith("-"):
             from wsgen.suggestions import nearest
 
             near = nearest(name, COMMANDS) or " | ".join(COMMANDS)
-            raise RequestError(f"There is no command {name!r}.", hint=f"wsgen {near}")
+            raise RequestError(f"{name!r} is not a command of wsgen.", hint=f"wsgen {near}")
         return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002  click's signature
@@ -99,7 +99,7 @@ def wsgen() -> None:
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Run the command line and exit; the one place where errors become words and exit codes."""
+    """Run the command line and exit; the one place where errors become text and exit codes."""
     # Short commands make little garbage: looking for it while modules are imported, and once more
     # at the end, is an eighth of the time of `wsgen new`.
     gc.set_threshold(GARBAGE_THRESHOLD)
@@ -126,7 +126,7 @@ def run(arguments: Sequence[str]) -> int:
     code = EXIT_PASSED
     colors = _Colors()
     try:
-        if COMPLETION not in os.environ:  # a shell that completes words is told nothing else
+        if COMPLETION not in os.environ:  # a shell that completes words reads only the words
             _check_current_folder()
         returned = wsgen.main(
             args=list(arguments),
@@ -137,10 +137,10 @@ def run(arguments: Sequence[str]) -> int:
         )
         code = returned if isinstance(returned, int) else EXIT_PASSED
     except WsgenError as error:
-        _tell(error.message, error.hint, color=colors.wanted)
+        _print_error(error.message, error.hint, color=colors.wanted)
         code = error.exit_code
     except click.ClickException as error:
-        _tell_usage(error, color=colors.wanted)
+        _print_usage_error(error, color=colors.wanted)
         code = EXIT_REQUEST
     except (KeyboardInterrupt, SystemExit, click.Abort) as end:
         code = _report_end(end)
@@ -148,10 +148,10 @@ def run(arguments: Sequence[str]) -> int:
         disk = _explain_disk(error) if isinstance(error, OSError) else None
         if disk is not None:
             _drop_standard_output()
-            _tell(disk.message, disk.hint, color=colors.wanted)
+            _print_error(disk.message, disk.hint, color=colors.wanted)
             code = disk.exit_code
         else:
-            _tell_bug(error)
+            _print_bug(error)
             code = EXIT_BUG
     return code
 
@@ -161,7 +161,7 @@ def _unwind_at_signals() -> None:
     import signal
 
     def leave(number: int, _frame: object) -> None:
-        _ignore_signals()  # a second one must not disturb the cleaning up
+        _ignore_signals()  # a second signal must not interrupt the cleanup
         if number == signal.SIGINT:
             raise KeyboardInterrupt
         raise SystemExit(EXIT_SIGNALLED + number)
@@ -191,7 +191,7 @@ def _report_end(end: BaseException) -> int:
 
     code = end.code if isinstance(end, SystemExit) else EXIT_INTERRUPTED
     if code == 1:
-        # So click leaves when whoever read our output has gone: nothing of ours has failed.
+        # click exits like this when the reader of our output is gone: no failure of wsgen.
         return EXIT_PASSED
     if not isinstance(code, int) or code <= EXIT_SIGNALLED:
         raise end
@@ -201,7 +201,7 @@ def _report_end(end: BaseException) -> int:
 
 
 class _Colors:
-    """Whether to color, as far as it is known: None leaves it to the terminal."""
+    """Whether to color; None while the terminal decides."""
 
     def __init__(self) -> None:
         unwanted = os.environ.get("NO_COLOR") or os.environ.get("TERM") == "dumb"
@@ -209,7 +209,7 @@ class _Colors:
 
 
 def _drop_standard_output() -> None:
-    """Forget what is not written yet: Python would try, and complain, once more when it exits."""
+    """Discard what is not written yet: Python would try again at exit, and fail again."""
     with contextlib.suppress(OSError, ValueError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
@@ -219,21 +219,21 @@ def _check_current_folder() -> None:
         os.getcwd()  # noqa: PTH109  pathlib is not loaded for --help
     except OSError as error:
         raise NotFoundError(
-            "The current folder does not exist any more.", hint="Go to another one: cd"
+            "The current folder no longer exists.", hint="Change to another folder: cd"
         ) from error
 
 
-def _tell(message: str, hint: str, *, color: bool | None = None) -> None:
+def _print_error(message: str, hint: str, *, color: bool | None = None) -> None:
     click.echo(f"{click.style('error:', fg='red', bold=True)} {message}", err=True, color=color)
     if hint:
         click.echo(f"{click.style('  try:', fg='green')} {hint}", err=True, color=color)
 
 
-def _tell_usage(error: click.ClickException, *, color: bool | None) -> None:
-    """Tell what click has refused, as all errors are told."""
+def _print_usage_error(error: click.ClickException, *, color: bool | None) -> None:
+    """Print what click refused in the form of all errors."""
     ctx = getattr(error, "ctx", None)
     if ctx is None:
-        _tell(f"{error.format_message().rstrip('.')}.", "wsgen --help", color=color)
+        _print_error(f"{error.format_message().rstrip('.')}.", "wsgen --help", color=color)
         return
     if error.message.startswith("Usage: "):  # click gives the help to whom gives no words
         error.show()
@@ -245,11 +245,11 @@ def _tell_usage(error: click.ClickException, *, color: bool | None) -> None:
         message, near = f"{ctx.command_path} has no option {error.option_name}", error.possibilities
     usage = " ".join(ctx.get_usage().partition(" ")[2].split())
     hint = did_you_mean(near[0]) if near else f"{usage} (options: {ctx.command_path} --help)"
-    _tell(f"{message.rstrip('.')}.", hint, color=color)
+    _print_error(f"{message.rstrip('.')}.", hint, color=color)
 
 
 def _explain_disk(error: OSError) -> WsgenError | None:
-    """What to say of a disk that does not take what has no name for the user; None if it does."""
+    """The error for a full or read-only disk; None for any other error."""
     from pathlib import Path
 
     from wsgen.errors import NotReadableError
@@ -260,24 +260,24 @@ def _explain_disk(error: OSError) -> WsgenError | None:
     if error.errno in FULL:
         return NotReadableError(
             f"Cannot write the output or a temporary file: {error.strerror}.",
-            hint="Free some space, or name a folder on another disk: TMPDIR=DIR wsgen ...",
+            hint="Free some space, or use a folder on another disk: TMPDIR=DIR wsgen ...",
         )
-    if "No usable temporary directory" in str(error):  # so Python calls them if all are full
+    if "No usable temporary directory" in str(error):  # raised by Python if all are full
         return NotReadableError(
-            "No folder for temporary files takes any: they are full, or not writable.",
-            hint="Free some space in /tmp, or name another folder: TMPDIR=DIR wsgen ...",
+            "No temporary folder is usable: each is full or not writable.",
+            hint="Free some space in /tmp, or use another folder: TMPDIR=DIR wsgen ...",
         )
     return None
 
 
-def _tell_bug(error: Exception) -> None:
+def _print_bug(error: Exception) -> None:
     import traceback
 
     if os.environ.get("WSGEN_TRACEBACK"):
         traceback.print_exc()
     last = traceback.extract_tb(error.__traceback__)[-1]
     place = f"{os.path.basename(last.filename)}:{last.lineno}"  # noqa: PTH119  no pathlib here
-    _tell(
+    _print_error(
         f"This is a bug in wsgen {__version__}: {type(error).__name__}: {error} ({place}).",
-        "Set WSGEN_TRACEBACK=1, run the command again and report what it prints.",
+        "Set WSGEN_TRACEBACK=1, run the command again and report the output.",
     )

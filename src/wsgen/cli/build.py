@@ -12,7 +12,7 @@ COLCON_ARGUMENTS = "wsgen.colcon_arguments"
 
 
 class BuildCommand(ExampleCommand):
-    """A command that keeps what follows `--` apart: click would add it to the packages."""
+    """A command that separates the arguments after `--`; click would add them to the packages."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Put colcon's arguments into the context."""
@@ -26,7 +26,7 @@ class BuildCommand(ExampleCommand):
 @click.command(
     cls=BuildCommand,
     options_metavar="[OPTIONS]",
-    epilog="What follows -- goes to colcon.",
+    epilog="Arguments after -- are passed to colcon.",
     examples=("wsgen build my_robot", "wsgen build -- --cmake-clean-cache"),
 )
 @click.argument(
@@ -48,7 +48,7 @@ def command(
     quiet: bool,
     verbose: bool,
 ) -> int:
-    """Build the workspace, or some packages and what they need, with the real colcon."""
+    """Build the workspace with colcon, or only these packages and their dependencies."""
     return build_workspace(
         packages,
         colcon_arguments=ctx.meta.get(COLCON_ARGUMENTS, ()),
@@ -69,9 +69,9 @@ def build_workspace(
     verbose: bool,
     goes_on: bool = False,
 ) -> int:
-    """Build, tell what was found, and return the exit code.
+    """Build, print the diagnostics, and return the exit code.
 
-    The next step is not told to those for whom wsgen `goes_on` to take it.
+    The next step is not printed if wsgen `goes_on` to take it.
     """
     import os
     import shlex
@@ -104,7 +104,10 @@ def build_workspace(
         if result.not_built and "--continue-on-error" not in colcon_arguments and not quiet:
             words = [*packages, "--", *colcon_arguments, "--continue-on-error"]
             build_all = next_command(place, shlex.join(["wsgen", "build", *words]))
-            click.echo(f"Next: {build_all}  (builds what does not need what failed)", err=True)
+            click.echo(
+                f"Next: {build_all}  (builds the packages that do not depend on the failed ones)",
+                err=True,
+            )
         if result.succeeded and not (quiet or goes_on):
             validate = " ".join(["wsgen validate", *packages])
             click.echo(f"Next: {next_command(place, validate)}", err=True)

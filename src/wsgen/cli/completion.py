@@ -1,7 +1,6 @@
-"""What a shell completes: packages, launch files and templates.
+"""Shell completion of packages, launch files and templates.
 
-A shell asks while somebody types: nothing is evaluated or simulated, and what goes wrong
-completes nothing.
+It runs while somebody types: nothing is evaluated or simulated, and an error completes nothing.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ Completer = Callable[["click.Context", "click.Parameter", str], "list[Completion
 
 
 def _completer(find: Callable[[click.Context], Iterable[str]], *, also: str = "") -> Completer:
-    """Complete what `find` gives, and `also` names of a kind that the shell knows: file, dir."""
+    """Complete what `find` returns, and `also` names of a kind that the shell knows: file, dir."""
 
     def complete(
         ctx: click.Context, _parameter: click.Parameter, incomplete: str
@@ -39,7 +38,7 @@ def _completer(find: Callable[[click.Context], Iterable[str]], *, also: str = ""
 
 
 def _packages(ctx: click.Context) -> Iterable[str]:
-    """The packages of the workspace that are not named yet."""
+    """The packages of the workspace that are not on the command line yet."""
     from wsgen.workspace.layout import find_packages, open_workspace
 
     named = {*(ctx.params.get("packages") or ()), *(ctx.params.get("names") or ())}
@@ -48,7 +47,7 @@ def _packages(ctx: click.Context) -> Iterable[str]:
 
 
 def _launch_files(ctx: click.Context) -> Iterable[str]:
-    """The launch files of the packages that are named; of all, if none is."""
+    """The launch files of the packages on the command line; of all packages if none is."""
     from wsgen.workspace.layout import find_launch_files
 
     # Behind `--launch`, whose value is still to come, click has not sorted the words yet.
@@ -60,7 +59,7 @@ def _share(ctx: click.Context, package: str) -> Path:
     """The installed share folder of a package; its source if it is not built.
 
     Raises:
-        StopIteration: there is none.
+        StopIteration: The package does not exist.
     """
     import os
     from pathlib import Path
@@ -90,7 +89,7 @@ complete_templates = _completer(_templates, also="dir")
 def complete_launch_words(
     ctx: click.Context, parameter: click.Parameter, incomplete: str
 ) -> list[CompletionItem]:
-    """Complete a package or a file, then a launch file of the package; not its arguments."""
+    """Complete a package or a file, then a launch file of the package, but not its arguments."""
     words = ctx.params.get("words") or ()
     if not words:
         return complete_packages_and_files(ctx, parameter, incomplete)

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 @click.command(
     cls=ExampleCommand,
-    epilog="Exit code 0: wsgen's own commands can work here, whatever ROS lacks.",
+    epilog="The exit code is 0 if wsgen has all it needs, whether or not ROS is installed.",
     examples=("wsgen doctor --distro jazzy", "wsgen doctor --format json"),
 )
 @distro_option
@@ -42,9 +42,9 @@ def command(
     quiet: bool,
     verbose: bool,  # noqa: ARG001  nothing is left out
 ) -> int:
-    """Compare this machine with a target: what is there, what is missing, what fixes it.
+    """Show what this machine has and lacks for a target, and the commands that fix it.
 
-    What wsgen itself needs and what only ROS needs are kept apart.
+    The requirements of wsgen and those of ROS are listed separately.
     """
     import os
     import time
@@ -73,24 +73,28 @@ def _render(report: DoctorReport, *, quiet: bool) -> Iterator[str]:
     for note in report.notes:
         yield f"note: {note}"
     for title, requirements in (
-        ("Without ROS: wsgen new, wsgen build, wsgen validate", report.wsgen),
-        ("With ROS: ros2 launch", report.ros),
+        ("Requirements of wsgen: wsgen new, wsgen build, wsgen validate", report.wsgen),
+        ("Requirements of ROS: ros2 launch", report.ros),
     ):
         yield ""
         yield click.style(title, bold=True)
         shown = [found for found in requirements if not (quiet and found.is_met)]
         yield from _table(shown, quiet=quiet)
     yield ""
-    installed = "All that steps 1 and 2 of the tutorial install, but for its editor"
+    installed = "To install the packages of steps 1 and 2 of the tutorial, except the editor"
     if report.takes_apt:
         yield f"{installed}:"
         yield f"  {report.apt}"
     else:
-        yield f"{installed}; in a container of {image(target)}, not here:"
+        yield f"{installed}, in a container of {image(target)} (not on this machine):"
         yield f"  {in_container(report.apt)}"
     yield ""
-    verdict = "can work here" if report.passed else "cannot work here until that is fixed"
-    yield click.style(f"wsgen {verdict}.", bold=True)
+    result = (
+        "wsgen has all it needs."
+        if report.passed
+        else "Fix the errors above before using wsgen."
+    )
+    yield click.style(result, bold=True)
 
 
 def _table(requirements: Sequence[Requirement], *, quiet: bool) -> list[str]:

@@ -55,13 +55,13 @@ if TYPE_CHECKING:
 @click.option(
     "--play",
     is_flag=True,
-    help="Simulate and check what it spawns, instead of showing the plan.",
+    help="Simulate the robots that the launch file spawns, and check the result.",
 )
 @click.option(
     "--record",
     type=click.Path(),
     metavar="FILE",
-    help="With --play: file for a video, .gif or .mp4 (needs pip install 'wsgen[video]').",
+    help="With --play: file for a video, .gif or .mp4 (pip install 'wsgen[video]').",
 )
 @picture_option
 @seconds_option
@@ -84,9 +84,9 @@ def command(
 ) -> int:
     """Evaluate a launch file without ROS and show what it would start.
 
-    The words are those of `ros2 launch`: an installed package and the name of one of its launch
-    files, or the path of a launch file; then launch arguments. With --play the robots are
-    simulated and checked as by `wsgen validate`.
+    The arguments are those of `ros2 launch`: an installed package and the name of one of its launch
+    files, or the path of a launch file; then launch arguments. With --play, simulate the
+    robots as `wsgen validate` does.
     """
     from wsgen.cli.progress import listening
     from wsgen.cli.words import split_launch_arguments

@@ -60,33 +60,33 @@ class NewCommand(ExampleCommand):
     metavar="NAME|FOLDER",
     show_default=True,
     shell_complete=complete_templates,
-    help="Kind of robot: the name of a template, or the folder of your own.",
+    help="Template of the robot: its name, or the folder of your own template.",
 )
 @distro_option
 @sim_option
 @click.option(
-    "--set", "settings", multiple=True, metavar="KEY=VALUE", help="Set a variable of the template."
+    "--set", "settings", multiple=True, metavar="KEY=VALUE", help="Variable of the template."
 )
-@click.option("--description", metavar="TEXT", help="Description in package.xml.")
+@click.option("--description", metavar="TEXT", help="Description of the package.")
 @click.option(
     "--license",
     "license_name",
     default="Apache-2.0",
     metavar="SPDX",
     show_default=True,
-    help="License of the package; its text is written, too.",
+    help="License; its text is written to the package.",
 )
 @click.option("--maintainer-name", metavar="TEXT", help="[default: git's user.name]")
 @click.option("--maintainer-email", metavar="ADDRESS", help="[default: git's user.email]")
 @click.option(
     "--ci",
     type=click.Choice(["github", "gitlab"]),
-    help="Also write a workflow for the workspace: wsgen without ROS, and the target's ROS.",
+    help="Also write a CI workflow that builds with wsgen and with the target's ROS.",
 )
-@click.option("--dry-run", is_flag=True, help="Only list the files that would be written.")
-@click.option("--build", "then_build", is_flag=True, help="Build the package, too.")
+@click.option("--dry-run", is_flag=True, help="List the files without writing them.")
+@click.option("--build", "then_build", is_flag=True, help="Build the package afterwards.")
 @click.option(
-    "--validate", "then_validate", is_flag=True, help="Build and validate the package, too."
+    "--validate", "then_validate", is_flag=True, help="Build and validate the package afterwards."
 )
 @format_option
 @output_options
@@ -112,7 +112,7 @@ def command(
     quiet: bool,
     verbose: bool,
 ) -> int:
-    """Write a package with a robot, and the workspace around it if it does not exist."""
+    """Create a package with a robot, and a workspace if none exists."""
     from wsgen.pipeline.create import create
 
     if output_format == "json" and (then_build or then_validate):

@@ -19,10 +19,10 @@ class ExampleCommand(click.Command):
 
     def __init__(self, *arguments: Any, examples: Sequence[str], **options: Any) -> None:
         super().__init__(*arguments, **options)
-        self.examples = examples  # as they are typed
+        self.examples = examples  # whole command lines
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write them as they are: click would wrap long ones."""
+        """Write them unwrapped; click would wrap long ones."""
         super().format_epilog(ctx, formatter)
         with formatter.section("Examples"):
             for example in self.examples:
@@ -34,7 +34,7 @@ workspace_option = click.option(
     "--workspace",
     type=click.Path(file_okay=False),
     metavar="DIR",
-    help="The colcon workspace.  [default: the one around the current folder]",
+    help="Colcon workspace.  [default: the workspace around the current folder]",
 )
 
 format_option = click.option(
@@ -43,7 +43,7 @@ format_option = click.option(
     type=click.Choice(["text", "json"]),
     default="text",
     show_default=True,
-    help="Form of the result on standard output.",
+    help="Format of the result on standard output.",
 )
 
 distro_option = click.option(
@@ -51,13 +51,13 @@ distro_option = click.option(
     envvar="ROS_DISTRO",
     default="iron",
     metavar="NAME",
-    help="ROS 2 distribution that is aimed at.  [default: $ROS_DISTRO, else iron]",
+    help="Target ROS 2 distribution.  [default: $ROS_DISTRO, else iron]",
 )
 
 sim_option = click.option(
     "--sim",
     type=click.Choice(["classic", "gz"]),
-    help="Gazebo Classic or Gazebo Sim.  [default: classic on iron, gz elsewhere]",
+    help="Target simulator: Gazebo Classic or Gazebo Sim.  [default: classic on iron, else gz]",
 )
 
 seconds_option = click.option(
@@ -65,23 +65,26 @@ seconds_option = click.option(
     type=click.FloatRange(min=0.1, max=600.0),
     default=3.0,
     show_default=True,
-    help="Simulated time.",
+    help="Simulated time in seconds.",
 )
 
 engine_option = click.option(
     "--engine",
     type=click.Choice(["bullet", "dart", "both"]),
-    help="Physics engine; DART is Gazebo's own (pip install 'wsgen[dart]').  [default: bullet, "
-    "and dart where Python has no PyBullet]",
+    help="Physics engine; DART is the engine of Gazebo Sim (pip install 'wsgen[dart]').  "
+    "[default: bullet, or dart where PyBullet is not available]",
 )
 
 picture_option = click.option(
-    "--picture", type=click.Path(), metavar="DIR", help="Write a PNG of the end there."
+    "--picture",
+    type=click.Path(),
+    metavar="DIR",
+    help="Directory for a PNG of the final state.",
 )
 
 
 def chosen_target(ctx: click.Context, distro: str, sim: str | None) -> Target:
-    """The target that `distro_option` and `sim_option` mean."""
+    """The target that `distro_option` and `sim_option` select."""
     from click.core import ParameterSource
 
     from wsgen.model.target import choose_target
@@ -91,25 +94,32 @@ def chosen_target(ctx: click.Context, distro: str, sim: str | None) -> Target:
 
 
 def chosen_engines(engine: str | None) -> tuple[str, ...]:
-    """The engines that `engine_option` means; the first one's figures are reported."""
+    """The engines that `engine_option` selects; results come from the first one."""
     from wsgen.simulation.run import default_engine
 
     return ("bullet", "dart") if engine == "both" else (engine or default_engine(),)
 
 
 def _set_color(ctx: click.Context, _parameter: click.Parameter, value: str) -> None:
-    # click itself leaves colors away where the output is no terminal.
+    # click itself removes colors where the output is not a terminal.
     if value != "auto":
         ctx.color = value == "always"
-        if ctx.obj is not None:  # for what is told after the command has failed
+        if ctx.obj is not None:  # for errors printed after the command has failed
             ctx.obj.wanted = ctx.color
 
 
 def output_options(function: Function) -> Function:
     """-q, -v and --color, for commands that show progress on standard error."""
     for option in (
-        click.option("-q", "--quiet", is_flag=True, help="Show no progress and no next step."),
-        click.option("-v", "--verbose", is_flag=True, help="Show all that is found or printed."),
+        click.option(
+            "-q", "--quiet", is_flag=True, help="Show no progress, table headings or next steps."
+        ),
+        click.option(
+            "-v",
+            "--verbose",
+            is_flag=True,
+            help="Show all diagnostics, and the output of other programs.",
+        ),
         click.option(
             "--color",
             type=click.Choice(["auto", "always", "never"]),
@@ -119,7 +129,7 @@ def output_options(function: Function) -> Function:
             is_eager=True,
             expose_value=False,
             callback=_set_color,
-            help="Colors; in auto, NO_COLOR turns them off.",
+            help="When to use colors; with auto, NO_COLOR disables them.",
         ),
     ):
         function = option(function)

@@ -19,7 +19,7 @@ def command(
     quiet: bool,
     verbose: bool,  # noqa: ARG001  nothing is left out
 ) -> int:
-    """List all rules, or show the documentation of the one with this CODE or NAME."""
+    """List all rules, or show the documentation of the rule with this CODE or NAME."""
     from wsgen.cli.terminal import draw_markdown, draw_table
     from wsgen.rules.catalogue import all_rules, find_rule, to_markdown
 

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     "--check",
     "is_check",
     is_flag=True,
-    help="Render it for every target, and try what comes out as `wsgen validate` does.",
+    help="Render the template for every target, then validate the packages.",
 )
 @format_option
 @output_options
@@ -39,13 +39,13 @@ def command(
     quiet: bool,
     verbose: bool,  # noqa: ARG001  nothing is left out
 ) -> int:
-    """List the templates; with a NAME or the FOLDER of one, its variables."""
+    """List the templates, or the variables of the template with this NAME or in this FOLDER."""
     from wsgen.templating.manifest import load_template, template_names
 
     if is_check:
         if name is None:
             raise RequestError(
-                "--check needs a template.", hint="Name its folder: wsgen templates --check FOLDER"
+                "--check needs a template.", hint="Give its folder: wsgen templates --check FOLDER"
             )
         return _check(name, output_format)
     templates = [load_template(one) for one in ([name] if name else template_names())]
@@ -105,7 +105,7 @@ def _describe(template: Template, *, quiet: bool) -> list[str]:
         f"  {template.description}",
         f"  targets: {', '.join(target.name for target in template.targets)}",
         "",
-        *(draw_table(rows, quiet=quiet) or ["  It has no variables."]),
+        *(draw_table(rows, quiet=quiet) or ["  This template has no variables."]),
     ]
 
 

@@ -28,12 +28,12 @@ if TYPE_CHECKING:
     from wsgen.workspace.layout import Workspace
 
 
-MOST_SEARCHED = 100  # folders, for what could have been named
+MOST_SEARCHED = 100  # folders, for packages and files to suggest
 
 
 @click.command(
     cls=ExampleCommand,
-    epilog="Build first: what is checked is the installed package. A FILE needs no package.",
+    epilog="Build first: wsgen validates the installed package. A FILE needs no package.",
     examples=("wsgen validate my_robot --picture .", "wsgen validate robot.urdf --engine dart"),
 )
 @click.argument(
@@ -48,14 +48,14 @@ MOST_SEARCHED = 100  # folders, for what could have been named
     "launch_file",
     metavar="FILE",
     shell_complete=complete_launch_files,
-    help="Launch file, as `ros2 launch` names it.  [default: the only one that spawns a robot]",
+    help="Name of the launch file, as for `ros2 launch`.  [default: the one that spawns a robot]",
 )
 @click.option(
     "--arg",
     "arguments",
     multiple=True,
     metavar="NAME:=VALUE",
-    help="Launch argument, or argument of a xacro FILE; may be given several times.",
+    help="Launch argument, or argument of a xacro FILE; can be repeated.",
 )
 @seconds_option
 @engine_option
@@ -66,11 +66,11 @@ MOST_SEARCHED = 100  # folders, for what could have been named
     default=1,
     show_default=True,
     metavar="N",
-    help="So many packages or files at a time.",
+    help="Number of packages or files to process in parallel.",
 )
 @picture_option
 @click.option(
-    "--json", "json_file", type=click.Path(), metavar="FILE", help="Write the JSON there."
+    "--json", "json_file", type=click.Path(), metavar="FILE", help="File for the result as JSON."
 )
 @format_option
 @output_options
@@ -89,10 +89,11 @@ def command(
     quiet: bool,
     verbose: bool,
 ) -> int:
-    """Source the overlay, evaluate the installed launch file, spawn, simulate and check.
+    """Simulate the robots that the installed launch files spawn, and check the result.
 
-    Without PACKAGE, all packages of the workspace that spawn a robot. A FILE (.urdf, .xacro, .sdf,
-    .world) is tried by itself, a robot just above the ground of an empty world.
+    Without PACKAGE, validate all packages of the workspace that spawn a robot. A FILE (.urdf,
+    .xacro, .sdf, .world) is simulated by itself; a robot starts just above the ground of an empty
+    world.
     """
     import os
     from pathlib import Path
@@ -102,19 +103,19 @@ def command(
 
     if json_file is not None and not Path(json_file).absolute().parent.is_dir():
         raise NotFoundError(
-            f"The folder of {json_file} does not exist.", hint="Make it first, or name another."
+            f"The folder of {json_file} does not exist.", hint="Create it, or give another path."
         )
     for name in names:
         if Path(name).is_dir() and (name.lower().endswith(FILE_SUFFIXES) or os.sep in name):
             raise _refuse_folder(Path(name))
         if Path(name).is_file() and not name.lower().endswith(FILE_SUFFIXES):
             raise RequestError(
-                f"{name} is no file that can be tried.",
-                hint=f"It ends in none of {', '.join(FILE_SUFFIXES)}.",
+                f"wsgen cannot simulate {name}.",
+                hint=f"Give a file that ends in {', '.join(FILE_SUFFIXES)}.",
             )
-        bare = name.strip("./")  # a package is meant by PACKAGE/, too, and named in its error
+        bare = name.strip("./")  # PACKAGE/ also means a package
         if (os.sep in bare or Path(bare).suffix) and not Path(name).exists():
-            raise NotFoundError(f"There is no file {name}.", hint="Check its path.")
+            raise NotFoundError(f"The file {name} does not exist.", hint="Check its path.")
     request = ValidateRequest(
         packages=[name for name in names if not name.lower().endswith(FILE_SUFFIXES)],
         files=[Path(name) for name in names if name.lower().endswith(FILE_SUFFIXES)],
@@ -136,7 +137,7 @@ def command(
 
 
 def _refuse_folder(folder: Path) -> RequestError:
-    """The error for a folder where a package or a file has to be named, with those in it."""
+    """The error for a folder in place of a package or file; the hint names those in it."""
     from itertools import islice
 
     from wsgen.pipeline.request import FILE_SUFFIXES
@@ -149,7 +150,7 @@ def _refuse_folder(folder: Path) -> RequestError:
             named.append(package.name)
         elif place == folder:
             named += [str(place / file) for file in files if file.endswith(FILE_SUFFIXES)]
-    hint = f"wsgen validate {' | '.join(sorted(named)[:3])}" if named else "Name a file in it."
+    hint = f"wsgen validate {' | '.join(sorted(named)[:3])}" if named else "Give a file in it."
     return RequestError(f"{folder} is a folder, not a file or the name of a package.", hint=hint)
 
 
@@ -205,7 +206,7 @@ def validate_packages(
 def _next_steps(
     outcome: Outcome, request: ValidateRequest, workspace: Workspace | None
 ) -> Iterator[str]:
-    """What to do with a robot that stands; about the first one, where there are several."""
+    """What to do next with a robot that stands; for the first one, if there are several."""
     import shlex
 
     label = "Next:"
@@ -227,7 +228,7 @@ def _next_steps(
 
 
 def _simulation_options(request: ValidateRequest) -> list[str]:
-    """`--seconds` and `--engine`, where they are not what is taken without them."""
+    """`--seconds` and `--engine`, where they differ from the defaults."""
     from wsgen.cli.options import chosen_engines
     from wsgen.pipeline.request import ValidateRequest
 
@@ -240,7 +241,7 @@ def _simulation_options(request: ValidateRequest) -> list[str]:
 
 
 def _workspace_option(workspace: Workspace | None) -> list[str]:
-    """`-w` for the workspace, where the current folder does not mean it."""
+    """`-w` for the workspace, unless the current folder is in it."""
     from wsgen.cli.words import short_name
     from wsgen.workspace.layout import open_workspace
 
@@ -252,7 +253,7 @@ def _workspace_option(workspace: Workspace | None) -> list[str]:
 
 
 def _open_workspace(given: str | None, request: ValidateRequest) -> Workspace | None:
-    """The workspace that is meant; none where files alone are named and there is none."""
+    """The selected workspace; None if only files are given and no workspace is found."""
     from wsgen.workspace.layout import open_workspace
 
     try:
@@ -282,7 +283,7 @@ def write_outcome(
 
 
 def _write_json(outcome: Outcome, *, output_format: str, json_file: str | None) -> None:
-    """Write the JSON where it is wanted: the file, standard output, both or neither."""
+    """Write the JSON to the file, standard output, both or neither."""
     if json_file is None and output_format != "json":
         return
     from wsgen.report.json_report import render_outcome

@@ -1,4 +1,4 @@
-"""What several commands read from their words, and how they write paths."""
+"""Launch arguments, paths and next steps: text that several commands read or print."""
 
 from __future__ import annotations
 
@@ -17,36 +17,36 @@ if TYPE_CHECKING:
 
 
 def split_launch_arguments(words: Iterable[str]) -> dict[str, str]:
-    """`name:=value` as `ros2 launch` takes it; the last of a name counts.
+    """Parse `name:=value` as `ros2 launch` does; the last value of a name counts.
 
     Raises:
-        RequestError: a word is not of this form, or has no value.
+        RequestError: A word does not have this form, or has no value.
     """
     values: dict[str, str] = {}
     for word in words:
         name, _, value = word.partition(":=")
         if not name or not value:
             raise RequestError(
-                f"The launch argument {word!r} is not of the form name:=value.",
-                hint="For example: z:=0.5",
+                f"The launch argument {word!r} does not have the form name:=value.",
+                hint="Write it like this: z:=0.5",
             )
         values[name] = value
     return values
 
 
 def short_path(path: Path) -> str:
-    """Relative to the current folder where it is below that."""
+    """The path relative to the current folder if it is below it."""
     relative = os.path.relpath(path)
     return os.fspath(path) if relative.startswith("..") else relative
 
 
 def short_name(path: Path) -> str:
-    """Relative to the current folder where that is below it; odd bytes made printable."""
+    """The path relative to the current folder if it is below it, made printable."""
     return click.format_filename(short_path(path))
 
 
 def next_command(workspace: Workspace, *commands: str) -> str:
-    """What to type next in a workspace, from the current folder."""
+    """The commands to run next in a workspace, starting from the current folder."""
     import shlex
 
     root = os.fspath(workspace.root)

@@ -1,1 +1,1 @@
-"""What was found out, in the forms that other programs read."""
+"""Results in the formats that other programs read."""

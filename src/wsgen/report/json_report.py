@@ -1,12 +1,6 @@
-"""Outcome -> the JSON that `--format json` prints: of `wsgen validate`, and of `wsgen build`.
+"""Results -> the JSON that `--format json` prints: one function for each command.
 
-Both are contracts, see `VERSION`.
-
-LaunchPlan -> the JSON that `wsgen launch --format json` prints; a contract, see `VERSION`.
-
-Templates -> the JSON that `wsgen templates --format json` prints; a contract, see `VERSION`.
-
-What `wsgen doctor` found, for programs; docs/doctor.md lists the keys.
+All are contracts, see `VERSION`. Every key is always present, and every text ends with a newline.
 """
 
 from __future__ import annotations
@@ -34,11 +28,11 @@ if TYPE_CHECKING:
     from wsgen.templating.variables import Variable
 
 
-VERSION = 1  # changes only when a key is taken away or changes its meaning
+VERSION = 1  # changes only when a key is removed or changes its meaning
 
 
 def render_outcome(outcome: Outcome) -> str:
-    """The JSON text, with a newline at its end."""
+    """An outcome, for `wsgen validate`; docs/json.md lists the keys."""
     document = {
         "version": VERSION,
         "complete": outcome.is_complete,
@@ -49,7 +43,7 @@ def render_outcome(outcome: Outcome) -> str:
 
 
 def render_build(result: BuildResult) -> str:
-    """The JSON text of a build, with a newline at its end."""
+    """A build, for `wsgen build`; docs/json.md lists the keys."""
     document = {
         "version": VERSION,
         "passed": result.succeeded,
@@ -69,7 +63,7 @@ def render_build(result: BuildResult) -> str:
 
 
 def diagnostic_to_json(diagnostic: Diagnostic) -> dict[str, Any]:
-    """One diagnostic, all keys always there."""
+    """One diagnostic."""
     return {
         "code": diagnostic.code,
         "severity": diagnostic.severity.value,
@@ -160,7 +154,7 @@ def _pose(pose: Pose) -> dict[str, Any]:
 
 
 def _number(value: float) -> float | None:
-    """JSON has no infinity and no not-a-number: null says that there is no usable value."""
+    """JSON has no infinity and no not-a-number: both are null."""
     return value if math.isfinite(value) else None
 
 
@@ -168,11 +162,8 @@ def _path(path: Path | None) -> str | None:
     return None if path is None else str(path)
 
 
-# changes only when a key is taken away or changes its meaning
-
-
 def render_plan(plan: LaunchPlan) -> str:
-    """The JSON text, with a newline at its end; all keys are always there."""
+    """A launch plan, for `wsgen launch`; docs/json.md lists the keys."""
     document = {
         "version": VERSION,
         "package": plan.package,
@@ -234,7 +225,7 @@ def _unresolved(entry: Unresolved) -> dict[str, Any]:
 
 
 def _value(value: Any) -> Any:
-    """A parameter; JSON has no infinity and no not-a-number, so these are words, as in YAML."""
+    """A parameter; JSON has no infinity and no not-a-number, so these are text, as in YAML."""
     if isinstance(value, list):
         return [_value(item) for item in value]
     if isinstance(value, float) and not math.isfinite(value):
@@ -242,16 +233,13 @@ def _value(value: Any) -> Any:
     return value
 
 
-# changes only when a key is taken away or changes its meaning
-
-
 def render_templates(templates: Iterable[Template]) -> str:
-    """The JSON text, with a newline at its end."""
+    """Templates and their variables, for `wsgen templates`; docs/templates.md lists the keys."""
     return _text({"templates": [_template(template) for template in templates]})
 
 
 def render_template_check(diagnostics: Sequence[Diagnostic]) -> str:
-    """The JSON text of what was found in a template, with a newline at its end."""
+    """The diagnostics of a template, for `wsgen templates --check`."""
     return _text(
         {
             "passed": not has_errors(diagnostics),
@@ -276,7 +264,7 @@ def _template(template: Template) -> dict[str, Any]:
 
 
 def _variable(variable: Variable) -> dict[str, Any]:
-    """All keys always there; what a type does not have is null."""
+    """A variable; what its type does not have is null."""
     is_number = variable.type in {"number", "integer"}
     return {
         "name": variable.name,
@@ -295,10 +283,10 @@ def _bound(value: float) -> float | None:
 
 
 def render_doctor_report(report: DoctorReport) -> str:
-    """One JSON document."""
+    """The requirements of wsgen and of ROS, for `wsgen doctor`; docs/doctor.md lists the keys."""
     target = report.target
     document = {
-        "version": 1,
+        "version": VERSION,
         "passed": report.passed,
         "target": {
             "distro": target.distro,
@@ -324,13 +312,10 @@ def _requirement(one: Requirement) -> dict[str, object]:
     }
 
 
-RULE_VERSION = 1
-
-
 def render_rules(rules: Iterable[Rule]) -> str:
-    """Rules with their documentation, for `wsgen rule`."""
+    """Rules with their documentation, for `wsgen rule`; docs/json.md lists the keys."""
     document = {
-        "version": RULE_VERSION,
+        "version": VERSION,
         "rules": [{**dataclasses.asdict(rule), "severity": rule.severity.value} for rule in rules],
     }
     return json.dumps(document, indent=2, ensure_ascii=False) + "\n"
