@@ -11,7 +11,8 @@ from wsgen.model.behavior import BehaviorOutcome, Drive, Reach
 from wsgen.model.outcome import Outcome, PackageOutcome, Rest, RobotOutcome, Simulated
 from wsgen.model.transform import Pose
 from wsgen.model.world import PlacedModel, World
-from wsgen.report.json_report import render_build, render_outcome
+from wsgen.report.json_report import render_build, render_outcome, render_rules
+from wsgen.rules.allowances import UNKNOWN_RULE_ALLOWED
 
 ROBOT = RobotOutcome(
     entity="r",
@@ -40,7 +41,9 @@ ROBOT = RobotOutcome(
         BehaviorOutcome(name="untried", task=Drive(y=0.5), passed=False),
     ),
 )
-FINDING = Diagnostic(code="SPN053", severity=Severity.WARNING, message="m", file=Path("f"), line=3)
+DIAGNOSTIC = Diagnostic(
+    code="SPN053", severity=Severity.WARNING, message="m", file=Path("f"), line=3
+)
 
 
 def outcome(**changes: object) -> Outcome:
@@ -50,7 +53,7 @@ def outcome(**changes: object) -> Outcome:
         "launch_file": Path("/s/l.launch.py"),
         "world": World(name="w", models=(PlacedModel(name="ground_plane"),)),
         "robots": (ROBOT,),
-        "diagnostics": (FINDING,),
+        "diagnostics": (DIAGNOSTIC,),
         "seconds": {"total": 1.23456},
         **changes,
     }
@@ -175,7 +178,7 @@ BUILD = BuildResult(
     succeeded=True,
     packages=(PackageResult(name="p", outcome="built", seconds=1.23456),),
     seconds=2.0,
-    diagnostics=(FINDING,),
+    diagnostics=(DIAGNOSTIC,),
     log_folder=Path("/ws/log"),
 )
 
@@ -223,3 +226,10 @@ def test_numbers_that_json_does_not_know_are_null() -> None:
     assert written["rest"]["xyz"] == [None, 0.0, None]
     assert written["rest"]["speed"] is None
     assert written["simulated"] is None
+
+
+def test_every_key_of_a_rule() -> None:
+    document = json.loads(render_rules([UNKNOWN_RULE_ALLOWED]))
+    assert document["version"] == 1
+    assert document["rules"][0]["severity"] == "warning"
+    assert documented_keys("wsgen rule") == keys(document)

@@ -4,6 +4,7 @@ import json
 import math
 from pathlib import Path
 
+from report.test_json_report import documented_keys, keys
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.model.plan import Include, LaunchArgument, LaunchPlan, Process, Unresolved
 from wsgen.report.json_report import render_plan
@@ -71,3 +72,13 @@ def test_an_empty_plan_has_every_key_too() -> None:
     assert set(document) == set(json.loads(render_plan(FULL)))
     assert document["package"] is None
     assert document["processes"] == []
+
+
+def test_the_documentation_lists_every_key() -> None:
+    document = json.loads(render_plan(FULL))
+    document["environment"] = None  # its keys are names
+    for process in document["processes"]:
+        process["parameters"] = process["environment"] = None
+    for include in document["includes"]:
+        include["arguments"] = None
+    assert documented_keys("wsgen launch") == keys(document)
