@@ -1,7 +1,7 @@
-"""wsgen's verdict on robots that other people have published, and the table of docs/robots.md.
+"""The results for robots that other people have published, and the table of docs/robots.md.
 
-Every error on one of them is written down with its reason; an error that is new, and one that is
-gone, fail the test. `--regenerate` writes the table.
+Every error is listed with its reason; a new error, and one that no longer occurs, fail the test.
+`--regenerate` writes the table.
 """
 
 from __future__ import annotations
@@ -21,23 +21,23 @@ PAGE = Path(__file__).parents[1] / "docs" / "robots.md"
 
 # Why an error of the description is right: what Gazebo does with such a robot.
 WHY = {
-    "ROB001": "the file is no well-formed XML",
+    "ROB001": "the file is not well-formed XML",
     "ROB004": "Gazebo refuses a robot without a name",
     "ROB005": "the robot has no link",
-    "ROB015": "URDF has no such joint type",
-    "ROB016": "Gazebo's parser refuses the number, or leaves out what has it",
+    "ROB015": "URDF does not have this joint type",
+    "ROB016": "Gazebo's parser refuses the number, or drops the element",
     "ROB017": "xacro was not expanded; PyBullet reads 0",
-    "ROB024": "Gazebo knows no such shape in a URDF",
-    "ROB028": "Gazebo's engine ends the program on a collision mesh that is mirrored by its scale",
+    "ROB024": "Gazebo does not know this shape in a URDF",
+    "ROB028": "the physics engine of Gazebo crashes on a collision mesh with a mirroring scale",
     "ROB037": "Gazebo refuses the inertia (Error 18)",
-    "ROB040": "a link without mass: Gazebo refuses the robot, or cuts the link off with all below",
+    "ROB040": "a link has no mass: Gazebo refuses the robot, or drops the link and all below it",
     "ROB041": "Gazebo computes a center of mass as 0/0 and refuses the robot",
 }
 # What only the simulation shows, and why it is right.
-NO_COLLISION = {"ROB053"}, "it has no <collision>, and falls through the ground in Gazebo as well"
-NOT_BOLTED = {"SPN059"}, "it is not joined to a link `world`, and falls over in Gazebo as well"
-NO_MESHES = {"ROB060"}, "the package does not hold the meshes that the file names"
-IN_THE_TRIAL = {
+NO_COLLISION = {"ROB053"}, "it has no <collision> and falls through the ground, as in Gazebo"
+NOT_BOLTED = {"SPN059"}, "it is not joined to a link `world` and falls over, as in Gazebo"
+NO_MESHES = {"ROB060"}, "the package does not contain the meshes of the file"
+IN_THE_SIMULATION = {
     "alexander_v1_lowerbodyonly": NO_COLLISION,
     "al5d_robot": NO_COLLISION,
     "double_pendulum": NOT_BOLTED,
@@ -52,16 +52,16 @@ IN_THE_TRIAL = {
 HEAD = """\
 # Published robots
 
-What `wsgen validate FILE` says of robots that other people have published on PyPI, each put just
-above the ground of an empty world, in PyBullet, with no controller. Every error has its reason
-below the table. `pytest tests/test_public_robots_trials.py --regenerate` writes this page; a test
-compares what does not hang on the machine.
+Results of `wsgen validate FILE` for robots that other people have published on PyPI, each spawned
+just above the ground of an empty world, in PyBullet, without a controller. Below the table is the
+reason for every error. `pytest tests/test_public_robots_simulated.py --regenerate` writes this
+page; a test compares what does not depend on the machine.
 
-"Rests after" is when it stands still; "limp" says that limbs that nobody drives gave way, "-" that
-it was not tried. z is the height of the root link at the end. Errors are bold;
-[rules.md](rules.md) lists the codes.
+"Settled after" is the time when the robot stands still; "passive" means that gravity moved its
+unactuated joints, "-" that it was not simulated. z is the final height of the root link. Errors are
+bold; [rules.md](rules.md) lists the codes.
 
-| robot | from | links | joints | kg | rests after | z, m | seconds | found |
+| robot | from | links | joints | kg | settled after | z, m | seconds | diagnostics |
 |---|---|---|---|---|---|---|---|---|
 """
 
@@ -110,12 +110,12 @@ def test_every_error_has_its_reason_and_the_page_says_so(*, regenerate: bool) ->
 
 def expected_errors(name: str) -> set[str]:
     prepared = REFUSED.get(name, set()) | CUT.get(name, set())
-    return prepared | IN_THE_TRIAL.get(name, (set(), ""))[0]
+    return prepared | IN_THE_SIMULATION.get(name, (set(), ""))[0]
 
 
 def reason(name: str) -> str:
     prepared = sorted(REFUSED.get(name, set()) | CUT.get(name, set()))
-    simulated = [IN_THE_TRIAL[name][1]] if name in IN_THE_TRIAL else []
+    simulated = [IN_THE_SIMULATION[name][1]] if name in IN_THE_SIMULATION else []
     return "; ".join([*(f"{WHY[code]} ({code})" for code in prepared), *simulated])
 
 
@@ -125,14 +125,15 @@ def row(package: str, name: str, checked: dict[str, Any]) -> str:
     cells = [name, package]
     if simulated:
         rest = robot["rest"]
-        is_limp = "SPN060" in codes(checked, "info")
-        after = "moves" if rest["settled_after"] is None else f"{rest['settled_after']:.1f} s"
+        is_passive = "SPN060" in codes(checked, "info")
+        settled = rest["settled_after"]
+        after = "did not settle" if settled is None else f"{settled:.1f} s"
         cells += [
             str(simulated["links"]),
             str(simulated["movable_joints"]),
             f"{simulated['mass']:.3f}",
-            f"{after}, limp" if is_limp else after,
-            f"{round(rest['xyz'][2], 2) + 0.0:.2f}" if not is_limp else "",
+            f"{after}, passive" if is_passive else after,
+            f"{round(rest['xyz'][2], 2) + 0.0:.2f}" if not is_passive else "",
             f"{checked['seconds']['total']:.1f}",
         ]
     else:

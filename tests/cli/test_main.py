@@ -160,7 +160,7 @@ def test_a_current_folder_that_is_gone(tmp_path: Path) -> None:
         check=False,
     )
     assert run.returncode == 4
-    assert "does not exist any more" in run.stderr
+    assert "no longer exists" in run.stderr
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="only Linux has a full device")

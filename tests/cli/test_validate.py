@@ -237,7 +237,7 @@ def test_a_misspelt_launch_file(built: Path) -> None:
     assert "Did you mean `gazebo_model.launch.py`?" in words
 
 
-def test_every_package_of_a_workspace_is_judged_or_named(workspace: Path) -> None:
+def test_every_package_of_a_workspace_is_checked_or_named(workspace: Path) -> None:
     """One that is not built, one that spawns nothing, one with two launch files."""
     for name in ("not_built", "library", "undecided"):
         made = wsgen(workspace, "new", name)
@@ -255,7 +255,9 @@ def test_every_package_of_a_workspace_is_judged_or_named(workspace: Path) -> Non
         for package in document["packages"]
     }
     assert found == {PACKAGE: [], "not_built": ["PKG053"], "undecided": ["PKG054"]}
-    assert "not checked, as they spawn no robot: library" in wsgen(workspace, "validate").stdout
+    assert (
+        "not checked, because they spawn no robot: library" in wsgen(workspace, "validate").stdout
+    )
     code, _, words = validate(workspace, "undecided")
     assert code == 2
     assert "other.launch.py" in words

@@ -399,7 +399,7 @@ def test_a_thing_of_a_world_may_roll(tmp_path: Path) -> None:
     ("name", "content", "named"),
     [
         ("44dir.urdf", "44dir.urdf/robot.xacro", "wsgen validate 44dir.urdf/robot.xacro"),
-        ("44dir.urdf", "44dir.urdf/notes.txt", "Name a file in it"),
+        ("44dir.urdf", "44dir.urdf/notes.txt", "Give a file in it"),
         ("src/rover/", "src/rover/package.xml", "wsgen validate rover"),
         ("./src", "src/rover/package.xml", "wsgen validate rover"),
     ],

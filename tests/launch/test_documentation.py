@@ -152,19 +152,19 @@ def test_every_difference_is_of_a_name_there_is() -> None:
     assert set(PARTLY) <= known
 
 
-HEAD = """# How near the evaluation of launch files is to the original
+HEAD = """# The evaluation of launch files, compared with the original
 
-Each case is a small launch file; what the real `launch` and `launch_ros` do with it was recorded
-with the releases of humble, jazzy and rolling, which all did the same. The recorder visits the
-launch description with a real `LaunchContext`; the execution of processes is replaced, so that
-every process ends at once.
+Each case is a small launch file. Its expected result was recorded with the real `launch` and
+`launch_ros` of humble, jazzy and rolling, which all agree. The recorder visits the launch
+description with a real `LaunchContext`, and replaces the execution of processes, so that every
+process ends at once.
 
 A line is `@T NODE package/executable namespace/name [arguments] P:{parameters}` or
 `@T PROC [command]`, where T is the simulated time in seconds, in the order in which things start.
-`<cases>` stands for the folder of the cases. In the cases, `LC` is `LaunchConfiguration`,
+`<cases>` is the folder of the cases. In the cases, `LC` is `LaunchConfiguration`,
 `P('a', ...)` is `ExecuteProcess(cmd=['echo', 'a', ...])`, and `D` is the folder.
 
-This page is written by a test from the recorded answers and from what wsgen does now:
+A test writes this page from the recorded results and from the results of wsgen:
 `pytest tests/launch/test_documentation.py --regenerate`.
 
 """
@@ -185,7 +185,7 @@ def test_the_fidelity_page_is_what_is_measured(space: InstallSpace, *, regenerat
         elif errors:
             (error,) = errors
             rule = next(rule.name for rule in all_rules() if rule.code == error.code)
-            verdict = f"refuses too, with {error.code} ({rule}): “{REFUSALS[name]}”."
+            verdict = f"also refuses it, with {error.code} ({rule}): “{REFUSALS[name]}”."
             refused += 1
         else:
             verdict = "the same."
@@ -196,7 +196,7 @@ def test_the_fidelity_page_is_what_is_measured(space: InstallSpace, *, regenerat
         )
     summary = (
         f"Of {len(sections)} cases, {same} give the same processes, arguments, parameters, names "
-        f"and order;\n{refused} are refused by both for the same reason; {len(NOT_YET)} differ.\n\n"
+        f"and order;\nboth refuse {refused} for the same reason; {len(NOT_YET)} differ.\n\n"
     )
     page = HEAD + summary + "\n".join(sections)
     file = ROOT / "docs" / "launch-fidelity.md"
