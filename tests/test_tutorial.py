@@ -146,7 +146,9 @@ def test_one_mistake_is_one_error_at_its_line(workspace: Path, mistake: str) -> 
         for place in places:
             place.write_text(text)
     assert run.returncode == 1
-    assert [line[:6] for line in run.stderr.splitlines()].count("failed") == 1  # the step at fault
+    assert [line[:6] for line in run.stderr.splitlines()].count(
+        "failed"
+    ) == 1  # the step that failed
     (package,) = json.loads(run.stdout)["packages"]
     (error,) = [found for found in package["diagnostics"] if found["severity"] == "error"]
     assert error["code"] == code

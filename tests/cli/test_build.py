@@ -140,7 +140,7 @@ def test_a_workspace_that_cannot_be_written(package: Path) -> None:
     assert "cannot write" in printed
 
 
-def test_a_small_disk_is_told_in_one_line(package: Path) -> None:
+def test_a_small_disk_is_reported_in_one_line(package: Path) -> None:
     """The real thing: a file system of 200 kB, too small for what CMake makes of a package."""
     root = package.parents[1]
     small = root / "small"

@@ -105,7 +105,7 @@ def test_what_a_shell_gets(workspace: Path) -> None:
     assert run.stdout == "plain,drive.launch.py\nplain,world.launch.xml\n"
 
 
-def test_nothing_is_told_to_a_shell_where_nothing_can_be_completed(tmp_path: Path) -> None:
+def test_a_shell_reads_nothing_where_nothing_can_be_completed(tmp_path: Path) -> None:
     source = tmp_path / "ws" / "src" / "broken"
     source.mkdir(parents=True)
     (source / "package.xml").write_bytes(b"\xff\x00<package")

@@ -245,7 +245,7 @@ def test_play_is_what_validate_says(
     assert played["robots"] == validated["robots"]
 
 
-def test_play_makes_a_film(
+def test_play_records_a_video(
     built: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.chdir(built)
@@ -263,7 +263,7 @@ def test_play_makes_a_film(
     ("file", "message"),
     [("video.png", "neither"), ("nowhere/video.gif", "does not exist"), (".", "neither")],
 )
-def test_a_film_that_cannot_be_is_refused_before_the_trial(
+def test_an_impossible_video_is_refused_before_the_simulation(
     built: Path,
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
@@ -277,7 +277,7 @@ def test_a_film_that_cannot_be_is_refused_before_the_trial(
     assert message in err
 
 
-def test_a_film_without_its_encoder_and_a_trial_without_its_engine(
+def test_a_video_without_its_encoder_and_a_simulation_without_its_engine(
     built: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(built)

@@ -224,13 +224,13 @@ def test_an_interrupt_ends_with_130(tmp_path: Path) -> None:
         (["--bogus"], "wsgen has no option --bogus.", "wsgen --help"),
     ],
 )
-def test_what_click_refuses_is_told_as_all_errors_are(
+def test_errors_of_click_have_the_form_of_all_errors(
     arguments: list[str], message: str, hint: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert wsgen.cli.run(arguments) == 2
-    told = capsys.readouterr()
-    assert told.out == ""
-    said, simulated = told.err.splitlines()
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    said, simulated = printed.err.splitlines()
     assert said.startswith("error: ")
     assert message in said
     assert simulated.startswith("  try: ")
@@ -261,7 +261,7 @@ def test_the_help_ends_with_two_examples_that_parse(
         (FileNotFoundError(2, "No usable temporary directory found in ['/tmp']"), "TMPDIR="),
     ],
 )
-def test_a_disk_that_takes_nothing_is_no_bug(
+def test_a_full_disk_is_not_a_bug(
     error: OSError, words: str, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(
@@ -269,6 +269,6 @@ def test_a_disk_that_takes_nothing_is_no_bug(
     )
     monkeypatch.setattr(wsgen.cli, "_drop_standard_output", lambda: None)
     assert wsgen.cli.run(["new"]) == 4
-    told = capfd.readouterr().err
-    assert words in told
-    assert len(told.splitlines()) == 2
+    printed = capfd.readouterr().err
+    assert words in printed
+    assert len(printed.splitlines()) == 2

@@ -235,7 +235,7 @@ def test_validate(scene: Scene) -> None:
 
 
 def test_nohup(scene: Scene) -> None:
-    """Who is told to ignore the end of the terminal goes on."""
+    """A command that ignores SIGHUP goes on when the terminal closes."""
     code = "import signal; signal.signal(signal.SIGHUP, signal.SIG_IGN); import sys; "
     code += "from wsgen.cli import main; sys.argv[1:] = ['--version']; "
     code += "import atexit, os; atexit.register(os.kill, os.getpid(), signal.SIGHUP); main()"

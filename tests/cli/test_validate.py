@@ -231,7 +231,7 @@ def test_a_launch_file_that_is_not_named_as_one(workspace: Path, name: str, mean
         assert validate(workspace, PACKAGE, "--launch", name)[0] == 0
 
 
-def test_a_misspelt_launch_file(built: Path) -> None:
+def test_a_misspelled_launch_file(built: Path) -> None:
     code, _, words = validate(built, PACKAGE, "--launch", "gazebo_modle.launch.py")
     assert code == 2
     assert "Did you mean `gazebo_model.launch.py`?" in words

@@ -171,7 +171,7 @@ def test_a_robot_without_a_drive_cannot_drive(workspace: Path) -> None:
     assert "starts Gazebo Classic" in errors(document)[0]["message"]
 
 
-def test_a_trial_without_behaviors_loads_nothing_for_them(built: Path) -> None:
+def test_a_simulation_without_behaviors_loads_nothing_for_them(built: Path) -> None:
     script = (
         "import json, sys\nfrom wsgen.cli import run\ncode = run(['validate', '-q'])\n"
         "print(json.dumps([code, [name for name in sys.modules if 'behavior' in name "

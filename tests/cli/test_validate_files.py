@@ -182,7 +182,7 @@ def test_a_file_that_is_not_there(tmp_path: Path) -> None:
     assert "nothing.urdf" in done.stderr
 
 
-def test_many_files_at_once_are_told_in_their_order(tmp_path: Path) -> None:
+def test_many_files_at_once_are_reported_in_their_order(tmp_path: Path) -> None:
     names = []
     for number in range(6):
         (tmp_path / str(number)).mkdir()
@@ -258,7 +258,7 @@ def test_the_other_engine(tmp_path: Path, engine: str) -> None:
 
 
 @needs_dart
-def test_engines_that_disagree_are_told(tmp_path: Path) -> None:
+def test_engines_that_disagree_are_reported(tmp_path: Path) -> None:
     """A bowl that can move is filled up for PyBullet, which takes the convex hull of its mesh."""
     points = [(x, y, z) for z in (0.0, 0.2) for x in (-0.2, 0.2) for y in (-0.2, 0.2)]
     # An open box, and a ball in it: on its floor in DART, on its rim in PyBullet.

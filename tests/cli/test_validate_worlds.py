@@ -46,7 +46,7 @@ def validate_in(
 
 def found(document: dict[str, Any]) -> list[tuple[str, str]]:
     (package,) = document["packages"]
-    return [(finding["code"], finding["severity"]) for finding in package["diagnostics"]]
+    return [(one["code"], one["severity"]) for one in package["diagnostics"]]
 
 
 @pytest.mark.parametrize("engine", ["bullet", "dart"])
