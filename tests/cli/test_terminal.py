@@ -1,6 +1,7 @@
 """Tables and trees: fitted to a terminal, whole in a pipe, and without rich where it is quiet."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -141,3 +142,13 @@ def test_color_holds_for_tables(
 
     run(["doctor", "--color", color])
     assert ("\x1b[" in capsys.readouterr().out) is is_colored
+
+
+def test_no_other_module_imports_rich() -> None:
+    sources = Path(terminal.__file__).parents[1]
+    importing = {
+        path.relative_to(sources).as_posix()
+        for path in sources.rglob("*.py")
+        if re.search(r"^\s*(?:import|from) rich\b", path.read_text(encoding="utf-8"), re.MULTILINE)
+    }
+    assert importing == {"cli/terminal.py"}

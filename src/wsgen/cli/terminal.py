@@ -1,11 +1,11 @@
 """Tables, trees, documentation and a status line, drawn with rich.
 
-Nothing else imports rich, and nothing here imports it before there is something to draw: it costs
-more than the whole of `wsgen new`. Text goes in with the styles of `click.style` and is never read
-as rich's markup, so that a name may contain brackets. What is drawn comes out as lines for
+No other module imports rich, and this one imports it when it has something to draw: importing it
+takes a large part of the time of a short command. Texts carry the styles of `click.style` and are
+never read as rich's markup, so that a name may contain brackets. A drawing is a list of lines for
 `click.echo`, which knows whether colors are wanted.
 
-On a terminal, lines fit its width. In a pipe or a file, no cell is wrapped or cut off.
+On a terminal, the lines fit its width. In a pipe or a file, no cell is wrapped or cut off.
 """
 
 from __future__ import annotations
