@@ -114,8 +114,8 @@ UNKNOWN_JOINT_TYPE = Rule(
     severity=Severity.ERROR,
     summary="A joint has an unknown type.",
     why=(
-        "Gazebo refuses the robot. URDF and SDF have different types: `continuous` and "
-        "`floating` are of URDF, `universal` and `screw` of SDF."
+        "Gazebo refuses the robot. `floating` and `planar` exist in URDF only; `ball`, "
+        "`universal` and `screw` in SDF only."
     ),
     example='<joint name="arm_joint" type="rotating">',
     instead='<joint name="arm_joint" type="revolute">',
@@ -174,7 +174,7 @@ NO_SHAPE = Rule(
     name="no-shape",
     severity=Severity.ERROR,
     severity_varies="a warning in SDF, where Gazebo leaves the shape out",
-    summary="A <geometry> has no known shape.",
+    summary="A `<geometry>` has no known shape.",
     why=(
         "Gazebo's URDF parser stops reading the link there and silently leaves out everything "
         "behind it."
@@ -302,7 +302,7 @@ MISSING_COLLISION_MESH = Rule(
     code="ROB060",
     name="missing-collision-mesh",
     severity=Severity.ERROR,
-    summary="The mesh file of a <collision> does not exist.",
+    summary="The mesh file of a `<collision>` does not exist.",
     why=(
         "Without its mesh, the part passes through others: Gazebo prints an error and goes on. "
         "A file that exists in the source folder also has to be installed."
@@ -327,7 +327,7 @@ MISSING_VISUAL_MESH = Rule(
     code="ROB061",
     name="missing-visual-mesh",
     severity=Severity.WARNING,
-    summary="The mesh file of a <visual> does not exist.",
+    summary="The mesh file of a `<visual>` does not exist.",
     why=(
         "The part is invisible: Gazebo prints an error and goes on. A file that exists in the "
         "source folder also has to be installed."
@@ -357,8 +357,8 @@ UNREADABLE_DESCRIPTION = Rule(
         "The file does not exist, is not a regular file, or its permissions do not allow "
         "reading it. Nothing can be checked or spawned."
     ),
-    example="wsgen validate my_robot/urdf",
-    instead="wsgen validate my_robot/urdf/robot.urdf.xacro",
+    example="chmod 000 robot.urdf\nwsgen validate robot.urdf",
+    instead="chmod 644 robot.urdf\nwsgen validate robot.urdf",
 )
 
 MISSPELLED_ATTRIBUTE = Rule(

@@ -179,7 +179,7 @@ def test_rover(tmp_path: Path, old: str | re.Pattern[str], new: str, code: str, 
 def test_a_root_that_nobody_gave_a_mass(
     tmp_path: Path, old: str | re.Pattern[str], new: str, code: str, line: int
 ) -> None:
-    """What is wrong is told of the link that is written, at its line in the xacro file."""
+    """The diagnostic names the link that is written, at its line in the xacro file."""
     file = tmp_path / "robot.xacro"
     file.write_text(swap(LUMPED, old, new))
     result = expand(file, {})
@@ -189,7 +189,7 @@ def test_a_root_that_nobody_gave_a_mass(
     assert "dummy" not in (found[0].element or "")
 
 
-def test_what_is_lost_is_told_with_the_cause(tmp_path: Path) -> None:
+def test_what_is_lost_is_reported_with_the_cause(tmp_path: Path) -> None:
     text = swap(ROVER, '<mass value="5"/>', '<mass valeu="5"/>')
     (found,) = diagnose(text.encode(), tmp_path / "rover.urdf")
     assert found.severity is Severity.ERROR
@@ -212,8 +212,8 @@ WHEEL_INERTIAL = WHEEL[WHEEL.index("<inertial>") : WHEEL.index("</inertial>") + 
 
 
 def test_what_gazebo_drops_for_a_misspelling_is_an_error_about_that(tmp_path: Path) -> None:
-    misspelt = WHEEL_INERTIAL.replace("inertial", "intertial")
-    text = swap(ROVER, WHEEL_INERTIAL, misspelt)
+    misspelled = WHEEL_INERTIAL.replace("inertial", "intertial")
+    text = swap(ROVER, WHEEL_INERTIAL, misspelled)
     (found,) = diagnose(text.encode(), tmp_path / "rover.urdf")
     assert (found.code, found.severity) == ("ROB038", Severity.ERROR)
     assert "drops the link `left_wheel`" in found.message

@@ -1,4 +1,4 @@
-"""Every broken model gets a clear finding, in 10 s and 2 GiB, and never a traceback."""
+"""Every broken model gets a clear diagnostic, in 10 s and 2 GiB, and never a traceback."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ model = HUGE[sys.argv[1]]()
 _, found = checked(model.text)
 missing = sorted(model.codes.difference(one.code for one in found))
 has_errors = any(one.severity.value == "error" for one in found)
-print(json.dumps({"missing": missing, "is told right": has_errors == model.is_error}))
+print(json.dumps({"missing": missing, "has the right severity": has_errors == model.is_error}))
 """
 
 
@@ -72,7 +72,7 @@ def numbers(value: object) -> list[float]:
 
 
 @pytest.mark.parametrize("name", MODELS)
-def test_clear_finding(name: str) -> None:
+def test_clear_diagnostic(name: str) -> None:
     model: Broken = MODELS[name]
     start = time.process_time()
     lumped, found = checked(model.text)
@@ -96,7 +96,7 @@ def test_huge_robots_in_time_and_memory(name: str) -> None:
         check=False,
     )
     assert ended.returncode == 0, ended.stderr[-2000:]
-    assert json.loads(ended.stdout) == {"missing": [], "is told right": True}
+    assert json.loads(ended.stdout) == {"missing": [], "has the right severity": True}
 
 
 EVERY_NUMBER = robot(

@@ -84,7 +84,7 @@ def test_a_lumped_link_that_is_called_like_its_parent() -> None:
     assert "lumped into `arm`" in only.message
 
 
-def test_nothing_to_give_values_to_is_no_finding() -> None:
+def test_a_link_without_collisions_is_not_reported() -> None:
     assert lumped(link("a") + about("a", "<mu1>0.2</mu1>"))[1] == ()
 
 

@@ -228,7 +228,7 @@ def test_impossible_sum() -> None:
     assert [diagnostic.code for diagnostic in found] == ["ROB042"]
 
 
-def test_an_impossible_part_is_told_by_the_reader_and_its_sum_is_not() -> None:
+def test_an_impossible_part_is_reported_by_the_reader_and_its_sum_is_not() -> None:
     flat = Link(name="b", inertial=Inertial(mass=1.0, inertia=(1.0, 0.0, 0.0, 1.0, 0.0, 9.0)))
     model = robot([body("a"), flat, body("c")], [fixed("a", "b"), turning("b", "c")])
     assert lump(model)[1] == ()

@@ -130,7 +130,7 @@ def test_that_is_what_it_refuses(
 
 
 @pytest.mark.parametrize(
-    ("simulator", "distro", "is_told"),
+    ("simulator", "distro", "is_reported"),
     [
         (None, None, True),
         ("classic", "humble", True),
@@ -140,7 +140,7 @@ def test_that_is_what_it_refuses(
     ],
 )
 def test_only_where_such_a_version_may_be(
-    simulator: str | None, distro: str | None, *, is_told: bool, tmp_path: Path
+    simulator: str | None, distro: str | None, *, is_reported: bool, tmp_path: Path
 ) -> None:
     context = PrepareContext(share_of=lambda _: None, folder=tmp_path, run=parent.run)
     _, found = describe(
@@ -150,7 +150,7 @@ def test_only_where_such_a_version_may_be(
         simulator=simulator,
         distro=distro,
     )
-    assert ("ROB080" in {one.code for one in found}) == is_told
+    assert ("ROB080" in {one.code for one in found}) == is_reported
 
 
 @pytest.mark.parametrize(

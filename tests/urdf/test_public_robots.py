@@ -70,7 +70,7 @@ def test_same_as_in_gazebo(distribution: str, path: str, name: str, tmp_path: Pa
         for difference in [] if model is None else differences(lumped, model):
             kind = difference.partition(":")[0]
             unlike[kind] = unlike.get(kind, 0) + 1
-    errors = {finding.code for finding in found if finding.severity is Severity.ERROR}
+    errors = {diagnostic.code for diagnostic in found if diagnostic.severity is Severity.ERROR}
     if name in NOT_REFUSED:
         assert not is_taken(file, tmp_path)
         assert errors == set()

@@ -44,7 +44,7 @@ def test_no_tree_no_robot() -> None:
         assert read_urdf(ERRORS[name][1], file=None)[0] is None
 
 
-def test_all_findings_in_one_pass_with_their_lines() -> None:
+def test_all_diagnostics_in_one_pass_with_their_lines() -> None:
     text = robot(
         "<link name='a'>\n<collision>\n<geometry>\n<sphere radius='0'/></geometry></collision>\n"
         "</link>\n<link name='b'/>\n<joint name='j' type='revolute'><parent link='a'/>\n"
@@ -192,9 +192,9 @@ def test_what_cannot_be_read_ends_the_link() -> None:
     assert model is not None
     (read,) = model.links
     assert (len(read.visuals), len(read.collisions)) == (1, 0)
-    (told,) = found
-    assert told.code == "ROB024"
-    assert told.message.endswith("leaves out what follows: 2 visuals and 1 collision.")
+    (only,) = found
+    assert only.code == "ROB024"
+    assert only.message.endswith("leaves out what follows: 2 visuals and 1 collision.")
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""Findings about an expanded robot, placed in the xacro files."""
+"""Diagnostics about an expanded robot, placed in the xacro files."""
 
 from pathlib import Path
 

@@ -22,10 +22,10 @@ ROBOT = """<robot name="r">
 PLACES = ("link", "inertial", "visual", "joint", "robot")
 
 
-def misspelt(place: str, content: str, code: str = "ROB038") -> list[Diagnostic]:
+def misspelled(place: str, content: str, code: str = "ROB038") -> list[Diagnostic]:
     text = ROBOT.format(**{**dict.fromkeys(PLACES, ""), place: content})
     _, found = read_urdf(text, file=None)
-    return [finding for finding in found if finding.code == code]
+    return [diagnostic for diagnostic in found if diagnostic.code == code]
 
 
 @pytest.mark.parametrize(
@@ -45,8 +45,8 @@ def misspelt(place: str, content: str, code: str = "ROB038") -> list[Diagnostic]
         ("robot", "links", "link"),
     ],
 )
-def test_the_nearest_name_is_told(place: str, wrong: str, meant: str) -> None:
-    (found,) = misspelt(place, f"<{wrong}/>")
+def test_the_nearest_name_is_suggested(place: str, wrong: str, meant: str) -> None:
+    (found,) = misspelled(place, f"<{wrong}/>")
     assert found.severity is Severity.WARNING
     assert f"<{wrong}>" in found.message
     assert found.hint == f"Did you mean <{meant}>?"
@@ -55,7 +55,7 @@ def test_the_nearest_name_is_told(place: str, wrong: str, meant: str) -> None:
 
 
 def test_the_element_names_the_part() -> None:
-    (found,) = misspelt("visual", "<materal/>")
+    (found,) = misspelled("visual", "<materal/>")
     assert (found.element, found.line) == ("link[@name='a']/visual/materal", 6)
 
 
@@ -70,7 +70,7 @@ def test_the_element_names_the_part() -> None:
     ],
 )
 def test_what_other_programs_read_is_no_mistake(place: str, content: str) -> None:
-    assert misspelt(place, content) == []
+    assert misspelled(place, content) == []
 
 
 @pytest.mark.parametrize(
@@ -88,7 +88,7 @@ def test_what_other_programs_read_is_no_mistake(place: str, content: str) -> Non
     ],
 )
 def test_what_gazebo_reads_in_its_own_element(wrong: str, meant: str) -> None:
-    (found,) = misspelt("robot", f'<gazebo reference="a"><{wrong}>1</{wrong}></gazebo>')
+    (found,) = misspelled("robot", f'<gazebo reference="a"><{wrong}>1</{wrong}></gazebo>')
     assert found.hint == f"Did you mean <{meant}>?"
 
 
@@ -105,8 +105,8 @@ def test_what_gazebo_reads_in_its_own_element(wrong: str, meant: str) -> None:
         ("joint", "<mimic joint='j' multipler='1'/>", "multiplier"),
     ],
 )
-def test_the_nearest_attribute_is_told(place: str, element: str, meant: str) -> None:
-    (found,) = misspelt(place, element, "ROB077")
+def test_the_nearest_attribute_is_suggested(place: str, element: str, meant: str) -> None:
+    (found,) = misspelled(place, element, "ROB077")
     assert found.hint == f"Did you mean `{meant}`?"
 
 
@@ -121,7 +121,7 @@ def test_the_nearest_attribute_is_told(place: str, element: str, meant: str) -> 
     ],
 )
 def test_the_attributes_of_other_programs_are_no_mistake(place: str, element: str) -> None:
-    assert misspelt(place, element, "ROB077") == []
+    assert misspelled(place, element, "ROB077") == []
 
 
 @pytest.mark.parametrize(
@@ -132,7 +132,7 @@ def test_the_attributes_of_other_programs_are_no_mistake(place: str, element: st
         ("link name='b'", "lnik name='b'", 3),
     ],
 )
-def test_what_lacks_a_misspelt_link_or_joint_is_not_told(
+def test_what_lacks_a_misspelled_link_or_joint_is_not_reported(
     written: str, wrong: str, line: int
 ) -> None:
     tag, meant = wrong.split(maxsplit=1)[0], written.split(maxsplit=1)[0]
@@ -152,6 +152,6 @@ def test_what_lacks_a_misspelt_link_or_joint_is_not_told(
 
 
 def test_an_attribute_that_is_nearly_reference() -> None:
-    (found,) = misspelt("robot", '<gazebo ref="a"><plugin name="p" filename="f"/></gazebo>')
+    (found,) = misspelled("robot", '<gazebo ref="a"><plugin name="p" filename="f"/></gazebo>')
     assert found.hint == "Did you mean `reference`?"
-    assert misspelt("robot", '<gazebo reference="a"/><gazebo/>') == []
+    assert misspelled("robot", '<gazebo reference="a"/><gazebo/>') == []

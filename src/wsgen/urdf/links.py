@@ -99,7 +99,7 @@ COLOR_OUT_OF_RANGE = Rule(
     name="color-out-of-range",
     severity=Severity.WARNING,
     summary="A color component is not between 0 and 1.",
-    why="Simulators clamp the components, so that 0 to 255 values become white.",
+    why="Simulators clamp the components: a color in bytes (0 to 255) becomes white.",
     example='<color rgba="255 128 0 1"/>',
     instead='<color rgba="1 0.5 0 1"/>',
 )
