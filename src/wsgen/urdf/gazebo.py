@@ -130,8 +130,8 @@ UNKNOWN_GAZEBO_MATERIAL = Rule(
     severity=Severity.WARNING,
     summary="A `<gazebo>` element names a material that Gazebo does not have.",
     why="Gazebo shows the part in its default color.",
-    example='<gazebo reference="base_link">\n  <material>Gazebo/Gray</material>\n</gazebo>',
-    instead='<gazebo reference="base_link">\n  <material>Gazebo/Grey</material>\n</gazebo>',
+    example='<gazebo reference="base_link">\n  <material>Gazebo/Pink</material>\n</gazebo>',
+    instead='<gazebo reference="base_link">\n  <material>Gazebo/Red</material>\n</gazebo>',
 )
 
 MISPLACED_GAZEBO_ELEMENT = Rule(

@@ -29,7 +29,7 @@ XACRO_FILE_FAILS = Rule(
     ),
     example=(
         '<xacro:property name="radius" value="0,1"/>\n'
-        '<cylinder radius="${2 * radius}" length="0.1"/>'
+        '<cylinder radius="${radius / 2}" length="0.1"/>'
     ),
     instead='<xacro:property name="radius" value="0.1"/>',
 )
