@@ -17,9 +17,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import xacro
 
 from wsgen.files import refuse_irregular
+from wsgen.xacro.result import Expansion, ExpansionError, UnusedArgument
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
+
+    from wsgen.xacro.result import ExpansionRequest
 
 
 def _open_regular(file: Any, mode: str = "r", **keywords: Any) -> Any:
@@ -141,9 +144,15 @@ def expand(file: Path, mappings: Mapping[str, str]) -> CommandResult:
     return _run([str(file)], mappings)
 
 
-def expand_for_parent(file: str, mappings: Mapping[str, str]) -> dict[str, Any]:
-    """`expand` in a child process; gives the fields of the result by name."""
-    return expand(Path(file), mappings)._asdict()
+def expand_for_parent(request: ExpansionRequest) -> Expansion | ExpansionError:
+    """`expand` in a child process."""
+    result = expand(Path(request.file), request.arguments)
+    if result.code == 0:
+        unused = tuple(UnusedArgument(**one) for one in result.unused)
+        return Expansion(urdf=result.stdout, unused=unused)
+    error = result.error or {"message": result.stderr.strip()}
+    fields = ExpansionError.__dataclass_fields__
+    return ExpansionError(**{name: error[name] for name in fields if name in error})
 
 
 def run_command(words: Sequence[str]) -> CommandResult:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.isolation import parent
+from wsgen.isolation.codec import decode
 from wsgen.isolation.outcome import Died, Limits
+from wsgen.xacro.result import Expansion, ExpansionError, ExpansionRequest
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 
 
 TASK = "wsgen.xacro.expansion:expand_for_parent"
+ANSWER: Any = Expansion | ExpansionError
 LIMITS = Limits(seconds=30.0, memory=2 * 2**30)
 
 XACRO_FILE_FAILS = Rule(
@@ -49,43 +51,41 @@ def expand_file(
     """
     outcome = run(
         TASK,
-        str(file.absolute()),
-        dict(arguments),
+        ExpansionRequest(file=str(file.absolute()), arguments=dict(arguments)),
         limits=LIMITS,
         environment=environment,
         folder=file.parent,
     )
     if isinstance(outcome, Died):
         hint = outcome.hint("Look for an expression or a macro that never ends.")
-        failure = {"message": f"Expanding the file {outcome.reason}", "hint": hint}
-        return None, (_failure(file, failure),)
-    if outcome.value["code"] != 0:
-        failure = outcome.value["error"] or {"message": outcome.value["stderr"].strip()}
-        return None, (_failure(file, failure),)
-    return str(outcome.value["stdout"]), tuple(
+        error = ExpansionError(message=f"Expanding the file {outcome.reason}", hint=hint)
+        return None, (_diagnostic(file, error),)
+    answer: Expansion | ExpansionError = decode(outcome.value, ANSWER)
+    if isinstance(answer, ExpansionError):
+        return None, (_diagnostic(file, answer),)
+    return answer.urdf, tuple(
         Diagnostic(
             code="LCH035",
             severity=Severity.WARNING,
-            message=unused["message"],
+            message=unused.message,
             file=file,
-            element=unused["name"],
-            hint=unused["hint"],
+            element=unused.name,
+            hint=unused.hint,
         )
-        for unused in outcome.value["unused"]
+        for unused in answer.unused
     )
 
 
-def _failure(file: Path, failure: Mapping[str, Any]) -> Diagnostic:
-    where = failure.get("file")
-    message = str(failure["message"]).rstrip(".")
-    hint = failure.get("hint") or "Arguments of the file are given with --arg name:=value."
+def _diagnostic(file: Path, error: ExpansionError) -> Diagnostic:
+    message = error.message.rstrip(".")
+    hint = error.hint or "Arguments of the file are given with --arg name:=value."
     if "AMENT_PREFIX_PATH" in message:
         hint = "Build and source a workspace with the packages of $(find …)."
         message = "a package of $(find …) was not found: no workspace is sourced"
     return XACRO_FILE_FAILS.at(
-        Path(os.fspath(where)) if where else file,
-        failure.get("line"),
-        failure.get("element"),
+        Path(error.file) if error.file else file,
+        error.line,
+        error.element,
         message=f"xacro cannot expand the file: {message}.",
         hint=hint,
     )
