@@ -34,8 +34,8 @@ CLOSED_CHAIN = Rule(
     name="closed-chain",
     severity=Severity.WARNING,
     summary="A joint closes a kinematic chain; the simulation leaves it out.",
-    why="wsgen simulates trees of links, as Gazebo Sim does: the linkage is open. Gazebo Classic "
-    "closes it.",
+    why="The simulation, as Gazebo Sim, has only trees of links: the linkage is open. Gazebo "
+    "Classic closes it.",
     example="""<joint name="left" type="revolute">
   <parent>base_link</parent>
   <child>bar</child>

@@ -65,8 +65,8 @@ INERTIA_OF_MESH = Rule(
     summary="A link asks Gazebo to compute its inertia from a mesh, a polyline or a heightmap.",
     what='Looks at `<inertial auto="true">` since SDF 1.11, where Gazebo computes mass and '
     "inertia from the collisions.",
-    why="wsgen does not compute the inertia of such shapes: the simulation uses the link's other "
-    "shapes alone, and the robot is lighter than in Gazebo.",
+    why="The simulation ignores such shapes and computes the inertia from the other shapes of "
+    "the link: the robot is lighter than in Gazebo.",
     example='<inertial auto="true"/>\n<collision name="c">\n  <geometry><mesh>...</mesh>',
     instead="<inertial>\n  <mass>0.2</mass>\n  <inertia>...</inertia>\n</inertial>",
 )
@@ -76,7 +76,7 @@ MASSLESS_MODEL_LINK = Rule(
     name="massless-model-link",
     severity=Severity.WARNING,
     summary="A link of a model that can move has mass 0.",
-    why="Physics engines hold such a link still or cannot move it, and joints on it explode.",
+    why="Physics engines hold such a link still or cannot move it, and its joints may explode.",
     example="<mass>0</mass>",
     instead="<mass>0.2</mass>",
 )

@@ -65,8 +65,8 @@ FRAME_IGNORED = Rule(
     name="frame-ignored",
     severity=Severity.WARNING,
     summary="The pose of a shape or an inertia is relative to another frame than that of its link.",
-    why="wsgen reads such a pose as relative to the link, so the shape or the center of mass is "
-    "elsewhere than in Gazebo.",
+    why="The simulation reads such a pose as relative to the link, so the shape or the center of "
+    "mass is elsewhere than in Gazebo.",
     example='<visual name="visual">\n  <pose relative_to="arm_joint">0 0 0.1 0 0 0</pose>',
     instead='<visual name="visual">\n  <pose>0 0 0.3 0 0 0</pose>',
 )
