@@ -158,7 +158,7 @@ class _Reader:
     def read_rows(
         self, faces: Element, inputs: Sequence[Element], table: NDArray[np.int64], semantic: str
     ) -> NDArray[Any] | None:
-        """What else corners have, shape (n, 3, width); None where it is not there, or broken."""
+        """What else corners have, shape (n, 3, width); None where it is missing or broken."""
         width = WIDTHS[semantic]
         vertices = _input(inputs, "VERTEX")
         source = at = _input(inputs, semantic)
@@ -315,9 +315,9 @@ class Materials:
         if effect is None:
             problem = MaterialProblem(
                 MISSING_EFFECT,
-                f"has a material `{target}` of an effect `{url}` that it does not have: Gazebo "
+                f"has a material `{target}` with an effect `{url}` that it does not define: Gazebo "
                 "crashes on it",
-                "Export the mesh anew.",
+                "Export the mesh again.",
             )
             self.problems[problem] = None
             return Material()
@@ -562,7 +562,7 @@ def _transform(node: Element) -> Matrix:
 
 
 def _transform_in_pybullet(node: Element) -> Matrix:
-    """As PyBullet has it, which takes the first of each kind, in an order of its own."""
+    """As PyBullet has it, which takes the first of each kind, in another order."""
     matrix, rotation = child(node, "matrix"), child(node, "rotate")
     result = np.eye(4) if matrix is None else _matrix(matrix)
     result = result @ _translation(node) @ _scaling(node)

@@ -31,7 +31,7 @@ BROKEN_COLLISION_MESH = Rule(
     severity=Severity.ERROR,
     summary="The mesh file of a <collision> cannot be used.",
     what=(
-        "Reads every mesh file in a process of its own: STL, OBJ, COLLADA, glTF, GLB and PLY. A "
+        "Reads every mesh file in a separate process: STL, OBJ, COLLADA, glTF, GLB and PLY. A "
         "file is broken if it is cut short or damaged, refers to vertices that it does not have, "
         "has no triangle, or takes too long to read."
     ),
@@ -240,9 +240,9 @@ def inspect_meshes(
     """Inspect every mesh that was found, and give each engine something it reads as Gazebo does.
 
     A collision that cannot be used keeps its uri and loses its path, and is an error; a visual is
-    left out, and is a warning. A mesh that PyBullet reads otherwise than Gazebo, or not at all, is
-    written anew, and the robot that is returned has the path of that. All meshes get bounds and a
-    number of triangles.
+    left out, and is a warning. A mesh that PyBullet does not read, or not as Gazebo does, is
+    rewritten, and the robot that is returned has the path of the new file. All meshes get bounds
+    and a number of triangles.
 
     With colors, a visual without a color of its own becomes one for each material of its file,
     and what is seen has no more triangles than a picture shows.
@@ -314,7 +314,7 @@ def _showing(visual: Visual) -> tuple[bool, Vector]:
 
 
 def _ask(requests: Sequence[MeshRequest], folder: Path, run: Run) -> Answers:
-    """What the child says of each path; what it dies of, it is asked about no more."""
+    """The child's answer for each path; a mesh that it dies of is not asked about again."""
     answers: Answers = {}
     waiting = list(requests)
     for _ in range(DEATHS):

@@ -1,7 +1,7 @@
 """Rules about the materials and textures of meshes.
 
-The child process that reads the files checks them, with libraries that whoever lists all rules need
-not load.
+The child process that reads the files checks them. They are here so that listing all rules loads
+neither NumPy nor an XML parser.
 """
 
 from __future__ import annotations

@@ -226,7 +226,7 @@ def content_with_materials(
 def _materials_of_faces(
     faces: Faces, materials: dict[str, Material]
 ) -> tuple[list[Material], NDArray[np.int64]]:
-    """The different materials, and for each face the number of its own."""
+    """The different materials, and for each face the number of its material."""
     numbers: dict[Material, int] = {}
     number_of = np.zeros(len(faces.sizes), np.int64)
     at, current = 0, Material()
@@ -279,7 +279,7 @@ def _columns(faces: Faces) -> NDArray[np.int64] | None:
 def _rows_at(
     columns: NDArray[np.int64] | None, kind: int, faces: Faces, places: NDArray[np.int64]
 ) -> NDArray[np.float64] | None:
-    """The normals or texture points of the triangles; None if one is not there."""
+    """The normals or texture points of the triangles; None if one is missing."""
     if columns is None:
         return None
     keyword = KEYWORDS[kind]

@@ -202,7 +202,7 @@ def _check_is_there(file: Path) -> None:
         raise EnormousMeshError(
             f"has {size / 1e6:.0f} MB; wsgen reads at most {FILE_LIMIT / 1e6:.0f} MB"
         )
-    # It is not there only where the file system takes small letters for capitals.
+    # It is missing only where the file system ignores upper and lower case.
     if file.name not in os.listdir(file.parent):  # noqa: PTH208  names suffice
         raise BrokenMeshError(
             "differs from the description in upper and lower case",

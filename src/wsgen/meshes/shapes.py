@@ -28,7 +28,7 @@ UNUSABLE_HEIGHTMAP = Rule(
     severity=Severity.ERROR,
     severity_varies="a warning in a <visual>",
     summary="The image of a heightmap is damaged, not square or too large.",
-    what="Opens the PNG or JPEG file of every heightmap in a process of its own.",
+    what="Opens the PNG or JPEG file of every heightmap in a separate process.",
     why="Gazebo ends with an error on an image that is not square, and has no ground without one.",
     example="<heightmap><uri>model://hill/640_by_480.png</uri></heightmap>",
     instead="<heightmap><uri>model://hill/513_by_513.png</uri></heightmap>",
@@ -245,7 +245,7 @@ def _alone(shape: Triangulated) -> Triangulated:
 
 
 def _ask(shapes: Sequence[Triangulated], folder: Path, run: Run) -> Mapping[Triangulated, Answer]:
-    """What the child says of each shape; what it dies of, it is asked about no more."""
+    """The child's answer for each shape; one that it dies of is not asked about again."""
     answers: dict[Triangulated, Answer] = {
         shape: None for shape in shapes if isinstance(shape, Heightmap) and shape.path is None
     }

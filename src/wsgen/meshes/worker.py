@@ -29,9 +29,9 @@ CRASHING = 1e18  # m; squares of it are beyond single precision, in which engine
 def inspect(requests: Sequence[MeshRequest], folder: Path) -> list[InspectedMesh | UnusableMesh]:
     """Inspect every file; announces the number of the one it is at.
 
-    What PyBullet would read otherwise than Gazebo, or not at all, is written anew into `folder`:
-    every COLLADA file for collisions, as its loader knows a part of the format alone and crashes
-    on a good deal of it.
+    What PyBullet would not read, or not as Gazebo does, is rewritten into `folder`: every COLLADA
+    file for collisions, as PyBullet's loader knows only a part of the format and crashes on much of
+    it.
     """
     answers = []
     writer = AppearanceWriter(folder)

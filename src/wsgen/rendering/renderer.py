@@ -37,7 +37,7 @@ SOLID = 0.95  # of alpha: what has less is transparent
 
 
 class Renderer:
-    """A world with nothing but what is to be seen, at first at its origin."""
+    """A world of render items, at first at its origin."""
 
     def __init__(self, render_items: Iterable[RenderItem], *, towards_light: Vector) -> None:
         self._client = Client()

@@ -246,7 +246,7 @@ def _inertia_of(inertial: Inertial) -> Any:
 
 
 def _shape_of(geometry: Geometry) -> Any:
-    """The shape; None for a mesh that is not there or not read, and for what DART has not."""
+    """The shape; None for a mesh that is missing or not read, and for what DART does not have."""
     if isinstance(geometry, Box):
         return dynamics.BoxShape(geometry.size)
     if isinstance(geometry, Sphere):

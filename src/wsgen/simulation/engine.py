@@ -33,7 +33,7 @@ class Refused:
     """The engine does not simulate the robot."""
 
     reason: str
-    hint: str = "Look at its collision meshes first: the engine reads STL, OBJ and DAE."
+    hint: str = "Check its collision meshes first: the engine reads STL, OBJ and DAE."
 
 
 @dataclass(frozen=True)

@@ -39,7 +39,7 @@ ENGINE_DIED = Rule(
     severity=Severity.ERROR,
     summary="The physics engine crashed, hung or ran out of memory.",
     what=(
-        "Simulates in a process of its own, whose CPU time and memory are limited. The other "
+        "Simulates in a separate process, whose CPU time and memory are limited. The other "
         "robots are simulated again without the one that the engine died of."
     ),
     why=(
@@ -79,7 +79,7 @@ NO_PICTURE = Rule(
     severity=Severity.ERROR,
     summary="A picture cannot be drawn or written.",
     what="The simulation itself is not affected.",
-    why="Whoever asks for a picture expects the file, for example to publish it.",
+    why="The file that was asked for, for example to publish it, is missing.",
     example="A visual mesh on which the renderer crashes.",
     instead="The same mesh, exported again.",
 )
@@ -90,7 +90,7 @@ NO_VIDEO = Rule(
     severity=Severity.ERROR,
     summary="A video cannot be recorded or written.",
     what="The simulation itself is not affected.",
-    why="Whoever asks for a video expects the file, for example to publish it.",
+    why="The file that was asked for, for example to publish it, is missing.",
     example="A visual mesh on which the renderer crashes.",
     instead="The same mesh, exported again.",
 )
@@ -109,7 +109,7 @@ COARSE_VIDEO = Rule(
 MODULES = {"bullet": "pybullet", "dart": "dartpy"}  # the libraries, by engine
 TASKS = {"bullet": "wsgen.tasks.bullet:simulate", "dart": "wsgen.tasks.dart:simulate"}
 MANY_TRIANGLES = 20_000  # with fewer, a frame's time goes into its pixels
-LAST_WORDS = 600  # characters of an engine's output that are reported
+LAST_OUTPUT = 600  # characters of an engine's output that are reported
 COLORS = re.compile(r"\x1b\[[0-9;]*m")  # DART's warnings are yellow
 GREETINGS = ("pybullet build time",)  # what PyBullet prints when all is well
 
@@ -191,8 +191,8 @@ def _without(scene: Scene, entity: str) -> Scene | None:
 
 
 def _death(scene: Scene, death: Died) -> Diagnostic:
-    words = _without_greetings(death.output)[-LAST_WORDS:]
-    said = f" Its last words: {words}" if words else ""
+    words = _without_greetings(death.output)[-LAST_OUTPUT:]
+    said = f" Its last output: {words}" if words else ""
     return ENGINE_DIED.at(
         None,
         element=_entities(scene),
@@ -263,7 +263,7 @@ def _warnings(scene: Scene, output: str) -> Iterator[Diagnostic]:
         yield ENGINE_WARNING.at(
             None,
             element=_entities(scene),
-            message=f"The physics engine warned: {words[:LAST_WORDS]}",
+            message=f"The physics engine warned: {words[:LAST_OUTPUT]}",
             hint="The simulation went on; what the engine names may be missing from it.",
         )
 
