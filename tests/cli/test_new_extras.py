@@ -304,7 +304,7 @@ def test_a_gitignore_that_is_there_stays(here: Path, capsys: pytest.CaptureFixtu
     (here / "ws" / ".gitignore").write_text("mine\n")
     assert new("some_robot", "-w", "ws", "--distro", "jazzy", "-v") == 0
     assert (here / "ws" / ".gitignore").read_text() == "mine\n"
-    assert capsys.readouterr().err == "note: ws/.gitignore exists already and is not changed.\n"
+    assert capsys.readouterr().err == "note: ws/.gitignore already exists and is not changed.\n"
 
 
 def test_a_workspace_that_is_there_gets_none(here: Path) -> None:

@@ -153,7 +153,7 @@ def _print_notes(created: CreatedPackage, *, verbose: bool) -> None:
     if created.kept_file is not None and verbose:
         from wsgen.cli.words import short_name
 
-        _note(f"{short_name(created.kept_file)} exists already and is not changed.")
+        _note(f"{short_name(created.kept_file)} already exists and is not changed.")
     if created.end_of_life is not None:
         _note(created.end_of_life)
     if created.repository is not None:
