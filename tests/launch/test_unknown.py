@@ -1,4 +1,4 @@
-"""What a launch file takes from modules that are not installed is unknown, and all else resolves."""
+"""Values from modules that are not installed are unknown, and all else resolves."""
 
 from __future__ import annotations
 

@@ -5,15 +5,17 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from wsgen.diagnostics import Diagnostic, Rule, Severity
+from wsgen.diagnostics import Rule, Severity
 from wsgen.isolation import parent
 from wsgen.isolation.codec import decode
 from wsgen.isolation.outcome import Died, Limits
+from wsgen.launch.launch_warnings import UNUSED_XACRO_ARGUMENT
 from wsgen.xacro.result import Expansion, ExpansionError, ExpansionRequest
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from wsgen.diagnostics import Diagnostic
     from wsgen.isolation.parent import Run
 
 
@@ -64,13 +66,8 @@ def expand_file(
     if isinstance(answer, ExpansionError):
         return None, (_diagnostic(file, answer),)
     return answer.urdf, tuple(
-        Diagnostic(
-            code="LCH035",
-            severity=Severity.WARNING,
-            message=unused.message,
-            file=file,
-            element=unused.name,
-            hint=unused.hint,
+        UNUSED_XACRO_ARGUMENT.at(
+            file, element=unused.name, message=unused.message, hint=unused.hint
         )
         for unused in answer.unused
     )
