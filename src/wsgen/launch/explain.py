@@ -88,7 +88,7 @@ DESCRIPTION_NOT_YAML = Rule(
     name="description-not-yaml",
     severity=Severity.ERROR,
     summary="The value of a parameter, such as a robot description, cannot be parsed as YAML.",
-    why="launch_ros parses a parameter value that is a substitution as YAML unless "
+    why="`launch_ros` parses a parameter value that is a substitution as YAML unless "
     "`ParameterValue` gives it a type, and stops the launch where it cannot. In a robot a `: ` "
     "or ` #` is enough, for example in a comment.",
     example="Node(..., parameters=[{'robot_description': Command(['xacro ', path])}])",
@@ -123,7 +123,7 @@ NEEDS_UNKNOWN = Rule(
     summary="The launch file needs a value that is known only where ROS is installed.",
     what="Looks for exceptions about a placeholder `$(...)`: the output of a command, or a value "
     "from a Python module that is not installed.",
-    why="wsgen cannot evaluate the rest of the launch file. With ROS installed the launch may "
+    why="`wsgen` cannot evaluate the rest of the launch file. With ROS installed the launch may "
     "work.",
     example="path = find_model('arm')  # of a package that is not installed\nopen(path)",
     instead="Install the package that provides the value, and source it.",

@@ -16,7 +16,7 @@ FILE_NOT_INSTALLED = Rule(
     name="file-not-installed",
     severity=Severity.ERROR,
     summary="The launch file, or the xacro file, uses a file that is not installed.",
-    why="`ros2 launch` works on the install space: what CMakeLists.txt or setup.py does not "
+    why="`ros2 launch` works on the install space: what `CMakeLists.txt` or `setup.py` does not "
     "install is not found there, and the launch stops.",
     example="install(DIRECTORY launch DESTINATION share/${PROJECT_NAME})",
     instead="install(DIRECTORY launch model DESTINATION share/${PROJECT_NAME})",
@@ -27,7 +27,7 @@ PACKAGE_NOT_FOUND = Rule(
     severity=Severity.ERROR,
     summary="A package that is looked up is not installed.",
     what="Looks up packages in the sourced install spaces, and accepts those that docs/launch.md "
-    "lists or that package.xml declares.",
+    "lists or that `package.xml` declares.",
     why="`get_package_share_directory()`, `FindPackageShare` and `$(find ...)` raise an error for "
     "it, and the launch stops.",
     example="get_package_share_directory('my_robot_desription')",
@@ -37,7 +37,7 @@ XACRO_FAILS = Rule(
     code="LCH008",
     name="xacro-fails",
     severity=Severity.ERROR,
-    summary="xacro cannot expand the robot description.",
+    summary="`xacro` cannot expand the robot description.",
     why="`Command` and `xacro.process_file()` fail, and the launch stops before it starts "
     "anything.",
     example='<cylinder radius="${raduis}" length="0.1"/>',
@@ -59,10 +59,10 @@ EXECUTABLE_NOT_FOUND = Rule(
     code="LCH021",
     name="executable-not-found",
     severity=Severity.ERROR,
-    summary="A package has no executable of that name, or it is not on PATH.",
+    summary="A package has no executable of that name, or it is not on `PATH`.",
     what="Looks in `lib/PACKAGE` of the install space for `Node` and `ExecutableInPackage`, and "
-    "on PATH for `FindExecutable`.",
-    why="launch refuses to start the node, and stops the whole launch.",
+    "on `PATH` for `FindExecutable`.",
+    why="`launch` refuses to start the node, and stops the whole launch.",
     example="Node(package='robot_state_publisher', executable='robot_state_publiser')",
     instead="Node(package='robot_state_publisher', executable='robot_state_publisher')",
 )

@@ -27,8 +27,8 @@ DESCRIPTION_AS_YAML = Rule(
     summary="A robot description is parsed as YAML.",
     what="Looks at a `robot_description` that is a substitution, such as `Command`, without "
     "`ParameterValue`.",
-    why="launch_ros parses the value of such a parameter as YAML. Its line breaks are folded, and "
-    "a `: ` or ` #` anywhere in the robot, for example in a comment, stops the launch.",
+    why="`launch_ros` parses the value of such a parameter as YAML. Its line breaks are "
+    "folded, and a `: ` or ` #` anywhere in the robot, for example in a comment, stops the launch.",
     example="Node(..., parameters=[{'robot_description': Command(['xacro ', path])}])",
     instead="Node(..., parameters=[{'robot_description': ParameterValue(\n"
     "    Command(['xacro ', path]), value_type=str)}])",
@@ -70,7 +70,7 @@ UNUSED_XACRO_ARGUMENT = Rule(
     summary="The xacro file does not use an argument that it is given.",
     what="Compares the arguments of the xacro command, or the mappings of "
     "`xacro.process_file()`, with the names that the xacro file and its includes ask for.",
-    why="xacro ignores the argument without a message, so that a misspelled name goes unnoticed.",
+    why="`xacro` ignores the argument without a message, so that a misspelled name goes unnoticed.",
     example="Command(['xacro ', path, ' lenght:=0.5'])",
     instead="Command(['xacro ', path, ' length:=0.5'])",
 )

@@ -44,7 +44,7 @@ ROS_1_SPAWNER = Rule(
     name="ros-1-spawner",
     severity=Severity.ERROR,
     summary="The launch file uses the spawner of ROS 1.",
-    why="gazebo_ros of ROS 2 does not install `spawn_model`, so that the launch stops.",
+    why="`gazebo_ros` of ROS 2 does not install `spawn_model`, so that the launch stops.",
     example="Node(package='gazebo_ros', executable='spawn_model',\n"
     "     arguments=['-topic', 'robot_description', '-model', 'my_robot'])",
     instead="Node(package='gazebo_ros', executable='spawn_entity.py',\n"
@@ -96,7 +96,7 @@ NO_DESCRIPTION_SOURCE = Rule(
     name="no-description-source",
     severity=Severity.ERROR,
     summary="The spawner reads the robot from its standard input.",
-    why="launch connects nothing to the standard input of a process, so the spawner waits for "
+    why="`launch` connects nothing to the standard input of a process, so the spawner waits for "
     "ever.",
     example="arguments=['-stdin', '-entity', 'my_robot']",
     instead="arguments=['-topic', 'robot_description', '-entity', 'my_robot']",
@@ -105,8 +105,8 @@ UNPUBLISHED_DESCRIPTION = Rule(
     code="SPN008",
     name="unpublished-description",
     severity=Severity.ERROR,
-    summary="No robot_state_publisher publishes the topic that the spawner reads.",
-    what="Compares the topic of the spawner with those of every robot_state_publisher, with "
+    summary="No `robot_state_publisher` publishes the topic that the spawner reads.",
+    what="Compares the topic of the spawner with those of every `robot_state_publisher`, with "
     "namespaces and remappings.",
     why="The spawner waits for the topic for ever, and the robot does not appear.",
     example="arguments=['-topic', 'robot', '-entity', 'my_robot']",
@@ -116,8 +116,8 @@ PUBLISHER_WITHOUT_DESCRIPTION = Rule(
     code="SPN009",
     name="publisher-without-description",
     severity=Severity.ERROR,
-    summary="robot_state_publisher has no parameter robot_description.",
-    why="robot_state_publisher ends with an error, and the spawner waits for the topic for ever.",
+    summary="`robot_state_publisher` has no parameter `robot_description`.",
+    why="`robot_state_publisher` ends with an error, and the spawner waits for the topic for ever.",
     example="Node(package='robot_state_publisher', executable='robot_state_publisher')",
     instead="Node(package='robot_state_publisher', executable='robot_state_publisher',\n"
     "     parameters=[{'robot_description': text}])",
@@ -139,8 +139,8 @@ DESCRIPTION_NOT_TEXT = Rule(
     name="description-not-text",
     severity=Severity.ERROR,
     summary="The robot description is not the text of a URDF or SDF.",
-    why="robot_state_publisher and the spawners parse the value as XML, and end with an error for "
-    "a path or an empty text.",
+    why="`robot_state_publisher` and the spawners parse the value as XML, and end with an error "
+    "for a path or an empty text.",
     example="parameters=[{'robot_description': os.path.join(share, 'model', 'robot.xacro')}]",
     instead="parameters=[{'robot_description': ParameterValue(\n"
     "    Command(['xacro ', path]), value_type=str)}]",
@@ -150,7 +150,7 @@ UNREADABLE_SPAWN_FILE = Rule(
     name="unreadable-spawn-file",
     severity=Severity.ERROR,
     summary="The file to spawn cannot be read.",
-    why="The spawner, or robot_state_publisher, ends with an error, and the robot does not appear.",
+    why="The spawner, or `robot_state_publisher`, ends with an error, and no robot appears.",
     example="install(DIRECTORY launch DESTINATION share/${PROJECT_NAME})",
     instead="install(DIRECTORY launch model DESTINATION share/${PROJECT_NAME})",
 )
