@@ -205,8 +205,8 @@ def test_a_child_that_was_reaped_meanwhile_is_not_killed() -> None:
     control, report = socket.socketpair()
     with subprocess.Popen(["sleep", "600"]) as another, control, report:
         server = Server(control)
-        with server.bell, server.clapper:
-            server._give_up(another.pid, report)
+        with server.wakeup, server.wakeup_writer:
+            server._cancel(another.pid, report)
         with pytest.raises(subprocess.TimeoutExpired):
             another.wait(0.1)
         another.kill()

@@ -36,9 +36,9 @@ ONE = "run('foreign_spin:spin', sys.argv[3], limits=Limits(seconds=600))"
 SEVERAL = """
 from concurrent.futures import ThreadPoolExecutor
 from wsgen.isolation.fork_server import ForkServer
-with ThreadPoolExecutor(2) as pool, ForkServer() as fork server:
+with ThreadPoolExecutor(2) as pool, ForkServer() as server:
     calls = [
-        pool.submit(fork server.run, "foreign_spin:spin", file, limits=Limits(seconds=600))
+        pool.submit(server.run, "foreign_spin:spin", file, limits=Limits(seconds=600))
         for file in sys.argv[3:]
     ]
     for call in calls:

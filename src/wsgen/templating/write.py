@@ -165,7 +165,7 @@ def explain_failure(error: OSError, folder: Path) -> NotReadableError:
 
 
 # Path in the workspace -> text: what git leaves out.
-IGNORE_FILE = {".gitignore": "# What colcon makes, and makes again.\n/build/\n/install/\n/log/\n"}
+IGNORE_FILE = {".gitignore": "# Written by colcon.\n/build/\n/install/\n/log/\n"}
 # Errors of disks without hard links.
 _NO_LINKS = {errno.EPERM, errno.ENOTSUP, errno.EOPNOTSUPP, errno.EMLINK, errno.ENOSYS}
 

@@ -1,4 +1,4 @@
-"""Show the robot of this package in RViz, with a slider for each joint; nothing is simulated."""
+"""Show the robot of this package in RViz, with a slider for each joint and no simulation."""
 
 from launch import LaunchDescription
 from launch.substitutions import Command, PathJoinSubstitution
@@ -12,8 +12,8 @@ def generate_launch_description():
     share = FindPackageShare('gazebo_test')
     model = PathJoinSubstitution([share, 'model', 'robot.xacro'])
 
-    # The quotes keep a path with spaces in one piece. Without ParameterValue the text would be
-    # read as YAML.
+    # The quotes keep a path with spaces together. Without ParameterValue, launch would parse the
+    # text as YAML.
     robot_description = ParameterValue(Command(['xacro "', model, '"']), value_type=str)
     robot_state_publisher = Node(
         package='robot_state_publisher',

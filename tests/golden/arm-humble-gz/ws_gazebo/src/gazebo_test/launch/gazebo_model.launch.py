@@ -1,4 +1,4 @@
-"""Start Gazebo Sim with a world and put the robot of this package into it."""
+"""Start Gazebo Sim with a world and spawn the robot of this package."""
 
 from launch import LaunchDescription
 from launch.actions import (
@@ -22,20 +22,20 @@ def generate_launch_description():
         DeclareLaunchArgument(
             'world', default_value=world, description='World file (SDF) that Gazebo loads'),
         DeclareLaunchArgument(
-            'x', default_value='0.0', description='Where the robot appears, along x, in meters'),
+            'x', default_value='0.0', description='Spawn position along x, in meters'),
         DeclareLaunchArgument(
-            'y', default_value='0.0', description='Where the robot appears, along y, in meters'),
+            'y', default_value='0.0', description='Spawn position along y, in meters'),
         DeclareLaunchArgument(
-            'z', default_value='0.0', description='Where the robot appears, along z, in meters'),
+            'z', default_value='0.0', description='Spawn position along z, in meters'),
         DeclareLaunchArgument(
             'headless', default_value='false',
             description='Run Gazebo without a window: true or false'),
         DeclareLaunchArgument(
-            'use_sim_time', default_value='true', description='Take the time from Gazebo'),
+            'use_sim_time', default_value='true', description='Use the time of Gazebo'),
     ]
 
-    # Two ways to start Gazebo, of which `headless` chooses one. It takes its options as one text;
-    # the quotes keep a path with spaces in one piece.
+    # `headless` chooses between two ways to start Gazebo. It takes its options as one string; the
+    # quotes keep a path with spaces together.
     gz_sim = PythonLaunchDescriptionSource(
         PathJoinSubstitution([FindPackageShare('ros_gz_sim'), 'launch', 'gz_sim.launch.py']))
     gazebo = IncludeLaunchDescription(
@@ -55,7 +55,7 @@ def generate_launch_description():
         condition=IfCondition(LaunchConfiguration('headless')),
     )
 
-    # Passes on between Gazebo and ROS what the file lists.
+    # Bridges the topics of the file between Gazebo and ROS.
     bridge_file = PathJoinSubstitution([share, 'config', 'bridge.yaml'])
     bridge = Node(
         package='ros_gz_bridge',
@@ -64,8 +64,8 @@ def generate_launch_description():
         parameters=[{'config_file': ParameterValue(bridge_file, value_type=str)}],
     )
 
-    # The quotes keep a path with spaces in one piece. Without ParameterValue the text would be
-    # read as YAML.
+    # The quotes keep a path with spaces together. Without ParameterValue, launch would parse the
+    # text as YAML.
     robot_description = ParameterValue(Command(['xacro "', model, '"']), value_type=str)
     robot_state_publisher = Node(
         package='robot_state_publisher',
@@ -77,7 +77,7 @@ def generate_launch_description():
         }],
     )
 
-    # Takes the robot from the topic that robot_state_publisher publishes.
+    # Reads the robot from the topic of robot_state_publisher.
     spawn_robot = Node(
         package='ros_gz_sim',
         executable='create',
@@ -91,8 +91,8 @@ def generate_launch_description():
         ],
     )
 
-    # One after the other: the controllers are there when the robot is, and the broadcaster tells
-    # where the joints are before something moves them.
+    # In this order: the controllers need the robot, and the broadcaster publishes the joint
+    # positions before a controller moves the joints.
     spawn_broadcaster = Node(
         package='controller_manager',
         executable='spawner',

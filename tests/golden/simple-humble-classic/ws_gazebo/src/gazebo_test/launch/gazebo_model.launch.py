@@ -1,4 +1,4 @@
-"""Start Gazebo Classic with a world and put the robot of this package into it."""
+"""Start Gazebo Classic with a world and spawn the robot of this package."""
 
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription
@@ -19,17 +19,17 @@ def generate_launch_description():
         DeclareLaunchArgument(
             'world', default_value=world, description='World file (SDF) that Gazebo loads'),
         DeclareLaunchArgument(
-            'x', default_value='0.0', description='Where the robot appears, along x, in meters'),
+            'x', default_value='0.0', description='Spawn position along x, in meters'),
         DeclareLaunchArgument(
-            'y', default_value='0.0', description='Where the robot appears, along y, in meters'),
-        # At half its length the cylinder would touch the ground; 5 cm more let it fall a little.
+            'y', default_value='0.0', description='Spawn position along y, in meters'),
+        # The cylinder touches the ground at half its length; it is spawned 5 cm above it.
         DeclareLaunchArgument(
             'z', default_value='0.3',
-            description='Where the center of the robot appears, above the ground, in meters'),
+            description='Spawn height of the center of the robot, in meters'),
         DeclareLaunchArgument(
             'gui', default_value='true', description='Open the window of Gazebo: true or false'),
         DeclareLaunchArgument(
-            'use_sim_time', default_value='true', description='Take the time from Gazebo'),
+            'use_sim_time', default_value='true', description='Use the time of Gazebo'),
     ]
 
     gazebo = IncludeLaunchDescription(
@@ -41,8 +41,8 @@ def generate_launch_description():
         }.items(),
     )
 
-    # The quotes keep a path with spaces in one piece. Without ParameterValue the text would be
-    # read as YAML.
+    # The quotes keep a path with spaces together. Without ParameterValue, launch would parse the
+    # text as YAML.
     robot_description = ParameterValue(Command(['xacro "', model, '"']), value_type=str)
     robot_state_publisher = Node(
         package='robot_state_publisher',
@@ -54,7 +54,7 @@ def generate_launch_description():
         }],
     )
 
-    # Takes the robot from the topic that robot_state_publisher publishes.
+    # Reads the robot from the topic of robot_state_publisher.
     spawn_robot = Node(
         package='gazebo_ros',
         executable='spawn_entity.py',
