@@ -112,6 +112,6 @@ def _mark(found: Requirement) -> str:
         return click.style("ok", fg="green")
     return (
         click.style("error", fg="red", bold=True)
-        if found.is_needed
+        if found.is_required
         else click.style("-", fg="yellow")
     )
