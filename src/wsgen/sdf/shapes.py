@@ -17,6 +17,7 @@ from wsgen.description_rules import (
     ZERO_SIZE,
 )
 from wsgen.diagnostics import Rule, Severity
+from wsgen.meshes.shapes import IMPOSSIBLE_SHAPE
 from wsgen.model.colors import GAZEBO_COLORS
 from wsgen.model.robot import (
     Box,
@@ -125,17 +126,6 @@ HEIGHTMAP_OFFSET = Rule(
     </heightmap>
   </geometry>
 </collision>""",
-)
-
-IMPOSSIBLE_SHAPE = Rule(
-    code="WLD057",
-    name="impossible-shape",
-    severity=Severity.ERROR,
-    summary="A polyline does not enclose an area.",
-    why="Gazebo does not create such a shape: the part is invisible, and others pass through it.",
-    example="<polyline>\n  <point>0 0</point>\n  <point>1 1</point>\n</polyline>",
-    instead="<polyline>\n  <point>0 0</point>\n  <point>1 1</point>\n  <point>0 1</point>\n"
-    "</polyline>",
 )
 
 IMAGES = (".png", ".jpg", ".jpeg")  # Gazebo reads any other as elevation data
