@@ -38,6 +38,9 @@ from wsgen.rules.runs import (
     TIPS_OVER,
 )
 from wsgen.rules.scenes import ENGINES_DISAGREE
+from wsgen.sdf.assembly import JOINT_LEFT_OUT
+from wsgen.sdf.bodies import DEFAULT_INERTIA, MASSLESS_MODEL_LINK
+from wsgen.sdf.shapes import SHAPE_LEFT_OUT
 from wsgen.urdf.unknown_elements import meant_element
 
 if TYPE_CHECKING:
@@ -75,24 +78,22 @@ CONSEQUENCES = (
     Consequence(IMPLAUSIBLE_MASS.code, (*MOVES, ENGINES_DISAGREE.code)),
     # Nothing touches the ground.
     Consequence(NO_COLLISION.code, _codes(FALLS_WITHOUT_END)),
-    Consequence("WLD031", _codes(FALLS_WITHOUT_END, TIPS_OVER)),  # a shape is left out
+    Consequence(SHAPE_LEFT_OUT.code, _codes(FALLS_WITHOUT_END, TIPS_OVER)),
     # The simulated robot is not the one that was meant.
     Consequence(MISSPELLED_ELEMENT.code, ANY),
     Consequence(MISSPELLED_ATTRIBUTE.code, ANY),
-    Consequence("WLD058", ANY),
-    Consequence("WLD059", ANY),
     # A part falls off.
     Consequence(LOOSE_JOINT.code, (), errors=FALLS),
-    Consequence("WLD024", (), errors=FALLS),  # joint left out
+    Consequence(JOINT_LEFT_OUT.code, (), errors=FALLS),
     # Links with too little inertia shake.
     Consequence(IMPOSSIBLE_INERTIA.code, EXPLODES, errors=_codes(KEEPS_MOVING)),
     Consequence(IMPLAUSIBLE_INERTIA.code, EXPLODES, errors=_codes(KEEPS_MOVING)),
-    Consequence("WLD035", EXPLODES, errors=_codes(KEEPS_MOVING)),  # the inertia that Gazebo gives
-    Consequence("WLD041", EXPLODES, errors=_codes(KEEPS_MOVING)),  # no mass
+    Consequence(DEFAULT_INERTIA.code, EXPLODES, errors=_codes(KEEPS_MOVING)),
+    Consequence(MASSLESS_MODEL_LINK.code, EXPLODES, errors=_codes(KEEPS_MOVING)),
     # The limit pushes the joint.
     Consequence(STARTS_OUTSIDE_LIMITS.code, EXPLODES, errors=_codes(KEEPS_MOVING)),
 )
-MISSPELLED = (*_codes(MISSPELLED_ELEMENT, MISSPELLED_ATTRIBUTE), "WLD058", "WLD059")
+MISSPELLED = _codes(MISSPELLED_ELEMENT, MISSPELLED_ATTRIBUTE)
 MOVING_PART = re.compile(r"(?:^|/)(?:link|joint|gazebo)\b")
 WITHOUT_EFFECT = ("visual", "material", "sensor", "plugin", "light", "transmission", "ros2_control")
 NAME = re.compile(r"\[@\w+='[^']*'\]")
