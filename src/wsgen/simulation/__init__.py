@@ -1,5 +1,5 @@
-"""Let a robot stand in a physics engine, and measure what happens.
+"""Lets robots stand in a physics engine, and measures what happens.
 
-`run` is what callers use: it plays a `scene` in a child process (`worker`), where `simulation`
-does the measuring over an `engine`. `bullet` is the real engine, `fake` the one for tests.
+`run` is what callers use: it simulates a `scene` in a child process (`wsgen.tasks`), where
+`simulate` measures with an `engine`. `bullet` and `dart` are engines, `fake` is one for tests.
 """
