@@ -24,7 +24,7 @@ OVERSIZED_FILE = Rule(
     severity=Severity.ERROR,
     summary="A URDF or SDF file is too large, or declares entities.",
     why=(
-        "wsgen reads every file within bounded time and memory. The largest public URDF has 4 % "
+        "`wsgen` reads every file within bounded time and memory. The largest public URDF has 4 % "
         "of the limit, so a larger file is nearly always a mistake; Gazebo's parser knows no "
         "entities."
     ),

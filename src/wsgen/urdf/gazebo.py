@@ -161,7 +161,7 @@ SDF_NOT_SIMULATED = Rule(
     code="ROB058",
     name="sdf-not-simulated",
     severity=Severity.WARNING,
-    summary="wsgen does not simulate a model, link or joint in a `<gazebo>` element.",
+    summary="`wsgen` does not simulate a model, link or joint in a `<gazebo>` element.",
     why=(
         "Gazebo adds these SDF elements to the robot, so the robot in Gazebo has parts that "
         "wsgen's simulation does not have."
@@ -378,7 +378,7 @@ def _check_number(collector: Collector, element: Element, path: str, key: str, t
 def _check_placement(
     collector: Collector, element: Element, path: str, *, is_link: bool, is_joint: bool
 ) -> None:
-    """Report a key that does nothing at what the `<gazebo>` element is about."""
+    """Report a key that has no effect on what the `<gazebo>` element refers to."""
     key = str(element.tag)
     right_place = None
     if key in JOINT_KEYS and not is_joint:

@@ -30,7 +30,7 @@ INCOMPLETE_JOINT = Rule(
     name="incomplete-joint",
     severity=Severity.ERROR,
     summary="A joint has no parent or child, or its `<mimic>` names no joint.",
-    why="urdfdom cannot build the tree of links, and refuses the robot.",
+    why="`urdfdom` cannot build the tree of links, and refuses the robot.",
     example='<joint name="arm_joint" type="fixed">\n  <child link="arm"/>\n</joint>',
     instead=(
         '<joint name="arm_joint" type="fixed">\n'
@@ -56,7 +56,7 @@ MISSING_LIMIT = Rule(
     name="missing-limit",
     severity=Severity.ERROR,
     summary="A revolute or prismatic joint has no `<limit>`.",
-    why="urdfdom refuses the robot. A joint that turns without limits is continuous.",
+    why="`urdfdom` refuses the robot. A joint that turns without limits is continuous.",
     example=(
         '<joint name="arm_joint" type="revolute">\n'
         '  <parent link="base_link"/>\n'

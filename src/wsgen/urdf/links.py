@@ -49,7 +49,7 @@ INCOMPLETE_INERTIAL = Rule(
     severity=Severity.ERROR,
     summary="An `<inertial>` has no `<mass>` or no `<inertia>`.",
     why=(
-        "urdfdom stops reading the link there: the shapes of the link are lost, and Gazebo "
+        "`urdfdom` stops reading the link there: the shapes of the link are lost, and Gazebo "
         "drops a link without mass."
     ),
     example='<inertial>\n  <mass value="1"/>\n</inertial>',
@@ -109,7 +109,7 @@ UNNAMED_MESH = Rule(
     name="unnamed-mesh",
     severity=Severity.ERROR,
     summary="A mesh has no file name.",
-    why="urdfdom stops reading the link there and silently leaves out everything behind it.",
+    why="`urdfdom` stops reading the link there and silently leaves out everything behind it.",
     example='<mesh scale="0.001 0.001 0.001"/>',
     instead='<mesh filename="package://my_robot/meshes/arm.stl" scale="0.001 0.001 0.001"/>',
 )
@@ -120,7 +120,7 @@ DUPLICATE_MATERIAL = Rule(
     severity=Severity.ERROR,
     summary="A material is defined twice for the whole robot.",
     why=(
-        "urdfdom refuses the robot, even if the colors are equal. It usually happens when a "
+        "`urdfdom` refuses the robot, even if the colors are equal. It usually happens when a "
         "xacro file with materials is included twice."
     ),
     example=(
@@ -148,21 +148,19 @@ def read_link(
         _read_collision(collector, collision, f"{path}/collision")
         for collision in children(element, "collision")
     ]
-    seen = _until_unreadable(visuals) if is_whole else 0
-    touched = _until_unreadable(collisions) if is_whole and seen == len(visuals) else 0
-    _report_lost(
-        collector,
-        before,
-        len(visuals) - seen - (is_whole and seen < len(visuals)),
-        len(collisions)
-        - touched
-        - (is_whole and seen == len(visuals) and touched < len(collisions)),
-    )
+    visuals_read = _until_unreadable(visuals) if is_whole else 0
+    has_all_visuals = is_whole and visuals_read == len(visuals)
+    collisions_read = _until_unreadable(collisions) if has_all_visuals else 0
+    # The first one that cannot be read is reported itself.
+    visuals_lost = len(visuals) - visuals_read - (is_whole and not has_all_visuals)
+    is_collision_reported = has_all_visuals and collisions_read < len(collisions)
+    collisions_lost = len(collisions) - collisions_read - is_collision_reported
+    _report_lost(collector, before, visuals_lost, collisions_lost)
     return Link(
         name=name,
         inertial=inertial,
-        visuals=tuple(one for one in visuals[:seen] if not isinstance(one, Unusable)),
-        collisions=tuple(one for one in collisions[:touched] if not isinstance(one, Unusable)),
+        visuals=tuple(one for one in visuals[:visuals_read] if isinstance(one, Visual)),
+        collisions=tuple(one for one in collisions[:collisions_read] if isinstance(one, Collision)),
         line=line_of(element),
     )
 

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from wsgen.model.robot import Collision, GazeboTag, Joint, Link, Robot, Visual
 
 
-NO_MASS = 1e-6  # kg; sdformat before its pull request 1238 took less for nothing
+NO_MASS = 1e-6  # kg; sdformat before its pull request 1238 took less for 0
 WORLD = "world"  # sdformat's word for what never moves; it knows no other way to say so in a URDF
 NAMED = 8  # at most so many names stand in a message
 # Of a fixed joint whose lumping is disabled: no movement, by any force.
@@ -47,7 +47,7 @@ DROPPED_LINK = Rule(
     severity=Severity.ERROR,
     summary="Gazebo drops a link without mass, and everything that is attached to it.",
     why=(
-        "sdformat drops a link without mass unless a fixed joint attaches it to a link with "
+        "`sdformat` drops a link without mass unless a fixed joint attaches it to a link with "
         "mass. The robot in Gazebo lacks the link, its joint and everything below it; older "
         "versions do not even print a warning."
     ),
@@ -69,7 +69,7 @@ TWO_ZERO_MASSES = Rule(
     severity=Severity.ERROR,
     summary="Two links of mass 0 are attached by a fixed joint.",
     why=(
-        "sdformat lumps them and divides by their total mass: the center of mass is not a "
+        "`sdformat` lumps them and divides by their total mass: the center of mass is not a "
         "number, and Gazebo refuses the robot."
     ),
     example=(
@@ -87,7 +87,7 @@ IMPOSSIBLE_SUM = Rule(
     severity=Severity.ERROR,
     summary="Links that fixed joints attach to each other have together an impossible inertia.",
     why=(
-        "sdformat lumps the links into one body, and Gazebo refuses a robot with a body of "
+        "`sdformat` lumps the links into one body, and Gazebo refuses a robot with a body of "
         "impossible inertia."
     ),
     example=(
@@ -105,7 +105,7 @@ GAZEBO_VALUE_WITHOUT_EFFECT = Rule(
     severity=Severity.WARNING,
     summary="A surface value in a `<gazebo>` element applies to no collision.",
     why=(
-        "sdformat finds the collisions of a link by the names that it gives them. A collision "
+        "`sdformat` finds the collisions of a link by the names that it gives them. A collision "
         "whose own name does not begin with that of its link is not found, and keeps the "
         "default friction."
     ),
@@ -184,7 +184,7 @@ DROPPED_BY_OLD_SDFORMAT = Rule(
     severity=Severity.WARNING,
     summary="Older versions of sdformat drop what moves on a link without mass.",
     why=(
-        "sdformat before 9.10.1, 12.7.2 and 13.5 (Debian 12 and Ubuntu 22.04 have such "
+        "`sdformat` before 9.10.1, 12.7.2 and 13.5 (Debian 12 and Ubuntu 22.04 have such "
         "versions) drops every link that is attached to a lumped link without mass by a "
         "movable joint."
     ),
@@ -250,7 +250,7 @@ def _tags_by_reference(robot: Robot) -> dict[str, list[GazeboTag]]:
 
 
 def _link_of(robot: Robot, body: Body) -> Link:
-    """Gazebo makes no body of a root called `world`: what mass it is given counts for nothing."""
+    """The link of a body; Gazebo makes none of a root called `world`, whose mass it ignores."""
     is_world = robot.fixed_to_world and body.link.name == robot.root
     if len(body.parts) == 1:
         return replace(body.link, inertial=None) if is_world else body.link

@@ -63,7 +63,7 @@ NOT_A_ROBOT = Rule(
     severity=Severity.ERROR,
     summary="The root element of a URDF is not `<robot>`.",
     why=(
-        "urdfdom reads `<robot>` only. An SDF file is checked as SDF when its name ends in "
+        "`urdfdom` reads `<robot>` only. An SDF file is checked as SDF when its name ends in "
         ".sdf or .world."
     ),
     example='<robots name="r">\n  <link name="base_link"/>\n</robots>',
@@ -75,7 +75,7 @@ UNNAMED_ROBOT = Rule(
     name="unnamed-robot",
     severity=Severity.ERROR,
     summary="The robot has no name.",
-    why="urdfdom refuses a robot without a name, and so do Gazebo and robot_state_publisher.",
+    why="`urdfdom` refuses a robot without a name, and so do Gazebo and robot_state_publisher.",
     example="<robot>",
     instead='<robot name="my_robot">',
 )
@@ -86,7 +86,7 @@ DUPLICATE_LINK = Rule(
     severity=Severity.ERROR,
     summary="Two links have the same name.",
     why=(
-        "urdfdom refuses the robot. It usually happens when a xacro macro is called twice "
+        "`urdfdom` refuses the robot. It usually happens when a xacro macro is called twice "
         "without a prefix."
     ),
     example='<link name="wheel"/>\n<link name="wheel"/>',
@@ -98,7 +98,7 @@ DUPLICATE_JOINT = Rule(
     name="duplicate-joint",
     severity=Severity.ERROR,
     summary="Two joints have the same name.",
-    why="urdfdom refuses the robot, and PyBullet crashes on it.",
+    why="`urdfdom` refuses the robot, and PyBullet crashes on it.",
     example=(
         '<joint name="wheel_joint" type="continuous">…</joint>\n'
         '<joint name="wheel_joint" type="continuous">…</joint>'
@@ -128,7 +128,7 @@ UNKNOWN_URDF_VERSION = Rule(
     name="unknown-urdf-version",
     severity=Severity.ERROR,
     summary="The version of a URDF is not 1.0.",
-    why="urdfdom knows version 1.0 only, and refuses the robot.",
+    why="`urdfdom` knows version 1.0 only, and refuses the robot.",
     example='<robot name="my_robot" version="2.0">',
     instead='<robot name="my_robot">',
 )

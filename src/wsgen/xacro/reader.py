@@ -27,7 +27,7 @@ XACRO_FILE_FAILS = Rule(
     code="ROB071",
     name="xacro-file-fails",
     severity=Severity.ERROR,
-    summary="xacro cannot expand a file.",
+    summary="`xacro` cannot expand a file.",
     why=(
         "The file has no URDF: the launch file stops with the same error, and no robot is spawned."
     ),
