@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from wsgen.workspace.overlay import Overlay
 
 
-__all__ = ["find_launch_files", "may_spawn", "name_launch_file"]
-
 # One of these words is in every launch file that puts a robot into a simulator by itself.
 SPAWNING_WORDS = (b"spawn", b"create")
 LAUNCH_FUNCTION = b"def generate_launch_description("
@@ -71,7 +69,7 @@ SEVERAL_LAUNCH_FILES = Rule(
 )
 
 
-def name_launch_file(share: Path, wanted: str) -> Path | None:
+def find_named_launch_file(share: Path, wanted: str) -> Path | None:
     """The installed file that is meant by a name, or by the end of a path.
 
     As for `ros2 launch`, any file that is named is a launch file.
@@ -124,7 +122,7 @@ class SelectedPackage:
     problem: Diagnostic | None = None
 
 
-def choose(
+def select_packages(
     workspace: Workspace, overlay: Overlay, request: ValidateRequest
 ) -> tuple[tuple[SelectedPackage, ...], tuple[str, ...]]:
     """The packages to validate, and the names of those that are left out as they spawn nothing.
@@ -137,17 +135,17 @@ def choose(
     sources = {package.name: package.path for package in find_packages(workspace)}
     if request.packages:
         return tuple(
-            _choose_named(name, sources, workspace, overlay, request.launch_file)
+            _select_named(name, sources, workspace, overlay, request.launch_file)
             for name in dict.fromkeys(request.packages)
         ), ()
     if not sources:
         refuse_empty(workspace)
     if len(sources) == 1:
         (name,) = sources
-        return (_choose_named(name, sources, workspace, overlay, request.launch_file),), ()
+        return (_select_named(name, sources, workspace, overlay, request.launch_file),), ()
     selected, left_out = [], []
     for name, source in sources.items():
-        package = _choose_unnamed(name, source, overlay.share(name), request.launch_file)
+        package = _select_unnamed(name, source, overlay.share(name), request.launch_file)
         if package is None:
             left_out.append(name)
         else:
@@ -161,7 +159,7 @@ def choose(
     return tuple(selected), tuple(left_out)
 
 
-def _choose_named(
+def _select_named(
     name: str,
     sources: dict[str, Path],
     workspace: Workspace,
@@ -180,7 +178,7 @@ def _choose_named(
     source = sources.get(name)
     files = find_launch_files(share)
     if wanted is not None:
-        file = name_launch_file(share, wanted)
+        file = find_named_launch_file(share, wanted)
         if file is None:
             raise no_such_launch_file(name, wanted, files)
         return SelectedPackage(name=name, source=source, share=share, launch_file=file)
@@ -196,7 +194,7 @@ def _choose_named(
     return SelectedPackage(name=name, source=source, share=share, launch_file=spawning[0])
 
 
-def _choose_unnamed(
+def _select_unnamed(
     name: str, source: Path, share: Path | None, wanted: str | None
 ) -> SelectedPackage | None:
     """One of several packages; None where neither source nor install space spawns a robot.
@@ -205,7 +203,7 @@ def _choose_unnamed(
     """
     files = find_launch_files(share) if share else ()
     if wanted is not None:
-        file = name_launch_file(share, wanted) if share else None
+        file = find_named_launch_file(share, wanted) if share else None
         if file is None:
             return None
         return SelectedPackage(name=name, source=source, share=share, launch_file=file)

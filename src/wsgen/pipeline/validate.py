@@ -19,8 +19,7 @@ from wsgen.isolation import parent
 from wsgen.launch.launch_warnings import UNUSED_ARGUMENT, UNUSED_XACRO_ARGUMENT
 from wsgen.model.outcome import Outcome
 from wsgen.pipeline.package_validation import Validation
-from wsgen.pipeline.request import ValidateRequest
-from wsgen.pipeline.selection import SelectedPackage, choose
+from wsgen.pipeline.selection import SelectedPackage, select_packages
 from wsgen.rendering.recording import lacks_encoder, why_no_video
 from wsgen.simulation.run import missing_engines
 from wsgen.workspace.layout import find_packages
@@ -35,12 +34,11 @@ if TYPE_CHECKING:
     from wsgen.isolation.parent import Run
     from wsgen.model.outcome import PackageOutcome
     from wsgen.pipeline.file_validation import FileValidation
+    from wsgen.pipeline.request import ValidateRequest
     from wsgen.workspace.layout import Workspace
 
 
 UNUSED_ARGUMENTS = (UNUSED_ARGUMENT.code, UNUSED_XACRO_ARGUMENT.code)
-
-__all__ = ["ValidateRequest", "prepare", "validate"]
 
 
 def validate(
@@ -65,13 +63,13 @@ def validate(
             exist, or an engine is not installed.
         NotReadableError: a FILE is no regular file, or the folder for the pictures cannot be made.
     """
-    prepare(request)
+    check_request(request)
     overlay = _overlay(workspace, request, environment)
     serial = OneAtATime(listener)
     packages: Sequence[SelectedPackage] = ()
     left_out: tuple[str, ...] = ()
     if workspace is not None and (request.packages or not request.files):
-        packages, left_out = choose(workspace, overlay, request)
+        packages, left_out = select_packages(workspace, overlay, request)
 
     def subjects(run: Run) -> list[Validation | FileValidation]:
         return [
@@ -182,7 +180,7 @@ def _files(
     ]
 
 
-def prepare(request: ValidateRequest) -> None:
+def check_request(request: ValidateRequest) -> None:
     """Check that all that the request needs is there, before anything is started.
 
     Raises:
@@ -271,7 +269,7 @@ def play(  # noqa: PLR0913  what to play, where, how
         NotFoundError: an engine or the encoder of the video is not installed.
         NotReadableError: the folder for the pictures cannot be made.
     """
-    prepare(request)
+    check_request(request)
     if request.video is not None and lacks_encoder(request.video):
         raise NotFoundError(
             "PyAV, which writes .mp4, is not installed.",

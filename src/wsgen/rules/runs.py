@@ -317,10 +317,10 @@ UNACTUATED_JOINTS_MOVE = Rule(
     name="unactuated-joints-move",
     severity=Severity.INFO,
     summary="Joints that are not actuated move under gravity.",
-    what="Measures how far each joint, wheels apart, moved from where it started.",
+    what="Measures how far each joint, except axles of wheels, moved from where it started.",
     why="This is no mistake: an arm without controllers falls, in Gazebo as on the bench. It shows "
     "what the robot does until its controllers are started.",
-    example='<joint name="shoulder" type="revolute">',
+    example='<joint name="shoulder" type="revolute"> ... </joint>',
     instead="""
 <ros2_control name="arm" type="system">
   <hardware><plugin>gz_ros2_control/GazeboSimSystem</plugin></hardware>
