@@ -101,9 +101,9 @@ def test_no_path(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--distro", "noetic"], "'noetic' is no ROS 2 distribution"),
+        (["--distro", "noetic"], "'noetic' is not a ROS 2 distribution"),
         (["--distro", "jazzy", "--sim", "classic"], "not released for ROS 2 jazzy"),
-        (["--distro", ""], "'' is no ROS 2 distribution"),
+        (["--distro", ""], "'' is not a ROS 2 distribution"),
         (["--sim", "gazebo"], "Invalid value for '--sim'"),
         (["here"], "unexpected extra argument"),
     ],

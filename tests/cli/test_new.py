@@ -9,7 +9,7 @@ import pytest
 from wsgen.cli import run
 
 NOTE = (
-    "note: ROS 2 Iron has had no updates since 2024-12-04; take --distro humble (until 2027-05)"
+    "note: ROS 2 Iron has had no updates since 2024-12-04; use --distro humble (until 2027-05)"
     " or --distro lyrical (until 2031-05).\n"
 )
 GIVEN = ("--maintainer-name", "Ada", "--maintainer-email", "ada@example.com")
@@ -199,7 +199,7 @@ def test_dry_run(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
         (["a_b", "-t", "crane"], "'crane' does not exist", "simple"),
         (["a_b", "-t", "base"], "is abstract", "simple"),
         (["a_b", "-t", "."], "has no template.toml", "simple"),
-        (["a_b", "--distro", "noetic"], "'noetic' is no ROS 2", "--distro lyrical"),
+        (["a_b", "--distro", "noetic"], "'noetic' is not a ROS 2", "--distro lyrical"),
         (["a_b", "--distro", "jazzy", "--sim", "classic"], "not released", "jazzy --sim gz"),
         (["a_b", "--set", "mass=heavy"], "`mass` must be a number", "--set mass=1"),
         (["a_b", "--license", "GPL"], "not have the text of the license 'GPL'", "Apache-2.0"),
@@ -239,7 +239,7 @@ def test_sourced_ros_that_is_not_known(
     monkeypatch.setenv("ROS_DISTRO", "noetic")
     assert new("gazebo_test") == 2
     output = capsys.readouterr().err
-    assert "The environment says ROS_DISTRO=noetic" in output
+    assert "ROS_DISTRO=noetic in the environment" in output
     assert "unset ROS_DISTRO" in output
     assert not list(here.iterdir())
     assert new("gazebo_test", "--distro", "jazzy") == 0
@@ -250,7 +250,7 @@ def test_sourced_ros_that_is_not_known(
 def test_end_of_life_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
     assert new("humble_robot", "--distro", "humble", "--sim", "classic") == 0
     (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith("note: Gazebo Classic has had no updates since 2025-01; take --sim gz")
+    assert line.startswith("note: Gazebo Classic has had no updates since 2025-01; use --sim gz")
     assert new("jazzy_robot", "--distro", "lyrical", "-w", "ws_gazebo") == 0
     assert capsys.readouterr().err == ""
 

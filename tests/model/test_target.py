@@ -14,7 +14,7 @@ from wsgen.model.target import (
 )
 
 TODAY = "2026-11-21"
-INSTEAD = "take --distro humble (until 2027-05) or --distro lyrical (until 2031-05)."
+INSTEAD = "use --distro humble (until 2027-05) or --distro lyrical (until 2031-05)."
 DATE = r"\d{4}-\d{2}(-\d{2})?"
 
 
@@ -78,11 +78,11 @@ def test_what_classic_and_sim_are_called() -> None:
             "Gazebo Classic is not released for ROS 2 jazzy, only for humble and iron.",
             "--distro jazzy --sim gz",
         ),
-        ("jazy", None, "'jazy' is no ROS 2 distribution", "--distro jazzy"),
-        ("Humble", "classic", "'Humble' is no ROS 2", "--distro humble --sim classic"),
-        ("noetic", None, "'noetic' is no ROS 2 distribution", "--distro lyrical"),
-        ("noetic", "classic", "'noetic' is no ROS 2", "--distro humble --sim classic"),
-        ("", "gz", "'' is no ROS 2 distribution", "--distro lyrical --sim gz"),
+        ("jazy", None, "'jazy' is not a ROS 2 distribution", "--distro jazzy"),
+        ("Humble", "classic", "'Humble' is not a ROS 2", "--distro humble --sim classic"),
+        ("noetic", None, "'noetic' is not a ROS 2 distribution", "--distro lyrical"),
+        ("noetic", "classic", "'noetic' is not a ROS 2", "--distro humble --sim classic"),
+        ("", "gz", "'' is not a ROS 2 distribution", "--distro lyrical --sim gz"),
     ],
 )
 def test_no_such_target(distro: str, simulator: str | None, reason: str, nearest: str) -> None:
@@ -92,7 +92,7 @@ def test_no_such_target(distro: str, simulator: str | None, reason: str, nearest
 
 
 def test_distribution_that_nobody_typed() -> None:
-    with pytest.raises(RequestError, match="The environment says ROS_DISTRO=noetic") as caught:
+    with pytest.raises(RequestError, match="ROS_DISTRO=noetic in the environment") as caught:
         choose_target("noetic", is_from_environment=True)
     assert "--distro lyrical" in caught.value.hint
     assert "unset ROS_DISTRO" in caught.value.hint
@@ -108,7 +108,7 @@ def test_distribution_that_nobody_typed() -> None:
             "kilted-gz",
             "2027-01-01",
             (
-                "ROS 2 Kilted has had no updates since 2026-12; take --distro jazzy (until 2029-05)"
+                "ROS 2 Kilted has had no updates since 2026-12; use --distro jazzy (until 2029-05)"
                 " or --distro lyrical (until 2031-05)."
             ),
         ),
@@ -127,7 +127,7 @@ def test_distribution_that_nobody_typed() -> None:
             "humble-classic",
             TODAY,
             (
-                "Gazebo Classic has had no updates since 2025-01; take --sim gz (Gazebo Fortress,"
+                "Gazebo Classic has had no updates since 2025-01; use --sim gz (Gazebo Fortress,"
                 " until 2027-05)."
             ),
         ),
@@ -135,7 +135,7 @@ def test_distribution_that_nobody_typed() -> None:
             "jazzy-gz",
             "2040-01-01",
             (
-                "ROS 2 Jazzy has had no updates since 2029-05; take --distro rolling"
+                "ROS 2 Jazzy has had no updates since 2029-05; use --distro rolling"
                 " (until further notice)."
             ),
         ),

@@ -46,7 +46,7 @@ class Process:
     remappings: tuple[tuple[str, str], ...] = ()
     command: tuple[str, ...] | None = None  # of ExecuteProcess
     environment: Mapping[str, str] = field(default_factory=dict)  # what differs from the launch's
-    container: str | None = None  # of a composable node, which is no process of its own: its host
+    container: str | None = None  # of a composable node, which is not a process: its host
     starts: str = "launch"  # "launch", "timer 3.0", "exit of NAME", "start of NAME", "shutdown"
     start_time: float = 0.0  # s of virtual time after the launch; others exit without delay
     file: Path | None = None  # the launch file that says so

@@ -136,10 +136,10 @@ def choose_target(
 ) -> Target:
     """The target of a distribution and a simulator, by default the distribution's usual one.
 
-    `is_from_environment` says that nobody typed the distribution: it is that of $ROS_DISTRO.
+    `is_from_environment` says that the distribution is that of $ROS_DISTRO, and was not typed.
 
     Raises:
-        RequestError: there is no such target; says why, and which one is nearest.
+        RequestError: The target does not exist; the error names the nearest one.
     """
     wanted = simulator or USUAL_SIMULATOR.get(distro, "gz")
     for target in TARGETS:
@@ -149,7 +149,7 @@ def choose_target(
         raise RequestError(
             f"Gazebo Classic is not released for ROS 2 {distro}, only for"
             f" {' and '.join(DISTROS_WITH_CLASSIC)}.",
-            hint=f"Take --distro {distro} --sim gz; or, to stay with Gazebo Classic,"
+            hint=f"Use --distro {distro} --sim gz; or, to stay with Gazebo Classic,"
             f" --distro {DISTROS_WITH_CLASSIC[0]}.",
         )
     raise _unknown_distro(distro, simulator, is_from_environment=is_from_environment)
@@ -162,12 +162,12 @@ def _unknown_distro(
     lasting = [name for name in possible if _of_distro("support", name) == "long-term"]
     lower = distro.lower()
     near = lower if lower in possible else nearest(lower, possible) or lasting[-1]
-    known = f"no ROS 2 distribution that wsgen knows: {', '.join(DISTROS)}."
+    known = f"not a ROS 2 distribution that wsgen knows: {', '.join(DISTROS)}."
     option = f"--distro {near}" + (f" --sim {simulator}" if simulator else "")
     if is_from_environment:
         return RequestError(
-            f"The environment says ROS_DISTRO={distro}, which is {known}",
-            hint=f"Say for which one the package is, for example {option}; or: unset ROS_DISTRO",
+            f"ROS_DISTRO={distro} in the environment is {known}",
+            hint=f"Name the target, for example {option}; or run: unset ROS_DISTRO",
         )
     return RequestError(f"{distro!r} is {known}", hint=f"For example {option}")
 
@@ -182,10 +182,10 @@ def end_of_life_note(target: Target, today: str) -> str | None:
             f"--distro {name} (until {_of_distro('end_of_life', name) or 'further notice'})"
             for name in dict.fromkeys((*near, lasting[-1]))
         )
-        return f"{target.ros} has had no updates since {target.end_of_life}; take {instead}."
+        return f"{target.ros} has had no updates since {target.end_of_life}; use {instead}."
     if target.simulator == "classic" and _is_past(OF_CLASSIC["end_of_life"][1], today):
         return (
-            f"Gazebo Classic has had no updates since {OF_CLASSIC['end_of_life'][1]}; take --sim gz"
+            f"Gazebo Classic has had no updates since {OF_CLASSIC['end_of_life'][1]}; use --sim gz"
             f" (Gazebo {target.fact('gz_name')}, until {target.fact('gz_end_of_life')})."
         )
     return None
