@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from wsgen.diagnostics import Diagnostic, Rule, Severity, has_errors
 from wsgen.isolation import parent
 from wsgen.launch.evaluate import evaluate
-from wsgen.launch.spawning import find_simulator, find_spawns
+from wsgen.launch.spawning import NO_ROBOT, find_simulator, find_spawns
 from wsgen.launch.syntax import first_missing, where_written
 from wsgen.model.outcome import PackageOutcome
 from wsgen.pipeline.clock import DRAW, Clock
@@ -393,10 +393,8 @@ class Validation:
 
 
 def _nothing_spawned(launch_file: Path | None) -> Diagnostic:
-    return Diagnostic(
-        code="SPN003",
-        severity=Severity.ERROR,
+    return NO_ROBOT.at(
+        launch_file,
         message="No model that the launch file spawns has a link.",
-        file=launch_file,
         hint="Spawn a model with a <link>.",
     )

@@ -21,7 +21,7 @@ from wsgen.model.transform import IDENTITY, Pose
 from wsgen.rules.check import check_robot
 from wsgen.sdf.lookup import is_folder, model_finder, model_folders
 from wsgen.sdf.models import read_model, read_sdf
-from wsgen.urdf.lumping import lump
+from wsgen.urdf.lumping import DROPPED_BY_OLD_SDFORMAT, LUMPED_END_OF_SDF_JOINT, lump
 from wsgen.urdf.reader import MISSPELLED, read_urdf
 from wsgen.urdf.unknown_elements import meant_element
 from wsgen.xacro.source import place_in_source
@@ -37,7 +37,8 @@ if TYPE_CHECKING:
 
 
 REFUSED_BY_GAZEBO_SIM = frozenset((ONE_NAME_FOR_LINK_AND_JOINT.code,))  # not by Gazebo Classic
-OLD_SDFORMAT = frozenset(("ROB079", "ROB080"))  # what only its older versions do
+# What only older versions of sdformat do.
+OLD_SDFORMAT = frozenset((LUMPED_END_OF_SDF_JOINT.code, DROPPED_BY_OLD_SDFORMAT.code))
 FORTRESS = frozenset(("humble", "iron"))  # distributions with a Gazebo Sim that may have such
 NAMED = 3  # at most so many robots are named in a line
 

@@ -17,6 +17,7 @@ from wsgen.description_rules import (
     MISSPELLED_ELEMENT,
 )
 from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.meshes.inspection import IMPLAUSIBLE_MESH_SIZE
 from wsgen.rules.robots import (
     IMPLAUSIBLE_INERTIA,
     IMPLAUSIBLE_MASS,
@@ -74,7 +75,7 @@ class Consequence(NamedTuple):
 CONSEQUENCES = (
     # In other units nothing about the run is right.
     Consequence(IMPLAUSIBLE_SIZE.code, ANY),
-    Consequence("ROB066", ANY),  # implausible mesh size
+    Consequence(IMPLAUSIBLE_MESH_SIZE.code, ANY),
     Consequence(IMPLAUSIBLE_MASS.code, (*MOVES, ENGINES_DISAGREE.code)),
     # Nothing touches the ground.
     Consequence(NO_COLLISION.code, _codes(FALLS_WITHOUT_END)),
