@@ -1,4 +1,4 @@
-"""Whatever is wrong with a launch file is one message with file, line and a way out."""
+"""Each mistake in a launch file is one message with file, line and hint."""
 
 from __future__ import annotations
 

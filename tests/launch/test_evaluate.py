@@ -128,8 +128,8 @@ def test_structure_a(robot: InstallSpace) -> None:
         world,
         True,
     )
-    (spawn,), wrong = find_spawns(plan)
-    assert not wrong
+    (spawn,), diagnostics = find_spawns(plan)
+    assert not diagnostics
     assert spawn.pose_in_world.xyz == (0.0, 0.0, 1.0)
 
 
@@ -145,8 +145,8 @@ def test_the_tutorials_launch_file(tmp_path: Path) -> None:
     simulator, _ = find_simulator(plan)
     assert simulator is not None
     assert simulator.world == str(share / "model" / "empty_world.world")
-    (spawn,), wrong = find_spawns(plan)
-    assert not wrong
+    (spawn,), diagnostics = find_spawns(plan)
+    assert not diagnostics
     assert spawn.entity == "simple_robot"
     assert '<cylinder length="0.5" radius="0.4"/>' in spawn.description
     assert spawn.pose_in_world.xyz == (0.0, 0.0, 0.0)
@@ -327,8 +327,8 @@ def test_the_plan_knows_the_file_of_a_description(robot: InstallSpace, text: str
             return document.toxml()
         """,
     )
-    (spawn,), wrong = find_spawns(plan)
-    assert not wrong
+    (spawn,), diagnostics = find_spawns(plan)
+    assert not diagnostics
     assert spawn.description_file == file
     assert (plan.seconds_in_xacro > 0.0) == ("xacro" in text or "processed" in text)
 

@@ -251,7 +251,7 @@ def test_typographic_characters(space: InstallSpace, text: str, change: str) -> 
 
 
 @pytest.mark.parametrize(
-    ("action", "told"),
+    ("action", "reported"),
     [
         (
             "Node(package='a', executable='b',\narguments=['-z',\n0.255])",
@@ -285,9 +285,9 @@ def test_typographic_characters(space: InstallSpace, text: str, change: str) -> 
     ],
 )
 def test_value_of_the_wrong_type(
-    space: InstallSpace, action: str, told: tuple[str, str, int]
+    space: InstallSpace, action: str, reported: tuple[str, str, int]
 ) -> None:
-    message, hint, lines = told
+    message, hint, lines = reported
     plan = space.play(action)
     text = only_message(plan, "LCH010")
     assert message in text

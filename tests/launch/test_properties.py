@@ -1,4 +1,4 @@
-"""What is true of all launch files, tried on files that nobody thought of."""
+"""What holds for all launch files, with generated ones."""
 
 from __future__ import annotations
 

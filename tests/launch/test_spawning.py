@@ -1,4 +1,4 @@
-"""Simulators and robots are read from plans; what is wrong with a spawner is a diagnostic."""
+"""Simulators and robots are read from plans; mistakes of spawners are diagnostics."""
 
 from __future__ import annotations
 
@@ -46,8 +46,8 @@ def create(*arguments: str, **keywords: Any) -> Process:
 
 
 def only_spawn(*processes: Process) -> Spawn:
-    (spawn,), wrong = find_spawns(plan(*processes))
-    assert not wrong
+    (spawn,), diagnostics = find_spawns(plan(*processes))
+    assert not diagnostics
     return spawn
 
 
@@ -116,8 +116,8 @@ def generate_launch_description():
     file = space.add("my_robot", {"launch/r.launch.py": text}) / "launch/r.launch.py"
     evaluated = space.evaluate(file)
     assert evaluated.diagnostics == ()
-    (spawn,), wrong = find_spawns(evaluated)
-    assert not wrong
+    (spawn,), diagnostics = find_spawns(evaluated)
+    assert not diagnostics
     assert spawn.height == SpawnHeight(
         file=file,
         line=text[: text.index("spawn_entity")].count("\n") + 1,
@@ -143,8 +143,8 @@ def test_namespaces() -> None:
         spawner("-topic", "/b/robot_description", "-entity", "b"),
         spawner("-topic", "robot_description", "-entity", "a", namespace="/a"),
     )
-    spawns, wrong = find_spawns(plans)
-    assert not wrong
+    spawns, diagnostics = find_spawns(plans)
+    assert not diagnostics
     assert [(spawn.entity, spawn.description) for spawn in spawns] == [
         ("b", "<robot name='b'/>"),
         ("a", "<robot name='a'/>"),
@@ -300,8 +300,8 @@ def include(name: str, package: str = "gazebo_ros", **values: str) -> LaunchPlan
     ],
 )
 def test_simulator(started: LaunchPlan, simulator: tuple[str, str | None, bool]) -> None:
-    found, wrong = find_simulator(started)
-    assert not wrong
+    found, diagnostics = find_simulator(started)
+    assert not diagnostics
     assert found is not None
     assert (found.kind, found.world, found.is_headless) == simulator
 

@@ -232,8 +232,8 @@ def test_the_actions_of_gazebo(space: InstallSpace) -> None:
     simulator, _ = find_simulator(plan)
     assert simulator is not None
     assert (simulator.kind, simulator.world) == ("gz", "/w/a.sdf")
-    (spawn,), wrong = find_spawns(plan)
-    assert not wrong
+    (spawn,), diagnostics = find_spawns(plan)
+    assert not diagnostics
     assert (spawn.entity, spawn.pose_in_world.xyz) == ("r", (1.5, 0.0, 0.0))
     assert spawn.pose_in_world.rpy == (0.0, 0.0, 0.5)
 
@@ -275,8 +275,8 @@ def test_an_included_spawner_of_gazebo(space: InstallSpace) -> None:
         "'/launch/gz_spawn_model.launch.py'], launch_arguments={'model_string': "
         "'<robot name=\"r\"/>', 'entity_name': 'r', 'z': '2'}.items())"
     )
-    (spawn,), wrong = find_spawns(plan)
-    assert not wrong
+    (spawn,), diagnostics = find_spawns(plan)
+    assert not diagnostics
     assert (spawn.entity, spawn.pose_in_world.xyz[2]) == ("r", 2.0)
     assert spawn.description.startswith("<robot")
 

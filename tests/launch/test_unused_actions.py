@@ -53,15 +53,15 @@ def test_action_that_is_not_added(space: InstallSpace, name: str, code: str) -> 
 
 
 @pytest.mark.parametrize(
-    "loose",
+    "unused",
     [
         "IncludeLaunchDescription([FindPackageShare('my_robot'), '/launch/rviz.launch.py'])",
         "Node(package='rviz2', executable='rviz2')",
         "Node(package='my_robot', executable=LaunchConfiguration('program'))",
     ],
 )
-def test_a_loose_action_for_another_thing_is_not_blamed(space: InstallSpace, loose: str) -> None:
-    text = f"{HEAD}\ndef generate_launch_description():\n    other = {loose}\n"
+def test_an_unused_action_for_another_thing_is_not_blamed(space: InstallSpace, unused: str) -> None:
+    text = f"{HEAD}\ndef generate_launch_description():\n    other = {unused}\n"
     text += "    return LaunchDescription()\n"
     share = space.add("my_robot", {"launch/test.launch.py": text})
     plan = space.evaluate(share / "launch" / "test.launch.py")

@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.plan import Include, LaunchArgument, Process
 
-if TYPE_CHECKING:
     Location = tuple[str, int]  # file, 1-based line
     CommandRunner = Callable[[Sequence[str]], "CommandOutcome"]
 
