@@ -9,9 +9,10 @@ from pathlib import Path
 import cmake as cmake_wheel
 import pytest
 
+from golden_support import CASES, golden_package
+
 pytestmark = pytest.mark.slow
 
-GOLDENS = Path(__file__).parent / "golden"
 # Ubuntu 22.04, Ubuntu 24.04, the last before 4, the newest that wsgen's dependencies bring.
 VERSIONS = ("3.22.6", "3.28.4", "3.31.6", "newest")
 
@@ -31,22 +32,20 @@ def cmake(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
 
 def test_no_warning(cmake: Path, tmp_path: Path) -> None:
     # Most goldens have one and the same.
-    files = {file.read_text(): file for file in sorted(GOLDENS.rglob("CMakeLists.txt"))}
-    packages = [file.parent for file in files.values()]
-    assert packages
+    cases = {(golden_package(case) / "CMakeLists.txt").read_text(): case for case in CASES}
     environment = {
         **os.environ,
         "VIRTUAL_ENV": sys.prefix,
         "CMAKE_PREFIX_PATH": sys.prefix,
     }
-    for package in packages:
+    for case in cases.values():
         run = subprocess.run(
             [
                 cmake,
                 "-S",
-                package,
+                golden_package(case),
                 "-B",
-                tmp_path / package.parents[2].name,
+                tmp_path / case,
                 "--warn-uninitialized",
                 "-Wdev",
                 "-Wdeprecated",

@@ -2,14 +2,31 @@ from pathlib import Path
 
 import pytest
 
-from golden_support import CASES, EXAMPLES, GOLDENS, WORKSPACE, arguments, compare_trees, generate
+from golden_support import (
+    CASES,
+    EXAMPLES,
+    GOLDENS,
+    PACKAGE,
+    WORKSPACE,
+    arguments,
+    compare_golden,
+    compare_trees,
+    generate,
+    golden_package,
+    read_tree,
+)
 
 
 @pytest.mark.parametrize("case", CASES)
 def test_golden(case: str, tmp_path: Path, regenerate: bool) -> None:
-    workspace = generate(tmp_path, *arguments(*CASES[case]))
-    compare_trees(workspace, GOLDENS / case / WORKSPACE, regenerate=regenerate)
+    compare_golden(case, tmp_path, regenerate=regenerate)
     assert (GOLDENS / case / "COLCON_IGNORE").exists()
+
+
+@pytest.mark.parametrize("case", ["simple-humble-classic", "arm-rolling-gz"])
+def test_a_golden_of_differences_is_completed(case: str, tmp_path: Path) -> None:
+    workspace = generate(tmp_path, *arguments(*CASES[case]))
+    assert read_tree(golden_package(case)) == read_tree(workspace / "src" / PACKAGE)
 
 
 def test_every_golden_has_a_case() -> None:
