@@ -89,7 +89,7 @@ def plain_colcon(
     program: tuple[str | Path, ...] = (COLCON,),
     warning: str = "",
 ) -> str:
-    """Plain `colcon build`; returns what it printed: no complaints but this one."""
+    """Plain `colcon build`; returns what it printed: no warnings but this one."""
     run = subprocess.run(
         [*program, "build", *arguments],
         cwd=root,
@@ -99,8 +99,8 @@ def plain_colcon(
         check=False,
     )
     assert run.returncode == 0, run.stdout + run.stderr
-    complaints = run.stderr.splitlines()
-    assert len(complaints) == bool(warning), run.stderr
+    warnings = run.stderr.splitlines()
+    assert len(warnings) == bool(warning), run.stderr
     assert warning in run.stderr
     return run.stdout
 

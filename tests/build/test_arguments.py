@@ -55,7 +55,7 @@ def test_colcon_is_silent(blocked: tuple[str, ...], silenced: list[str]) -> None
     assert arguments == ["build", "--event-handlers", *silenced]
 
 
-def test_colcon_cannot_be_told_about_what_is_blocked() -> None:
+def test_colcon_gets_no_option_for_what_is_blocked() -> None:
     arguments = build_arguments([], [], without_tests=False, blocked=("colcon_core.event_handler",))
     assert arguments == ["build"]
 

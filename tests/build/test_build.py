@@ -140,10 +140,10 @@ def test_a_copy_of_a_workspace_is_not_built_in_the_original(tmp_path: Path) -> N
     copy = Path(shutil.copytree(tmp_path / "ws", tmp_path / "the copy"))
     result = build_here(copy)
     assert not result.succeeded
-    (finding,) = result.diagnostics
-    assert finding.code == "BLD025"
-    assert f"{tmp_path}/ws/build/demo" in finding.message
-    assert f"rm -rf '{copy}/build' '{copy}/install' '{copy}/log'" in (finding.hint or "")
+    (diagnostic,) = result.diagnostics
+    assert diagnostic.code == "BLD025"
+    assert f"{tmp_path}/ws/build/demo" in diagnostic.message
+    assert f"rm -rf '{copy}/build' '{copy}/install' '{copy}/log'" in (diagnostic.hint or "")
     assert build_here(copy, colcon_arguments=("--build-base", "build2")).succeeded
     link = tmp_path / "link"
     link.symlink_to(tmp_path / "ws")
@@ -157,8 +157,8 @@ def test_a_package_that_was_moved_in_the_workspace(tmp_path: Path) -> None:
     moved = package.rename(tmp_path / "src" / "robots" / "demo")
     result = build_here(tmp_path)
     assert not result.succeeded
-    (finding,) = result.diagnostics
-    assert (finding.code, finding.file) == ("BLD026", moved)
+    (diagnostic,) = result.diagnostics
+    assert (diagnostic.code, diagnostic.file) == ("BLD026", moved)
 
 
 def test_folders_with_spaces_and_letters_of_all_kinds(tmp_path: Path) -> None:
@@ -190,10 +190,10 @@ def test_missing_linters_do_not_stop_the_build(tmp_path: Path) -> None:
 def test_who_asks_for_tests_gets_them(tmp_path: Path) -> None:
     write_package(tmp_path, cmake=LINTED)
     result = build_here(tmp_path, colcon_arguments=("--cmake-args", "-DBUILD_TESTING=ON"))
-    assert [finding.code for finding in result.diagnostics] == ["BLD008"]
+    assert [diagnostic.code for diagnostic in result.diagnostics] == ["BLD008"]
 
 
-def test_a_deprecated_minimum_is_told_once(tmp_path: Path) -> None:
+def test_a_deprecated_minimum_is_reported_once(tmp_path: Path) -> None:
     """As `ros2 pkg create` of Humble to Jazzy writes it."""
     old = CMAKE.replace("VERSION 3.20", "VERSION 3.8") + 'message(WARNING "mine")\n'
     folders = [write_package(tmp_path, name, cmake=old) for name in ("one", "two")]

@@ -118,9 +118,9 @@ CMAKE_CASES = {
 
 def only(result: BuildResult) -> Diagnostic:
     assert not result.succeeded
-    (finding,) = result.diagnostics
-    assert finding.severity is Severity.ERROR
-    return finding
+    (diagnostic,) = result.diagnostics
+    assert diagnostic.severity is Severity.ERROR
+    return diagnostic
 
 
 @pytest.mark.parametrize("case", CMAKE_CASES)
@@ -129,11 +129,11 @@ def test_cmake_file(case: str, tmp_path: Path) -> None:
     file = write_package(tmp_path, cmake=cmake) / "CMakeLists.txt"
     events: list[Event] = []
     result = build_here(tmp_path, events=events)
-    finding = only(result)
-    assert (finding.code, finding.line) == (code, line)
-    assert finding.file == (file.parent if line is None else file)
-    assert message in finding.message
-    assert hint in (finding.hint or "")
+    diagnostic = only(result)
+    assert (diagnostic.code, diagnostic.line) == (code, line)
+    assert diagnostic.file == (file.parent if line is None else file)
+    assert message in diagnostic.message
+    assert hint in (diagnostic.hint or "")
     # What the programs said is there once, as events and in the result.
     said = [
         event.text for event in events if isinstance(event, OutputLine) and event.is_error_stream
@@ -145,32 +145,32 @@ def test_a_folder_that_git_did_not_keep(tmp_path: Path) -> None:
     package = write_package(tmp_path)
     (package / "launch" / "demo.launch.py").unlink()
     (package / "launch").rmdir()
-    finding = only(build_here(tmp_path))
-    assert (finding.code, finding.line) == ("BLD003", 5)
-    assert "Git does not keep empty folders" in (finding.hint or "")
+    diagnostic = only(build_here(tmp_path))
+    assert (diagnostic.code, diagnostic.line) == ("BLD003", 5)
+    assert "Git does not keep empty folders" in (diagnostic.hint or "")
 
 
 def test_no_cmake_file(tmp_path: Path) -> None:
     (write_package(tmp_path) / "CMakeLists.txt").unlink()
-    finding = only(build_here(tmp_path))
-    assert (finding.code, finding.file) == ("BLD021", tmp_path / "src" / "demo")
+    diagnostic = only(build_here(tmp_path))
+    assert (diagnostic.code, diagnostic.file) == ("BLD021", tmp_path / "src" / "demo")
 
 
 def test_no_package_xml(tmp_path: Path) -> None:
     (write_package(tmp_path) / "package.xml").unlink()
-    finding = only(build_here(tmp_path))
-    assert (finding.code, finding.file) == ("PKG010", tmp_path / "src" / "demo")
+    diagnostic = only(build_here(tmp_path))
+    assert (diagnostic.code, diagnostic.file) == ("PKG010", tmp_path / "src" / "demo")
 
 
 def test_apt_is_advised_where_a_ros_is_sourced(tmp_path: Path) -> None:
     write_package(
         tmp_path, cmake=CMAKE.replace("install(", "find_package(my_msgs REQUIRED)\ninstall(")
     )
-    finding = only(build_here(tmp_path, environment={**outside(), "ROS_DISTRO": "iron"}))
-    assert "ros-iron-my-msgs" in (finding.hint or "")
+    diagnostic = only(build_here(tmp_path, environment={**outside(), "ROS_DISTRO": "iron"}))
+    assert "ros-iron-my-msgs" in (diagnostic.hint or "")
 
 
-def test_output_is_told_again_where_it_is_not_explained(tmp_path: Path) -> None:
+def test_output_is_shown_again_where_it_is_not_explained(tmp_path: Path) -> None:
     file = write_package(tmp_path, cmake=CMAKE + "message(WARNING odd)\n") / "CMakeLists.txt"
     assert "  odd" in build_here(tmp_path).unexplained_output
     file.write_text(CMAKE + "message(WARNING odd)\nmessage(FATAL_ERROR no)\n")
@@ -191,8 +191,8 @@ def test_the_traceback_about_a_manifest_is_not_told_again(tmp_path: Path) -> Non
 
 def test_without_ament_package_ros_finds_nothing(tmp_path: Path) -> None:
     file = write_package(tmp_path, cmake=CMAKE.replace("ament_package()\n", "")) / "CMakeLists.txt"
-    finding = only(build_here(tmp_path))
-    assert (finding.code, finding.file) == ("BLD010", file)
+    diagnostic = only(build_here(tmp_path))
+    assert (diagnostic.code, diagnostic.file) == ("BLD010", file)
 
 
 def test_an_ament_package_that_was_removed_later(tmp_path: Path) -> None:
@@ -214,9 +214,13 @@ def test_a_build_type_that_colcon_does_not_know(
         tmp_path, package_xml=PACKAGE_XML.replace("ament_cmake</b", f"{build_type}</b")
     )
     write_package(tmp_path, "other")
-    finding = only(build_here(tmp_path, *requested))
-    assert (finding.code, finding.file, finding.line) == ("PKG008", package / "package.xml", 9)
-    assert hint in (finding.hint or "")
+    diagnostic = only(build_here(tmp_path, *requested))
+    assert (diagnostic.code, diagnostic.file, diagnostic.line) == (
+        "PKG008",
+        package / "package.xml",
+        9,
+    )
+    assert hint in (diagnostic.hint or "")
 
 
 @pytest.mark.parametrize(
@@ -233,9 +237,13 @@ def test_no_build_type(
     given = "<export><build_type>ament_cmake</build_type></export>"
     text = PACKAGE_XML.replace(given, export)
     package = write_package(tmp_path, package_xml=text, cmake=cmake)
-    finding = only(build_here(tmp_path))
-    assert (finding.code, finding.file, finding.line) == ("PKG009", package / "package.xml", line)
-    assert finding.hint == hint
+    diagnostic = only(build_here(tmp_path))
+    assert (diagnostic.code, diagnostic.file, diagnostic.line) == (
+        "PKG009",
+        package / "package.xml",
+        line,
+    )
+    assert diagnostic.hint == hint
 
 
 def test_a_package_of_plain_cmake_has_no_build_type_to_give(tmp_path: Path) -> None:
@@ -249,8 +257,12 @@ def test_a_package_that_is_asked_for_and_skipped(tmp_path: Path) -> None:
     package = write_package(tmp_path)
     write_package(tmp_path, "other")
     (tmp_path / "colcon_defaults.yaml").write_text("build: {packages-skip: [demo]}\n")
-    finding = only(build_here(tmp_path, "demo"))
-    assert (finding.code, finding.file, finding.line) == ("BLD023", package / "package.xml", 3)
+    diagnostic = only(build_here(tmp_path, "demo"))
+    assert (diagnostic.code, diagnostic.file, diagnostic.line) == (
+        "BLD023",
+        package / "package.xml",
+        3,
+    )
     assert build_here(tmp_path).succeeded
 
 
@@ -289,10 +301,10 @@ def test_package_xml(case: str, cmake: str, tmp_path: Path) -> None:
     (package / "package.xml").write_text(text)
     result = build_here(tmp_path)
     assert not result.succeeded
-    finding = result.diagnostics[0]
+    diagnostic = result.diagnostics[0]
     assert {found.code for found in result.diagnostics} == {code}
-    assert (finding.file, finding.line) == (package / "package.xml", line)
-    assert message in finding.message
+    assert (diagnostic.file, diagnostic.line) == (package / "package.xml", line)
+    assert message in diagnostic.message
 
 
 def test_package_xml_in_another_encoding(tmp_path: Path) -> None:
@@ -301,9 +313,9 @@ def test_package_xml_in_another_encoding(tmp_path: Path) -> None:
     for encoding, line in (("utf-16", 1), ("iso-8859-1", 5)):
         declared = text.replace('"1.0"?', f'"1.0" encoding="{encoding}"?')
         (package / "package.xml").write_bytes(declared.encode(encoding))
-        finding = only(build_here(tmp_path))
-        assert (finding.code, finding.line) == ("PKG002", line)
-        assert "not UTF-8" in finding.message
+        diagnostic = only(build_here(tmp_path))
+        assert (diagnostic.code, diagnostic.line) == ("PKG002", line)
+        assert "not UTF-8" in diagnostic.message
 
 
 def test_a_misspelt_element_of_package_xml(tmp_path: Path) -> None:
@@ -324,19 +336,19 @@ def test_two_packages_of_one_name(tmp_path: Path) -> None:
     write_package(tmp_path)
     second = write_package(tmp_path, "copy")
     (second / "package.xml").write_text(PACKAGE_XML)
-    finding = only(build_here(tmp_path))
-    assert (finding.code, finding.element) == ("PKG007", "demo")
-    assert "src/copy" in finding.message
-    assert "src/demo" in finding.message
+    diagnostic = only(build_here(tmp_path))
+    assert (diagnostic.code, diagnostic.element) == ("PKG007", "demo")
+    assert "src/copy" in diagnostic.message
+    assert "src/demo" in diagnostic.message
 
 
 def test_a_package_of_the_workspace_that_is_not_declared(tmp_path: Path) -> None:
     needs = CMAKE.replace("install(", "find_package(zlast REQUIRED)\ninstall(")
     write_package(tmp_path, cmake=needs)
     write_package(tmp_path, "zlast")
-    finding = only(build_here(tmp_path))
-    assert finding.code == "BLD008"
-    assert "<depend>zlast</depend>" in (finding.hint or "")
+    diagnostic = only(build_here(tmp_path))
+    assert diagnostic.code == "BLD008"
+    assert "<depend>zlast</depend>" in (diagnostic.hint or "")
 
 
 def test_a_dependency_that_was_not_built(tmp_path: Path) -> None:
@@ -344,9 +356,9 @@ def test_a_dependency_that_was_not_built(tmp_path: Path) -> None:
     write_package(tmp_path, package_xml=depends)
     write_package(tmp_path, "base")
     result = build_here(tmp_path, colcon_arguments=("--packages-select", "demo"))
-    finding = result.diagnostics[0]
+    diagnostic = result.diagnostics[0]
     assert not result.succeeded
-    assert (finding.code, finding.hint) == ("BLD019", "Build them first: wsgen build base")
+    assert (diagnostic.code, diagnostic.hint) == ("BLD019", "Build them first: wsgen build base")
 
 
 def test_a_python_without_what_ament_needs(tmp_path: Path) -> None:
@@ -355,10 +367,10 @@ def test_a_python_without_what_ament_needs(tmp_path: Path) -> None:
     result = build_here(
         tmp_path, colcon_arguments=("--cmake-args", f"-DPython3_EXECUTABLE={python}")
     )
-    finding = only(result)
-    assert finding.code == "BLD004"
-    assert str(python) in finding.message
-    assert str(tmp_path / "build" / "demo") in (finding.hint or "")
+    diagnostic = only(result)
+    assert diagnostic.code == "BLD004"
+    assert str(python) in diagnostic.message
+    assert str(tmp_path / "build" / "demo") in (diagnostic.hint or "")
 
 
 def link_python(folder: Path) -> Path:
@@ -385,31 +397,31 @@ def test_empy_4(tmp_path: Path) -> None:
     modules = tmp_path / "modules"
     modules.mkdir()
     (modules / "em.py").write_text("__version__ = '4.2'\n\nclass Interpreter:\n    pass\n")
-    finding = only(build_here(tmp_path, environment={**outside(), "PYTHONPATH": str(modules)}))
-    assert finding.code == "BLD005"
-    assert "empy>=3.3.4,<4" in (finding.hint or "")
+    diagnostic = only(build_here(tmp_path, environment={**outside(), "PYTHONPATH": str(modules)}))
+    assert diagnostic.code == "BLD005"
+    assert "empy>=3.3.4,<4" in (diagnostic.hint or "")
 
 
 def test_no_compiler(tmp_path: Path) -> None:
     write_package(tmp_path, cmake=CMAKE.replace("demo LANGUAGES NONE", "demo "))
     path = link_programs(tmp_path / "programs", *SHELL_PROGRAMS)
     result = build_here(tmp_path, environment={**outside(), "PATH": str(path)})
-    finding = only(result)
-    assert (finding.code, finding.line) == ("BLD006", 2)
-    assert "LANGUAGES NONE" in (finding.hint or "")
+    diagnostic = only(result)
+    assert (diagnostic.code, diagnostic.line) == ("BLD006", 2)
+    assert "LANGUAGES NONE" in (diagnostic.hint or "")
 
 
 def test_no_program_for_the_generator(tmp_path: Path) -> None:
     write_package(tmp_path)
     path = link_programs(tmp_path / "programs", *SHELL_PROGRAMS)
-    finding = only(
+    diagnostic = only(
         build_here(
             tmp_path,
             colcon_arguments=("--cmake-args", "-G", "Unix Makefiles"),
             environment={**outside(), "PATH": str(path)},
         )
     )
-    assert finding.code == "BLD014"
+    assert diagnostic.code == "BLD014"
 
 
 def test_no_cmake(tmp_path: Path) -> None:
@@ -422,16 +434,16 @@ def test_no_ament_cmake(tmp_path: Path) -> None:
     """CMake is told not to look where it is."""
     write_package(tmp_path)
     arguments = ("--cmake-args", f"-DCMAKE_IGNORE_PREFIX_PATH={sys.prefix}")
-    finding = only(build_here(tmp_path, colcon_arguments=arguments))
-    assert (finding.code, finding.line) == ("BLD002", 3)
+    diagnostic = only(build_here(tmp_path, colcon_arguments=arguments))
+    assert (diagnostic.code, diagnostic.line) == ("BLD002", 3)
 
 
 def test_the_other_install_layout(tmp_path: Path) -> None:
     write_package(tmp_path)
     plain_colcon(tmp_path, outside(), "--merge-install")
-    finding = only(build_here(tmp_path))
-    assert finding.code == "BLD017"
-    assert "--merge-install" in (finding.hint or "")
+    diagnostic = only(build_here(tmp_path))
+    assert diagnostic.code == "BLD017"
+    assert "--merge-install" in (diagnostic.hint or "")
     assert build_here(tmp_path, colcon_arguments=("--merge-install",)).succeeded
 
 
@@ -439,9 +451,9 @@ def test_the_build_folder_of_another_tool(tmp_path: Path) -> None:
     write_package(tmp_path)
     (tmp_path / "build").mkdir()
     (tmp_path / "build" / ".built_by").write_text("catkin_make\n")
-    finding = only(build_here(tmp_path))
-    assert finding.code == "BLD018"
-    assert "catkin_make" in finding.message
+    diagnostic = only(build_here(tmp_path))
+    assert diagnostic.code == "BLD018"
+    assert "catkin_make" in diagnostic.message
 
 
 @pytest.mark.parametrize("folder", ["build", "install", "log"])
@@ -467,13 +479,13 @@ def test_a_file_in_the_place_of_a_folder(folder: str, tmp_path: Path) -> None:
 )
 def test_colcon_fails_for_an_unknown_reason(finished: Finished, words: str) -> None:
     workspace = Workspace(root=Path("/ws"))
-    (finding,) = explain_colcon(finished.output, finished.returncode, workspace)
-    assert finding.code == "BLD020"
-    assert words in finding.message
+    (diagnostic,) = explain_colcon(finished.output, finished.returncode, workspace)
+    assert diagnostic.code == "BLD020"
+    assert words in diagnostic.message
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="only Linux has a full device")
-def test_a_full_disk_is_told_once(tmp_path: Path) -> None:
+def test_a_full_disk_is_reported_once(tmp_path: Path) -> None:
     copy = "COMMAND cp ${CMAKE_CURRENT_SOURCE_DIR}/package.xml /dev/full"
     full = f"execute_process({copy} COMMAND_ERROR_IS_FATAL ANY)\n"
     write_package(tmp_path, cmake=CMAKE + full)

@@ -13,9 +13,9 @@ pytestmark = pytest.mark.slow
 
 def only_warning(result: BuildResult) -> Diagnostic:
     assert result.succeeded
-    (finding,) = result.diagnostics
-    assert (finding.code, finding.severity) == ("BLD024", Severity.WARNING)
-    return finding
+    (diagnostic,) = result.diagnostics
+    assert (diagnostic.code, diagnostic.severity) == ("BLD024", Severity.WARNING)
+    return diagnostic
 
 
 @pytest.fixture
@@ -32,11 +32,11 @@ def rebuild(package: Path, *arguments: str) -> BuildResult:
 
 def test_a_folder_that_is_not_installed_any_more(package: Path) -> None:
     (package / "CMakeLists.txt").write_text(CMAKE.replace("launch model", "launch"))
-    finding = only_warning(rebuild(package))
-    assert "no longer installs: model/robot.xacro." in finding.message
+    diagnostic = only_warning(rebuild(package))
+    assert "no longer installs: model/robot.xacro." in diagnostic.message
     root = package.parents[1]
-    assert f"rm -rf '{root}/install/demo' '{root}/build/demo'" in (finding.hint or "")
-    assert only_warning(rebuild(package)) == finding  # as long as it is there
+    assert f"rm -rf '{root}/install/demo' '{root}/build/demo'" in (diagnostic.hint or "")
+    assert only_warning(rebuild(package)) == diagnostic  # as long as it is there
 
 
 def test_a_file_that_was_renamed(package: Path) -> None:

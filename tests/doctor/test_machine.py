@@ -148,7 +148,7 @@ def test_pictures_are_drawn_or_it_is_said_what_keeps_them_from_it(tmp_path: Path
     assert (found.is_met, found.fix) == (False, "")
 
 
-def test_this_machine_draws_in_a_child_whose_death_is_told(
+def test_this_machine_draws_in_a_child_whose_death_is_reported(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     one = here(os.environ)

@@ -137,15 +137,15 @@ def test_targets(tmp_path: Path, targets: str, names: str) -> None:
         ),
     ],
 )
-def test_what_is_wrong_is_told_with_its_line(
+def test_what_is_wrong_is_reported_with_its_line(
     tmp_path: Path, text: str, line: int | None, message: str | None
 ) -> None:
     folder = write_template(tmp_path, text)
-    _, faults = read_template(folder)
+    _, diagnostics = read_template(folder)
     if message is None:
-        assert not faults
+        assert not diagnostics
         return
-    first = faults[0]
+    first = diagnostics[0]
     assert message in first.message
     assert (first.code, first.file, first.line) == ("TPL002", folder / "template.toml", line)
     assert first.hint
@@ -155,10 +155,10 @@ def test_what_is_wrong_is_told_with_its_line(
     assert str(folder / "template.toml") in caught.value.message
 
 
-def test_all_faults_are_told(tmp_path: Path) -> None:
+def test_all_mistakes_are_reported(tmp_path: Path) -> None:
     folder = write_template(tmp_path, f"{HEAD}color = 1\nabstract = 2\ntargets = 3\n")
-    _, faults = read_template(folder)
-    assert [fault.line for fault in faults] == [4, 6, 5]
+    _, diagnostics = read_template(folder)
+    assert [found.line for found in diagnostics] == [4, 6, 5]
     with pytest.raises(BrokenTemplateError) as caught:
         load(folder)
     assert f"2 more: wsgen templates --check {folder}" in caught.value.hint

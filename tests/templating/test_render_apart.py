@@ -20,10 +20,10 @@ def render(folder: Path) -> tuple[RenderedTree, tuple[Diagnostic, ...]]:
     return render_tree(spec_for(template), template)
 
 
-def only_fault(folder: Path) -> Diagnostic:
-    _, (fault,) = render(folder)
-    assert fault.hint
-    return fault
+def only_diagnostic(folder: Path) -> Diagnostic:
+    _, (found,) = render(folder)
+    assert found.hint
+    return found
 
 
 def test_what_base_brings_and_what_is_written(tmp_path: Path) -> None:
@@ -68,21 +68,21 @@ def test_what_base_brings_and_what_is_written(tmp_path: Path) -> None:
         ("a\n{% for i in range(99999) %}\n{{ 'x' * 100 }}{% endfor %}", None, "is too large"),
     ],
 )
-def test_what_is_wrong_in_a_source_is_told_with_its_line(
+def test_what_is_wrong_in_a_source_is_reported_with_its_line(
     tmp_path: Path, robot: str, line: int | None, message: str
 ) -> None:
-    fault = only_fault(write_template(tmp_path, robot=robot))
-    assert message in fault.message
-    assert (fault.code, fault.element) == ("TPL004", "model/robot.xacro")
-    assert (fault.file, fault.line) == (tmp_path / "robot.xacro.j2", line)
+    found = only_diagnostic(write_template(tmp_path, robot=robot))
+    assert message in found.message
+    assert (found.code, found.element) == ("TPL004", "model/robot.xacro")
+    assert (found.file, found.line) == (tmp_path / "robot.xacro.j2", line)
 
 
 def test_the_line_is_that_of_the_file_that_is_included(tmp_path: Path) -> None:
     folder = write_template(
         tmp_path, robot="\n\n{% include 'part.j2' %}", part__j2="a\n{{ nothing }}"
     )
-    fault = only_fault(folder)
-    assert (fault.file, fault.line) == (tmp_path / "part.j2", 2)
+    found = only_diagnostic(folder)
+    assert (found.file, found.line) == (tmp_path / "part.j2", 2)
 
 
 @pytest.mark.parametrize(
@@ -103,19 +103,22 @@ def test_a_template_without_end_is_ended(
 ) -> None:
     monkeypatch.setattr("wsgen.templating.render_apart.SPARE_SECONDS", 0.7)
     template = load(write_template(tmp_path, robot=robot))
-    tree, faults = render_tree_apart(spec_for(template), template, seconds=0.3)
-    told = [f"{fault.file}:{fault.line}: {fault.message}" for fault in faults]
+    tree, diagnostics = render_tree_apart(spec_for(template), template, seconds=0.3)
+    told = [f"{found.file}:{found.line}: {found.message}" for found in diagnostics]
     assert any(words in one for one in told), told
     assert "model/robot.xacro" not in tree
 
 
-def test_every_fault_comes_back_from_the_child(tmp_path: Path) -> None:
+def test_every_diagnostic_comes_back_from_the_child(tmp_path: Path) -> None:
     text = f'{HEAD}{FILES}"README.md" = "readme.j2"\n'
     folder = write_template(tmp_path, text, robot="{{ one }}", readme__j2="\n{{ two }}")
     template = load(folder)
-    _, faults = render_tree_apart(spec_for(template), template)
-    assert faults == render(folder)[1]
-    assert [fault.message for fault in faults] == ["'two' is undefined.", "'one' is undefined."]
+    _, diagnostics = render_tree_apart(spec_for(template), template)
+    assert diagnostics == render(folder)[1]
+    assert [found.message for found in diagnostics] == [
+        "'two' is undefined.",
+        "'one' is undefined.",
+    ]
     with pytest.raises(BrokenTemplateError) as caught:
         render_package_apart(spec_for(template), template)
     assert f"{folder}/readme.j2:2: 'two' is undefined." in caught.value.message
@@ -150,9 +153,9 @@ def test_source_that_is_none(tmp_path: Path, source: str, words: str) -> None:
     (folder / "link.j2").symlink_to(outside / "x.j2")
     (folder / "circle.j2").symlink_to("circle.j2")
     (folder / "linked").symlink_to(outside)
-    fault = only_fault(folder)
-    assert fault.code == "TPL003"
-    assert any(word in fault.message for word in words.split("|")), fault.message
+    found = only_diagnostic(folder)
+    assert found.code == "TPL003"
+    assert any(word in found.message for word in words.split("|")), found.message
 
 
 def test_links_within_the_folder_are_followed(tmp_path: Path) -> None:
@@ -165,9 +168,9 @@ def test_links_within_the_folder_are_followed(tmp_path: Path) -> None:
 def test_source_that_is_no_text(tmp_path: Path) -> None:
     folder = write_template(tmp_path)
     (folder / "robot.xacro.j2").write_bytes(b"\xff\xfe")
-    assert "is not UTF-8 (byte 0)" in only_fault(folder).message
+    assert "is not UTF-8 (byte 0)" in only_diagnostic(folder).message
     (folder / "robot.xacro.j2").write_bytes(b"x" * (MAXIMUM_FILE + 1))
-    assert "is larger than" in only_fault(folder).message
+    assert "is larger than" in only_diagnostic(folder).message
 
 
 @pytest.mark.parametrize(
@@ -181,13 +184,13 @@ def test_source_that_is_no_text(tmp_path: Path) -> None:
     ],
 )
 def test_path_that_cannot_be(tmp_path: Path, files: str, message: str) -> None:
-    fault = only_fault(write_template(tmp_path, f"{HEAD}[files]\n{files}\n"))
-    assert message in fault.message
-    assert (fault.code, fault.file) == ("TPL005", tmp_path / "template.toml")
+    found = only_diagnostic(write_template(tmp_path, f"{HEAD}[files]\n{files}\n"))
+    assert message in found.message
+    assert (found.code, found.file) == ("TPL005", tmp_path / "template.toml")
 
 
 def test_template_that_makes_no_package(tmp_path: Path) -> None:
     folder = write_template(tmp_path, 'schema = 1\ndescription = "x"\n' + FILES)
-    _, faults = render(folder)
-    assert faults[0].message == "The template does not create 'package.xml'."
-    assert 'extends = "base"' in (faults[0].hint or "")
+    _, diagnostics = render(folder)
+    assert diagnostics[0].message == "The template does not create 'package.xml'."
+    assert 'extends = "base"' in (diagnostics[0].hint or "")

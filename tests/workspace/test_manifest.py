@@ -63,7 +63,7 @@ def test_a_folder_in_its_place(tmp_path: Path) -> None:
     assert found.code == "PKG002"
 
 
-def test_a_good_one_has_no_findings(tmp_path: Path) -> None:
+def test_a_good_one_is_accepted(tmp_path: Path) -> None:
     assert check_package_xml(write(tmp_path, PACKAGE_XML)) == ()
 
 
@@ -83,12 +83,12 @@ def test_a_good_one_has_no_findings(tmp_path: Path) -> None:
 def test_what_catkin_pkg_refuses(
     old: str, new: str, line: int | None, words: str, tmp_path: Path
 ) -> None:
-    findings = check_package_xml(write(tmp_path, PACKAGE_XML.replace(old, new)))
-    assert findings
-    assert findings[0].severity is Severity.ERROR
-    assert findings[0].code == "PKG005"
-    assert words in findings[0].message
-    assert findings[0].line == line
+    diagnostics = check_package_xml(write(tmp_path, PACKAGE_XML.replace(old, new)))
+    assert diagnostics
+    assert diagnostics[0].severity is Severity.ERROR
+    assert diagnostics[0].code == "PKG005"
+    assert words in diagnostics[0].message
+    assert diagnostics[0].line == line
 
 
 @pytest.mark.parametrize(
@@ -140,14 +140,18 @@ MAINTAINER = '<maintainer email="somebody@example.com">Somebody</maintainer>'
 )
 def test_the_hint_is_something_to_write(old: str, new: str, hint: str, tmp_path: Path) -> None:
     assert old in PACKAGE_XML
-    finding = check_package_xml(write(tmp_path, PACKAGE_XML.replace(old, new)))[0]
-    assert finding.code == "PKG005"
-    assert (finding.hint or "").startswith(hint)
+    diagnostic = check_package_xml(write(tmp_path, PACKAGE_XML.replace(old, new)))[0]
+    assert diagnostic.code == "PKG005"
+    assert (diagnostic.hint or "").startswith(hint)
 
 
 def test_what_it_dislikes(tmp_path: Path) -> None:
-    (finding,) = check_package_xml(write(tmp_path, PACKAGE_XML.replace(">demo<", ">Demo<")))
-    assert (finding.code, finding.severity, finding.line) == ("PKG006", Severity.WARNING, 3)
+    (diagnostic,) = check_package_xml(write(tmp_path, PACKAGE_XML.replace(">demo<", ">Demo<")))
+    assert (diagnostic.code, diagnostic.severity, diagnostic.line) == (
+        "PKG006",
+        Severity.WARNING,
+        3,
+    )
 
 
 def test_listing_packages_does_not_load_catkin_pkg() -> None:

@@ -31,7 +31,7 @@ def test_what_is_allowed(tmp_path: Path) -> None:
         b'[validate]\nalow = ["massless-root"]\n',
     ],
 )
-def test_a_file_that_cannot_be_used_is_a_finding(tmp_path: Path, content: bytes) -> None:
+def test_a_file_that_cannot_be_used_is_reported(tmp_path: Path, content: bytes) -> None:
     (tmp_path / "wsgen.toml").write_bytes(content)
     settings, diagnostics = read_settings(tmp_path)
     assert settings.allow == ()
