@@ -24,7 +24,7 @@ class Diagnostic:
     """One place in the user's files, or one thing that the robot does, that a rule is about."""
 
     code: str  # of the rule; stable and never reused
-    name: str = ""  # of the rule
+    name: str  # of the rule
     severity: Severity
     message: str
     file: Path | None = None

@@ -135,7 +135,11 @@ def test_both_engines_must_pass_a_robot() -> None:
 
 
 NOTHING_TO_TOUCH = Diagnostic(
-    code="ROB053", severity=Severity.WARNING, message="No link has a <collision>.", line=2
+    name="some-rule",
+    code="ROB053",
+    severity=Severity.WARNING,
+    message="No link has a <collision>.",
+    line=2,
 )
 FALLS = {"lowest_point_at_end": -44.0, "settled_after": None}
 
@@ -163,7 +167,9 @@ def test_a_consequence_is_told_with_its_cause_of_the_same_robot(engines: tuple[s
     outcome = simulate_robots(WORLD, robots, request, "name", run=Falling("a", "b"))
     assert [robot.passed for robot in outcome.robots] == [False, False]
     assert [(found.code, found.element) for found in outcome.diagnostics] == [("SPN056", "b")]
-    before = Diagnostic(code="ROB051", severity=Severity.WARNING, message="Something else.")
+    before = Diagnostic(
+        name="some-rule", code="ROB051", severity=Severity.WARNING, message="Something else."
+    )
     first, cause, other = outcome.diagnostics_after([before, NOTHING_TO_TOUCH])
     assert (first, other.code) == (before, "SPN056")
     assert (cause.code, cause.severity, cause.line) == ("ROB053", Severity.ERROR, 2)

@@ -27,7 +27,9 @@ def share(source: Path, tmp_path: Path) -> Path:
 
 
 def diagnostic(file: Path | None) -> Diagnostic:
-    return Diagnostic(code="ROB050", severity=Severity.WARNING, message="m", file=file, line=3)
+    return Diagnostic(
+        name="some-rule", code="ROB050", severity=Severity.WARNING, message="m", file=file, line=3
+    )
 
 
 def test_the_file_that_a_person_edits_is_named(share: Path, source: Path) -> None:

@@ -42,7 +42,7 @@ ROBOT = RobotOutcome(
     ),
 )
 DIAGNOSTIC = Diagnostic(
-    code="SPN053", severity=Severity.WARNING, message="m", file=Path("f"), line=3
+    name="some-rule", code="SPN053", severity=Severity.WARNING, message="m", file=Path("f"), line=3
 )
 
 
@@ -212,7 +212,7 @@ def test_no_robot_is_no_pass() -> None:
 
 
 def test_an_error_is_no_pass() -> None:
-    error = Diagnostic(code="SPN052", severity=Severity.ERROR, message="m")
+    error = Diagnostic(name="some-rule", code="SPN052", severity=Severity.ERROR, message="m")
     document = json.loads(render_outcome(outcome(diagnostics=(error,))))
     assert document["packages"][0]["passed"] is False
 

@@ -32,7 +32,9 @@ FULL = LaunchPlan(
     includes=(Include(package="q", file=Path("/q.launch.py"), arguments={"a": "b"}),),
     environment={"A": "1"},
     unresolved=(Unresolved(what="date", why="not executed", file=Path("/w/r.launch.py"), line=9),),
-    diagnostics=(Diagnostic(code="LCH019", severity=Severity.WARNING, message="m"),),
+    diagnostics=(
+        Diagnostic(name="some-rule", code="LCH019", severity=Severity.WARNING, message="m"),
+    ),
 )
 
 

@@ -12,7 +12,9 @@ ERROR, WARNING, INFO = Severity
 
 
 def about(code: str, severity: Severity = WARNING, element: str = "robot") -> Diagnostic:
-    return Diagnostic(code=code, severity=severity, message=f"About {code}.", element=element)
+    return Diagnostic(
+        name="some-rule", code=code, severity=severity, message=f"About {code}.", element=element
+    )
 
 
 def folded(*prepared: Diagnostic, run: Diagnostic) -> bool:
@@ -28,7 +30,9 @@ def test_the_cause_takes_over_severity_and_message() -> None:
 
 
 def test_a_consequence_that_names_its_engine_is_not_put_into_another_sentence() -> None:
-    falls = Diagnostic(code="SPN056", severity=ERROR, message="In DART: The robot falls.")
+    falls = Diagnostic(
+        name="some-rule", code="SPN056", severity=ERROR, message="In DART: The robot falls."
+    )
     (cause,), _ = fold_consequences([about("ROB053")], [falls])
     assert cause.message == "About ROB053. In DART: The robot falls."
 

@@ -261,7 +261,7 @@ def test_a_robot_of_urdf(tmp_path: Path, models: Path) -> None:
         + "</sdf>"
     )
     asked = []
-    finding = Diagnostic(code="ROB016", severity=Severity.WARNING, message="?")
+    finding = Diagnostic(name="some-rule", code="ROB016", severity=Severity.WARNING, message="?")
 
     def read_robot(urdf: Path) -> tuple[Robot, tuple[Diagnostic, ...]]:
         asked.append(urdf)

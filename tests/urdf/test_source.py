@@ -42,6 +42,7 @@ def model(tmp_path: Path) -> Path:
 
 def place(element: str | None, file: Path | None, text: str = "<expanded/>") -> Diagnostic:
     found = Diagnostic(
+        name="some-rule",
         code="ROB050",
         severity=Severity.WARNING,
         message="m",

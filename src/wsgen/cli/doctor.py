@@ -90,9 +90,7 @@ def _render(report: DoctorReport, *, quiet: bool) -> Iterator[str]:
         yield f"  {in_container(report.apt)}"
     yield ""
     result = (
-        "wsgen has all it needs."
-        if report.passed
-        else "Fix the errors above before using wsgen."
+        "wsgen has all it needs." if report.passed else "Fix the errors above before using wsgen."
     )
     yield click.style(result, bold=True)
 

@@ -11,7 +11,7 @@ import click
 from wsgen.cli.terminal import Branch, draw_table, draw_tree
 from wsgen.cli.words import short_path
 from wsgen.diagnostics import Severity
-from wsgen.rules._remaining import REMAINING
+from wsgen.rules.runs import TIPS_OVER, UNACTUATED_JOINTS_MOVE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
 COLORS = {Severity.ERROR: "red", Severity.WARNING: "yellow", Severity.INFO: "blue"}
 ORDER = tuple(COLORS)
-NAMES = {code: name for code, name, _ in REMAINING}
 
 
 def render_diagnostics(
@@ -39,7 +38,7 @@ def render_diagnostics(
     lines: list[str] = []
     alike: Counter[str] = Counter()
     for diagnostic in sorted(diagnostics, key=lambda one: ORDER.index(one.severity)):
-        name = diagnostic.name or NAMES[diagnostic.code]
+        name = diagnostic.name
         if diagnostic.severity is not Severity.ERROR:
             alike[name] += 1
             if most_alike is not None and alike[name] > most_alike:
@@ -75,7 +74,6 @@ def _place(diagnostic: Diagnostic) -> str:
 # Lengths in meters.
 HEADINGS = ("robot", "mass, kg", "movable", "spawned at, m", "at the end, m", "result")
 
-TIPS_OVER, PASSIVE = "SPN059", "SPN060"
 MOST_ALIKE = 3  # warnings of one code that are shown without --verbose
 
 
@@ -177,10 +175,10 @@ def _result(robot: RobotOutcome, package: PackageOutcome) -> str:
     if not robot.passed:
         return "fails" if robot.rest else "not simulated"
     codes = {one.code for one in package.diagnostics if one.element == robot.entity}
-    if TIPS_OVER in codes:
+    if TIPS_OVER.code in codes:
         return "tips over"
     settled = None if robot.rest is None else robot.rest.settled_after
-    if PASSIVE in codes:
+    if UNACTUATED_JOINTS_MOVE.code in codes:
         end = "did not settle" if settled is None else f"settled after {settled:.1f} s"
         return f"{end}, unactuated joints"
     return "did not settle" if settled is None else f"stands after {settled:.1f} s"

@@ -7,8 +7,7 @@ import importlib
 import sys
 from typing import TYPE_CHECKING
 
-from wsgen.diagnostics import Rule, Severity
-from wsgen.rules._remaining import REMAINING
+from wsgen.diagnostics import Rule
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -31,7 +30,6 @@ MODULES = (
     "wsgen.build.installed",
     "wsgen.build.run",
     "wsgen.build.sources",
-    "wsgen.cli.output",
     "wsgen.description_rules",
     "wsgen.launch.evaluate",
     "wsgen.launch.explain",
@@ -48,11 +46,8 @@ MODULES = (
     "wsgen.pipeline.run_robots",
     "wsgen.pipeline.selection",
     "wsgen.pipeline.template_check",
-    "wsgen.pipeline.validate",
     "wsgen.rules.allowances",
     "wsgen.rules.behaviors",
-    "wsgen.rules.causes",
-    "wsgen.rules.check",
     "wsgen.rules.robots",
     "wsgen.rules.runs",
     "wsgen.rules.scenes",
@@ -65,52 +60,31 @@ MODULES = (
     "wsgen.sdf.reader",
     "wsgen.sdf.shapes",
     "wsgen.sdf.source",
-    "wsgen.sdf.unknown_elements",
-    "wsgen.sdf.values",
     "wsgen.simulation.run",
     "wsgen.templating.manifest",
     "wsgen.templating.render",
-    "wsgen.templating.render_apart",
     "wsgen.urdf.gazebo",
     "wsgen.urdf.joints",
     "wsgen.urdf.links",
     "wsgen.urdf.lumping",
     "wsgen.urdf.reader",
     "wsgen.urdf.structure",
-    "wsgen.urdf.unknown_elements",
-    "wsgen.urdf.values",
     "wsgen.workspace.behaviors",
     "wsgen.workspace.manifest",
     "wsgen.workspace.package_xml",
-    "wsgen.workspace.settings",
     "wsgen.xacro.reader",
-    "wsgen.xacro.source",
 )
 
 
 @functools.cache
 def all_rules() -> tuple[Rule, ...]:
     """Every rule, by family and code."""
-    found = [rule for module in MODULES for rule in _rules_in(module)]
-    known = {rule.code for rule in found} | {rule.name for rule in found}
-    return collect([*found, *(_remaining(*one) for one in REMAINING if not {*one[:2]} & known)])
+    return collect(rule for module in MODULES for rule in _rules_in(module))
 
 
 def _rules_in(module: str) -> list[Rule]:
     names = vars(importlib.import_module(module)).values()
     return [value for value in names if isinstance(value, Rule)]
-
-
-def _remaining(code: str, name: str, summary: str) -> Rule:
-    return Rule(
-        code=code,
-        name=name,
-        severity=Severity.ERROR,
-        summary=summary,
-        why="",
-        example="",
-        instead="",
-    )
 
 
 def collect(found: Iterable[Rule]) -> tuple[Rule, ...]:
