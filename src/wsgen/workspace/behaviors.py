@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.model.behavior import Behavior, Drive, Reach
 from wsgen.tomlfile import find_line
 
@@ -13,26 +12,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
     from pathlib import Path
 
+    from wsgen.diagnostics import Diagnostic, Rule
 
-INVALID_SETTINGS = Rule(
-    code="PKG060",
-    name="invalid-settings",
-    severity=Severity.ERROR,
-    severity_varies="a warning for a mistake in `[validate]`",
-    summary="`wsgen.toml` is not TOML, or a key or value in it is invalid.",
-    why="`wsgen` ignores an entry that it cannot use: a rule is not allowed, or a behavior is not "
-    "checked.",
-    example="""[[behavior]]
-name = "drives straight"
-drive = { linear = "fast" }
-seconds = 2.0
-moved = { x = 1.0 }""",
-    instead="""[[behavior]]
-name = "drives straight"
-drive = { linear = 0.5 }
-seconds = 2.0
-moved = { x = 1.0 }""",
-)
 
 TABLE = "behavior"
 EXAMPLE = (
@@ -54,13 +35,13 @@ FARTHEST = FASTEST * LONGEST  # m or rad
 
 
 def read_behaviors(
-    document: Mapping[str, Any], file: Path, text: str
+    document: Mapping[str, Any], file: Path, text: str, rule: Rule
 ) -> tuple[tuple[Behavior, ...], tuple[Diagnostic, ...]]:
     """Return the valid behaviors, and the mistakes in the others.
 
-    `document` is the parsed `text` of the file.
+    `document` is the parsed `text` of the file; `rule` is the one that reports mistakes in it.
     """
-    reader = _Reader(file, text)
+    reader = _Reader(file, text, rule)
     tables = document.get(TABLE, [])
     if not isinstance(tables, list) or not all(isinstance(table, dict) for table in tables):
         reader.report("`behavior` is not a list of tables.", EXAMPLE, TABLE)
@@ -83,16 +64,17 @@ def read_behaviors(
 class _Reader:
     """Reads the values of a file, and collects the mistakes."""
 
-    def __init__(self, file: Path, text: str) -> None:
+    def __init__(self, file: Path, text: str, rule: Rule) -> None:
         self.file = file
         self.text = text
+        self.rule = rule
         self.found: list[Diagnostic] = []
 
     def report(self, message: str, hint: str, *where: str) -> None:
         """Report a mistake at a path of keys."""
         line = find_line(self.text, where)
         self.found.append(
-            INVALID_SETTINGS.at(self.file, line, ".".join(where), message=message, hint=hint)
+            self.rule.at(self.file, line, ".".join(where), message=message, hint=hint)
         )
 
     def behavior(self, table: dict[str, Any], index: int, before: Iterable[str]) -> Behavior | None:

@@ -6,9 +6,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from wsgen import tomlfile
-from wsgen.diagnostics import Severity
+from wsgen.diagnostics import Rule, Severity
 from wsgen.suggestions import suggest
-from wsgen.workspace.behaviors import INVALID_SETTINGS, TABLE, read_behaviors
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -17,6 +16,26 @@ if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.behavior import Behavior
 
+
+INVALID_SETTINGS = Rule(
+    code="PKG060",
+    name="invalid-settings",
+    severity=Severity.ERROR,
+    severity_varies="a warning for a mistake in `[validate]`",
+    summary="`wsgen.toml` is not TOML, or a key or value in it is invalid.",
+    why="`wsgen` ignores an entry that it cannot use: a rule is not allowed, or a behavior is not "
+    "checked.",
+    example="""[[behavior]]
+name = "drives straight"
+drive = { linear = "fast" }
+seconds = 2.0
+moved = { x = 1.0 }""",
+    instead="""[[behavior]]
+name = "drives straight"
+drive = { linear = 0.5 }
+seconds = 2.0
+moved = { x = 1.0 }""",
+)
 
 FILE = "wsgen.toml"
 # What `wsgen new` records, and what a user may set.
@@ -86,9 +105,12 @@ def _distro(document: dict[str, Any]) -> str | None:
 def _read_behaviors(
     document: dict[str, Any], file: Path
 ) -> tuple[tuple[Behavior, ...], tuple[Diagnostic, ...]]:
-    if TABLE not in document:
+    if "behavior" not in document:
         return (), ()
-    return read_behaviors(document, file, file.read_text(encoding="utf-8"))
+    from wsgen.workspace.behaviors import read_behaviors  # noqa: PLC0415  most packages have none
+
+    text = file.read_text(encoding="utf-8")
+    return read_behaviors(document, file, text, INVALID_SETTINGS)
 
 
 def _unknown_keys(document: dict[str, Any], file: Path) -> Iterator[Diagnostic]:
