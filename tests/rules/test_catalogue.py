@@ -87,6 +87,7 @@ def test_every_rule_is_documented(rule: Rule) -> None:
     for sentence in filter(None, (rule.summary, rule.what, rule.why)):
         assert sentence[0].isupper() or not sentence[0].isalpha() or sentence[0] == "`"
         assert sentence.endswith((".", "`", ")", ":")), sentence
+        assert "<" not in re.sub("`[^`]*`", "", sentence), "Markdown hides what looks like HTML"
     assert "\n" not in rule.summary
     assert len(rule.summary) <= 100
     assert rule.why

@@ -29,7 +29,7 @@ BROKEN_COLLISION_MESH = Rule(
     code="ROB062",
     name="broken-collision-mesh",
     severity=Severity.ERROR,
-    summary="The mesh file of a <collision> cannot be used.",
+    summary="The mesh file of a `<collision>` cannot be used.",
     what=(
         "Reads every mesh file in a separate process: STL, OBJ, COLLADA, glTF, GLB and PLY. A "
         "file is broken if it is cut short or damaged, refers to vertices that it does not have, "
@@ -47,7 +47,7 @@ BROKEN_VISUAL_MESH = Rule(
     code="ROB063",
     name="broken-visual-mesh",
     severity=Severity.WARNING,
-    summary="The mesh file of a <visual> cannot be used.",
+    summary="The mesh file of a `<visual>` cannot be used.",
     what="As `broken-collision-mesh`, for what is drawn; the simulation leaves the visual out.",
     why="Gazebo crashes on some of these files and leaves out others: the part is invisible.",
     example="An OBJ file with 8 vertices, and a face `f 1 2 9`.",
@@ -68,7 +68,7 @@ ENORMOUS_MESH = Rule(
     code="ROB065",
     name="enormous-mesh",
     severity=Severity.ERROR,
-    severity_varies="a warning for a <visual>, which the simulation leaves out",
+    severity_varies="a warning for a `<visual>`, which the simulation leaves out",
     summary="A mesh has more than a million triangles, or its file more than 100 MB.",
     why="A physics engine needs 10 s or more to load it, at every start.",
     example="A 3D scan of 5,000,000 triangles.",

@@ -26,7 +26,7 @@ UNUSABLE_HEIGHTMAP = Rule(
     code="WLD051",
     name="unusable-heightmap",
     severity=Severity.ERROR,
-    severity_varies="a warning in a <visual>",
+    severity_varies="a warning in a `<visual>`",
     summary="The image of a heightmap is damaged, not square or too large.",
     what="Opens the PNG or JPEG file of every heightmap in a separate process.",
     why="Gazebo ends with an error on an image that is not square, and has no ground without one.",
@@ -49,7 +49,7 @@ HEIGHTMAP_NOT_DRAWN = Rule(
     code="WLD055",
     name="heightmap-not-drawn",
     severity=Severity.WARNING,
-    summary="The image of a heightmap in a <visual> does not have 2ⁿ + 1 pixels on each side.",
+    summary="The image of a heightmap in a `<visual>` does not have 2ⁿ + 1 pixels on each side.",
     why=(
         "The terrain renderer of Gazebo takes 2ⁿ + 1 pixels on each side: Gazebo Sim does not "
         "draw another image, and Gazebo Classic ends with an error."
@@ -75,7 +75,7 @@ IMPOSSIBLE_SHAPE = Rule(
     code="WLD057",
     name="impossible-shape",
     severity=Severity.ERROR,
-    severity_varies="a warning for what cannot be built of a <visual>",
+    severity_varies="a warning for what cannot be built of a `<visual>`",
     summary="A polyline does not enclose an area, or no mesh can be made of a shape.",
     what=(
         "Makes meshes of polylines, ellipsoids and cones. An outline needs three points or more, "

@@ -69,9 +69,9 @@ MODULES = (
     "wsgen.urdf.lumping",
     "wsgen.urdf.reader",
     "wsgen.urdf.structure",
-    "wsgen.workspace.behaviors",
     "wsgen.workspace.manifest",
     "wsgen.workspace.package_xml",
+    "wsgen.workspace.settings",
     "wsgen.xacro.reader",
 )
 
