@@ -11,8 +11,8 @@ SOURCE = ROOT / "src" / "wsgen"
 
 # One module each; xacro's and colcon's doors lie deeper than one import.
 FOREIGN = {
-    "pybullet": "simulation/bullet_client.py",
-    "trimesh": "meshes/reader.py",
+    "pybullet": "simulation/bullet.py",
+    "trimesh": "meshes/worker.py",
     "shapely": "meshes/shape_worker.py",
     "dartpy": "simulation/dart.py",
     "av": "rendering/video_encoder.py",

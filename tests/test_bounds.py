@@ -16,8 +16,7 @@ from templating.broken_templates import spec_for
 from wsgen.isolation.fork_server import ForkServer
 from wsgen.model.target import TARGETS
 from wsgen.pipeline.package_validation import Validation
-from wsgen.pipeline.request import ValidateRequest
-from wsgen.pipeline.selection import SelectedPackage
+from wsgen.pipeline.selection import SelectedPackage, ValidateRequest
 from wsgen.simulation.run import default_engine
 from wsgen.templating.manifest import load_template
 from wsgen.templating.render import render_package

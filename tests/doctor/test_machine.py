@@ -11,7 +11,7 @@ import pytest
 
 from wsgen.build.toolchain import SourcedRos, Wheels
 from wsgen.doctor import machine as machine_module
-from wsgen.doctor import requirements
+from wsgen.doctor import report
 from wsgen.doctor.machine import Machine, Requirement, here, read_os_release
 from wsgen.doctor.report import DoctorReport, check_machine
 from wsgen.model.target import TARGETS, Target, choose_target
@@ -391,12 +391,12 @@ def test_this_machine() -> None:
 def test_every_dependency_of_wsgen_is_looked_for() -> None:
     project = load(Path(__file__).parents[2] / "pyproject.toml")["project"]
     wanted = {re.match(r"[\w.-]+", line)[0].lower() for line in project["dependencies"]}  # type: ignore[index]
-    modules = [*requirements.COLCON_PACKAGES.values(), *requirements.LIBRARIES.values()]
+    modules = [*report.COLCON_PACKAGES.values(), *report.LIBRARIES.values()]
     known = {re.match(r"[\w.-]+", name)[0].lower() for name in modules}  # type: ignore[index]
     engines = {"pybullet", "pybullet-arm64", "dartpy"}
     # tomli: without it wsgen does not start.
     others = {"cmake", "ninja", "xacro", "tomli"}
-    assert wanted == known | set(requirements.WHEELS) | engines | others
+    assert wanted == known | set(report.WHEELS) | engines | others
     assert set(MODULES.values()) == {"pybullet", "dartpy"}
-    first, last = (f"{major}.{minor}" for major, minor in requirements.PYTHONS)
+    first, last = (f"{major}.{minor}" for major, minor in report.PYTHONS)
     assert project["requires-python"] == f">={first},<3.{int(last.split('.')[1]) + 1}"

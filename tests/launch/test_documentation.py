@@ -15,7 +15,7 @@ import pytest
 
 from conformance import CASES, CONFORMANCE, NOT_YET, REFUSALS, answers, lines, packages_of_cases
 from wsgen.diagnostics import Severity
-from wsgen.launch import known_packages, worker
+from wsgen.launch import known_packages
 from wsgen.rules.catalogue import all_rules
 
 if TYPE_CHECKING:
@@ -124,7 +124,7 @@ SECTIONS: dict[str, Callable[[], str]] = {
     "api": api,
     "tags": tags,
     "packages": packages,
-    "modules": lambda: words(sorted(worker.KNOWN_MODULES)) + ".",
+    "modules": lambda: words(sorted(known_packages.KNOWN_MODULES)) + ".",
     "programs": lambda: words(sorted(known_packages._RUN_FOR_EVER)) + ".",
 }
 

@@ -10,7 +10,7 @@ import pytest
 from install_space import HEAD, InstallSpace
 from wsgen.launch.spawning import find_simulator, find_spawns
 from wsgen.model.plan import Include, LaunchPlan, Process
-from wsgen.model.spawn import Spawn, SpawnHeight
+from wsgen.model.world import Spawn, SpawnHeight
 
 URDF = "<robot name='r'/>"
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from install_space import HEAD, InstallSpace
+from wsgen.launch.explain_missing import unused_actions, where_written
 from wsgen.launch.spawning import find_simulator, find_spawns
-from wsgen.launch.syntax import unused_actions, where_written
 
 if TYPE_CHECKING:
     from pathlib import Path

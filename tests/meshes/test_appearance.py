@@ -21,9 +21,9 @@ from wsgen.isolation.fork_server import ForkServer
 from wsgen.meshes import worker
 from wsgen.meshes.appearance import MATERIALS, Textures
 from wsgen.meshes.inspection import inspect_meshes
-from wsgen.meshes.reader import read_mesh
 from wsgen.meshes.requests import InspectedMesh, MeshRequest, Showing
 from wsgen.meshes.stl import write_stl
+from wsgen.meshes.worker import read_mesh
 from wsgen.model.robot import Collision, Link, Mesh, Robot, Visual
 
 if TYPE_CHECKING:

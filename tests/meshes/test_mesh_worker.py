@@ -19,11 +19,10 @@ import pytest
 
 import mesh_samples
 from wsgen.meshes import worker
-from wsgen.meshes.content import BrokenMeshError, EnormousMeshError
-from wsgen.meshes.material_rules import MISSING_MATERIAL_LIBRARY
-from wsgen.meshes.reader import READ, read_mesh
+from wsgen.meshes.content import MISSING_MATERIAL_LIBRARY, BrokenMeshError, EnormousMeshError
 from wsgen.meshes.requests import InspectedMesh, MeshRequest, Showing, UnusableMesh
 from wsgen.meshes.stl import write_stl
+from wsgen.meshes.worker import READ, read_mesh
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

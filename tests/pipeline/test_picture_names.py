@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.pipeline.picture_names import unique_names
+from wsgen.pipeline.validate import unique_names
 
 
 @pytest.mark.parametrize(

@@ -19,8 +19,8 @@ from wsgen.model.world import World
 from wsgen.pipeline import run_robots as robot_runs
 from wsgen.pipeline.behaviors import plan_behaviors
 from wsgen.pipeline.prepare import PreparedRobot
-from wsgen.pipeline.request import ValidateRequest
 from wsgen.pipeline.run_robots import SimulationResult, simulate_robots
+from wsgen.pipeline.selection import ValidateRequest
 from wsgen.simulation.contact_shapes import MOST_LINKS
 from wsgen.simulation.scene import (
     DRAWING,

@@ -12,7 +12,7 @@ from wsgen.model.outcome import Outcome, PackageOutcome, Rest, RobotOutcome, Sim
 from wsgen.model.transform import Pose
 from wsgen.model.world import PlacedModel, World
 from wsgen.report.json_report import render_build, render_outcome, render_rules
-from wsgen.rules.allowances import UNKNOWN_RULE_ALLOWED
+from wsgen.rules.catalogue import UNKNOWN_RULE_ALLOWED
 
 ROBOT = RobotOutcome(
     entity="r",

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from wsgen.rules.allowances import unknown_rule_allowed, without_allowed
+from wsgen.rules.catalogue import unknown_rule_allowed, without_allowed
 from wsgen.rules.robots import MASSLESS_ROOT, NO_VISUAL
 from wsgen.rules.runs import FALLS_WITHOUT_END
 

@@ -10,8 +10,15 @@ from pathlib import Path
 import pytest
 
 from wsgen.diagnostics import Rule, Severity
-from wsgen.rules.allowances import UNKNOWN_RULE_ALLOWED
-from wsgen.rules.catalogue import FAMILIES, MODULES, all_rules, collect, find_rule, to_markdown
+from wsgen.rules.catalogue import (
+    FAMILIES,
+    MODULES,
+    UNKNOWN_RULE_ALLOWED,
+    all_rules,
+    collect,
+    find_rule,
+    to_markdown,
+)
 from wsgen.rules.causes import CONSEQUENCES
 
 ROOT = Path(__file__).parents[2]

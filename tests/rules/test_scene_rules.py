@@ -10,7 +10,7 @@ import pytest
 from rules.robot_runs import STANDS
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.model.transform import Pose
-from wsgen.rules import scenes as rules
+from wsgen.rules import runs as rules
 from wsgen.simulation.engine import HullGap
 from wsgen.simulation.scene import Overlapping
 

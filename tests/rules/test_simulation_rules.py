@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.model.spawn import SpawnHeight
+from wsgen.model.world import SpawnHeight
 from wsgen.rules import runs as rules
 
 ARGUMENTS = SpawnHeight(

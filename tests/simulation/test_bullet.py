@@ -26,9 +26,8 @@ from simulation.robots import (
 )
 from wsgen.model.robot import Capsule, Cylinder, Geometry, JointType, Robot, Sphere
 from wsgen.model.transform import Pose
-from wsgen.simulation.bullet import SEPARATION_SPEED, BulletEngine
+from wsgen.simulation.bullet import SEPARATION_SPEED, BulletEngine, Client
 from wsgen.simulation.bullet_body import ROLLING_RESISTANCE, ROOT
-from wsgen.simulation.bullet_client import Client
 from wsgen.simulation.contact_shapes import MOST_LINKS
 from wsgen.simulation.engine import Loaded, Refused
 from wsgen.simulation.scene import SpawnedRobot

@@ -23,8 +23,7 @@ from simulation.showpieces import (
     spawned,
     touched_alone,
 )
-from wsgen.model.colors import GAZEBO_COLORS
-from wsgen.model.robot import Box, Collision, Cylinder, Link, Mesh, Sphere, Visual
+from wsgen.model.robot import GAZEBO_COLORS, Box, Collision, Cylinder, Link, Mesh, Sphere, Visual
 from wsgen.model.transform import Pose
 from wsgen.rendering.camera import Size, extent, eye_camera, view_axes
 from wsgen.rendering.picture import Backdrop, tile_for, write_caption

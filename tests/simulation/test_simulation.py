@@ -15,12 +15,7 @@ from wsgen.model.transform import Pose, quaternion_of_rpy
 from wsgen.model.world import World
 from wsgen.simulation.engine import Overlap, State
 from wsgen.simulation.fake import FakeEngine
-from wsgen.simulation.scene import (
-    Overlapping,
-    RobotRun,
-    Scene,
-    SpawnedRobot,
-)
+from wsgen.simulation.scene import Overlapping, RobotRun, Scene, SpawnedRobot
 from wsgen.simulation.simulate import CLEARANCE, play
 
 if TYPE_CHECKING:

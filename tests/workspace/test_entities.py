@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from wsgen.workspace.entities import spawned_entities
-from wsgen.workspace.layout import Workspace
+from wsgen.workspace.layout import Workspace, spawned_entities
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -26,9 +26,8 @@ from wsgen.build.toolchain import find_toolchain, package_prefixes
 from wsgen.diagnostics import Diagnostic, Rule, Severity, has_errors
 from wsgen.errors import NotFoundError
 from wsgen.events import Listener, OutputLine, StepEnded, StepStarted, post
-from wsgen.workspace.layout import take_inventory
+from wsgen.workspace.layout import check_workspace_path, take_inventory
 from wsgen.workspace.package_xml import check_package_xml
-from wsgen.workspace.paths import check_workspace_path
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from wsgen.model.plan import LaunchPlan
     from wsgen.pipeline.plan_launch import SelectedLaunchFile
-    from wsgen.pipeline.request import ValidateRequest
+    from wsgen.pipeline.selection import ValidateRequest
 
 
 @click.command(
@@ -124,7 +124,7 @@ def _request(
 ) -> ValidateRequest:
     from pathlib import Path
 
-    from wsgen.pipeline.request import ValidateRequest
+    from wsgen.pipeline.selection import ValidateRequest
 
     return ValidateRequest(
         launch_arguments=arguments,

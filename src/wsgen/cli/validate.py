@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.model.outcome import Outcome, PackageOutcome
-    from wsgen.pipeline.request import ValidateRequest
+    from wsgen.pipeline.selection import ValidateRequest
     from wsgen.workspace.layout import Workspace
 
 
@@ -99,7 +99,7 @@ def command(
     from pathlib import Path
 
     from wsgen.cli.words import split_launch_arguments
-    from wsgen.pipeline.request import FILE_SUFFIXES, ValidateRequest
+    from wsgen.pipeline.selection import FILE_SUFFIXES, ValidateRequest
 
     if json_file is not None and not Path(json_file).absolute().parent.is_dir():
         raise NotFoundError(
@@ -140,7 +140,7 @@ def _refuse_folder(folder: Path) -> RequestError:
     """The error for a folder in place of a package or file; the hint names those in it."""
     from itertools import islice
 
-    from wsgen.pipeline.request import FILE_SUFFIXES
+    from wsgen.pipeline.selection import FILE_SUFFIXES
     from wsgen.workspace.layout import crawl, read_package
 
     named = []
@@ -230,7 +230,7 @@ def _next_steps(
 def _simulation_options(request: ValidateRequest) -> list[str]:
     """`--seconds` and `--engine`, where they differ from the defaults."""
     from wsgen.cli.options import chosen_engines
-    from wsgen.pipeline.request import ValidateRequest
+    from wsgen.pipeline.selection import ValidateRequest
 
     words = []
     if request.seconds != ValidateRequest().seconds:

@@ -1,16 +1,386 @@
-"""Compare a machine with a target, for `wsgen doctor`."""
+"""Compare a machine with a target, for `wsgen doctor`.
+
+Check the requirements of wsgen's own commands, and those of ROS.
+
+wsgen requires no ROS. `ros2 launch` of a package requires the Ubuntu, ROS and Gazebo of the target.
+"""
 
 from __future__ import annotations
 
+import shlex
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.doctor.requirements import SYSTEM, check_ros, check_wsgen
-from wsgen.model.installation import apt_install
-from wsgen.model.target import end_of_life_note
+from wsgen.build.toolchain import MAKE_PROGRAMS, SourcedRos
+from wsgen.doctor.machine import Requirement, names_in_apt, read_os_release, ros_prefixes
+from wsgen.model.facts import DISTROS, RELEASED_FOR
+from wsgen.model.installation import (
+    APT_HOSTS,
+    COLCON,
+    SIMULATOR_PACKAGES,
+    VARIANTS,
+    apt_install,
+    apt_source,
+    debian_name,
+    image,
+    ros_packages,
+)
+from wsgen.model.target import Target, end_of_life_note
 
 if TYPE_CHECKING:
-    from wsgen.doctor.machine import Machine, Requirement
-    from wsgen.model.target import Target
+    from collections.abc import Iterator, Mapping
+    from pathlib import Path
+
+    from wsgen.doctor.machine import Machine
+
+
+PYTHONS = ((3, 10), (3, 14))  # from, to; as requires-python in pyproject.toml
+# Module -> what pip calls it, of what wsgen depends on.
+COLCON_PACKAGES = {
+    "colcon_core": "colcon-core",
+    "colcon_bash": "colcon-bash",
+    "colcon_cmake": "colcon-cmake",
+    "colcon_defaults": "colcon-defaults",
+    "colcon_library_path": "colcon-library-path",
+    "colcon_metadata": "colcon-metadata",
+    "colcon_output": "colcon-output",
+    "colcon_package_selection": "colcon-package-selection",
+    "colcon_recursive_crawl": "colcon-recursive-crawl",
+    "colcon_ros": "colcon-ros",
+    "colcon_zsh": "colcon-zsh",
+    "catkin_pkg": "catkin_pkg",
+    "em": "empy>=3.3.4,<4",
+}
+LIBRARIES = {
+    "click": "click",
+    "rich": "rich",
+    "jinja2": "jinja2",
+    "lxml": "lxml",
+    "yaml": "pyyaml",
+    "numpy": "numpy",
+    "PIL": "pillow",
+    "trimesh": "trimesh",
+    "shapely": "shapely",
+}
+LAST_PYTHON_WITH_PYBULLET = (3, 13)
+FIRST_PYTHON_WITH_ITS_FORK = (3, 12)
+WHEELS = (
+    "ros-ament-cmake",
+    "ros-ament-package",
+    "ros-ament-cmake-include-directories",
+    "ros-ament-cmake-pytest",
+    "ros-ament-cmake-gtest",
+    "ros-ament-cmake-gmock",
+    "ros-ament-index-python",
+)
+
+
+def check_wsgen(machine: Machine) -> Iterator[Requirement]:
+    """Check what `wsgen new`, `build` and `validate` use."""
+    yield _python_for_wsgen(machine)
+    yield _modules(machine, "colcon", COLCON_PACKAGES)
+    yield _ament_cmake(machine)
+    yield _cmake(machine)
+    yield _build_program(machine)
+    yield _modules(machine, "xacro", {"xacro": "xacro"})
+    yield _modules(machine, "Python libraries", LIBRARIES)
+    yield _engine(machine)
+    yield _pictures(machine)
+    yield from _extras(machine)
+
+
+def _python_for_wsgen(machine: Machine) -> Requirement:
+    first, last = (".".join(map(str, version)) for version in PYTHONS)
+    return Requirement(
+        name="Python",
+        is_met=PYTHONS[0] <= machine.python <= PYTHONS[1],
+        text=f"{machine.python[0]}.{machine.python[1]}; wsgen supports {first} to {last}",
+        is_required=True,
+    )
+
+
+def _modules(machine: Machine, name: str, modules: Mapping[str, str]) -> Requirement:
+    missing = [pip for module, pip in modules.items() if not machine.has_module(module)]
+    return Requirement(
+        name=name,
+        is_met=not missing,
+        text=f"missing: {', '.join(missing)}" if missing else "installed with wsgen",
+        is_required=True,
+        fix=_pip(machine, *missing),
+    )
+
+
+def _ament_cmake(machine: Machine) -> Requirement:
+    found = machine.toolchain
+    if found is not None:
+        source = "the sourced ROS" if isinstance(found, SourcedRos) else "the wheels"
+        text = f"from {source}, in {found.prefix}"
+        return Requirement("ament_cmake", is_met=True, text=text, is_required=True)
+    has_wheels = (machine.system, machine.architecture) == ("linux", "x86_64")
+    setup = _any_ros(machine)
+    fix = f"source {setup}" if setup else ""
+    if has_wheels:
+        fix = _pip(machine, *WHEELS)
+    where = "" if has_wheels else "; other systems than Linux x86_64 need a ROS installation"
+    return Requirement(
+        "ament_cmake", is_met=False, text=f"missing{where}", is_required=True, fix=fix
+    )
+
+
+def _any_ros(machine: Machine) -> str | None:
+    """Find the setup file of a ROS on this machine."""
+    found = sorted(machine.root.glob("opt/ros/*/setup.bash"))
+    return str(found[-1]) if found else None
+
+
+def _cmake(machine: Machine) -> Requirement:
+    selected = machine.build_environment.get("CMAKE_COMMAND")
+    if selected:
+        found = machine.find(selected, for_build=True)
+        text = found or f"missing: CMAKE_COMMAND={selected} is not a program"
+        fix = "" if found else "unset CMAKE_COMMAND"
+    else:
+        found = machine.find("cmake", for_build=True)
+        text, fix = found or "missing", "" if found else _pip(machine, "cmake")
+    return Requirement("CMake", is_met=bool(found), text=text, is_required=True, fix=fix)
+
+
+def _build_program(machine: Machine) -> Requirement:
+    found = machine.find("ninja", *MAKE_PROGRAMS, for_build=True)
+    return Requirement(
+        "ninja or make",
+        is_met=found is not None,
+        text=found or "missing",
+        is_required=True,
+        fix="" if found else _pip(machine, "ninja"),
+    )
+
+
+def _engine(machine: Machine) -> Requirement:
+    for module, name in (("pybullet", "PyBullet"), ("dartpy", "DART")):
+        if machine.has_module(module):
+            return Requirement("physics engine", is_met=True, text=name, is_required=True)
+    wanted = "dartpy" if machine.python > LAST_PYTHON_WITH_PYBULLET else _pybullet(machine)
+    return Requirement(
+        "physics engine",
+        is_met=False,
+        text="missing: neither PyBullet nor DART",
+        is_required=True,
+        fix=_pip(machine, wanted),
+    )
+
+
+def _pictures(machine: Machine) -> Requirement:
+    """Check whether `--picture` and `--record` can draw."""
+    if not machine.has_module("pybullet"):
+        why, fix = "PyBullet is not installed", _pip(machine, _pybullet(machine))
+        if machine.python > LAST_PYTHON_WITH_PYBULLET:
+            why, fix = "PyBullet has no wheel for this Python", ""
+        return Requirement("pictures", is_met=False, text=f"cannot be drawn: {why}", fix=fix)
+    problem = machine.why_no_picture()
+    return Requirement(
+        "pictures",
+        is_met=problem is None,
+        text="drawn by PyBullet" if problem is None else f"cannot be drawn: PyBullet {problem}",
+        fix="" if problem is None else _pip(machine, "--force-reinstall", _pybullet(machine)),
+    )
+
+
+def _pybullet(machine: Machine) -> str:
+    """Return the name of PyBullet for pip: the original has no wheels for newer Pythons."""
+    is_old = machine.python < FIRST_PYTHON_WITH_ITS_FORK
+    return "pybullet" if is_old else "pybullet-arm64"  # the same module, on every architecture
+
+
+def _extras(machine: Machine) -> Iterator[Requirement]:
+    """Check what is optional."""
+    for name, module, purpose, requirement in (
+        ("DART", "dartpy", "a second engine", "wsgen[dart]"),
+        ("PyAV", "av", "videos as MP4", "wsgen[video]"),
+    ):
+        is_there = machine.has_module(module)
+        yield Requirement(
+            name,
+            is_met=is_there,
+            text="installed" if is_there else f"missing; only for {purpose}",
+            fix="" if is_there else _pip(machine, requirement),
+        )
+    for name, programs, purpose, package in (
+        ("C++ compiler", ("c++", "g++", "clang++"), "packages with C++", "build-essential"),
+        ("git", ("git",), "the maintainer's name and address", "git"),
+    ):
+        found = machine.find(*programs, for_build=True)
+        install = f"sudo apt install {package}" if machine.find("apt") else ""
+        yield Requirement(
+            name,
+            is_met=found is not None,
+            text=found or f"missing; only for {purpose}",
+            fix="" if found else install,
+        )
+
+
+def _pip(machine: Machine, *requirements: str) -> str:
+    if not requirements:
+        return ""
+    return shlex.join([machine.interpreter, "-m", "pip", "install", *requirements])
+
+
+SYSTEM = "Ubuntu"  # name of the requirement
+
+
+def check_ros(machine: Machine, target: Target) -> Iterator[Requirement]:
+    """Check what ROS of the target requires beyond wsgen."""
+    ubuntu = _ubuntu(machine, target)
+    yield ubuntu
+    yield _python_for_ros(machine, target)
+    ros = _ros(machine, target, can_install=ubuntu.is_met)
+    is_installed = _setup_file(machine, target).is_file() or ros.is_met
+    if ubuntu.is_met and not is_installed:
+        yield _apt(machine, target)
+    yield ros
+    if is_installed:
+        yield _packages(machine, target)
+    yield _gazebo(machine, target, can_install=ubuntu.is_met)
+    yield _colcon(machine, can_install=ubuntu.is_met)
+
+
+def _ubuntu(machine: Machine, target: Target) -> Requirement:
+    wanted = f"Ubuntu {target.ubuntu}"
+    is_met = False
+    fix = _container(target)
+    if machine.system != "linux":
+        text = (
+            f"this is {machine.system_name}; {target.ros} is packaged for {wanted}."
+            " wsgen simulates packages here; run them in a container or on another machine"
+        )
+        return Requirement(SYSTEM, is_met=False, text=text, fix=fix)
+    try:
+        release = read_os_release(machine.root)
+    except OSError as error:
+        text = f"unknown: {error.filename}: {error.strerror}; {target.ros} is packaged for {wanted}"
+        return Requirement(SYSTEM, is_met=False, text=text, fix=fix)
+    name = release.get("PRETTY_NAME") or release.get("NAME") or "a Linux without a name"
+    is_ubuntu = release.get("ID") == "ubuntu"
+    codename = release.get("UBUNTU_CODENAME", release.get("VERSION_CODENAME") if is_ubuntu else "")
+    if is_ubuntu and release.get("VERSION_ID") == target.ubuntu:
+        is_met, text, fix = True, name, ""
+    elif codename == target.fact("ubuntu_codename"):
+        is_met, fix = True, ""
+        text = f"{name}, based on {wanted}; ROS is only tested on Ubuntu itself"
+    else:
+        text = f"this is {name}; {target.ros} is packaged for {wanted}"
+        fitting = _distro_for(codename or "")
+        if fitting:
+            fix = f"wsgen doctor --distro {fitting}"
+    return Requirement(SYSTEM, is_met=is_met, text=text, fix=fix)
+
+
+def _distro_for(codename: str) -> str | None:
+    """Find the distribution for an Ubuntu that is supported longest."""
+    fitting = [
+        target
+        for target in (Target(distro=name, simulator="gz") for name in DISTROS)
+        if target.fact("ubuntu_codename") == codename and not target.has_ended
+    ]
+    fitting.sort(key=lambda target: target.end_of_life or "")
+    return fitting[-1].distro if fitting else None
+
+
+def _python_for_ros(machine: Machine, target: Target) -> Requirement:
+    wanted = target.fact("python")
+    ours = ".".join(map(str, machine.python))
+    text = f"{wanted}, the same as wsgen's"
+    if ours != wanted:
+        text = f"{target.ros} runs launch files with {wanted}, but wsgen evaluates them with {ours}"
+    return Requirement("Python", is_met=ours == wanted, text=text)
+
+
+def _apt(machine: Machine, target: Target) -> Requirement:
+    is_met = names_in_apt(machine.root, APT_HOSTS)
+    return Requirement(
+        "apt repository",
+        is_met=is_met,
+        text="apt knows the one of ROS" if is_met else "apt does not know the one of ROS",
+        fix="" if is_met else apt_source(target),
+    )
+
+
+def _ros(machine: Machine, target: Target, *, can_install: bool) -> Requirement:
+    sourced = machine.environment.get("ROS_DISTRO", "")
+    has_prefix = bool(machine.environment.get("AMENT_PREFIX_PATH"))
+    setup = _setup_file(machine, target)
+    if sourced == target.distro and has_prefix:
+        return Requirement(target.ros, is_met=True, text="sourced")
+    if sourced and has_prefix:
+        others = f"{sourced} is sourced"
+    else:
+        found = sorted(path.parent.name for path in machine.root.glob("opt/ros/*/setup.bash"))
+        others = f"installed: {', '.join(found)}" if found else ""
+    if setup.is_file():
+        text = f"in {setup.parent}, not sourced"
+        if sourced and has_prefix:
+            text += f": {others}, so open a new terminal first"
+        return Requirement(target.ros, is_met=False, text=text, fix=f"source {setup}")
+    text = f"not installed; {others}" if others else "not installed"
+    fix = apt_install(target) if can_install else _container(target)
+    return Requirement(target.ros, is_met=False, text=text, fix=fix)
+
+
+def _packages(machine: Machine, target: Target) -> Requirement:
+    """Check ROS packages; metapackages are not checked, as they may leave no file."""
+    wanted = [name for name in ros_packages(target) if name not in VARIANTS]
+    wanted.append(target.programs["package"])
+    prefixes = ros_prefixes(machine, target.distro)
+    missing = [
+        name
+        for name in wanted
+        if not any((prefix / "share" / name / "package.xml").is_file() for prefix in prefixes)
+    ]
+    names = " ".join(debian_name(name, target.distro) for name in missing)
+    return Requirement(
+        "ROS packages",
+        is_met=not missing,
+        text=f"missing: {', '.join(missing)}" if missing else ", ".join(wanted),
+        fix=f"sudo apt install {names}" if missing else "",
+    )
+
+
+def _gazebo(machine: Machine, target: Target, *, can_install: bool) -> Requirement:
+    if target.simulator == "classic":
+        found = machine.find("gazebo")
+    elif target.distro in RELEASED_FOR["gz_sim_vendor"]:
+        # A ROS package since Jazzy; `gz` is on the PATH once ROS is sourced.
+        found = next(
+            (
+                str(prefix)
+                for prefix in ros_prefixes(machine, target.distro)
+                if (prefix / "share" / "gz_sim_vendor" / "package.xml").is_file()
+            ),
+            None,
+        )
+    else:
+        found = machine.find("ign")  # the name of its program up to Fortress
+    if found:
+        return Requirement(target.gazebo, is_met=True, text=found)
+    name = debian_name(SIMULATOR_PACKAGES[target.simulator], target.distro)
+    fix = f"sudo apt install {name}" if can_install else ""
+    return Requirement(target.gazebo, is_met=False, text="missing", fix=fix)
+
+
+def _colcon(machine: Machine, *, can_install: bool) -> Requirement:
+    found = machine.find("colcon")
+    if found:
+        return Requirement("colcon", is_met=True, text=found)
+    fix = f"sudo apt install {COLCON}" if can_install else ""
+    text = "not on the PATH; `wsgen build` uses its own"
+    return Requirement("colcon", is_met=False, text=text, fix=fix)
+
+
+def _setup_file(machine: Machine, target: Target) -> Path:
+    return machine.root / "opt" / "ros" / target.distro / "setup.bash"
+
+
+def _container(target: Target) -> str:
+    return f'docker run -it --rm -v "$PWD":/ws -w /ws {image(target)}'
 
 
 class DoctorReport(NamedTuple):

@@ -15,10 +15,14 @@ from typing import TYPE_CHECKING, Any
 from wsgen.diagnostics import Rule, Severity
 from wsgen.files import save_as_utf8, wide_encoding
 from wsgen.launch import explain_missing, explain_names
-from wsgen.launch.explain_missing import EXECUTABLE_NOT_FOUND, Explanation
+from wsgen.launch.explain_missing import (
+    EXECUTABLE_NOT_FOUND,
+    Explanation,
+    keyword_of,
+    where_written,
+)
 from wsgen.launch.explain_names import RAISES, REFUSED_BY_LAUNCH
 from wsgen.launch.record import RECORD, ForkError, last_user_line
-from wsgen.launch.syntax import keyword_of, where_written
 from wsgen.suggestions import advice
 
 if TYPE_CHECKING:

@@ -14,10 +14,9 @@ import sys
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity
-from wsgen.launch.explain_missing import Explanation, packages
+from wsgen.launch.explain_missing import Explanation, nodes_of, packages
+from wsgen.launch.known_packages import KNOWN_MODULES
 from wsgen.launch.record import RECORD
-from wsgen.launch.syntax import nodes_of
-from wsgen.launch.worker import KNOWN_MODULES
 from wsgen.suggestions import advice, did_you_mean, nearest
 
 if TYPE_CHECKING:

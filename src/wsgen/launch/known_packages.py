@@ -298,3 +298,31 @@ def runs_for_ever(program: str) -> bool:
 
 def _share(package: str) -> str:
     return f"{prefix()}/share/{package}/"
+
+
+# Modules of ROS that launch files import; the names are those of their packages.
+KNOWN_MODULES = frozenset(
+    (
+        "ament_package",
+        "composition_interfaces",
+        "controller_manager",
+        "launch_param_builder",
+        "launch_pytest",
+        "launch_testing",
+        "launch_testing_ament_cmake",
+        "launch_testing_ros",
+        "moveit_configs_utils",
+        "nav2_common",
+        "nav2_simple_commander",
+        "osrf_pycommon",
+        "rcl_interfaces",
+        "rclpy",
+        "ros2launch",
+        "ros2pkg",
+        "ros2run",
+        "rosidl_runtime_py",
+        "rospkg",
+        "tf2_ros",
+        "tf_transformations",
+    )
+)

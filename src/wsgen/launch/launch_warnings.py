@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.launch import known_packages
-from wsgen.launch.record import RECORD, caller
+from wsgen.launch.record import RECORD
 from wsgen.suggestions import advice, nearest
 
 if TYPE_CHECKING:
@@ -115,13 +115,13 @@ def report_unused_arguments(
 
 
 def report_unused_xacro_arguments(
-    unused: Sequence[Mapping[str, str]], location: Location | None
+    unused: Sequence[tuple[Mapping[str, str], Location | None]],
 ) -> None:
     """Report the arguments that a launch file gives to xacro and no xacro file uses."""
-    for argument in unused:
+    for argument, location in unused:
         _report(
             UNUSED_XACRO_ARGUMENT,
-            location or caller(),
+            location,
             argument["name"],
             argument["message"],
             argument["hint"],

@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.plan import Include, LaunchArgument, Process
 
+
+if TYPE_CHECKING:
     Location = tuple[str, int]  # file, 1-based line
     CommandRunner = Callable[[Sequence[str]], "CommandOutcome"]
 
@@ -94,6 +96,7 @@ class Record:
         self.texts: dict[str, str] = {}  # what files became, see `_fold` -> the file
         self.opened: list[str] = []  # robots and worlds that the launch file opened itself
         self.argument_use = ArgumentUse()
+        self.unused_xacro_arguments: list[tuple[Mapping[str, str], Location | None]] = []
 
     def note_unresolved(self, what: str, why: str, location: Location | None) -> None:
         """Note a value that only a real ROS could give."""
@@ -117,9 +120,8 @@ class Record:
     ) -> None:
         """Note the arguments that are given to xacro and that the xacro file does not have."""
         if unused:
-            from wsgen.launch.launch_warnings import report_unused_xacro_arguments
-
-            report_unused_xacro_arguments(unused, location)
+            place = location or caller()
+            self.unused_xacro_arguments += [(argument, place) for argument in unused]
 
     def note_text(self, text: str, file: str) -> None:
         """Note that a text, as a description of a robot is one, was made from a file."""

@@ -15,11 +15,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wsgen.diagnostics import Diagnostic, Rule, Severity
+from wsgen.launch.explain_missing import unused_actions
 from wsgen.launch.known_packages import SURELY
-from wsgen.launch.syntax import unused_actions
 from wsgen.model.plan import Process
-from wsgen.model.spawn import Simulator, Spawn, SpawnHeight
 from wsgen.model.transform import Pose
+from wsgen.model.world import Simulator, Spawn, SpawnHeight
 from wsgen.suggestions import advice, nearest
 
 if TYPE_CHECKING:

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from wsgen.launch.record import CommandRunner, Location
     from wsgen.model.plan import LaunchRequest
 
+
+if TYPE_CHECKING:
     Explainer = Callable[[BaseException], "dict[str, Any] | None"]
 
 _SHIM = os.path.join(os.path.dirname(os.path.dirname(__file__)), "launch_shim")
@@ -32,32 +34,6 @@ _ROS_PACKAGES = os.path.join(os.path.dirname(__file__), "ros_packages")
 _DESCRIPTIONS = (".urdf", ".xacro", ".sdf", ".xml")
 _SHIM_PACKAGES = ("launch", "launch_ros", "launch_xml", "launch_yaml", "ament_index_python")
 _DEPENDENCIES = {"depend", "exec_depend", "build_depend", "buildtool_depend", "test_depend"}
-# Modules of ROS that launch files import; the names are those of their packages.
-KNOWN_MODULES = frozenset(
-    (
-        "ament_package",
-        "composition_interfaces",
-        "controller_manager",
-        "launch_param_builder",
-        "launch_pytest",
-        "launch_testing",
-        "launch_testing_ament_cmake",
-        "launch_testing_ros",
-        "moveit_configs_utils",
-        "nav2_common",
-        "nav2_simple_commander",
-        "osrf_pycommon",
-        "rcl_interfaces",
-        "rclpy",
-        "ros2launch",
-        "ros2pkg",
-        "ros2run",
-        "rosidl_runtime_py",
-        "rospkg",
-        "tf2_ros",
-        "tf_transformations",
-    )
-)
 MESSAGES = ("_msgs", "_interfaces", "_srvs")
 
 
@@ -87,6 +63,10 @@ def evaluate(
         from wsgen.launch.explain import explain
 
         RECORD.diagnostics.append(explain(error, launch_file, explain_xacro(error)))
+    if RECORD.unused_xacro_arguments:
+        from wsgen.launch.launch_warnings import report_unused_xacro_arguments
+
+        report_unused_xacro_arguments(RECORD.unused_xacro_arguments)
     RECORD.find_description_files()
     return LaunchPlan(
         package=request.package,
@@ -201,7 +181,11 @@ class _MissingModules:
 
     @staticmethod
     def _is_expected(package: str) -> bool:
-        return package in KNOWN_MODULES or package.endswith(MESSAGES) or _is_declared(package)
+        return (
+            package in known_packages.KNOWN_MODULES
+            or package.endswith(MESSAGES)
+            or _is_declared(package)
+        )
 
     def create_module(self, spec: ModuleSpec) -> ModuleType:
         """Make an empty module."""

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from wsgen.meshes.content import (
+    MISSING_EFFECT,
     BrokenMeshError,
     Content,
     Material,
@@ -20,7 +21,6 @@ from wsgen.meshes.content import (
     refuse_triangles,
     triangulate,
 )
-from wsgen.meshes.material_rules import MISSING_EFFECT
 from wsgen.meshes.requests import MaterialProblem
 from wsgen.xmltree import Malformed, parse_numbers
 

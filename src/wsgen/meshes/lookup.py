@@ -19,9 +19,11 @@ if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.robot import Geometry, Link
 
+
+if TYPE_CHECKING:
     ShareOf = Callable[[str], Path | None]  # package name -> its installed share folder
 
-FORMATS = (".stl", ".obj", ".dae", ".glb", ".gltf", ".ply")  # see `wsgen.meshes.reader`
+FORMATS = (".stl", ".obj", ".dae", ".glb", ".gltf", ".ply")  # see `wsgen.meshes.worker`
 ON_WINDOWS = re.compile(r"[A-Za-z]:[\\/]")
 IN_PACKAGE = "Put the mesh into the package, and write package://PACKAGE/meshes/…"
 MACHINE_PARTS = 3  # of /home/somebody/…: if it does not exist, the path is of another machine

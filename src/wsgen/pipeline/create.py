@@ -20,14 +20,14 @@ from wsgen.templating.write import (
     refuse_files,
     write_package,
 )
-from wsgen.workspace.entities import spawned_entities
 from wsgen.workspace.layout import (
     Workspace,
+    check_workspace_path,
     find_packages,
     find_workspace,
+    spawned_entities,
     workspace_of_source_folder,
 )
-from wsgen.workspace.paths import check_workspace_path
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from wsgen.events import Listener
     from wsgen.isolation.parent import Run
     from wsgen.model.world import World
-    from wsgen.pipeline.request import ValidateRequest
+    from wsgen.pipeline.selection import ValidateRequest
     from wsgen.workspace.overlay import Overlay
 
 

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, NamedTuple
 from wsgen.diagnostics import Diagnostic, Rule, Severity, has_errors
 from wsgen.isolation import parent
 from wsgen.launch.evaluate import evaluate
+from wsgen.launch.explain_missing import first_missing, where_written
 from wsgen.launch.spawning import NO_ROBOT, find_simulator, find_spawns
-from wsgen.launch.syntax import first_missing, where_written
 from wsgen.model.outcome import PackageOutcome
 from wsgen.pipeline.clock import DRAW, Clock
 from wsgen.pipeline.prepare import (
@@ -26,8 +26,8 @@ from wsgen.pipeline.prepare import (
     without_taken,
 )
 from wsgen.pipeline.run_robots import SimulationResult, simulate_robots
-from wsgen.rules.allowances import unknown_rule_allowed, without_allowed
-from wsgen.rules.scenes import spawned_twice
+from wsgen.rules.catalogue import unknown_rule_allowed, without_allowed
+from wsgen.rules.runs import spawned_twice
 from wsgen.sdf.lookup import find_world, gazebo_worlds, is_there, world_names
 from wsgen.sdf.reader import DEFAULT_WORLD
 from wsgen.sdf.source import is_sdf
@@ -40,11 +40,9 @@ if TYPE_CHECKING:
     from wsgen.events import Listener
     from wsgen.isolation.parent import Run
     from wsgen.model.plan import LaunchPlan
-    from wsgen.model.spawn import Simulator, Spawn
-    from wsgen.model.world import World
+    from wsgen.model.world import Simulator, Spawn, World
     from wsgen.pipeline.behaviors import BehaviorPlan
-    from wsgen.pipeline.request import ValidateRequest
-    from wsgen.pipeline.selection import SelectedPackage
+    from wsgen.pipeline.selection import SelectedPackage, ValidateRequest
     from wsgen.workspace.overlay import Overlay
     from wsgen.workspace.settings import Settings
 

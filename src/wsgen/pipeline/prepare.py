@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.isolation.parent import Run
-    from wsgen.model.spawn import Spawn, SpawnHeight
+    from wsgen.model.world import Spawn, SpawnHeight
     from wsgen.sdf.models import SdfFile, SdfModel
 
 

@@ -11,8 +11,7 @@ from wsgen.model.outcome import Rest, RobotOutcome, Simulated
 from wsgen.pipeline.clock import DRAW
 from wsgen.rules.causes import fold_consequences, joints_beyond_limits
 from wsgen.rules.check import check_run
-from wsgen.rules.runs import KEEPS_MOVING, TIPS_OVER
-from wsgen.rules.scenes import engines_disagree
+from wsgen.rules.runs import KEEPS_MOVING, TIPS_OVER, engines_disagree
 from wsgen.simulation.contact_shapes import MOST_LINKS, most_parts
 from wsgen.simulation.run import missing_engines, run_simulation
 from wsgen.simulation.scene import Scene, SpawnedRobot
@@ -27,7 +26,7 @@ if TYPE_CHECKING:
     from wsgen.pipeline.behaviors import BehaviorPlan
     from wsgen.pipeline.clock import Step
     from wsgen.pipeline.prepare import PreparedRobot
-    from wsgen.pipeline.request import ValidateRequest
+    from wsgen.pipeline.selection import ValidateRequest
     from wsgen.simulation.scene import RobotRun, SimulationOutcome
 
 

@@ -1,9 +1,12 @@
-"""Which packages are validated, and by which of their launch files."""
+"""Which packages are validated, and by which of their launch files.
+
+What the user asks `wsgen validate` for.
+"""
 
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,11 +19,10 @@ from wsgen.workspace.layout import find_launch_files, find_packages
 from wsgen.workspace.overlay import require_share
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from wsgen.build.cmake_text import Call
     from wsgen.diagnostics import Diagnostic
-    from wsgen.pipeline.request import ValidateRequest
     from wsgen.workspace.layout import Workspace
     from wsgen.workspace.overlay import Overlay
 
@@ -319,3 +321,26 @@ def _several_launch_files(name: str, files: list[Path]) -> Diagnostic:
         message=f"Several launch files may spawn a robot: {names}.",
         hint=f"Choose one: wsgen validate {name} --launch {files[0].name}",
     )
+
+
+FILE_SUFFIXES = (".urdf", ".xacro", ".sdf", ".world")  # what can be validated without a package
+
+
+@dataclass(frozen=True, kw_only=True)
+class ValidateRequest:
+    """Packages and files, and how they are validated."""
+
+    packages: Sequence[str] = ()
+    files: Sequence[Path] = ()  # neither: every package of the workspace that can be launched
+    launch_file: str | None = None  # a file name as `ros2 launch` takes it
+    launch_arguments: Mapping[str, str] = field(default_factory=dict)
+    seconds: float = 3.0  # of simulated time
+    engines: Sequence[str] = ("bullet",)  # the first one's figures are reported
+    jobs: int = 1  # number of packages or files to process in parallel
+    picture_folder: Path | None = None
+    video: Path | None = None  # a .gif or .mp4 of the simulation of one launch file
+
+    @property
+    def is_drawn(self) -> bool:
+        """Whether it matters what things look like."""
+        return self.picture_folder is not None or self.video is not None

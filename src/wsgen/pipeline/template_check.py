@@ -18,8 +18,7 @@ from wsgen.diagnostics import Rule, Severity
 from wsgen.isolation.fork_server import ForkServer
 from wsgen.model.package import Maintainer
 from wsgen.pipeline.package_validation import Validation
-from wsgen.pipeline.request import ValidateRequest
-from wsgen.pipeline.selection import SelectedPackage, may_spawn
+from wsgen.pipeline.selection import SelectedPackage, ValidateRequest, may_spawn
 from wsgen.simulation.run import default_engine
 from wsgen.templating.render import installed_folders
 from wsgen.templating.render_apart import render_tree_apart

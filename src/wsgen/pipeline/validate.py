@@ -1,6 +1,8 @@
 """The stages of `wsgen validate`: overlay, launch plan, robot and world, simulation, checks.
 
 `play` runs them for one launch file, as `wsgen launch --play` does.
+
+Names of validated files, for their pictures and in the progress.
 """
 
 from __future__ import annotations
@@ -26,7 +28,7 @@ from wsgen.workspace.layout import find_packages
 from wsgen.workspace.overlay import Overlay, source_overlay
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Mapping, Sequence
     from concurrent.futures import Executor
 
     from wsgen.diagnostics import Diagnostic
@@ -34,7 +36,7 @@ if TYPE_CHECKING:
     from wsgen.isolation.parent import Run
     from wsgen.model.outcome import PackageOutcome
     from wsgen.pipeline.file_validation import FileValidation
-    from wsgen.pipeline.request import ValidateRequest
+    from wsgen.pipeline.selection import ValidateRequest
     from wsgen.workspace.layout import Workspace
 
 
@@ -171,7 +173,6 @@ def _files(
         return []
     # A package needs nothing of what reads files.
     from wsgen.pipeline.file_validation import FileValidation  # noqa: PLC0415
-    from wsgen.pipeline.picture_names import unique_names  # noqa: PLC0415
 
     names = unique_names(request.files, packages)
     return [
@@ -287,3 +288,33 @@ def play(  # noqa: PLR0913  what to play, where, how
     )
     outcome = Validation(selected, overlay, request, listener).run()
     return Outcome(packages=(replace(outcome, package=package),))
+
+
+def unique_names(files: Sequence[Path], taken: Iterable[str]) -> list[str]:
+    """A name for each file that no other one has, nor any in `taken`.
+
+    It is the file's own without its ending, with as many of the folders around it as it takes: many
+    robots are called model.urdf.
+    """
+    ways = [list(file.absolute().with_suffix("").parts[1:]) for file in files]
+    used = set(taken)
+    names = []
+    for file, way in zip(files, ways, strict=True):
+        others = [other for other in ways if other is not way]
+        length = next(
+            (
+                length
+                for length in range(1, len(way) + 1)
+                if all(other[-length:] != way[-length:] for other in others)
+            ),
+            1,
+        )
+        name = wanted = "-".join(way[-length:])
+        number = 2
+        if name in used:
+            name = wanted = f"{wanted}-{file.suffix[1:]}"
+        while name in used:
+            name, number = f"{wanted}-{number}", number + 1
+        used.add(name)
+        names.append(name)
+    return names

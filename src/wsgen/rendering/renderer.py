@@ -11,7 +11,7 @@ from wsgen.model.robot import Box, Mesh
 from wsgen.model.transform import IDENTITY, quaternion_of_rpy, rotation_of_rpy
 from wsgen.rendering.camera import Shot, Size, eye_camera
 from wsgen.rendering.render_items import RenderItem, tessellate
-from wsgen.simulation.bullet_client import Client
+from wsgen.simulation.bullet import Client
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Container, Iterable

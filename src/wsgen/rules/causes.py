@@ -11,11 +11,7 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.description_rules import (
-    IMPOSSIBLE_INERTIA,
-    MISSPELLED_ATTRIBUTE,
-    MISSPELLED_ELEMENT,
-)
+from wsgen.description_rules import IMPOSSIBLE_INERTIA, MISSPELLED_ATTRIBUTE, MISSPELLED_ELEMENT
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.meshes.inspection import IMPLAUSIBLE_MESH_SIZE
 from wsgen.rules.robots import (
@@ -27,6 +23,7 @@ from wsgen.rules.robots import (
     STARTS_OUTSIDE_LIMITS,
 )
 from wsgen.rules.runs import (
+    ENGINES_DISAGREE,
     FALLS_WITHOUT_END,
     GAINS_ENERGY,
     JOINT_BEYOND_LIMIT,
@@ -38,7 +35,6 @@ from wsgen.rules.runs import (
     THROWN_INTO_THE_AIR,
     TIPS_OVER,
 )
-from wsgen.rules.scenes import ENGINES_DISAGREE
 from wsgen.sdf.assembly import JOINT_LEFT_OUT
 from wsgen.sdf.bodies import DEFAULT_INERTIA, MASSLESS_MODEL_LINK
 from wsgen.sdf.shapes import SHAPE_LEFT_OUT

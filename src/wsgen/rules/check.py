@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from wsgen.diagnostics import Severity
 from wsgen.model.kinematics import unactuated_joints
 from wsgen.model.robot import JointType
-from wsgen.rules import robots, runs, scenes
+from wsgen.rules import robots, runs
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -17,8 +17,7 @@ if TYPE_CHECKING:
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.robot import Robot
-    from wsgen.model.spawn import SpawnHeight
-    from wsgen.model.world import World
+    from wsgen.model.world import SpawnHeight, World
     from wsgen.simulation.scene import RobotRun
 
 
@@ -75,8 +74,8 @@ def check_run(  # noqa: PLR0913  most have defaults
         *runs.joints_differ(entity, movable, robot_run.movable_joints),
         *runs.state_not_finite(entity, is_finite=robot_run.is_finite),
         *runs.cut_short(entity, is_cut_short=robot_run.is_cut_short),
-        *scenes.overlapping_robots(entity, robot_run.overlaps, static_models),
-        *scenes.overlapping_links(entity, robot_run.overlaps, collide),
+        *runs.overlapping_robots(entity, robot_run.overlaps, static_models),
+        *runs.overlapping_links(entity, robot_run.overlaps, collide),
     ]
     if robot.is_static:
         return tuple(found)
@@ -140,7 +139,7 @@ def _check_motion(
     # A robot that is fixed to the world stays where it is spawned; only its joints can move.
     if not robot.fixed_to_world:
         found += _check_place(world, robot_run, has_passive_joints=bool(passive))
-    found += scenes.rests_on_hull(entity, robot_run.hull_gaps)
+    found += runs.rests_on_hull(entity, robot_run.hull_gaps)
     found += runs.joint_beyond_limit(entity, robot.joints, robot_run.joint_positions)
     # What its limits move is not reported as moved by gravity.
     to_limits = {

@@ -9,11 +9,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Literal
 
-from wsgen.description_rules import (
-    ONE_NAME_FOR_LINK_AND_JOINT,
-    RESERVED_NAME,
-    UNNAMED_ELEMENT,
-)
+from wsgen.description_rules import ONE_NAME_FOR_LINK_AND_JOINT, RESERVED_NAME, UNNAMED_ELEMENT
 from wsgen.diagnostics import Rule, Severity
 from wsgen.model.transform import IDENTITY, Pose, compose, invert, rotate, rotation_of_rpy
 from wsgen.sdf.source import POSE_FRAMES

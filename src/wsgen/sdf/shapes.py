@@ -18,8 +18,8 @@ from wsgen.description_rules import (
 )
 from wsgen.diagnostics import Rule, Severity
 from wsgen.meshes.shapes import IMPOSSIBLE_SHAPE
-from wsgen.model.colors import GAZEBO_COLORS
 from wsgen.model.robot import (
+    GAZEBO_COLORS,
     Box,
     Capsule,
     Collision,

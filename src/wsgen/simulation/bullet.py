@@ -3,19 +3,24 @@
 It collides meshes as their convex hulls, where Gazebo takes the triangles. On level ground the two
 are the same, for the corners of a hull are corners of its mesh; elsewhere `hull_gaps` measures how
 far they differ.
+
+PyBullet's functions, bound to one world; no other module imports PyBullet.
 """
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+import weakref
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import pybullet
 
 from wsgen.model.kinematics import split_trees
 from wsgen.model.robot import Box, Capsule, Collision, Cylinder, Link, Mesh, Robot, Sphere
 from wsgen.model.transform import Pose, Vector, compose, invert, quaternion_of_rpy
 from wsgen.simulation.bullet_body import ROOT, BulletBody, PartBounds, load
 from wsgen.simulation.bullet_body import STRIDE as DAMPER_STRIDE
-from wsgen.simulation.bullet_client import Client, error
 from wsgen.simulation.contact_shapes import MOST_LINKS, most_parts
 from wsgen.simulation.engine import (
     GROUND_FRICTION,
@@ -28,11 +33,44 @@ from wsgen.simulation.engine import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from wsgen.model.world import World
     from wsgen.simulation.engine import Motor, Place
     from wsgen.simulation.scene import SpawnedRobot
+
+
+error: type[Exception] = pybullet.error
+
+
+class Client:
+    """A world in PyBullet without a window.
+
+    An attribute is PyBullet's function of that name for this world, or its constant.
+    """
+
+    def __init__(self) -> None:
+        self.number: int = pybullet.connect(pybullet.DIRECT)
+        # A world that has been drawn holds 100 MB.
+        self._disconnect = weakref.finalize(self, pybullet.disconnect, physicsClientId=self.number)
+        self._disconnect.atexit = False
+
+    def __getattr__(self, name: str) -> Any:
+        found = getattr(pybullet, name)
+        if callable(found):
+            found = partial(found, physicsClientId=self.number)
+        setattr(self, name, found)  # the next time it is there at once
+        return found
+
+    @staticmethod
+    def calculate(name: str) -> Callable[..., Any]:
+        """A function of PyBullet that has nothing to do with a world."""
+        function: Callable[..., Any] = getattr(pybullet, name)
+        return function
+
+    def close(self) -> None:
+        """Give the world back, now instead of with the last reference; may be called again."""
+        self._disconnect()
 
 
 PROBE = 1e-4  # m, radius of the sphere that feels for a surface

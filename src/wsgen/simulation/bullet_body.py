@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
 
     from wsgen.model.robot import Inertial, Joint, Link, Robot
-    from wsgen.simulation.bullet_client import Client
+    from wsgen.simulation.bullet import Client
     from wsgen.simulation.engine import Motor
 
 

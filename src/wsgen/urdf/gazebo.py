@@ -17,19 +17,17 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity
-from wsgen.model.colors import GAZEBO_COLORS
-from wsgen.model.robot import GazeboTag, Plugin, SdfJoint, Surface
+from wsgen.model.robot import GAZEBO_COLORS, GazeboTag, Plugin, SdfJoint, Surface
 from wsgen.suggestions import did_you_mean, nearest
-from wsgen.urdf.collector import line_of
 from wsgen.urdf.unknown_elements import nearest_element
-from wsgen.urdf.values import LEFT_OVER, NUMBER, leading_float, leading_integer
+from wsgen.urdf.values import LEFT_OVER, NUMBER, leading_float, leading_integer, line_of
 from wsgen.xmltree import child_text, child_texts, children
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
     from wsgen.model.robot import Collision, Joint, Link, Visual
-    from wsgen.urdf.collector import Collector
+    from wsgen.urdf.values import Collector
     from wsgen.xmltree import Element
 
 

@@ -14,14 +14,13 @@ from wsgen.diagnostics import Rule, Severity
 from wsgen.model.robot import Joint, JointLimit, JointType, Mimic
 from wsgen.model.transform import IDENTITY
 from wsgen.suggestions import did_you_mean
-from wsgen.urdf.collector import line_of
 from wsgen.urdf.links import read_origin
 from wsgen.urdf.unknown_elements import meant_element
-from wsgen.urdf.values import read_number, read_triple
+from wsgen.urdf.values import line_of, read_number, read_triple
 from wsgen.xmltree import children
 
 if TYPE_CHECKING:
-    from wsgen.urdf.collector import Collector
+    from wsgen.urdf.values import Collector
     from wsgen.xmltree import Element
 
 

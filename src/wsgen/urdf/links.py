@@ -24,15 +24,14 @@ from wsgen.model.robot import (
     Visual,
 )
 from wsgen.model.transform import IDENTITY, Pose
-from wsgen.urdf.collector import line_of
 from wsgen.urdf.unknown_elements import SHAPES, meant_element
-from wsgen.urdf.values import read_number, read_numbers, read_triple
+from wsgen.urdf.values import line_of, read_number, read_numbers, read_triple
 from wsgen.xmltree import children
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from wsgen.urdf.collector import Collector
+    from wsgen.urdf.values import Collector
     from wsgen.xmltree import Element
 
 

@@ -25,14 +25,13 @@ from wsgen.diagnostics import Rule, Severity
 from wsgen.files import save_as_utf8, wide_encoding
 from wsgen.markup import without_comments
 from wsgen.model.robot import Robot
-from wsgen.urdf.collector import Collector, line_of
 from wsgen.urdf.gazebo import read_tags
 from wsgen.urdf.joints import read_joint
 from wsgen.urdf.links import read_link, read_materials
 from wsgen.urdf.lumping import WORLD
 from wsgen.urdf.structure import check_inertias, check_mimics, check_names, find_root
 from wsgen.urdf.unknown_elements import check_spelling
-from wsgen.urdf.values import LEFT_OVER
+from wsgen.urdf.values import LEFT_OVER, Collector, line_of
 from wsgen.xmltree import Malformed, children, parse, parse_as_tinyxml
 
 if TYPE_CHECKING:

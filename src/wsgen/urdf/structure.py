@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from wsgen.model.robot import Joint, Robot
-    from wsgen.urdf.collector import Collector
+    from wsgen.urdf.values import Collector
     from wsgen.xmltree import Element
 
 

@@ -10,7 +10,7 @@ from wsgen.description_rules import MISSPELLED_ATTRIBUTE, MISSPELLED_ELEMENT
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from wsgen.urdf.collector import Collector
+    from wsgen.urdf.values import Collector
     from wsgen.xmltree import Element
 
 

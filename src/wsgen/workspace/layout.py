@@ -1,8 +1,14 @@
-"""Find colcon workspaces and the packages in them, and explain why none was found."""
+"""Find colcon workspaces and the packages in them, and explain why none was found.
+
+The names under which the packages of a workspace spawn their robots.
+
+Check that colcon, CMake and the shells can all handle the path of a workspace.
+"""
 
 from __future__ import annotations
 
 import os
+import re
 import shlex
 from dataclasses import dataclass
 from itertools import islice
@@ -306,3 +312,47 @@ def _has_source(folder: Path) -> bool:
 
 def _holds_packages(folder: Path) -> bool:
     return any("package.xml" in names for _, names in islice(crawl(folder), EVIDENCE_LIMIT))
+
+
+# The options of spawn_entity.py and of create, with a name that is written out after them.
+NAMED = re.compile(r"""['"]-(?:entity|name)['"]\s*,\s*['"]([^'"]+)['"]""")
+
+
+def spawned_entities(workspace: Workspace) -> frozenset[str]:
+    """Find the names in the launch files of its packages, except computed ones."""
+    return frozenset(
+        name
+        for package in find_packages(workspace)
+        for file in sorted(package.path.glob("launch/*.py"))
+        for name in NAMED.findall(_read(file))
+    )
+
+
+def _read(file: Path) -> str:
+    """Read the text; empty if the file cannot be read."""
+    try:
+        return file.read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return ""
+
+
+# As tried: with `$`, `:` and the backquote the build passes, but sourcing the install space does
+# not bring in the package; with the others CMake fails, or loses a part of the path.
+REFUSED = frozenset(';$:`"\\[]?<>\n\r')
+
+
+def check_workspace_path(path: Path) -> None:
+    """Stop if the path has a character that breaks builds.
+
+    Raises:
+        RequestError: it has one.
+    """
+    refused = sorted(REFUSED.intersection(str(path)))
+    if refused:
+        named = " and ".join("a line break" if sign in "\n\r" else sign for sign in refused)
+        raise RequestError(
+            f"A workspace cannot be in {str(path)!r}: CMake and colcon do not support {named} "
+            "in a path.",
+            hint="Rename the folder, or use another one; letters, digits, spaces, `-`, `_` and "
+            "`.` are safe.",
+        )
