@@ -19,8 +19,14 @@ import pytest
 
 import mesh_samples
 from wsgen.meshes import worker
-from wsgen.meshes.content import MISSING_MATERIAL_LIBRARY, BrokenMeshError, EnormousMeshError
-from wsgen.meshes.requests import InspectedMesh, MeshRequest, Showing, UnusableMesh
+from wsgen.meshes.content import BrokenMeshError, EnormousMeshError
+from wsgen.meshes.requests import (
+    MISSING_MATERIAL_LIBRARY,
+    InspectedMesh,
+    MeshRequest,
+    Showing,
+    UnusableMesh,
+)
 from wsgen.meshes.stl import write_stl
 from wsgen.meshes.worker import READ, read_mesh
 

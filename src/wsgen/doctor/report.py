@@ -1,6 +1,4 @@
-"""Compare a machine with a target, for `wsgen doctor`.
-
-Check the requirements of wsgen's own commands, and those of ROS.
+"""Compare a machine with a target, for `wsgen doctor`: the requirements of wsgen and of ROS.
 
 wsgen requires no ROS. `ros2 launch` of a package requires the Ubuntu, ROS and Gazebo of the target.
 """

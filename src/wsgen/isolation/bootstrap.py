@@ -1,7 +1,7 @@
 """The first lines of a child process: set the module search path, then perform the task.
 
 Run as a script in an isolated interpreter (`python -I bootstrap.py`), with the request on
-standard input. It imports nothing but the standard library until the search path is set.
+standard input. Before the search path is set it imports only what performs the task.
 """
 
 import os

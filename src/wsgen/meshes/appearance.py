@@ -17,16 +17,9 @@ import numpy as np
 
 from wsgen.files import read_regular
 from wsgen.isolation.child import announce
-from wsgen.meshes.content import (
-    MISSING_TEXTURE,
-    UNUSABLE_TEXTURE,
-    Material,
-    Patch,
-    bounds_of,
-    flat_normals,
-)
+from wsgen.meshes.content import Material, Patch, bounds_of, flat_normals
 from wsgen.meshes.obj import write_obj
-from wsgen.meshes.requests import ColoredMesh, MaterialProblem
+from wsgen.meshes.requests import MISSING_TEXTURE, UNUSABLE_TEXTURE, ColoredMesh, MaterialProblem
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from wsgen.meshes.content import (
-    MISSING_EFFECT,
     BrokenMeshError,
     Content,
     Material,
@@ -21,7 +20,7 @@ from wsgen.meshes.content import (
     refuse_triangles,
     triangulate,
 )
-from wsgen.meshes.requests import MaterialProblem
+from wsgen.meshes.requests import MISSING_EFFECT, MaterialProblem
 from wsgen.xmltree import Malformed, parse_numbers
 
 if TYPE_CHECKING:

@@ -13,7 +13,6 @@ import numpy as np
 
 from wsgen.files import read_regular
 from wsgen.meshes.content import (
-    MISSING_MATERIAL_LIBRARY,
     BrokenMeshError,
     Content,
     EnormousMeshError,
@@ -25,7 +24,7 @@ from wsgen.meshes.content import (
     refuse_triangles,
     triangulate,
 )
-from wsgen.meshes.requests import MaterialProblem
+from wsgen.meshes.requests import MISSING_MATERIAL_LIBRARY, MaterialProblem
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence

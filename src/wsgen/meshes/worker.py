@@ -46,7 +46,7 @@ if TYPE_CHECKING:
 GLB_SIZE = slice(8, 12)  # the bytes of a GLB that say how many it has
 
 
-class _Neighbours:
+class _Neighbors:
     """What the library asks for the files that a mesh names."""
 
     def __init__(self, folder: Path) -> None:
@@ -97,7 +97,7 @@ def read_with_library(
         if kind == "gltf":
             json.loads(data)  # the library reads another file where this one is broken
         scene = trimesh.load_scene(
-            BytesIO(data), file_type=kind, resolver=cast("Any", _Neighbours(folder)), process=False
+            BytesIO(data), file_type=kind, resolver=cast("Any", _Neighbors(folder)), process=False
         )
         corners = np.asarray(scene.to_mesh().triangles, dtype=np.float64)
         patches = tuple(_patches(scene)) if with_materials else ()
@@ -154,7 +154,7 @@ def _material(material: Any) -> Material:
     return Material(rgba=(red, green, blue, 1.0 if is_solid else alpha), image=image)
 
 
-RECOGNISE: dict[str, Callable[[bytes], bool]] = {  # by the extension that files of the format have
+RECOGNIZE: dict[str, Callable[[bytes], bool]] = {  # by the extension that files of the format have
     "glb": lambda data: data.startswith(b"glTF"),
     "ply": lambda data: data.startswith((b"ply\n", b"ply\r")),
     "dae": is_dae,
@@ -178,7 +178,7 @@ def read_mesh(file: Path, *, with_materials: bool = False) -> Content:
     """
     _check_is_there(file)
     kind = file.suffix[1:].lower()
-    if kind not in RECOGNISE:
+    if kind not in RECOGNIZE:
         raise BrokenMeshError(
             f"has a format that wsgen does not read ({file.suffix or 'no extension'})",
             hint="Convert it to STL, OBJ or COLLADA.",
@@ -186,8 +186,8 @@ def read_mesh(file: Path, *, with_materials: bool = False) -> Content:
     data = file.read_bytes()
     if not data:
         raise BrokenMeshError("is empty (0 bytes)")
-    if not RECOGNISE[kind](data):
-        other = next((name for name, looks_so in RECOGNISE.items() if looks_so(data)), None)
+    if not RECOGNIZE[kind](data):
+        other = next((name for name, looks_so in RECOGNIZE.items() if looks_so(data)), None)
         if other is not None:
             raise BrokenMeshError(
                 f"contains {other.upper()}, but simulators take it for {kind.upper()} by its name",

@@ -2,10 +2,6 @@
 
 The frame of a link is the frame of its parent joint (URDF's convention). `pose_in_link` is seen
 from the link frame, `pose_in_parent` from the parent link's frame.
-
-The colors that `Gazebo/<Name>` stands for: the diffuse colors of Gazebo Classic's materials.
-
-Source: the material script `gazebo.material` that Gazebo Classic ships. RGBA, 0 to 1.
 """
 
 from __future__ import annotations
@@ -42,14 +38,14 @@ class Inertial:
 
 @dataclass(frozen=True, kw_only=True)
 class Box:
-    """A box centerd on its frame."""
+    """A box centered on its frame."""
 
     size: tuple[float, float, float]  # m, edge lengths along x, y, z
 
 
 @dataclass(frozen=True, kw_only=True)
 class Cylinder:
-    """A cylinder centerd on its frame, its axis along z."""
+    """A cylinder centered on its frame, its axis along z."""
 
     radius: float  # m
     length: float  # m
@@ -57,14 +53,14 @@ class Cylinder:
 
 @dataclass(frozen=True, kw_only=True)
 class Sphere:
-    """A sphere centerd on its frame."""
+    """A sphere centered on its frame."""
 
     radius: float  # m
 
 
 @dataclass(frozen=True, kw_only=True)
 class Capsule:
-    """A cylinder with two half spheres, centerd on its frame, its axis along z."""
+    """A cylinder with two half spheres, centered on its frame, its axis along z."""
 
     radius: float  # m
     length: float  # m, of the cylinder between the half spheres
@@ -84,7 +80,7 @@ class Mesh:
 
 @dataclass(frozen=True, kw_only=True)
 class Ellipsoid:
-    """An ellipsoid centerd on its frame, its axes along x, y, z."""
+    """An ellipsoid centered on its frame, its axes along x, y, z."""
 
     radii: tuple[float, float, float]  # m
 
@@ -113,7 +109,7 @@ class Extrusion:
 class Heightmap:
     """A surface over the plane of x and y, as high as the pixels of an image are bright.
 
-    It is centerd on its frame; the first row of the image is at the highest y.
+    It is centered on its frame; the first row of the image is at the highest y.
     """
 
     uri: str  # as written
@@ -295,6 +291,8 @@ class Robot:
 
 Rgba = tuple[float, float, float, float]
 
+# What `Gazebo/<Name>` stands for: the diffuse colors in the material script `gazebo.material` that
+# Gazebo Classic ships. RGBA, 0 to 1.
 GAZEBO_COLORS: dict[str, Rgba] = {
     "Gazebo/Grey": (0.7, 0.7, 0.7, 1.0),
     "Gazebo/Gray": (0.7, 0.7, 0.7, 1.0),

@@ -1,7 +1,4 @@
-"""Which packages are validated, and by which of their launch files.
-
-What the user asks `wsgen validate` for.
-"""
+"""What the user asks to validate: which packages, and by which of their launch files."""
 
 from __future__ import annotations
 

@@ -1,8 +1,6 @@
 """The stages of `wsgen validate`: overlay, launch plan, robot and world, simulation, checks.
 
 `play` runs them for one launch file, as `wsgen launch --play` does.
-
-Names of validated files, for their pictures and in the progress.
 """
 
 from __future__ import annotations

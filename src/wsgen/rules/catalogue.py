@@ -1,7 +1,4 @@
-"""All rules, collected from the modules that define them.
-
-Warnings that a package allows in its `wsgen.toml`.
-"""
+"""All rules, collected from the modules that define them, and those that a package allows."""
 
 from __future__ import annotations
 
@@ -43,8 +40,8 @@ MODULES = (
     "wsgen.launch.explain_names",
     "wsgen.launch.launch_warnings",
     "wsgen.launch.spawning",
-    "wsgen.meshes.content",
     "wsgen.meshes.inspection",
+    "wsgen.meshes.requests",
     "wsgen.meshes.shapes",
     "wsgen.pipeline.file_validation",
     "wsgen.pipeline.package_validation",

@@ -1,12 +1,8 @@
-"""Rules about what the simulation of a robot measured: is it whole, on the ground, does it stand?
+"""Rules about what a simulation measured, of one robot, of a scene, and in two engines.
 
 The parameters of a check are facts in SI units; a check yields what it reports. An unactuated joint
 is one that gravity can move, other than the axle of a wheel; it is passive when gravity did move
 it. Such a joint needs a controller, not a better description.
-
-Rules about robots in one scene, and about one scene in two engines.
-
-The parameters of a check are facts in SI units; a check yields what it reports.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """One SDF file that is being read: its elements, its version and the diagnostics about it.
 
 Reading is as lenient as Gazebo's own parser: what that accepts gives elements and a warning.
-
-Misspelled elements and attributes of SDF, which Gazebo ignores nearly silently.
+Misspelled elements and attributes, which Gazebo ignores nearly silently, are reported here.
 """
 
 from __future__ import annotations

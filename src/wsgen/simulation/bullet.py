@@ -4,7 +4,7 @@ It collides meshes as their convex hulls, where Gazebo takes the triangles. On l
 are the same, for the corners of a hull are corners of its mesh; elsewhere `hull_gaps` measures how
 far they differ.
 
-PyBullet's functions, bound to one world; no other module imports PyBullet.
+No other module imports PyBullet; its functions are bound to one world.
 """
 
 from __future__ import annotations

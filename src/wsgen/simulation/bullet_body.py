@@ -266,7 +266,7 @@ class BulletBody:
         """Load it.
 
         Raises:
-            bullet_client.error: PyBullet does not take it.
+            pybullet.error: PyBullet does not take it.
         """
         self._client = client
         self.tree = _frozen(tree) if tree.is_static else tree
@@ -476,7 +476,7 @@ def load(client: Client, tree: Robot, pose: Pose) -> int:
     """Put a tree of links into PyBullet; gives the number of its body.
 
     Raises:
-        bullet_client.error: PyBullet does not take it.
+        pybullet.error: PyBullet does not take it.
     """
     # Inertias come from the description, not from the collision shapes. Cylinders are exact: as
     # polyhedra of 32 faces wheels do not roll and everything stands 1 mm higher. Gazebo lumps

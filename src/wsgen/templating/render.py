@@ -1,4 +1,4 @@
-"""Render a package: PackageSpec and Template -> the texts of its files. It writes nothing."""
+"""Render a package: PackageSpec and Template -> the texts of its files. It writes no package."""
 
 from __future__ import annotations
 

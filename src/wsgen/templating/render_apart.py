@@ -6,11 +6,12 @@ The sandbox protects the machine from a template, but not from a loop up to 10**
 from __future__ import annotations
 
 import signal
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.diagnostics import Diagnostic  # noqa: TC001  the type hints of the answer are read
 from wsgen.isolation import parent
+from wsgen.isolation.codec import decode
 from wsgen.isolation.outcome import Died, Limits
 from wsgen.templating.manifest import refuse
 from wsgen.templating.render import FAILING_TEMPLATE, render_tree
@@ -28,6 +29,23 @@ if TYPE_CHECKING:
 SECONDS = 5.0
 SPARE_SECONDS = 2.0
 MEMORY = 2**29  # bytes
+
+
+@dataclass(frozen=True)
+class RenderRequest:
+    """What the child renders."""
+
+    spec: PackageSpec
+    template: Template
+    seconds: float  # of CPU time, at most
+
+
+@dataclass(frozen=True)
+class Rendered:
+    """What the child answers."""
+
+    tree: dict[str, str]  # the text of each file, by its path in the package
+    diagnostics: tuple[Diagnostic, ...]  # mistakes in the template
 
 
 class TooSlowError(TimeoutError):
@@ -51,7 +69,7 @@ def render_tree_apart(
     """Render the files as far as possible, and report the mistakes in the template."""
     answer = run(
         "wsgen.templating.render_apart:render_here",
-        *(spec, template, seconds),
+        RenderRequest(spec, template, seconds),
         limits=Limits(seconds=seconds + SPARE_SECONDS, memory=MEMORY),
     )
     if isinstance(answer, Died):
@@ -62,33 +80,18 @@ def render_tree_apart(
                 hint=answer.hint("Look for loops and powers of large numbers."),
             ),
         )
-    tree: RenderedTree = answer.value["tree"]
-    return tree, tuple(_read_diagnostic(values) for values in answer.value["diagnostics"])
+    rendered = decode(answer.value, Rendered)
+    return rendered.tree, rendered.diagnostics
 
 
-def render_here(spec: PackageSpec, template: Template, seconds: float) -> dict[str, Any]:
-    """Render in the child; its answer is JSON."""
+def render_here(request: RenderRequest) -> Rendered:
+    """Render in the child."""
 
     def stop(_number: int, _frame: FrameType | None) -> None:
-        raise TooSlowError(f"the template needs more than {seconds:g} s of CPU time")
+        raise TooSlowError(f"the template needs more than {request.seconds:g} s of CPU time")
 
     signal.signal(signal.SIGPROF, stop)
-    signal.setitimer(signal.ITIMER_PROF, seconds)
-    tree, diagnostics = render_tree(spec, template)
+    signal.setitimer(signal.ITIMER_PROF, request.seconds)
+    tree, diagnostics = render_tree(request.spec, request.template)
     signal.setitimer(signal.ITIMER_PROF, 0)
-    return {"tree": tree, "diagnostics": [_write_diagnostic(found) for found in diagnostics]}
-
-
-def _write_diagnostic(found: Diagnostic) -> dict[str, object]:
-    return {**vars(found), "file": None if found.file is None else str(found.file)}
-
-
-def _read_diagnostic(values: dict[str, Any]) -> Diagnostic:
-    file = values["file"]
-    return Diagnostic(
-        **{
-            **values,
-            "severity": Severity(values["severity"]),
-            "file": None if file is None else Path(file),
-        }
-    )
+    return Rendered(tree, tuple(diagnostics))

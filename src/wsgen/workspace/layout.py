@@ -1,9 +1,4 @@
-"""Find colcon workspaces and the packages in them, and explain why none was found.
-
-The names under which the packages of a workspace spawn their robots.
-
-Check that colcon, CMake and the shells can all handle the path of a workspace.
-"""
+"""Find colcon workspaces and the packages in them, and explain why none was found."""
 
 from __future__ import annotations
 
