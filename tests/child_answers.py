@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 
 from wsgen.isolation.codec import encode
-from wsgen.isolation.outcome import Answered
+from wsgen.isolation.result import Answered
 
 
 def answered(value: object) -> Answered:

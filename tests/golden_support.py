@@ -13,7 +13,7 @@ from pathlib import Path
 
 from wsgen.cli import run
 from wsgen.model.target import TARGETS, Target
-from wsgen.templating.manifest import load_template, template_names
+from wsgen.templating.template import load_template, template_names
 
 ROOT = Path(__file__).parents[1]
 GOLDENS = ROOT / "tests" / "golden"

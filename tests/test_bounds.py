@@ -18,8 +18,8 @@ from wsgen.model.target import TARGETS
 from wsgen.pipeline.package_validation import Validation
 from wsgen.pipeline.selection import SelectedPackage, ValidateRequest
 from wsgen.simulation.run import default_engine
-from wsgen.templating.manifest import load_template
 from wsgen.templating.render import render_package
+from wsgen.templating.template import load_template
 from wsgen.workspace.overlay import Overlay
 
 if TYPE_CHECKING:

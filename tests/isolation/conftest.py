@@ -8,7 +8,7 @@ import pytest
 
 from wsgen.isolation import parent
 from wsgen.isolation.fork_server import ForkServer
-from wsgen.isolation.outcome import Answered, Died
+from wsgen.isolation.result import Answered, Died
 
 Run = Callable[..., Answered | Died]
 

@@ -16,7 +16,7 @@ import pytest
 from wsgen.diagnostics import Severity
 from wsgen.isolation import parent
 from wsgen.isolation.codec import decode, encode
-from wsgen.isolation.outcome import Answered
+from wsgen.isolation.result import Answered
 
 
 @dataclass(frozen=True)

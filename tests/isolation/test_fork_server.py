@@ -14,7 +14,7 @@ from isolation.conftest import Task
 from isolation.processes import is_alive, parent_of, wait_while
 from wsgen.isolation.fork_server import ForkServer
 from wsgen.isolation.fork_server_process import Server
-from wsgen.isolation.outcome import Answered, Died, Limits
+from wsgen.isolation.result import Answered, Died, Limits
 
 pytestmark = pytest.mark.skipif("sys.platform != 'linux'", reason="nothing is forked elsewhere")
 

@@ -11,7 +11,7 @@ import pytest
 
 from isolation.conftest import Run
 from isolation.processes import is_alive, wait_while
-from wsgen.isolation.outcome import Answered, Limits
+from wsgen.isolation.result import Answered, Limits
 
 # The child starts a process of its own, tells who the three are, and computes for ever.
 TASK = """

@@ -11,7 +11,7 @@ from isolation.conftest import Run, Task
 from isolation.processes import is_alive, wait_while
 from wsgen.errors import NotReadableError
 from wsgen.isolation import parent
-from wsgen.isolation.outcome import Answered, Died, Limits
+from wsgen.isolation.result import Answered, Died, Limits
 
 pytestmark = pytest.mark.slow
 

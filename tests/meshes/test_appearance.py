@@ -28,7 +28,7 @@ from wsgen.model.robot import Collision, Link, Mesh, Robot, Visual
 
 if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
-    from wsgen.isolation.outcome import Answered, Died
+    from wsgen.isolation.result import Answered, Died
 
 
 Rgba = tuple[float, float, float, float]

@@ -15,7 +15,7 @@ from child_answers import answered
 from meshes.public_meshes import PACKAGES, differences, meshes_of
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.isolation.fork_server import ForkServer
-from wsgen.isolation.outcome import Answered, Died, Limits
+from wsgen.isolation.result import Answered, Died, Limits
 from wsgen.meshes import worker
 from wsgen.meshes.inspection import DEATHS, inspect_meshes
 from wsgen.model.robot import Box, Collision, Geometry, Link, Mesh, Robot, Visual

@@ -12,7 +12,7 @@ from wsgen.pipeline.prepare import MOST_MODELS, PrepareContext, describe_models,
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from wsgen.isolation.outcome import Answered, Died
+    from wsgen.isolation.result import Answered, Died
 
 
 EGG = (

@@ -11,13 +11,13 @@ import pytest
 from child_answers import answered
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.isolation.codec import decode
-from wsgen.isolation.outcome import Answered, Died
+from wsgen.isolation.result import Answered, Died
 from wsgen.model.behavior import Behavior, Reach
 from wsgen.model.robot import Inertial, Joint, JointType, Link, Robot
 from wsgen.model.transform import Pose
 from wsgen.model.world import World
 from wsgen.pipeline import run_robots as robot_runs
-from wsgen.pipeline.behaviors import plan_behaviors
+from wsgen.pipeline.behavior_plan import plan_behaviors
 from wsgen.pipeline.prepare import PreparedRobot
 from wsgen.pipeline.run_robots import SimulationResult, simulate_robots
 from wsgen.pipeline.selection import ValidateRequest

@@ -3,7 +3,7 @@ from pathlib import Path
 
 from report.test_json_report import keys
 from wsgen.report.json_report import render_templates
-from wsgen.templating.manifest import load_template
+from wsgen.templating.template import load_template
 
 
 def test_the_documentation_lists_every_key() -> None:

@@ -19,7 +19,7 @@ from wsgen.rules.catalogue import (
     find_rule,
     to_markdown,
 )
-from wsgen.rules.causes import CONSEQUENCES
+from wsgen.rules.consequences import CONSEQUENCES
 
 ROOT = Path(__file__).parents[2]
 SOURCE = ROOT / "src" / "wsgen"

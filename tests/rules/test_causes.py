@@ -6,7 +6,7 @@ import pytest
 
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.rules.catalogue import all_rules
-from wsgen.rules.causes import CONSEQUENCES, fold_consequences, joints_beyond_limits
+from wsgen.rules.consequences import CONSEQUENCES, fold_consequences, joints_beyond_limits
 
 ERROR, WARNING, INFO = Severity
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from broken_worlds import CASES
-from wsgen.isolation.outcome import Answered, Limits
 from wsgen.isolation.parent import run
+from wsgen.isolation.result import Answered, Limits
 
 if TYPE_CHECKING:
     from pathlib import Path

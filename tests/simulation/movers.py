@@ -11,7 +11,7 @@ from simulation.robots import GROUND, body, joint, shape, tree
 from wsgen.model.behavior import Behavior, BehaviorRun, DiffDrive, Drive, Reach, WheelPair
 from wsgen.model.robot import Box, Cylinder, Inertial, JointLimit, JointType, Link, Mimic, Sphere
 from wsgen.model.transform import Pose
-from wsgen.simulation.behaviors import run_behaviors
+from wsgen.simulation.run_behaviors import run_behaviors
 from wsgen.simulation.scene import BehaviorMeasurement, Scene, SpawnedRobot
 from wsgen.simulation.simulate import play
 

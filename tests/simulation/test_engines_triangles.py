@@ -15,7 +15,7 @@ from PIL import Image
 from child_answers import answered
 from simulation.robots import VOID, ball_on_mesh, body, joint, single, spawned
 from wsgen.meshes import shape_worker
-from wsgen.meshes.shapes import build_shapes
+from wsgen.meshes.shape_meshes import build_shapes
 from wsgen.meshes.stl import write_stl
 from wsgen.model.robot import (
     Box,
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from simulation.robots import NewEngine
-    from wsgen.isolation.outcome import Answered
+    from wsgen.isolation.result import Answered
     from wsgen.simulation.engine import State
 
 

@@ -14,8 +14,8 @@ from PIL import Image
 from simulation.movers import AT, drive, two_wheeled
 from wsgen.diagnostics import Severity
 from wsgen.isolation import parent
-from wsgen.isolation.outcome import Answered, Died
 from wsgen.isolation.parent import Limits
+from wsgen.isolation.result import Answered, Died
 from wsgen.model.robot import Collision, Cylinder, Inertial, Link, Mesh, Robot, Visual
 from wsgen.model.transform import Pose
 from wsgen.model.world import World

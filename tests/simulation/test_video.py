@@ -16,7 +16,7 @@ from PIL import Image
 from child_answers import answered
 from simulation.showpieces import BLUE, GROUND, is_blue, piece, scene_renderer_of
 from wsgen.diagnostics import Severity
-from wsgen.isolation.outcome import DEFAULT_LIMITS, Answered, Died, Limits
+from wsgen.isolation.result import DEFAULT_LIMITS, Answered, Died, Limits
 from wsgen.model.robot import Box, Collision, Inertial, Link, Mesh, Robot, Visual
 from wsgen.model.transform import Pose
 from wsgen.rendering import recording, video

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from wsgen.model.package import Maintainer, PackageSpec
 from wsgen.model.target import DEFAULT_TARGET, Target
-from wsgen.templating.manifest import Template, load_template
 from wsgen.templating.spec import make_spec
+from wsgen.templating.template import Template, load_template
 
 if TYPE_CHECKING:
     from pathlib import Path

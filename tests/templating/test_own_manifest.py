@@ -8,7 +8,7 @@ import pytest
 from templating.broken_templates import FILES, HEAD, load, spec_for, write_template
 from wsgen.errors import BrokenTemplateError, RequestError
 from wsgen.model.target import DEFAULT_TARGET, choose_target
-from wsgen.templating.manifest import read_template
+from wsgen.templating.template import read_template
 
 VARIABLE = (
     '[variables.mass]\nhelp = "Mass"\ntype = "number"\nunit = "kg"\n'

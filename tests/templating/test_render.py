@@ -8,9 +8,9 @@ from golden_support import CASES
 from wsgen import __version__
 from wsgen.model.package import Maintainer
 from wsgen.model.target import DEFAULT_TARGET
-from wsgen.templating.manifest import load_template
 from wsgen.templating.render import RenderedTree, render_package
 from wsgen.templating.spec import license_names, make_spec
+from wsgen.templating.template import load_template
 
 if sys.version_info >= (3, 11):
     import tomllib

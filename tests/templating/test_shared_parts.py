@@ -10,8 +10,8 @@ from golden_support import CASES
 from templating.broken_templates import spec_for
 from wsgen.model.target import Target
 from wsgen.templating import sources
-from wsgen.templating.manifest import load_template
 from wsgen.templating.render import RenderedTree, render_package
+from wsgen.templating.template import load_template
 
 
 def render_all() -> dict[str, RenderedTree]:

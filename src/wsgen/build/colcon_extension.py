@@ -65,7 +65,7 @@ class _WithoutTests(ArgumentParserDecorator):  # type: ignore[misc]  # colcon is
 
 def _leave_tests_out(parsed: argparse.Namespace) -> None:
     # Only `colcon build` pays for reading the packages.
-    from wsgen.build.sources import WITHOUT_TESTS, missing_test_dependencies  # noqa: PLC0415
+    from wsgen.build.source_packages import WITHOUT_TESTS, missing_test_dependencies  # noqa: PLC0415
     from wsgen.workspace.layout import Workspace, take_inventory  # noqa: PLC0415
 
     # Without colcon's extensions for CMake or ROS, their arguments do not exist.

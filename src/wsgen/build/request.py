@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
-from wsgen.build.sources import WITHOUT_TESTS
+from wsgen.build.source_packages import WITHOUT_TESTS
 from wsgen.errors import NotFoundError, RequestError
 from wsgen.suggestions import suggest
 from wsgen.workspace.layout import IGNORE_MARKERS, crawl, read_package, refuse_missing_manifest

@@ -16,7 +16,7 @@ from wsgen.build.request import (
     choose_packages,
     selects_packages,
 )
-from wsgen.build.sources import (
+from wsgen.build.source_packages import (
     missing_build_types,
     missing_test_dependencies,
     skipped_packages,

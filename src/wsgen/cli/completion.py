@@ -75,7 +75,7 @@ def _share(ctx: click.Context, package: str) -> Path:
 
 
 def _templates(_ctx: click.Context) -> Iterable[str]:
-    from wsgen.templating.manifest import template_names
+    from wsgen.templating.template import template_names
 
     return template_names()
 

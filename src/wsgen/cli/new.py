@@ -28,8 +28,8 @@ class NewCommand(ExampleCommand):
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """List them as they are installed; only --help loads them."""
-        from wsgen.templating.manifest import load_template, template_names
         from wsgen.templating.spec import license_names
+        from wsgen.templating.template import load_template, template_names
 
         with formatter.section("Templates, with variables that `wsgen templates NAME` explains"):
             formatter.write_dl(

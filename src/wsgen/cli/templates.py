@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from wsgen.diagnostics import Diagnostic
-    from wsgen.templating.manifest import Template
+    from wsgen.templating.template import Template
     from wsgen.templating.variables import Variable
 
 
@@ -40,7 +40,7 @@ def command(
     verbose: bool,  # noqa: ARG001  nothing is left out
 ) -> int:
     """List the templates, or the variables of the template with this NAME or in this FOLDER."""
-    from wsgen.templating.manifest import load_template, template_names
+    from wsgen.templating.template import load_template, template_names
 
     if is_check:
         if name is None:
@@ -87,7 +87,7 @@ def _diagnose(name: str) -> Sequence[Diagnostic]:
     from pathlib import Path
 
     from wsgen.pipeline.template_check import check_template
-    from wsgen.templating.manifest import is_shipped, load_template, read_template
+    from wsgen.templating.template import is_shipped, load_template, read_template
 
     if is_shipped(name) or not Path(name).is_dir():
         return check_template(load_template(name))

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from wsgen.build.toolchain import find_toolchain
 from wsgen.errors import NotFoundError, NotReadableError
 from wsgen.isolation import parent
-from wsgen.isolation.outcome import Died
+from wsgen.isolation.result import Died
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

@@ -23,7 +23,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.isolation import parent
-from wsgen.isolation.outcome import (
+from wsgen.isolation.parent_death import open_parent_death_pipe
+from wsgen.isolation.result import (
     DEFAULT_LIMITS,
     Answered,
     Died,
@@ -34,7 +35,6 @@ from wsgen.isolation.outcome import (
     read_lateness,
     read_tail,
 )
-from wsgen.isolation.parent_death import open_parent_death_pipe
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

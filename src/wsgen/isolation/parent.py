@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from wsgen.errors import NotReadableError
-from wsgen.isolation.outcome import (
+from wsgen.isolation.parent_death import open_parent_death_pipe
+from wsgen.isolation.result import (
     DEFAULT_LIMITS,
     OUTPUT_LIMIT,
     Answered,
@@ -22,7 +23,6 @@ from wsgen.isolation.outcome import (
     conclude,
     read_lateness,
 )
-from wsgen.isolation.parent_death import open_parent_death_pipe
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from wsgen.diagnostics import Rule, Severity
 from wsgen.isolation import parent
 from wsgen.isolation.codec import decode
-from wsgen.isolation.outcome import Died, Limits
+from wsgen.isolation.result import Died, Limits
 from wsgen.model.plan import LaunchPlan, LaunchRequest
 
 if TYPE_CHECKING:

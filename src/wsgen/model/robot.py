@@ -121,7 +121,7 @@ class Heightmap:
 
 
 Primitive = Box | Cylinder | Sphere | Capsule
-# What no engine has: `wsgen.meshes.shapes` makes meshes of them.
+# What no engine has: `wsgen.meshes.shape_meshes` makes meshes of them.
 Triangulated = Ellipsoid | Cone | Extrusion | Heightmap
 Geometry = Primitive | Mesh | Triangulated
 

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.errors import RequestError, WouldOverwriteError
 from wsgen.model.target import end_of_life_note
-from wsgen.templating.manifest import load_template
 from wsgen.templating.render import render_package
 from wsgen.templating.spec import make_maintainer, make_spec
+from wsgen.templating.template import load_template
 from wsgen.templating.write import (
     IGNORE_FILE,
     adding_files,
@@ -34,8 +34,8 @@ if TYPE_CHECKING:
 
     from wsgen.model.package import Maintainer, PackageSpec
     from wsgen.model.target import Target
-    from wsgen.templating.manifest import Template
     from wsgen.templating.render import RenderedTree
+    from wsgen.templating.template import Template
 
 
 DEFAULT_WORKSPACE = "ws_gazebo"

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from wsgen.isolation.parent import Run
     from wsgen.model.plan import LaunchPlan
     from wsgen.model.world import Simulator, Spawn, World
-    from wsgen.pipeline.behaviors import BehaviorPlan
+    from wsgen.pipeline.behavior_plan import BehaviorPlan
     from wsgen.pipeline.selection import SelectedPackage, ValidateRequest
     from wsgen.workspace.overlay import Overlay
     from wsgen.workspace.settings import Settings
@@ -362,7 +362,7 @@ class Validation:
         """What the robots must do beyond standing; most packages load nothing for it."""
         if self.settings is None or not self.settings.behaviors:
             return None
-        from wsgen.pipeline.behaviors import plan_behaviors  # noqa: PLC0415
+        from wsgen.pipeline.behavior_plan import plan_behaviors  # noqa: PLC0415
 
         return plan_behaviors(self.settings, prepared, simulator=self.simulator_kind)
 

@@ -15,7 +15,7 @@ from wsgen.description_rules import ONE_NAME_FOR_LINK_AND_JOINT
 from wsgen.diagnostics import Rule, Severity, has_errors
 from wsgen.meshes.inspection import inspect_meshes
 from wsgen.meshes.lookup import find_meshes
-from wsgen.meshes.shapes import build_shapes
+from wsgen.meshes.shape_meshes import build_shapes
 from wsgen.model.robot import Robot
 from wsgen.model.transform import IDENTITY, Pose
 from wsgen.rules.check import check_robot

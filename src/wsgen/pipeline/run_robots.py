@@ -6,11 +6,11 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity, has_errors
-from wsgen.isolation.outcome import Limits
+from wsgen.isolation.result import Limits
 from wsgen.model.outcome import Rest, RobotOutcome, Simulated
 from wsgen.pipeline.clock import DRAW
-from wsgen.rules.causes import fold_consequences, joints_beyond_limits
 from wsgen.rules.check import check_run
+from wsgen.rules.consequences import fold_consequences, joints_beyond_limits
 from wsgen.rules.runs import KEEPS_MOVING, TIPS_OVER, engines_disagree
 from wsgen.simulation.contact_shapes import MOST_LINKS, most_parts
 from wsgen.simulation.run import missing_engines, run_simulation
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
     from wsgen.isolation.parent import Run
     from wsgen.model.world import World
-    from wsgen.pipeline.behaviors import BehaviorPlan
+    from wsgen.pipeline.behavior_plan import BehaviorPlan
     from wsgen.pipeline.clock import Step
     from wsgen.pipeline.prepare import PreparedRobot
     from wsgen.pipeline.selection import ValidateRequest

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
     from wsgen.isolation.parent import Run
     from wsgen.model.target import Target
-    from wsgen.templating.manifest import Template
+    from wsgen.templating.template import Template
 
 
 XML = {".config", ".dae", ".gazebo", ".sdf", ".urdf", ".world", ".xacro", ".xml"}

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from wsgen.model.outcome import Outcome, PackageOutcome, RobotOutcome
     from wsgen.model.plan import Include, LaunchArgument, LaunchPlan, Process, Unresolved
     from wsgen.model.transform import Pose
-    from wsgen.templating.manifest import Template
+    from wsgen.templating.template import Template
     from wsgen.templating.variables import Variable
 
 

@@ -17,7 +17,7 @@ from wsgen.description_rules import (
     ZERO_SIZE,
 )
 from wsgen.diagnostics import Rule, Severity
-from wsgen.meshes.shapes import IMPOSSIBLE_SHAPE
+from wsgen.meshes.shape_meshes import IMPOSSIBLE_SHAPE
 from wsgen.model.robot import (
     GAZEBO_COLORS,
     Box,

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from wsgen.diagnostics import Rule, Severity
 from wsgen.isolation import parent
 from wsgen.isolation.codec import decode
-from wsgen.isolation.outcome import DEFAULT_LIMITS, Died
+from wsgen.isolation.result import DEFAULT_LIMITS, Died
 from wsgen.simulation.scene import (
     DRAWING,
     LOADING,
@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from wsgen.diagnostics import Diagnostic
-    from wsgen.isolation.outcome import Limits
     from wsgen.isolation.parent import Run
+    from wsgen.isolation.result import Limits
     from wsgen.simulation.scene import Scene
 
 

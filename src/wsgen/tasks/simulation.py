@@ -51,7 +51,7 @@ def _run_behaviors(
     engine: Engine, scene: Scene, robot_runs: list[RobotRun], recorder: Recorder | None
 ) -> list[RobotRun]:
     """The runs with what the robots did beyond standing; most scenes load nothing for it."""
-    from wsgen.simulation.behaviors import run_behaviors  # noqa: PLC0415
+    from wsgen.simulation.run_behaviors import run_behaviors  # noqa: PLC0415
 
     if recorder is None:
         return run_behaviors(engine, scene, robot_runs, announce)

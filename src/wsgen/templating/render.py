@@ -11,15 +11,15 @@ from wsgen import __version__
 from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.model.package import WINDOWS_DEVICES
 from wsgen.templating.environment import Environment, describe_error, syntax_place
-from wsgen.templating.manifest import MANIFEST, refuse
 from wsgen.templating.sources import ENDING, SourceError, find_source
+from wsgen.templating.template import MANIFEST, refuse
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
     from types import TracebackType
 
     from wsgen.model.package import PackageSpec
-    from wsgen.templating.manifest import Template
+    from wsgen.templating.template import Template
 
 
 MISSING_SOURCE = Rule(

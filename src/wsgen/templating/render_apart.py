@@ -12,17 +12,17 @@ from typing import TYPE_CHECKING
 from wsgen.diagnostics import Diagnostic  # noqa: TC001  the type hints of the answer are read
 from wsgen.isolation import parent
 from wsgen.isolation.codec import decode
-from wsgen.isolation.outcome import Died, Limits
-from wsgen.templating.manifest import refuse
+from wsgen.isolation.result import Died, Limits
 from wsgen.templating.render import FAILING_TEMPLATE, render_tree
+from wsgen.templating.template import refuse
 
 if TYPE_CHECKING:
     from types import FrameType
 
     from wsgen.isolation.parent import Run
     from wsgen.model.package import PackageSpec
-    from wsgen.templating.manifest import Template
     from wsgen.templating.render import RenderedTree
+    from wsgen.templating.template import Template
 
 
 # Of CPU time, for one package; ours take 0.02. The child stops itself first, as it knows the line.

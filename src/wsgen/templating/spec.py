@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
     from wsgen.model.target import Target
-    from wsgen.templating.manifest import Template
+    from wsgen.templating.template import Template
 
 
 _FOLDER = "base/licenses"

@@ -107,7 +107,7 @@ def _read_behaviors(
 ) -> tuple[tuple[Behavior, ...], tuple[Diagnostic, ...]]:
     if "behavior" not in document:
         return (), ()
-    from wsgen.workspace.behaviors import read_behaviors  # noqa: PLC0415  most packages have none
+    from wsgen.workspace.behavior_settings import read_behaviors  # noqa: PLC0415  most packages have none
 
     text = file.read_text(encoding="utf-8")
     return read_behaviors(document, file, text, INVALID_SETTINGS)

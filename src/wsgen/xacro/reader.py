@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from wsgen.diagnostics import Rule, Severity
 from wsgen.isolation import parent
 from wsgen.isolation.codec import decode
-from wsgen.isolation.outcome import Died, Limits
+from wsgen.isolation.result import Died, Limits
 from wsgen.launch.launch_warnings import UNUSED_XACRO_ARGUMENT
 from wsgen.xacro.source import Expansion, ExpansionError, ExpansionRequest
 

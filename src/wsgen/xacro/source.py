@@ -12,10 +12,7 @@ It is separate from `expansion`, because the parent does not import xacro.
 from __future__ import annotations
 
 import re
-from collections.abc import (
-    Callable,
-    Mapping,
-)
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING

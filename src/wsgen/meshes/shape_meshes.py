@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.isolation import parent
 from wsgen.isolation.codec import decode
-from wsgen.isolation.outcome import Died, Limits
+from wsgen.isolation.result import Died, Limits
 from wsgen.meshes.requests import BuiltShape, UnbuildableShape
 from wsgen.model.robot import Extrusion, Heightmap, Mesh, Triangulated
 from wsgen.model.transform import Pose, compose
