@@ -58,6 +58,11 @@ def test_all_diagnostics_in_one_pass_with_their_lines() -> None:
     }
 
 
+def test_a_repeated_name_is_reported_without_a_line_of_the_expanded_text() -> None:
+    _, (found,) = read_urdf(robot(link("a") + link("a")), file=None)
+    assert found.message == "Two links have the name `a`."
+
+
 def test_nearest_name_is_offered() -> None:
     text = robot(link("base_link") + link("wheel_left") + joint("j", "base_lnk", "wheel_left"))
     (found,) = read_urdf(text, file=None)[1]

@@ -241,8 +241,7 @@ def _unique_names(
         elif name in named:
             collector.report(
                 duplicate,
-                f"Two {element.tag}s have the name `{name}` (the other one is in line "
-                f"{line_of(named[name])}).",
+                f"Two {element.tag}s have the name `{name}`.",
                 hint="Give each its own name. In a xacro macro, use a parameter as a prefix.",
                 at=element,
                 path=f"{element.tag}[@name='{name}']",
