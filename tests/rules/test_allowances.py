@@ -25,8 +25,8 @@ def test_what_is_not_allowed_stays() -> None:
 
 
 def test_a_misspelled_name_is_reported_with_the_nearest() -> None:
-    (found,) = unknown_rule_allowed(["masless-root"], Path("wsgen.toml"))
-    assert found.code == "PKG061"
+    (found,) = unknown_rule_allowed(["masless-root"], Path("wsgen.toml"), 3)
+    assert (found.code, found.line) == ("PKG061", 3)
     assert "massless-root" in (found.hint or "")
     assert list(unknown_rule_allowed(["massless-root", "ROB051"], Path("wsgen.toml"))) == []
     assert len(list(unknown_rule_allowed(["Massless-Root"], Path("wsgen.toml")))) == 1

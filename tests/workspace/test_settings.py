@@ -41,3 +41,22 @@ def test_a_file_that_cannot_be_used_is_reported(tmp_path: Path, content: bytes) 
 def test_a_folder_in_its_place(tmp_path: Path) -> None:
     (tmp_path / "wsgen.toml").mkdir()
     assert [found.code for found in read_settings(tmp_path)[1]] == ["PKG060"]
+
+
+@pytest.mark.parametrize(
+    ("content", "line"),
+    [
+        ("schema = 1\n[validate\nallow = []\n", 2),
+        ("schema = 1\n\n[validate]\nallow = 1\n", 4),
+        ("schema = 1\n[validate]\nallow = []\nalow = []\n", 4),
+        ("schema = 1\n[validat]\nallow = []\n", 2),
+    ],
+)
+def test_a_mistake_is_reported_at_its_line(tmp_path: Path, content: str, line: int) -> None:
+    (tmp_path / "wsgen.toml").write_text(content)
+    assert [found.line for found in read_settings(tmp_path)[1]] == [line]
+
+
+def test_the_line_of_what_is_allowed(tmp_path: Path) -> None:
+    (tmp_path / "wsgen.toml").write_text('schema = 1\n[validate]\nallow = ["massless-rot"]\n')
+    assert read_settings(tmp_path)[0].allow_line == 3

@@ -263,7 +263,7 @@ class Validation:
             *changed_since_build(share, source),
             *name_sources(self.diagnostics, share, source),
             *self.settings_diagnostics,
-            *unknown_rule_allowed(settings.allow, settings.file),
+            *unknown_rule_allowed(settings.allow, settings.file, settings.allow_line),
         )
         return without_allowed(reported, settings.allow)
 

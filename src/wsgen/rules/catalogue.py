@@ -173,7 +173,9 @@ def without_allowed(
     )
 
 
-def unknown_rule_allowed(allow: Iterable[str], file: Path) -> Iterator[Diagnostic]:
+def unknown_rule_allowed(
+    allow: Iterable[str], file: Path, line: int | None = None
+) -> Iterator[Diagnostic]:
     """Report the names in `allow` that no rule has."""
     for name in allow:
         rule = find_rule(name)
@@ -181,7 +183,8 @@ def unknown_rule_allowed(allow: Iterable[str], file: Path) -> Iterator[Diagnosti
             near = nearest(name, [rule.name for rule in all_rules()])
             yield UNKNOWN_RULE_ALLOWED.at(
                 file,
-                element="validate.allow",
+                line,
+                "validate.allow",
                 message=f"The allowed rule {name!r} does not exist.",
                 hint=did_you_mean(near) if near else "`wsgen rule` lists the names.",
             )

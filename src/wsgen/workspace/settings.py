@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -38,6 +39,7 @@ moved = { x = 1.0 }""",
 )
 
 FILE = "wsgen.toml"
+ALLOW = ("validate", "allow")
 # What `wsgen new` records, and what a user may set.
 KNOWN_KEYS = ("schema", "wsgen", "template", "target", "package", "answers", "validate", "behavior")
 
@@ -48,6 +50,7 @@ class Settings:
 
     file: Path
     allow: tuple[str, ...] = ()  # names of rules that the package breaks on purpose
+    allow_line: int | None = None  # of `allow`, 1-based
     behaviors: tuple[Behavior, ...] = ()  # what its robot must do beyond standing
     distro: str | None = None  # target of the package, as `wsgen new` recorded it
 
@@ -68,30 +71,47 @@ def read_settings(package: Path) -> tuple[Settings, tuple[Diagnostic, ...]]:
             ),
         )
     except ValueError as error:
+        at = re.search(r"at line (\d+)", str(error))
         return Settings(file=file), (
             INVALID_SETTINGS.at(
-                file, message=f"{FILE} is not TOML: {error}.", hint="Fix it, or remove the file."
+                file,
+                int(at[1]) if at else None,
+                message=f"{FILE} is not TOML: {error}.",
+                hint="Fix it, or remove the file.",
             ),
         )
-    behaviors, found = _read_behaviors(document, file)
-    settings = Settings(file=file, behaviors=behaviors, distro=_distro(document))
-    found = (*_unknown_keys(document, file), *found)
+    text = file.read_text(encoding="utf-8")
+    behaviors, found = _read_behaviors(document, file, text)
+    settings = Settings(
+        file=file,
+        allow_line=tomlfile.find_line(text, ALLOW),
+        behaviors=behaviors,
+        distro=_distro(document),
+    )
+    found = (*_unknown_keys(document, file, text), *found)
     allow = _allow(document)
     if allow is None:
         return settings, (
             *found,
-            _warn(
+            INVALID_SETTINGS.at(
                 file,
-                "`allow` in [validate] is not a list of names.",
-                'Write for example: allow = ["massless-root"]',
+                settings.allow_line,
+                message="`allow` in [validate] is not a list of names.",
+                hint='Write for example: allow = ["massless-root"]',
+                severity=Severity.WARNING,
             ),
         )
-    unknown = sorted(set(document.get("validate", {})) - {"allow"})
     return replace(settings, allow=allow), (
         *found,
         *(
-            _warn(file, f"[validate] has no key `{key}`.", "Its only key is `allow`.")
-            for key in unknown
+            INVALID_SETTINGS.at(
+                file,
+                tomlfile.find_line(text, ("validate", key)),
+                message=f"[validate] has no key `{key}`.",
+                hint="Its only key is `allow`.",
+                severity=Severity.WARNING,
+            )
+            for key in sorted(set(document.get("validate", {})) - {"allow"})
         ),
     )
 
@@ -103,22 +123,22 @@ def _distro(document: dict[str, Any]) -> str | None:
 
 
 def _read_behaviors(
-    document: dict[str, Any], file: Path
+    document: dict[str, Any], file: Path, text: str
 ) -> tuple[tuple[Behavior, ...], tuple[Diagnostic, ...]]:
     if "behavior" not in document:
         return (), ()
     from wsgen.workspace.behavior_settings import read_behaviors  # noqa: PLC0415  most packages have none
 
-    text = file.read_text(encoding="utf-8")
     return read_behaviors(document, file, text, INVALID_SETTINGS)
 
 
-def _unknown_keys(document: dict[str, Any], file: Path) -> Iterator[Diagnostic]:
+def _unknown_keys(document: dict[str, Any], file: Path, text: str) -> Iterator[Diagnostic]:
     """Report keys that nothing reads: wsgen would never run a misspelled behavior."""
     for key in document:
         if key not in KNOWN_KEYS:
             yield INVALID_SETTINGS.at(
                 file,
+                tomlfile.find_line(text, (key,)),
                 message=f"{FILE} has no key `{key}`.",
                 hint=suggest(key.lower(), KNOWN_KEYS),
             )
@@ -130,7 +150,3 @@ def _allow(document: dict[str, Any]) -> tuple[str, ...] | None:
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
         return None
     return tuple(names)
-
-
-def _warn(file: Path, message: str, hint: str) -> Diagnostic:
-    return INVALID_SETTINGS.at(file, message=message, hint=hint, severity=Severity.WARNING)
