@@ -58,6 +58,28 @@ def test_all_diagnostics_in_one_pass_with_their_lines() -> None:
     }
 
 
+@pytest.mark.parametrize(
+    ("shape_text", "message", "hint"),
+    [
+        (
+            '<box size="1 1"/>',
+            'size="1 1": it has 2 instead of 3 numbers.',
+            "Write 3 finite numbers, with a decimal point, separated by blanks. ",
+        ),
+        (
+            '<sphere radius="1,5"/>',
+            'radius="1,5": `1,5` has a comma.',
+            "Write one finite number, with a decimal point. ",
+        ),
+    ],
+)
+def test_a_number_that_cannot_be_read(shape_text: str, message: str, hint: str) -> None:
+    body = f"<collision><geometry>{shape_text}</geometry></collision>"
+    (found,) = read_urdf(robot(f'<link name="a">{MASS}{body}</link>'), file=None)[1]
+    assert found.message == message
+    assert (found.hint or "").startswith(hint)
+
+
 def test_a_repeated_name_is_reported_without_a_line_of_the_expanded_text() -> None:
     _, (found,) = read_urdf(robot(link("a") + link("a")), file=None)
     assert found.message == "Two links have the name `a`."

@@ -119,7 +119,7 @@ def read_numbers(  # noqa: PLR0913  what, where, and how it is called
         None,
     )
     if problem is None and len(words) != count:
-        problem = f"{len(words)} numbers instead of {count}"
+        problem = f"it has {len(words)} instead of {count} numbers"
     if problem is None and count == 1 and text[-1].isspace():
         problem = "a blank follows the number"
     if problem is None:
@@ -127,7 +127,7 @@ def read_numbers(  # noqa: PLR0913  what, where, and how it is called
     collector.report(
         NOT_A_NUMBER,
         f'{attribute}="{text[:60]}": {problem}.',
-        hint=f"{_times(count)}, with a decimal point, separated by blanks. "
+        hint=f"Write {_numbers(count)}. "
         f"Gazebo {'refuses' if is_fatal else 'ignores'} anything else; other programs silently "
         "read 0.",
         at=element,
@@ -153,8 +153,10 @@ def read_triple(
     return None if numbers is None else (numbers[0], numbers[1], numbers[2])
 
 
-def _times(count: int) -> str:
-    return "One finite number" if count == 1 else f"{count} finite numbers"
+def _numbers(count: int) -> str:
+    if count == 1:
+        return "one finite number, with a decimal point"
+    return f"{count} finite numbers, with a decimal point, separated by blanks"
 
 
 def line_of(element: Element) -> int | None:
