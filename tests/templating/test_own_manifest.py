@@ -191,6 +191,8 @@ def test_file_that_is_none(tmp_path: Path) -> None:
 
 
 def test_folder_without_a_manifest(tmp_path: Path) -> None:
+    _, (found,) = read_template(tmp_path)
+    assert found.message == "template.toml does not exist."
     with pytest.raises(RequestError, match=r"has no template\.toml"):
         load(tmp_path)
 

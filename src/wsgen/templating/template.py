@@ -130,7 +130,8 @@ class ManifestFile:
         except ValueError as error:
             return self._unreadable(f"is not TOML: {error}", "Fix the named line.")
         if not document:
-            return self._unreadable("is empty or not a file", f"Write: schema = {SCHEMA}")
+            what = "is empty or not a file" if self.file.exists() else "does not exist"
+            return self._unreadable(what, f"Write a file with: schema = {SCHEMA}")
         if document.get("schema") != SCHEMA:
             is_there = "schema" in document
             self.report(
