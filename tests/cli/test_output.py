@@ -3,9 +3,11 @@
 from pathlib import Path
 
 import click
+import pytest
 
-from wsgen.cli.output import render_diagnostics
+from wsgen.cli.output import render_diagnostics, render_tree
 from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.model.plan import LaunchArgument, LaunchPlan
 
 
 def diagnostic(severity: Severity, code: str = "ROB052", name: str = "a-rule") -> Diagnostic:
@@ -43,3 +45,23 @@ def test_errors_are_all_shown_and_the_others_counted_without_them() -> None:
         "and 2 more of a-rule: -v shows all"
     ]
     assert len(plain(*warnings, most_alike=None)) == 4
+
+
+@pytest.mark.parametrize(
+    ("value", "shown"),
+    [
+        ("{here}/install/a.world", "install/a.world"),
+        ('-r -v 4 "{here}/install/a.world"', '-r -v 4 "install/a.world"'),
+        ("x{here}/install/a.world", "x{here}/install/a.world"),
+        ("<robot>" * 200, ("<robot>" * 200)[:999] + "…"),
+    ],
+)
+def test_values_of_arguments_have_short_paths_and_end_somewhere(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, value: str, shown: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    value, shown = (text.replace("{here}", str(tmp_path)) for text in (value, shown))
+    monkeypatch.setattr("wsgen.cli.output.MOST_CHARACTERS", 1000)
+    argument = LaunchArgument(name="world", default=None, value=value)
+    plan = LaunchPlan(package=None, launch_file=tmp_path / "a.launch.py", arguments=(argument,))
+    assert f"  world:={shown}  (given)" in [click.unstyle(line) for line in render_tree(plan)]

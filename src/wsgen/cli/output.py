@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import re
 from collections import Counter
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
@@ -15,7 +17,6 @@ from wsgen.rules.runs import TIPS_OVER, UNACTUATED_JOINTS_MOVE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
-    from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.behavior import BehaviorOutcome
@@ -192,7 +193,7 @@ def _xyz(xyz: tuple[float, float, float]) -> str:
     )
 
 
-MOST_CHARACTERS = 72  # of a value; a robot description has thousands
+MOST_CHARACTERS = 120  # of a value; a robot description has thousands
 
 
 def render_arguments(plan: LaunchPlan) -> Iterator[str]:
@@ -327,7 +328,8 @@ def _details(process: Process) -> Iterator[str]:
 
 
 def _clip(text: str) -> str:
-    line = " ".join(text.split())
+    """A value on one line, with paths relative to the current folder if they are below it."""
+    line = re.sub(rf"(?<![^\s\"'=]){re.escape(str(Path.cwd()))}/", "", " ".join(text.split()))
     return line if len(line) <= MOST_CHARACTERS else f"{line[: MOST_CHARACTERS - 1]}…"
 
 
