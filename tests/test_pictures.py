@@ -63,7 +63,7 @@ ROBOTS = {
 HEAD = """\
 # Ten robots
 
-What `wsgen validate --picture DIR --seconds 0.1` draws of robots that other people have published
+Pictures that `wsgen validate --picture DIR --seconds 0.1` draws of robots that other people have published
 on PyPI, without a display: colors and textures of the meshes, shadow, and the size of a square of
 the ground. The models are their authors'; each is under the license that its package names.
 `pytest tests/test_pictures.py --regenerate` draws them anew; a test compares.
