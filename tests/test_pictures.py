@@ -63,10 +63,10 @@ ROBOTS = {
 HEAD = """\
 # Ten robots
 
-Pictures that `wsgen validate --picture DIR --seconds 0.1` draws of robots that other people have published
-on PyPI, without a display: colors and textures of the meshes, shadow, and the size of a square of
-the ground. The models are their authors'; each is under the license that its package names.
-`pytest tests/test_pictures.py --regenerate` draws them anew; a test compares.
+These pictures are what `wsgen validate --picture DIR --seconds 0.1` draws of ten published robots
+from PyPI, without a display: colors and textures of the meshes, shadows, and the size of a square
+of the ground. The models belong to their authors; each has the license of its package.
+`pytest tests/test_pictures.py --regenerate` draws them again; a test compares them.
 """
 
 SMALL = (48, 36)  # pixels in which pictures are compared: what the renderer does at edges is lost
