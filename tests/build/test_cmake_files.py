@@ -105,3 +105,9 @@ def test_deprecated_minimum_versions(heading: str, ending: str) -> None:
     lines, places = split_deprecations(text.splitlines())
     assert places == (("CMakeLists.txt", 1),)
     assert "\n".join(lines) == f"before\n{other}\nafter"
+
+
+def test_an_error_about_a_whole_file_is_read() -> None:
+    text = "CMake Error in CMakeLists.txt:\n  No cmake_minimum_required command is present.\n\n"
+    (error,) = read_errors(text)
+    assert (error.message, error.frames) == ("No cmake_minimum_required command is present.", ())

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 _HEADING = re.compile(
-    r"^CMake Error(?: at (?P<file>.+?):(?P<line>\d+)(?: \((?P<command>\w+)\))?)?:"
+    r"^CMake Error(?: at (?P<file>.+?):(?P<line>\d+)(?: \((?P<command>\w+)\))?| in [^:]+)?:"
 )
 # As CMake 3.31 heads it, and as later ones do, whose last lines are not indented.
 _DEPRECATION = re.compile(
