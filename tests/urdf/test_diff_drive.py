@@ -137,8 +137,12 @@ def test_no_plugin() -> None:
         (SIM, JOINTS.replace(">r<", ">f<"), "names the joint `f`"),
         (SIM, JOINTS + "<wheel_radius>0</wheel_radius>", "the <wheel_radius> of .* is 0"),
         (CLASSIC, JOINTS + "<wheel_diameter>-1</wheel_diameter>", "<wheel_diameter> .* is -1"),
-        (SIM, JOINTS + "<wheel_separation>wide</wheel_separation>", "`wide`, which is no number"),
-        (SIM, JOINTS + "<wheel_separation>inf</wheel_separation>", "`inf`, which is no number"),
+        (
+            SIM,
+            JOINTS + "<wheel_separation>wide</wheel_separation>",
+            "`wide`, which is not a number",
+        ),
+        (SIM, JOINTS + "<wheel_separation>inf</wheel_separation>", "`inf`, which is not a number"),
     ],
 )
 def test_plugins_that_would_not_work(file: str, inside: str, reason: str) -> None:

@@ -80,6 +80,15 @@ def test_a_number_that_cannot_be_read(shape_text: str, message: str, hint: str) 
     assert (found.hint or "").startswith(hint)
 
 
+def test_a_number_of_gazebo_that_cannot_be_read() -> None:
+    tag = '<gazebo reference="a"><mu1>zero</mu1></gazebo>'
+    (found,) = read_urdf(robot(link("a") + tag), file=None)[1]
+    assert found.message == (
+        "<mu1>: `zero` is not a number, and Gazebo terminates with an exception."
+    )
+    assert found.hint == "Write one number with a decimal point."
+
+
 def test_a_repeated_name_is_reported_without_a_line_of_the_expanded_text() -> None:
     _, (found,) = read_urdf(robot(link("a") + link("a")), file=None)
     assert found.message == "Two links have the name `a`."

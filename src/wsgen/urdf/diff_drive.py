@@ -151,8 +151,8 @@ def _number(values: Mapping[str, tuple[str, ...]], key: str, default: float, at:
     number = leading_float(texts[at])
     if number is None or not math.isfinite(number):
         raise _UnusableError(
-            f"the <{key}> of its diff drive plugin is `{texts[at][:60]}`, which is no number",
-            "Write one number with a point.",
+            f"the <{key}> of its diff drive plugin is `{texts[at][:60]}`, which is not a number",
+            "Write one number with a decimal point.",
         )
     return number
 

@@ -339,9 +339,9 @@ def _check_number(collector: Collector, element: Element, path: str, key: str, t
     if number is None:
         collector.report(
             GAZEBO_NOT_A_NUMBER,
-            f"{what} is not a number that Gazebo reads.",
-            hint="Write one number with a decimal point. Gazebo "
+            f"{what} is not a number, and Gazebo "
             + ("refuses the robot." if "/" in key else "terminates with an exception."),
+            hint="Write one number with a decimal point.",
             at=element,
             path=path,
         )
