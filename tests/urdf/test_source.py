@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.urdf.reader import read_urdf
 from wsgen.xacro.source import place_in_source
 
 MAIN = """<?xml version="1.0"?>
@@ -100,3 +101,29 @@ def test_files_that_cannot_be_read_are_passed_over(model: Path) -> None:
     (model / "wheels.xacro").write_bytes(b"\xff\xfe")
     (model / "robot.gazebo").unlink()
     assert place("link[@name='wheel']", model / "robot.xacro").line is None
+
+
+def test_a_misspelled_child_of_gazebo_is_found_by_its_reference(tmp_path: Path) -> None:
+    file = tmp_path / "robot.xacro"
+    file.write_text(
+        """<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <xacro:property name="unused" value="1"/>
+  <link name="a"/>
+  <gazebo reference="a">
+    <mu1>0.5</mu1>
+  </gazebo>
+  <gazebo reference="a">
+    <selfColide>true</selfColide>
+  </gazebo>
+</robot>
+"""
+    )
+    text = (
+        "<robot name='r'>\n<link name='a'/><gazebo reference='a'>\n<mu1>0.5</mu1></gazebo>"
+        "\n<gazebo reference='a'>\n<selfColide>true</selfColide></gazebo></robot>"
+    )
+    _, found = read_urdf(text, file=file)
+    wrong = [one for one in found if one.code == "ROB038"]
+    (placed,) = place_in_source(wrong, text=text, file=file, share_of=lambda _: None)
+    assert placed.element == "gazebo[@reference='a']/selfColide"
+    assert (placed.file, placed.line) == (file, 8)

@@ -104,10 +104,11 @@ def check_spelling(collector: Collector, element: Element, path: str) -> None:
     for child in element:
         if not isinstance(child.tag, str):
             continue
-        name = child.get("name")
-        inside = child.tag if name is None else f"{child.tag}[@name='{name}']"
-        if element.tag != "robot":
-            inside = f"{path}/{child.tag}"
+        inside = f"{path}/{child.tag}"
+        if element.tag == "robot":
+            identifier = "reference" if child.tag == "gazebo" else "name"
+            value = child.get(identifier)
+            inside = child.tag if value is None else f"{child.tag}[@{identifier}='{value}']"
         if child.tag in known:
             check_spelling(collector, child, inside)
             continue

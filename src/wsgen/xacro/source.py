@@ -74,22 +74,27 @@ def _placed(diagnostic: Diagnostic, written: list[Written], expanded: list[Writt
         if element is None:
             continue
         tags = path[named.end() :].strip("/").split("/") if path[named.end() :] else []
-        attribute = tags.pop()[1:] if tags and tags[-1].startswith("@") else ""
-        own = next(
-            (one for one in expanded if one.tag == tag and one.attributes.get("name") == value),
-            None,
-        )
-        inner = _inside(element, tags, written)
-        origins = [] if own is None else _inside(own, tags, expanded)
+        last = tags.pop()[1:] if tags and tags[-1].startswith("@") else ""
+        alike = _alike(tag, attribute, element.attributes.get(attribute), written)
+        owns = _alike(tag, attribute, value, expanded)
+        if len(alike) != len(owns):
+            alike, owns = [element], owns[:1]
+        inner = [inside for one in alike for inside in _inside(one, tags, written)]
+        origins = [inside for one in owns for inside in _inside(one, tags, expanded)]
         # Of several alike, that with the same number, if xacro made none and left none out.
         place, origin = element, None
         for at, one in enumerate(origins):
             if (one.line == diagnostic.line or len(origins) == 1) and len(inner) == len(origins):
                 place, origin = inner[at], one
-        if attribute and origin is not None:
-            return _at_attribute(diagnostic, attribute, place, origin, written)
+        if last and origin is not None:
+            return _at_attribute(diagnostic, last, place, origin, written)
         return replace(diagnostic, file=place.file, line=place.line)
     return replace(diagnostic, line=None)
+
+
+def _alike(tag: str, attribute: str, value: str | None, document: list[Written]) -> list[Written]:
+    """The elements with this value; several `<gazebo>` may refer to the same link."""
+    return [one for one in document if one.tag == tag and one.attributes.get(attribute) == value]
 
 
 def _inside(element: Written, tags: list[str], document: list[Written]) -> list[Written]:
