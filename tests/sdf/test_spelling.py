@@ -90,7 +90,8 @@ def test_a_default_that_gazebo_takes_for_a_misspelling_is_reported_with_it(tmp_p
     (found,) = read_sdf(file, find_model=lambda _: None).diagnostics
     assert (found.code, found.severity, found.line) == ("ROB038", Severity.WARNING, 2)
     assert found.message == (
-        "<link> has no <inertal>: the link `l` has no <inertial>: Gazebo gives it 1 kg and 1 kg m²."
+        "<inertal> is not an element of <link>: the link `l` has no <inertial>: Gazebo gives it "
+        "1 kg and 1 kg m²."
     )
     assert found.hint == "Did you mean <inertial>?"
 

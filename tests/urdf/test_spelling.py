@@ -48,7 +48,7 @@ def misspelled(place: str, content: str, code: str = "ROB038") -> list[Diagnosti
 def test_the_nearest_name_is_suggested(place: str, wrong: str, meant: str) -> None:
     (found,) = misspelled(place, f"<{wrong}/>")
     assert found.severity is Severity.WARNING
-    assert f"<{wrong}>" in found.message
+    assert found.message.startswith(f"<{wrong}> is not an element of <{place}>: ")
     assert found.hint == f"Did you mean <{meant}>?"
     assert found.line
     assert (found.element or "").endswith(wrong)
@@ -153,5 +153,6 @@ def test_what_lacks_a_misspelled_link_or_joint_is_not_reported(
 
 def test_an_attribute_that_is_nearly_reference() -> None:
     (found,) = misspelled("robot", '<gazebo ref="a"><plugin name="p" filename="f"/></gazebo>')
+    assert found.message.startswith("`ref` is not an attribute of <gazebo>: ")
     assert found.hint == "Did you mean `reference`?"
     assert misspelled("robot", '<gazebo reference="a"/><gazebo/>') == []

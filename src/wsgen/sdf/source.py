@@ -117,7 +117,7 @@ def check_spelling(source: Source) -> None:
                     source.misspelled.setdefault((element, meant), len(source.diagnostics))
                     source.report(
                         MISSPELLED_ELEMENT,
-                        f"<{element.tag}> has no <{child.tag}>: Gazebo ignores it.",
+                        f"<{child.tag}> is not an element of <{element.tag}>: Gazebo ignores it.",
                         at=child,
                         hint=f"Did you mean <{meant}>?",
                     )
@@ -130,7 +130,7 @@ def _check_attributes(source: Source, element: Element) -> None:
         if meant is not None:
             source.report(
                 MISSPELLED_ATTRIBUTE,
-                f"<{element.tag}> has no attribute `{name}`: Gazebo ignores it.",
+                f"`{name}` is not an attribute of <{element.tag}>: Gazebo ignores it.",
                 at=element,
                 hint=did_you_mean(meant),
             )

@@ -116,7 +116,7 @@ def check_spelling(collector: Collector, element: Element, path: str) -> None:
         if near is not None:
             collector.report_misspelled(
                 MISSPELLED_ELEMENT,
-                f"<{element.tag}> has no <{child.tag}>: Gazebo silently ignores it.",
+                f"<{child.tag}> is not an element of <{element.tag}>: Gazebo silently ignores it.",
                 hint=f"Did you mean <{near}>?",
                 at=child,
                 path=inside,
@@ -140,7 +140,7 @@ def _check_attributes(collector: Collector, element: Element, path: str) -> None
         if meant is not None:
             collector.report_misspelled(
                 MISSPELLED_ATTRIBUTE,
-                f"<{element.tag}> has no attribute `{name}`: Gazebo silently ignores it.",
+                f"`{name}` is not an attribute of <{element.tag}>: Gazebo silently ignores it.",
                 hint=suggestions.did_you_mean(meant),
                 at=element,
                 path=f"{path}/@{name}",
@@ -168,8 +168,8 @@ def _check_reference(collector: Collector, element: Element, path: str) -> None:
         if attribute != "reference" and "reference".startswith(attribute.lower()[:3]):
             collector.report(
                 MISSPELLED_ELEMENT,
-                f"<gazebo> has no attribute `{attribute}`: Gazebo silently ignores it and applies "
-                "the element to the whole robot.",
+                f"`{attribute}` is not an attribute of <gazebo>: Gazebo silently ignores it and "
+                "applies the element to the whole robot.",
                 hint=suggestions.did_you_mean("reference"),
                 at=element,
                 path=path,
