@@ -103,6 +103,14 @@ def test_what_is_wrong_is_named_with_its_line(
     assert found[0].hint
 
 
+def test_a_misspelled_key_is_asked_about(tmp_path: Path) -> None:
+    _, found = read(tmp_path, DRIVES.replace("linear", "liner"))
+    keys = "se its keys: `linear`, `angular`."
+    assert [one.hint for one in found] == [f"Did you mean `linear`? If not, u{keys}"]
+    _, found = read(tmp_path, DRIVES.replace("linear = 0.5", "linear = 0.5, liner = 1"))
+    assert [one.hint for one in found] == [f"U{keys}"]  # there already
+
+
 def test_two_of_one_name(tmp_path: Path) -> None:
     behaviors, found = read(tmp_path, f"{DRIVES}\n{DRIVES}")
     assert [behavior.name for behavior in behaviors] == ["drives"]

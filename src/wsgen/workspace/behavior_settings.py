@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from wsgen.model.behavior import Behavior, Drive, Reach
+from wsgen.suggestions import advice
 from wsgen.tomlfile import find_line
 
 if TYPE_CHECKING:
@@ -209,11 +210,12 @@ class _Reader:
     def _no_others(self, table: dict[str, Any], keys: tuple[str, ...], *where: str) -> bool:
         """Report unknown keys; return whether none was found."""
         unknown = [key for key in table if key not in keys]
+        free = [key for key in keys if key not in table]  # a given key is hardly meant again
         for key in unknown:
             self.report(
                 f"`{where[0] if len(where) < 3 else where[-1]}` has no key `{key}`"  # noqa: PLR2004  in a table of it
                 + (" here." if key in KEYS else "."),
-                f"Its keys are {', '.join(f'`{one}`' for one in keys)}.",
+                advice(key, free, f"Use its keys: {', '.join(f'`{one}`' for one in keys)}."),
                 *where,
                 key,
             )
