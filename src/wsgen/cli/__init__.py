@@ -41,9 +41,9 @@ COMMANDS = {
     "templates": "List the templates and their variables, or check your own template.",
     "build": "Build the workspace with colcon and explain build errors.",
     "validate": "Simulate the robots that the installed launch files spawn.",
-    "doctor": "Show what this machine has and lacks for a target, and the commands that fix it.",
-    "rule": "List all rules, or show the documentation of one.",
     "launch": "Show what a launch file would start, without ROS and without starting it.",
+    "rule": "List all rules, or show the documentation of one.",
+    "doctor": "Show what this machine has and lacks for a target, and the commands that fix it.",
 }
 
 
