@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 from wsgen.build.colcon import PackageResult
@@ -233,3 +234,9 @@ def test_every_key_of_a_rule() -> None:
     assert document["version"] == 1
     assert document["rules"][0]["severity"] == "warning"
     assert documented_keys("wsgen rule") == keys(document)
+
+
+def test_the_code_of_a_rule_has_no_empty_lines_around_it() -> None:
+    rule = replace(UNKNOWN_RULE_ALLOWED, example="\n  a\n\nb\n", instead="\nc\n")
+    (written,) = json.loads(render_rules([rule]))["rules"]
+    assert (written["example"], written["instead"]) == ("  a\n\nb", "c")

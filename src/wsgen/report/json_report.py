@@ -316,6 +316,14 @@ def render_rules(rules: Iterable[Rule]) -> str:
     """Rules with their documentation, for `wsgen rule`; docs/json.md lists the keys."""
     document = {
         "version": VERSION,
-        "rules": [{**dataclasses.asdict(rule), "severity": rule.severity.value} for rule in rules],
+        "rules": [
+            {
+                **dataclasses.asdict(rule),
+                "severity": rule.severity.value,
+                "example": rule.example.strip("\n"),
+                "instead": rule.instead.strip("\n"),
+            }
+            for rule in rules
+        ],
     }
     return json.dumps(document, indent=2, ensure_ascii=False) + "\n"
