@@ -306,7 +306,9 @@ def test_play_a_launch_file_of_no_package(
     assert "SPN055" in out
 
 
-@pytest.mark.parametrize("option", ["--record=x.gif", "--picture=p", "--engine=dart"])
+@pytest.mark.parametrize(
+    "option", ["--record=x.gif", "--picture=p", "--engine=dart", "--seconds=3"]
+)
 def test_without_play_nothing_is_simulated(
     share: Path, capsys: pytest.CaptureFixture[str], option: str
 ) -> None:

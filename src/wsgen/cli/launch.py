@@ -88,6 +88,8 @@ def command(
     files, or the path of a launch file; then launch arguments. With --play, simulate the
     robots as `wsgen validate` does.
     """
+    from click.core import ParameterSource
+
     from wsgen.cli.progress import listening
     from wsgen.cli.words import split_launch_arguments
     from wsgen.diagnostics import has_errors
@@ -105,7 +107,8 @@ def command(
             quiet=quiet,
             verbose=verbose,
         )
-    if record or picture or engine:
+    asked = click.get_current_context().get_parameter_source("seconds")
+    if record or picture or engine or asked is not ParameterSource.DEFAULT:
         raise RequestError(
             "Without --play nothing is simulated.", hint="Add --play, or remove the option."
         )
