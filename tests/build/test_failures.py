@@ -97,6 +97,14 @@ CMAKE_CASES = {
         CMAKE.replace("3.20", "2.8"),
         ("BLD012", 1, "cmake_minimum_required", "VERSION 3.20"),
     ),
+    "asks for no CMake": (
+        CMAKE.replace("cmake_minimum_required(VERSION 3.20)\n", ""),
+        ("BLD031", 1, "does not call cmake_minimum_required()", "(VERSION 3.8...3.31)"),
+    ),
+    "misspells the call that asks for a CMake": (
+        CMAKE.replace("cmake_minimum_required", "cmake_minimum_require"),
+        ("BLD027", 1, "cmake_minimum_require()", "Did you mean `cmake_minimum_required`?"),
+    ),
     "asks for a CMake to come": (
         CMAKE.replace("3.20", "99.0"),
         ("BLD013", 1, "requires CMake 99.0", "newer"),
@@ -139,6 +147,19 @@ def test_cmake_file(case: str, tmp_path: Path) -> None:
         event.text for event in events if isinstance(event, OutputLine) and event.is_error_stream
     ]
     assert tuple(said) == result.packages[0].error_output != ()
+
+
+def test_a_project_inside_that_asks_for_no_cmake(tmp_path: Path) -> None:
+    """The package itself asks for one."""
+    inner = "${PROJECT_BINARY_DIR}/inner"
+    write_package(
+        tmp_path,
+        cmake=f'{CMAKE}file(WRITE {inner}/CMakeLists.txt "enable_testing()")\n'
+        f"execute_process(COMMAND ${{CMAKE_COMMAND}} {inner} COMMAND_ERROR_IS_FATAL ANY)\n",
+    )
+    result = build_here(tmp_path)
+    assert {found.code for found in result.diagnostics} == {"BLD015"}
+    assert "No cmake_minimum_required command" in "\n".join(result.unexplained_output)
 
 
 def test_a_folder_that_git_did_not_keep(tmp_path: Path) -> None:

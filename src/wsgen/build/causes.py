@@ -190,6 +190,22 @@ MISSING_CMAKE_FILE = Rule(
     instead="git checkout CMakeLists.txt",
 )
 
+MISSING_CMAKE_MINIMUM = Rule(
+    code="BLD031",
+    name="missing-cmake-minimum",
+    severity=Severity.ERROR,
+    summary="CMakeLists.txt does not call cmake_minimum_required().",
+    why="CMake requires the call, and stops without it. It also chooses by its version how later "
+    "commands behave, so it comes before project().",
+    example="""project(my_robot)
+find_package(ament_cmake REQUIRED)
+ament_package()""",
+    instead="""cmake_minimum_required(VERSION 3.8...3.31)
+project(my_robot)
+find_package(ament_cmake REQUIRED)
+ament_package()""",
+)
+
 # Commands that packages of robots call -> the package that defines them; empty for CMake's own.
 COMMANDS = {
     "ament_auto_find_build_dependencies": "ament_cmake_auto",
@@ -298,6 +314,20 @@ def unknown_command(failure: Failure) -> Iterator[Diagnostic]:
         )
 
 
+def missing_cmake_minimum(failure: Failure) -> Iterator[Diagnostic]:
+    """Advise a version that the CMake of every ROS knows: CMake advises its own."""
+    called = {call.command for call in read_calls(failure.cmake_file)}
+    if "cmake_minimum_required" in called:  # an external project that the package builds lacks it
+        return
+    if any("No cmake_minimum_required command" in error.message for error in failure.errors):
+        yield failure.report(
+            MISSING_CMAKE_MINIMUM,
+            "CMakeLists.txt does not call cmake_minimum_required(), which CMake requires.",
+            line=1,
+            hint="Add as its first line: cmake_minimum_required(VERSION 3.8...3.31)",
+        )
+
+
 def missing_destination(failure: Failure) -> Iterator[Diagnostic]:
     """Say where to install to."""
     for error in failure.errors:
@@ -339,7 +369,8 @@ CMAKE_CAUSES = (
     unclosed_quote,
     unclosed_block,
     syntax,
-    unknown_command,
+    unknown_command,  # before the next: the unknown command may be a misspelled minimum
+    missing_cmake_minimum,
     missing_destination,
     different_names,
 )
