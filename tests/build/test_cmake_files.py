@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from wsgen.build.cmake_text import read_calls
-from wsgen.build.failure import read_errors, split_deprecations
+from wsgen.build.failure import fold_details, read_errors, split_deprecations
 
 TEXT = """\
 # find_package(commented REQUIRED)
@@ -111,3 +111,32 @@ def test_an_error_about_a_whole_file_is_read() -> None:
     text = "CMake Error in CMakeLists.txt:\n  No cmake_minimum_required command is present.\n\n"
     (error,) = read_errors(text)
     assert (error.message, error.frames) == ("No cmake_minimum_required command is present.", ())
+
+
+BARE = "CMake Error: {}\n"
+PLACED = "CMake Error at CMakeLists.txt:{} (configure_file):\n  It failed.\n\n\n"
+WHOLE = "CMake Error in CMakeLists.txt:\n  Also wrong.\n\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "messages"),
+    [
+        # Each command keeps the first error that its own code prints.
+        (
+            BARE.format("No a.")
+            + BARE.format("So no b.")
+            + PLACED.format(3)
+            + BARE.format("No c.")
+            + PLACED.format(4),
+            ["It failed. (No a.)", "It failed. (No c.)"],
+        ),
+        (PLACED.format(3) + BARE.format("It is not set."), ["It failed."]),
+        # What is wrong with the whole file is no detail of a command, and has none.
+        (PLACED.format(3) + WHOLE, ["It failed.", "Also wrong."]),
+        (PLACED.format(3) + BARE.format("It is not set.") + WHOLE, ["It failed.", "Also wrong."]),
+        # Without a command to blame, every error counts.
+        (BARE.format("No a.") + BARE.format("No b.") + WHOLE, ["No a.", "No b.", "Also wrong."]),
+    ],
+)
+def test_errors_around_that_of_a_command(text: str, messages: list[str]) -> None:
+    assert [error.message for error in fold_details(read_errors(text))] == messages

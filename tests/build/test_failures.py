@@ -117,6 +117,14 @@ CMAKE_CASES = {
         CMAKE + "message(FATAL_ERROR no)\n",
         ("BLD015", 9, "CMake: no", "stdout_stderr.log"),
     ),
+    "enables a language that nobody knows": (
+        CMAKE.replace("LANGUAGES NONE", "CXXX"),
+        ("BLD015", 2, "(Could not find cmake module file: CMakeDetermineCXXX", "stdout_stderr.log"),
+    ),
+    "configures a file that is not there": (
+        CMAKE + "configure_file(missing.in made)\n",
+        ("BLD015", 9, "missing.in does not exist", "stdout_stderr.log"),
+    ),
     "fails without a word of CMake": (
         CMAKE + 'add_custom_target(work ALL COMMAND sh -c "echo the cause >&2; false" VERBATIM)\n',
         ("BLD016", None, "the cause", "stdout_stderr.log"),

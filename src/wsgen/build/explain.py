@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.build import causes
-from wsgen.build.failure import Failure, last_words
+from wsgen.build.failure import Failure, fold_details, last_words
 from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.errors import NotReadableError, RequestError
 from wsgen.files import explain_write_error, find_full_disk, full_folder
@@ -105,7 +105,7 @@ def explain(failure: Failure) -> tuple[Diagnostic, ...]:
 
 
 def _any_cmake_error(failure: Failure) -> Iterator[Diagnostic]:
-    for error in failure.errors:
+    for error in fold_details(failure.errors):
         is_named = error.command and error.command not in {"message", error.message.split("(")[0]}
         what = f"{error.command}(): {error.message}" if is_named else error.message
         yield failure.report(CMAKE_ERROR, f"CMake: {what}", error=error, hint=failure.where_to_look)

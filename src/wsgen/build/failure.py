@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -15,7 +15,8 @@ if TYPE_CHECKING:
 
 
 _HEADING = re.compile(
-    r"^CMake Error(?: at (?P<file>.+?):(?P<line>\d+)(?: \((?P<command>\w+)\))?| in [^:]+)?:"
+    r"^CMake Error(?: at (?P<file>.+?):(?P<line>\d+)(?: \((?P<command>\w+)\))?"
+    r"|(?P<whole> in [^:]+))?:"
 )
 # As CMake 3.31 heads it, and as later ones do, whose last lines are not indented.
 _DEPRECATION = re.compile(
@@ -35,6 +36,7 @@ class CMakeError:
     message: str  # on one line
     command: str  # the command that failed; may be empty
     frames: tuple[tuple[str, int], ...]  # file and 1-based line, the innermost call first
+    names_file: bool  # with or without a line
 
     def locate(self, folder: Path) -> tuple[Path | None, int | None]:
         """Find the innermost call that lies in a file of the folder, which is CMake's source."""
@@ -69,7 +71,31 @@ def _read_errors(lines: list[str]) -> Iterator[CMakeError]:
             message=" ".join(" ".join(words).split()),
             command=heading["command"] or "",
             frames=tuple(frames),
+            names_file=bool(heading["file"] or heading["whole"]),
         )
+
+
+def fold_details(errors: Sequence[CMakeError]) -> tuple[CMakeError, ...]:
+    """Keep of the errors around a failed command only that of the command, if there is one.
+
+    The code of CMake that the command runs prints its own errors, which name no file. The first
+    one before the error of the command says what is wrong, and is appended to it. The others
+    follow from it.
+    """
+    if not any(error.frames for error in errors):
+        return tuple(errors)
+    folded: list[CMakeError] = []
+    detail = ""
+    for error in errors:
+        if not error.names_file:
+            detail = detail or error.message
+            continue
+        is_detailed = detail and error.frames
+        folded.append(
+            replace(error, message=f"{error.message} ({detail})") if is_detailed else error
+        )
+        detail = ""
+    return tuple(folded)
 
 
 def split_deprecations(
