@@ -195,8 +195,8 @@ MISSING_CMAKE_MINIMUM = Rule(
     name="missing-cmake-minimum",
     severity=Severity.ERROR,
     summary="CMakeLists.txt does not call cmake_minimum_required().",
-    why="CMake requires the call, and stops without it. It also chooses by its version how later "
-    "commands behave, so it comes before project().",
+    why="CMake 4 stops without the call; earlier versions only warn. The version in it also "
+    "chooses how later commands behave, so the call comes before project().",
     example="""project(my_robot)
 find_package(ament_cmake REQUIRED)
 ament_package()""",
@@ -322,7 +322,7 @@ def missing_cmake_minimum(failure: Failure) -> Iterator[Diagnostic]:
     if any("No cmake_minimum_required command" in error.message for error in failure.errors):
         yield failure.report(
             MISSING_CMAKE_MINIMUM,
-            "CMakeLists.txt does not call cmake_minimum_required(), which CMake requires.",
+            "CMakeLists.txt does not call cmake_minimum_required(), which this CMake requires.",
             line=1,
             hint="Add as its first line: cmake_minimum_required(VERSION 3.8...3.31)",
         )
