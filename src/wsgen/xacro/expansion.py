@@ -17,12 +17,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import xacro
 
 from wsgen.files import refuse_irregular
-from wsgen.xacro.source import Expansion, ExpansionError, UnusedArgument
+from wsgen.xacro.result import Expansion, ExpansionError, UnusedArgument
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from wsgen.xacro.source import ExpansionRequest
+    from wsgen.xacro.result import ExpansionRequest
 
 
 def _open_regular(file: Any, mode: str = "r", **keywords: Any) -> Any:

@@ -10,7 +10,7 @@ from wsgen.isolation import parent
 from wsgen.isolation.codec import decode
 from wsgen.isolation.result import Died, Limits
 from wsgen.launch.launch_warnings import UNUSED_XACRO_ARGUMENT
-from wsgen.xacro.source import Expansion, ExpansionError, ExpansionRequest
+from wsgen.xacro.result import Expansion, ExpansionError, ExpansionRequest
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -3,17 +3,13 @@
 xacro keeps no line numbers: an element of the expanded text is looked up by its name in the file
 that was expanded and in those that it includes. A name that xacro puts together is found by its
 pattern, for example `${prefix}base_link`.
-
-What the child process that expands a xacro file is asked, and what it answers.
-
-It is separate from `expansion`, because the parent does not import xacro.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -181,39 +177,3 @@ def _included(uri: str, by: Path, share_of: ShareOf) -> Path | None:
         uri = uri[package.end() :].lstrip("/")
         return None if share is None or "$" in uri else share / uri
     return None if "$" in uri else by.parent / uri
-
-
-@dataclass(frozen=True, kw_only=True)
-class ExpansionRequest:
-    """A file to expand."""
-
-    file: str  # absolute
-    arguments: Mapping[str, str]
-
-
-@dataclass(frozen=True, kw_only=True)
-class ExpansionError:
-    """Why a file cannot be expanded."""
-
-    message: str
-    file: str | None = None  # that has to be changed; it may be an included one
-    line: int | None = None  # 1-based
-    element: str | None = None
-    hint: str | None = None
-
-
-@dataclass(frozen=True, kw_only=True)
-class UnusedArgument:
-    """An argument that is given and that no xacro file has."""
-
-    name: str
-    message: str
-    hint: str
-
-
-@dataclass(frozen=True, kw_only=True)
-class Expansion:
-    """What a file expands to."""
-
-    urdf: str
-    unused: tuple[UnusedArgument, ...] = ()
