@@ -28,10 +28,9 @@ if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.plan import Include, LaunchArgument, Process
 
-
-if TYPE_CHECKING:
     Location = tuple[str, int]  # file, 1-based line
     CommandRunner = Callable[[Sequence[str]], "CommandOutcome"]
+
 
 _MACHINERY = os.path.dirname(os.path.dirname(__file__)) + os.sep  # all of wsgen
 _NOT_THE_USERS = (_MACHINERY, "<frozen importlib")

@@ -25,9 +25,8 @@ if TYPE_CHECKING:
     from wsgen.launch.record import CommandRunner, Location
     from wsgen.model.plan import LaunchRequest
 
-
-if TYPE_CHECKING:
     Explainer = Callable[[BaseException], "dict[str, Any] | None"]
+
 
 _SHIM = os.path.join(os.path.dirname(os.path.dirname(__file__)), "launch_shim")
 _ROS_PACKAGES = os.path.join(os.path.dirname(__file__), "ros_packages")

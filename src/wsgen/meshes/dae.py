@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from wsgen.meshes.requests import Rgba
     from wsgen.xmltree import Element
 
+    Matrix = NDArray[np.float64]  # (4, 4)
+
 
 LONGEST_NUMBER = 18  # digits
 
@@ -393,9 +395,6 @@ def _factor(shader: Element) -> float:
         return 1.0
     return min(1.0, max(0.0, numbers[0])) if len(numbers) == 1 else 1.0
 
-
-if TYPE_CHECKING:
-    Matrix = NDArray[np.float64]  # (4, 4)
 
 NODE_LIMIT = 20_000  # nodes may stand for others, and those for others
 

@@ -14,14 +14,10 @@ from wsgen.files import irregular_kind
 from wsgen.model.robot import Mesh, Robot
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from wsgen.diagnostics import Diagnostic
+    from wsgen.model.package import ShareOf
     from wsgen.model.robot import Geometry, Link
 
-
-if TYPE_CHECKING:
-    ShareOf = Callable[[str], Path | None]  # package name -> its installed share folder
 
 FORMATS = (".stl", ".obj", ".dae", ".glb", ".gltf", ".ply")  # see `wsgen.meshes.worker`
 ON_WINDOWS = re.compile(r"[A-Za-z]:[\\/]")

@@ -14,9 +14,12 @@ from keyword import kwlist
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Callable, Iterator, Mapping
+    from pathlib import Path
 
     from wsgen.model.target import Target
+
+    ShareOf = Callable[[str], Path | None]  # package name -> its installed share folder
 
 
 # What a variable of a template is set to: a number, an integer, a boolean or a text.

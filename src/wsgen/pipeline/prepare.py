@@ -6,9 +6,7 @@ addresses name are looked up in folders.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.description_rules import ONE_NAME_FOR_LINK_AND_JOINT
@@ -28,10 +26,12 @@ from wsgen.xacro.source import place_in_source
 from wsgen.xmltree import Malformed, child_text, parse
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+    from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.isolation.parent import Run
+    from wsgen.model.package import ShareOf
     from wsgen.model.world import Spawn, SpawnHeight
     from wsgen.sdf.models import SdfFile, SdfModel
 
@@ -41,8 +41,6 @@ REFUSED_BY_GAZEBO_SIM = frozenset((ONE_NAME_FOR_LINK_AND_JOINT.code,))  # not by
 OLD_SDFORMAT = frozenset((LUMPED_END_OF_SDF_JOINT.code, DROPPED_BY_OLD_SDFORMAT.code))
 FORTRESS = frozenset(("humble", "iron"))  # distributions with a Gazebo Sim that may have such
 NAMED = 3  # at most so many robots are named in a line
-
-ShareOf = Callable[[str], Path | None]  # package name -> its installed share folder
 
 
 @dataclass(frozen=True, kw_only=True)

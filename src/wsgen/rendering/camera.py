@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 
     from wsgen.model.transform import Vector
 
+    Floats = NDArray[np.float64]
+
 
 @dataclass(frozen=True)
 class Camera:
@@ -40,9 +42,6 @@ class Shot:
     depth: NDArray[np.float32]  # height by width, 0 to 1, of the depth buffer
     body: NDArray[np.int32]  # height by width; negative where nothing is seen
 
-
-if TYPE_CHECKING:
-    Floats = NDArray[np.float64]
 
 FIELD_OF_VIEW = 32.0  # degrees, vertical
 FROM: Vector = (0.72, -0.62, 0.36)  # direction from the robot to the camera: three-quarter view

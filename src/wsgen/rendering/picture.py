@@ -29,9 +29,8 @@ if TYPE_CHECKING:
 
     from wsgen.rendering.camera import Camera, Shot, Size
 
-
-if TYPE_CHECKING:
     Floats = NDArray[np.float32]
+
 
 SUNK = 1e-3  # of the farthest distance: what the depth buffer cannot tell from the ground
 FAINT = 0.35  # opacity of what is under the ground

@@ -30,9 +30,8 @@ if TYPE_CHECKING:
     from wsgen.sdf.source import Source
     from wsgen.xmltree import Element
 
-
-if TYPE_CHECKING:
     ReadRobot = Callable[[Path], tuple[Robot | None, tuple[Diagnostic, ...]]]
+
 
 MODEL_LEFT_OUT = Rule(
     code="WLD004",

@@ -25,11 +25,10 @@ if TYPE_CHECKING:
     from wsgen.simulation.engine import Engine, Loaded, Overlap, State
     from wsgen.simulation.scene import Scene, SpawnedRobot
 
-
-if TYPE_CHECKING:
     Observer = Callable[
         [float, Sequence[str]], None
     ]  # simulated seconds, the robots that are there
+
 
 # Reading a state costs as much as several steps. Bodies keep their speed between contacts, so
 # that a look every 10 ms misses neither a jump nor the moment of coming to rest.

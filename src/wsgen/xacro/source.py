@@ -8,9 +8,7 @@ pattern, for example `${prefix}base_link`.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.description_rules import NOT_A_NUMBER
@@ -18,12 +16,12 @@ from wsgen.markup import elements, read_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
+    from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.markup import Written
+    from wsgen.model.package import ShareOf
 
-
-ShareOf = Callable[[str], Path | None]  # package name -> its installed share folder
 
 FIND = re.compile(r"\$\(find\s+([\w-]+)\s*\)")
 COMPUTED = re.compile(r"\$\{[^}]*\}|\$\([^)]*\)")  # by xacro
