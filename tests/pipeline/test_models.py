@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from wsgen.isolation import parent
-from wsgen.pipeline.prepare import MOST_MODELS, PrepareContext, describe_models, read_file
+from wsgen.pipeline.prepare import MOST_MODELS, PrepareContext, prepare_models, read_file
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -47,7 +47,7 @@ def test_the_models_of_a_file_share_a_child_process(tmp_path: Path) -> None:
     counting = Counting()
     context = PrepareContext(share_of=lambda _: None, folder=tmp_path, run=counting)
     found = read_file(world_of(tmp_path, 5, EGG), context, {})
-    prepared, diagnostics = describe_models(found, context)
+    prepared, diagnostics = prepare_models(found, context)
     assert diagnostics == ()
     assert len(counting.tasks) == 1
     assert [model.entity for model in prepared] == ["m0", "m1", "m2", "m3", "m4"]
@@ -59,7 +59,7 @@ def test_too_many_models_are_refused_before_anything_is_made_of_them(tmp_path: P
     counting = Counting()
     context = PrepareContext(share_of=lambda _: None, folder=tmp_path, run=counting)
     found = read_file(world_of(tmp_path, MOST_MODELS + 1, EGG), context, {})
-    prepared, (problem,) = describe_models(found, context)
+    prepared, (problem,) = prepare_models(found, context)
     assert (prepared, counting.tasks) == ([], [])
     assert (problem.code, problem.file) == ("SPN035", tmp_path / "many.world")
 
@@ -76,5 +76,5 @@ def test_a_model_has_what_was_reported_of_it(tmp_path: Path) -> None:
         (f'<sdf version="1.9">{model("wrong", "inertal")}</sdf>', [["ROB038"]]),
     ):
         file.write_text(text)
-        prepared, _ = describe_models(read_file(file, context, {}), context)
+        prepared, _ = prepare_models(read_file(file, context, {}), context)
         assert [[one.code for one in model.diagnostics] for model in prepared] == expected

@@ -14,7 +14,7 @@ import pytest
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.isolation import parent
 from wsgen.pipeline.file_validation import FileValidation
-from wsgen.pipeline.prepare import PrepareContext, describe
+from wsgen.pipeline.prepare import PrepareContext, prepare_robot
 from wsgen.pipeline.selection import ValidateRequest
 from wsgen.workspace.overlay import Overlay
 from wsgen.xacro.expansion import expand
@@ -110,7 +110,7 @@ def swap(text: str, old: str | re.Pattern[str], new: str) -> str:
 
 def diagnose(text: str | bytes, file: Path) -> list[Diagnostic]:
     context = PrepareContext(share_of=lambda _: None, folder=file.parent, run=parent.run)
-    return list(describe(text, file=file, context=context)[1])
+    return list(prepare_robot(text, file=file, context=context)[1])
 
 
 @pytest.mark.parametrize(

@@ -129,6 +129,7 @@ def test_every_key_of_the_contract() -> None:
                 "diagnostics": [
                     {
                         "code": "SPN053",
+                        "name": "some-rule",
                         "severity": "warning",
                         "message": "m",
                         "file": "f",
@@ -193,6 +194,7 @@ def test_every_key_of_a_build() -> None:
         "diagnostics": [
             {
                 "code": "SPN053",
+                "name": "some-rule",
                 "severity": "warning",
                 "message": "m",
                 "file": "f",

@@ -13,7 +13,7 @@ from wsgen.model.robot import Box, Cylinder, Inertial, JointLimit, JointType, Li
 from wsgen.model.transform import Pose
 from wsgen.simulation.run_behaviors import run_behaviors
 from wsgen.simulation.scene import BehaviorMeasurement, Scene, SpawnedRobot
-from wsgen.simulation.simulate import play
+from wsgen.simulation.simulate import run_scene
 
 if TYPE_CHECKING:
     from simulation.robots import NewEngine
@@ -90,7 +90,7 @@ def simulated(
     spawned = SpawnedRobot(entity="e", robot=robot, pose_in_world=at)
     scene = Scene(world=GROUND, robots=(spawned,), seconds=0.5, behavior_runs=behavior_runs)
     with closing(new_engine(GROUND)) as engine:
-        robot_runs, refused = play(engine, scene, lambda _: None)
+        robot_runs, refused = run_scene(engine, scene, lambda _: None)
         assert refused == {}
         (robot_run,) = run_behaviors(engine, scene, robot_runs, lambda _: None)
     return robot_run.behaviors

@@ -29,7 +29,7 @@ from wsgen.model.transform import IDENTITY, Pose
 from wsgen.model.world import World
 from wsgen.simulation.engine import Engine, Loaded, Refused
 from wsgen.simulation.scene import RobotRun, Scene, SpawnedRobot
-from wsgen.simulation.simulate import play
+from wsgen.simulation.simulate import run_scene
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -164,7 +164,7 @@ def run_of(
     )
     scene = Scene(world=world, robots=(spawned,), seconds=seconds)
     with closing(new_engine(world)) as engine:
-        (robot_run,), refused = play(engine, scene, lambda _: None)
+        (robot_run,), refused = run_scene(engine, scene, lambda _: None)
     assert refused == {}
     return robot_run
 

@@ -23,7 +23,7 @@ from wsgen.simulation.run_behaviors import (
     run_behaviors,
 )
 from wsgen.simulation.scene import BehaviorMeasurement, RobotRun, Scene, SpawnedRobot
-from wsgen.simulation.simulate import play
+from wsgen.simulation.simulate import run_scene
 
 if TYPE_CHECKING:
     from wsgen.model.behavior import BehaviorRun
@@ -61,7 +61,7 @@ def simulated(
 ) -> RobotRun:
     spawned = SpawnedRobot(entity="e", robot=robot or two_wheeled(), pose_in_world=AT)
     scene = Scene(world=GROUND, robots=(spawned,), seconds=seconds, behavior_runs=behavior_runs)
-    robot_runs, _ = play(engine, scene, lambda _: None)
+    robot_runs, _ = run_scene(engine, scene, lambda _: None)
     (robot_run,) = run_behaviors(engine, scene, robot_runs, lambda _: None)
     return robot_run
 
@@ -120,7 +120,7 @@ def test_time_goes_on_for_who_watches() -> None:
     seen: list[float] = []
     steps: list[str] = []
     begun: list[tuple[str, float]] = []
-    robot_runs, _ = play(engine, scene, lambda _: None)
+    robot_runs, _ = run_scene(engine, scene, lambda _: None)
     run_behaviors(
         engine,
         scene,

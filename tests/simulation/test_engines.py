@@ -37,7 +37,7 @@ from wsgen.model.transform import Pose
 from wsgen.model.world import World
 from wsgen.simulation.engine import Loaded
 from wsgen.simulation.scene import Scene, SpawnedRobot
-from wsgen.simulation.simulate import play
+from wsgen.simulation.simulate import run_scene
 
 LYING = (0.0, math.pi / 2, 0.0)
 
@@ -134,7 +134,7 @@ def test_two_robots_at_once(new_engine: NewEngine) -> None:
         for name, x, geometry in (("a", 0.0, CYLINDER), ("b", 3.0, Sphere(radius=0.1)))
     )
     engine = new_engine(GROUND)
-    robot_runs, _ = play(engine, Scene(world=GROUND, robots=robots), lambda _: None)
+    robot_runs, _ = run_scene(engine, Scene(world=GROUND, robots=robots), lambda _: None)
     engine.close()
     assert [robot_run.entity for robot_run in robot_runs] == ["a", "b"]
     assert [robot_run.rest_pose.xyz[2] for robot_run in robot_runs] == pytest.approx(

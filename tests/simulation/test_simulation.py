@@ -16,7 +16,7 @@ from wsgen.model.world import World
 from wsgen.simulation.engine import Overlap, State
 from wsgen.simulation.fake import FakeEngine
 from wsgen.simulation.scene import Overlapping, RobotRun, Scene, SpawnedRobot
-from wsgen.simulation.simulate import CLEARANCE, play
+from wsgen.simulation.simulate import CLEARANCE, run_scene
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -50,7 +50,7 @@ def run_of(
         entity="e", robot=robot, pose_in_world=spawn, on_the_ground=on_the_ground
     )
     engine = FakeEngine(motion, **{"reach": 0.5, **script})  # type: ignore[arg-type]
-    (robot_run,), refused = play(engine, Scene(world=world, robots=(spawned,)), lambda _: None)
+    (robot_run,), refused = run_scene(engine, Scene(world=world, robots=(spawned,)), lambda _: None)
     assert refused == {}
     return robot_run
 
@@ -129,7 +129,7 @@ def test_an_energy_that_is_not_a_number() -> None:
 def test_what_is_not_finite_any_more_ends_the_simulation() -> None:
     engine = FakeEngine(lambda seconds: still(math.inf if seconds > 0.5 else 1.0))
     robots = (SpawnedRobot(entity="e", robot=BALL),)
-    play(engine, Scene(world=World(name="w"), robots=robots), lambda _: None)
+    run_scene(engine, Scene(world=World(name="w"), robots=robots), lambda _: None)
     assert engine.steps * engine.step_seconds == pytest.approx(0.51)
 
 
@@ -140,7 +140,7 @@ def test_one_state_that_is_not_finite_ends_the_run_of_all() -> None:
         still(math.nan) if entity == "b" and engine.steps > 500 else state(entity)
     )
     robots = tuple(SpawnedRobot(entity=entity, robot=BALL) for entity in "ab")
-    robot_runs, _ = play(engine, Scene(world=World(name="w"), robots=robots), lambda _: None)
+    robot_runs, _ = run_scene(engine, Scene(world=World(name="w"), robots=robots), lambda _: None)
     assert engine.steps * engine.step_seconds == pytest.approx(0.51)
     assert [(robot_run.is_finite, robot_run.is_cut_short) for robot_run in robot_runs] == [
         (True, True),
@@ -214,7 +214,7 @@ def test_overlaps_are_seen_from_both_sides() -> None:
         lambda _: still(1.0),
         overlapping=(Overlap("a", "arm", "b", "leg", 0.25), Overlap("b", "leg", "b", "foot", 0.5)),
     )
-    robot_runs, _ = play(engine, Scene(world=World(name="w"), robots=robots), lambda _: None)
+    robot_runs, _ = run_scene(engine, Scene(world=World(name="w"), robots=robots), lambda _: None)
     assert {robot_run.entity: robot_run.overlaps for robot_run in robot_runs} == {
         "a": (Overlapping(link="arm", other_entity="b", other_link="leg", depth=0.25),),
         "b": (
@@ -236,7 +236,7 @@ def test_overlaps_are_those_at_the_start() -> None:
 
     robots = (SpawnedRobot(entity="e", robot=BALL, on_the_ground=True),)
     scene = Scene(world=World(name="w", has_ground_plane=True), robots=robots)
-    play(Engine(lambda _: still(9.0), reach=0.5), scene, lambda _: None)
+    run_scene(Engine(lambda _: still(9.0), reach=0.5), scene, lambda _: None)
     assert seen == [(0.505, 0)]
 
 
@@ -247,7 +247,7 @@ def test_seconds_and_step() -> None:
         robots=(SpawnedRobot(entity="e", robot=BALL),),
         seconds=1.0,
     )
-    play(engine, scene, lambda _: None)
+    run_scene(engine, scene, lambda _: None)
     assert engine.steps == 250
 
 
@@ -255,7 +255,9 @@ def test_refused_robots_do_not_stop_the_others() -> None:
     said: list[str] = []
     robots = tuple(SpawnedRobot(entity=name, robot=BALL) for name in ("good", "bad"))
     engine = FakeEngine(lambda _: still(1.0), refuses=frozenset({"bad"}))
-    robot_runs, refused = play(engine, Scene(world=World(name="w"), robots=robots), said.append)
+    robot_runs, refused = run_scene(
+        engine, Scene(world=World(name="w"), robots=robots), said.append
+    )
     assert [robot_run.entity for robot_run in robot_runs] == ["good"]
     assert set(refused) == {"bad"}
     assert said == ["loading the robot `good`", "loading the robot `bad`", "simulating 3 s"]

@@ -10,7 +10,7 @@ from gazebo_oracle import IGN, is_taken, model_of
 from urdf_texts import MASS, joint, link, robot
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.isolation import parent
-from wsgen.pipeline.prepare import PrepareContext, describe
+from wsgen.pipeline.prepare import PrepareContext, prepare_robot
 from wsgen.urdf.lumping import lump
 from wsgen.urdf.reader import read_urdf
 
@@ -143,7 +143,7 @@ def test_only_where_such_a_version_may_be(
     simulator: str | None, distro: str | None, *, is_reported: bool, tmp_path: Path
 ) -> None:
     context = PrepareContext(share_of=lambda _: None, folder=tmp_path, run=parent.run)
-    _, found = describe(
+    _, found = prepare_robot(
         robot(CARRIED["no inertial"][0]).encode(),
         file=tmp_path / "robot.urdf",
         context=context,
@@ -167,7 +167,7 @@ def test_what_the_simulator_of_the_target_refuses(  # noqa: PLR0917  cases
     """For a bare file it is a warning that names the simulator."""
     text = robot(link("base", MASS) + link("arm", MASS) + joint(name, "base", "arm", kind=kind))
     context = PrepareContext(share_of=lambda _: None, folder=tmp_path, run=parent.run)
-    _, found = describe(
+    _, found = prepare_robot(
         text.encode(), file=tmp_path / "robot.urdf", context=context, simulator=simulator
     )
     (one,) = (one for one in found if one.code == code)

@@ -136,7 +136,9 @@ def command(
     _print_notes(created, verbose=verbose)
     goes_on = then_build or then_validate
     if output_format == "json":
-        _print_json(created)
+        from wsgen.report.json_report import render_created
+
+        click.echo(render_created(created), nl=False)
     elif dry_run or not quiet:  # --dry-run is for the list of files
         _print_text(created, goes_on=goes_on)
     if dry_run or not goes_on:
@@ -183,21 +185,6 @@ def _print_text(created: CreatedPackage, *, goes_on: bool) -> None:
         click.echo(f"Wrote {short_name(path)}")
     if not goes_on:
         click.echo(f"Next: {next_command(workspace, 'wsgen build', 'wsgen validate')}")
-
-
-def _print_json(created: CreatedPackage) -> None:
-    import json
-
-    result = {
-        "version": 1,
-        "package": created.folder.name,
-        "path": str(created.folder),
-        "workspace": str(created.workspace.root),
-        "files": list(created.files),
-        "workspace_files": list(created.workspace_files),
-        "written": created.is_written,
-    }
-    click.echo(json.dumps(result, indent=2))
 
 
 def go_on(created: CreatedPackage, *, validate: bool, quiet: bool, verbose: bool) -> int:

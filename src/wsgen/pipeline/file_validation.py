@@ -14,15 +14,15 @@ from wsgen.pipeline.clock import Clock
 from wsgen.pipeline.prepare import (
     PrepareContext,
     PreparedRobot,
-    describe,
-    describe_models,
     name_some,
+    prepare_models,
+    prepare_robot,
     read_file,
     share_around,
     share_on_model_path,
 )
 from wsgen.pipeline.run_robots import SimulationResult, simulate_robots
-from wsgen.sdf.reader import DEFAULT_WORLD
+from wsgen.sdf.worlds import DEFAULT_WORLD
 from wsgen.urdf.reader import TEXT_LIMIT
 from wsgen.xacro.reader import expand_file
 
@@ -125,7 +125,9 @@ class FileValidation:
         text = self._urdf()
         if text is None:
             return DEFAULT_WORLD, []
-        prepared, diagnostics = describe(text, file=self.file, context=context, on_the_ground=True)
+        prepared, diagnostics = prepare_robot(
+            text, file=self.file, context=context, on_the_ground=True
+        )
         self.diagnostics += diagnostics
         return DEFAULT_WORLD, [prepared] if prepared else []
 
@@ -146,7 +148,7 @@ class FileValidation:
 
     def _read_sdf(self, context: PrepareContext) -> tuple[World | None, list[PreparedRobot]]:
         found = read_file(self.file, context, self.overlay.environment)
-        prepared, more = describe_models(found, context)
+        prepared, more = prepare_models(found, context)
         self.diagnostics += (*found.diagnostics, *more)
         if not prepared and not has_errors(self.diagnostics):
             self.diagnostics.append(

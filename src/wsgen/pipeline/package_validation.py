@@ -17,9 +17,9 @@ from wsgen.pipeline.clock import DRAW, Clock
 from wsgen.pipeline.prepare import (
     PrepareContext,
     PreparedRobot,
-    describe,
-    describe_models,
     name_some,
+    prepare_models,
+    prepare_robot,
     read_file,
     read_spawned,
     share_on_model_path,
@@ -29,8 +29,8 @@ from wsgen.pipeline.run_robots import SimulationResult, simulate_robots
 from wsgen.rules.catalogue import unknown_rule_allowed, without_allowed
 from wsgen.rules.runs import spawned_twice
 from wsgen.sdf.lookup import find_world, gazebo_worlds, is_there, world_names
-from wsgen.sdf.reader import DEFAULT_WORLD
 from wsgen.sdf.source import is_sdf
+from wsgen.sdf.worlds import DEFAULT_WORLD
 from wsgen.suggestions import advice
 from wsgen.workspace.settings import read_settings
 
@@ -305,7 +305,7 @@ class Validation:
                 self.diagnostics.append(missing)
                 return DEFAULT_WORLD if file is None else None, []
             found = read_file(file, context, environment)
-            static_models, more = describe_models(found, context, is_static_model=True)
+            static_models, more = prepare_models(found, context, is_static_model=True)
             step.succeeded = not has_errors((*found.diagnostics, *more))
         self.diagnostics += (*found.diagnostics, *more)
         return found.world, static_models
@@ -337,7 +337,7 @@ class Validation:
     ) -> PreparedRobot | None:
         if is_sdf(spawn.description):
             found = read_spawned(spawn, context, environment)
-            models, more = describe_models(found, context)
+            models, more = prepare_models(found, context)
             self.diagnostics += (*found.diagnostics, *more)
             return next(
                 (
@@ -346,7 +346,7 @@ class Validation:
                 ),
                 None,
             )
-        prepared, diagnostics = describe(
+        prepared, diagnostics = prepare_robot(
             spawn.description,
             file=spawn.description_file,
             context=context,

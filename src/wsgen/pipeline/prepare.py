@@ -69,7 +69,7 @@ class PreparedRobot:
     diagnostics: tuple[Diagnostic, ...] = ()  # about its description, as they have been reported
 
 
-def describe(  # noqa: PLR0913  most have defaults
+def prepare_robot(  # noqa: PLR0913  most have defaults
     text: str | bytes,
     *,
     file: Path | None,
@@ -169,7 +169,7 @@ def _as_in_gazebo(
     located, missing = find_meshes(
         written, share_of=context.share_of, folder=file.parent if file else None, file=file
     )
-    readable, broken = complete(located, file, context)
+    readable, broken = complete_meshes(located, file, context)
     lumped, dropped = lump(readable, file=file)
     return lumped, (*missing, *broken, *dropped)
 
@@ -181,7 +181,7 @@ def name_some(prepared: Sequence[PreparedRobot]) -> str:
     return ", ".join(names[:NAMED]) + others
 
 
-def complete(
+def complete_meshes(
     robot: Robot, file: Path | None, context: PrepareContext
 ) -> tuple[Robot, tuple[Diagnostic, ...]]:
     """The robot with shapes and mesh files that every engine reads as Gazebo does."""
@@ -300,7 +300,7 @@ OVERSIZED_SCENE = Rule(
 )
 
 
-def describe_models(
+def prepare_models(
     found: SdfFile, context: PrepareContext, *, is_static_model: bool = False
 ) -> tuple[list[PreparedRobot], tuple[Diagnostic, ...]]:
     """The models that have links, ready for an engine, and the diagnostics about their meshes.
@@ -369,7 +369,7 @@ def _completed(
             ),
             is_static=is_static,
         )
-        whole, more = complete(together, file, context)
+        whole, more = complete_meshes(together, file, context)
         diagnostics += more
         links = iter(whole.links)
         for number, robot in zip(numbers, robots, strict=True):

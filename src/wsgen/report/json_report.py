@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from wsgen.model.outcome import Outcome, PackageOutcome, RobotOutcome
     from wsgen.model.plan import Include, LaunchArgument, LaunchPlan, Process, Unresolved
     from wsgen.model.transform import Pose
+    from wsgen.pipeline.create import CreatedPackage
     from wsgen.templating.template import Template
     from wsgen.templating.variables import Variable
 
@@ -40,6 +41,20 @@ def render_outcome(outcome: Outcome) -> str:
         "packages": [_package(package) for package in outcome.packages],
     }
     return json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def render_created(created: CreatedPackage) -> str:
+    """A package that was written, for `wsgen new`; docs/json.md lists the keys."""
+    document = {
+        "version": VERSION,
+        "package": created.folder.name,
+        "path": _path(created.folder),
+        "workspace": _path(created.workspace.root),
+        "files": list(created.files),
+        "workspace_files": list(created.workspace_files),
+        "written": created.is_written,
+    }
+    return json.dumps(document, indent=2) + "\n"
 
 
 def render_build(result: BuildResult) -> str:
@@ -66,6 +81,7 @@ def diagnostic_to_json(diagnostic: Diagnostic) -> dict[str, Any]:
     """One diagnostic."""
     return {
         "code": diagnostic.code,
+        "name": diagnostic.name,
         "severity": diagnostic.severity.value,
         "message": diagnostic.message,
         "file": _path(diagnostic.file),

@@ -59,7 +59,7 @@ MODULES = (
     "wsgen.sdf.includes",
     "wsgen.sdf.joints",
     "wsgen.sdf.models",
-    "wsgen.sdf.reader",
+    "wsgen.sdf.worlds",
     "wsgen.sdf.shapes",
     "wsgen.sdf.source",
     "wsgen.simulation.run",

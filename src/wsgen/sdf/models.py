@@ -21,9 +21,9 @@ from wsgen.sdf.frames import (
     resolve_poses,
 )
 from wsgen.sdf.includes import MODEL_LEFT_OUT, Includes, is_ground_plane, is_sun
-from wsgen.sdf.reader import check_ground, describe_world
 from wsgen.sdf.source import line_of, load, parse_text, with_version
 from wsgen.sdf.values import first, read_pose, truth, word
+from wsgen.sdf.worlds import check_ground, describe_world
 from wsgen.xmltree import children
 
 if TYPE_CHECKING:

@@ -148,7 +148,7 @@ def _limited(joint: Joint, speed: float) -> Motor:
     return Motor(min(fastest, max(-fastest, speed)), effort)
 
 
-def run_behaviors(  # noqa: PLR0913  as `play`, and its outcome
+def run_behaviors(  # noqa: PLR0913  as `run_scene`, and its outcome
     engine: Engine,
     scene: Scene,
     robot_runs: Sequence[RobotRun],
@@ -160,8 +160,8 @@ def run_behaviors(  # noqa: PLR0913  as `play`, and its outcome
     """Run the scene's behaviors one after the other; gives the runs with what was measured.
 
     For each all robots are put to where they were spawned, and come to rest first. The arguments
-    are those of `simulation.play`, which was before; simulated time goes on. `begun` is called with
-    the name of a behavior and the simulated time when the robot is at rest and begins it; `observe`
+    are those of `run_scene`, which was before; simulated time goes on. `begun` is called with the
+    name of a behavior and the simulated time when the robot is at rest and begins it; `observe`
     sees what it does from then on.
     """
     spawned = {robot_run.entity: robot_run.spawn_pose for robot_run in robot_runs}

@@ -126,7 +126,7 @@ def is_moving(state: State) -> bool:
     )
 
 
-def play(
+def run_scene(
     engine: Engine,
     scene: Scene,
     announce: Callable[[str], None],

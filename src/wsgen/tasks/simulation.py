@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from wsgen.isolation.child import announce
 from wsgen.rendering.drawing import Drawings, draw, recorder_for, remember
 from wsgen.simulation.scene import SceneResult
-from wsgen.simulation.simulate import play
+from wsgen.simulation.simulate import run_scene
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -31,7 +31,7 @@ def simulate(scene: Scene, make_engine: Callable[[World], Engine]) -> SceneResul
     engine = make_engine(scene.world)
     recorder = recorder_for(engine, scene)
     started = time.perf_counter()
-    robot_runs, refused = play(engine, scene, announce, recorder)
+    robot_runs, refused = run_scene(engine, scene, announce, recorder)
     standing = remember(engine, scene, refused)
     if scene.behavior_runs:
         robot_runs = _run_behaviors(engine, scene, robot_runs, recorder)

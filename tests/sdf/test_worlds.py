@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from wsgen.sdf.models import read_sdf
-from wsgen.sdf.reader import DEFAULT_WORLD
+from wsgen.sdf.worlds import DEFAULT_WORLD
 
 if TYPE_CHECKING:
     from pathlib import Path
