@@ -1,0 +1,34 @@
+"""The names that ROS 2 knows: packages released for its distributions, and keys of rosdep."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+ROSDEP = "rosdep"
+
+
+def released_packages() -> dict[str, tuple[str, ...]]:
+    """The distributions that a package is released for, by its name; oldest first.
+
+    Source: ros/rosdistro, which lists foxy, humble, iron, jazzy, kilted, lyrical and rolling.
+    """
+    return {
+        name: tuple(heading.split())
+        for heading, names in _blocks().items()
+        if heading != ROSDEP
+        for name in names
+    }
+
+
+def rosdep_keys() -> frozenset[str]:
+    """The system dependencies that package.xml may name. Source: ros/rosdistro."""
+    return frozenset(_blocks()[ROSDEP])
+
+
+@cache
+def _blocks() -> dict[str, list[str]]:
+    """The names below each heading of the file."""
+    text = Path(__file__).with_name("ros-names.txt").read_text(encoding="utf-8")
+    blocks = (block.partition(":\n") for block in text.split("\n\n")[1:])
+    return {heading: names.split() for heading, _, names in blocks}

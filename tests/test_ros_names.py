@@ -1,0 +1,17 @@
+"""The names that ROS 2 knows."""
+
+from wsgen.ros_names import released_packages, rosdep_keys
+
+
+def test_packages_have_the_distributions_that_they_are_released_for() -> None:
+    released = released_packages()
+    assert released["gazebo_ros"] == ("foxy", "humble", "iron")
+    assert "jazzy" in released["ros_gz_sim"]
+    assert "foxy" not in released["ros_gz_sim"]
+    assert "rosdep" not in {distro for distros in released.values() for distro in distros}
+    assert len(released) > 2800
+
+
+def test_keys_of_rosdep_are_no_packages() -> None:
+    assert {"eigen", "libopencv-dev", "python3-numpy"} <= rosdep_keys()
+    assert "rclcpp" not in rosdep_keys()
