@@ -77,6 +77,7 @@ def test_new_loads_what_it_renders_with(tmp_path: Path) -> None:
         "model",
         "pipeline",  # `create` alone
         "suggestions",
+        "values",
         "templating",
         "tomlfile",
         "workspace",
@@ -103,6 +104,7 @@ def test_doctor_loads_no_library_but_what_draws_its_table(tmp_path: Path) -> Non
         "isolation",  # a child draws a picture
         "model",
         "suggestions",
+        "values",
         "workspace",
         "xmlsyntax",
         "xmltree",

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path  # noqa: TC003  a child's diagnostics are decoded by their type hints
 from typing import TYPE_CHECKING
+
+from wsgen.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -10,7 +10,8 @@ from __future__ import annotations
 import contextlib
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass
+
+from wsgen.values import dataclass
 
 
 @dataclass(frozen=True, kw_only=True)

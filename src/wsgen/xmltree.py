@@ -7,11 +7,11 @@ or grow without end.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from lxml import etree
 
+from wsgen.values import dataclass
 from wsgen.xmlsyntax import find_mistake
 
 if TYPE_CHECKING:

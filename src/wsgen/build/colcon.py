@@ -16,13 +16,14 @@ import sys
 import tempfile
 import time
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
 from wsgen.errors import NotReadableError
 from wsgen.events import OutputLine, StepEnded, StepProgressed, StepStarted, post
 from wsgen.isolation.parent_death import open_parent_death_pipe
+from wsgen.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -26,6 +25,7 @@ from wsgen.build.toolchain import find_toolchain, package_prefixes
 from wsgen.diagnostics import Diagnostic, Rule, Severity, has_errors
 from wsgen.errors import NotFoundError
 from wsgen.events import Listener, OutputLine, StepEnded, StepStarted, post
+from wsgen.values import dataclass
 from wsgen.workspace.layout import check_workspace_path, take_inventory
 from wsgen.workspace.package_xml import check_package_xml
 

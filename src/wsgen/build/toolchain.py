@@ -12,11 +12,11 @@ from __future__ import annotations
 import os
 import shutil
 import sys
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.errors import NotFoundError
+from wsgen.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, MutableMapping

@@ -11,7 +11,6 @@ import os
 import platform
 import shutil
 import sys
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -19,6 +18,7 @@ from wsgen.build.toolchain import find_toolchain
 from wsgen.errors import NotFoundError, NotReadableError
 from wsgen.isolation import parent
 from wsgen.isolation.result import Died
+from wsgen.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

@@ -6,10 +6,10 @@ import contextlib
 import json
 import os
 import signal
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 from wsgen.files import explain_write_error, full_folder
+from wsgen.values import dataclass
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -5,10 +5,9 @@ Lengths are in m. A problem goes on after the name of the mesh or shape.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from wsgen.diagnostics import Rule, Severity
 from wsgen.model.transform import Vector  # noqa: TC001
+from wsgen.values import dataclass
 
 Rgba = tuple[float, float, float, float]  # 0 to 1
 

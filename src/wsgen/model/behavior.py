@@ -7,8 +7,10 @@ those of this axis on the ground. A differential drive is that of Gazebo's plugi
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING
+
+from wsgen.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

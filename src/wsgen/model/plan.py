@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping  # noqa: TC003  a plan is decoded by its type hints
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path  # noqa: TC003
 from typing import Any
 
 from wsgen.diagnostics import Diagnostic  # noqa: TC001
+from wsgen.values import dataclass
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,11 +6,12 @@ from the link frame, `pose_in_parent` from the parent link's frame.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from enum import Enum
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.model.transform import IDENTITY, Pose
+from wsgen.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

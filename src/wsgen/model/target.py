@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.errors import RequestError
@@ -16,6 +15,7 @@ from wsgen.model.facts import (
     ROS2_CONTROL_HARDWARE,
 )
 from wsgen.suggestions import nearest
+from wsgen.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -7,7 +7,8 @@ frame it is seen from. Quaternions are ordered x, y, z, w.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+
+from wsgen.values import dataclass
 
 
 @dataclass(frozen=True)

@@ -6,10 +6,10 @@ What a plan puts into the simulator, and which simulator it starts.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from wsgen.model.transform import IDENTITY, Pose
+from wsgen.values import dataclass
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from wsgen.model.behavior import BehaviorOutcome, BehaviorRun, Drive
@@ -14,6 +13,7 @@ from wsgen.rules.behaviors import (
     unknown_behavior_joint,
 )
 from wsgen.urdf.diff_drive import NoDrive, find_diff_drive
+from wsgen.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

@@ -6,7 +6,7 @@ addresses name are looked up in folders.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wsgen.description_rules import ONE_NAME_FOR_LINK_AND_JOINT
@@ -22,6 +22,7 @@ from wsgen.sdf.models import read_model, read_sdf
 from wsgen.urdf.lumping import DROPPED_BY_OLD_SDFORMAT, LUMPED_END_OF_SDF_JOINT, lump
 from wsgen.urdf.reader import MISSPELLED, read_urdf
 from wsgen.urdf.unknown_elements import meant_element
+from wsgen.values import dataclass
 from wsgen.xacro.source import place_in_source
 from wsgen.xmltree import Malformed, child_text, parse
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity, has_errors
@@ -15,6 +15,7 @@ from wsgen.rules.runs import KEEPS_MOVING, TIPS_OVER, engines_disagree
 from wsgen.simulation.contact_shapes import MOST_LINKS, most_parts
 from wsgen.simulation.run import missing_engines, run_simulation
 from wsgen.simulation.scene import Scene, SpawnedRobot
+from wsgen.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,6 +12,7 @@ from wsgen.build.request import refuse_empty
 from wsgen.diagnostics import Rule, Severity
 from wsgen.errors import NotFoundError, RequestError
 from wsgen.suggestions import ask_for_nearest
+from wsgen.values import dataclass
 from wsgen.workspace.layout import find_launch_files, find_packages
 from wsgen.workspace.overlay import require_share
 

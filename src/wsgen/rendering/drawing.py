@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 from wsgen.errors import WsgenError
 from wsgen.isolation.child import announce
 from wsgen.rendering.recording import Recorder, why_no_video
 from wsgen.simulation.scene import DRAWING, RECORDING, NotDrawn, Picture
+from wsgen.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Container

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import functools
 import math
-from dataclasses import dataclass, field
+from dataclasses import field
 from itertools import product
 from typing import TYPE_CHECKING
 
 from wsgen.model.robot import Box, Capsule, Cylinder, Mesh, Sphere
 from wsgen.model.transform import IDENTITY, Pose, Vector, compose
+from wsgen.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Container, Iterator, Mapping, Sequence

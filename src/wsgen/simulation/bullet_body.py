@@ -14,7 +14,7 @@ to the eye.
 from __future__ import annotations
 
 import tempfile
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -36,6 +36,7 @@ from wsgen.model.transform import (
 from wsgen.simulation.contact_shapes import inner_apart, one_friction_a_link
 from wsgen.simulation.engine import GROUND_FRICTION, may_touch
 from wsgen.simulation.urdf_writer import write_urdf
+from wsgen.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping  # noqa: TC003  the type hints of answers are read
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path  # noqa: TC003
 from typing import TYPE_CHECKING
 
 from wsgen.model.transform import IDENTITY, Pose
 from wsgen.simulation.engine import HullGap, Refused  # noqa: TC001
+from wsgen.values import dataclass
 
 if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import TYPE_CHECKING
 
 from wsgen.model.transform import (
@@ -16,6 +16,7 @@ from wsgen.model.transform import (
 )
 from wsgen.simulation.engine import Refused
 from wsgen.simulation.scene import LOADING, Overlapping, RobotRun
+from wsgen.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence

@@ -6,7 +6,6 @@ The sandbox protects the machine from a template, but not from a loop up to 10**
 from __future__ import annotations
 
 import signal
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Diagnostic  # noqa: TC001  the type hints of the answer are read
@@ -15,6 +14,7 @@ from wsgen.isolation.codec import decode
 from wsgen.isolation.result import Died, Limits
 from wsgen.templating.render import FAILING_TEMPLATE, render_tree
 from wsgen.templating.template import refuse
+from wsgen.values import dataclass
 
 if TYPE_CHECKING:
     from types import FrameType

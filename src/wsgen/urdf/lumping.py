@@ -7,7 +7,7 @@ Gazebo leaves out, or refuses, on the way is reported.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import TYPE_CHECKING
 
 from wsgen.description_rules import IMPOSSIBLE_INERTIA, NO_LINK
@@ -23,6 +23,7 @@ from wsgen.urdf.gazebo import (
     with_springs,
     without_effect,
 )
+from wsgen.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

@@ -5,13 +5,13 @@ from __future__ import annotations
 import os
 import re
 import shlex
-from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Diagnostic
 from wsgen.errors import NotFoundError, RequestError
+from wsgen.values import dataclass
 from wsgen.workspace.manifest import FOREIGN_MANIFEST, read_manifest
 
 if TYPE_CHECKING:

@@ -6,11 +6,12 @@ packages of a workspace. `package_xml` checks with catkin_pkg whether ROS accept
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any
 from xml.parsers import expat
 
 from wsgen.diagnostics import Diagnostic, Rule, Severity
+from wsgen.values import dataclass
 from wsgen.xmlsyntax import find_mistake
 
 if TYPE_CHECKING:

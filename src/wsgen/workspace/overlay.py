@@ -5,12 +5,12 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.errors import NotFoundError, NotReadableError, RequestError
 from wsgen.suggestions import suggest
+from wsgen.values import dataclass
 from wsgen.workspace.layout import Workspace, find_packages
 
 if TYPE_CHECKING:

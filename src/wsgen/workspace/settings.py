@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from wsgen import tomlfile
 from wsgen.diagnostics import Rule, Severity
 from wsgen.suggestions import suggest
+from wsgen.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

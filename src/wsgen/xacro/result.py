@@ -7,7 +7,8 @@ packages need that have no xacro file to expand.
 from __future__ import annotations
 
 from collections.abc import Mapping  # noqa: TC003  read at run time, as all types of the fields
-from dataclasses import dataclass
+
+from wsgen.values import dataclass
 
 
 @dataclass(frozen=True, kw_only=True)
