@@ -264,7 +264,7 @@ WARNINGS = {
         robot(
             TWO
             + joint("j", "a", "b", kind="continuous")
-            + '<gazebo><joint name="k" type="ball"><parent>a</parent><child>b</child></joint>'
+            + '<gazebo><joint name="k" type="revolute"><parent>a</parent><child>b</child></joint>'
             "</gazebo>"
         ),
     ),

@@ -85,3 +85,9 @@ def test_a_wheel_with_limits_that_it_never_reaches() -> None:
     limit = JointLimit(lower=-1e16, upper=1e16, effort=1.0, velocity=1.0)
     axle = replace(joint("base", "wheel", JointType.REVOLUTE), limit=limit)
     assert unactuated_joints(robot(part("wheel"), axle)) == set()
+
+
+def test_a_ball_in_its_socket_is_no_unactuated_joint() -> None:
+    ball = joint("base", "ball", JointType.BALL)
+    assert unactuated_joints(robot(part("ball"), ball)) == set()
+    assert unactuated_joints(robot(part("ball", (0.0, 0.3, 0.0)), ball)) == {"ball"}

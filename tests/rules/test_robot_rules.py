@@ -141,11 +141,11 @@ def test_no_visual() -> None:
 )
 def test_loose_joint(simulator: str | None, severity: Severity) -> None:
     floating = replace(JOINT, type=JointType.FLOATING)
-    (found,) = loose_joint([JOINT, floating], None, simulator)
+    (found,) = loose_joint([JOINT, floating], [], None, simulator)
     assert (found.code, found.severity) == ("ROB055", severity)
     planar = replace(JOINT, type=JointType.PLANAR)
-    assert [one.code for one in loose_joint([planar], None, simulator)] == ["ROB055"]
-    assert list(loose_joint([JOINT], None, simulator)) == []
+    assert [one.code for one in loose_joint([planar], [], None, simulator)] == ["ROB055"]
+    assert list(loose_joint([JOINT], [], None, simulator)) == []
 
 
 def limited(lower: float, upper: float, kind: JointType = JointType.REVOLUTE) -> Joint:

@@ -72,7 +72,7 @@ def test_types(read: Read, kind: str, axis: str, expected: JointType) -> None:
     assert (found.limit is not None) is (expected is JointType.REVOLUTE)
 
 
-@pytest.mark.parametrize("kind", ["revolute2", "universal", "ball", "screw", "gearbox"])
+@pytest.mark.parametrize("kind", ["revolute2", "universal", "screw", "gearbox"])
 def test_types_that_no_engine_has(read: Read, kind: str) -> None:
     file = read(f'<model name="m">{LINKS}{joint("", kind)}</model>')
     (found,) = file.diagnostics
@@ -82,6 +82,12 @@ def test_types_that_no_engine_has(read: Read, kind: str) -> None:
     robot = file.models[0].robot
     assert robot is not None
     assert (robot.joints, robot.loose[0].child) == ((), "b")
+
+
+def test_a_ball_has_neither_axis_nor_limits(read: Read) -> None:
+    axis = "<axis><xyz>0 0 0</xyz><limit><lower>-1</lower><upper>1</upper></limit></axis>"
+    found = first_joint(read(f'<model name="m">{LINKS}{joint(axis, "ball")}</model>'))
+    assert (found.type, found.limit, found.damping) == (JointType.BALL, None, 0.0)
 
 
 def test_axis_limits_and_dynamics(read: Read) -> None:

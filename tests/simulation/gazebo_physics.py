@@ -69,12 +69,16 @@ class GazeboPhysics:
         found = re.search(r"<model name='([^']*)'>(.*)</model>", printed, re.DOTALL)
         assert found is not None, printed
         name, inside = found.groups()
+        return self.rest_pose_of_model(name, inside, robot.root, z, steps=steps)
+
+    def rest_pose_of_model(
+        self, name: str, inside: str, link: str, z: float, *, steps: int
+    ) -> Pose:
+        """Where a link of an SDF model is, likewise; `inside` is what the model holds."""
         model = f"<model name='{name}'><pose>0 0 {z!r} 0 0 0</pose>{inside}</model>"
         world = self.folder / "world.sdf"
         world.write_text(WORLD.format(model=model), encoding="utf-8")
-        answer = _answer(
-            str(self.program), str(self.plugin), str(world), name, robot.root, str(steps)
-        )
+        answer = _answer(str(self.program), str(self.plugin), str(world), name, link, str(steps))
         x, y, z, *xyzw = map(float, answer.splitlines()[-1].split())
         rotation = rotation_of_quaternion((xyzw[0], xyzw[1], xyzw[2], xyzw[3]))
         return Pose((x, y, z), rpy_of_rotation(rotation))

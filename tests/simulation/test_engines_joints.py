@@ -20,7 +20,7 @@ from simulation.robots import (
     spawned,
 )
 from wsgen.model.robot import Inertial, JointLimit, JointType, Link
-from wsgen.model.transform import Pose
+from wsgen.model.transform import Pose, compose
 
 TORQUE = G * 0.5  # N m, of the bar held out sideways
 
@@ -41,6 +41,30 @@ def test_joints_are_passive_and_the_world_holds(new_engine: NewEngine) -> None:
         fallen = TORQUE / BAR_MOMENT * 0.1**2 / 2
         assert engine.joint_positions("e") == {"bar": pytest.approx(fallen, rel=0.02)}
         assert state.joint_speed == pytest.approx(TORQUE / BAR_MOMENT * 0.1, rel=0.01)
+
+
+@pytest.mark.parametrize("gravity", [(0.0, 0.0, -G), (0.0, G, 0.0), (0.0, G * 0.6, -G * 0.8)])
+def test_a_ball_swings_whatever_way_it_is_pulled(
+    new_engine: NewEngine, gravity: tuple[float, float, float]
+) -> None:
+    world = replace(VOID, gravity=gravity)
+    # Gazebo reads none of these of a ball joint.
+    robot = pendulum(JointType.BALL, axis_in_joint=(0.0, 0.0, 1.0))
+    with spawned(new_engine, robot, world=world) as engine:
+        before = engine.energy("e")
+        engine.advance(100)
+        fallen = TORQUE / BAR_MOMENT * 0.1**2 / 2
+        assert engine.joint_positions("e") == {"bar": pytest.approx(fallen, rel=0.02)}
+        assert engine.state("e").joint_speed == pytest.approx(TORQUE / BAR_MOMENT * 0.1, rel=0.01)
+        assert engine.energy("e") == pytest.approx(before, abs=0.05)
+        end = compose(engine.link_poses("e")["bar"], Pose((0.5, 0.0, 0.0))).xyz
+        way = [part * 0.5 * math.sin(fallen) / G for part in gravity]
+        assert end == pytest.approx((0.5 * math.cos(fallen), way[1], 2.0 + way[2]), abs=0.002)
+        engine.advance(400)
+        assert engine.joint_positions("e")["bar"] > math.radians(90)
+        engine.place("e", Pose())
+        assert engine.joint_positions("e") == {"bar": pytest.approx(0.0)}
+        assert engine.state("e").joint_speed == 0.0
 
 
 def test_friction_of_a_joint_is_taken_from_the_torque(new_engine: NewEngine) -> None:

@@ -9,15 +9,18 @@ from __future__ import annotations
 import functools
 import importlib.metadata
 import math
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
 
+from kind_workspaces import WORKSPACES
 from simulation.gazebo_physics import DEBIAN, GazeboPhysics, is_installed
 from simulation.robots import run_of
 from wsgen.meshes.lookup import find_meshes
 from wsgen.model.transform import multiply, rotation_of_rpy, transpose
+from wsgen.sdf.models import read_sdf
 from wsgen.simulation.bullet import BulletEngine
 from wsgen.simulation.run import missing_engines
 from wsgen.urdf.lumping import lump
@@ -37,6 +40,8 @@ pytestmark = [
     pytest.mark.oracle,
     pytest.mark.skipif(bool(missing_engines(["dart"])), reason="dartpy is not installed"),
 ]
+
+SCOUT = WORKSPACES / "ball_caster/src/scout_gazebo/models/scout/model.sdf"
 
 # By how much engines may differ. What rests on round shapes rolls a little while it lands.
 SAME_HEIGHT = 0.0001  # m
@@ -140,6 +145,21 @@ def test_both_engines_agree_on_how_it_rests(ending: str) -> None:
         assert robot_run.movable_joints == len(written.movable_joints)
     assert bullet.links == dart.links
     assert_same_rest(ending, bullet.rest_pose, dart.rest_pose, same_place=SAME_PLACE)
+
+
+def test_a_robot_on_a_ball_rests_as_in_gazebo(gazebo: GazeboPhysics) -> None:
+    """On two wheels and a ball; without the ball it would lean on its chassis."""
+    inside = re.search('<model name="scout">(.*)</model>', SCOUT.read_text(), re.DOTALL)
+    assert inside is not None
+    rest = gazebo.rest_pose_of_model("scout", inside[1], "chassis", 0.05, steps=3000)
+    (model,) = read_sdf(SCOUT, find_model=lambda _: None).models
+    assert model.robot is not None
+    for engine in (BulletEngine, DartEngine):
+        robot_run = run_of(engine, model.robot, 0.05 + model.pose_in_world.xyz[2])
+        assert (robot_run.movable_joints, robot_run.links) == (3, 4)
+        place, angle = apart(robot_run.rest_pose, rest)
+        assert place < SAME_PLACE
+        assert angle < SAME_HEADING
 
 
 @pytest.mark.parametrize("ending", [ending for ending in ROBOTS if ending not in NOT_IN_GAZEBO])

@@ -66,7 +66,8 @@ ON_AXIS = 0.005  # m; a wheel's center of mass may be so far from its axle
 def unactuated_joints(robot: Robot) -> set[str]:
     """The names of the movable joints that are neither axles of wheels nor upright swivels.
 
-    A wheel turns without end, carries nothing that moves, and its center of mass is on its axle. A
+    A wheel turns without end, carries nothing that moves, and its center of mass is on its axle; so
+    does a ball in its socket, about its center. A
     swivel, as of a caster, turns about the vertical of the robot with all joints at zero.
     """
     carriers = {joint.parent for joint in robot.joints}
@@ -81,7 +82,7 @@ def unactuated_joints(robot: Robot) -> set[str]:
 
 
 def _is_swivel(joint: Joint, rotation: Matrix) -> bool:
-    if joint.type is JointType.PRISMATIC:
+    if joint.type in {JointType.PRISMATIC, JointType.BALL}:
         return False
     return abs(rotate(rotation, joint.axis_in_joint)[2]) > UPRIGHT
 
@@ -102,7 +103,7 @@ def _rotations(robot: Robot) -> dict[str, Matrix]:
 
 def _is_axle(joint: Joint, inertial: Inertial | None, *, is_leaf: bool) -> bool:
     limit = joint.limit
-    is_endless = joint.type is JointType.CONTINUOUS or (
+    is_endless = joint.type in {JointType.CONTINUOUS, JointType.BALL} or (
         joint.type is JointType.REVOLUTE
         and limit is not None
         and limit.upper - limit.lower > ENDLESS
@@ -110,5 +111,7 @@ def _is_axle(joint: Joint, inertial: Inertial | None, *, is_leaf: bool) -> bool:
     if not is_endless or not is_leaf or inertial is None:
         return False
     (x, y, z), (ax, ay, az) = inertial.pose_in_link.xyz, joint.axis_in_joint
+    if joint.type is JointType.BALL:
+        return math.hypot(x, y, z) <= ON_AXIS
     off_axis = math.hypot(y * az - z * ay, z * ax - x * az, x * ay - y * ax)
     return off_axis <= ON_AXIS

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class JointType(str, Enum):
-    """URDF's joint types."""
+    """URDF's joint types, and SDF's ball."""
 
     FIXED = "fixed"
     REVOLUTE = "revolute"
@@ -26,6 +26,7 @@ class JointType(str, Enum):
     PRISMATIC = "prismatic"
     PLANAR = "planar"
     FLOATING = "floating"
+    BALL = "ball"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -239,6 +240,7 @@ class SdfJoint(NamedTuple):
     name: str
     ends: Mapping[str, str]  # "parent" and "child" -> what they name
     line: int | None
+    is_ball: bool = False  # a ball joint at the origin of its child
 
 
 @dataclass(frozen=True, kw_only=True)

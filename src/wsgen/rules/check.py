@@ -45,7 +45,7 @@ def check_robot(
         *robots.ros_1_plugin(written.gazebo, file),
         *robots.no_collision(written.links, file),
         *robots.no_visual(written.links, file),
-        *robots.loose_joint(written.joints, file, simulator),
+        *robots.loose_joint(written.joints, written.gazebo, file, simulator),
         *robots.starts_outside_limits(written.joints, file),
     )
 

@@ -398,11 +398,17 @@ LOOSE_JOINT = Rule(
 
 
 def loose_joint(
-    joints: Iterable[Joint], file: Path | None, simulator: str | None
+    joints: Iterable[Joint], tags: Iterable[GazeboTag], file: Path | None, simulator: str | None
 ) -> Iterator[Diagnostic]:
-    """Report joints of types that Gazebo does not have."""
+    """Report joints of types that Gazebo does not have, unless a ball joint of SDF replaces one."""
+    held = {
+        joint.ends.get("child")
+        for tag in tags
+        for joint in tag.joints
+        if joint.is_ball and simulator != "gz"
+    }
     for joint in joints:
-        if joint.type.value in {"floating", "planar"}:
+        if joint.type.value in {"floating", "planar"} and joint.child not in held:
             yield LOOSE_JOINT.at(
                 file,
                 joint.line,

@@ -55,7 +55,7 @@ JOINT_LEFT_OUT = Rule(
     name="joint-left-out",
     severity=Severity.WARNING,
     summary="A joint is left out of the simulation because no engine of wsgen has its type.",
-    what="Looks for joints of the types revolute2, universal, ball, screw and gearbox.",
+    what="Looks for joints of the types revolute2, universal, screw and gearbox.",
     why="Gazebo has these joints, so the simulation differs from Gazebo: a link without another "
     "joint falls off.",
     example='<joint name="steering" type="universal">',

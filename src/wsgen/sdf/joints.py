@@ -41,10 +41,10 @@ MISSING_JOINT_END = Rule(
 )
 
 TYPES = {
-    kind.value: kind
-    for kind in (JointType.FIXED, JointType.REVOLUTE, JointType.CONTINUOUS, JointType.PRISMATIC)
+    kind.value: kind for kind in JointType if kind not in {JointType.PLANAR, JointType.FLOATING}
 }
-LEFT_OUT = ("revolute2", "universal", "ball", "screw", "gearbox")
+LEFT_OUT = ("revolute2", "universal", "screw", "gearbox")
+HAVE_AXIS = (JointType.REVOLUTE, JointType.CONTINUOUS, JointType.PRISMATIC)
 UNBOUNDED = 1e16  # rad, m, N or N m: so SDF writes that there is no limit
 DEFAULT_AXIS = (0.0, 0.0, 1.0)
 
@@ -114,9 +114,10 @@ def read_joint(
     """
     node, kind = edge.node, edge.type or JointType.FIXED
     source, element = node.source, node.element
-    axis = first(element, "axis")
+    # Gazebo reads no axis, limit or damping of a ball joint.
+    axis = first(element, "axis") if kind in HAVE_AXIS else None
     limit = None
-    if kind is not JointType.FIXED and axis is not None:
+    if axis is not None:
         limit = _limit(source, axis)
         is_free = limit.lower <= -UNBOUNDED and limit.upper >= UNBOUNDED
         if kind is JointType.REVOLUTE and is_free:
@@ -135,9 +136,7 @@ def read_joint(
         parent=names[1],
         child=names[2],
         pose_in_parent=pose_in_parent,
-        axis_in_joint=DEFAULT_AXIS
-        if kind is JointType.FIXED or axis is None
-        else _axis(node, axis, poses),
+        axis_in_joint=DEFAULT_AXIS if axis is None else _axis(node, axis, poses),
         limit=limit,
         mimic=None if axis is None else _mimic(source, axis),
         line=line_of(element),

@@ -13,6 +13,7 @@ to the eye.
 
 from __future__ import annotations
 
+import math
 import tempfile
 from dataclasses import replace
 from pathlib import Path
@@ -193,6 +194,8 @@ HIGHEST_JOINT_SPEED = 1e6
 # a thousand keeps them, and slows what rolls by no more than 1 cm/s².
 ROLLING_RESISTANCE = 1e-3  # times the radius: PyBullet's rolling friction is a length
 
+NOT_TURNED = (0.0, 0.0, 0.0, 1.0)  # x, y, z, w
+
 ROOT = -1  # PyBullet's index of a body's root
 
 
@@ -237,7 +240,15 @@ def _radius(client: Client, body: int, index: int, part: Link) -> float:
 def release_joints(client: Client, body: int, tree: Robot, movable: Mapping[str, int]) -> None:
     """Take the motors that PyBullet puts into all joints to hold them: only friction may."""
     for joint in tree.joints:
-        if joint.name in movable:
+        if joint.type is JointType.BALL:
+            client.setJointMotorControlMultiDof(
+                body,
+                movable[joint.name],
+                client.POSITION_CONTROL,
+                targetPosition=NOT_TURNED,
+                force=(0.0, 0.0, 0.0),
+            )
+        elif joint.name in movable:
             client.setJointMotorControl2(
                 body, movable[joint.name], client.VELOCITY_CONTROL, force=joint.friction
             )
@@ -285,6 +296,11 @@ class BulletBody:
         self.indices = {link.name: self._index_of[link.name] for link in self.tree.links}
         self.movable = {
             joint.name: self._index_of[joint.child] for joint in self.tree.movable_joints
+        }
+        self._balls = {
+            self.movable[joint.name]
+            for joint in self.tree.movable_joints
+            if joint.type is JointType.BALL
         }
         self._dynamics = {
             index: client.getDynamicsInfo(self.number, index) for index in self._index_of.values()
@@ -397,7 +413,10 @@ class BulletBody:
         client.resetBasePositionAndOrientation(self.number, base.xyz, quaternion_of_rpy(base.rpy))
         client.resetBaseVelocity(self.number, (0, 0, 0), (0, 0, 0))
         for index in self.movable.values():
-            client.resetJointState(self.number, index, 0.0)
+            if index in self._balls:
+                client.resetJointStateMultiDof(self.number, index, NOT_TURNED, (0.0, 0.0, 0.0))
+            else:
+                client.resetJointState(self.number, index, 0.0)
 
     def root_pose(self) -> Pose:
         """The frame of the root link; PyBullet's base is the frame at its center of mass."""
@@ -405,10 +424,17 @@ class BulletBody:
 
     def joint_states(self) -> list[tuple[float, float]]:
         """Position and speed of the movable joints, in their order."""
-        if not self.movable:
-            return []
-        states = self._client.getJointStates(self.number, list(self.movable.values()))
-        return [(state[0], state[1]) for state in states]
+        indices = list(self.movable.values())
+        if not self._balls:
+            states = self._client.getJointStates(self.number, indices) if indices else ()
+            return [(state[0], state[1]) for state in states]
+        turns = self._client.getJointStatesMultiDof(self.number, indices)
+        return [
+            (2 * math.atan2(math.hypot(*turn[0][:3]), abs(turn[0][3])), math.hypot(*turn[1]))
+            if index in self._balls
+            else (turn[0][0], turn[1][0])
+            for index, turn in zip(indices, turns, strict=True)
+        ]
 
     def link_poses(self) -> dict[str, Pose]:
         """The frames of all links by name."""

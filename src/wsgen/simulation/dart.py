@@ -104,10 +104,14 @@ class DartBody:
         create = {
             JointType.FIXED: self.skeleton.createWeldJointAndBodyNodePair,
             JointType.PRISMATIC: self.skeleton.createPrismaticJointAndBodyNodePair,
+            JointType.BALL: self.skeleton.createBallJointAndBodyNodePair,
         }.get(joint.type, self.skeleton.createRevoluteJointAndBodyNodePair)
         made, node = create() if parent is None else create(parent)
         made.setTransformFromParentBodyNode(matrix_of(joint.pose_in_parent))
         if joint.type is JointType.FIXED:
+            return made, node
+        self.joints[joint.name] = made
+        if joint.type is JointType.BALL:
             return made, node
         made.setAxis(joint.axis_in_joint)
         made.setDampingCoefficient(0, joint.damping)
@@ -118,7 +122,6 @@ class DartBody:
             made.setPositionLowerLimit(0, joint.limit.lower)
             made.setPositionUpperLimit(0, joint.limit.upper)
             made.setLimitEnforcement(True)
-        self.joints[joint.name] = made
         return made, node
 
     def _fill(self, node: Any, link: Link) -> None:
@@ -204,6 +207,12 @@ class DartBody:
         """The frame of a link, seen from the world."""
         node = self.nodes.get(link)
         return self._pose_of_world if node is None else pose_of(node)
+
+
+def _position(joint: Any) -> float:
+    """The position of a joint, rad or m; of a ball the angle by which it has turned."""
+    positions = joint.getPositions().tolist()
+    return float(positions[0]) if len(positions) == 1 else math.hypot(*positions)
 
 
 def corners_of(frame: Any) -> list[Vector]:
@@ -355,14 +364,14 @@ class DartEngine:
                 (math.hypot(*node.getAngularVelocity().tolist()) for node in roots), default=0.0
             ),
             joint_speed=max(
-                (abs(float(joint.getVelocity(0))) for joint in body.joints.values()), default=0.0
+                (math.hypot(*joint.getVelocities().tolist()) for joint in body.joints.values()),
+                default=0.0,
             ),
         )
 
     def joint_positions(self, entity: str) -> dict[str, float]:
         """The positions of the movable joints by name, rad or m."""
-        joints = self._robots[entity].joints
-        return {name: float(joint.getPosition(0)) for name, joint in joints.items()}
+        return {name: _position(joint) for name, joint in self._robots[entity].joints.items()}
 
     def energy(self, entity: str) -> float:
         """Kinetic energy, and potential energy above z = 0 in the world's gravity, J."""

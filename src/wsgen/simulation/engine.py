@@ -93,7 +93,10 @@ class Engine(Protocol):
         """Where the robot is and how it moves."""
 
     def joint_positions(self, entity: str) -> dict[str, float]:
-        """The positions of the movable joints by name, rad or m."""
+        """The positions of the movable joints by name, rad or m.
+
+        That of a ball joint is the angle by which it has turned, from 0 to pi.
+        """
 
     def energy(self, entity: str) -> float:
         """Kinetic energy, and potential energy above z = 0 in the world's gravity, J."""

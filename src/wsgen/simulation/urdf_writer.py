@@ -68,7 +68,9 @@ def _link(link: Link, *, is_world: bool, is_static: bool) -> Iterator[str]:
 
 
 def _joint(joint: Joint) -> Iterator[str]:
-    yield f"<joint name={quoted(joint.name)} type={quoted(joint.type.value)}>"
+    # PyBullet's own word.
+    kind = "spherical" if joint.type is JointType.BALL else joint.type.value
+    yield f"<joint name={quoted(joint.name)} type={quoted(kind)}>"
     yield _origin(joint.pose_in_parent)
     yield f"<parent link={quoted(joint.parent)}/>"
     yield f"<child link={quoted(joint.child)}/>"

@@ -174,6 +174,10 @@ SDF_NOT_SIMULATED = Rule(
     ),
     instead="Run this part of the robot in Gazebo itself.",
 )
+NOT_SIMULATED_MESSAGE = (
+    "Gazebo adds the SDF <{}> in a <gazebo> element to the robot; wsgen does not simulate it."
+)
+NOT_SIMULATED_HINT = "Run this part in Gazebo itself."
 
 
 def read_tags(
@@ -223,7 +227,7 @@ def _read_tag(
                 is_link=reference in link_names,
                 is_joint=reference in joint_names,
             )
-        if child.tag in NOT_SIMULATED and reference is None:
+        if child.tag in NOT_SIMULATED and reference is None and not _is_ball(child):
             _report_not_simulated(collector, child, inside)
     return GazeboTag(
         reference=reference,
@@ -250,7 +254,14 @@ def _read_joint(element: Element) -> SdfJoint:
         name=element.get("name") or "",
         ends={tag: name for tag, name in ends.items() if name},
         line=line_of(element),
+        is_ball=_is_ball(element),
     )
+
+
+def _is_ball(element: Element) -> bool:
+    """Whether it is a ball joint at the origin of its child, which may be simulated."""
+    is_ball = element.tag == "joint" and element.get("type") == "ball"
+    return is_ball and not child_text(element, "pose")
 
 
 def _values_in(element: Element, key: str) -> Iterator[tuple[str, Element]]:
@@ -293,9 +304,8 @@ def _report_unknown(
 def _report_not_simulated(collector: Collector, element: Element, path: str) -> None:
     collector.report(
         SDF_NOT_SIMULATED,
-        f"Gazebo adds the SDF <{element.tag}> in a <gazebo> element to the robot; wsgen "
-        "does not simulate it.",
-        hint="Run this part in Gazebo itself.",
+        NOT_SIMULATED_MESSAGE.format(element.tag),
+        hint=NOT_SIMULATED_HINT,
         at=element,
         path=path,
     )

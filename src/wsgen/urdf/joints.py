@@ -128,9 +128,9 @@ def read_joint(collector: Collector, element: Element, name: str) -> Joint | Non
 
 def _read_type(collector: Collector, element: Element, path: str) -> JointType | None:
     kind = element.get("type")
-    if kind in {known.value for known in JointType}:
+    types = [known.value for known in JointType if known is not JointType.BALL]
+    if kind in types:
         return JointType(kind)
-    types = [known.value for known in JointType]
     near = None if kind is None else meant_element(kind, types)
     collector.report_missing(
         UNKNOWN_JOINT_TYPE,

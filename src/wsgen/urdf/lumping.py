@@ -13,9 +13,12 @@ from typing import TYPE_CHECKING
 from wsgen.description_rules import IMPOSSIBLE_INERTIA, NO_LINK
 from wsgen.diagnostics import Rule, Severity
 from wsgen.model.inertia import about_link_axes, as_attributes, if_filled, is_possible, moved
-from wsgen.model.robot import Inertial, JointLimit, JointType
+from wsgen.model.robot import Inertial, Joint, JointLimit, JointType
 from wsgen.model.transform import IDENTITY, Pose, compose
 from wsgen.urdf.gazebo import (
+    NOT_SIMULATED_HINT,
+    NOT_SIMULATED_MESSAGE,
+    SDF_NOT_SIMULATED,
     collides_with_itself,
     is_static,
     is_true,
@@ -31,7 +34,7 @@ if TYPE_CHECKING:
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.inertia import Six
-    from wsgen.model.robot import Collision, GazeboTag, Joint, Link, Robot, Visual
+    from wsgen.model.robot import Collision, GazeboTag, Link, Robot, Visual
 
 
 NO_MASS = 1e-6  # kg; sdformat before its pull request 1238 took less for 0
@@ -239,7 +242,8 @@ def lump(robot: Robot, *, file: Path | None = None) -> tuple[Robot, tuple[Diagno
             diagnostics += _values_without_effect(body, links[name], about, file)
         links[name] = with_extensions(links[name], about, self_collide=collides)
     joints = {joint.child: joint for name in kept for joint in bodies[name].joints}
-    return _assembled(robot, bodies, links, joints, tags), tuple(diagnostics)
+    lumped = _assembled(robot, bodies, links, joints, tags)
+    return lumped, (*diagnostics, *_balls_not_simulated(lumped, file))
 
 
 def _tags_by_reference(robot: Robot) -> dict[str, list[GazeboTag]]:
@@ -278,6 +282,7 @@ def _assembled(
         for joint in robot.joints
         if joint.child in joints and joint.child in links
     ]
+    left = [_on_ball(joint, robot.gazebo, body_of) for joint in left]
     return replace(
         robot,
         links=tuple(links[link.name] for link in robot.links if link.name in links),
@@ -289,6 +294,43 @@ def _assembled(
         ),
         is_static=is_static(robot.gazebo),
     )
+
+
+def _on_ball(joint: Joint, tags: Sequence[GazeboTag], body_of: Mapping[str, str]) -> Joint:
+    """What would be loose, on the ball joint of SDF that holds it where the URDF has it."""
+    ball = next(
+        (
+            one
+            for one in (one for tag in tags for one in tag.joints if one.is_ball)
+            if one.ends.get("child") == joint.child
+            and body_of.get(one.ends.get("parent", "")) == joint.parent
+        ),
+        None,
+    )
+    if ball is None or joint.type not in LOOSE:
+        return joint
+    return Joint(
+        name=ball.name,
+        type=JointType.BALL,
+        parent=joint.parent,
+        child=joint.child,
+        pose_in_parent=joint.pose_in_parent,
+        line=ball.line,
+    )
+
+
+def _balls_not_simulated(lumped: Robot, file: Path | None) -> Iterator[Diagnostic]:
+    """Ball joints of SDF in `<gazebo>` that hold nothing that would be loose without them."""
+    made = {joint.line for joint in lumped.joints if joint.type is JointType.BALL}
+    for joint in (joint for tag in lumped.gazebo for joint in tag.joints if joint.is_ball):
+        if joint.line not in made:
+            yield SDF_NOT_SIMULATED.at(
+                file,
+                joint.line,
+                "gazebo/joint",
+                message=NOT_SIMULATED_MESSAGE.format("joint"),
+                hint=NOT_SIMULATED_HINT,
+            )
 
 
 def _as_gazebo_has_it(joint: Joint, held: set[str]) -> Joint:
