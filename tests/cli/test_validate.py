@@ -116,6 +116,20 @@ def test_a_world_that_no_file_is_called(built: Path) -> None:
     assert [found["code"] for found in document["packages"][0]["diagnostics"]] == ["WLD008"]
 
 
+@pytest.mark.parametrize(
+    ("world", "codes"),
+    [
+        ("shapes.sdf", ["WLD061"]),
+        ("empty.sdf", []),
+        ("/opt/ros/jazzy/share/gazebo_ros/worlds/empty.world", []),
+    ],
+)
+def test_a_world_of_gazebo(built: Path, world: str, codes: list[str]) -> None:
+    code, document, _ = validate(built, "--arg", f"world:={world}")
+    assert code == 0
+    assert [found["code"] for found in document["packages"][0]["diagnostics"]] == codes
+
+
 def test_a_launch_argument_that_is_none(built: Path) -> None:
     code, _, words = validate(built, "--arg", "z=0.5")
     assert code == 2

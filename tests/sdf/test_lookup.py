@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.sdf.lookup import find_world, model_finder
+from wsgen.sdf.lookup import find_world, is_brought_along, model_finder
 
 
 @pytest.fixture(autouse=True)
@@ -88,3 +88,24 @@ def test_addresses_of_no_model(here: Path, uri: str) -> None:
 
 def test_a_name_that_no_folder_can_have(here: Path) -> None:
     assert model_finder(here / "w.world", {})("model://" + "x" * 5000) is None
+
+
+@pytest.mark.parametrize(
+    ("world", "expected"),
+    [
+        ("empty.sdf", True),
+        ("worlds/empty.world", True),
+        ("shapes.sdf", True),
+        ("emtpy.sdf", False),
+        ("mine/empty.sdf", False),
+        ("/home/ada/worlds/empty.world", False),
+        ("/usr/share/gazebo-11/worlds/cafe.world", True),
+        ("/usr/share/ignition/ignition-gazebo6/worlds/shapes.sdf", True),
+        ("/usr/share/gazebo-11/worlds/caffe.world", False),
+        ("/opt/ros/nosuch/share/gazebo_ros/worlds/empty.world", True),
+        ("/opt/ros/nosuch/share/gazebo_ros/worlds/emtpy.world", False),
+        ("/opt/ros/nosuch/share/turtlebot3_gazebo/worlds/house.world", True),
+    ],
+)
+def test_worlds_that_are_brought_along(world: str, expected: bool) -> None:
+    assert is_brought_along(world) is expected

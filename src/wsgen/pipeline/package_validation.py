@@ -28,7 +28,14 @@ from wsgen.pipeline.prepare import (
 from wsgen.pipeline.run_robots import SimulationResult, simulate_robots
 from wsgen.rules.catalogue import unknown_rule_allowed, without_allowed
 from wsgen.rules.runs import spawned_twice
-from wsgen.sdf.lookup import find_world, gazebo_worlds, is_there, world_names
+from wsgen.sdf.lookup import (
+    EMPTY_WORLDS,
+    find_world,
+    gazebo_worlds,
+    is_brought_along,
+    is_there,
+    world_names,
+)
 from wsgen.sdf.source import is_sdf
 from wsgen.sdf.worlds import DEFAULT_WORLD
 from wsgen.suggestions import advice
@@ -157,18 +164,42 @@ UNKNOWN_WORLD = Rule(
 def unknown_world(plan: LaunchPlan, name: str, environment: Mapping[str, str]) -> Diagnostic:
     """Report the name of a world that is not found; Gazebo may have it."""
     written, line = where_written(name, plan.evaluated_files) or (plan.launch_file, None)
-    of_gazebo = gazebo_worlds()
-    use_path = "Use the path of a world file that the package installs."
     return UNKNOWN_WORLD.at(
         Path(written),
         line,
         name,
         message=f"No world file {name} is found. If Gazebo brings it along, Gazebo finds it; "
         "the simulation uses a ground plane instead.",
-        hint=use_path
-        if name in of_gazebo
-        else advice(name, [*of_gazebo, *world_names(environment)], use_path),
+        hint=advice(
+            name,
+            [*gazebo_worlds(), *world_names(environment)],
+            "Use the path of a world file that the package installs.",
+        ),
     )
+
+
+WORLD_NOT_HERE = Rule(
+    code="WLD061",
+    name="world-not-here",
+    severity=Severity.INFO,
+    summary="The world is one of Gazebo, or of a ROS package that is not installed here.",
+    why="The simulation of wsgen has a ground plane alone, so what stands in the world is missing.",
+    example="launch_arguments={'gz_args': 'shapes.sdf'}.items()",
+    instead="launch_arguments={'gz_args': os.path.join(share, 'worlds', 'shapes.sdf')}.items()",
+)
+
+
+def world_not_here(plan: LaunchPlan, name: str) -> Iterator[Diagnostic]:
+    """Report a world that only Gazebo or another package has, unless that is empty."""
+    if Path(name).name not in EMPTY_WORLDS:
+        written, line = where_written(name, plan.evaluated_files) or (plan.launch_file, None)
+        yield WORLD_NOT_HERE.at(
+            Path(written),
+            line,
+            name,
+            message=f"The world {name} is not here: the simulation uses a ground plane instead.",
+            hint="Nothing to do for Gazebo, which finds it where it is installed.",
+        )
 
 
 class Started(NamedTuple):
@@ -296,6 +327,9 @@ class Validation:
         with self.clock.step("expand", Path(name).name) as step:
             file = find_world(name, environment)
             if file is None or not is_there(file):
+                if is_brought_along(name):
+                    self.diagnostics += world_not_here(started.plan, name)
+                    return DEFAULT_WORLD, []
                 missing = (
                     unknown_world(started.plan, name, environment)
                     if file is None

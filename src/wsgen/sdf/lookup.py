@@ -6,6 +6,7 @@ Models of Fuel, Gazebo's online library, are found only if Gazebo has already do
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 from urllib.parse import unquote, urlsplit
@@ -128,6 +129,30 @@ def gazebo_models() -> list[str]:
 def gazebo_worlds() -> list[str]:
     """The names of the worlds that Gazebo ships."""
     return _gazebo_names(1)
+
+
+# Those of Gazebo that have a ground plane, and nothing else.
+EMPTY_WORLDS = {
+    "empty.sdf",
+    "empty_gui.sdf",
+    "empty.world",
+    "empty_sky.world",
+    "empty_bullet.world",
+}
+OF_GAZEBO = re.compile(r"(?:/usr/share/(?:gazebo|ignition|gz)\b.*/)?(?:worlds/)?([^/]+)")
+OF_ROS = re.compile(r"(/opt/ros/[^/]+/share/([^/]+))/.*?([^/]+)")
+
+
+def is_brought_along(world: str) -> bool:
+    """Whether a world that is not found is one of Gazebo, or of a ROS package not installed here.
+
+    `gazebo_ros` has one world, which is called like one of Gazebo.
+    """
+    of_gazebo, of_ros = OF_GAZEBO.fullmatch(world), OF_ROS.fullmatch(world)
+    if of_ros is not None and of_ros[2] != "gazebo_ros":
+        return not Path(of_ros[1]).is_dir()
+    name = of_gazebo[1] if of_gazebo else of_ros[3] if of_ros else ""
+    return name in gazebo_worlds()
 
 
 def _gazebo_names(block: int) -> list[str]:
