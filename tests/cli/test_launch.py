@@ -213,10 +213,18 @@ def test_a_file_that_is_installed_twice(share: Path, capsys: pytest.CaptureFixtu
 
 
 def test_a_workspace_that_is_not_built(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (tmp_path / "src").mkdir()
-    code, _, err = launch(capsys, "-w", str(tmp_path), "my_robot", "r.launch.py")
-    assert code == 4
-    assert "wsgen build" in err
+    package = tmp_path / "src" / "rover"
+    (package / "launch").mkdir(parents=True)
+    words = ("-w", str(tmp_path), "rover", "r.launch.py")
+    code, _, err = launch(capsys, *words)
+    assert (code, "Package rover does not exist" in err) == (2, True)
+    (package / "package.xml").write_text("<package><name>rover</name></package>")
+    (package / "launch" / "r.launch.py").write_text(
+        "from launch import LaunchDescription\n"
+        "generate_launch_description = lambda: LaunchDescription()\n"
+    )
+    code, out, _ = launch(capsys, *words)
+    assert (code, "Not built: rover." in out) == (0, True)
 
 
 def test_what_is_wrong_is_named_in_the_source(

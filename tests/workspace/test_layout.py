@@ -9,6 +9,7 @@ from wsgen.errors import NotFoundError, RequestError
 from wsgen.workspace.layout import (
     Workspace,
     find_packages,
+    find_source_tree,
     find_workspace,
     open_workspace,
     take_inventory,
@@ -211,6 +212,31 @@ def test_opening_where_the_package_has_no_manifest(
     with pytest.raises(NotFoundError) as raised:
         open_workspace(None)
     assert raised.value.message.startswith(f"{root / 'src' / 'demo'} has no package.xml")
+
+
+def test_a_clone_is_taken_for_a_workspace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The repository around; without one the package with those beside it, or what is below."""
+    home, clone = tmp_path / "home", tmp_path / "home" / "clone"
+    monkeypatch.setenv("HOME", str(home))
+    (home / ".git").mkdir(parents=True)
+    inside = []
+    for group in ("robots/rover", "robots/tools", "common/meshes"):
+        (clone / group / "urdf").mkdir(parents=True)
+        (clone / group / "package.xml").write_text(f"<package><name>{group[-5:]}</name></package>")
+        inside.append(clone / group / "urdf")
+    trees = [find_source_tree(folder) for folder in inside]
+    assert [tree and tree.root for tree in trees] == [
+        clone / "robots",
+        clone / "robots",
+        clone / "common" / "meshes",
+    ]
+    monkeypatch.chdir(clone)
+    assert open_workspace(None) == Workspace(root=clone)
+    (clone / ".git").mkdir()
+    assert [find_source_tree(folder) for folder in inside] == [Workspace(root=clone)] * 3
+    assert find_source_tree(home) is None
+    (clone / "COLCON_IGNORE").touch()  # then colcon finds nothing from there
+    assert find_source_tree(inside[0]) == Workspace(root=clone / "robots")
 
 
 def test_opening_where_there_is_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

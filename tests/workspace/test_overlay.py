@@ -8,8 +8,9 @@ import pytest
 
 from build.building import build_here, link_programs, outside, write_package
 from wsgen.errors import NotFoundError, NotReadableError, RequestError
+from wsgen.source_shares import name_sources
 from wsgen.workspace.layout import Workspace
-from wsgen.workspace.overlay import require_share, source_overlay
+from wsgen.workspace.overlay import open_overlay, require_share, source_overlay
 
 pytestmark = pytest.mark.slow
 
@@ -76,13 +77,35 @@ def test_a_package_that_is_there(workspace: Workspace) -> None:
     assert require_share(overlay, workspace, "demo") == overlay.share("demo")
 
 
-def test_a_package_that_was_not_built(workspace: Workspace) -> None:
+def test_the_source_of_a_package_that_was_not_built(workspace: Workspace) -> None:
     package = write_package(workspace.root, "late")
+    broken = write_package(workspace.root, "broken")
+    (broken / "package.xml").write_text("<package>")
     try:
-        with pytest.raises(NotFoundError, match="wsgen build late"):
-            require_share(source_overlay(workspace, outside()), workspace, "late")
+        with open_overlay([workspace], outside()) as overlay:
+            assert require_share(overlay, workspace, "late") == package
+            assert overlay.share("demo") == workspace.install / "demo" / "share" / "demo"
+            assert overlay.packages() == ("demo", "late")
+            with pytest.raises(NotFoundError, match="package broken cannot be read"):
+                require_share(overlay, workspace, "broken")
+            path = overlay.environment["AMENT_PREFIX_PATH"]
+            link = Path(path.split(os.pathsep)[-1], "share", "late")
+            answer = {"paths": [f"{link}/launch", f"{link}_x", 3]}
+            named = {"paths": [f"{package}/launch", f"{link}_x", 3]}
+            assert name_sources(answer, overlay.environment) == named
+        assert not link.exists()
     finally:
         shutil.rmtree(package)
+        shutil.rmtree(broken)
+
+
+def test_of_packages_with_one_name_the_nearest_counts(tmp_path: Path) -> None:
+    first = write_package(tmp_path / "src" / "humble")
+    second = write_package(tmp_path / "src" / "iron")
+    workspace = Workspace(root=tmp_path)
+    for near, found in ((None, first), (second / "urdf", second)):
+        with open_overlay([workspace], outside(), near=near) as overlay:
+            assert overlay.share("demo") == found
 
 
 @pytest.mark.parametrize("known", [True, False])

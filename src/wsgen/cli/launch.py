@@ -95,7 +95,8 @@ def command(
     from wsgen.diagnostics import has_errors
     from wsgen.pipeline.plan_launch import plan_launch, select_launch_file
 
-    selected = select_launch_file(words, workspace)
+    context = click.get_current_context()
+    selected = context.with_resource(select_launch_file(words, workspace))
     arguments = split_launch_arguments(selected.words)
     if play and show_arguments:
         raise RequestError("--show-args and --play cannot be combined.", hint="Remove one of them.")
@@ -107,7 +108,7 @@ def command(
             quiet=quiet,
             verbose=verbose,
         )
-    asked = click.get_current_context().get_parameter_source("seconds")
+    asked = context.get_parameter_source("seconds")
     if record or picture or engine or asked is not ParameterSource.DEFAULT:
         raise RequestError(
             "Without --play nothing is simulated.", hint="Add --play, or remove the option."

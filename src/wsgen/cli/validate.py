@@ -209,6 +209,8 @@ def _next_steps(
     """What to do next with a robot that stands; for the first one, if there are several."""
     import shlex
 
+    from wsgen.workspace.overlay import SOURCE_USED
+
     label = "Next:"
     arguments = [f"{name}:={value}" for name, value in request.launch_arguments.items()]
     if request.picture_folder is None and any(package.robots for package in outcome.packages):
@@ -220,6 +222,11 @@ def _next_steps(
         words += _simulation_options(request)
         yield f"{label} {shlex.join(['wsgen', 'validate', *words, '--picture', '.'])}"
         label = "     "
+    found = [one for package in outcome.packages for one in package.diagnostics]
+    if any(one.code == SOURCE_USED.code for one in found):
+        if any(package.package for package in outcome.packages):
+            yield f"{label} {shlex.join(['wsgen', 'build', *_workspace_option(workspace)])}"
+        return
     for package in outcome.packages:
         if package.package is not None and package.launch_file is not None:
             words = ["ros2", "launch", package.package, package.launch_file.name, *arguments]

@@ -10,6 +10,7 @@ from wsgen.isolation import parent
 from wsgen.isolation.codec import decode
 from wsgen.isolation.result import Died, Limits
 from wsgen.model.plan import LaunchPlan, LaunchRequest
+from wsgen.source_shares import name_sources
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -79,7 +80,8 @@ def evaluate(  # noqa: PLR0913  all but two have defaults
         return LaunchPlan(
             package=package, launch_file=launch_file, diagnostics=(_death(outcome, launch_file),)
         )
-    return replace(decode(outcome.value, LaunchPlan), launch_file=launch_file)
+    answer = name_sources(outcome.value, environment)
+    return replace(decode(answer, LaunchPlan), launch_file=launch_file)
 
 
 def _complete(environment: Mapping[str, str]) -> dict[str, str]:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.launch import known_packages
+from wsgen.source_shares import is_source
 from wsgen.suggestions import advice, did_you_mean, nearest
 
 if TYPE_CHECKING:
@@ -286,11 +287,12 @@ def _missing_file(path: str) -> Explanation:
             element=missing,
             written=missing,
         )
-    if package is not None and known_packages.is_known(package):
+    if package is not None and (known_packages.is_known(package) or is_source(path)):
+        otherwise = "; run `wsgen build` if the build makes it" if is_source(path) else ""
         return Explanation(
             FILE_NOT_INSTALLED,
             f"The package '{package}' has no file '{path}'.",
-            "Check the path in the launch file.",
+            f"Check the path in the launch file{otherwise}.",
             element=path,
         )
     if package is None:

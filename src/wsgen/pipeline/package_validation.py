@@ -291,7 +291,7 @@ class Validation:
         if source is None or share is None or settings is None:
             return tuple(self.diagnostics)
         reported = (
-            *changed_since_build(share, source),
+            *(changed_since_build(share, source) if share != source else ()),
             *name_sources(self.diagnostics, share, source),
             *self.settings_diagnostics,
             *unknown_rule_allowed(settings.allow, settings.file, settings.allow_line),

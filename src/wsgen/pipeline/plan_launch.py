@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -16,14 +17,14 @@ from wsgen.workspace.layout import (
     Workspace,
     find_launch_files,
     find_packages,
-    find_workspace,
     open_workspace,
     read_package,
+    workspace_around,
 )
-from wsgen.workspace.overlay import Overlay, require_share, source_overlay
+from wsgen.workspace.overlay import Overlay, open_overlay, require_share
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from wsgen.events import Listener
     from wsgen.model.plan import LaunchPlan
@@ -39,22 +40,28 @@ class SelectedLaunchFile(NamedTuple):
     overlay: Overlay  # the sourced workspace, or the environment as it is
 
 
-def select_launch_file(words: Sequence[str], workspace: str | None) -> SelectedLaunchFile:
+@contextmanager
+def select_launch_file(words: Sequence[str], workspace: str | None) -> Iterator[SelectedLaunchFile]:
     """The launch file that the words of `ros2 launch` mean: PACKAGE FILE or PATH, then arguments.
 
     `workspace` is the folder of one that is to be used; without it, it is the one around the launch
-    file or the current folder, if there is one.
+    file or the current folder, if there is one. The source folders of packages that are not built
+    can be looked up while the context is open.
 
     Raises:
         RequestError: The words name no launch file, or more than one.
-        NotFoundError: The package or a given workspace does not exist, or is not built.
+        NotFoundError: The package or a given workspace does not exist.
+        NotReadableError: The setup file of the workspace fails.
     """
     place = _find_workspace(workspace, words[0])
-    overlay = _source(place, is_given=workspace is not None)
-    package, file, arguments = _choose(words, place, overlay)
-    return SelectedLaunchFile(
-        file=file, package=package, words=tuple(arguments), workspace=place, overlay=overlay
-    )
+    # Where nothing is sourced, the packages of ROS that wsgen knows are found.
+    environment = {"AMENT_PREFIX_PATH": prefix(), **os.environ}
+    near = Path(words[0]).absolute().parent
+    with open_overlay([place] if place else [], environment, near=near) as overlay:
+        package, file, arguments = _choose(words, place, overlay)
+        yield SelectedLaunchFile(
+            file=file, package=package, words=tuple(arguments), workspace=place, overlay=overlay
+        )
 
 
 def plan_launch(
@@ -75,6 +82,7 @@ def plan_launch(
             only_arguments=only_arguments,
         )
         step.succeeded = not has_errors(plan.diagnostics)
+    plan = replace(plan, diagnostics=(*plan.diagnostics, *selected.overlay.not_built()))
     return _with_sources_named(plan, selected.workspace, selected.overlay)
 
 
@@ -100,25 +108,11 @@ def _find_workspace(given: str | None, first_word: str) -> Workspace | None:
     if given is not None:
         return open_workspace(given)
     if Path(first_word).is_file():
-        return find_workspace(Path(first_word).resolve().parent) or find_workspace(Path.cwd())
+        return workspace_around(Path(first_word).resolve().parent) or workspace_around(Path.cwd())
     try:
         return open_workspace(None)
     except (NotFoundError, RequestError):  # none, or several: a sourced one may have the package
         return None
-
-
-def _source(workspace: Workspace | None, *, is_given: bool) -> Overlay:
-    """The workspace's overlay if it is built, else the environment as it is."""
-    if workspace is not None and (is_given or (workspace.install / "setup.bash").is_file()):
-        return source_overlay(workspace, os.environ)
-    # Where nothing is sourced, only the packages of ROS that wsgen knows are found.
-    environment = {"AMENT_PREFIX_PATH": prefix(), **os.environ}
-    prefixes = environment["AMENT_PREFIX_PATH"].split(os.pathsep)
-    return Overlay(
-        install=Path(prefixes[0]),
-        environment=environment,
-        prefixes=tuple(Path(one) for one in prefixes if one),
-    )
 
 
 def _choose(

@@ -13,7 +13,7 @@ from wsgen.diagnostics import Rule, Severity
 from wsgen.errors import NotFoundError, RequestError
 from wsgen.suggestions import ask_for_nearest
 from wsgen.values import dataclass
-from wsgen.workspace.layout import find_launch_files, find_packages
+from wsgen.workspace.layout import find_launch_files, find_packages, read_package
 from wsgen.workspace.overlay import require_share
 
 if TYPE_CHECKING:
@@ -48,15 +48,6 @@ NO_LAUNCH_FILE = Rule(
     why="Without a launch file nothing spawns the robot.",
     example="src/my_robot/launch/gazebo_model.py",
     instead="src/my_robot/launch/gazebo_model.launch.py",
-)
-NOT_BUILT = Rule(
-    code="PKG053",
-    name="not-built",
-    severity=Severity.ERROR,
-    summary="A package that spawns a robot is not installed.",
-    why="`ros2 launch` and this simulation read the installed files.",
-    example="wsgen new my_robot\nwsgen validate",
-    instead="wsgen new my_robot\nwsgen build\nwsgen validate",
 )
 SEVERAL_LAUNCH_FILES = Rule(
     code="PKG054",
@@ -117,7 +108,7 @@ class SelectedPackage:
 
     name: str
     source: Path | None  # None: of an underlay
-    share: Path | None  # None: not installed
+    share: Path | None  # its source where it is not built; None: its package.xml is unreadable
     launch_file: Path | None = None
     problem: Diagnostic | None = None
 
@@ -220,7 +211,7 @@ def _select_unnamed(
     elif not written:
         return None
     elif share is None:
-        problem = _not_built(name, source)
+        (problem,) = found.diagnostics if (found := read_package(source)) else ()
     else:
         problem = _no_launch_file(source, share)
     return SelectedPackage(name=name, source=source, share=share, problem=problem)
@@ -301,14 +292,6 @@ def _misplaced_launch_file(source: Path, file: Path, rule: Call, package: str) -
         hint += "`wsgen build`."
     return UNINSTALLED_LAUNCH_FILE.at(
         source / "CMakeLists.txt", rule.argument_lines[position], message=message, hint=hint
-    )
-
-
-def _not_built(name: str, source: Path) -> Diagnostic:
-    return NOT_BUILT.at(
-        source,
-        message=f"{name} is not installed: it was not built, or its build failed.",
-        hint=f"Run: wsgen build {name}",
     )
 
 

@@ -20,13 +20,14 @@ from wsgen.model.package import Maintainer
 from wsgen.pipeline.package_validation import Validation
 from wsgen.pipeline.selection import SelectedPackage, ValidateRequest, may_spawn
 from wsgen.simulation.run import default_engine
+from wsgen.source_shares import INDEX
 from wsgen.templating.render import installed_folders
 from wsgen.templating.render_apart import render_tree_apart
 from wsgen.templating.spec import make_spec
 from wsgen.templating.variables import show
 from wsgen.templating.write import write_package
 from wsgen.workspace.layout import find_launch_files
-from wsgen.workspace.overlay import INDEX, Overlay
+from wsgen.workspace.overlay import Overlay
 from wsgen.workspace.package_xml import check_package_xml
 from wsgen.workspace.settings import read_settings
 from wsgen.xmltree import Malformed, parse

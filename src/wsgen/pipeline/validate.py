@@ -5,13 +5,10 @@
 
 from __future__ import annotations
 
-import os
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wsgen.build.request import refuse_empty
 from wsgen.errors import NotFoundError, NotReadableError, RequestError
 from wsgen.events import OneAtATime
 from wsgen.files import irregular_kind
@@ -22,12 +19,13 @@ from wsgen.pipeline.package_validation import Validation
 from wsgen.pipeline.selection import SelectedPackage, select_packages
 from wsgen.rendering.recording import lacks_encoder, why_no_video
 from wsgen.simulation.run import missing_engines
-from wsgen.workspace.layout import find_packages
-from wsgen.workspace.overlay import Overlay, source_overlay
+from wsgen.workspace.layout import Workspace, find_packages, workspace_around
+from wsgen.workspace.overlay import Overlay, open_overlay, overlay_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
     from concurrent.futures import Executor
+    from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.events import Listener
@@ -35,7 +33,6 @@ if TYPE_CHECKING:
     from wsgen.model.outcome import PackageOutcome
     from wsgen.pipeline.file_validation import FileValidation
     from wsgen.pipeline.selection import ValidateRequest
-    from wsgen.workspace.layout import Workspace
 
 
 UNUSED_ARGUMENTS = (UNUSED_ARGUMENT.code, UNUSED_XACRO_ARGUMENT.code)
@@ -54,35 +51,51 @@ def validate(
     Outcomes are added to `ended` one by one, so that a caller keeps them when it is interrupted (by
     KeyboardInterrupt, or by what a handler of signals raises).
 
-    Files need no workspace, but a built one may have the packages whose meshes they name.
+    Files need no workspace, but that around each of them may have the packages that they name.
 
     Raises:
         RequestError: a package or launch file of that name does not exist, or an option is given
             that nothing named here takes.
-        NotFoundError: the workspace is not built, no package has a launch file, a file does not
-            exist, or an engine is not installed.
+        NotFoundError: no package has a launch file, a file does not exist, or an engine is not
+            installed.
         NotReadableError: a FILE is no regular file, or the folder for the pictures cannot be made.
     """
     check_request(request)
-    overlay = _overlay(workspace, request, environment)
     serial = OneAtATime(listener)
-    packages: Sequence[SelectedPackage] = ()
-    left_out: tuple[str, ...] = ()
-    if workspace is not None and (request.packages or not request.files):
-        packages, left_out = select_packages(workspace, overlay, request)
+    with ExitStack() as stack:
+        overlay = overlay_of(environment)
+        packages: Sequence[SelectedPackage] = ()
+        left_out: tuple[str, ...] = ()
+        if workspace is not None and (request.packages or not request.files):
+            overlay = stack.enter_context(open_overlay([workspace], environment))
+            packages, left_out = select_packages(workspace, overlay, request)
+        overlays = _overlays_of_files(request.files, workspace, environment, stack)
 
-    def subjects(run: Run) -> list[Validation | FileValidation]:
-        return [
-            *(Validation(package, overlay, request, serial, run) for package in packages),
-            *_files(request, [package.name for package in packages], overlay, serial, run),
-        ]
+        def subjects(run: Run) -> list[Validation | FileValidation]:
+            return [
+                *(Validation(package, overlay, request, serial, run) for package in packages),
+                *_files(request, [package.name for package in packages], overlays, serial, run),
+            ]
 
-    if len(packages) + len(request.files) == 1:  # a server would serve one child
-        (subject,) = subjects(parent.run)
-        return Outcome(packages=(subject.run(),), left_out=left_out)
-    ended = [] if ended is None else ended
-    _run_several(subjects, request.jobs, serial, ended)
-    return Outcome(packages=_without_used_elsewhere(ended, request), left_out=left_out)
+        ended = [] if ended is None else ended
+        if len(packages) + len(request.files) == 1:  # a server would serve one child
+            (subject,) = subjects(parent.run)
+            ended.append(subject.run())
+        else:
+            _run_several(subjects, request.jobs, serial, ended)
+        outcomes = _without_used_elsewhere(ended, request)
+        return Outcome(packages=_with_not_built(outcomes, overlay), left_out=left_out)
+
+
+def _with_not_built(
+    outcomes: tuple[PackageOutcome, ...], overlay: Overlay
+) -> tuple[PackageOutcome, ...]:
+    """Say once, with the first outcome, which packages are used without having been built."""
+    first = outcomes[0]
+    return (
+        replace(first, diagnostics=(*first.diagnostics, *overlay.not_built())),
+        *outcomes[1:],
+    )
 
 
 def _without_used_elsewhere(
@@ -163,7 +176,7 @@ def _thread_pool(stack: ExitStack, jobs: int) -> Executor | None:
 def _files(
     request: ValidateRequest,
     packages: Sequence[str],
-    overlay: Overlay,
+    overlays: Sequence[Overlay],
     listener: Listener | None,
     run: Run,
 ) -> list[FileValidation]:
@@ -175,7 +188,7 @@ def _files(
     names = unique_names(request.files, packages)
     return [
         FileValidation(file, overlay, request, listener, run, name=name)
-        for file, name in zip(request.files, names, strict=True)
+        for file, name, overlay in zip(request.files, names, overlays, strict=True)
     ]
 
 
@@ -219,24 +232,24 @@ def _refuse_idle_options(request: ValidateRequest) -> None:
         )
 
 
-def _overlay(
-    workspace: Workspace | None, request: ValidateRequest, environment: Mapping[str, str]
-) -> Overlay:
-    """The sourced workspace; for files alone, the environment as it is."""
-    if workspace is not None:
-        try:
-            return source_overlay(workspace, environment)
-        except (NotFoundError, NotReadableError):
-            if request.packages or not request.files:
-                if not find_packages(workspace):
-                    refuse_empty(workspace)
-                raise
-    prefixes = environment.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
-    return Overlay(
-        install=Path(),
-        environment=dict(environment),
-        prefixes=tuple(Path(prefix) for prefix in prefixes if prefix),
-    )
+def _overlays_of_files(
+    files: Sequence[Path],
+    workspace: Workspace | None,
+    environment: Mapping[str, str],
+    stack: ExitStack,
+) -> list[Overlay]:
+    """For each file the overlay of the workspace and of the packages around the file."""
+    of_folders: dict[Path, Overlay] = {}
+    folders = [file.resolve().parent for file in files]
+    for folder in folders:
+        if folder in of_folders:
+            continue
+        places = dict.fromkeys(filter(None, (workspace, workspace_around(folder))))
+        overlay = overlay_of(environment)
+        with suppress(NotFoundError, NotReadableError):  # it may need nothing of a broken workspace
+            overlay = stack.enter_context(open_overlay([*places], environment, near=folder))
+        of_folders[folder] = overlay
+    return [of_folders[folder] for folder in folders]
 
 
 def _make_folder(folder: Path) -> None:
@@ -285,7 +298,8 @@ def play(  # noqa: PLR0913  what to play, where, how
         launch_file=launch_file,
     )
     outcome = Validation(selected, overlay, request, listener).run()
-    return Outcome(packages=(replace(outcome, package=package),))
+    outcomes = (replace(outcome, package=package),)
+    return Outcome(packages=_with_not_built(outcomes, overlay))
 
 
 def unique_names(files: Sequence[Path], taken: Iterable[str]) -> list[str]:

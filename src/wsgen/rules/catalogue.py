@@ -72,6 +72,7 @@ MODULES = (
     "wsgen.urdf.reader",
     "wsgen.urdf.structure",
     "wsgen.workspace.manifest",
+    "wsgen.workspace.overlay",
     "wsgen.workspace.package_xml",
     "wsgen.workspace.settings",
     "wsgen.xacro.reader",

@@ -114,6 +114,8 @@ class Inventory:
 def open_workspace(given: str | None) -> Workspace:
     """Return the workspace at the given folder, or else the one around or in the current folder.
 
+    Where no workspace is, the clone or package around the current folder counts as one.
+
     A workspace in the current folder counts if it is the only one, so that users need not change
     the folder after `wsgen new`. A given folder must be the workspace itself, as for `wsgen new`.
 
@@ -140,6 +142,9 @@ def open_workspace(given: str | None) -> Workspace:
             f"{here} has several colcon workspaces.",
             hint=f"Change into one, or choose: -w {' | '.join(folder.name for folder in inside)}",
         )
+    tree = None if inside else find_source_tree(here)
+    if tree is not None:
+        return tree
     if not inside:
         refuse_missing_manifest((here, *here.parents, *sorted(here.iterdir())))
         raise NotFoundError(
@@ -170,6 +175,32 @@ def find_workspace(start: Path) -> Workspace | None:
         if not is_exposed and _has_source(folder):
             return Workspace(root=folder)
     return marked
+
+
+def workspace_around(folder: Path) -> Workspace | None:
+    """Find the workspace that a folder is in, or else the clone whose packages belong to it."""
+    return find_workspace(folder) or find_source_tree(folder)
+
+
+def find_source_tree(start: Path) -> Workspace | None:
+    """Find the packages that a folder belongs to where no workspace is: those of a clone.
+
+    colcon takes any folder for a workspace. This is the repository around the folder; without one
+    it is the package around it with those beside it, or else the folder itself, if it has packages.
+    """
+    start = start.absolute()
+    folders = [folder for folder in (start, *start.parents) if not _is_exposed(folder)]
+    package = next((folder for folder in folders if (folder / "package.xml").is_file()), None)
+    repository = next((folder for folder in folders if (folder / ".git").exists()), None)
+    if repository is not None and _holds_packages(repository, package):
+        return Workspace(root=repository)
+    if package is None:
+        return Workspace(root=start) if start in folders and _holds_packages(start) else None
+    beside = package.parent
+    has_others = beside in folders and any(
+        file.parent != package for file in beside.glob("*/package.xml")
+    )
+    return Workspace(root=beside if has_others else package)
 
 
 def workspace_of_source_folder(start: Path) -> Workspace | None:
@@ -305,8 +336,12 @@ def _has_source(folder: Path) -> bool:
     return _holds_packages(source)
 
 
-def _holds_packages(folder: Path) -> bool:
-    return any("package.xml" in names for _, names in islice(crawl(folder), EVIDENCE_LIMIT))
+def _holds_packages(folder: Path, package: Path | None = None) -> bool:
+    """Whether colcon finds packages in a folder, or the given one if there is one."""
+    return any(
+        "package.xml" in names and package in {None, place}
+        for place, names in islice(crawl(folder), EVIDENCE_LIMIT)
+    )
 
 
 # The options of spawn_entity.py and of create, with a name that is written out after them.

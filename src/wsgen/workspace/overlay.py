@@ -3,22 +3,43 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
+import tempfile
+from contextlib import contextmanager
+from dataclasses import field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.errors import NotFoundError, NotReadableError, RequestError
+from wsgen.source_shares import INDEX, serve_sources
 from wsgen.suggestions import suggest
 from wsgen.values import dataclass
 from wsgen.workspace.layout import Workspace, find_packages
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping, Sequence
 
 
-INDEX = Path("share", "ament_index", "resource_index", "packages")
+SETUPS = {"bash": "setup.bash", "sh": "setup.sh"}
 SECONDS_TO_SOURCE = 300.0  # wall-clock; a setup file may never end, and the machine may be busy
+
+
+NAMED = 5  # at most so many packages are named in a message
+
+SOURCE_USED = Rule(
+    code="PKG065",
+    name="source-used",
+    severity=Severity.INFO,
+    summary="A package is not built; its source folder is used as its share folder.",
+    what="Looks for packages of the workspace, or of the repository, that no install space has.",
+    why="The robot is simulated as if each package installed every file under its own name. "
+    "`ros2 launch` finds only what is built, and what CMakeLists.txt or setup.py installs.",
+    example="git clone …/my_robot\nwsgen validate",
+    instead="git clone …/my_robot\nwsgen build\nwsgen validate",
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,23 +49,42 @@ class Overlay:
     install: Path
     environment: Mapping[str, str]
     prefixes: tuple[Path, ...]  # of AMENT_PREFIX_PATH: the first that has a package wins
+    # Packages of the workspace that are not installed -> their source, which serves as share folder
+    sources: Mapping[str, Path] = field(default_factory=dict)
 
     def share(self, package: str) -> Path | None:
-        """Find the package's share folder as ament_index does; None if it is not installed."""
+        """Find the package's share folder as ament_index does; None if it does not exist.
+
+        An installed package wins over one that is not built, whose source folder it is.
+        """
         for prefix in self.prefixes:
             if (prefix / INDEX / package).is_file():
                 return prefix / "share" / package
-        return None
+        return self.sources.get(package)
 
     def packages(self) -> tuple[str, ...]:
-        """List the names of the packages of this install space, without those of its underlays."""
+        """List the names of the packages of this install space, and of those served by sources."""
         names = {
             marker.name
             for prefix in self.prefixes
             if prefix.is_relative_to(self.install) and (prefix / INDEX).is_dir()
             for marker in (prefix / INDEX).iterdir()
         }
-        return tuple(sorted(names))
+        return tuple(sorted({*names, *self.sources}))
+
+    def not_built(self) -> tuple[Diagnostic, ...]:
+        """Say which packages are used without having been built; nothing where all have been."""
+        if not self.sources:
+            return ()
+        names = ", ".join(sorted(self.sources)[:NAMED])
+        more = f" and {len(self.sources) - NAMED} more" if len(self.sources) > NAMED else ""
+        return (
+            SOURCE_USED.at(
+                next(iter(self.sources.values())) if len(self.sources) == 1 else None,
+                message=f"Not built: {names}{more}. Source folders are used as share folders.",
+                hint="Run `wsgen build` to check what the packages install, too.",
+            ),
+        )
 
 
 def source_overlay(place: Workspace | Path, environment: Mapping[str, str]) -> Overlay:
@@ -93,31 +133,74 @@ def source_overlay(place: Workspace | Path, environment: Mapping[str, str]) -> O
     )
 
 
+def overlay_of(environment: Mapping[str, str]) -> Overlay:
+    """The overlay that is sourced in an environment; it may have no prefix."""
+    path = environment.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
+    prefixes = tuple(Path(prefix) for prefix in path if prefix)
+    return Overlay(
+        install=prefixes[0] if prefixes else Path(),
+        environment=dict(environment),
+        prefixes=prefixes,
+    )
+
+
+@contextmanager
+def open_overlay(
+    workspaces: Sequence[Workspace], environment: Mapping[str, str], *, near: Path | None = None
+) -> Iterator[Overlay]:
+    """Source the workspaces, as far as they are built, the last one over the others.
+
+    The source folders of their other packages serve as share folders while the context is open. Of
+    packages with one name the one that `near` lies in counts, else the first.
+
+    Raises:
+        NotFoundError: no shell was found.
+        NotReadableError: a setup file fails.
+    """
+    overlay = overlay_of(environment)
+    sources: dict[str, Path] = {}
+    for workspace in workspaces:
+        if any((workspace.install / setup).is_file() for setup in SETUPS.values()):
+            overlay = source_overlay(workspace, overlay.environment)
+        for package in find_packages(workspace):
+            is_near = near is not None and near.is_relative_to(package.path)
+            if re.fullmatch(r"[\w-]+", package.name) and not package.diagnostics:
+                sources[package.name] = (
+                    package.path if is_near else sources.get(package.name, package.path)
+                )
+    sources = {name: path for name, path in sources.items() if overlay.share(name) is None}
+    if not sources:
+        yield overlay
+        return
+    with tempfile.TemporaryDirectory(prefix="wsgen-") as folder:
+        variables = serve_sources(sources, Path(folder), overlay.environment)
+        yield replace(overlay, environment=variables, sources=sources)
+
+
 def require_share(overlay: Overlay, workspace: Workspace | None, package: str) -> Path:
     """Find the package's share folder.
 
     Raises:
-        NotFoundError: the package is in the workspace but not installed.
+        NotFoundError: the package is in the workspace, but its package.xml cannot be read.
         RequestError: the package is unknown.
     """
     share = overlay.share(package)
     if share is not None:
         return share
-    written = [] if workspace is None else [found.name for found in find_packages(workspace)]
-    if package in written:
-        raise NotFoundError(
-            f"The package {package} is in {workspace and workspace.root} but not installed.",
-            hint=f"Build it: wsgen build {package}",
-        )
+    for found in () if workspace is None else find_packages(workspace):
+        if found.name == package and found.diagnostics:
+            problem = found.diagnostics[0]
+            raise NotFoundError(
+                f"The package {package} cannot be read: {problem.message}", hint=problem.hint or ""
+            )
     raise RequestError(
-        f"Package {package} does not exist.",
-        hint=suggest(package, {*written, *overlay.packages()}),
+        f"Package {package} does not exist.", hint=suggest(package, overlay.packages())
     )
 
 
 def _choose_shell(install: Path, environment: Mapping[str, str]) -> tuple[str, Path]:
     """Choose bash, as users do, or sh if it is missing."""
-    setups = [("bash", install / "setup.bash"), ("sh", install / "setup.sh")]
+    setups = [(shell, install / setup) for shell, setup in SETUPS.items()]
     written = [(name, setup) for name, setup in setups if setup.is_file()]
     if not written:
         raise NotFoundError(

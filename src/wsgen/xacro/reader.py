@@ -10,6 +10,7 @@ from wsgen.isolation import parent
 from wsgen.isolation.codec import decode
 from wsgen.isolation.result import Died, Limits
 from wsgen.launch.launch_warnings import UNUSED_XACRO_ARGUMENT
+from wsgen.source_shares import name_sources
 from wsgen.xacro.result import Expansion, ExpansionError, ExpansionRequest
 
 if TYPE_CHECKING:
@@ -62,7 +63,7 @@ def expand_file(
         hint = outcome.hint("Look for an expression or a macro that never ends.")
         error = ExpansionError(message=f"Expanding the file {outcome.reason}", hint=hint)
         return None, (_diagnostic(file, error),)
-    answer: Expansion | ExpansionError = decode(outcome.value, ANSWER)
+    answer: Expansion | ExpansionError = decode(name_sources(outcome.value, environment), ANSWER)
     if isinstance(answer, ExpansionError):
         return None, (_diagnostic(file, answer),)
     return answer.urdf, tuple(

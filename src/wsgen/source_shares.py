@@ -1,0 +1,60 @@
+"""Let the source folder of a package that is not built serve as its share folder.
+
+A child that evaluates launch files or xacro finds packages by AMENT_PREFIX_PATH alone. It is given
+a prefix for each such package, as colcon would install it; the share folder in it is a link to the
+source. What the child answers names the source instead.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+
+VARIABLE = "WSGEN_SOURCE_PREFIXES"  # in the environment: the folder of these prefixes
+INDEX = Path("share", "ament_index", "resource_index", "packages")  # below a prefix
+
+
+def serve_sources(
+    sources: Mapping[str, Path], folder: Path, environment: Mapping[str, str]
+) -> dict[str, str]:
+    """Write a prefix for each package into a folder; the environment with them on the path."""
+    prefixes = [environment.get("AMENT_PREFIX_PATH", "")]
+    for package, source in sources.items():
+        prefix = folder / package
+        (prefix / INDEX).mkdir(parents=True)
+        (prefix / INDEX / package).touch()
+        (prefix / "share" / package).symlink_to(source, target_is_directory=True)
+        prefixes.append(str(prefix))
+    path = os.pathsep.join(filter(None, prefixes))
+    return {**environment, "AMENT_PREFIX_PATH": path, VARIABLE: str(folder)}
+
+
+def is_source(share: str) -> bool:
+    """Whether a share folder is the source of a package that is not built."""
+    folder = os.environ.get(VARIABLE)
+    return folder is not None and share.startswith(f"{folder}/")
+
+
+def name_sources(answer: Any, environment: Mapping[str, str]) -> Any:
+    """The answer of a child, as JSON gives it, with the source folders in place of the links."""
+    folder = environment.get(VARIABLE)
+    if folder is None:
+        return answer
+    link = re.compile(rf"{re.escape(folder)}/([\w-]+)/share/\1(?![\w-])")
+
+    def name(part: Any) -> Any:
+        if isinstance(part, str):
+            return link.sub(lambda found: str(Path(found[0]).readlink()), part)
+        if isinstance(part, list):
+            return [name(one) for one in part]
+        if isinstance(part, dict):
+            return {key: name(value) for key, value in part.items()}
+        return part
+
+    return name(answer)
