@@ -180,12 +180,12 @@ REPEATED_AMENT_PACKAGE = Rule(
 ament_package()""",
     instead="ament_package()  # once, at the end",
 )
-MISSING_CMAKE_FILE = Rule(
+MISSING_BUILD_FILE = Rule(
     code="BLD021",
-    name="missing-cmake-file",
+    name="missing-build-file",
     severity=Severity.ERROR,
-    summary="An ament_cmake package has no CMakeLists.txt.",
-    why="CMake builds and installs the package from this file.",
+    summary="A package has no CMakeLists.txt; one of the build type ament_python has no setup.py.",
+    why="CMake or setuptools builds and installs the package from this file.",
     example="src/my_robot/package.xml  # without src/my_robot/CMakeLists.txt",
     instead="git checkout CMakeLists.txt",
 )
@@ -515,9 +515,11 @@ def _missing_manifest(failure: Failure) -> Iterator[Diagnostic]:
 def _missing_cmake_file(failure: Failure) -> Iterator[Diagnostic]:
     if not failure.cmake_file.exists():
         yield failure.report(
-            MISSING_CMAKE_FILE,
+            MISSING_BUILD_FILE,
             "CMakeLists.txt is missing; CMake builds and installs the package from it.",
-            hint="Restore it (git checkout CMakeLists.txt), or write one.",
+            hint="Write <build_type>ament_python</build_type> in package.xml: setup.py exists."
+            if failure.setup_file.exists()
+            else "Restore it (git checkout CMakeLists.txt), or write one.",
         )
 
 

@@ -10,6 +10,7 @@ import signal
 import sys
 
 from colcon_core.command import main
+from colcon_core.executor import Job
 
 from wsgen.build.colcon_events import write_events_to
 from wsgen.isolation.parent_death import end_with_parent
@@ -26,7 +27,19 @@ end_with_parent(request["parent_death_pipe"], signal.SIGTERM)
 # The process is short, and importing colcon creates enough objects to keep the collector busy.
 gc.disable()
 
+run_job = Job.__call__
 
+
+async def run_to_its_end(job: Job) -> int:
+    """Let a package fail whose task raises: colcon would give up all others, too."""
+    try:
+        await run_job(job)
+    except Exception:  # noqa: BLE001  the job has told it
+        return 1
+    return int(job.returncode)
+
+
+Job.__call__ = run_to_its_end
 write_events_to(events)
 sys.argv[0] = "colcon"  # the name in its messages
 sys.exit(main(argv=request["arguments"]))

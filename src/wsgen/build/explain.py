@@ -20,7 +20,7 @@ from wsgen.errors import NotReadableError, RequestError
 from wsgen.files import explain_write_error, find_full_disk, full_folder
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from wsgen.build.colcon import Finished, PackageResult, Progress
     from wsgen.workspace.layout import Inventory, Workspace
@@ -97,7 +97,7 @@ UNEXPLAINED = frozenset(rule.code for rule in (CMAKE_ERROR, UNEXPLAINED_FAILURE,
 
 def explain(failure: Failure) -> tuple[Diagnostic, ...]:
     """Explain why the package failed, and what to do."""
-    for cause in CAUSES:
+    for cause in _causes(failure):
         found = tuple(cause(failure))
         if found:
             return found
@@ -120,13 +120,18 @@ def _unexplained(failure: Failure) -> Diagnostic:
     )
 
 
-CAUSES = (
-    causes.refused_manifest,
-    *causes.MACHINE_CAUSES,
-    *causes.CMAKE_CAUSES,
-    *causes.PACKAGE_CAUSES,
-    _any_cmake_error,
-)
+def _causes(failure: Failure) -> tuple[Callable[[Failure], Iterator[Diagnostic]], ...]:
+    if failure.is_python:
+        from wsgen.build.python_causes import PYTHON_CAUSES  # noqa: PLC0415  with the names of ROS
+
+        return (causes.refused_manifest, *PYTHON_CAUSES)
+    return (
+        causes.refused_manifest,
+        *causes.MACHINE_CAUSES,
+        *causes.CMAKE_CAUSES,
+        *causes.PACKAGE_CAUSES,
+        _any_cmake_error,
+    )
 
 
 def recognize_colcon_failure(output: str, workspace: Workspace) -> tuple[Diagnostic, ...]:
@@ -313,6 +318,7 @@ def _explain_packages(
 ) -> Iterator[Diagnostic]:
     readable = [package for package in inventory.packages if not package.diagnostics]
     folders = {package.name: package.path for package in readable}
+    build_types = {package.name: package.build_type for package in readable}
     # colcon takes a package with an unreadable manifest for one of plain CMake, and goes on. The
     # failure that follows has its cause in the manifest, which is reported already.
     has_unreadable = len(readable) < len(inventory.packages)
@@ -320,10 +326,12 @@ def _explain_packages(
         folder = folders.get(result.name)
         if folder is None and has_unreadable:
             continue
+        folder = folder or _folder_of(inventory, result.name) or workspace.root
         yield from explain(
             Failure(
                 package=result.name,
-                folder=folder or _folder_of(inventory, result.name) or workspace.root,
+                folder=folder,
+                is_python=_is_python(folder, build_types.get(result.name)),
                 build_folder=workspace.build / result.name,
                 output="\n".join(result.error_output),
                 siblings=folders.keys(),
@@ -331,6 +339,13 @@ def _explain_packages(
                 log=progress.log_folder,
             )
         )
+
+
+def _is_python(folder: Path, build_type: str | None) -> bool:
+    """Whether setuptools builds the package; a package without package.xml has no build type."""
+    if build_type is not None:
+        return build_type == "ament_python"
+    return (folder / "setup.py").exists() and not (folder / "CMakeLists.txt").exists()
 
 
 def _folder_of(inventory: Inventory, name: str) -> Path | None:

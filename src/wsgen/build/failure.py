@@ -137,7 +137,8 @@ class Failure:
     """A package that failed."""
 
     package: str
-    folder: Path  # with package.xml and CMakeLists.txt
+    folder: Path  # with package.xml and CMakeLists.txt or setup.py
+    is_python: bool  # setuptools builds it, not CMake
     build_folder: Path  # with CMake's cache
     output: str  # what its programs wrote to standard error
     siblings: Collection[str]  # names of all packages of the workspace
@@ -149,22 +150,29 @@ class Failure:
         """The CMakeLists.txt of the package."""
         return self.folder / "CMakeLists.txt"
 
+    @property
+    def setup_file(self) -> Path:
+        """The setup.py of the package."""
+        return self.folder / "setup.py"
+
     @cached_property
     def errors(self) -> tuple[CMakeError, ...]:
         """CMake's errors in the output."""
         return read_errors(self.output)
 
-    def report(
+    def report(  # noqa: PLR0913  a rule, its words and its place
         self,
         rule: Rule,
         message: str,
         *,
         hint: str,
         error: CMakeError | None = None,
+        file: Path | None = None,
         line: int | None = None,
     ) -> Diagnostic:
-        """Report a rule at the error's call, at a line of CMakeLists.txt, or for the package."""
-        file: Path | None = self.cmake_file if line is not None else None
+        """Report a rule at the error's call, at a line (of CMakeLists.txt), or for the package."""
+        if line is not None and file is None:
+            file = self.cmake_file
         if error is not None:
             file, line = error.locate(self.folder)
         return rule.at(

@@ -31,6 +31,7 @@ MODULES = (
     "wsgen.build.causes",
     "wsgen.build.explain",
     "wsgen.build.installed",
+    "wsgen.build.python_causes",
     "wsgen.build.run",
     "wsgen.build.source_packages",
     "wsgen.description_rules",
