@@ -187,6 +187,15 @@ def test_missing_linters_do_not_stop_the_build(tmp_path: Path) -> None:
     assert cache_entry(tmp_path, "MINE") == "1"
 
 
+def test_missing_linters_are_told_once(tmp_path: Path) -> None:
+    for name in ("demo", "other", "third"):
+        write_package(tmp_path, name, cmake=LINTED)
+    (note,) = build_here(tmp_path).diagnostics
+    assert (note.code, note.element) == ("BLD001", None)
+    assert note.message.startswith("demo, other, third are built without tests")
+    assert note.message.count("ament_lint_auto") == 1
+
+
 def test_who_asks_for_tests_gets_them(tmp_path: Path) -> None:
     write_package(tmp_path, cmake=LINTED)
     result = build_here(tmp_path, colcon_arguments=("--cmake-args", "-DBUILD_TESTING=ON"))

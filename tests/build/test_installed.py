@@ -47,6 +47,12 @@ def test_a_file_that_was_renamed(package: Path) -> None:
     assert rebuild(package).diagnostics == ()
 
 
+def test_slashes(tmp_path: Path) -> None:
+    cmake = CMAKE.replace("share/${PROJECT_NAME}", "share/${PROJECT_NAME}//./")
+    write_package(tmp_path, cmake=cmake.replace("launch model", "./launch model/"))
+    assert build_here(tmp_path).diagnostics == ()
+
+
 def test_many_files(package: Path) -> None:
     for number in range(7):
         (package / "model" / f"{number}.dae").touch()

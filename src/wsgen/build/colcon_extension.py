@@ -65,7 +65,11 @@ class _WithoutTests(ArgumentParserDecorator):  # type: ignore[misc]  # colcon is
 
 def _leave_tests_out(parsed: argparse.Namespace) -> None:
     # Only `colcon build` pays for reading the packages.
-    from wsgen.build.source_packages import WITHOUT_TESTS, missing_test_dependencies  # noqa: PLC0415
+    from wsgen.build.source_packages import (  # noqa: PLC0415
+        WITHOUT_TESTS,
+        missing_test_dependencies,
+        tests_left_out,
+    )
     from wsgen.workspace.layout import Workspace, take_inventory  # noqa: PLC0415
 
     # Without colcon's extensions for CMake or ROS, their arguments do not exist.
@@ -85,13 +89,13 @@ def _leave_tests_out(parsed: argparse.Namespace) -> None:
         for folder in folders
         for package in take_inventory(Workspace(root=Path(folder).absolute())).packages
     ]
-    notes = missing_test_dependencies(
+    missing = missing_test_dependencies(
         packages,
         prefixes=package_prefixes(toolchain, os.environ),
         built_here={package.name for package in packages},
     )
-    if notes:
+    if missing:
         # colcon adds these to the arguments of CMake, wherever those come from.
         parsed.ament_cmake_args = [WITHOUT_TESTS, *for_ament]
-        for note in notes:
+        for note in tests_left_out(missing):
             colcon_logger.getChild("wsgen").warning(note.message)

@@ -97,14 +97,18 @@ def check_installed(
 
 
 def _read_install_manifest(build_folder: Path, prefix: Path) -> frozenset[str]:
-    """List what CMake installed into the prefix, as paths relative to it; empty if unknown."""
+    """List what CMake installed into the prefix, as paths relative to it; empty if unknown.
+
+    A DESTINATION that ends in a slash gives two slashes in a row.
+    """
     try:
         text = (build_folder / "install_manifest.txt").read_text(encoding="utf-8")
     except (OSError, ValueError):
         return frozenset()
     roots = {f"{prefix}/", f"{prefix.resolve()}/"}
+    paths = [os.path.normpath(line) for line in text.splitlines()]
     return frozenset(
-        line.removeprefix(root) for line in text.splitlines() for root in roots if root in line
+        path.removeprefix(root) for path in paths for root in roots if path.startswith(root)
     )
 
 

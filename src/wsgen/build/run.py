@@ -19,6 +19,7 @@ from wsgen.build.source_packages import (
     missing_build_types,
     missing_test_dependencies,
     skipped_packages,
+    tests_left_out,
     unknown_build_types,
 )
 from wsgen.build.toolchain import find_toolchain, package_prefixes
@@ -215,9 +216,9 @@ def _run(
         inventory=job.inventory,
         colcon_arguments=job.colcon_arguments,
     )
-    notes: tuple[Diagnostic, ...] = ()
+    missing = {}
     if toolchain and not any("BUILD_TESTING" in word for word in job.colcon_arguments):
-        notes = missing_test_dependencies(
+        missing = missing_test_dependencies(
             job.inventory.packages,
             prefixes=package_prefixes(toolchain, environment),
             built_here={package.name for package in job.inventory.packages},
@@ -226,7 +227,7 @@ def _run(
         build_arguments(
             job.names,
             job.colcon_arguments,
-            without_tests=bool(notes),
+            without_tests=bool(missing),
             blocked=blocked_extensions(environment),
         ),
         folder=job.workspace.root,
@@ -240,8 +241,9 @@ def _run(
         progress.colcon_output += finished.output.splitlines()
         for line in progress.colcon_output:
             post(progress.listener, OutputLine(step=STEP, text=line, is_error_stream=True))
-    built = {package.name for package in progress.results if package.outcome == "built"}
-    return finished, tuple(note for note in notes if note.element in built)
+    built = [package.name for package in progress.results if package.outcome == "built"]
+    left_out = {name: missing[name] for name in built if name in missing}
+    return finished, tuple(tests_left_out(left_out))
 
 
 def _find_toolchain(job: _Job, environment: Mapping[str, str]) -> Toolchain | None:

@@ -11,7 +11,7 @@ from wsgen.suggestions import suggest
 from wsgen.workspace.manifest import DEFAULT_BUILD_TYPE, read_manifest
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Iterator
+    from collections.abc import Collection, Iterable, Iterator, Mapping
     from pathlib import Path
 
     from wsgen.workspace.layout import PackageFolder
@@ -74,15 +74,18 @@ ROS_PREFIX = "ros."  # of the names of those for packages with package.xml
 
 def missing_test_dependencies(
     packages: Iterable[PackageFolder], *, prefixes: Collection[Path], built_here: Collection[str]
-) -> tuple[Diagnostic, ...]:
-    """Report packages that require a test package that is neither installed nor built here.
+) -> dict[str, list[tuple[Path, int, str]]]:
+    """Find the test packages that are required and neither installed nor built here.
 
     Args:
         packages: those that will be built.
         prefixes: where CMake looks for packages.
         built_here: names of all packages of the workspace.
+
+    Returns:
+        By the name of the package: the file, 1-based line and name of each call.
     """
-    found: list[Diagnostic] = []
+    found: dict[str, list[tuple[Path, int, str]]] = {}
     for package in packages:
         if package.build_type != "ament_cmake":
             continue  # the option that leaves tests out does not reach it
@@ -96,19 +99,24 @@ def missing_test_dependencies(
             name = call.arguments[0]
             if name != LINTER and name not in package.test_dependencies:
                 continue
-            if name in built_here or is_installed(name, prefixes):
-                continue
-            found.append(
-                TESTS_LEFT_OUT.at(
-                    file,
-                    call.line,
-                    package.name,
-                    message=f"{package.name} is built without tests (BUILD_TESTING=OFF), because "
-                    f"they require {name}, which is not installed.",
-                    hint=f"Install {name} to run its tests.",
-                )
-            )
-    return tuple(found)
+            if name not in built_here and not is_installed(name, prefixes):
+                found.setdefault(package.name, []).append((file, call.line, name))
+    return found
+
+
+def tests_left_out(missing: Mapping[str, list[tuple[Path, int, str]]]) -> Iterator[Diagnostic]:
+    """Report once which packages are built without tests, and what their tests require."""
+    if missing:
+        places = [place for calls in missing.values() for place in calls]
+        names = ", ".join(dict.fromkeys(name for _, _, name in places))
+        several = len(missing) > 1
+        yield TESTS_LEFT_OUT.at(
+            *places[0][:2],
+            None if several else next(iter(missing)),
+            message=f"{', '.join(missing)} {'are' if several else 'is'} built without tests "
+            f"(BUILD_TESTING=OFF), because they require what is not installed: {names}.",
+            hint="Install it to run the tests.",
+        )
 
 
 def is_installed(name: str, prefixes: Iterable[Path]) -> bool:
