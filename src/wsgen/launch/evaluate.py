@@ -78,7 +78,10 @@ def evaluate(  # noqa: PLR0913  all but two have defaults
     )
     if isinstance(outcome, Died):
         return LaunchPlan(
-            package=package, launch_file=launch_file, diagnostics=(_death(outcome, launch_file),)
+            package=package,
+            launch_file=launch_file,
+            diagnostics=(_death(outcome, launch_file),),
+            is_complete=False,
         )
     answer = name_sources(outcome.value, environment)
     return replace(decode(answer, LaunchPlan), launch_file=launch_file)

@@ -182,15 +182,17 @@ def _explain(
     explanation = explain_missing.of_xacro(error, xacro_error)
     for explainer in _EXPLAINERS:
         explanation = explanation or explainer(error)
-    explanation = explanation or _other(error)
-    where: tuple[str, int | None] = (launch_file, None)
+    place = last_user_line(error) or vars(error).get("wsgen_location")
+    return diagnose(explanation or _other(error), place or (launch_file, None))
+
+
+def diagnose(explanation: Explanation, where: tuple[str, int | None] | None) -> Diagnostic:
+    """The diagnostic; `where` is the place of an explanation that has none."""
     if explanation.file is not None:
         where = (explanation.file, explanation.line)
-    else:
-        where = last_user_line(error) or vars(error).get("wsgen_location", where)
-        if explanation.written is not None:
-            where = where_written(explanation.written, RECORD.launch_files) or where
-    file, line = where
+    elif explanation.written is not None:
+        where = where_written(explanation.written, RECORD.launch_files) or where
+    file, line = where or (RECORD.launch_files[0], None)
     return explanation.rule.at(
         Path(file),
         line if isinstance(line, int) else None,  # a SyntaxError of the user may hold anything
@@ -296,6 +298,9 @@ def _missing_argument(error: BaseException) -> Explanation | None:
 
 
 def _environment(error: BaseException) -> Explanation | None:
+    unset = re.match(r"environment variable '(.*)' does not exist", str(error))
+    if unset is not None and type(error).__name__ == "SubstitutionFailure":
+        return _variable_not_set(unset[1], f"EnvironmentVariable('{unset[1]}', default_value='')")
     step = error.__traceback__
     while step is not None and step.tb_next is not None:
         step = step.tb_next
@@ -306,12 +311,15 @@ def _environment(error: BaseException) -> Explanation | None:
     )
     if not is_environ:
         return None
-    name = error.args[0]
+    return _variable_not_set(error.args[0], f"os.environ.get('{error.args[0]}', '')")
+
+
+def _variable_not_set(name: str, with_default: str) -> Explanation:
     return Explanation(
         VARIABLE_NOT_SET,
         f"The launch file needs the environment variable {name}, which is not set.",
-        f"Read it with a default, os.environ.get('{name}', ''), or set it before the launch.",
-        element=str(name),
+        f"Set it before the launch, or read it with a default: {with_default}.",
+        element=name,
     )
 
 
@@ -484,6 +492,21 @@ def _is_from_launch(error: BaseException) -> bool:
     return last.startswith(os.path.dirname(__file__))
 
 
+# What one machine lacks, or one include or node: the rest of the launch is evaluated all the same.
+OF_A_BRANCH = frozenset(
+    rule.code
+    for rule in (
+        explain_names.IMPORT_ERROR,
+        explain_names.UNSUPPORTED_API,
+        explain_missing.FILE_NOT_INSTALLED,
+        explain_missing.PACKAGE_NOT_FOUND,
+        explain_missing.NOT_READABLE,
+        EXECUTABLE_NOT_FOUND,
+        INTERACTIVE_INPUT,
+        VARIABLE_NOT_SET,
+        NEEDS_UNKNOWN,
+    )
+)
 _EXPLAINERS: tuple[Callable[[BaseException], Explanation | None], ...] = (
     _encoding,
     _syntax_error,

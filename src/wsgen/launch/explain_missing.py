@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.launch import known_packages
+from wsgen.launch.package_lookup import is_not_compiled
+from wsgen.ros_names import released_packages
 from wsgen.source_shares import is_source
 from wsgen.suggestions import advice, did_you_mean, nearest
 
@@ -182,7 +184,7 @@ def of_xacro(error: BaseException, xacro_error: dict[str, Any] | None) -> Explan
     if found.get("missing"):
         return _missing_file(found["missing"])
     if found.get("package"):
-        return _missing_package(
+        return missing_package(
             found["package"], found.get("file"), found.get("line"), found.get("hint")
         )
     return Explanation(
@@ -198,7 +200,7 @@ def of_xacro(error: BaseException, xacro_error: dict[str, Any] | None) -> Explan
 def package_error(error: BaseException) -> Explanation | None:
     """A package, or every package, that is not found."""
     if type(error).__name__ == "PackageNotFoundError":
-        return _missing_package(str(getattr(error, "name", error)))
+        return missing_package(str(getattr(error, "name", error)))
     if isinstance(error, OSError) and "AMENT_PREFIX_PATH" in str(error):
         return Explanation(
             PACKAGE_NOT_FOUND,
@@ -208,16 +210,21 @@ def package_error(error: BaseException) -> Explanation | None:
     return None
 
 
-def _missing_package(
+_SURELY_RELEASED = 0.9  # so alike is a misspelled name to the released one of thousands
+
+
+def missing_package(
     package: str, file: str | None = None, line: int | None = None, hint: str | None = None
 ) -> Explanation:
+    """A package that is neither installed nor known; file and line where it is named."""
+    misspelled = nearest(package, released_packages(), cutoff=_SURELY_RELEASED)
     return Explanation(
         PACKAGE_NOT_FOUND,
         f"The package '{package}' is not found.",
         hint
         or advice(
             package,
-            packages(),
+            [*packages(), *([misspelled] if misspelled else [])],
             f"Add <exec_depend>{package}</exec_depend> to package.xml, and build it in this "
             "workspace or install it.",
         ),
@@ -328,9 +335,26 @@ def _glued_package(path: str) -> str | None:
     return max(glued, key=len, default=None)
 
 
+_NO_EXECUTABLE = re.compile(r"executable '(.*)' not found on the libexec directory '(.*)'")
+
+
+def uncompiled(error: BaseException) -> tuple[str, str] | None:
+    """The program that an exception is about, and its package, if it cannot be compiled here."""
+    found = _NO_EXECUTABLE.match(str(error))
+    if found is None:
+        return None
+    program, folder = found.groups()
+    names = os.listdir(folder) if os.path.isdir(folder) else []
+    package = os.path.basename(folder)
+    is_misspelled = nearest(program, names, cutoff=known_packages.SURELY) is not None
+    if is_misspelled or not is_not_compiled(folder, package):
+        return None
+    return program, package
+
+
 def executable_error(error: BaseException) -> Explanation | None:
     """A program that a package does not have."""
-    found = re.match(r"executable '(.*)' not found on the libexec directory '(.*)'", str(error))
+    found = _NO_EXECUTABLE.match(str(error))
     if found is None:
         return None
     program, folder = found.groups()

@@ -11,6 +11,7 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING
 
+from wsgen.ros_names import released_packages
 from wsgen.suggestions import nearest
 
 if TYPE_CHECKING:
@@ -146,7 +147,7 @@ _EXECUTABLES = {
     "xacro": ("xacro",),
 }
 
-# Packages that the evaluated package declares in package.xml, and that are not installed.
+# Other packages that were looked up and are not installed.
 _declared: set[str] = set()
 
 # What `gz_sim.launch.py` runs by default: the Gazebo of the distribution.
@@ -235,6 +236,11 @@ def is_known(package: str) -> bool:
     )
 
 
+def is_released(package: str) -> bool:
+    """Whether a distribution of ROS 2 has the package."""
+    return package in released_packages()
+
+
 def names() -> set[str]:
     """The packages that need not be installed."""
     return {*_LAUNCH_FILES, *_OTHERS, *_declared}
@@ -259,11 +265,6 @@ def has_misspelled(package: str, program: str) -> bool:
 def declare(package: str) -> None:
     """From here on the package is one of those that need not be installed."""
     _declared.add(package)
-
-
-def shim_prefix(package: str) -> str | None:
-    """The prefix of a package that is not installed; None where it must be."""
-    return prefix() if is_known(package) else None
 
 
 def shim_of(file: str) -> LaunchFileShim | None:

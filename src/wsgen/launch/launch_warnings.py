@@ -142,7 +142,10 @@ def report_description_as_yaml(location: Location | None) -> None:
 
 
 def report_parameter_file(path: Path, location: Location | None) -> None:
-    """Report a parameter file that cannot be read."""
+    """Report a parameter file that cannot be read; one that is not on this machine is unknown."""
+    if known_packages.is_in_shim(str(path)):
+        RECORD.note_unresolved(str(path), "the package is not installed", location)
+        return
     _report(
         PARAMETER_FILE_MISSING,
         location,

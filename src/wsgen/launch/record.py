@@ -22,7 +22,7 @@ from wsgen.files import refuse_irregular
 from wsgen.model.plan import Unresolved
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
     from types import FrameType
 
     from wsgen.diagnostics import Diagnostic
@@ -96,6 +96,18 @@ class Record:
         self.opened: list[str] = []  # robots and worlds that the launch file opened itself
         self.argument_use = ArgumentUse()
         self.unused_xacro_arguments: list[tuple[Mapping[str, str], Location | None]] = []
+        self.visited: Location | None = None  # the line of the entity that is visited
+        self.lookups: dict[str, Location | None] = {}  # packages that the user's files look up
+        # Launch files and nodes that are not on this machine: name, package, who asks for them.
+        self.left_out: list[tuple[str, str, Location | None]] = []
+        # Whether an exception ends only what raised it; the diagnostic is then noted.
+        self.ends_branch: Callable[[Exception], bool] = lambda _error: False
+
+    def report(self, diagnostic: Diagnostic) -> None:
+        """Note a diagnostic, unless the same was noted of the same thing."""
+        key = (diagnostic.code, diagnostic.element or diagnostic.message)
+        if key not in {(one.code, one.element or one.message) for one in self.diagnostics}:
+            self.diagnostics.append(diagnostic)
 
     def note_unresolved(self, what: str, why: str, location: Location | None) -> None:
         """Note a value that only a real ROS could give."""
@@ -170,12 +182,18 @@ def caller() -> Location | None:
     """The line that called into the shim; None where no line of the user did."""
     if RECORD.reading is not None:
         return RECORD.reading
+    return next(callers(), None)
+
+
+def callers() -> Iterator[Location]:
+    """The lines of the user's files, and of libraries, that are being executed, innermost first."""
     frame: FrameType | None = sys._getframe(1)  # noqa: SLF001  no stack has to be built for it
-    while frame is not None and frame.f_code.co_filename.startswith(_NOT_THE_USERS):
+    while frame is not None:
+        code = frame.f_code
+        is_start = frame.f_globals.get("__name__") == "__main__"  # the child's own first lines
+        if not is_start and not code.co_filename.startswith(_NOT_THE_USERS):
+            yield code.co_filename, frame.f_lineno
         frame = frame.f_back
-    if frame is None or frame.f_globals.get("__name__") == "__main__":
-        return None  # the child's own first lines
-    return frame.f_code.co_filename, frame.f_lineno
 
 
 def locate(error: BaseException, fallback: Location | None) -> None:

@@ -15,14 +15,14 @@ from importlib.machinery import ModuleSpec
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from wsgen.launch import known_packages
+from wsgen.launch import known_packages, package_lookup
 from wsgen.launch.record import RECORD, ForkError, caller
 from wsgen.model.plan import LaunchArgument, LaunchPlan
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
-    from wsgen.launch.record import CommandRunner, Location
+    from wsgen.launch.record import CommandRunner
     from wsgen.model.plan import LaunchRequest
 
     Explainer = Callable[[BaseException], "dict[str, Any] | None"]
@@ -32,7 +32,6 @@ _SHIM = os.path.join(os.path.dirname(os.path.dirname(__file__)), "launch_shim")
 _ROS_PACKAGES = os.path.join(os.path.dirname(__file__), "ros_packages")
 _DESCRIPTIONS = (".urdf", ".xacro", ".sdf", ".xml")
 _SHIM_PACKAGES = ("launch", "launch_ros", "launch_xml", "launch_yaml", "ament_index_python")
-_DEPENDENCIES = {"depend", "exec_depend", "build_depend", "buildtool_depend", "test_depend"}
 MESSAGES = ("_msgs", "_interfaces", "_srvs")
 
 
@@ -51,6 +50,8 @@ def evaluate(
     RECORD.run_xacro = run_xacro
     _install()
     RECORD.environment = dict(os.environ)
+    RECORD.ends_branch = lambda error: _ends_branch(error, launch_file, explain_xacro)
+    is_complete = False
     sys.addaudithook(_watch)
     try:
         if request.only_arguments:
@@ -58,10 +59,12 @@ def evaluate(
         else:
             _play(launch_file, request.arguments)
             _report_unused_arguments(launch_file, request.arguments)
+            package_lookup.report(launch_file)
+        is_complete = True
     except BaseException as error:  # noqa: BLE001  foreign code
         from wsgen.launch.explain import explain
 
-        RECORD.diagnostics.append(explain(error, launch_file, explain_xacro(error)))
+        RECORD.report(explain(error, launch_file, explain_xacro(error)))
     if RECORD.unused_xacro_arguments:
         from wsgen.launch.launch_warnings import report_unused_xacro_arguments
 
@@ -76,6 +79,7 @@ def evaluate(
         environment=RECORD.changed_environment(),
         unresolved=tuple(RECORD.unresolved),
         diagnostics=tuple(RECORD.diagnostics),
+        is_complete=is_complete,
     )
 
 
@@ -93,7 +97,26 @@ def _install() -> None:
     os.environ["PATH"] = os.pathsep.join([os.environ.get("PATH", os.defpath), beside])
     from ament_index_python import packages
 
-    packages.shim_prefix = _shim_prefix
+    packages.find_prefix = package_lookup.find_prefix
+
+
+def _ends_branch(error: Exception, launch_file: str, explain_xacro: Explainer) -> bool:
+    """Whether the launch goes on without what raised the exception, which is noted."""
+    if hasattr(error, "wsgen_ends_all"):
+        return False
+    from wsgen.launch.explain import OF_A_BRANCH, explain
+    from wsgen.launch.explain_missing import uncompiled
+
+    program = uncompiled(error)
+    if program is not None:
+        RECORD.left_out.append((*program, RECORD.visited))
+        return True
+    found = explain(error, launch_file, explain_xacro(error))
+    if found.code not in OF_A_BRANCH:
+        error.wsgen_ends_all = True  # type: ignore[attr-defined]  # what it is raised through asks
+        return False
+    RECORD.report(found)
+    return True
 
 
 def _watch(event: str, arguments: tuple[Any, ...]) -> None:
@@ -106,47 +129,6 @@ def _watch(event: str, arguments: tuple[Any, ...]) -> None:
         raise ForkError
     if event == "open" and str(arguments[0]).endswith(_DESCRIPTIONS):
         RECORD.opened.append(os.path.abspath(str(arguments[0])))
-
-
-def _shim_prefix(package: str) -> str | None:
-    """The prefix of a package that is not installed: a known one, or one that is declared."""
-    if not known_packages.is_known(package) and _is_declared(package):
-        known_packages.declare(package)
-        RECORD.note_unresolved(
-            package, "the package is declared in package.xml and not installed", caller()
-        )
-    return known_packages.shim_prefix(package)
-
-
-def _is_declared(package: str) -> bool:
-    """Whether the package whose launch file this is says that it needs another one."""
-    if RECORD.package is None:
-        return False
-    prefixes = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
-    return _declares(prefixes, RECORD.package, package)
-
-
-def _declares(prefixes: Iterable[str], package: str, dependency: str) -> bool:
-    """Whether the installed package.xml of a package names another one as a dependency."""
-    from xml.etree import ElementTree as ET
-
-    for prefix in prefixes:
-        file = os.path.join(prefix, "share", package, "package.xml")
-        if os.path.isfile(file):
-            try:
-                root = ET.parse(file).getroot()  # noqa: S314  the user's own manifest
-            except (ET.ParseError, OSError):
-                return False
-            return any(
-                element.tag in _DEPENDENCIES and (element.text or "").strip() == dependency
-                for element in root
-            )
-    return False
-
-
-def _is_of_library(location: Location | None) -> bool:
-    """Whether a library looks for something that it can do without."""
-    return location is None or location[0].startswith((sys.prefix, sys.base_prefix))
 
 
 class _MissingModule(ModuleType):
@@ -171,9 +153,14 @@ class _MissingModules:
         if inside and not isinstance(sys.modules.get(package), _MissingModule):
             return None  # the package is installed, and has no such module
         location = caller()
-        if not inside and (_is_of_library(location) or not self._is_expected(package)):
+        if not inside and (
+            location is None
+            or package_lookup.is_of_library(location)
+            or not self._is_expected(package)
+        ):
             return None
         if not inside:
+            RECORD.lookups.setdefault(package, location)
             RECORD.note_unresolved(package, "its Python module is not installed", location)
             RECORD.argument_use.is_unknown = True
         return ModuleSpec(name, self, is_package=True)  # type: ignore[arg-type]  # all it needs
@@ -183,7 +170,8 @@ class _MissingModules:
         return (
             package in known_packages.KNOWN_MODULES
             or package.endswith(MESSAGES)
-            or _is_declared(package)
+            or known_packages.is_released(package)
+            or package_lookup.declares(RECORD.launch_files, package)
         )
 
     def create_module(self, spec: ModuleSpec) -> ModuleType:

@@ -90,6 +90,7 @@ class LaunchPlan:
     environment: Mapping[str, str] = field(default_factory=dict)  # what the launch file sets
     unresolved: tuple[Unresolved, ...] = ()
     diagnostics: tuple[Diagnostic, ...] = ()
+    is_complete: bool = True  # False: an error ended the evaluation
     seconds_in_xacro: float = 0.0  # wall-clock, a part of the time that the evaluation took
 
     @property

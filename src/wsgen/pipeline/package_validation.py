@@ -307,10 +307,12 @@ class Validation:
                 environment=self.overlay.environment,
                 run=self.run_task,
             )
-            is_evaluated = not has_errors(plan.diagnostics)
-            simulator, no_simulator = find_simulator(plan) if is_evaluated else (None, ())
-            spawns, no_spawns = find_spawns(plan) if is_evaluated else ((), ())
-            found = (*plan.diagnostics, *no_simulator, *no_spawns)
+            simulator, no_simulator = find_simulator(plan)
+            spawns, no_spawns = find_spawns(plan)
+            lacks_something = has_errors(plan.diagnostics)
+            # A helper that is missing does not keep the robots from being simulated.
+            is_evaluated = not lacks_something or (plan.is_complete and bool(spawns))
+            found = (*plan.diagnostics, *(() if lacks_something else (*no_simulator, *no_spawns)))
             step.succeeded = not has_errors(found)
         self.clock.split("launch", "expand", plan.seconds_in_xacro)
         self.diagnostics += found

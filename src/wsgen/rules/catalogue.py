@@ -40,6 +40,7 @@ MODULES = (
     "wsgen.launch.explain_missing",
     "wsgen.launch.explain_names",
     "wsgen.launch.launch_warnings",
+    "wsgen.launch.package_lookup",
     "wsgen.launch.spawning",
     "wsgen.meshes.inspection",
     "wsgen.meshes.requests",

@@ -13,8 +13,9 @@ from ament_index_python.search_paths import get_search_paths
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-# Set by the worker that evaluates a launch file: the prefix of a package that is not installed.
-shim_prefix: Callable[[str], str | None] = lambda _name: None  # noqa: E731  replaced as a whole
+# Set by the worker that evaluates a launch file: the prefix to give for a package, given the one
+# that has it, None where it is not installed.
+find_prefix: Callable[[str, str | None], str | None] = lambda _name, prefix: prefix  # noqa: E731  replaced as a whole
 
 
 class PackageNotFoundError(KeyError):
@@ -30,7 +31,7 @@ def get_package_prefix(package_name: str) -> str:
     """The prefix of a package; PackageNotFoundError or ValueError where there is none."""
     if re.fullmatch(r"[a-zA-Z0-9][a-zA-Z0-9_-]+", package_name, re.ASCII) is None:
         raise ValueError(f"'{package_name}' is not a valid package name")
-    prefix = has_resource("packages", package_name) or shim_prefix(package_name)
+    prefix = find_prefix(package_name, has_resource("packages", package_name))
     if prefix is None:
         error = PackageNotFoundError(
             f"package '{package_name}' not found, searching: {get_search_paths()}"

@@ -140,6 +140,10 @@ class DeclareLaunchArgument(Action):
                 f"Valid options are: {self.__choices}"
             )
 
+    def wsgen_give_up(self, context: LaunchContext) -> None:
+        """Set the configuration to what is unknown."""
+        _set_unknown(context, self.__name, self.wsgen_location)
+
     def _note(self, default: str | None, value: str) -> None:
         if self.wsgen_location is not None:  # not those of the ROS package shims
             RECORD.arguments.setdefault(
@@ -151,6 +155,13 @@ class DeclareLaunchArgument(Action):
                     description="" if self.__description is None else str(self.__description),
                 ),
             )
+
+
+def _set_unknown(context: LaunchContext, name: str, location: tuple[str, int] | None) -> None:
+    """Set a configuration whose value could not be found out, unless it has one."""
+    context.launch_configurations.setdefault(
+        name, RECORD.note_unknown(f"var {name}", "its value could not be found out", location)
+    )
 
 
 def _literal(default: list[Substitution] | None) -> str | None:
@@ -265,6 +276,10 @@ class ExecuteLocal(Action):
         )
         self._happen(context, process)
         return None
+
+    def wsgen_give_up(self, context: LaunchContext) -> None:
+        """Let it start and exit all the same: others may wait for it."""
+        self._happen(context, Process(package=None, executable=None))
 
     def _happen(self, context: LaunchContext, process: Process) -> None:
         command = process.command or process.arguments
@@ -478,6 +493,10 @@ class SetLaunchConfiguration(Action):
         name = perform_substitutions(context, self.__name)
         context.launch_configurations[name] = perform_substitutions(context, self.__value)
 
+    def wsgen_give_up(self, context: LaunchContext) -> None:
+        """Set the configuration to what is unknown."""
+        _set_unknown(context, perform_substitutions(context, self.__name), self.wsgen_location)
+
 
 class GroupAction(Action):
     """Its actions; with `scoped`, what they set ends with them.
@@ -594,6 +613,7 @@ class IncludeLaunchDescription(Action):
         if location is not None:
             is_shim = known_packages.shim_of(file) is not None
             RECORD.argument_use.given += [(name, location, is_shim) for name in names]
+            _note_left_out(file, location)
         return [
             *(SetLaunchConfiguration(name, value) for name, value in self.__launch_arguments),
             *([_Entrance(file, names)] if is_include else []),
@@ -610,6 +630,13 @@ class IncludeLaunchDescription(Action):
             except Exception:  # noqa: BLE001, S112, PERF203  a name that depends on the launch
                 continue
         return names
+
+
+def _note_left_out(file: str, location: tuple[str, int]) -> None:
+    """Note a launch file of which nothing is known but its name and package."""
+    shim = known_packages.shim_of(file)
+    if shim is not None and not shim.has_known_arguments:
+        RECORD.left_out.append((shim.name, shim.package, location))
 
 
 class _Entrance(Action):

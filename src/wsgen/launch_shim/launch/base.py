@@ -47,6 +47,9 @@ class LaunchDescriptionEntity(Located):
         """The entities that it may give later, each group with its condition in words."""
         return []
 
+    def wsgen_give_up(self, context: LaunchContext) -> None:
+        """Leave behind what others rely on, where a visit failed that ends only itself."""
+
     def get_asyncio_future(self) -> Any:
         """Nothing waits here: time is virtual."""
         return None

@@ -235,14 +235,18 @@ def play(entity: LaunchDescriptionEntity, context: LaunchContext) -> None:
 
 def visit(entity: LaunchDescriptionEntity, context: LaunchContext) -> None:
     """Visit an entity and, depth first, what comes of it."""
+    location = getattr(entity, "wsgen_location", None)
+    RECORD.visited = location or RECORD.visited
     try:
         following = entity.visit(context)
         if following is not None:
             for sub_entity in following:
                 visit(sub_entity, context)
     except Exception as error:
-        locate(error, getattr(entity, "wsgen_location", None))
-        raise
+        locate(error, location)
+        if not RECORD.ends_branch(error):
+            raise
+        entity.wsgen_give_up(context)
 
 
 def _handle(event: Event, context: LaunchContext) -> None:
@@ -253,7 +257,8 @@ def _handle(event: Event, context: LaunchContext) -> None:
             _within_locals(partial(handler.handle, event), event, context)
         except Exception as error:  # noqa: PERF203  says which handler it was
             locate(error, getattr(handler, "wsgen_location", None))
-            raise
+            if not RECORD.ends_branch(error):
+                raise
 
 
 def _within_locals(

@@ -15,7 +15,7 @@ from launch._utilities import (
     perform_typed_substitution,
 )
 from launch.actions import ExecuteProcess, SetEnvironmentVariable, TimerAction
-from launch.base import Action, EventHandler
+from launch.base import Action, EventHandler, SubstitutionFailure
 from launch.substitutions import LaunchConfiguration
 from launch_ros._events import ChangeState, StateTransition, matches_node_name
 from launch_ros.substitutions import ExecutableInPackage
@@ -31,6 +31,7 @@ from launch_ros.utilities import (
     validate_name,
     validate_namespace,
 )
+from wsgen.launch.record import RECORD, locate
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -111,7 +112,12 @@ class Node(ExecuteProcess):
         package = None
         if self.__package is not None:
             package = perform_substitutions(context, self.__package)
-            context.perform_substitution(ExecutableInPackage(executable, package))
+            try:
+                context.perform_substitution(ExecutableInPackage(executable, package))
+            except SubstitutionFailure as error:  # a node that is not there is in the plan as well
+                locate(error, self.wsgen_location)
+                if not RECORD.ends_branch(error):
+                    raise
         process = super().prepare(context)
         words = process.command or ()  # a prefix and the arguments
         return replace(

@@ -78,6 +78,7 @@ class FindPackage(Substitution):
     def perform(self, context: LaunchContext) -> str:
         """The folder."""
         package = perform_substitutions(context, self.__package)
+        RECORD.visited = self.wsgen_location or RECORD.visited
         return package if RECORD.is_unknown(package) else self.find(package)
 
 

@@ -1,0 +1,203 @@
+"""The packages that a launch file looks up: where they are, and what is reported about them.
+
+A package that is released for ROS 2, or that package.xml declares, need not be installed: its share
+folder is one that does not exist, `known_packages.prefix()`, and what would be in it is unknown. A
+package that nobody knows is reported, and is then treated in the same way, so that one evaluation
+reports what is wrong with the rest and finds the robots.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from wsgen.diagnostics import Rule, Severity
+from wsgen.launch import known_packages
+from wsgen.launch.record import RECORD, caller, callers
+from wsgen.markup import read_text, without_comments
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from wsgen.launch.record import Location
+
+
+UNDECLARED_PACKAGE = Rule(
+    code="LCH045",
+    name="undeclared-package",
+    severity=Severity.WARNING,
+    summary="The launch file uses packages that `package.xml` does not declare.",
+    what="Compares the packages of which the launch files of a package look up a folder or a "
+    "program with the dependencies in `package.xml`.",
+    why="`rosdep install` does not install them, so that the launch fails on another machine.",
+    example="Node(package='slam_toolbox', executable='sync_slam_toolbox_node')",
+    instead="<!-- package.xml -->\n<exec_depend>slam_toolbox</exec_depend>",
+)
+NOT_HERE = Rule(
+    code="LCH046",
+    name="not-installed-here",
+    severity=Severity.INFO,
+    summary="The launch file includes launch files, or starts nodes, that this machine lacks.",
+    what="Looks for included launch files of packages that are not installed, unless "
+    "docs/launch.md lists their arguments, and for nodes that this machine could not compile.",
+    why="`ros2 launch` starts them where they are installed; here they are left out of the plan "
+    "and of the simulation.",
+    example="IncludeLaunchDescription([FindPackageShare('nav2_bringup'), "
+    "'/launch/navigation_launch.py'])",
+    instead="source /opt/ros/iron/setup.bash",
+)
+# A metapackage -> packages that depending on it brings.
+_METAPACKAGES = {
+    "gazebo_ros_pkgs": ("gazebo_ros", "gazebo_plugins"),
+    "ros_gz": ("ros_gz_sim", "ros_gz_bridge", "ros_gz_image"),
+    "ros_ign": ("ros_ign_gazebo", "ros_ign_bridge"),
+    "navigation2": ("nav2_amcl", "nav2_bt_navigator", "nav2_map_server", "nav2_planner"),
+}
+_DEPENDENCY = re.compile(r"<(\w*depend)\b[^>]*>\s*([\w.-]+)\s*</")
+_FOR_BUILD = ("depend", "build_depend")
+_MOST_NAMED = 12  # packages in a message
+
+
+def find_prefix(package: str, prefix: str | None) -> str | None:
+    """The prefix of a package that is looked up, or where ROS would have it.
+
+    `prefix` is the one that has the package, None where it is not installed. None comes back for a
+    package that nobody knows if the launch file, or a library, handles that itself.
+    """
+    location = caller() or RECORD.visited
+    is_of_user = not is_of_library(location)
+    if is_of_user:
+        RECORD.lookups.setdefault(package, location)
+    if prefix is not None:
+        return prefix
+    if not known_packages.is_known(package):
+        if known_packages.is_released(package) or declares(RECORD.launch_files[:1], package):
+            RECORD.note_unresolved(package, "the package is not installed", location)
+        elif not is_of_user or any(_is_handled(*place) for place in callers()):
+            return None
+        else:
+            _report_unknown(package, location)
+        known_packages.declare(package)
+    return known_packages.prefix()
+
+
+def is_of_library(location: Location | None) -> bool:
+    """Whether a library looks for something that it can do without."""
+    return location is not None and location[0].startswith((sys.prefix, sys.base_prefix))
+
+
+def _is_handled(file: str, line: int) -> bool:
+    """Whether the line of a launch file is in a `try` with handlers."""
+    from wsgen.launch.explain_missing import nodes_of
+
+    return any(
+        isinstance(node, ast.Try)
+        and node.handlers
+        and node.lineno <= line <= (node.body[-1].end_lineno or line)
+        for node in nodes_of(file)
+    )
+
+
+def _report_unknown(package: str, location: Location | None) -> None:
+    from wsgen.launch.explain import diagnose
+    from wsgen.launch.explain_missing import missing_package
+
+    RECORD.report(diagnose(missing_package(package), location))
+
+
+def manifest_of(file: str | Path) -> Path | None:
+    """The nearest package.xml above a file, installed or in the source."""
+    return next(
+        (
+            folder / "package.xml"
+            for folder in Path(file).absolute().parents
+            if (folder / "package.xml").is_file()
+        ),
+        None,
+    )
+
+
+def _dependencies(manifest: Path) -> list[tuple[str, str]]:
+    """The dependencies in a package.xml: element and package."""
+    return _DEPENDENCY.findall(without_comments(read_text(manifest) or ""))
+
+
+def declares(files: Iterable[str], package: str) -> bool:
+    """Whether the package that one of the files lies in says that it needs another one."""
+    manifests = filter(None, map(manifest_of, files))
+    return any(package == name for one in manifests for _, name in _dependencies(one))
+
+
+def is_not_compiled(folder: str, package: str) -> bool:
+    """Whether the programs of an installed package cannot have been compiled on this machine.
+
+    `folder` is where they would be: a package that depends on a library of ROS which is not
+    installed is built without what needs it.
+    """
+    from ament_index_python.packages import get_packages_with_prefixes
+
+    installed = get_packages_with_prefixes()
+    manifest = Path(folder).parents[1] / "share" / package / "package.xml"
+    return any(
+        element in _FOR_BUILD and name not in installed and known_packages.is_released(name)
+        for element, name in _dependencies(manifest)
+    )
+
+
+def report(launch_file: str) -> None:
+    """Report the packages that are not declared, and what is left out of the plan."""
+    manifest = manifest_of(launch_file)
+    if manifest is not None:
+        _report_undeclared(manifest)
+    reported = {one.element for one in RECORD.diagnostics}
+    left_out = [entry for entry in RECORD.left_out if entry[1] not in reported]
+    if left_out:
+        names = [
+            f"{name} of {package}" + (f" (line {location[1]})" if location else "")
+            for name, package, location in left_out
+        ]
+        file, line = left_out[0][2] or (launch_file, None)
+        RECORD.report(
+            NOT_HERE.at(
+                Path(file),
+                line,
+                message=f"Not on this machine, and left out: {_some(list(dict.fromkeys(names)))}.",
+                hint="Build them in this workspace, or source an installation of ROS that has "
+                "them, if the robot needs them.",
+            )
+        )
+
+
+def _report_undeclared(manifest: Path) -> None:
+    declared = {name for _, name in _dependencies(manifest)}
+    for metapackage in _METAPACKAGES.keys() & declared:
+        declared.update(_METAPACKAGES[metapackage])
+    undeclared = {
+        package: location
+        for package, location in sorted(RECORD.lookups.items())
+        if package not in declared | {RECORD.package, manifest.parent.name}
+        and location is not None
+        and manifest_of(location[0]) == manifest
+        and not any(one.element == package for one in RECORD.diagnostics)
+    }
+    if not undeclared:
+        return
+    lines = [f"<exec_depend>{package}</exec_depend>" for package in undeclared]
+    file, line = min(undeclared.values())
+    RECORD.report(
+        UNDECLARED_PACKAGE.at(
+            Path(file),
+            line,
+            message=f"package.xml does not declare {_some(list(undeclared))}, which the launch "
+            f"file{'s use' if len(RECORD.launch_files) > 1 else ' uses'}.",
+            hint=f"Add to package.xml: {' '.join(lines)}",
+        )
+    )
+
+
+def _some(names: list[str]) -> str:
+    more = len(names) - _MOST_NAMED
+    return ", ".join(names[:_MOST_NAMED]) + (f" and {more} more" if more > 0 else "")

@@ -1,0 +1,167 @@
+"""What a launch file needs and this machine lacks ends one branch, and nothing else."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+if TYPE_CHECKING:
+    from install_space import InstallSpace
+    from wsgen.model.plan import LaunchPlan
+
+
+MANIFEST = "<package><name>my_robot</name>{}</package>"
+READ = "OpaqueFunction(function=lambda _: open(get_package_share_directory('{}') + '/a'))"
+INCLUDE = "IncludeLaunchDescription([FindPackageShare('{}'), '/launch/a.launch.py'])"
+KNOWN = "ExecuteProcess(cmd=['known'])"
+
+
+def codes(plan: LaunchPlan) -> list[str]:
+    return [found.code for found in plan.diagnostics]
+
+
+def assert_goes_on(plan: LaunchPlan, *expected: str) -> None:
+    assert codes(plan) == [*expected], plan.diagnostics
+    assert plan.is_complete
+    assert plan.processes[-1].command == ("known",)
+
+
+def test_released_packages_need_not_be_installed(space: InstallSpace) -> None:
+    plan = space.play(
+        "Node(package='rplidar_ros', executable='rplidar_node', parameters=["
+        "os.path.join(share, 'config', 'a.yaml')]), "
+        f"{INCLUDE.format('realsense2_camera')}, {KNOWN}",
+        before="share = get_package_share_directory('rplidar_ros')",
+    )
+    assert_goes_on(plan, "LCH046")
+    assert "a.launch.py of realsense2_camera (line " in plan.diagnostics[0].message
+    assert [process.executable for process in plan.processes] == ["rplidar_node", None]
+    assert [include.evaluated for include in plan.includes] == [False]
+
+
+def test_undeclared_packages_are_one_warning(space: InstallSpace) -> None:
+    space.add(
+        "other",
+        {
+            "launch/a.launch.py": "from launch import LaunchDescription\n"
+            "from launch_ros.actions import Node\n"
+            "def generate_launch_description():\n    return LaunchDescription("
+            "[Node(package='foxglove_bridge', executable='x')])\n"
+        },
+    )
+    space.add(
+        "my_robot",
+        {
+            "package.xml": MANIFEST.format(
+                "<depend>gazebo_ros_pkgs</depend><!-- <exec_depend>rviz2</exec_depend> -->"
+            )
+        },
+    )
+    plan = space.play(
+        "Node(package='rviz2', executable='rviz2'), Node(package='rplidar_ros', executable='x'), "
+        "Node(package='gazebo_ros', executable='spawn_entity.py'), "
+        f"{INCLUDE.format('other')}, {KNOWN}",
+        before="get_package_share_directory('my_robot')",
+    )
+    assert_goes_on(plan, "LCH045")
+    hint = plan.diagnostics[0].hint or ""
+    lines = "".join(
+        f" <exec_depend>{name}</exec_depend>" for name in ("other", "rplidar_ros", "rviz2")
+    )
+    assert hint.endswith(f"package.xml:{lines}")
+
+
+@pytest.mark.parametrize(
+    "entity",
+    [
+        "Node(package='slam_tolbox', executable='x')",
+        INCLUDE.format("slam_tolbox"),
+        "Node(package='rviz2', executable='rviz2', arguments=[FindPackageShare('slam_tolbox')])",
+        READ.format("slam_tolbox"),
+    ],
+)
+def test_a_package_that_nobody_knows_is_reported_once(space: InstallSpace, entity: str) -> None:
+    plan = space.play(f"\n{entity}, {INCLUDE.format('slam_tolbox')}, {KNOWN}")
+    assert_goes_on(plan, "LCH007")
+    assert "`slam_toolbox`" in (plan.diagnostics[0].hint or "")
+    assert plan.diagnostics[0].element == "slam_tolbox"
+
+
+def test_a_package_that_the_launch_file_can_do_without(space: InstallSpace) -> None:
+    before = """
+        try:
+            share = get_package_share_directory('no_such_robot')
+        except PackageNotFoundError:
+            share = None
+        """
+    assert_goes_on(space.play(f"ExecuteProcess(cmd=[str(share)]), {KNOWN}", before=before))
+
+
+@pytest.mark.parametrize(
+    ("entity", "code"),
+    [
+        (INCLUDE.format("other"), "LCH017"),
+        (INCLUDE.format("asking"), "LCH011"),
+        (INCLUDE.format("importing"), "LCH002"),
+        ("IncludeLaunchDescription([FindPackageShare('other'), '/launch/no.launch.py'])", "LCH005"),
+        ("OpaqueFunction(function=lambda _: os.environ['NOT_SET'])", "LCH020"),
+        ("SetEnvironmentVariable('X', EnvironmentVariable('NOT_SET'))", "LCH020"),
+        ("OpaqueFunction(function=lambda _: open(str(rclpy.file)))", "LCH024"),
+        (READ.format("rplidar_ros"), "LCH007"),
+    ],
+)
+def test_what_ends_one_branch(space: InstallSpace, entity: str, code: str) -> None:
+    space.add("other", {"launch/a.launch.py": "from launch.actions import NoSuchAction\n"})
+    space.add("asking", {"launch/a.launch.py": "input('which? ')\n"})
+    space.add("importing", {"launch/a.launch.py": "import no_such_module\n"})
+    plan = space.play(f"{entity}, {KNOWN}", before="import rclpy")
+    assert_goes_on(plan, code)
+
+
+def test_what_waits_for_a_node_that_is_left_out(space: InstallSpace) -> None:
+    plan = space.play(
+        f"node, RegisterEventHandler(OnProcessExit(target_action=node, on_exit=[{KNOWN}]))",
+        before="node = ExecuteProcess(cmd=[EnvironmentVariable('NOT_SET')])",
+    )
+    assert_goes_on(plan, "LCH020")
+
+
+def test_an_argument_whose_default_is_not_there(space: InstallSpace) -> None:
+    plan = space.play(
+        "DeclareLaunchArgument('a', default_value=EnvironmentVariable('NOT_SET')), "
+        f"SetLaunchConfiguration('b', EnvironmentVariable('NOT_SET')), "
+        f"ExecuteProcess(cmd=[LaunchConfiguration('a'), LaunchConfiguration('b')]), {KNOWN}"
+    )
+    assert_goes_on(plan, "LCH020")
+    assert plan.processes[0].command == ("$(var a)", "$(var b)")
+
+
+def test_a_mistake_ends_the_launch(space: InstallSpace) -> None:
+    plan = space.play(f"LogInfo(msg=LaunchConfiguration('no')), {KNOWN}")
+    assert codes(plan) == ["LCH009"]
+    assert not plan.is_complete
+
+
+@pytest.mark.parametrize("declared", ["rclcpp", "no_such_library"])
+def test_a_program_that_is_not_compiled_here(space: InstallSpace, declared: str) -> None:
+    manifest = MANIFEST.format(f"<depend>{declared}</depend>")
+    space.add("my_robot", {"package.xml": manifest})
+    space.add_program("my_robot", "talker.py")
+    plan = space.play(
+        "Node(package='my_robot', executable='driver'), "
+        f"Node(package='my_robot', executable='talkerr.py'), {KNOWN}"
+    )
+    found = codes(plan)
+    assert found == (["LCH021", "LCH046"] if declared == "rclcpp" else ["LCH021", "LCH021"])
+    if declared == "rclcpp":
+        assert "driver of my_robot (line " in plan.diagnostics[-1].message
+    assert [process.executable for process in plan.processes] == ["driver", "talkerr.py", None]
+
+
+def test_modules_of_released_packages_are_unknown(space: InstallSpace) -> None:
+    plan = space.play(
+        f"ExecuteProcess(cmd=[str(cv_bridge.CvBridge())]), {KNOWN}", before="import cv_bridge"
+    )
+    assert_goes_on(plan)
+    assert plan.processes[0].command == ("$(cv_bridge.CvBridge())",)
