@@ -9,6 +9,8 @@ import click
 from wsgen.cli.completion import complete_launch_words
 from wsgen.cli.options import (
     ExampleCommand,
+    answer_option,
+    chosen_answers,
     chosen_engines,
     engine_option,
     format_option,
@@ -20,7 +22,7 @@ from wsgen.cli.options import (
 from wsgen.errors import EXIT_FAILED, EXIT_PASSED, RequestError
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from wsgen.model.plan import LaunchPlan
     from wsgen.pipeline.plan_launch import SelectedLaunchFile
@@ -52,6 +54,7 @@ if TYPE_CHECKING:
     is_flag=True,
     help="Show the arguments of the launch file.",
 )
+@answer_option
 @click.option(
     "--play",
     is_flag=True,
@@ -73,6 +76,7 @@ def command(
     *,
     workspace: str | None,
     show_arguments: bool,
+    answers: tuple[str, ...],
     play: bool,
     record: str | None,
     picture: str | None,
@@ -103,7 +107,7 @@ def command(
     if play:
         return _play(
             selected,
-            _request(arguments, record, picture, seconds, engine),
+            _request(arguments, answers, record, picture, seconds, engine),
             output_format=output_format,
             quiet=quiet,
             verbose=verbose,
@@ -114,13 +118,20 @@ def command(
             "Without --play nothing is simulated.", hint="Add --play, or remove the option."
         )
     with listening(quiet=quiet, verbose=verbose) as listener:
-        plan = plan_launch(selected, arguments, only_arguments=show_arguments, listener=listener)
+        plan = plan_launch(
+            selected,
+            arguments,
+            answers=chosen_answers(answers),
+            only_arguments=show_arguments,
+            listener=listener,
+        )
     _write(plan, output_format=output_format, show_arguments=show_arguments, quiet=quiet)
     return EXIT_FAILED if has_errors(plan.diagnostics) else EXIT_PASSED
 
 
-def _request(
+def _request(  # noqa: PLR0917  the options
     arguments: Mapping[str, str],
+    answers: Sequence[str],
     record: str | None,
     picture: str | None,
     seconds: float,
@@ -132,6 +143,7 @@ def _request(
 
     return ValidateRequest(
         launch_arguments=arguments,
+        answers=chosen_answers(answers),
         seconds=seconds,
         engines=chosen_engines(engine),
         picture_folder=Path(picture) if picture else None,

@@ -60,6 +60,15 @@ sim_option = click.option(
     help="Target simulator: Gazebo Classic or Gazebo Sim.  [default: classic on iron, else gz]",
 )
 
+answer_option = click.option(
+    "--answer",
+    "answers",
+    multiple=True,
+    metavar="TEXT",
+    help="Answer to a question of the launch file; can be repeated.  "
+    "[default: lines of standard input, unless that is a terminal]",
+)
+
 seconds_option = click.option(
     "--seconds",
     type=click.FloatRange(min=0.1, max=600.0),
@@ -91,6 +100,24 @@ def chosen_target(ctx: click.Context, distro: str, sim: str | None) -> Target:
 
     source = ctx.get_parameter_source("distro")
     return choose_target(distro, sim, is_from_environment=source is ParameterSource.ENVIRONMENT)
+
+
+def chosen_answers(given: Sequence[str]) -> Callable[[], Sequence[str]]:
+    """What gives the answers of `answer_option`; standard input is read where they are needed."""
+    if given:
+        return lambda: given
+    import sys
+    from threading import Lock
+
+    lock, lines = Lock(), list[str]()
+
+    def read() -> Sequence[str]:
+        with lock:  # launch files are evaluated in parallel, and each gets all lines
+            if not lines and sys.stdin is not None and not sys.stdin.isatty():
+                lines.extend(sys.stdin.read().splitlines())
+        return lines
+
+    return read
 
 
 def chosen_engines(engine: str | None) -> tuple[str, ...]:

@@ -9,6 +9,8 @@ import click
 from wsgen.cli.completion import complete_launch_files, complete_packages_and_files
 from wsgen.cli.options import (
     ExampleCommand,
+    answer_option,
+    chosen_answers,
     chosen_engines,
     engine_option,
     format_option,
@@ -20,7 +22,7 @@ from wsgen.cli.options import (
 from wsgen.errors import EXIT_FAILED, EXIT_PASSED, NotFoundError, RequestError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
     from pathlib import Path
 
     from wsgen.model.outcome import Outcome, PackageOutcome
@@ -57,6 +59,7 @@ MOST_SEARCHED = 100  # folders, for packages and files to suggest
     metavar="NAME:=VALUE",
     help="Launch argument, or argument of a xacro FILE; can be repeated.",
 )
+@answer_option
 @seconds_option
 @engine_option
 @click.option(
@@ -80,6 +83,7 @@ def command(
     workspace: str | None,
     launch_file: str | None,
     arguments: tuple[str, ...],
+    answers: tuple[str, ...],
     seconds: float,
     engine: str | None,
     jobs: int,
@@ -121,6 +125,7 @@ def command(
         files=[Path(name) for name in names if name.lower().endswith(FILE_SUFFIXES)],
         launch_file=launch_file,
         launch_arguments=split_launch_arguments(arguments),
+        answers=chosen_answers(answers),
         seconds=seconds,
         engines=chosen_engines(engine),
         jobs=jobs,
@@ -133,6 +138,7 @@ def command(
         verbose=verbose,
         output_format=output_format,
         json_file=json_file,
+        answers=answers,
     )
 
 
@@ -162,8 +168,9 @@ def validate_packages(
     verbose: bool,
     output_format: str = "text",
     json_file: str | None = None,
+    answers: Sequence[str] = (),
 ) -> int:
-    """Validate, print the outcome, and return the exit code."""
+    """Validate, print the outcome, and return the exit code; `answers` are those of the options."""
     import os
     from functools import partial
 
@@ -198,13 +205,16 @@ def validate_packages(
         raise
     write(outcome)
     if outcome.passed and output_format == "text" and not quiet:
-        for line in _next_steps(outcome, request, place):
+        for line in _next_steps(outcome, request, place, answers):
             click.echo(line, err=True)
     return EXIT_PASSED if outcome.passed else EXIT_FAILED
 
 
 def _next_steps(
-    outcome: Outcome, request: ValidateRequest, workspace: Workspace | None
+    outcome: Outcome,
+    request: ValidateRequest,
+    workspace: Workspace | None,
+    answers: Sequence[str],
 ) -> Iterator[str]:
     """What to do next with a robot that stands; for the first one, if there are several."""
     import shlex
@@ -219,6 +229,8 @@ def _next_steps(
             words += ["--launch", request.launch_file]
         for argument in arguments:
             words += ["--arg", argument]
+        for answer in answers:
+            words += ["--answer", answer]
         words += _simulation_options(request)
         yield f"{label} {shlex.join(['wsgen', 'validate', *words, '--picture', '.'])}"
         label = "     "

@@ -13,7 +13,7 @@ from wsgen.model.plan import LaunchPlan, LaunchRequest
 from wsgen.source_shares import name_sources
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
@@ -50,6 +50,7 @@ def evaluate(  # noqa: PLR0913  all but two have defaults
     package: str | None,
     arguments: Mapping[str, str],
     environment: Mapping[str, str],
+    answers: Callable[[], Sequence[str]] = tuple,
     only_arguments: bool = False,
     limits: Limits = LIMITS,
     task: str = TASK,
@@ -60,7 +61,8 @@ def evaluate(  # noqa: PLR0913  all but two have defaults
     A launch file is a program, and evaluating it runs it: in a child process, with these limits,
     and nothing it describes is started. `environment` is that of the sourced workspace. With
     `only_arguments` it is loaded and not played, and the plan holds the arguments that it and
-    what it includes declare, their defaults in the words of `ros2 launch --show-args`. `task`
+    what it includes declare, their defaults in the words of `ros2 launch --show-args`. `answers` is
+    called only if the launch file asks for input; it is then evaluated again, with them. `task`
     names the function that the child calls, and `run` starts it. Mistakes in the launch file, or
     in what it includes, are diagnostics of the plan; nothing is raised for them.
     """
@@ -70,21 +72,22 @@ def evaluate(  # noqa: PLR0913  all but two have defaults
         arguments=dict(arguments),
         only_arguments=only_arguments,
     )
-    outcome = run(
-        task,
-        request,
-        limits=limits,
-        environment=_complete(environment),
-    )
-    if isinstance(outcome, Died):
-        return LaunchPlan(
-            package=package,
-            launch_file=launch_file,
-            diagnostics=(_death(outcome, launch_file),),
-            is_complete=False,
-        )
-    answer = name_sources(outcome.value, environment)
-    return replace(decode(answer, LaunchPlan), launch_file=launch_file)
+
+    def play(request: LaunchRequest) -> LaunchPlan:
+        outcome = run(task, request, limits=limits, environment=_complete(environment))
+        if isinstance(outcome, Died):
+            return LaunchPlan(
+                package=package,
+                launch_file=launch_file,
+                diagnostics=(_death(outcome, launch_file),),
+                is_complete=False,
+            )
+        answer = name_sources(outcome.value, environment)
+        return replace(decode(answer, LaunchPlan), launch_file=launch_file)
+
+    plan = play(request)
+    given = tuple(answers()) if plan.unanswered else ()
+    return play(replace(request, answers=given)) if given else plan
 
 
 def _complete(environment: Mapping[str, str]) -> dict[str, str]:

@@ -325,10 +325,13 @@ def _variable_not_set(name: str, with_default: str) -> Explanation:
 
 def _program_end(error: BaseException) -> Explanation | None:
     if isinstance(error, EOFError):
+        prompt = " ".join((RECORD.prompt or "").split())
+        asked = f"`{prompt[-LONGEST:]}`" if prompt else "for keyboard input"
         return Explanation(
             INTERACTIVE_INPUT,
-            "The launch file asks for keyboard input, which a launch does not have.",
-            "Declare a launch argument instead: DeclareLaunchArgument(NAME, default_value=...).",
+            f"The launch file asks {asked}, and gets no answer.",
+            "Give the answers with --answer TEXT, once for each question, or on standard input. A "
+            "launch argument asks nobody: DeclareLaunchArgument(NAME, default_value=...).",
         )
     if isinstance(error, ForkError):
         return Explanation(

@@ -97,6 +97,8 @@ class Record:
         self.argument_use = ArgumentUse()
         self.unused_xacro_arguments: list[tuple[Mapping[str, str], Location | None]] = []
         self.visited: Location | None = None  # the line of the entity that is visited
+        self.prompt: str | None = None  # of what the launch file asked last
+        self.unanswered = False  # it asks more than there are answers
         self.lookups: dict[str, Location | None] = {}  # packages that the user's files look up
         # Launch files and nodes that are not on this machine: name, package, who asks for them.
         self.left_out: list[tuple[str, str, Location | None]] = []

@@ -9,12 +9,16 @@ stays an ImportError.
 
 from __future__ import annotations
 
+import builtins
+import io
 import os
 import sys
 from importlib.machinery import ModuleSpec
+from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
+from wsgen.isolation.child import scratch_folder
 from wsgen.launch import known_packages, package_lookup
 from wsgen.launch.record import RECORD, ForkError, caller
 from wsgen.model.plan import LaunchArgument, LaunchPlan
@@ -49,6 +53,7 @@ def evaluate(
     RECORD.package = request.package
     RECORD.run_xacro = run_xacro
     _install()
+    _take_answers(request.answers)
     RECORD.environment = dict(os.environ)
     RECORD.ends_branch = lambda error: _ends_branch(error, launch_file, explain_xacro)
     is_complete = False
@@ -79,6 +84,7 @@ def evaluate(
         environment=RECORD.changed_environment(),
         unresolved=tuple(RECORD.unresolved),
         diagnostics=tuple(RECORD.diagnostics),
+        unanswered=RECORD.unanswered,
         is_complete=is_complete,
     )
 
@@ -98,6 +104,33 @@ def _install() -> None:
     from ament_index_python import packages
 
     packages.find_prefix = package_lookup.find_prefix
+
+
+class _Answers(io.StringIO):
+    """Standard input: a line for each answer."""
+
+    def readline(self, size: int | None = -1, /) -> str:  # type: ignore[override]  # of typeshed
+        """The next answer; notes that none is left."""
+        line = super().readline(-1 if size is None else size)
+        RECORD.unanswered |= not line
+        return line
+
+
+def _take_answers(answers: Sequence[str]) -> None:
+    """Let the launch file read the answers, and remember what it prints before it asks."""
+    sys.stdin = _Answers("".join(f"{answer}\n" for answer in answers))
+    ask, folder = builtins.input, scratch_folder()
+    printed = 0
+
+    def remember(prompt: object = "", /) -> str:
+        nonlocal printed
+        print(prompt, end="", flush=True)
+        output = Path(folder, "output").read_bytes() if folder else b""
+        RECORD.prompt = output[printed:].decode(errors="replace")
+        printed = len(output)
+        return ask()
+
+    builtins.input = remember
 
 
 def _ends_branch(error: Exception, launch_file: str, explain_xacro: Explainer) -> bool:

@@ -18,6 +18,7 @@ class LaunchRequest:
     launch_file: Path  # absolute
     package: str | None  # the one whose launch file it is, if that is known
     arguments: Mapping[str, str]
+    answers: tuple[str, ...] = ()  # to what the launch file asks on standard input, in order
     only_arguments: bool = False  # ask for the declared arguments, as --show-args does
 
 
@@ -90,6 +91,7 @@ class LaunchPlan:
     environment: Mapping[str, str] = field(default_factory=dict)  # what the launch file sets
     unresolved: tuple[Unresolved, ...] = ()
     diagnostics: tuple[Diagnostic, ...] = ()
+    unanswered: bool = False  # the launch file asks more than there are answers
     is_complete: bool = True  # False: an error ended the evaluation
     seconds_in_xacro: float = 0.0  # wall-clock, a part of the time that the evaluation took
 

@@ -305,6 +305,7 @@ class Validation:
                 package=self.package if self.selected.share else None,
                 arguments=self.request.launch_arguments,
                 environment=self.overlay.environment,
+                answers=self.request.answers,
                 run=self.run_task,
             )
             simulator, no_simulator = find_simulator(plan)

@@ -24,7 +24,7 @@ from wsgen.workspace.layout import (
 from wsgen.workspace.overlay import Overlay, open_overlay, require_share
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from wsgen.events import Listener
     from wsgen.model.plan import LaunchPlan
@@ -68,10 +68,14 @@ def plan_launch(
     selected: SelectedLaunchFile,
     arguments: Mapping[str, str],
     *,
+    answers: Callable[[], Sequence[str]] = tuple,
     only_arguments: bool = False,
     listener: Listener | None = None,
 ) -> LaunchPlan:
-    """Evaluate the launch file; its diagnostics name source files where they are known."""
+    """Evaluate the launch file; its diagnostics name source files where they are known.
+
+    `answers` gives what to answer to what the launch file asks on standard input.
+    """
     file, package = selected.file, selected.package
     with Clock(package or file.stem, listener).step("launch", file.name) as step:
         plan = evaluate(
@@ -79,6 +83,7 @@ def plan_launch(
             package=package,
             arguments=arguments,
             environment=selected.overlay.environment,
+            answers=answers,
             only_arguments=only_arguments,
         )
         step.succeeded = not has_errors(plan.diagnostics)

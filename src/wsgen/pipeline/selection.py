@@ -17,7 +17,7 @@ from wsgen.workspace.layout import find_launch_files, find_packages, read_packag
 from wsgen.workspace.overlay import require_share
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from wsgen.build.cmake_text import Call
     from wsgen.diagnostics import Diagnostic
@@ -315,6 +315,8 @@ class ValidateRequest:
     files: Sequence[Path] = ()  # neither: every package of the workspace that can be launched
     launch_file: str | None = None  # a file name as `ros2 launch` takes it
     launch_arguments: Mapping[str, str] = field(default_factory=dict)
+    # What to answer to launch files that ask on standard input; called where one does.
+    answers: Callable[[], Sequence[str]] = tuple
     seconds: float = 3.0  # of simulated time
     engines: Sequence[str] = ("bullet",)  # the first one's figures are reported
     jobs: int = 1  # number of packages or files to process in parallel
