@@ -239,8 +239,8 @@ IMPOSSIBLE_INERTIA = Rule(
     name="impossible-inertia",
     severity=Severity.ERROR,
     severity_varies=(
-        "a warning in a URDF where Gazebo loads the robot all the same: the link is lumped "
-        "into another one, or its inertia is zero"
+        "a warning where Gazebo loads the robot all the same: in Gazebo Classic, or where the "
+        "link of a URDF is lumped into another one, or its inertia is zero"
     ),
     summary="No body can have the inertia of a link.",
     what=(
@@ -248,7 +248,7 @@ IMPOSSIBLE_INERTIA = Rule(
         "other two."
     ),
     why=(
-        "Gazebo refuses the robot, and physics engines let it spin or explode. Of links that "
+        "Gazebo Sim refuses the robot, and physics engines let it spin or explode. Of links that "
         "are fixed together, only the sum matters."
     ),
     example='<inertia ixx="1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/>',

@@ -8,6 +8,7 @@ from wsgen.model.inertia import (
     Six,
     about_link_axes,
     is_possible,
+    made_possible,
     moved,
     of_solid,
     principal_moments,
@@ -61,3 +62,24 @@ def test_a_thin_plate_stays_possible_when_it_is_turned() -> None:
 
 def test_moved() -> None:
     assert moved((1, 0, 0, 1, 0, 1), 2.0, (1, 2, 3)) == (27, -4, -6, 21, -12, 11)
+
+
+@pytest.mark.parametrize(
+    "six",
+    [
+        (0.1, 0.0, 0.0, 0.1, 0.0, 0.3),
+        (1.0, 0.9, 0.1, 1.0, -0.3, 0.2),
+        (-1.0, 0.0, 0.0, 1.0, 0.0, 1.0),
+    ],
+)
+def test_an_impossible_inertia_is_made_possible(six: Six) -> None:
+    assert not is_possible(six)
+    made = made_possible(six)
+    assert is_possible(made)
+    added = [one - other for one, other in zip(made, six, strict=True)]
+    assert added == pytest.approx([added[0], 0.0, 0.0, added[0], 0.0, added[0]])
+    assert added[0] < 3.1
+
+
+def test_a_possible_inertia_stays_as_it_is() -> None:
+    assert made_possible((0.1, 0.0, 0.0, 0.1, 0.0, 0.2)) == (0.1, 0.0, 0.0, 0.1, 0.0, 0.2)

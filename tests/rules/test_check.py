@@ -93,6 +93,13 @@ def test_out_of_the_ground_is_not_into_the_air() -> None:
     assert codes(replace(robot_run, highest_point=1.5)) == ["SPN053", "SPN057"]
 
 
+def test_out_of_another_body_is_not_into_the_air() -> None:
+    deep = replace(IN_ANOTHER, depth=0.6)
+    robot_run = replace(STANDS, overlaps=(deep,), highest_point=0.9, energy_gain=6.0)
+    assert codes(robot_run) == ["SPN063"]
+    assert codes(replace(robot_run, highest_point=1.5)) == ["SPN063", "SPN057"]
+
+
 def test_energy_is_measured_in_the_gravity_of_the_world() -> None:
     robot_run = replace(STANDS, energy_gain=1.5)
     assert codes(robot_run) == ["SPN061"]
@@ -103,6 +110,7 @@ def test_a_robot_that_is_fixed_to_the_world_stands_by_that() -> None:
     fixed = replace(ARM, fixed_to_world=True)
     robot_run = replace(HANGS, lowest_point=2.0, lowest_point_at_end=-0.01, tilt=1.0)
     assert codes(robot_run, robot=fixed) == []
+    assert codes(replace(robot_run, penetration=0.3), robot=fixed) == []
     swings = replace(GAVE_WAY, settled_after=None, lowest_point_at_end=-9.0, highest_point=9.0)
     assert codes(swings, robot=fixed) == ["SPN060"]
     assert codes(replace(swings, energy_gain=99.0), robot=fixed) == ["SPN061"]

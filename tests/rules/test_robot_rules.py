@@ -93,10 +93,11 @@ def test_plausible_or_unknown(one: Link) -> None:
 
 def test_massless_root() -> None:
     (found,) = massless_root(Link(name="dummy"), [JOINT], 1.0, FILE)
-    assert (found.code, found.severity) == ("ROB051", Severity.WARNING)
+    assert (found.code, found.severity) == ("ROB051", Severity.INFO)
     assert "`dummy`" in found.message
     assert "`base`" in found.message
-    assert "Keep `dummy` if it is there for robot_state_publisher" in (found.hint or "")
+    assert "Keep `dummy`: Nav2" in (found.hint or "")
+    assert "emove" not in (found.hint or "")
 
 
 def test_roots_that_are_fine() -> None:

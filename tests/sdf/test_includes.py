@@ -333,3 +333,34 @@ def test_a_misspelled_ground_is_the_one_error_of_a_world_without_ground(read: Re
     assert "no ground; the simulation uses `model://ground_plane`" in found.message
     assert file.world is not None
     assert file.world.has_ground_plane  # so that what is spawned is not said to fall as well
+
+
+BOWL = """<model name="bowl"><link name="l"><inertial><mass>0.1</mass></inertial>
+<collision name="c"><geometry><mesh><uri>model://bowl/meshes/bowl.dae</uri></mesh></geometry></collision>
+</link></model>"""
+
+
+def test_models_of_gazebos_database_are_one_line(read: Read) -> None:
+    include = "<include><uri>model://{}</uri></include>"
+    part = f'<model name="m">{include.format("table")}</model>'
+    content = include.format("cafe_table") + include.format("coke_can") + part + BOWL
+    file = read(f'<world name="w">{content}</world>')
+    (found,) = file.diagnostics
+    assert (found.code, found.severity) == ("WLD062", Severity.INFO)
+    assert "cafe_table, coke_can, table, bowl." in found.message
+    # Nothing falls, and what only Gazebo has may be the ground.
+    assert [model.name for model in file.models if model.robot is not None] == []
+    assert file.world is not None
+    assert file.world.has_ground_plane
+
+
+def test_a_model_that_is_found_is_not_left_to_gazebo(read: Read, models: Path) -> None:
+    (models / "bowl").mkdir()
+    file = read(f'<world name="w">{BOWL}</world>')
+    assert "ROB060" in {found.code for found in file.diagnostics}
+
+
+def test_a_model_whose_include_is_left_out_has_no_missing_link(read: Read) -> None:
+    include = "<include><uri>model://nosuch</uri></include>"
+    file = read(f'<world name="w"><model name="m">{include}</model></world>')
+    assert [found.code for found in file.diagnostics] == ["WLD004", "WLD006"]

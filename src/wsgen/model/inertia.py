@@ -70,6 +70,23 @@ def principal_moments(six: Six) -> Vector:
     return (low, middle, high)
 
 
+LEAST_MOMENT = 1e-6  # of the largest one
+
+
+def made_possible(six: Six) -> Six:
+    """The inertia itself, or what some body has, with the same principal axes.
+
+    All three moments are raised by the same amount, the smallest that is enough.
+    """
+    if is_possible(six):
+        return six
+    low, middle, high = principal_moments(six)
+    least = LEAST_MOMENT * max(abs(low), abs(high))
+    more = max(high - middle - low, -low) + least
+    xx, xy, xz, yy, yz, zz = six
+    return (xx + more, xy, xz, yy + more, yz, zz + more)
+
+
 def _rotate_away(matrix: list[list[float]], row: int, column: int) -> None:
     """Turn the matrix about the third axis so that one element off the diagonal becomes zero."""
     off = matrix[row][column]

@@ -17,6 +17,7 @@ from wsgen.pipeline.clock import DRAW, Clock
 from wsgen.pipeline.prepare import (
     PrepareContext,
     PreparedRobot,
+    for_simulator,
     name_some,
     prepare_models,
     prepare_robot,
@@ -50,6 +51,7 @@ if TYPE_CHECKING:
     from wsgen.model.world import Simulator, Spawn, World
     from wsgen.pipeline.behavior_plan import BehaviorPlan
     from wsgen.pipeline.selection import SelectedPackage, ValidateRequest
+    from wsgen.sdf.models import SdfFile
     from wsgen.workspace.overlay import Overlay
     from wsgen.workspace.settings import Settings
 
@@ -341,7 +343,7 @@ class Validation:
                 step.succeeded = not has_errors([missing])
                 self.diagnostics.append(missing)
                 return DEFAULT_WORLD if file is None else None, []
-            found = read_file(file, context, environment)
+            found = self._for_simulator(read_file(file, context, environment))
             static_models, more = prepare_models(found, context, is_static_model=True)
             step.succeeded = not has_errors((*found.diagnostics, *more))
         self.diagnostics += (*found.diagnostics, *more)
@@ -373,7 +375,7 @@ class Validation:
         self, spawn: Spawn, context: PrepareContext, environment: Mapping[str, str]
     ) -> PreparedRobot | None:
         if is_sdf(spawn.description):
-            found = read_spawned(spawn, context, environment)
+            found = self._for_simulator(read_spawned(spawn, context, environment))
             models, more = prepare_models(found, context)
             self.diagnostics += (*found.diagnostics, *more)
             return next(
@@ -394,6 +396,10 @@ class Validation:
         )
         self.diagnostics += diagnostics
         return replace(prepared, height=spawn.height) if prepared else None
+
+    def _for_simulator(self, found: SdfFile) -> SdfFile:
+        diagnostics = for_simulator(found.diagnostics, self.simulator_kind)
+        return found._replace(diagnostics=tuple(diagnostics))
 
     def _behavior_plan(self, prepared: list[PreparedRobot]) -> BehaviorPlan | None:
         """What the robots must do beyond standing; most packages load nothing for it."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from wsgen.description_rules import ONE_NAME_FOR_LINK_AND_JOINT
+from wsgen.description_rules import IMPOSSIBLE_INERTIA, ONE_NAME_FOR_LINK_AND_JOINT
 from wsgen.diagnostics import Rule, Severity, has_errors
 from wsgen.meshes.inspection import inspect_meshes
 from wsgen.meshes.lookup import find_meshes
@@ -17,9 +17,15 @@ from wsgen.meshes.shape_meshes import build_shapes
 from wsgen.model.robot import Robot
 from wsgen.model.transform import IDENTITY, Pose
 from wsgen.rules.check import check_robot
+from wsgen.sdf.includes import DATABASE_MODELS
 from wsgen.sdf.lookup import is_folder, model_finder, model_folders
 from wsgen.sdf.models import read_model, read_sdf
-from wsgen.urdf.lumping import DROPPED_BY_OLD_SDFORMAT, LUMPED_END_OF_SDF_JOINT, lump
+from wsgen.urdf.lumping import (
+    DROPPED_BY_OLD_SDFORMAT,
+    IMPOSSIBLE_SUM,
+    LUMPED_END_OF_SDF_JOINT,
+    lump,
+)
 from wsgen.urdf.reader import MISSPELLED, read_urdf
 from wsgen.urdf.unknown_elements import meant_element
 from wsgen.values import dataclass
@@ -37,7 +43,18 @@ if TYPE_CHECKING:
     from wsgen.sdf.models import SdfFile, SdfModel
 
 
-REFUSED_BY_GAZEBO_SIM = frozenset((ONE_NAME_FOR_LINK_AND_JOINT.code,))  # not by Gazebo Classic
+# How severe a diagnostic is where the simulator is known: Gazebo Classic simulates what Gazebo Sim
+# refuses, and downloads models.
+SEVERITIES: Mapping[str, Mapping[str, Severity]] = {
+    "gz": {
+        ONE_NAME_FOR_LINK_AND_JOINT.code: Severity.ERROR,
+        DATABASE_MODELS.code: Severity.WARNING,
+    },
+    "classic": {
+        IMPOSSIBLE_INERTIA.code: Severity.WARNING,
+        IMPOSSIBLE_SUM.code: Severity.WARNING,
+    },
+}
 # What only older versions of sdformat do.
 OLD_SDFORMAT = frozenset((LUMPED_END_OF_SDF_JOINT.code, DROPPED_BY_OLD_SDFORMAT.code))
 FORTRESS = frozenset(("humble", "iron"))  # distributions with a Gazebo Sim that may have such
@@ -95,7 +112,7 @@ def prepare_robot(  # noqa: PLR0913  most have defaults
         found, more = _at_the_misspelling(found, more)
         checked = check_robot(written, file, simulator=simulator)
         found = _first_of_each_inertial((*found, *more, *checked))
-        found = tuple(_for_simulator(found, simulator, distro))
+        found = tuple(for_simulator(found, simulator, distro))
         prepared = PreparedRobot(
             entity=entity or written.name,
             written=written,
@@ -139,14 +156,15 @@ def _is_in_inertial(element: str, link: str) -> bool:
     return tag != element and meant_element(tag, ("inertial",)) is not None
 
 
-def _for_simulator(
-    diagnostics: Iterable[Diagnostic], simulator: str | None, distro: str | None
+def for_simulator(
+    diagnostics: Iterable[Diagnostic], simulator: str | None, distro: str | None = None
 ) -> Iterator[Diagnostic]:
     """The diagnostics as they hold for a simulator: what it refuses is an error."""
+    severities = SEVERITIES.get(simulator or "", {})
     has_old_sdformat = simulator != "gz" or distro in {None, *FORTRESS}
     for found in diagnostics:
-        if simulator == "gz" and found.code in REFUSED_BY_GAZEBO_SIM:
-            yield replace(found, severity=Severity.ERROR)
+        if found.code in severities:
+            yield replace(found, severity=severities[found.code])
         elif has_old_sdformat or found.code not in OLD_SDFORMAT:
             yield found
 

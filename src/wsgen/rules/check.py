@@ -79,15 +79,11 @@ def check_run(  # noqa: PLR0913  most have defaults
     ]
     if robot.is_static:
         return tuple(found)
-    if world.has_ground_plane:
-        found += runs.spawned_in_ground(
-            entity,
-            robot_run.penetration,
-            robot_run.spawn_pose.xyz[2],
-            height,
-            is_bolted=robot.fixed_to_world,
-        )
+    # What is fixed to the world stays where it is: machines stand in their foundations.
     if world.has_ground_plane and not robot.fixed_to_world:
+        found += runs.spawned_in_ground(
+            entity, robot_run.penetration, robot_run.spawn_pose.xyz[2], height
+        )
         # On a platform of the world it is high above the ground, and does not fall.
         fall = min(robot_run.lowest_point, robot_run.lowest_point - robot_run.lowest_point_at_end)
         found += runs.spawned_high(entity, fall, robot_run.spawn_pose.xyz[2], height)
@@ -130,7 +126,7 @@ def _check_motion(
             robot_run.energy_gain,
             robot_run.mass,
             math.hypot(*world.gravity),
-            robot_run.penetration,
+            _pushed_out(robot_run),
             is_alone=is_alone,
         )
     )
@@ -156,6 +152,12 @@ def _check_motion(
     return found
 
 
+def _pushed_out(robot_run: RobotRun) -> float:
+    """How far contacts lift it out of the ground, or of what else it is spawned in, m."""
+    depths = [one.depth for one in robot_run.overlaps if one.other_entity is not None]
+    return max(robot_run.penetration, *depths, 0.0)
+
+
 def _check_place(
     world: World, robot_run: RobotRun, *, has_passive_joints: bool
 ) -> list[Diagnostic]:
@@ -176,7 +178,7 @@ def _check_place(
     # Or still being pushed out: it moves for that alone.
     is_stuck = bool(found) or (depth > 0 and runs.is_on_its_way_out(depth, robot_run.climb))
     found += runs.thrown_into_the_air(
-        entity, robot_run.highest_point - robot_run.spawn_pose.xyz[2] - robot_run.penetration
+        entity, robot_run.highest_point - robot_run.spawn_pose.xyz[2] - _pushed_out(robot_run)
     )
     if not is_stuck:
         found += runs.keeps_moving(

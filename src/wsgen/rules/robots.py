@@ -234,25 +234,26 @@ def implausible_inertia(links: Iterable[Link], file: Path | None) -> Iterator[Di
 MASSLESS_ROOT = Rule(
     code="ROB051",
     name="massless-root",
-    severity=Severity.WARNING,
+    severity=Severity.INFO,
     summary="The root link has no mass.",
     what="Looks for a root link without mass to which other links are fixed.",
     why="Gazebo lumps fixed links into their parent and keeps the parent's name: the body of the "
     "robot is named after the empty root link, and `<gazebo reference>` and sensors move with it.",
     example="""
-<link name="dummy"/>
-<joint name="dummy_joint" type="fixed">
-  <parent link="dummy"/>
+<link name="base_footprint"/>
+<joint name="base_joint" type="fixed">
+  <parent link="base_footprint"/>
   <child link="base_link"/>
 </joint>
+<gazebo><plugin ...><link_name>base_link</link_name></plugin></gazebo>
 """,
     instead="""
-<link name="base_link">
-  <inertial>
-    <mass value="5"/>
-    <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/>
-  </inertial>
-</link>
+<link name="base_footprint"/>
+<joint name="base_joint" type="fixed">
+  <parent link="base_footprint"/>
+  <child link="base_link"/>
+</joint>
+<gazebo><plugin ...><link_name>base_footprint</link_name></plugin></gazebo>
 """,
 )
 
@@ -270,9 +271,8 @@ def massless_root(
             f"link[@name='{root.name}']",
             message=f"The root link `{root.name}` has no mass: Gazebo lumps "
             f"`{fixed[0].child}` into it and calls the body `{root.name}`.",
-            hint=f"Keep `{root.name}` if it is there for robot_state_publisher, whose KDL ignores "
-            f"the inertia of a root link; Gazebo plugins then call the body `{root.name}`. "
-            f"Otherwise remove `{root.name}` and its joint.",
+            hint=f"Keep `{root.name}`: Nav2 and robot_state_publisher expect such a link. Where a "
+            f"plugin of Gazebo names a link, write `{root.name}` for `{fixed[0].child}`.",
         )
 
 

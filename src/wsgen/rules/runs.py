@@ -156,8 +156,6 @@ def spawned_in_ground(
     penetration: float,
     spawn_z: float,
     height: SpawnHeight | None = None,
-    *,
-    is_bolted: bool = False,
 ) -> Iterator[Diagnostic]:
     """Report a robot that is partly in the ground when it is spawned."""
     if penetration > CONTACT_SLACK:
@@ -167,10 +165,7 @@ def spawned_in_ground(
             entity,
             message=f"The robot is spawned {penetration:.3f} m deep in the ground "
             f"(spawn height z = {spawn_z:g} m).",
-            hint=f"Raise the <origin> of the joint to `world` by {penetration:.3f} m, or spawn it "
-            "higher."
-            if is_bolted
-            else _spawn_at(spawn_z, penetration + CONTACT_SLACK, "or higher", height),
+            hint=_spawn_at(spawn_z, penetration + CONTACT_SLACK, "or higher", height),
         )
 
 
@@ -432,10 +427,12 @@ KEEPS_MOVING = Rule(
     code="SPN058",
     name="keeps-moving",
     severity=Severity.ERROR,
-    severity_varies="a warning where joints that are not actuated move, and where it moves slowly",
+    severity_varies="a warning where joints that are not actuated move, an information where it "
+    "moves slowly",
     summary="The robot does not come to rest within the simulation.",
     what="Looks whether the speed of the robot stays low from some moment on. A robot that stands "
-    "while its unactuated joints swing is reported by `unactuated-joints-move` alone.",
+    "while its wheels turn is not reported, one whose unactuated joints swing by "
+    "`unactuated-joints-move` alone.",
     why="A robot that nothing drives should stand still: this one slides, rolls away, shakes or "
     "falls.",
     example="""
@@ -463,7 +460,7 @@ def keeps_moving(  # noqa: PLR0913  facts
     has_passive_joints: bool,
 ) -> Iterator[Diagnostic]:
     """Report a robot that does not come to rest."""
-    if settled_after is None and not (has_passive_joints and speed < SEEN and turning < SEEN):
+    if settled_after is None and not (speed < SEEN and turning < SEEN):
         is_slow = speed < CREEPING and turning < ROCKING
         yield KEEPS_MOVING.at(
             None,
@@ -473,7 +470,11 @@ def keeps_moving(  # noqa: PLR0913  facts
             hint="Its unactuated joints move it; controllers would hold them. Or try --seconds 10."
             if has_passive_joints
             else "Check friction (mu1, mu2), inertias and joint damping, or try --seconds 10.",
-            severity=Severity.WARNING if has_passive_joints or is_slow else Severity.ERROR,
+            severity=Severity.INFO
+            if is_slow
+            else Severity.WARNING
+            if has_passive_joints
+            else Severity.ERROR,
         )
 
 

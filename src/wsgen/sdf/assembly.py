@@ -329,7 +329,8 @@ def assemble(includes: Includes, model: Scope, model_in_world: Pose, resolved: P
     """
     nodes = _named(model, "link")
     if not nodes:
-        _report_no_link(model)
+        if not _has_include_left_out(includes, model):
+            _report_no_link(model)
         return Assembled(robot=None)
     report_shared_names(nodes)
     poses = poses_in_model(model, resolved)
@@ -404,6 +405,15 @@ def _plugins(model: Scope) -> list[GazeboTag]:
         if plugins:
             tags.append(GazeboTag(reference=None, plugins=plugins, line=line_of(scope.element)))
     return tags
+
+
+def _has_include_left_out(includes: Includes, model: Scope) -> bool:
+    """Whether the links are in a model that is not found, which has been reported."""
+    return any(
+        include in includes.left_out
+        for scope in model.below()
+        for include in children(scope.element, "include")
+    )
 
 
 def _report_no_link(model: Scope) -> None:

@@ -69,6 +69,19 @@ INCLUDE_CYCLE = Rule(
 </model>""",
 )
 
+DATABASE_MODELS = Rule(
+    code="WLD062",
+    name="models-of-gazebo",
+    severity=Severity.INFO,
+    severity_varies="a warning for Gazebo Sim, which downloads none of them",
+    summary="Models of the database of Gazebo are not on this machine.",
+    what="Looks for `model://NAME` of models and meshes that Gazebo Classic downloads by itself.",
+    why="The simulation of wsgen does without them: it downloads nothing.",
+    example="<include>\n  <uri>model://cafe_table</uri>\n</include>",
+    instead="Put the folder of the model beside the world, or into a folder of GAZEBO_MODEL_PATH "
+    "or GZ_SIM_RESOURCE_PATH.",
+)
+
 # Their Fuel addresses end in the same words, with capitals and a blank.
 GROUND_PLANE = "ground_plane"
 SUN = "sun"
@@ -94,6 +107,7 @@ GROUND_PLANE_SDF = """
 
 # So similar two words are, as difflib counts, that one is taken for the other.
 ALIKE = 0.8
+MOST_NAMED = 8
 MOST_COMPARED = 20  # names; difflib is slow, and a file with more has another problem
 
 WHERE = (
@@ -128,6 +142,9 @@ class Includes:
         self._ground: Source | None = None
         self._near_models: dict[str, str | None] = {}  # by the address that is not found
         self._misspelled_ground: int | None = None  # the place of the diagnostic about it
+        self._of_gazebo: dict[str, tuple[Source, Element]] = {}  # where each is named first
+        self.left_out: set[Element] = set()  # includes that gave nothing, which is reported
+        self.solids_left_out = 0  # collisions and parts that only Gazebo finds
 
     def find(
         self,
@@ -143,6 +160,56 @@ class Includes:
         `trail` are the files that lead here; `is_part` says that it is part of another model, which
         is incomplete without it.
         """
+        found = self._find(source, include, uri, trail, is_part=is_part)
+        if found is None:
+            self.left_out.add(include)
+        return found
+
+    @property
+    def has_left_to_gazebo(self) -> bool:
+        """Whether a model of Gazebo's database is not found; it may be what robots stand on."""
+        return bool(self._of_gazebo)
+
+    def leave_to_gazebo(
+        self, source: Source, element: Element, uri: str, *, is_solid: bool
+    ) -> bool:
+        """Whether a model or mesh that is not found is one of Gazebo's database.
+
+        `is_solid` says that the model that names it cannot stand without it.
+        """
+        scheme, _, rest = uri.partition("://")
+        name = rest.partition("/")[0]
+        if scheme != "model" or name not in gazebo_models() or self._folder(f"model://{name}"):
+            return False
+        self._of_gazebo.setdefault(name, (source, element))
+        self.solids_left_out += is_solid
+        return True
+
+    def report_left_to_gazebo(self) -> None:
+        """Report all models of Gazebo's database that are not found, in one diagnostic."""
+        if not self.has_left_to_gazebo:
+            return
+        source, element = next(iter(self._of_gazebo.values()))
+        names = list(self._of_gazebo)
+        more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
+        source.report(
+            DATABASE_MODELS,
+            "Models of the database of Gazebo are not on this machine: "
+            f"{', '.join(names[:MOST_NAMED])}{more}. The simulation does without them.",
+            at=element,
+            hint="Gazebo Classic downloads them by itself; Gazebo Sim needs their folders in "
+            "GZ_SIM_RESOURCE_PATH.",
+        )
+
+    def _find(
+        self,
+        source: Source,
+        include: Element,
+        uri: str,
+        trail: tuple[Path, ...],
+        *,
+        is_part: bool,
+    ) -> tuple[Source, Element] | None:
         if not uri:
             source.report_missing(
                 MODEL_LEFT_OUT,
@@ -174,18 +241,24 @@ class Includes:
             if inner is not None and next(children(inner.root, "light", "actor"), None) is not None:
                 return None  # without a collision
             found = _why_no_model(found, inner)
+        if not self.leave_to_gazebo(source, include, uri, is_solid=is_part):
+            self._report_left_out(source, include, uri, found, is_part=is_part)
+        return None
+
+    def _report_left_out(
+        self, source: Source, include: Element, uri: str, why: str, *, is_part: bool
+    ) -> None:
         near = self._near(source, uri)
         if near == GROUND_PLANE:
             self._misspelled_ground = len(self._diagnostics)
         source.report(
             MODEL_LEFT_OUT,
-            f"The model {uri} is not part of the simulation: {found}.",
+            f"The model {uri} is not part of the simulation: {why}.",
             at=include,
             hint=did_you_mean(f"model://{near}") if near else how_to_find(uri),
             # The models of a world may be where wsgen does not look.
             severity=Severity.ERROR if is_part else Severity.WARNING,
         )
-        return None
 
     def _near(self, source: Source, uri: str) -> str | None:
         if uri not in self._near_models and len(self._near_models) < MOST_COMPARED:

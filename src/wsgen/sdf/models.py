@@ -287,7 +287,10 @@ def read_world_models(world: Scope, includes: Includes) -> WorldModels:
         if _is_own_ground(node, poses[node]):
             has_ground = True
             continue
+        before = includes.solids_left_out
         model = _read_node(includes, node, poses)
+        if includes.solids_left_out > before and not model.is_static:
+            continue  # how it stands without them says nothing
         has_ground |= model.is_ground
         carry |= _carries(node, model)
         if not _is_only_ground(model):
@@ -409,7 +412,9 @@ def read_sdf(
     diagnostics: list[Diagnostic] = []
     source = load(file, diagnostics)
     includes = Includes(find_model, diagnostics, read_robot)
-    return _finished(diagnostics, None if source is None else _read(source, includes))
+    found = None if source is None else _read(source, includes)
+    includes.report_left_to_gazebo()
+    return _finished(diagnostics, found)
 
 
 def read_model(
@@ -430,9 +435,9 @@ def read_model(
     diagnostics: list[Diagnostic] = []
     source = parse_text(content, file, diagnostics)
     includes = Includes(find_model, diagnostics)
-    return _finished(
-        diagnostics, None if source is None else _read_spawned(source, includes, pose_in_world)
-    )
+    found = None if source is None else _read_spawned(source, includes, pose_in_world)
+    includes.report_left_to_gazebo()
+    return _finished(diagnostics, found)
 
 
 def _finished(diagnostics: list[Diagnostic], found: SdfFile | None) -> SdfFile:
@@ -525,7 +530,7 @@ def _read_world(source: Source, element: Element, includes: Includes) -> SdfFile
     world_models = read_world_models(Contents(includes).world(source, element), includes)
     world = describe_world(source, element, world_models.placed, has_ground=world_models.has_ground)
     if not world_models.carry:
-        if includes.blame_misspelled_ground():
+        if includes.blame_misspelled_ground() or includes.has_left_to_gazebo:
             world = replace(world, has_ground_plane=True)  # what was meant, for the simulation
         check_ground(source, element, world)
     return SdfFile(world=world, models=world_models.models)

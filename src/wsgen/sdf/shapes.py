@@ -458,7 +458,8 @@ class ShapeReader:
         path = self.includes.path(self.source, uri) if uri else None
         if path is not None and is_file(path):
             return Mesh(uri=uri, scale=scale, path=str(path))
-        if (uri, str(owner.tag)) not in self._missing:
+        is_gazebos = self.includes.leave_to_gazebo(self.source, shape, uri, is_solid=not is_visual)
+        if not is_gazebos and (uri, str(owner.tag)) not in self._missing:
             self._missing.add((uri, str(owner.tag)))
             self.source.report(
                 MISSING_VISUAL_MESH if is_visual else MISSING_COLLISION_MESH,

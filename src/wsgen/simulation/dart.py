@@ -10,7 +10,7 @@ import dartpy
 from dartpy import dynamics, simulation, utils
 from dartpy.math import Isometry3
 
-from wsgen.model.inertia import about_link_axes
+from wsgen.model.inertia import about_link_axes, made_possible
 from wsgen.model.kinematics import split_trees
 from wsgen.model.robot import Box, Capsule, Cylinder, JointType, Mesh, Sphere
 from wsgen.model.transform import (
@@ -248,7 +248,7 @@ def pose_of(frame: Any) -> Pose:
 
 
 def _inertia_of(inertial: Inertial) -> Any:
-    xx, xy, xz, yy, yz, zz = about_link_axes(inertial)
+    xx, xy, xz, yy, yz, zz = made_possible(about_link_axes(inertial))
     return dynamics.Inertia(
         inertial.mass, inertial.pose_in_link.xyz, ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
     )

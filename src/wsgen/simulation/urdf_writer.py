@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from wsgen.model.inertia import made_possible
 from wsgen.model.robot import Box, Capsule, Cylinder, JointLimit, JointType, Mesh, Sphere
 
 if TYPE_CHECKING:
@@ -49,7 +50,7 @@ def _link(link: Link, *, is_world: bool, is_static: bool) -> Iterator[str]:
         yield _origin(link.inertial.pose_in_link)
         yield f'<mass value="{link.inertial.mass!r}"/>'
         yield "<inertia"
-        for name, value in zip(MOMENTS, link.inertial.inertia, strict=True):
+        for name, value in zip(MOMENTS, made_possible(link.inertial.inertia), strict=True):
             yield f' {name}="{value!r}"'
         yield "/>"
         yield "</inertial>"

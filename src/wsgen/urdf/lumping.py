@@ -89,9 +89,10 @@ IMPOSSIBLE_SUM = Rule(
     code="ROB042",
     name="impossible-sum",
     severity=Severity.ERROR,
+    severity_varies="a warning in Gazebo Classic, which loads the robot all the same",
     summary="Links that fixed joints attach to each other have together an impossible inertia.",
     why=(
-        "`sdformat` lumps the links into one body, and Gazebo refuses a robot with a body of "
+        "`sdformat` lumps the links into one body, and Gazebo Sim refuses a robot with a body of "
         "impossible inertia."
     ),
     example=(
@@ -719,7 +720,7 @@ def _impossible_sum(body: Body, link: Link, file: Path | None) -> Iterator[Diagn
         link.line,
         f"link[@name='{link.name}']",
         message=f"With the links that fixed joints attach to it, `{link.name}` has an inertia "
-        "that no body has: Gazebo refuses the robot.",
+        "that no body has: Gazebo Sim refuses the robot.",
         hint=f"Correct the inertia of {', '.join(f'`{name}`' for name in body.lumped[:NAMED])}"
         f" or of `{link.name}` itself.",
     )
