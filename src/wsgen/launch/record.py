@@ -97,6 +97,10 @@ class Record:
         self.argument_use = ArgumentUse()
         self.unused_xacro_arguments: list[tuple[Mapping[str, str], Location | None]] = []
         self.visited: Location | None = None  # the line of the entity that is visited
+        self.is_ending = False  # what happens now is what the end of the launch brings about
+        # The files that processes would write: path, text, and the xacro file it was made from.
+        self.written: dict[str, str] = {}
+        self.written_from: dict[str, str] = {}
         self.prompt: str | None = None  # of what the launch file asked last
         self.unanswered = False  # it asks more than there are answers
         self.lookups: dict[str, Location | None] = {}  # packages that the user's files look up
@@ -139,6 +143,10 @@ class Record:
     def note_text(self, text: str, file: str) -> None:
         """Note that a text, as a description of a robot is one, was made from a file."""
         self.texts[_fold(text)] = file
+
+    def source_of(self, text: str) -> str | None:
+        """The file that a text was made from; None where that is not known."""
+        return self.texts.get(_fold(text))
 
     def find_description_files(self) -> None:
         """Note with each process which file the description is of that it is given."""
@@ -223,7 +231,7 @@ def run_command(words: Sequence[str], location: Location | None) -> CommandOutco
     """What a command line prints; a placeholder where that cannot be known."""
     if not words:
         return CommandOutcome("", stderr="the command line is empty", code=127)
-    xacro = _xacro_words(words)
+    xacro = xacro_words(words)
     if xacro is not None and RECORD.run_xacro is not None:
         outcome = RECORD.run_xacro(xacro)
         RECORD.note_unused_xacro_arguments(outcome.unused, location)
@@ -238,7 +246,7 @@ def run_command(words: Sequence[str], location: Location | None) -> CommandOutco
     return CommandOutcome(RECORD.note_unknown(line, why, location))
 
 
-def _xacro_words(words: Sequence[str]) -> list[str] | None:
+def xacro_words(words: Sequence[str]) -> list[str] | None:
     """The words from `xacro` on, however it is started."""
     for start in (("ros2", "run", "xacro"), ("python3", "-m"), ("python", "-m"), ()):
         rest = words[len(start) :]

@@ -331,7 +331,7 @@ def find_description(
     if "topic" in options:
         return _from_topic(plan, spawner, options["topic"])
     if "file" in options:
-        return _from_file(spawner, options["file"])
+        return _from_file(plan, spawner, options["file"])
     if "string" in options:
         return options["string"], spawner.description_file
     if "param" in options:
@@ -379,7 +379,7 @@ def _from_topic(
         if process.executable == PUBLISHER:
             published.setdefault(resolve(PARAMETER, process), process)
     if wanted in published:
-        return _published(published[wanted])
+        return _published(plan, published[wanted])
     others = ", ".join(published) or "nothing, as it starts no robot_state_publisher"
     missing = _report(
         UNPUBLISHED_DESCRIPTION,
@@ -396,10 +396,10 @@ def _from_topic(
     return missing if published else _or_unused_action(missing, plan, "Node", names={PUBLISHER})
 
 
-def _published(publisher: Process) -> tuple[str, Path | None] | Diagnostic:
+def _published(plan: LaunchPlan, publisher: Process) -> tuple[str, Path | None] | Diagnostic:
     """The text of a publisher: its parameter, or the file that is its argument."""
     if PARAMETER not in publisher.parameters and publisher.arguments:
-        return _from_file(publisher, publisher.arguments[0])
+        return _from_file(plan, publisher, publisher.arguments[0])
     if PARAMETER not in publisher.parameters:
         misspelled = nearest(PARAMETER, publisher.parameters, cutoff=SURELY)
         return _report(
@@ -441,7 +441,12 @@ def _text(process: Process, value: Any) -> tuple[str, Path | None] | Diagnostic:
     )
 
 
-def _from_file(process: Process, path: str) -> tuple[str, Path | None] | Diagnostic:
+def _from_file(
+    plan: LaunchPlan, process: Process, path: str
+) -> tuple[str, Path | None] | Diagnostic:
+    written = str(Path(path).absolute())
+    if written in plan.written:
+        return plan.written[written], Path(plan.written_from.get(written, path))
     if path.lstrip().startswith("<"):
         return path, process.description_file
     try:

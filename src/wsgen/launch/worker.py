@@ -19,7 +19,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from wsgen.isolation.child import scratch_folder
-from wsgen.launch import known_packages, package_lookup
+from wsgen.launch import known_packages, package_lookup, written_files
 from wsgen.launch.record import RECORD, ForkError, caller
 from wsgen.model.plan import LaunchArgument, LaunchPlan
 
@@ -75,6 +75,7 @@ def evaluate(
 
         report_unused_xacro_arguments(RECORD.unused_xacro_arguments)
     RECORD.find_description_files()
+    written_files.remove_copies()
     return LaunchPlan(
         package=request.package,
         launch_file=request.launch_file,
@@ -82,6 +83,8 @@ def evaluate(
         processes=tuple(RECORD.processes),
         includes=tuple(RECORD.includes),
         environment=RECORD.changed_environment(),
+        written=RECORD.written,
+        written_from=RECORD.written_from,
         unresolved=tuple(RECORD.unresolved),
         diagnostics=tuple(RECORD.diagnostics),
         unanswered=RECORD.unanswered,
@@ -124,7 +127,8 @@ def _take_answers(answers: Sequence[str]) -> None:
 
     def remember(prompt: object = "", /) -> str:
         nonlocal printed
-        print(prompt, end="", flush=True)
+        sys.stdout.write(str(prompt))
+        sys.stdout.flush()
         output = Path(folder, "output").read_bytes() if folder else b""
         RECORD.prompt = output[printed:].decode(errors="replace")
         printed = len(output)
@@ -137,6 +141,8 @@ def _ends_branch(error: Exception, launch_file: str, explain_xacro: Explainer) -
     """Whether the launch goes on without what raised the exception, which is noted."""
     if hasattr(error, "wsgen_ends_all"):
         return False
+    if RECORD.is_ending and isinstance(error, OSError):
+        return True  # the files that it removes would be there after a real launch
     from wsgen.launch.explain import OF_A_BRANCH, explain
     from wsgen.launch.explain_missing import uncompiled
 
@@ -156,8 +162,10 @@ def _watch(event: str, arguments: tuple[Any, ...]) -> None:
     """Remember the descriptions that the launch file reads without xacro; let it not fork.
 
     Two processes would evaluate it, and which of them answered would be chance. What `subprocess`
-    starts is none of this.
+    starts is none of this. What the end of the launch would remove is read after the evaluation.
     """
+    if RECORD.is_ending and event in ("os.remove", "os.rmdir", "shutil.rmtree"):
+        raise PermissionError("nothing is removed, because nothing runs")
     if event in ("os.fork", "os.forkpty"):
         raise ForkError
     if event == "open" and str(arguments[0]).endswith(_DESCRIPTIONS):

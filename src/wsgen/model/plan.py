@@ -89,6 +89,9 @@ class LaunchPlan:
     processes: tuple[Process, ...] = ()
     includes: tuple[Include, ...] = ()
     environment: Mapping[str, str] = field(default_factory=dict)  # what the launch file sets
+    # What processes would write that expand a xacro file: absolute path -> text, and -> xacro file.
+    written: Mapping[str, str] = field(default_factory=dict)
+    written_from: Mapping[str, str] = field(default_factory=dict)
     unresolved: tuple[Unresolved, ...] = ()
     diagnostics: tuple[Diagnostic, ...] = ()
     unanswered: bool = False  # the launch file asks more than there are answers

@@ -231,6 +231,7 @@ class Validation:
         self.clock = Clock(selected.name, listener)
         self.simulator_kind: str | None = None  # "classic" or "gz"
         self.diagnostics: list[Diagnostic] = []
+        self.written: dict[Path, Path] = {}  # a copy of what a process writes -> its xacro file
         self.settings: Settings | None = None
         self.settings_diagnostics: tuple[Diagnostic, ...] = ()
         if selected.source is not None:
@@ -288,6 +289,12 @@ class Validation:
 
     def _reported(self) -> tuple[Diagnostic, ...]:
         """The diagnostics with files of the source, without those that the package allows."""
+        self.diagnostics = [
+            replace(found, file=self.written[found.file], line=None)
+            if found.file in self.written
+            else found
+            for found in self.diagnostics
+        ]
         source, share = self.selected.source, self.selected.share
         settings = self.settings
         if source is None or share is None or settings is None:
@@ -330,7 +337,7 @@ class Validation:
         if not name:
             return DEFAULT_WORLD, []
         with self.clock.step("expand", Path(name).name) as step:
-            file = find_world(name, environment)
+            file = self._written_world(started, name, context) or find_world(name, environment)
             if file is None or not is_there(file):
                 if is_brought_along(name):
                     self.diagnostics += world_not_here(started.plan, name)
@@ -347,7 +354,21 @@ class Validation:
             static_models, more = prepare_models(found, context, is_static_model=True)
             step.succeeded = not has_errors((*found.diagnostics, *more))
         self.diagnostics += (*found.diagnostics, *more)
-        return found.world, static_models
+        world = found.world
+        if world is not None and world.file in self.written:
+            world = replace(world, file=self.written[world.file])
+        return world, static_models
+
+    def _written_world(self, started: Started, name: str, context: PrepareContext) -> Path | None:
+        """A file with the world that a process of the launch would write under this name."""
+        path = str(Path(name).absolute())
+        text = started.plan.written.get(path)
+        if text is None:
+            return None
+        file = context.folder / Path(name).name
+        file.write_text(text, encoding="utf-8")
+        self.written[file] = Path(started.plan.written_from.get(path, path))
+        return file
 
     def _describe(
         self,

@@ -24,7 +24,7 @@ from launch._utilities import (
 from launch.base import Action, Event, Substitution, TextSubstitution
 from launch.launch_context import NEVER, PROCESS_TIME, LaunchContext
 from launch.launch_description import LaunchDescriptionSource
-from wsgen.launch import known_packages
+from wsgen.launch import known_packages, written_files
 from wsgen.launch.record import RECORD, split_location
 from wsgen.model.plan import Include, LaunchArgument, Process
 
@@ -258,6 +258,7 @@ class ExecuteLocal(Action):
         if self.__executed:
             raise RuntimeError("ExecuteLocal action executed more than once")
         self.__executed = True
+        written_files.note(process, self.wsgen_location, shell=bool(self.shell))
         if self.__on_exit is not None:
             from launch.event_handlers import OnProcessExit
 

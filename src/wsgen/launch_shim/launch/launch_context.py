@@ -43,6 +43,7 @@ class Timeline:
         time, _, event = heapq.heappop(self._coming)
         if time != NEVER:
             self.now = time
+        RECORD.is_ending |= time == NEVER
         self.cause = event.wsgen_cause or "launch"
         return event
 
@@ -189,7 +190,7 @@ class LaunchContext:
 
     def shut_down(self, event: Event) -> None:
         """End the launch: what was to come is dropped, then the event happens."""
-        self.is_shutdown = True
+        self.is_shutdown = RECORD.is_ending = True
         self.timeline.clear()
         self.timeline.post(event)
 
