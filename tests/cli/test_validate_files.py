@@ -182,6 +182,47 @@ def test_a_file_that_is_not_there(tmp_path: Path) -> None:
     assert "nothing.urdf" in done.stderr
 
 
+def test_a_refused_file_does_not_take_the_others(tmp_path: Path) -> None:
+    (tmp_path / "crate.urdf").write_text(urdf(link()))
+    (tmp_path / "notes.txt").write_text("Not a robot.")
+    (tmp_path / "folder.urdf").mkdir()
+    names = ["nothing.urdf", "folder.urdf", "notes.txt", "crate.urdf"]
+    code, packages = checked(tmp_path, *names)
+    assert (code, [package["file"] for package in packages]) == (1, names)
+    assert [package["passed"] for package in packages] == [False, False, False, True]
+    assert [codes(package) for package in packages[:3]] == [["PKG066"]] * 3
+    words = [package["diagnostics"][0]["message"] for package in packages[:3]]
+    assert words == [
+        "nothing.urdf does not exist.",
+        "folder.urdf is a folder.",
+        "notes.txt is neither a URDF nor xacro nor SDF.",
+    ]
+
+
+@pytest.mark.parametrize("name", ["crate", "crate.xml"])
+@pytest.mark.parametrize("kind", ["urdf", "xacro", "sdf"])
+def test_the_root_element_says_what_a_file_is(tmp_path: Path, name: str, kind: str) -> None:
+    text = f"<!-- a crate -->\n{urdf(link())}".replace('<?xml version="1.0"?>\n', "")
+    if kind == "xacro":
+        text = urdf('<xacro:property name="kg" value="2"/>', link(mass="${kg}"))
+        text = text.replace("<robot", f'<robot xmlns:xacro="{XACRO}"')
+    elif kind == "sdf":
+        text = MODEL.format(before="", pose="", after="")
+    (tmp_path / name).write_text(text)
+    code, (package,) = checked(tmp_path, name)
+    assert (code, package["robots"][0]["mass"]) == (0, 2.0), package["diagnostics"]
+
+
+def test_a_world_that_xacro_writes(tmp_path: Path) -> None:
+    world = f'<world name="room" xmlns:xacro="{XACRO}"><include><uri>model://ground_plane</uri>'
+    world += "</include>"
+    text = MODEL.format(before=world, pose="<pose>0 0 ${1 / 10} 0 0 0</pose>", after="</world>")
+    (tmp_path / "room.world.xacro").write_text(text)
+    code, (package,) = checked(tmp_path, "room.world.xacro")
+    assert (code, package["world"]["name"]) == (0, "room"), package["diagnostics"]
+    assert package["robots"][0]["spawn_pose"]["xyz"] == pytest.approx([0, 0, 0.1])
+
+
 def test_many_files_at_once_are_reported_in_their_order(tmp_path: Path) -> None:
     names = []
     for number in range(6):

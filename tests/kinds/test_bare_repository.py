@@ -22,3 +22,33 @@ def test_validated_in_place(clone: KindOfWorkspace, inside: str) -> None:
     assert [found["code"] for found in package["diagnostics"]] == ["PKG065"]
     assert package["robots"][0]["rest"]["xyz"][2] == pytest.approx(0.05, abs=0.005)
     assert clone.wsgen("launch", str(clone.root / "launch/sled.launch.py"), "--play").code == 0
+
+
+def test_the_files_of_its_robot(clone: KindOfWorkspace) -> None:
+    """The URDF is expanded as it uses xacro; the file that it includes is no robot."""
+    answer = clone.wsgen("validate", "urdf/runners.xacro", "urdf/sled.urdf", "--format", "json")
+    part, whole = answer.document["packages"]
+    assert answer.code == 1
+    (found,) = part["diagnostics"]
+    assert (found["code"], whole["diagnostics"]) == ("PKG067", [])
+    assert "macros (runners)" in found["message"]
+    assert found["hint"].endswith("wsgen validate urdf/sled.urdf")
+    assert whole["robots"][0]["mass"] == 2.5
+
+
+def test_what_an_included_file_lacks(clone: KindOfWorkspace) -> None:
+    runners = clone.root / "urdf" / "runners.xacro"
+    runners.write_text(runners.read_text().replace("</xacro:macro>", "</xacro:macro>\n${width}"))
+    answer = clone.wsgen("validate", "urdf/runners.xacro", "--format", "json")
+    (found,) = answer.document["packages"][0]["diagnostics"]
+    assert found["code"] == "ROB071"
+    assert found["hint"].endswith("wsgen validate urdf/sled.urdf")
+
+
+def test_an_included_file_with_links(clone: KindOfWorkspace) -> None:
+    runners = clone.root / "urdf" / "runners.xacro"
+    runners.write_text(runners.read_text().replace("</robot>", '<link name="seat"/></robot>'))
+    answer = clone.wsgen("validate", "urdf/runners.xacro", "--format", "json")
+    (package,) = answer.document["packages"]
+    assert [found["code"] for found in package["diagnostics"]] == ["PKG067"]
+    assert package["robots"] == []

@@ -96,33 +96,23 @@ def command(
     """Simulate the robots that the installed launch files spawn, and check the result.
 
     Without PACKAGE, validate all packages of the workspace that spawn a robot. A FILE (.urdf,
-    .xacro, .sdf, .world) is simulated by itself; a robot starts just above the ground of an empty
-    world.
+    .xacro, .sdf, .world, or another with a <robot> or <sdf>) is simulated by itself; a robot
+    starts just above the ground of an empty world.
     """
-    import os
     from pathlib import Path
 
     from wsgen.cli.words import split_launch_arguments
-    from wsgen.pipeline.selection import FILE_SUFFIXES, ValidateRequest
+    from wsgen.pipeline.selection import ValidateRequest
 
     if json_file is not None and not Path(json_file).absolute().parent.is_dir():
         raise NotFoundError(
             f"The folder of {json_file} does not exist.", hint="Create it, or give another path."
         )
-    for name in names:
-        if Path(name).is_dir() and (name.lower().endswith(FILE_SUFFIXES) or os.sep in name):
-            raise _refuse_folder(Path(name))
-        if Path(name).is_file() and not name.lower().endswith(FILE_SUFFIXES):
-            raise RequestError(
-                f"wsgen cannot simulate {name}.",
-                hint=f"Give a file that ends in {', '.join(FILE_SUFFIXES)}.",
-            )
-        bare = name.strip("./")  # PACKAGE/ also means a package
-        if (os.sep in bare or Path(bare).suffix) and not Path(name).exists():
-            raise NotFoundError(f"The file {name} does not exist.", hint="Check its path.")
+    if len(names) == 1 and Path(names[0]).is_dir() and _is_file_name(names[0]):
+        raise _refuse_folder(Path(names[0]))
     request = ValidateRequest(
-        packages=[name for name in names if not name.lower().endswith(FILE_SUFFIXES)],
-        files=[Path(name) for name in names if name.lower().endswith(FILE_SUFFIXES)],
+        packages=[name for name in names if not _is_file_name(name)],
+        files=[Path(name) for name in names if _is_file_name(name)],
         launch_file=launch_file,
         launch_arguments=split_launch_arguments(arguments),
         answers=chosen_answers(answers),
@@ -140,6 +130,22 @@ def command(
         json_file=json_file,
         answers=answers,
     )
+
+
+def _is_file_name(name: str) -> bool:
+    """Whether an argument names a file, or what is taken for one, and no package."""
+    import os
+    from pathlib import Path
+
+    from wsgen.pipeline.selection import FILE_SUFFIXES
+
+    path = Path(name)
+    if name.lower().endswith(FILE_SUFFIXES):
+        return True
+    if path.exists():
+        return not path.is_dir() or os.sep in name
+    bare = name.strip("./")  # PACKAGE/ also means a package
+    return os.sep in bare or bool(Path(bare).suffix)
 
 
 def _refuse_folder(folder: Path) -> RequestError:

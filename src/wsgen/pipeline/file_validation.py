@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import os
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wsgen.description_rules import UNREADABLE_DESCRIPTION
+from wsgen.description_rules import NO_LINK, UNREADABLE_DESCRIPTION
 from wsgen.diagnostics import Rule, Severity, has_errors
 from wsgen.files import read_regular
 from wsgen.model.outcome import PackageOutcome
 from wsgen.pipeline.clock import Clock
+from wsgen.pipeline.file_kinds import defined_macros, find_includer, kind_of, why_refused
 from wsgen.pipeline.prepare import (
     PrepareContext,
     PreparedRobot,
@@ -22,9 +25,10 @@ from wsgen.pipeline.prepare import (
     share_on_model_path,
 )
 from wsgen.pipeline.run_robots import SimulationResult, simulate_robots
+from wsgen.sdf.source import is_sdf
 from wsgen.sdf.worlds import DEFAULT_WORLD
-from wsgen.urdf.reader import TEXT_LIMIT
-from wsgen.xacro.reader import expand_file
+from wsgen.urdf.reader import TEXT_LIMIT, UNNAMED_ROBOT
+from wsgen.xacro.reader import XACRO_FILE_FAILS, expand_file
 
 if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
@@ -53,6 +57,29 @@ NO_MODEL = Rule(
 )
 
 
+UNUSABLE_FILE = Rule(
+    code="PKG066",
+    name="unusable-file",
+    severity=Severity.ERROR,
+    summary="A file that is named together with others cannot be simulated.",
+    what="Looks for files that do not exist, for folders, and for files that are neither URDF nor "
+    "xacro nor SDF, by their root element.",
+    why="Nothing of it is simulated; the other files and packages are.",
+    example="wsgen validate models/*",
+    instead="wsgen validate models/*.urdf models/*.sdf",
+)
+PART_OF_ROBOT = Rule(
+    code="PKG067",
+    name="part-of-robot",
+    severity=Severity.ERROR,
+    summary="A xacro file makes no robot: it is there for other files to include.",
+    why="A file that only defines macros and properties expands to no link. Nothing is simulated.",
+    example="wsgen validate urdf/wheel.xacro",
+    instead="wsgen validate urdf/rover.urdf.xacro",
+)
+HINT_FOR_FILES = "Give a URDF, a xacro file, or an SDF model or world."
+
+
 class FileValidation:
     """Reads, simulates and checks one file; collects what is reported on the way.
 
@@ -77,6 +104,7 @@ class FileValidation:
         self.run_task = run
         self.clock = Clock(name, listener)
         self.around = share_around(file)
+        self.kind = kind_of(file)
         self.on_model_path = share_on_model_path(overlay.environment)
         self.diagnostics: list[Diagnostic] = []
 
@@ -120,21 +148,57 @@ class FileValidation:
         )
 
     def _read(self, context: PrepareContext) -> tuple[World | None, list[PreparedRobot]]:
-        if self.file.suffix.lower() in {".sdf", ".world"}:
-            return self._read_sdf(context)
-        text = self._urdf()
-        if text is None:
-            return DEFAULT_WORLD, []
+        refused = why_refused(self.file)
+        if refused is not None:
+            message = f"{self.file} {refused}."
+            self.diagnostics.append(
+                UNUSABLE_FILE.at(self.file, message=message, hint=HINT_FOR_FILES)
+            )
+            return None, []
+        text = None if self.kind == "sdf" else self._urdf()
+        if self.kind == "sdf" or (isinstance(text, str) and is_sdf(text)):
+            return self._read_sdf(context, text)
+        prepared = [] if text is None else self._read_robot(text, context)
+        return DEFAULT_WORLD, [] if self._is_part() else prepared
+
+    def _read_robot(self, text: str | bytes, context: PrepareContext) -> list[PreparedRobot]:
         prepared, diagnostics = prepare_robot(
             text, file=self.file, context=context, on_the_ground=True
         )
         self.diagnostics += diagnostics
-        return DEFAULT_WORLD, [prepared] if prepared else []
+        return [prepared] if prepared else []
+
+    def _is_part(self) -> bool:
+        """Whether the file makes no robot; the diagnostics then name the file to validate."""
+        codes = {found.code for found in self.diagnostics}
+        if not codes & {NO_LINK.code, UNNAMED_ROBOT.code, XACRO_FILE_FAILS.code}:
+            return False
+        folders = self.file.absolute().parents
+        package = next((one for one in folders if (one / "package.xml").is_file()), folders[0])
+        whole = find_includer(self.file, package)
+        macros = ", ".join(defined_macros(self.file))
+        hint = "Call a macro in the file, or validate a file that calls one."
+        if whole is not None:
+            hint = f"Validate the file that includes it: wsgen validate {os.path.relpath(whole)}"
+        if XACRO_FILE_FAILS.code in codes:
+            if whole is not None:
+                self.diagnostics[-1] = replace(
+                    self.diagnostics[-1], hint=f"{self.diagnostics[-1].hint} {hint}"
+                )
+            return True
+        if whole is None and not macros:
+            return False
+        reason = "its <robot> has no name"
+        if NO_LINK.code in codes:
+            reason = f"it only defines macros ({macros})" if macros else "it has no link"
+        message = f"The file makes no robot: {reason}."
+        self.diagnostics = [PART_OF_ROBOT.at(self.file, message=message, hint=hint)]
+        return True
 
     def _urdf(self) -> str | bytes | None:
         """The text of the robot, expanded where the file is of xacro."""
         text: str | bytes | None
-        if self.file.suffix.lower() == ".xacro":
+        if self.kind == "xacro":
             text, diagnostics = expand_file(
                 self.file,
                 self.request.launch_arguments,
@@ -146,8 +210,12 @@ class FileValidation:
         self.diagnostics += diagnostics
         return text
 
-    def _read_sdf(self, context: PrepareContext) -> tuple[World | None, list[PreparedRobot]]:
-        found = read_file(self.file, context, self.overlay.environment)
+    def _read_sdf(
+        self, context: PrepareContext, text: str | bytes | None
+    ) -> tuple[World | None, list[PreparedRobot]]:
+        """The models of the file, or of the text that xacro makes of it."""
+        content = text if isinstance(text, str) else None
+        found = read_file(self.file, context, self.overlay.environment, content=content)
         prepared, more = prepare_models(found, context)
         self.diagnostics += (*found.diagnostics, *more)
         if not prepared and not has_errors(self.diagnostics):

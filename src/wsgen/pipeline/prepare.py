@@ -258,12 +258,22 @@ def _manifest_name(folder: Path) -> str | None:
 MOST_MODELS = 1000  # a minute of simulation for 3 s; public worlds have some dozens
 
 
-def read_file(file: Path, context: PrepareContext, environment: Mapping[str, str]) -> SdfFile:
-    """An SDF file, with what it includes from where Gazebo looks and from around the file."""
+def read_file(
+    file: Path,
+    context: PrepareContext,
+    environment: Mapping[str, str],
+    *,
+    content: str | None = None,
+) -> SdfFile:
+    """An SDF file, with what it includes from where Gazebo looks and from around the file.
+
+    `content` is the SDF that xacro makes of the file, where it is one of xacro.
+    """
     return read_sdf(
         file,
         find_model=_finder(file, context, environment),
         read_robot=lambda urdf: _read_included(urdf, context),
+        content=content,
     )
 
 

@@ -102,10 +102,12 @@ def _without_used_elsewhere(
     outcomes: Sequence[PackageOutcome], request: ValidateRequest
 ) -> tuple[PackageOutcome, ...]:
     """Report a launch argument as unused only if no package or file uses it."""
+    if not request.launch_arguments:
+        return tuple(outcomes)
     unused = [
         {found.element for found in outcome.diagnostics if _is_unused_argument(found)}
         for outcome in outcomes
-        if outcome.file is None or outcome.file.suffix == ".xacro"
+        if outcome.file is None or _is_xacro(outcome.file)
     ]
     by_nobody = set(request.launch_arguments).intersection(*unused)
     return tuple(
@@ -208,16 +210,28 @@ def check_request(request: ValidateRequest) -> None:
             if missing[0] == "dart"
             else "PyBullet has no wheels for this Python; use --engine dart.",
         )
-    for file in request.files:
-        kind = irregular_kind(file)
-        if kind is not None:
-            raise NotReadableError(f"{file} is {kind}.", hint="Give a regular file.")
-        if not file.is_file():
-            raise NotFoundError(f"The file {file} does not exist.", hint="Check its path.")
+    if len(request.files) == 1 and not request.packages:
+        _refuse_only_file(request.files[0])
     if request.files and not request.packages:
         _refuse_idle_options(request)
     if request.picture_folder is not None:
         _make_folder(request.picture_folder)
+
+
+def _refuse_only_file(file: Path) -> None:
+    """Stop where there is no other file to validate; one of several is reported as its result."""
+    from wsgen.pipeline.file_kinds import kind_of  # noqa: PLC0415  packages need nothing of it
+
+    kind = irregular_kind(file)
+    if kind is not None:
+        raise NotReadableError(f"{file} is {kind}.", hint="Give a regular file.")
+    if not file.is_file():
+        raise NotFoundError(f"The file {file} does not exist.", hint="Check its path.")
+    if kind_of(file) is None:
+        raise RequestError(
+            f"wsgen cannot simulate {file}: it is neither a URDF nor xacro nor SDF.",
+            hint="Give a .urdf, .xacro, .sdf or .world file, or one with <robot> or <sdf>.",
+        )
 
 
 def _refuse_idle_options(request: ValidateRequest) -> None:
@@ -226,10 +240,16 @@ def _refuse_idle_options(request: ValidateRequest) -> None:
         raise RequestError(
             "A robot file is validated without a launch file.", hint="Remove --launch."
         )
-    if request.launch_arguments and all(file.suffix != ".xacro" for file in request.files):
+    if request.launch_arguments and not any(map(_is_xacro, request.files)):
         raise RequestError(
-            "Only a .xacro file takes arguments.", hint="Remove --arg, or give a .xacro file."
+            "Only a xacro file takes arguments.", hint="Remove --arg, or give a xacro file."
         )
+
+
+def _is_xacro(file: Path) -> bool:
+    from wsgen.pipeline.file_kinds import kind_of  # noqa: PLC0415  packages need nothing of it
+
+    return kind_of(file) == "xacro"
 
 
 def _overlays_of_files(

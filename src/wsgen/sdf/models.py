@@ -396,6 +396,7 @@ def read_sdf(
     *,
     find_model: Callable[[str], Path | None],
     read_robot: ReadRobot | None = None,
+    content: str | None = None,
 ) -> SdfFile:
     """Read a world or a model file, with the models that it includes.
 
@@ -408,9 +409,10 @@ def read_sdf(
             Fuel stands for, and None where there is none; see `wsgen.sdf.lookup.model_finder`.
         read_robot: Reads a URDF file that is included in a world, as Gazebo has it. Without it such
             a model is left out, with a diagnostic.
+        content: SDF that is made from the file; None: the file itself is read.
     """
     diagnostics: list[Diagnostic] = []
-    source = load(file, diagnostics)
+    source = load(file, diagnostics) if content is None else parse_text(content, file, diagnostics)
     includes = Includes(find_model, diagnostics, read_robot)
     found = None if source is None else _read(source, includes)
     includes.report_left_to_gazebo()
