@@ -92,12 +92,13 @@ def api() -> str:
 
 def tags() -> str:
     code = (
-        "import json, sys; sys.path.insert(0, sys.argv[1]); "
+        "import json, sys; sys.path[:0] = sys.argv[1:]; "
         "from launch.frontend.actions import known_tags; "
         "from launch.frontend.template import FORMS; "
         "print(json.dumps([known_tags(), sorted(FORMS)]))"
     )
-    found = subprocess.check_output([sys.executable, "-c", code, str(SHIM)], text=True)
+    folders = (str(SHIM), str(ROOT / "src" / "wsgen" / "launch" / "ros_packages"))
+    found = subprocess.check_output([sys.executable, "-c", code, *folders], text=True)
     actions, substitutions = json.loads(found)
     return (
         f"Tags: {words(actions)}; `if` and `unless` on each.\n\n"

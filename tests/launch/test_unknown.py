@@ -222,13 +222,24 @@ def test_the_actions_of_gazebo(space: InstallSpace) -> None:
     )
     assert not plan.diagnostics
     assert not plan.unresolved
-    assert [(one.package, one.executable, one.name) for one in plan.processes] == [
-        ("ros_gz_sim", "gzserver", None),
-        ("robot_state_publisher", "robot_state_publisher", None),
-        ("ros_gz_sim", "create", None),
-        ("ros_gz_bridge", "bridge_node", "bridge"),
+    assert [(one.package, one.executable) for one in plan.processes] == [
+        ("robot_state_publisher", "robot_state_publisher"),
+        ("ros_gz_sim", "create"),
     ]
-    assert len({one.line for one in plan.processes}) == 1
+    assert [(one.package, one.file.name) for one in plan.includes] == [
+        ("ros_gz_sim", "gz_server.launch.py"),
+        ("ros_gz_bridge", "ros_gz_bridge.launch.py"),
+    ]
+    assert plan.includes[1].arguments == {
+        "bridge_name": "bridge",
+        "config_file": "/w/b.yaml",
+        "container_name": "ros_gz_container",
+        "create_own_container": "False",
+        "use_composition": "False",
+        "namespace": "",
+        "use_respawn": "False",
+        "log_level": "info",
+    }
     simulator, _ = find_simulator(plan)
     assert simulator is not None
     assert (simulator.kind, simulator.world) == ("gz", "/w/a.sdf")
@@ -247,12 +258,10 @@ def test_the_actions_of_gazebo_in_a_container(space: InstallSpace, *, own: bool)
         before=ACTIONS,
     )
     assert not plan.diagnostics
-    inside = [one for one in plan.processes if one.container]
-    assert [one.executable for one in inside] == [
-        "ros_gz_sim::GzServer",
-        "ros_gz_bridge::RosGzBridge",
-    ]
-    assert len(plan.processes) == (4 if own else 2)
+    for include in plan.includes:
+        assert include.arguments["use_composition"] == "True"
+        assert include.arguments["create_own_container"] == str(own)
+        assert include.arguments["container_name"] == "box"
     simulator, _ = find_simulator(plan)
     assert simulator is not None
     assert simulator.world == "/w/a.sdf"
@@ -265,8 +274,9 @@ def test_the_actions_of_gazebo_in_xml(space: InstallSpace) -> None:
     share = space.add("my_robot", {"a.launch.xml": text})
     plan = space.evaluate(share / "a.launch.xml")
     assert not plan.diagnostics
-    assert [one.line for one in plan.processes] == [1, 2, 3]
-    assert plan.processes[1].parameters["z"] == 2
+    assert len(plan.includes) == 2
+    assert [one.line for one in plan.processes] == [2]
+    assert plan.processes[0].parameters["z"] == 2
 
 
 def test_an_included_spawner_of_gazebo(space: InstallSpace) -> None:

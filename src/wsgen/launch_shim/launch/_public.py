@@ -195,6 +195,8 @@ HOMES = {
     "launch.utilities.type_utils": "launch._utilities",
     "launch.frontend.entity": "launch.frontend.parser",
     "launch.frontend.file": "launch.frontend.parser",
+    "launch.frontend.parse_substitution": "launch.frontend.template",
+    "launch.frontend.type_utils": "launch._utilities",
     "launch_ros.descriptions": "launch_ros.utilities",
     "launch_ros.event_handlers": "launch_ros._events",
     "launch_ros.events": "launch_ros._events",

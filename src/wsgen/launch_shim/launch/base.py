@@ -11,6 +11,7 @@ from wsgen.launch.record import caller
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from launch.frontend.parser import Entity
     from launch.launch_context import LaunchContext
 
 
@@ -65,6 +66,14 @@ class Action(LaunchDescriptionEntity):
     def condition(self) -> Condition | None:
         """What decides whether it is executed."""
         return self.__condition
+
+    @classmethod
+    def parse(cls, entity: Entity, parser: Any, ignore: Iterable[str] = ()) -> tuple[Any, Any]:
+        """Itself and its keywords, from an element of XML or YAML."""
+        del parser
+        from launch.frontend.actions import keywords_of
+
+        return cls, keywords_of(cls, entity, ignore)
 
     def describe(self) -> str:
         """Itself in words."""

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from launch.base import TextSubstitution
 from launch.frontend.actions import build_all, command_line, pairs, process, texts, values
-from launch.frontend.template import parse_substitution
+from launch.frontend.template import parse_if_substitutions, parse_substitution
 from launch_ros.parameter_descriptions import ParameterFile, ParameterValue
 
 if TYPE_CHECKING:
@@ -41,7 +40,7 @@ def _parameters(entity: Entity, name: str = "param") -> list[Any]:
         if parameter.get("name", optional=True) is not None:
             raise RuntimeError("name and from attributes are mutually exclusive")
         allow = parameter.get("allow_substs", bool, optional=True)
-        parameter.require_all_read()
+        parameter.assert_entity_completely_parsed()
         found.append(
             ParameterFile(
                 parse_substitution(file),
@@ -58,12 +57,12 @@ def _parameter(entity: Entity) -> tuple[tuple[Any, ...], Any]:
     kind = _kind(entity.get("type", optional=True))
     value = entity.get("value", kind, optional=True)
     nested = entity.nested("param")
-    entity.require_all_read()
+    entity.assert_entity_completely_parsed()
     key = tuple(parse_substitution(name))
     if value is not None and nested:
         raise RuntimeError("nested parameters and value attributes are mutually exclusive")
     if value is not None:
-        return key, ParameterValue(_with_substitutions(value), value_type=kind)
+        return key, ParameterValue(parse_if_substitutions(value), value_type=kind)
     if not nested:
         raise RuntimeError("either a value attribute or nested params are needed")
     return key, dict(_parameter(one) for one in nested)
@@ -73,18 +72,6 @@ def _kind(name: str | None) -> Any:
     if name is not None and name not in _KINDS:
         raise ValueError(f"Unknown type '{name}'; it must be one of {', '.join(_KINDS)}")
     return None if name is None else _KINDS[name]
-
-
-def _with_substitutions(value: Any) -> Any:
-    """A value; where it is a text with substitutions, these; a list item by item."""
-    if isinstance(value, list):
-        return [_with_substitutions(item) for item in value]
-    if not isinstance(value, str):
-        return value
-    parts = parse_substitution(value)
-    if len(parts) == 1 and isinstance(parts[0], TextSubstitution):
-        return parts[0].text
-    return parts
 
 
 def _remappings(entity: Entity) -> list[Any]:
@@ -127,7 +114,7 @@ def _composable_nodes(entity: Entity) -> list[ComposableNode]:
             "parameters": _parameters(node),
             "extra_arguments": _parameters(node, "extra_arg"),
         }
-        node.require_all_read()
+        node.assert_entity_completely_parsed()
         found.append(ComposableNode(**keywords))
     return found
 
@@ -145,10 +132,10 @@ def _lifecycle_transition(entity: Entity) -> Keywords:
     found: dict[str, list[Any]] = {"lifecycle_node_names": [], "transition_ids": []}
     for node in entity.nested("lifecycle_node"):
         found["lifecycle_node_names"].append(parse_substitution(node.get("name")))
-        node.require_all_read()
+        node.assert_entity_completely_parsed()
     for transition in entity.nested("transition"):
         label = transition.get("type")
-        transition.require_all_read()
+        transition.assert_entity_completely_parsed()
         if label not in labels:
             raise ValueError(f"Unknown transition '{label}'; it must be one of {', '.join(labels)}")
         found["transition_ids"].append(labels[label])
@@ -174,7 +161,7 @@ def _ros_timer(entity: Entity) -> Keywords:
 
 
 def _set_parameter(entity: Entity) -> Keywords:
-    value = _with_substitutions(entity.get("value", None))
+    value = parse_if_substitutions(entity.get("value", None))
     return {**texts(entity, name="name"), "value": ParameterValue(value)}
 
 
@@ -187,24 +174,8 @@ def _namespace(entity: Entity) -> Keywords:
     return texts(entity, namespace="namespace")
 
 
-def _optional(*names: str) -> Callable[[Entity], Keywords]:
-    return lambda entity: texts(entity, **{name: f"{name}?" for name in names})
-
-
-_CONTAINER = ("container_name", "create_own_container", "use_composition")
-_POSE = ("x", "y", "z", "roll", "pitch", "yaw")
 _ACTIONS = "launch_ros.actions:"
 FORMS: dict[str, tuple[str, Callable[[Entity], Keywords]]] = {
-    "gz_server": (
-        "ros_gz_sim.actions:GzServer",
-        _optional("world_sdf_file", "world_sdf_string", *_CONTAINER),
-    ),
-    "gz_spawn_model": (
-        "ros_gz_sim.actions:GzSpawnModel",
-        _optional(
-            *("world", "file", "model_string", "topic", "entity_name", "allow_renaming"), *_POSE
-        ),
-    ),
     "lifecycle_node": (f"{_ACTIONS}LifecycleNode", _lifecycle_node),
     "lifecycle_transition": (f"{_ACTIONS}LifecycleTransition", _lifecycle_transition),
     "load_composable_node": (f"{_ACTIONS}LoadComposableNodes", _load_composable_node),
@@ -212,12 +183,6 @@ FORMS: dict[str, tuple[str, Callable[[Entity], Keywords]]] = {
     "node_container": (f"{_ACTIONS}ComposableNodeContainer", _node_container),
     "push-ros-namespace": (f"{_ACTIONS}PushROSNamespace", _namespace),
     "push_ros_namespace": (f"{_ACTIONS}PushROSNamespace", _namespace),
-    "ros_gz_bridge": (
-        "ros_gz_bridge.actions:RosGzBridge",
-        _optional(
-            *("bridge_name", "config_file", "namespace", "use_respawn", "log_level"), *_CONTAINER
-        ),
-    ),
     "ros_timer": (f"{_ACTIONS}RosTimer", _ros_timer),
     "set_parameter": (f"{_ACTIONS}SetParameter", _set_parameter),
     "set_parameters_from_file": (

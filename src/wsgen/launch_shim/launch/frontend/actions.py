@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 from launch.actions import ForEach, ForLoop, OpaqueFunction
 from launch.base import TextSubstitution
+from launch.frontend.expose import action_parse_methods, load_extensions, registered
 from launch.frontend.template import parse_substitution, unescape
 from launch.launch_context import local_of
 from wsgen.launch.record import RECORD, locate
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterable, Mapping
 
     from launch.base import Action, LaunchDescriptionEntity, SomeSubstitutionsType, Substitution
     from launch.frontend.parser import Entity
@@ -27,11 +28,9 @@ def build(entity: Entity) -> Action:
     """The action of an entity, which remembers its line."""
     around, RECORD.reading = RECORD.reading, entity.location
     try:
-        name, read = _form(entity.type_name)
-        keywords = {**condition(entity), **read(entity)}
-        entity.require_all_read()
-        module, _, action = name.partition(":")
-        made: Action = getattr(importlib.import_module(module), action)(**keywords)
+        action, keywords = _parse(entity)
+        entity.assert_entity_completely_parsed()
+        made: Action = action(**keywords)
     except Exception as error:
         locate(error, entity.location)
         raise
@@ -40,9 +39,38 @@ def build(entity: Entity) -> Action:
     return made
 
 
+def _parse(entity: Entity) -> tuple[Callable[..., Action], Keywords]:
+    form = _forms().get(entity.type_name)
+    if form is not None:
+        name, read = form
+        module, _, action = name.partition(":")
+        return getattr(importlib.import_module(module), action), {
+            **condition(entity),
+            **read(entity),
+        }
+    parse = registered(entity.type_name, action_parse_methods)
+    if parse is None:
+        raise RuntimeError(f"Unrecognized entity of the type: {entity.type_name}")
+    from launch.frontend.parser import Parser
+
+    found: tuple[Callable[..., Action], Keywords] = parse(entity, Parser())
+    return found
+
+
+def keywords_of(action: type[Action], entity: Entity, ignore: Iterable[str] = ()) -> Keywords:
+    """What an action takes from an entity, for actions of packages that go on from there."""
+    readers = dict(_forms().values())
+    bases = [f"{base.__module__}:{base.__name__}" for base in action.__mro__]
+    nothing: Callable[[Entity], Keywords] = lambda _entity: {}  # noqa: E731  a default
+    read = next((readers[base] for base in bases if base in readers), nothing)
+    if read is _executable and "cmd" in ignore:
+        read = process
+    return {**condition(entity), **read(entity)}
+
+
 def build_all(entity: Entity) -> list[Action]:
     """The actions of all nested entities."""
-    return [build(child) for child in entity.children()]
+    return [build(child) for child in entity.children]
 
 
 def condition(entity: Entity) -> Keywords:
@@ -89,7 +117,7 @@ def pairs(
     found = []
     for nested in entity.nested(name):
         one, other = nested.get(first), nested.get(second)
-        nested.require_all_read()
+        nested.assert_entity_completely_parsed()
         found.append((tuple(parse_substitution(one)), parse_substitution(other)))
     return found
 
@@ -164,7 +192,7 @@ def _group(entity: Entity) -> Keywords:
     return {
         **values(entity, bool, "scoped", "forwarding"),
         **({"launch_configurations": dict(kept)} if kept else {}),
-        "actions": [build(child) for child in entity.children() if child.type_name != "keep"],
+        "actions": [build(child) for child in entity.children if child.type_name != "keep"],
     }
 
 
@@ -241,22 +269,17 @@ _FORMS: dict[str, tuple[str, Callable[[Entity], Keywords]]] = {
 }
 
 
-def _form(tag: str) -> tuple[str, Callable[[Entity], Keywords]]:
-    """The action of a tag, and what reads its keywords."""
-    if tag in _FORMS:
-        return _FORMS[tag]
+def _forms() -> dict[str, tuple[str, Callable[[Entity], Keywords]]]:
+    """The actions of launch and launch_ros by tag, and what reads their keywords."""
     from launch_ros.frontend import FORMS
 
-    if tag in FORMS:
-        return FORMS[tag]
-    raise RuntimeError(f"Unrecognized entity of the type: {tag}")
+    return {**_FORMS, **FORMS}
 
 
 def known_tags() -> list[str]:
     """All tags, for the documentation."""
-    from launch_ros.frontend import FORMS
-
-    return sorted({*_FORMS, *FORMS})
+    load_extensions()
+    return sorted({*_forms(), *action_parse_methods})
 
 
 class ForEachOfEntities(ForEach):

@@ -11,7 +11,9 @@ import yaml
 
 from launch._utilities import SCALAR_TYPES, read_as
 from launch.base import InvalidLaunchFileError
-from launch.frontend.actions import build
+from launch.frontend.actions import build, build_all
+from launch.frontend.expose import load_extensions
+from launch.frontend.template import parse_if_substitutions, parse_substitution, unescape
 from launch.launch_description import LaunchDescription
 from wsgen.files import refuse_irregular
 from wsgen.launch.record import RECORD, locate
@@ -20,6 +22,7 @@ from wsgen.xmlsyntax import find_mistake
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
+    from launch.base import Action, Substitution
     from wsgen.launch.record import Location
 
 
@@ -56,12 +59,46 @@ def get_launch_description_from_frontend_launch_file(launch_file_path: str) -> L
         error.wsgen_hint = found.hint
         locate(error, (path, found.line))
         raise error from None
-    if root.type_name != "launch":
-        error_root = RuntimeError("Expected 'launch' as root tag")
-        locate(error_root, root.location)
-        raise error_root
-    reason = root.get("deprecated", optional=True)
-    return LaunchDescription([build(child) for child in root.children()], deprecated_reason=reason)
+    return Parser.parse_description(root)
+
+
+class Parser:
+    """What packages that add tags and substitutions read these with."""
+
+    @staticmethod
+    def load_launch_extensions() -> None:
+        """Import the packages that add some."""
+        load_extensions()
+
+    @staticmethod
+    def parse_action(entity: Entity) -> Action:
+        """The action of an entity."""
+        return build(entity)
+
+    @staticmethod
+    def parse_substitution(value: str) -> list[Substitution]:
+        """The substitutions of a text."""
+        return parse_substitution(value)
+
+    @staticmethod
+    def parse_if_substitutions(value: Any) -> Any:
+        """A value; texts in it as what they say, or as substitutions where they hold some."""
+        return parse_if_substitutions(value)
+
+    @staticmethod
+    def escape_characters(value: str) -> str:
+        """The text without the backslashes that protect something."""
+        return unescape(value)
+
+    @staticmethod
+    def parse_description(entity: Entity) -> LaunchDescription:
+        """The actions of all nested entities."""
+        if entity.type_name != "launch":
+            error = RuntimeError("Expected 'launch' as root tag")
+            locate(error, entity.location)
+            raise error
+        reason = entity.get("deprecated", optional=True)
+        return LaunchDescription(build_all(entity), deprecated_reason=reason)
 
 
 def _read(text: bytes, path: str) -> Entity:
@@ -73,6 +110,8 @@ def _read(text: bytes, path: str) -> Entity:
 
 class Entity:
     """A tag with attributes and nested entities; knows which of them were not asked for."""
+
+    parent = None  # as in the original, whose entities do not know it either
 
     def __init__(self, type_name: str, location: Location) -> None:
         self.type_name = type_name
@@ -88,15 +127,34 @@ class Entity:
         """
         raise NotImplementedError
 
+    def get_attr(
+        self, name: str, *, data_type: Any = str, optional: bool = False, can_be_str: bool = True
+    ) -> Any:
+        """An attribute, or the nested entities of a name, as packages ask for it; see `get`."""
+        kinds = get_args(data_type)
+        if kinds and isinstance(kinds[0], type) and issubclass(kinds[0], Entity):
+            found = self.nested(name)
+            if not (found or optional):
+                raise self.missing(name, data_type)
+            return found or None
+        value = self.get(name, data_type, optional=optional)
+        if isinstance(value, str) and data_type not in {str, None} and not can_be_str:
+            raise TypeError(
+                f"Attribute '{name}' of Entity '{self.type_name}' expected to be of type "
+                f"'{data_type}', got '{value}'"
+            )
+        return value
+
     def nested(self, name: str) -> list[Entity]:
         """The entities of that name which describe this one."""
         raise NotImplementedError
 
+    @property
     def children(self) -> list[Entity]:
         """All nested entities, which are actions of their own."""
         raise NotImplementedError
 
-    def require_all_read(self) -> None:
+    def assert_entity_completely_parsed(self) -> None:
         """Refuse what was not asked for, because no action knows it; ValueError."""
         raise NotImplementedError
 
@@ -135,12 +193,13 @@ class XmlEntity(Entity):
         self._known_elements.add(name)
         return [element for element in self.elements if element.type_name == name]
 
+    @property
     def children(self) -> list[Entity]:
         """See `Entity`."""
         self._known_elements.update(element.type_name for element in self.elements)
         return list(self.elements)
 
-    def require_all_read(self) -> None:
+    def assert_entity_completely_parsed(self) -> None:
         """See `Entity`."""
         tags = {element.type_name for element in self.elements} - self._known_elements
         if tags:
@@ -236,6 +295,7 @@ class YamlEntity(Entity):
             )
         return [self._entity(name, one, one) for one in content]
 
+    @property
     def children(self) -> list[Entity]:
         """See `Entity`; either the entity is the list, or it has it as `children`."""
         content = self.content
@@ -258,7 +318,7 @@ class YamlEntity(Entity):
     def _entity(self, name: str, content: Any, mapping: Any) -> YamlEntity:
         return YamlEntity(name, (self.location[0], getattr(mapping, "line", 1)), content)
 
-    def require_all_read(self) -> None:
+    def assert_entity_completely_parsed(self) -> None:
         """See `Entity`."""
         names = set(self.content) - self._read if isinstance(self.content, dict) else set()
         if names:

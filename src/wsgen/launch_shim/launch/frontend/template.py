@@ -11,6 +11,7 @@ import re
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from launch.base import TextSubstitution
+from launch.frontend.expose import registered, substitution_parse_methods
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -30,6 +31,18 @@ def parse_substitution(text: str) -> list[Substitution]:
         return [TextSubstitution(text=unescape(text))]
     found, _ = _Reader(text).template(0, "")
     return found
+
+
+def parse_if_substitutions(value: Any) -> Any:
+    """A value; where it is a text with substitutions, these; a list item by item."""
+    if isinstance(value, list):
+        return [parse_if_substitutions(item) for item in value]
+    if not isinstance(value, str):
+        return value
+    parts = parse_substitution(value)
+    if len(parts) == 1 and isinstance(parts[0], TextSubstitution):
+        return parts[0].text
+    return parts
 
 
 def unescape(text: str) -> str:
@@ -145,7 +158,12 @@ def make(name: str, arguments: Arguments) -> Substitution:
     """The substitution of that name."""
     form = FORMS.get(name)
     if form is None:
-        raise RuntimeError(f"Unknown substitution: {name}")
+        parse = registered(name, substitution_parse_methods)
+        if parse is None:
+            raise RuntimeError(f"Unknown substitution: {name}")
+        exposed, values = parse(arguments)
+        made_by_package: Substitution = exposed(**values)
+        return made_by_package
     made: Callable[..., Substitution] = getattr(importlib.import_module(form.module), form.name)
     if form.takes_list:
         return made(*arguments) if name in {"all", "any"} else made(arguments)

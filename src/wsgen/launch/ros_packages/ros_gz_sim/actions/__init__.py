@@ -5,53 +5,28 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from launch.base import Action
+from launch.frontend.expose import expose_action
 from launch_ros.actions import Node
-from wsgen.launch.ros_packages.containers import in_container
+from wsgen.launch.ros_packages.including import CONTAINER, IncludingAction, attributes_of
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from launch.base import LaunchDescriptionEntity
+    from launch.frontend.parser import Entity
     from launch.launch_context import LaunchContext
 
 
-# Of newer releases; they decide nothing about what is started.
-_HOW_IT_RUNS = {"initial_sim_time", "start_paused", "verbosity_level"}
-
-
-class GzServer(Action):
+@expose_action("gz_server")
+class GzServer(IncludingAction):
     """Starts the server of Gazebo, as a process or in a container."""
 
-    def __init__(
-        self,
-        *,
-        world_sdf_file: Any = "",
-        world_sdf_string: Any = "",
-        container_name: Any = "ros_gz_container",
-        create_own_container: Any = False,
-        use_composition: Any = False,
-        **kwargs: Any,
-    ) -> None:
-        for name in _HOW_IT_RUNS & set(kwargs):
-            del kwargs[name]
-        super().__init__(**kwargs)
-        self.__world = {"world_sdf_file": world_sdf_file, "world_sdf_string": world_sdf_string}
-        self.__container = (container_name, create_own_container, use_composition)
-
-    def execute(self, context: LaunchContext) -> list[LaunchDescriptionEntity]:
-        """Start it."""
-        inside = in_container(
-            context,
-            self.__container,
-            package="ros_gz_sim",
-            plugin="ros_gz_sim::GzServer",
-            name="gz_server",
-            parameters=[self.__world],
-        )
-        node = Node(package="ros_gz_sim", executable="gzserver", parameters=[self.__world])
-        made: LaunchDescriptionEntity = inside or node
-        made.wsgen_location = self.wsgen_location
-        return [made]
+    launch_file = ("ros_gz_sim", "gz_server.launch.py")
+    defaults = {"world_sdf_file": "", "world_sdf_string": "", **CONTAINER}  # noqa: RUF012
+    ignored = frozenset(("initial_sim_time", "start_paused", "verbosity_level"))
 
 
+@expose_action("gz_spawn_model")
 class GzSpawnModel(Action):
     """Puts a model into the world."""
 
@@ -87,6 +62,14 @@ class GzSpawnModel(Action):
             "P": pitch,
             "Y": yaw,
         }
+
+    @classmethod
+    def parse(cls, entity: Entity, parser: Any, ignore: Iterable[str] = ()) -> tuple[Any, Any]:
+        """Itself and its keywords, from an element of XML or YAML."""
+        _, keywords = super().parse(entity, parser, ignore)
+        names = (*("world", "file", "model_string", "topic", "entity_name"), "allow_renaming")
+        pose = ("x", "y", "z", "roll", "pitch", "yaw")
+        return cls, {**keywords, **attributes_of(entity, parser, (), (*names, *pose))}
 
     def execute(self, context: LaunchContext) -> list[LaunchDescriptionEntity]:
         """Start the program that does it."""
