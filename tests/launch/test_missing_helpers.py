@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import os
 from typing import TYPE_CHECKING
 
 import pytest
 
+from wsgen.source_shares import serve_sources
+
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from install_space import InstallSpace
     from wsgen.model.plan import LaunchPlan
 
@@ -157,6 +162,18 @@ def test_a_program_that_is_not_compiled_here(space: InstallSpace, declared: str)
     if declared == "rclcpp":
         assert "driver of my_robot (line " in plan.diagnostics[-1].message
     assert [process.executable for process in plan.processes] == ["driver", "talkerr.py", None]
+
+
+def test_a_program_of_a_package_that_is_not_built(space: InstallSpace, tmp_path: Path) -> None:
+    source, folder = tmp_path / "talkers", tmp_path / "prefixes"
+    source.mkdir()
+    environment = serve_sources({"talkers": source}, folder, {})
+    path = f"{space.prefix}{os.pathsep}{environment.pop('AMENT_PREFIX_PATH')}"
+    plan = space.play(
+        f"Node(package='talkers', executable='talker'), {KNOWN}",
+        environment={**environment, "AMENT_PREFIX_PATH": path},
+    )
+    assert_goes_on(plan)
 
 
 def test_modules_of_released_packages_are_unknown(space: InstallSpace) -> None:

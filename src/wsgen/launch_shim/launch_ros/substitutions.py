@@ -11,6 +11,7 @@ from launch._utilities import normalize_to_list_of_substitutions, perform_substi
 from launch.base import Substitution, SubstitutionFailure
 from wsgen.launch import known_packages
 from wsgen.launch.record import RECORD
+from wsgen.source_shares import is_source
 
 if TYPE_CHECKING:
     from launch.base import SomeSubstitutionsType
@@ -46,7 +47,7 @@ class ExecutableInPackage(Substitution):
         is_shim = prefix == known_packages.prefix() and not os.path.isdir(folder)
         is_missing = (
             known_packages.has_misspelled(package, executable)
-            if is_shim
+            if is_shim or is_source(folder)
             else not os.access(path, os.X_OK)
         )
         if is_missing:
