@@ -41,6 +41,19 @@ def test_what_xacro_writes(
     assert not Path(file).exists()
 
 
+@pytest.mark.parametrize(("word", "count"), [("'size:=', rclpy.size", 1), ("'-', rclpy.size", 0)])
+def test_arguments_that_are_unknown(space: InstallSpace, word: str, count: int) -> None:
+    model = space.add("my_robot", {"model/r.xacro": ROBOT}) / "model" / "r.xacro"
+    plan = space.play(
+        f"ExecuteProcess(cmd=['xacro', '-o', 'r.urdf', '{model}', [{word}]])",
+        before="import rclpy",
+    )
+    assert not plan.diagnostics
+    assert len(plan.written) == count
+    assert all("link_1" in text for text in plan.written.values())
+    assert any("xacro" in entry.what for entry in plan.unresolved)
+
+
 def test_the_launch_file_can_read_what_it_writes(space: InstallSpace, tmp_path: Path) -> None:
     model = space.add("my_robot", {"model/r.xacro": ROBOT}) / "model" / "r.xacro"
     plan = space.play(

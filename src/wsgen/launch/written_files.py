@@ -44,9 +44,12 @@ def note(process: Process, location: Location | None, *, shell: bool) -> None:
         output = None if xacro is None else _take_output(xacro)
         if xacro is None or output is None or RECORD.run_xacro is None:
             continue
-        if RECORD.is_unknown(" ".join(command)):
+        unknown = [word for word in (*xacro, output) if RECORD.is_unknown(word)]
+        if unknown:
             RECORD.note_unresolved(shlex.join(command), "a part of it is not known", location)
+        if not all(":=" in word for word in unknown):
             continue
+        xacro = [word for word in xacro if word not in unknown]  # the defaults of the xacro file
         outcome = RECORD.run_xacro(xacro)
         RECORD.note_unused_xacro_arguments(outcome.unused, location)
         if outcome.code != 0:
