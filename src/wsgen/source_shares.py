@@ -42,15 +42,25 @@ def is_source(share: str) -> bool:
 
 
 def name_sources(answer: Any, environment: Mapping[str, str]) -> Any:
-    """The answer of a child, as JSON gives it, with the source folders in place of the links."""
+    """The answer of a child, as JSON gives it, with the source folders in place of the links.
+
+    The `share` of a prefix, which model paths name, becomes the folder that the source lies in, if
+    that has it under the name of the package.
+    """
     folder = environment.get(VARIABLE)
     if folder is None:
         return answer
-    link = re.compile(rf"{re.escape(folder)}/([\w-]+)/share/\1(?![\w-])")
+    prefix = re.compile(rf"{re.escape(folder)}/([\w-]+)/share(/\1)?(?![\w-])")
+
+    def name_source(found: re.Match[str]) -> str:
+        source = Path(folder, found[1], "share", found[1]).readlink()
+        if found[2]:
+            return str(source)
+        return str(source.parent) if source.name == found[1] else found[0]
 
     def name(part: Any) -> Any:
         if isinstance(part, str):
-            return link.sub(lambda found: str(Path(found[0]).readlink()), part)
+            return prefix.sub(name_source, part)
         if isinstance(part, list):
             return [name(one) for one in part]
         if isinstance(part, dict):

@@ -39,6 +39,7 @@ def test_the_plan_names_the_source(workspace: KindOfWorkspace) -> None:
         assert "world:=src/trolley_description/worlds/yard.world" in answer.output
         assert "from src/trolley_description/urdf/trolley.urdf.xacro" in answer.output
         assert "info[PKG065]" in answer.output
+        assert "wsgen-" not in answer.output
     assert workspace.wsgen("launch", launch_file, "--play").code == 0
 
 

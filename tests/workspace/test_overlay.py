@@ -90,8 +90,9 @@ def test_the_source_of_a_package_that_was_not_built(workspace: Workspace) -> Non
                 require_share(overlay, workspace, "broken")
             path = overlay.environment["AMENT_PREFIX_PATH"]
             link = Path(path.split(os.pathsep)[-1], "share", "late")
-            answer = {"paths": [f"{link}/launch", f"{link}_x", 3]}
-            named = {"paths": [f"{package}/launch", f"{link}_x", 3]}
+            lib = f"{link.parents[1]}/lib"
+            answer = {"paths": [f"{link}/launch", f"{link}_x", f"{link.parent}:{lib}", 3]}
+            named = {"paths": [f"{package}/launch", f"{package}_x", f"{package.parent}:{lib}", 3]}
             assert name_sources(answer, overlay.environment) == named
         assert not link.exists()
     finally:

@@ -91,10 +91,11 @@ def _with_not_built(
     outcomes: tuple[PackageOutcome, ...], overlay: Overlay
 ) -> tuple[PackageOutcome, ...]:
     """Say once, with the first outcome, which packages are used without having been built."""
-    first = outcomes[0]
-    return (
-        replace(first, diagnostics=(*first.diagnostics, *overlay.not_built())),
-        *outcomes[1:],
+    return tuple(
+        replace(outcome, diagnostics=(*outcome.diagnostics, *overlay.not_built()))
+        if number == 0
+        else outcome
+        for number, outcome in enumerate(outcomes)
     )
 
 
@@ -259,17 +260,18 @@ def _overlays_of_files(
     stack: ExitStack,
 ) -> list[Overlay]:
     """For each file the overlay of the workspace and of the packages around the file."""
-    of_folders: dict[Path, Overlay] = {}
     folders = [file.resolve().parent for file in files]
-    for folder in folders:
-        if folder in of_folders:
-            continue
-        places = dict.fromkeys(filter(None, (workspace, workspace_around(folder))))
-        overlay = overlay_of(environment)
-        with suppress(NotFoundError, NotReadableError):  # it may need nothing of a broken workspace
-            overlay = stack.enter_context(open_overlay([*places], environment, near=folder))
-        of_folders[folder] = overlay
-    return [of_folders[folder] for folder in folders]
+    places = {
+        folder: tuple(dict.fromkeys(filter(None, (workspace, workspace_around(folder)))))
+        for folder in dict.fromkeys(folders)
+    }
+    overlays: dict[tuple[Workspace, ...], Overlay] = {}
+    for folder, found in places.items():
+        if found not in overlays:
+            overlays[found] = overlay_of(environment)
+            with suppress(NotFoundError, NotReadableError):  # it may need nothing of what is broken
+                overlays[found] = stack.enter_context(open_overlay(found, environment, near=folder))
+    return [overlays[places[folder]] for folder in folders]
 
 
 def _make_folder(folder: Path) -> None:

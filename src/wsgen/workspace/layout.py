@@ -197,10 +197,9 @@ def find_source_tree(start: Path) -> Workspace | None:
     if package is None:
         return Workspace(root=start) if start in folders and _holds_packages(start) else None
     beside = package.parent
-    has_others = beside in folders and any(
-        file.parent != package for file in beside.glob("*/package.xml")
-    )
-    return Workspace(root=beside if has_others else package)
+    has_others = any(file.parent != package for file in beside.glob("*/package.xml"))
+    is_whole = has_others and beside in folders and _holds_packages(beside, package)
+    return Workspace(root=beside if is_whole else package)
 
 
 def workspace_of_source_folder(start: Path) -> Workspace | None:

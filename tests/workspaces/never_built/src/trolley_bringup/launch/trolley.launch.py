@@ -1,8 +1,8 @@
 import os
 
-from ament_index_python.packages import get_package_share_directory
+from ament_index_python.packages import get_package_prefix, get_package_share_directory
 from launch import LaunchDescription
-from launch.actions import IncludeLaunchDescription
+from launch.actions import AppendEnvironmentVariable, IncludeLaunchDescription
 from launch.launch_description_sources import PythonLaunchDescriptionSource
 from launch.substitutions import PathJoinSubstitution
 from launch_ros.actions import Node
@@ -11,6 +11,9 @@ from launch_ros.substitutions import FindPackageShare
 
 def generate_launch_description():
     description = get_package_share_directory('trolley_description')
+    models = AppendEnvironmentVariable(
+        'GAZEBO_MODEL_PATH', os.path.join(get_package_prefix('trolley_description'), 'share')
+    )
     gazebo = IncludeLaunchDescription(
         PythonLaunchDescriptionSource(
             os.path.join(get_package_share_directory('gazebo_ros'), 'launch', 'gazebo.launch.py')
@@ -27,4 +30,4 @@ def generate_launch_description():
         executable='spawn_entity.py',
         arguments=['-entity', 'trolley', '-topic', 'robot_description', '-z', '0.3'],
     )
-    return LaunchDescription([gazebo, model, spawn])
+    return LaunchDescription([models, gazebo, model, spawn])
