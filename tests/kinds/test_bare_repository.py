@@ -24,6 +24,19 @@ def test_validated_in_place(clone: KindOfWorkspace, inside: str) -> None:
     assert clone.wsgen("launch", str(clone.root / "launch/sled.launch.py"), "--play").code == 0
 
 
+def test_built_in_place(clone: KindOfWorkspace) -> None:
+    """Then there are two launch files below its root, and the installed one counts."""
+    assert clone.wsgen("build").code == 0
+    answer = clone.wsgen("validate", "--format", "json")
+    (package,) = answer.document["packages"]
+    assert (answer.code, package["diagnostics"]) == (0, [])
+    assert package["share"].endswith("install/sled/share/sled")
+    (clone.root / "install/sled/share/ament_index/resource_index/packages/sled").unlink()
+    answer = clone.wsgen("validate", "--format", "json")
+    (package,) = answer.document["packages"]
+    assert (answer.code, [found["code"] for found in package["diagnostics"]]) == (0, ["PKG065"])
+
+
 def test_the_files_of_its_robot(clone: KindOfWorkspace) -> None:
     """The URDF is expanded as it uses xacro; the file that it includes is no robot."""
     answer = clone.wsgen("validate", "urdf/runners.xacro", "urdf/sled.urdf", "--format", "json")
@@ -42,7 +55,9 @@ def test_what_an_included_file_lacks(clone: KindOfWorkspace) -> None:
     answer = clone.wsgen("validate", "urdf/runners.xacro", "--format", "json")
     (found,) = answer.document["packages"][0]["diagnostics"]
     assert found["code"] == "ROB071"
-    assert found["hint"].endswith("wsgen validate urdf/sled.urdf")
+    assert found["hint"].endswith(
+        "Or validate the file that includes it: wsgen validate urdf/sled.urdf"
+    )
 
 
 def test_an_included_file_with_links(clone: KindOfWorkspace) -> None:

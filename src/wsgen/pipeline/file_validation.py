@@ -182,8 +182,9 @@ class FileValidation:
             hint = f"Validate the file that includes it: wsgen validate {os.path.relpath(whole)}"
         if XACRO_FILE_FAILS.code in codes:
             if whole is not None:
+                failed = self.diagnostics[-1]
                 self.diagnostics[-1] = replace(
-                    self.diagnostics[-1], hint=f"{self.diagnostics[-1].hint} {hint}"
+                    failed, hint=f"{failed.hint} Or {hint[0].lower()}{hint[1:]}"
                 )
             return True
         if whole is None and not macros:

@@ -266,9 +266,10 @@ def read_package(folder: Path) -> PackageFolder | None:
 
 
 def find_launch_files(folder: Path) -> tuple[Path, ...]:
-    """List the launch files below a folder, by path."""
+    """List the launch files below a folder, by path; not those of builds, which colcon ignores."""
     found = {file for pattern in LAUNCH_FILES for file in folder.rglob(pattern) if file.is_file()}
-    return tuple(sorted(found))
+    ignored = [marker.parent for marker in folder.glob("*/COLCON_IGNORE")]
+    return tuple(sorted(file for file in found if not any(map(file.is_relative_to, ignored))))
 
 
 def crawl(root: Path, *, with_ignored: bool = False) -> Iterator[tuple[Path, frozenset[str]]]:
