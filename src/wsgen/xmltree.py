@@ -7,6 +7,7 @@ or grow without end.
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 from lxml import etree
@@ -78,6 +79,9 @@ def parse_as_tinyxml(text: str) -> Element | None:
     return root if is_harmless else None
 
 
+QUOTED = re.compile(rb"""=\s*("[^"]*"|'[^']*')""")
+
+
 def parse_numbers(content: bytes) -> Element | Malformed:
     """The root element of a file whose texts are long lists of numbers.
 
@@ -95,6 +99,10 @@ def parse_numbers(content: bytes) -> Element | Malformed:
     for noted in parser.error_log:
         if noted.type == etree.ErrorTypes.ERR_DOCUMENT_END:
             break
+        if noted.type == etree.ErrorTypes.ERR_LT_IN_ATTRIBUTE:  # tinyxml2 takes it
+            quoted = QUOTED.sub(lambda found: found[0].replace(b"<", b"&lt;"), content)
+            if quoted != content:
+                return parse_numbers(quoted)
         if noted.type not in HARMLESS:
             return Malformed(message=noted.message, line=noted.line or 1)
     return Malformed(message="the document is empty", line=1) if root is None else root

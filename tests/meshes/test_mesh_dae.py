@@ -133,3 +133,11 @@ def test_what_is_not_plain_pybullet_reads_otherwise(tmp_path: Path) -> None:
         pybullet.disconnect(session)
     assert np.allclose(found, NODES["rotate"][1], atol=MARGIN)
     assert not np.allclose(found, expected, atol=MARGIN)
+
+
+def test_angle_brackets_in_names_are_read_as_tinyxml2_reads_them() -> None:
+    """MeshLab writes `<node id="<STL_BINARY>">`."""
+    text = mesh_samples.dae(node=mesh_samples.PLACED)
+    assert "<node" in text
+    odd = text.replace("<node", '<node sid="<STL_BINARY>"', 1)
+    assert np.array_equal(read_dae(odd.encode()).corners, read_dae(text.encode()).corners)

@@ -53,9 +53,13 @@ def test_what_is_not_said_about_the_mass_is_1(read: Read) -> None:
     expected = Inertial(mass=1, inertia=(1, 0, 0, 1, 0, 1))
     assert link_of(read(model("<inertial><mass/></inertial>"))).inertial == expected
     file = read(model(""))
+    # It is a warning in a robot alone.
     assert [(found.code, found.severity) for found in file.diagnostics] == [
-        ("WLD035", Severity.WARNING)
+        ("WLD035", Severity.INFO)
     ]
+    joint = '<joint name="j" type="fixed"><parent>l</parent><child>arm</child></joint>'
+    whole = read(f'<model name="m"><link name="l"/><link name="arm"/>{joint}</model>')
+    assert {found.severity for found in whole.diagnostics} == {Severity.WARNING}
     robot = file.models[0].robot
     assert robot is not None
     assert robot.links[0].inertial == expected

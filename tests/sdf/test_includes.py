@@ -363,4 +363,17 @@ def test_a_model_that_is_found_is_not_left_to_gazebo(read: Read, models: Path) -
 def test_a_model_whose_include_is_left_out_has_no_missing_link(read: Read) -> None:
     include = "<include><uri>model://nosuch</uri></include>"
     file = read(f'<world name="w"><model name="m">{include}</model></world>')
-    assert [found.code for found in file.diagnostics] == ["WLD004", "WLD006"]
+    assert [found.code for found in file.diagnostics] == ["WLD004"]
+    assert file.world is not None
+    assert file.world.has_ground_plane  # what is not found may be the ground
+
+
+def test_a_model_that_only_wraps_what_is_static_is_static(read: Read, models: Path) -> None:
+    write_model(models / "wall", f'<model name="wall"><static>true</static>{LINK}</model>')
+    wrapped = '<model name="m"><include><uri>model://wall</uri></include>{}</model>'
+    (model,) = read(f'<world name="w">{GROUND}{wrapped.format("")}</world>').models
+    assert model.is_static
+    assert model.robot is not None
+    assert model.robot.is_static
+    with_own = read(f'<world name="w">{GROUND}{wrapped.format(LINK)}</world>')
+    assert [found.code for found in with_own.diagnostics] == ["WLD048"]

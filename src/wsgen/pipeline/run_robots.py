@@ -11,7 +11,14 @@ from wsgen.model.outcome import Rest, RobotOutcome, Simulated
 from wsgen.pipeline.clock import DRAW
 from wsgen.rules.check import check_run
 from wsgen.rules.consequences import fold_consequences, joints_beyond_limits
-from wsgen.rules.runs import KEEPS_MOVING, TIPS_OVER, engines_disagree
+from wsgen.rules.runs import (
+    KEEPS_MOVING,
+    OVERLAPPING_ROBOTS,
+    SPAWNED_IN_GROUND,
+    STUCK_IN_GROUND,
+    TIPS_OVER,
+    engines_disagree,
+)
 from wsgen.simulation.contact_shapes import MOST_LINKS, most_parts
 from wsgen.simulation.run import missing_engines, run_simulation
 from wsgen.simulation.scene import Scene, SpawnedRobot
@@ -31,7 +38,11 @@ if TYPE_CHECKING:
     from wsgen.simulation.scene import RobotRun, SimulationOutcome
 
 
-MOVES = {KEEPS_MOVING.code, TIPS_OVER.code}
+# What models of a world may do that are no robots: lie in each other or in the ground, and move.
+MOVES = {
+    rule.code
+    for rule in (KEEPS_MOVING, TIPS_OVER, STUCK_IN_GROUND, SPAWNED_IN_GROUND, OVERLAPPING_ROBOTS)
+}
 ENGINE_NAMES = {"bullet": "PyBullet", "dart": "DART"}
 
 

@@ -40,7 +40,7 @@ def check_robot(
         *robots.number_beyond_engines(written.links, written.joints, file),
         *robots.implausible_size(written.links, written.joints, file),
         *robots.implausible_mass(written.links, written.joints, file),
-        *robots.implausible_inertia(written.links, file),
+        *robots.implausible_inertia(written.links, file, written.joints),
         *robots.massless_root(written.link(written.root), written.joints, written.mass, file),
         *robots.ros_1_plugin(written.gazebo, file),
         *robots.no_collision(written.links, file),

@@ -179,6 +179,7 @@ IMPLAUSIBLE_INERTIA = Rule(
     code="ROB050",
     name="implausible-inertia",
     severity=Severity.WARNING,
+    severity_varies="an information of a link that a fixed joint attaches: only the sum counts",
     summary="The inertia of a link does not fit its mass and shape.",
     what="For a link with one primitive shape, compares the largest principal moment with that of "
     "a homogeneous body of this shape and the link's mass. The two may differ by a factor of 30.",
@@ -205,8 +206,11 @@ IMPLAUSIBLE_INERTIA = Rule(
 )
 
 
-def implausible_inertia(links: Iterable[Link], file: Path | None) -> Iterator[Diagnostic]:
+def implausible_inertia(
+    links: Iterable[Link], file: Path | None, joints: Iterable[Joint] = ()
+) -> Iterator[Diagnostic]:
     """Report inertias that do not fit the mass and the shape of the link."""
+    lumped = {joint.child for joint in joints if joint.type is JointType.FIXED}
     for link in links:
         shapes = [collision.geometry for collision in link.collisions]
         shapes = shapes or [visual.geometry for visual in link.visuals]
@@ -228,6 +232,7 @@ def implausible_inertia(links: Iterable[Link], file: Path | None) -> Iterator[Di
             message=f"The inertia of the link `{link.name}` ({largest:.4g} kg m²) is "
             f"{_ratio(times)} that of {_described(shape)} of {link.inertial.mass:g} kg.",
             hint=f"For a homogeneous body: {as_attributes(solid)} (kg m², the products 0).",
+            severity=Severity.INFO if link.name in lumped else None,
         )
 
 

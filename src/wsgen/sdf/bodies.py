@@ -45,6 +45,7 @@ DEFAULT_INERTIA = Rule(
     code="WLD035",
     name="default-inertia",
     severity=Severity.WARNING,
+    severity_varies="an information in a model without joints",
     summary="A link of a model that can move has no `<inertial>`.",
     why="Gazebo gives the link 1 kg and 1 kg m², the inertia of a body of 2.4 m. A small link is "
     "then far too heavy and turns far too slowly.",
@@ -206,12 +207,15 @@ def _read_inertial(node: Node, name: str, collisions: Sequence[Collision]) -> In
     element = first(link, "inertial")
     if element is None:
         if not node.scope.is_static:
+            # A single box of 1 kg is often what is meant; a sensor of 1 kg on a robot is not.
+            counts = any(node.scope.own("joint")) or (link, "inertial") in source.misspelled
             source.report_missing(
                 DEFAULT_INERTIA,
                 f"The link `{name}` has no <inertial>: Gazebo gives it 1 kg and 1 kg m².",
                 at=link,
                 child="inertial",
                 hint="Give it its own mass and inertia, or make the model static.",
+                severity=Severity.WARNING if counts else Severity.INFO,
             )
         return DEFAULT_INERTIAL
     if is_automatic(source, element):

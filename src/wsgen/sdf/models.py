@@ -310,6 +310,12 @@ def _read_node(includes: Includes, node: Node, poses: Poses) -> SdfModel:
     pose = poses[node]
     if node.inside is None:
         return _read_urdf(includes, node, pose)
+    scopes = [scope for scope in node.inside.below() if any(scope.own("link"))]
+    if scopes and all(scope.is_static for scope in scopes):  # those around what is static
+        node.is_static = node.inside.is_static = True
+    scopes = [scope for scope in node.inside.below() if any(scope.own("link"))]
+    if scopes and all(scope.is_static for scope in scopes):  # it only wraps what never moves
+        node.is_static = node.inside.is_static = True
     # Most worlds that robots are spawned into have only sun and ground, and need none of this.
     from wsgen.sdf.assembly import assemble  # noqa: PLC0415
 
@@ -363,10 +369,12 @@ def _is_only_ground(model: SdfModel) -> bool:
 
 def _carries(node: Node, model: SdfModel) -> bool:
     """Whether others can stand on it; a terrain carries even where wsgen cannot read it."""
-    if not model.is_static:
-        return False
-    return next(node.element.iter("heightmap"), None) is not None or (
-        model.robot is not None and any(link.collisions for link in model.robot.links)
+    if next(node.element.iter("heightmap"), None) is not None:
+        return True
+    return (
+        model.is_static
+        and model.robot is not None
+        and any(link.collisions for link in model.robot.links)
     )
 
 
@@ -532,7 +540,8 @@ def _read_world(source: Source, element: Element, includes: Includes) -> SdfFile
     world_models = read_world_models(Contents(includes).world(source, element), includes)
     world = describe_world(source, element, world_models.placed, has_ground=world_models.has_ground)
     if not world_models.carry:
-        if includes.blame_misspelled_ground() or includes.has_left_to_gazebo:
+        # What is left out may be what robots stand on.
+        if includes.blame_misspelled_ground() or includes.left_out or includes.has_left_to_gazebo:
             world = replace(world, has_ground_plane=True)  # what was meant, for the simulation
         check_ground(source, element, world)
     return SdfFile(world=world, models=world_models.models)

@@ -333,10 +333,13 @@ def _check_value(  # noqa: PLR0913  what, where, and whether it counts
                 path=path,
             )
     elif key == "material" and text.startswith("Gazebo/") and text not in GAZEBO_COLORS:
+        message = f"Gazebo has no material `{text}`."
+        if any(found.message == message for found in collector.diagnostics):
+            return  # once for each name
         near = nearest(text, GAZEBO_COLORS)
         collector.report(
             UNKNOWN_GAZEBO_MATERIAL,
-            f"Gazebo has no material `{text}`.",
+            message,
             hint=did_you_mean(near) if near else "Use Gazebo/Grey, Gazebo/Red, …",
             at=element,
             path=path,

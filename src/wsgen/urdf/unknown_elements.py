@@ -110,7 +110,8 @@ def check_spelling(collector: Collector, element: Element, path: str) -> None:
             value = child.get(identifier)
             inside = child.tag if value is None else f"{child.tag}[@{identifier}='{value}']"
         if child.tag in known:
-            check_spelling(collector, child, inside)
+            if element.tag != "gazebo":  # what is in its elements is SDF
+                check_spelling(collector, child, inside)
             continue
         near = meant_element(child.tag, known)
         if near is not None:
