@@ -377,3 +377,16 @@ def test_a_model_that_only_wraps_what_is_static_is_static(read: Read, models: Pa
     assert model.robot.is_static
     with_own = read(f'<world name="w">{GROUND}{wrapped.format(LINK)}</world>')
     assert [found.code for found in with_own.diagnostics] == ["WLD048"]
+
+
+def test_a_relative_address_in_the_folders_of_models(read: Read, models: Path) -> None:
+    write_model(models / "wall", f'<model name="wall">{LINK}</model>')
+    (models.parent / "worlds").mkdir()
+    file = read(f'<world name="w">{GROUND}<include><uri>models/wall</uri></include></world>')
+    assert file.diagnostics == ()
+    world = models.parent / "worlds" / "w.sdf"
+    include = f'<world name="w">{GROUND}<include><uri>wall</uri></include></world>'
+    world.write_text(f'<sdf version="1.9">{include}</sdf>')
+    found = read_sdf(world, find_model=model_finder(world, {"GZ_SIM_RESOURCE_PATH": str(models)}))
+    assert found.diagnostics == ()
+    assert [model.name for model in found.models] == ["wall"]

@@ -16,6 +16,7 @@ from wsgen.sdf.lookup import (
     instead_of_file,
     is_file,
     is_folder,
+    is_there,
     models_around,
 )
 from wsgen.sdf.source import load, parse_text, with_version
@@ -292,14 +293,18 @@ class Includes:
     def path(self, source: Source, uri: str) -> Path | None:
         """The file or folder of an address, whether it exists or not; None if that is unknown.
 
-        A relative path is relative to the folder of the file that it is written in.
+        A relative path is relative to the folder of the file that it is written in, or to one of
+        the folders of models.
         """
         scheme, separator, rest = uri.partition("://")
         if not separator or scheme == "file":
             written = unquote(rest) if separator else uri
             if source.file is None:
                 return Path(written) if Path(written).is_absolute() else None
-            return source.file.parent.absolute() / written
+            beside = source.file.parent.absolute() / written
+            # Gazebo also looks for it in the folders of models.
+            elsewhere = None if separator or is_there(beside) else self._folder(f"model://{uri}")
+            return elsewhere or beside
         if scheme in {"http", "https"}:
             address = address_of(uri)
             folder = None if address is None else self._folder(uri)
