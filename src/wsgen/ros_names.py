@@ -6,6 +6,8 @@ from functools import cache
 from pathlib import Path
 
 ROSDEP = "rosdep"
+ROS_NAMES = Path(__file__).with_name("ros-names.txt")
+CMAKE_NAMES = Path(__file__).with_name("cmake-names.txt")
 
 
 def released_packages() -> dict[str, tuple[str, ...]]:
@@ -26,9 +28,15 @@ def rosdep_keys() -> frozenset[str]:
     return frozenset(_blocks()[ROSDEP])
 
 
+def cmake_packages() -> frozenset[str]:
+    """Other names that find_package() of a ROS package may ask for: Gazebo's, and libraries."""
+    lines = CMAKE_NAMES.read_text(encoding="utf-8").splitlines()
+    return frozenset(name for line in lines if not line.startswith("#") for name in line.split())
+
+
 @cache
 def _blocks() -> dict[str, list[str]]:
     """The names below each heading of the file."""
-    text = Path(__file__).with_name("ros-names.txt").read_text(encoding="utf-8")
+    text = ROS_NAMES.read_text(encoding="utf-8")
     blocks = (block.partition(":\n") for block in text.split("\n\n")[1:])
     return {heading: names.split() for heading, _, names in blocks}

@@ -12,12 +12,15 @@ from wsgen.build.request import (
     blocked_extensions,
     build_arguments,
 )
+from wsgen.build.source_packages import (
+    WITHOUT_TESTS,
+)
 from wsgen.workspace.layout import Inventory, Workspace
 
 
 def test_the_user_s_arguments_stay_together() -> None:
     arguments = build_arguments(
-        ["demo"], ["--merge-install", "--cmake-args", "-DA=1"], without_tests=True
+        ["demo"], ["--merge-install", "--cmake-args", "-DA=1"], cmake_arguments=(WITHOUT_TESTS,)
     )
     assert arguments[:4] == ["build", "--merge-install", "--cmake-args", "-DA=1"]
     assert arguments[4:8] == [
@@ -31,7 +34,9 @@ def test_the_user_s_arguments_stay_together() -> None:
 def test_an_option_is_not_given_twice() -> None:
     """colcon takes the last one and forgets the first."""
     arguments = build_arguments(
-        [], ["--ament-cmake-args", "-DA=1", "--event-handlers", "summary+"], without_tests=True
+        [],
+        ["--ament-cmake-args", "-DA=1", "--event-handlers", "summary+"],
+        cmake_arguments=(WITHOUT_TESTS,),
     )
     assert arguments == [
         "build",
@@ -51,12 +56,12 @@ def test_an_option_is_not_given_twice() -> None:
     ],
 )
 def test_colcon_is_silent(blocked: tuple[str, ...], silenced: list[str]) -> None:
-    arguments = build_arguments([], [], without_tests=False, blocked=blocked)
+    arguments = build_arguments([], [], blocked=blocked)
     assert arguments == ["build", "--event-handlers", *silenced]
 
 
 def test_colcon_gets_no_option_for_what_is_blocked() -> None:
-    arguments = build_arguments([], [], without_tests=False, blocked=("colcon_core.event_handler",))
+    arguments = build_arguments([], [], blocked=("colcon_core.event_handler",))
     assert arguments == ["build"]
 
 

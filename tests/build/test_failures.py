@@ -38,8 +38,8 @@ CMAKE_CASES = {
         ("BLD003", 6, "the file model/robot.urdf", "Did you mean `robot.xacro`?"),
     ),
     "needs a package that is not there": (
-        CMAKE.replace("install(", "find_package(gazebo_msgs REQUIRED)\ninstall("),
-        ("BLD008", 4, "gazebo_msgs", "Source a ROS that has it"),
+        CMAKE.replace("install(", "find_package(frobnicator REQUIRED)\ninstall("),
+        ("BLD008", 4, "frobnicator", "Source a ROS that has it"),
     ),
     "misspells a package": (
         CMAKE.replace("find_package(ament_cmake", "find_package(ament_cmak"),
@@ -434,8 +434,9 @@ def test_empy_4(tmp_path: Path) -> None:
 def test_no_compiler(tmp_path: Path) -> None:
     write_package(tmp_path, cmake=CMAKE.replace("demo LANGUAGES NONE", "demo "))
     path = link_programs(tmp_path / "programs", *SHELL_PROGRAMS)
-    result = build_here(tmp_path, environment={**outside(), "PATH": str(path)})
-    diagnostic = only(result)
+    environment = {**outside(), "PATH": str(path)}
+    arguments = ("--cmake-args", "-DCMAKE_CXX_COMPILER=c++")  # whoever names one wants it
+    diagnostic = only(build_here(tmp_path, colcon_arguments=arguments, environment=environment))
     assert (diagnostic.code, diagnostic.line) == ("BLD006", 2)
     assert "LANGUAGES NONE" in (diagnostic.hint or "")
 

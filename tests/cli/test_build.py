@@ -101,7 +101,7 @@ def test_a_traceback_that_is_explained_is_for_verbose(package: Path) -> None:
     assert "Traceback" in build(package, "-v")[1]
 
 
-def test_packages_that_are_not_built_after_a_failure(package: Path) -> None:
+def test_the_build_goes_on_after_a_failure(package: Path) -> None:
     (package / "CMakeLists.txt").write_text("message(FATAL_ERROR no)\n")
     for name in ("zlast", "zmore"):
         shutil.copytree(package, package.with_name(name))
@@ -110,9 +110,6 @@ def test_packages_that_are_not_built_after_a_failure(package: Path) -> None:
         (package.with_name(name) / "CMakeLists.txt").write_text(CMAKE.replace("demo", name))
     code, words = build(package, "--", "--executor", "sequential")
     assert code == 1
-    assert "0 built, 1 failed, 2 not built (zlast, zmore)" in words
-    assert "wsgen build -- --executor sequential --continue-on-error" in words
-    code, words = build(package, "--", "--continue-on-error")
     assert "2 built, 1 failed  " in words
     assert "Next:" not in words
 

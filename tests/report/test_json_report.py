@@ -190,7 +190,9 @@ def test_every_key_of_a_build() -> None:
     assert document == {
         "version": 1,
         "passed": True,
-        "packages": [{"package": "p", "state": "built", "seconds": 1.2346}],
+        "packages": [
+            {"package": "p", "state": "built", "seconds": 1.2346, "left_out": [], "needs": []}
+        ],
         "diagnostics": [
             {
                 "code": "SPN053",

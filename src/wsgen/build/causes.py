@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.build.cmake_text import find_open_block, find_open_quote, read_calls
 from wsgen.diagnostics import Diagnostic, Rule, Severity, has_errors
+from wsgen.ros_names import cmake_packages, released_packages
 from wsgen.suggestions import ask_for_nearest, did_you_mean, nearest
 from wsgen.workspace.manifest import read_manifest
 from wsgen.workspace.package_xml import check_package_xml
@@ -554,14 +555,19 @@ def _missing_package(failure: Failure) -> Iterator[Diagnostic]:
 
 
 def _where_to_get(name: str, failure: Failure) -> str:
-    known = {*failure.siblings, *USUAL_PACKAGES}
-    near = None if name in known else nearest(name, known, cutoff=0.75)
-    if near is not None:
-        return did_you_mean(near)
+    released = released_packages()
+    known = {*failure.siblings, *released, *cmake_packages()}
+    if name not in known:
+        near = nearest(name, {*failure.siblings, *USUAL_PACKAGES}, cutoff=0.75)
+        near = near or nearest(name, known, cutoff=0.9)  # thousands of names
+        if near is not None:
+            return did_you_mean(near)
     without = "remove the line if the package does not compile against it"
-    if failure.distro:
-        return f"Install it (apt: ros-{failure.distro}-{name.replace('_', '-')}), or {without}."
-    return f"Source a ROS that has it (source /opt/ros/<distro>/setup.bash), or {without}."
+    if not failure.distro:
+        return f"Source a ROS that has it (source /opt/ros/<distro>/setup.bash), or {without}."
+    if name in cmake_packages() and name not in released:
+        return f"Install it (apt: lib{name.lower()}-dev), or {without}."
+    return f"Install it (apt: ros-{failure.distro}-{name.replace('_', '-')}), or {without}."
 
 
 def _repeated_ament_package(failure: Failure) -> Iterator[Diagnostic]:

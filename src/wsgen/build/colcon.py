@@ -124,6 +124,9 @@ class PackageResult:
     outcome: str  # "built", "failed", "interrupted" (because another one failed) or "skipped"
     seconds: float  # wall-clock
     error_output: tuple[str, ...] = ()  # the lines of its programs on standard error
+    log_folder: Path | None = None  # None if logging is off
+    left_out: tuple[str, ...] = ()  # targets and more that could not be compiled without ROS
+    needs: tuple[str, ...] = ()  # names of the missing packages that these need
 
 
 @dataclass
@@ -168,6 +171,7 @@ class Progress:
                 outcome=outcome,
                 seconds=seconds,
                 error_output=tuple(self._error_output.get(name, ())),
+                log_folder=self.log_folder,
             )
         )
         post(

@@ -285,7 +285,7 @@ def explain_failure(
     if known:
         return known
     if failed:
-        return tuple(_explain_packages(workspace, inventory, progress, failed, distro))
+        return tuple(_explain_packages(workspace, inventory, failed, distro))
     return explain_colcon(finished.output, finished.returncode, workspace)
 
 
@@ -312,7 +312,6 @@ def _refuse(error: OSError | None, workspace: Workspace) -> None:
 def _explain_packages(
     workspace: Workspace,
     inventory: Inventory,
-    progress: Progress,
     failed: Sequence[PackageResult],
     distro: str,
 ) -> Iterator[Diagnostic]:
@@ -336,7 +335,7 @@ def _explain_packages(
                 output="\n".join(result.error_output),
                 siblings=folders.keys(),
                 distro=distro,
-                log=progress.log_folder,
+                log=result.log_folder,
             )
         )
 

@@ -6,7 +6,6 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
-from wsgen.build.source_packages import WITHOUT_TESTS
 from wsgen.errors import NotFoundError, RequestError
 from wsgen.suggestions import suggest
 from wsgen.workspace.layout import IGNORE_MARKERS, crawl, read_package, refuse_missing_manifest
@@ -40,24 +39,25 @@ def build_arguments(
     packages: Sequence[str],
     colcon_arguments: Sequence[str],
     *,
-    without_tests: bool,
+    cmake_arguments: Sequence[str] = (),
     blocked: Collection[str] = (),
 ) -> list[str]:
     """Make the command line.
 
     Packages are built with their dependencies in the workspace. Of a repeated option colcon takes
-    the last, so no option of the user is repeated. `blocked` are the extensions that the user has
+    the last, so no option of the user is repeated. `cmake_arguments` are for CMake, of packages
+    for ament_cmake. `blocked` are the extensions that the user has
     blocked; colcon refuses options for them.
     """
     arguments = ["build", *colcon_arguments]
-    if without_tests:
+    if cmake_arguments:
         # Not --cmake-args: this option adds to them, also to those of a colcon_defaults.yaml.
         option = "--ament-cmake-args"
         position = arguments.index(option) + 1 if option in arguments else None
         if position is None:
-            arguments += [option, WITHOUT_TESTS]
+            arguments += [option, *cmake_arguments]
         else:
-            arguments.insert(position, WITHOUT_TESTS)
+            arguments[position:position] = cmake_arguments
     if packages:
         arguments += ["--packages-up-to", *packages]
     silenced = [name for name in SILENCED if f"{EVENT_HANDLERS}.{name}" not in blocked]

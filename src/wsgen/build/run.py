@@ -16,13 +16,21 @@ from wsgen.build.request import (
     selects_packages,
 )
 from wsgen.build.source_packages import (
+    WITHOUT_TESTS,
     missing_build_types,
     missing_test_dependencies,
     skipped_packages,
     tests_left_out,
     unknown_build_types,
 )
-from wsgen.build.toolchain import find_toolchain, package_prefixes
+from wsgen.build.toolchain import SourcedRos, find_toolchain, package_prefixes
+from wsgen.build.without_ros import (
+    add_left_out,
+    configure_again,
+    report_left_out,
+    without_ros_arguments,
+    without_ros_variables,
+)
 from wsgen.diagnostics import Diagnostic, Rule, Severity, has_errors
 from wsgen.errors import NotFoundError
 from wsgen.events import Listener, OutputLine, StepEnded, StepStarted, post
@@ -31,7 +39,7 @@ from wsgen.workspace.layout import check_workspace_path, take_inventory
 from wsgen.workspace.package_xml import check_package_xml
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from wsgen.build.toolchain import Toolchain
     from wsgen.workspace.layout import Inventory, PackageFolder, Workspace
@@ -48,6 +56,9 @@ DEPRECATED_MINIMUM = Rule(
     example="cmake_minimum_required(VERSION 3.8)",
     instead="cmake_minimum_required(VERSION 3.8...3.31)",
 )
+
+
+CONTINUE = "--continue-on-error"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -105,13 +116,15 @@ class _Job:
     selected: tuple[PackageFolder, ...]
     names: tuple[str, ...]
     colcon_arguments: tuple[str, ...]
+    strict: bool
 
 
-def build(
+def build(  # noqa: PLR0913  a request
     workspace: Workspace,
     *,
     packages: Sequence[str] = (),
     colcon_arguments: Sequence[str] = (),
+    strict: bool = False,
     environment: Mapping[str, str],
     listener: Listener | None = None,
 ) -> BuildResult:
@@ -124,6 +137,7 @@ def build(
         workspace: where to build.
         packages: names of packages; empty for all.
         colcon_arguments: further arguments for `colcon build`.
+        strict: whether it is an error that a package cannot be compiled, because no ROS is sourced.
         environment: the user's variables; the toolchain's are added to them.
         listener: gets the events, in steps `("build",)` and `("build", PACKAGE)`.
 
@@ -143,6 +157,7 @@ def build(
         selected=choose_packages(workspace, inventory, packages, colcon_arguments),
         names=tuple(packages),
         colcon_arguments=tuple(colcon_arguments),
+        strict=strict,
     )
     progress = Progress(listener)
     succeeded, diagnostics = _build(job, environment, progress)
@@ -216,24 +231,37 @@ def _run(
         inventory=job.inventory,
         colcon_arguments=job.colcon_arguments,
     )
+    prefixes = package_prefixes(toolchain, environment) if toolchain else ()
+    siblings = {package.name for package in job.inventory.packages}
     missing = {}
     if toolchain and not any("BUILD_TESTING" in word for word in job.colcon_arguments):
         missing = missing_test_dependencies(
-            job.inventory.packages,
-            prefixes=package_prefixes(toolchain, environment),
-            built_here={package.name for package in job.inventory.packages},
+            job.inventory.packages, prefixes=prefixes, built_here=siblings
         )
-    finished = run_colcon(
-        build_arguments(
-            job.names,
-            job.colcon_arguments,
-            without_tests=bool(missing),
+    cmake_arguments: tuple[str, ...] = (WITHOUT_TESTS,) if missing else ()
+    is_without_ros = not isinstance(toolchain, SourcedRos)
+    if is_without_ros and any(one.build_type == "ament_cmake" for one in job.inventory.packages):
+        variables |= without_ros_variables()
+        cmake_arguments += without_ros_arguments(variables, job.colcon_arguments)
+        configure_again((job.workspace.build / name for name in siblings), prefixes, siblings)
+
+    def run(
+        names: Sequence[str], further: Sequence[str] = (), known: Mapping[str, str] | None = None
+    ) -> Finished:
+        arguments = build_arguments(
+            names,
+            (*job.colcon_arguments, *further),
+            cmake_arguments=cmake_arguments,
             blocked=blocked_extensions(environment),
-        ),
-        folder=job.workspace.root,
-        environment=variables,
-        on_event=progress,
-    )
+        )
+        return run_colcon(
+            arguments,
+            folder=job.workspace.root,
+            environment={**variables, **(known or {})},
+            on_event=progress,
+        )
+
+    finished = _run_to_the_end(job, run, progress) if is_without_ros else run(job.names)
     outcomes = {package.outcome for package in progress.results}
     if "interrupted" in outcomes and "failed" not in outcomes:
         raise KeyboardInterrupt  # the signal reached colcon alone
@@ -241,9 +269,34 @@ def _run(
         progress.colcon_output += finished.output.splitlines()
         for line in progress.colcon_output:
             post(progress.listener, OutputLine(step=STEP, text=line, is_error_stream=True))
+    if is_without_ros:
+        progress.results = [add_left_out(one, job.workspace.build) for one in progress.results]
     built = [package.name for package in progress.results if package.outcome == "built"]
-    left_out = {name: missing[name] for name in built if name in missing}
-    return finished, tuple(tests_left_out(left_out))
+    without_tests = {name: missing[name] for name in built if name in missing}
+    folders = {package.name: package.path for package in job.inventory.packages}
+    left_out = report_left_out(progress.results, folders=folders, strict=job.strict)
+    return finished, (*tests_left_out(without_tests), *left_out)
+
+
+def _run_to_the_end(job: _Job, run: Callable[..., Finished], progress: Progress) -> Finished:
+    """Run colcon until each package is built or has failed.
+
+    colcon skips what depends on a failed package, but files are installed without it: those
+    packages are built in a further run, in which colcon does not know the failed ones.
+    """
+    go_on = () if CONTINUE in job.colcon_arguments else (CONTINUE,)
+    finished = run(job.names, go_on)
+    while not selects_packages(job.colcon_arguments):
+        skipped = [one.name for one in progress.results if one.outcome == "skipped"]
+        failed = [one.name for one in progress.results if one.outcome == "failed"]
+        if not (skipped and failed):
+            break
+        progress.results = [one for one in progress.results if one.outcome != "skipped"]
+        selected = ("--packages-ignore", *failed, "--packages-select", *skipped)
+        again = run((), (*go_on, *selected), without_ros_variables(failed))
+        output = "\n".join(filter(None, (finished.output, again.output)))
+        finished = replace(finished, output=output)
+    return finished
 
 
 def _find_toolchain(job: _Job, environment: Mapping[str, str]) -> Toolchain | None:

@@ -36,6 +36,11 @@ class BuildCommand(ExampleCommand):
     shell_complete=complete_packages,
 )
 @workspace_option
+@click.option(
+    "--strict",
+    is_flag=True,
+    help="Without a sourced ROS: exit with 1 if a package cannot be compiled.",
+)
 @format_option
 @output_options
 @click.pass_context
@@ -44,6 +49,7 @@ def command(
     packages: tuple[str, ...],
     *,
     workspace: str | None,
+    strict: bool,
     output_format: str,
     quiet: bool,
     verbose: bool,
@@ -53,6 +59,7 @@ def command(
         packages,
         colcon_arguments=ctx.meta.get(COLCON_ARGUMENTS, ()),
         workspace=workspace,
+        strict=strict,
         output_format=output_format,
         quiet=quiet,
         verbose=verbose,
@@ -64,6 +71,7 @@ def build_workspace(
     *,
     colcon_arguments: tuple[str, ...] = (),
     workspace: str | None,
+    strict: bool = False,
     output_format: str = "text",
     quiet: bool,
     verbose: bool,
@@ -77,9 +85,11 @@ def build_workspace(
     import shlex
 
     from wsgen.build.run import build
-    from wsgen.cli.output import render_diagnostics
+    from wsgen.build.without_ros import NOT_COMPILED
+    from wsgen.cli.output import render_alike, render_diagnostics
     from wsgen.cli.progress import listening
     from wsgen.cli.words import next_command
+    from wsgen.diagnostics import Severity
     from wsgen.workspace.layout import open_workspace
 
     place = open_workspace(workspace)
@@ -88,6 +98,7 @@ def build_workspace(
             place,
             packages=packages,
             colcon_arguments=colcon_arguments,
+            strict=strict,
             environment=os.environ,
             listener=listener,
         )
@@ -99,7 +110,13 @@ def build_workspace(
 
         click.echo(render_build(result), nl=False)
     else:
-        for line in render_diagnostics(result.diagnostics):
+        notes = [
+            found
+            for found in result.diagnostics
+            if found.code == NOT_COMPILED.code and found.severity is not Severity.ERROR
+        ]
+        others = [found for found in result.diagnostics if found not in notes]
+        for line in (*render_diagnostics(others), *render_alike(notes)):
             click.echo(line, err=True)
         if result.not_built and "--continue-on-error" not in colcon_arguments and not quiet:
             words = [*packages, "--", *colcon_arguments, "--continue-on-error"]

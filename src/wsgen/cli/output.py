@@ -62,6 +62,12 @@ def render_diagnostics(
     return lines
 
 
+def render_alike(diagnostics: Sequence[Diagnostic]) -> list[str]:
+    """A line each of diagnostics of one rule whose messages say where; what to do is said once."""
+    lines = [line for one in diagnostics for line in render_diagnostics([one])[:1]]
+    return [*lines, f"   try: {diagnostics[0].hint}"] if diagnostics else []
+
+
 def _place(diagnostic: Diagnostic) -> str:
     parts = []
     if diagnostic.file is not None:

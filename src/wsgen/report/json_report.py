@@ -67,6 +67,8 @@ def render_build(result: BuildResult) -> str:
                 "package": package.name,
                 "state": package.outcome,
                 "seconds": round(package.seconds, 4),
+                "left_out": [*package.left_out],
+                "needs": [*package.needs],
             }
             for package in result.packages
         ],

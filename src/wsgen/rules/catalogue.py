@@ -34,6 +34,7 @@ MODULES = (
     "wsgen.build.python_causes",
     "wsgen.build.run",
     "wsgen.build.source_packages",
+    "wsgen.build.without_ros",
     "wsgen.description_rules",
     "wsgen.launch.evaluate",
     "wsgen.launch.explain",
