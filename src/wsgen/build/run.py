@@ -295,7 +295,7 @@ def _run_to_the_end(job: _Job, run: Callable[..., Finished], progress: Progress)
         selected = ("--packages-ignore", *failed, "--packages-select", *skipped)
         again = run((), (*go_on, *selected), without_ros_variables(failed))
         output = "\n".join(filter(None, (finished.output, again.output)))
-        finished = replace(finished, output=output)
+        finished = Finished(returncode=finished.returncode, output=output)
     return finished
 
 

@@ -1,0 +1,2 @@
+#include <mole_msgs/msg/tunnel.hpp>
+#include <rclcpp/rclcpp.hpp>
