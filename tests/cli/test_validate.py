@@ -220,8 +220,13 @@ def test_a_package_without_a_launch_file(workspace: Path) -> None:
     shutil.rmtree(workspace / SHARE / "launch")
     shutil.rmtree(workspace / "src" / PACKAGE / "launch")
     code, document, _ = validate(workspace)
-    assert code == 1
-    assert [error["code"] for error in errors(document)] == ["PKG051"]
+    assert (code, document["packages"]) == (0, [])
+    (left,) = document["not_validated"]
+    assert (left["package"], left["launch_file"]) == (PACKAGE, None)
+    (file,) = left["robot_files"]
+    printed = wsgen(workspace, "validate").stdout
+    assert f"wsgen validate {Path(file).relative_to(workspace)}" in printed
+    assert wsgen(workspace, "validate", file).returncode == 0
 
 
 @pytest.mark.parametrize(
@@ -252,7 +257,7 @@ def test_a_misspelled_launch_file(built: Path) -> None:
 
 
 def test_every_package_of_a_workspace_is_checked_or_named(workspace: Path) -> None:
-    """One that spawns nothing, one with two launch files, one that is not built."""
+    """One that spawns nothing, one with two equal launch files, one that is not built."""
     for name in ("not_built", "library", "undecided"):
         made = wsgen(workspace, "new", name)
         assert made.returncode == 0, made.stderr
@@ -268,13 +273,12 @@ def test_every_package_of_a_workspace_is_checked_or_named(workspace: Path) -> No
         package["package"]: [error["code"] for error in package["diagnostics"]]
         for package in document["packages"]
     }
-    assert found == {PACKAGE: ["PKG065"], "not_built": [], "undecided": ["PKG054"]}
-    assert (
-        "not checked, because they spawn no robot: library" in wsgen(workspace, "validate").stdout
-    )
-    code, _, words = validate(workspace, "undecided")
-    assert code == 2
-    assert "other.launch.py" in words
+    assert found == {PACKAGE: ["PKG065"], "not_built": [], "undecided": []}
+    assert "  library: spawns no robot" in wsgen(workspace, "validate").stdout
+    (same,) = (one for one in document["not_validated"] if one["launch_file"])
+    assert same["reason"] == "other.launch.py starts the same simulation as gazebo_model.launch.py"
+    code, document, _ = validate(workspace, "undecided", "--launch", "other.launch.py")
+    assert (code, [one["package"] for one in document["packages"]]) == (0, ["undecided"])
 
 
 def test_a_path_is_no_package(built: Path) -> None:
@@ -334,6 +338,9 @@ def test_a_launch_file_that_spawns_nothing(workspace: Path) -> None:
         "    return LaunchDescription([])\n"
     )
     code, document, _ = validate(workspace)
+    assert (code, document["passed"], document["packages"]) == (0, True, [])
+    assert [one["reason"] for one in document["not_validated"]] == ["spawns no robot"]
+    code, document, _ = validate(workspace, "--launch", file.name)
     assert code == 1
     assert any("spawn" in error["message"] for error in errors(document))
 

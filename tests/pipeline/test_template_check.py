@@ -100,7 +100,11 @@ def test_other_values_of_booleans_and_choices_are_rendered(tmp_path: Path) -> No
 def test_template_without_a_robot(tmp_path: Path) -> None:
     """Files alone are a package; nothing is simulated."""
     manifest = f'{HEAD}[files]\n"launch/gazebo_model.launch.py" = "robot.xacro.j2"\n'
-    assert check(write_template(tmp_path, manifest, robot="VALUE = 1\n")) == ()
+    launch_file = (
+        "from launch import LaunchDescription\n\n\n"
+        "def generate_launch_description():\n    return LaunchDescription()\n"
+    )
+    assert check(write_template(tmp_path, manifest, robot=launch_file)) == ()
 
 
 def test_every_target_is_rendered(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ from wsgen.build.colcon import PackageResult
 from wsgen.build.run import BuildResult
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.model.behavior import BehaviorOutcome, Drive, Reach
-from wsgen.model.outcome import Outcome, PackageOutcome, Rest, RobotOutcome, Simulated
+from wsgen.model.outcome import NotValidated, Outcome, PackageOutcome, Rest, RobotOutcome, Simulated
 from wsgen.model.transform import Pose
 from wsgen.model.world import PlacedModel, World
 from wsgen.report.json_report import render_build, render_outcome, render_rules
@@ -58,7 +58,8 @@ def outcome(**changes: object) -> Outcome:
         "seconds": {"total": 1.23456},
         **changes,
     }
-    return Outcome(packages=(PackageOutcome(**values),))  # type: ignore[arg-type]
+    left = NotValidated(package="q", reason="spawns no robot", robot_files=(Path("/q/q.urdf"),))
+    return Outcome(packages=(PackageOutcome(**values),), not_validated=(left,))  # type: ignore[arg-type]
 
 
 def test_every_key_of_the_contract() -> None:
@@ -142,6 +143,14 @@ def test_every_key_of_the_contract() -> None:
                 "world_picture": None,
                 "video": None,
                 "seconds": {"total": 1.2346},
+            }
+        ],
+        "not_validated": [
+            {
+                "package": "q",
+                "launch_file": None,
+                "reason": "spawns no robot",
+                "robot_files": ["/q/q.urdf"],
             }
         ],
     }

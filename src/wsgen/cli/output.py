@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import shlex
 from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.behavior import BehaviorOutcome
-    from wsgen.model.outcome import Outcome, PackageOutcome, RobotOutcome
+    from wsgen.model.outcome import NotValidated, Outcome, PackageOutcome, RobotOutcome
     from wsgen.model.plan import Include, LaunchArgument, LaunchPlan, Process
 
 
@@ -85,27 +86,61 @@ MOST_ALIKE = 3  # warnings of one code that are shown without --verbose
 
 
 def render_outcome(outcome: Outcome, *, verbose: bool = False, quiet: bool = False) -> list[str]:
-    """For each package: what was simulated, a table of robots, the diagnostics, the pictures."""
+    """For each package: what was simulated, a table of robots, the diagnostics, the pictures.
+
+    Of a package with several launch files, what is reported of several is shown with the first.
+    """
     lines: list[str] = []
+    shown: set[tuple[str | None, Diagnostic]] = set()
     for package in outcome.packages:
-        lines += [*_package(package, verbose=verbose, quiet=quiet), ""]
+        new = tuple(
+            found
+            for found in package.diagnostics
+            if found.severity is Severity.ERROR or (package.package, found) not in shown
+        )
+        shown.update((package.package, found) for found in new)
+        lines += [*_package(package, new, verbose=verbose, quiet=quiet), ""]
     if len(outcome.packages) > 1:
         lines += [*_summary(outcome), ""]
     if not outcome.is_complete:
         lines += ["interrupted: only the packages and files above were checked", ""]
-    if outcome.left_out:
-        lines += [f"not checked, because they spawn no robot: {', '.join(outcome.left_out)}", ""]
+    if outcome.not_validated:
+        lines += [*_not_validated(outcome.not_validated), ""]
     return lines[:-1]
 
 
+def _not_validated(packages: Sequence[NotValidated]) -> Iterator[str]:
+    """The reasons, each with its packages; for robots without a launch file what to do."""
+    yield click.style("not validated", bold=True)
+    by_reason: dict[str, list[NotValidated]] = {}
+    for one in packages:
+        by_reason.setdefault(one.reason, []).append(one)
+    for reason, alike in by_reason.items():
+        names = dict.fromkeys(one.package for one in alike if not one.robot_files)
+        if names:
+            yield f"  {', '.join(names)}: {reason}"
+        for one in alike:
+            if one.robot_files:
+                files = map(short_path, one.robot_files[:MOST_ALIKE])
+                yield f"  {one.package}: {reason}"
+                yield f"   try: {shlex.join(['wsgen', 'validate', *files])}"
+
+
 def _summary(outcome: Outcome) -> list[str]:
-    failed = [_name(package) for package in outcome.packages if not package.passed]
+    failed = [
+        _name(package)
+        + (f"  {package.launch_file.name}" if package.package and package.launch_file else "")
+        for package in outcome.packages
+        if not package.passed
+    ]
     passed = len(outcome.packages) - len(failed)
     lines = [f"{passed} passed, {len(failed)} failed" + (":" if failed else "")]
     return lines + [f"  {name}" for name in failed]
 
 
-def _package(package: PackageOutcome, *, verbose: bool, quiet: bool) -> list[str]:
+def _package(
+    package: PackageOutcome, diagnostics: Sequence[Diagnostic], *, verbose: bool, quiet: bool
+) -> list[str]:
     result = (
         click.style("passed", fg="green", bold=True)
         if package.passed
@@ -123,9 +158,12 @@ def _package(package: PackageOutcome, *, verbose: bool, quiet: bool) -> list[str
         rows = [_robot(robot, package) for robot in package.robots]
         lines += ["", *draw_table(rows, headings=HEADINGS, wrapped=(0, -1), quiet=quiet)]
         lines += _behaviors(package)
-    shown = render_diagnostics(package.diagnostics, most_alike=None if verbose else MOST_ALIKE)
+    shown = render_diagnostics(diagnostics, most_alike=None if verbose else MOST_ALIKE)
     if shown:
         lines += ["", *(f"  {line}" for line in shown)]
+    repeated = len(package.diagnostics) - len(diagnostics)
+    if repeated:
+        lines += ["", f"  and {repeated} {'diagnostic' if repeated == 1 else 'diagnostics'} as above"]
     if package.picture is not None:
         scale = f"  (a square is {package.picture_tile:g} m)" if package.picture_tile else ""
         lines += ["", f"  picture      {package.picture}{scale}"]

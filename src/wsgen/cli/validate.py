@@ -50,7 +50,7 @@ MOST_SEARCHED = 100  # folders, for packages and files to suggest
     "launch_file",
     metavar="FILE",
     shell_complete=complete_launch_files,
-    help="Name of the launch file, as for `ros2 launch`.  [default: the one that spawns a robot]",
+    help="Name of the launch file, as for `ros2 launch`.  [default: all that spawn a robot]",
 )
 @click.option(
     "--arg",
@@ -95,7 +95,7 @@ def command(
 ) -> int:
     """Simulate the robots that the installed launch files spawn, and check the result.
 
-    Without PACKAGE, validate all packages of the workspace that spawn a robot. A FILE (.urdf,
+    Without PACKAGE, validate all packages of the workspace. A FILE (.urdf,
     .xacro, .sdf, .world, or another with a <robot> or <sdf>) is simulated by itself; a robot
     starts just above the ground of an empty world.
     """

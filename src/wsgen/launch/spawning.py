@@ -8,15 +8,18 @@ parameters too, which win over the options.
 
 from __future__ import annotations
 
+import ast
 import math
+import re
 import shlex
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wsgen.diagnostics import Diagnostic, Rule, Severity
-from wsgen.launch.explain_missing import unused_actions
+from wsgen.launch.explain_missing import nodes_of, unused_actions
 from wsgen.launch.known_packages import SURELY
+from wsgen.markup import read_text, without_comments
 from wsgen.model.plan import Process
 from wsgen.model.transform import Pose
 from wsgen.model.world import Simulator, Spawn, SpawnHeight
@@ -539,6 +542,19 @@ def find_spawns(plan: LaunchPlan) -> tuple[tuple[Spawn, ...], tuple[Diagnostic, 
             _or_unused_action(missing, plan, "Node", "IncludeLaunchDescription", names=names)
         )
     return tuple(spawns), tuple(diagnostics)
+
+
+def names_spawner(file: Path, launch_files: Collection[str]) -> bool:
+    """Whether a launch file that cannot be evaluated names a spawner, or one of `launch_files`."""
+    names = {executable for _, executable in _SPAWNERS} | _SPAWNING_LAUNCH_FILES | {*launch_files}
+    texts = [
+        node.value
+        for node in nodes_of(file)
+        if isinstance(node, ast.Constant) and isinstance(node.value, str)
+    ]
+    if not texts:
+        texts = re.findall(r"[^\s\"'=<>:,\[\]]+", without_comments(read_text(file) or ""))
+    return any(text.rpartition("/")[2] in names for text in texts)
 
 
 def _how_to_spawn(plan: LaunchPlan) -> str:

@@ -79,11 +79,21 @@ class PackageOutcome:
 
 
 @dataclass(frozen=True, kw_only=True)
+class NotValidated:
+    """A package that spawns no robot, or a launch file that is not simulated, and why."""
+
+    package: str
+    launch_file: Path | None = None  # None: the package has none that spawns a robot
+    reason: str
+    robot_files: tuple[Path, ...] = ()  # of the package, that can be validated by themselves
+
+
+@dataclass(frozen=True, kw_only=True)
 class Outcome:
     """The whole run."""
 
     packages: tuple[PackageOutcome, ...]
-    left_out: tuple[str, ...] = ()  # packages that spawn no robot
+    not_validated: tuple[NotValidated, ...] = ()
     is_complete: bool = True  # False: the run was stopped, and `packages` are those that ended
 
     @property

@@ -35,6 +35,7 @@ class Clock:
     def __init__(self, package: str, listener: Listener | None) -> None:
         self.package = package
         self.listener = listener
+        self.before = 0.0  # s
         self.started: float | None = None  # with the first step: packages wait for their turn
         self.seconds = dict.fromkeys(STAGES, 0.0)
 
@@ -101,6 +102,11 @@ class Clock:
                     posted = text
                     post(self.listener, StepProgressed(step=(self.package, stage), detail=text))
 
+    def add(self, stage: str, seconds: float) -> None:
+        """Add what a stage took before the first step."""
+        self.seconds[stage] += seconds
+        self.before += seconds
+
     def split(self, stage: str, other: str, seconds: float) -> None:
         """Move so many seconds from one stage to another."""
         self.seconds[stage] -= seconds
@@ -113,4 +119,4 @@ class Clock:
     def read(self) -> dict[str, float]:
         """The stages, and the total since the first began."""
         total = 0.0 if self.started is None else time.perf_counter() - self.started
-        return {**self.seconds, "total": total}
+        return {**self.seconds, "total": self.before + total}

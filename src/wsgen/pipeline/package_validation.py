@@ -5,13 +5,12 @@ from __future__ import annotations
 import tempfile
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Diagnostic, Rule, Severity, has_errors
 from wsgen.isolation import parent
-from wsgen.launch.evaluate import evaluate
 from wsgen.launch.explain_missing import first_missing, where_written
-from wsgen.launch.spawning import NO_ROBOT, find_simulator, find_spawns
+from wsgen.launch.spawning import NO_ROBOT
 from wsgen.model.outcome import PackageOutcome
 from wsgen.pipeline.clock import DRAW, Clock
 from wsgen.pipeline.prepare import (
@@ -27,6 +26,7 @@ from wsgen.pipeline.prepare import (
     without_taken,
 )
 from wsgen.pipeline.run_robots import SimulationResult, simulate_robots
+from wsgen.pipeline.started import start
 from wsgen.rules.catalogue import unknown_rule_allowed, without_allowed
 from wsgen.rules.runs import spawned_twice
 from wsgen.sdf.lookup import (
@@ -48,9 +48,10 @@ if TYPE_CHECKING:
     from wsgen.events import Listener
     from wsgen.isolation.parent import Run
     from wsgen.model.plan import LaunchPlan
-    from wsgen.model.world import Simulator, Spawn, World
+    from wsgen.model.world import Spawn, World
     from wsgen.pipeline.behavior_plan import BehaviorPlan
     from wsgen.pipeline.selection import SelectedPackage, ValidateRequest
+    from wsgen.pipeline.started import Started
     from wsgen.sdf.models import SdfFile
     from wsgen.workspace.overlay import Overlay
     from wsgen.workspace.settings import Settings
@@ -204,14 +205,6 @@ def world_not_here(plan: LaunchPlan, name: str) -> Iterator[Diagnostic]:
         )
 
 
-class Started(NamedTuple):
-    """What a launch file starts."""
-
-    plan: LaunchPlan
-    simulator: Simulator | None
-    spawns: tuple[Spawn, ...]
-
-
 class Validation:
     """Evaluates, reads, simulates and checks; collects what is reported on the way."""
 
@@ -228,7 +221,7 @@ class Validation:
         self.overlay = overlay
         self.request = request
         self.run_task = run
-        self.clock = Clock(selected.name, listener)
+        self.clock = Clock(selected.label, listener)
         self.simulator_kind: str | None = None  # "classic" or "gz"
         self.diagnostics: list[Diagnostic] = []
         self.written: dict[Path, Path] = {}  # a copy of what a process writes -> its xacro file
@@ -299,35 +292,35 @@ class Validation:
         settings = self.settings
         if source is None or share is None or settings is None:
             return tuple(self.diagnostics)
-        reported = (
+        of_package = (
             *(changed_since_build(share, source) if share != source else ()),
-            *name_sources(self.diagnostics, share, source),
             *self.settings_diagnostics,
             *unknown_rule_allowed(settings.allow, settings.file, settings.allow_line),
+        )
+        reported = (
+            *name_sources(self.diagnostics, share, source),
+            *(of_package if self.selected.is_first else ()),
         )
         return without_allowed(reported, settings.allow)
 
     def _evaluate(self, launch_file: Path) -> Started | None:
-        with self.clock.step("launch", launch_file.name) as step:
-            plan = evaluate(
-                launch_file,
-                package=self.package if self.selected.share else None,
-                arguments=self.request.launch_arguments,
-                environment=self.overlay.environment,
-                answers=self.request.answers,
-                run=self.run_task,
-            )
-            simulator, no_simulator = find_simulator(plan)
-            spawns, no_spawns = find_spawns(plan)
-            lacks_something = has_errors(plan.diagnostics)
-            # A helper that is missing does not keep the robots from being simulated.
-            is_evaluated = not lacks_something or (plan.is_complete and bool(spawns))
-            found = (*plan.diagnostics, *(() if lacks_something else (*no_simulator, *no_spawns)))
-            step.succeeded = not has_errors(found)
-        self.clock.split("launch", "expand", plan.seconds_in_xacro)
-        self.diagnostics += found
-        self.simulator_kind = simulator.kind if simulator else None
-        return Started(plan, simulator, spawns) if is_evaluated else None
+        started = self.selected.started
+        if started is None:
+            with self.clock.step("launch", launch_file.name) as step:
+                started = start(
+                    launch_file,
+                    self.package if self.selected.share else None,
+                    self.overlay,
+                    self.request,
+                    self.run_task,
+                )
+                step.succeeded = not has_errors(started.diagnostics)
+        else:
+            self.clock.add("launch", started.seconds)
+        self.clock.split("launch", "expand", started.plan.seconds_in_xacro)
+        self.diagnostics += started.diagnostics
+        self.simulator_kind = started.simulator.kind if started.simulator else None
+        return started if started.is_evaluated else None
 
     def _read_world(
         self, started: Started, context: PrepareContext, environment: Mapping[str, str]
@@ -426,9 +419,17 @@ class Validation:
         """What the robots must do beyond standing; most packages load nothing for it."""
         if self.settings is None or not self.settings.behaviors:
             return None
+        there = {robot.entity for robot in prepared}
+        behaviors = tuple(
+            behavior
+            for behavior in self.settings.behaviors
+            if behavior.robot in there or behavior.robot not in self.selected.elsewhere
+        )
         from wsgen.pipeline.behavior_plan import plan_behaviors  # noqa: PLC0415
 
-        return plan_behaviors(self.settings, prepared, simulator=self.simulator_kind)
+        return plan_behaviors(
+            replace(self.settings, behaviors=behaviors), prepared, simulator=self.simulator_kind
+        )
 
     def _simulate(
         self, world: World, prepared: list[PreparedRobot], folder: Path
@@ -442,7 +443,7 @@ class Validation:
                 world,
                 prepared,
                 self.request,
-                self.package,
+                self.selected.label,
                 run=self.run_task,
                 behavior_plan=self._behavior_plan(prepared),
                 progress=progress,

@@ -2,31 +2,41 @@
 
 from __future__ import annotations
 
+import os
 import re
-from dataclasses import field
+from collections import Counter
+from dataclasses import field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.build.cmake_text import read_calls
 from wsgen.build.request import refuse_empty
 from wsgen.diagnostics import Rule, Severity
-from wsgen.errors import NotFoundError, RequestError
+from wsgen.errors import RequestError
+from wsgen.model.outcome import NotValidated
+from wsgen.pipeline.candidates import LaunchFile, choose, evaluate_launch_files
+from wsgen.pipeline.started import start
 from wsgen.suggestions import ask_for_nearest
 from wsgen.values import dataclass
 from wsgen.workspace.layout import find_launch_files, find_packages, read_package
 from wsgen.workspace.overlay import require_share
+from wsgen.workspace.robot_files import find_robot_files
+from wsgen.workspace.settings import read_settings
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 
     from wsgen.build.cmake_text import Call
     from wsgen.diagnostics import Diagnostic
+    from wsgen.events import Listener
+    from wsgen.isolation.parent import Run
+    from wsgen.model.world import Spawn
+    from wsgen.pipeline.candidates import Candidate, Choice
+    from wsgen.pipeline.started import Started
     from wsgen.workspace.layout import Workspace
     from wsgen.workspace.overlay import Overlay
 
 
-# One of these words is in every launch file that puts a robot into a simulator by itself.
-SPAWNING_WORDS = (b"spawn", b"create")
 LAUNCH_FUNCTION = b"def generate_launch_description("
 
 UNINSTALLED_LAUNCH_FILE = Rule(
@@ -38,25 +48,16 @@ UNINSTALLED_LAUNCH_FILE = Rule(
     example="install(DIRECTORY model DESTINATION share/${PROJECT_NAME})",
     instead="install(DIRECTORY launch model DESTINATION share/${PROJECT_NAME})",
 )
-NO_LAUNCH_FILE = Rule(
+MISNAMED_LAUNCH_FILE = Rule(
     code="PKG051",
-    name="no-launch-file",
+    name="misnamed-launch-file",
     severity=Severity.ERROR,
-    summary="The package has no launch file.",
-    what="Looks for files that end with `launch.py`, `launch.xml` or `launch.yaml`. A file that is "
-    "a launch file by its content but not by its name is named.",
-    why="Without a launch file nothing spawns the robot.",
+    summary="The launch file of the package is not named like one.",
+    what="Looks for launch files by their content where no file ends with `launch.py`, "
+    "`launch.xml`, `launch.yaml` or `launch.yml`.",
+    why="`wsgen` and the completion of `ros2 launch` know launch files by these names.",
     example="src/my_robot/launch/gazebo_model.py",
     instead="src/my_robot/launch/gazebo_model.launch.py",
-)
-SEVERAL_LAUNCH_FILES = Rule(
-    code="PKG054",
-    name="several-launch-files",
-    severity=Severity.ERROR,
-    summary="Several launch files of a package may spawn a robot.",
-    why="It is not clear which of them is meant, so the package is not simulated.",
-    example="wsgen validate",
-    instead="wsgen validate my_robot --launch gazebo_model.launch.py",
 )
 
 
@@ -89,11 +90,6 @@ def find_misnamed(folder: Path) -> tuple[Path, str] | None:
     return None
 
 
-def may_spawn(file: Path) -> bool:
-    """Whether a launch file looks as if it spawned a robot; one that cannot be read does."""
-    return any(_holds(file, word) for word in SPAWNING_WORDS)
-
-
 def _holds(file: Path, word: bytes) -> bool:
     """Whether a word is in a file, capitals or not; True where that cannot be known."""
     try:
@@ -111,52 +107,91 @@ class SelectedPackage:
     share: Path | None  # its source where it is not built; None: its package.xml is unreadable
     launch_file: Path | None = None
     problem: Diagnostic | None = None
+    started: Started | None = None  # by the launch file, if it has been evaluated
+    label: str = ""  # of pictures and progress; no other one of a run has it
+    is_first: bool = True  # of those with this package
+    elsewhere: frozenset[str] = frozenset()  # entities that its other launch files spawn
+
+
+class Selection(NamedTuple):
+    """What is validated, and why the rest is not."""
+
+    packages: tuple[SelectedPackage, ...] = ()
+    not_validated: tuple[NotValidated, ...] = ()
+
+
+class PackageFiles(NamedTuple):
+    """The launch files of a package."""
+
+    name: str
+    source: Path | None  # None: of an underlay
+    share: Path | None  # see `SelectedPackage`
+    installed: tuple[Path, ...]
+    uninstalled: tuple[Path, ...]  # of the source, or misnamed
+    right_name: str | None = None  # that the misnamed one should have
 
 
 def select_packages(
-    workspace: Workspace, overlay: Overlay, request: ValidateRequest
-) -> tuple[tuple[SelectedPackage, ...], tuple[str, ...]]:
-    """The packages to validate, and the names of those that are left out as they spawn nothing.
+    workspace: Workspace, overlay: Overlay, request: ValidateRequest, listener: Listener | None
+) -> Selection:
+    """The packages to validate, each with a launch file that spawns a robot.
 
     Raises:
-        RequestError: a package or launch file that is named does not exist, or it is not clear
-            which launch file of a named package is meant.
-        NotFoundError: a named package is not built, or no package spawns a robot.
+        RequestError: a package or launch file that is named does not exist.
+        NotFoundError: a named package cannot be read, or the workspace has no package.
     """
     sources = {package.name: package.path for package in find_packages(workspace)}
-    if request.packages:
-        return tuple(
-            _select_named(name, sources, workspace, overlay, request.launch_file)
-            for name in dict.fromkeys(request.packages)
-        ), ()
-    if not sources:
+    if not request.packages and not sources:
         refuse_empty(workspace)
-    if len(sources) == 1:
-        (name,) = sources
-        return (_select_named(name, sources, workspace, overlay, request.launch_file),), ()
-    selected, left_out = [], []
-    for name, source in sources.items():
-        package = _select_unnamed(name, source, overlay.share(name), request.launch_file)
-        if package is None:
-            left_out.append(name)
-        else:
-            selected.append(package)
-    if not selected:
-        raise NotFoundError(
-            f"No package of {workspace.root} has a launch file that spawns a robot"
-            + (f" called {request.launch_file}." if request.launch_file else "."),
-            hint="Name a package to see what it lacks: wsgen validate PACKAGE",
+    for name in request.packages:
+        _check_name(name, sources)
+        require_share(overlay, workspace, name)
+    names = tuple(dict.fromkeys(request.packages)) or tuple(sources)
+    if request.launch_file is not None:
+        return Selection(_select_by_launch_file(names, sources, overlay, request))
+    packages = {name: _list_files(name, sources.get(name), overlay.share(name)) for name in names}
+
+    def evaluate(launch_file: LaunchFile, run: Run) -> Started:
+        package = packages[launch_file.package]
+        return start(
+            launch_file.file, package.name if package.share else None, overlay, request, run
         )
-    return tuple(selected), tuple(left_out)
+
+    found = evaluate_launch_files(
+        [
+            LaunchFile(name, file, is_installed)
+            for name, package in packages.items()
+            for is_installed, files in ((True, package.installed), (False, package.uninstalled))
+            for file in files
+        ],
+        request.jobs if request.jobs > 1 else len(os.sched_getaffinity(0)),
+        listener,
+        evaluate,
+    )
+    behaving = {name for name, source in sources.items() if read_settings(source)[0].behaviors}
+    choice = choose([one for one in found if one.launch_file.is_installed], kept=behaving)
+    packages_of_chosen = {one.package for one in choice.chosen}
+    uninstalled = choose(
+        [
+            one
+            for one in found
+            if not one.launch_file.is_installed and one.package not in packages_of_chosen
+        ]
+    )
+    problems = {one.package: one for one in reversed(uninstalled.chosen)}
+    selected = [
+        *(_select(one, packages[one.package], choice.chosen) for one in choice.chosen),
+        *(_with_problem(one, packages[one.package]) for one in problems.values()),
+    ]
+    order = {name: number for number, name in enumerate(names)}
+    selected.sort(key=lambda one: order[one.name])
+    return Selection(
+        tuple(_with_labels(selected)),
+        tuple(_not_validated(packages, choice, {one.name for one in selected})),
+    )
 
 
-def _select_named(
-    name: str,
-    sources: dict[str, Path],
-    workspace: Workspace,
-    overlay: Overlay,
-    wanted: str | None,
-) -> SelectedPackage:
+def _check_name(name: str, sources: Mapping[str, Path]) -> None:
     if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_-]*", name):
         near = name.strip("./").rpartition("/")[2]
         raise RequestError(
@@ -165,56 +200,126 @@ def _select_named(
             if near in sources
             else "Give the name of a package, or a .urdf, .xacro, .sdf or .world file.",
         )
-    share = require_share(overlay, workspace, name)
-    source = sources.get(name)
-    files = find_launch_files(share)
-    if wanted is not None:
-        file = find_named_launch_file(share, wanted)
-        if file is None:
-            raise no_such_launch_file(name, wanted, files)
-        return SelectedPackage(name=name, source=source, share=share, launch_file=file)
-    if not files:
-        problem = _no_launch_file(source, share)
-        return SelectedPackage(name=name, source=source, share=share, problem=problem)
-    spawning = [file for file in files if may_spawn(file)] or list(files)
-    if len(spawning) > 1:
-        raise RequestError(
-            f"{name} has several launch files that may spawn a robot.",
-            hint=f"Choose one with --launch: {', '.join(file.name for file in spawning)}.",
-        )
-    return SelectedPackage(name=name, source=source, share=share, launch_file=spawning[0])
 
 
-def _select_unnamed(
-    name: str, source: Path, share: Path | None, wanted: str | None
-) -> SelectedPackage | None:
-    """One of several packages; None where neither source nor install space spawns a robot.
-
-    The problem of one package is reported with it, so that the others are validated.
-    """
-    files = find_launch_files(share) if share else ()
-    if wanted is not None:
+def _select_by_launch_file(
+    names: Sequence[str], sources: Mapping[str, Path], overlay: Overlay, request: ValidateRequest
+) -> tuple[SelectedPackage, ...]:
+    """The packages that install the launch file of the request; each that is named must."""
+    wanted = request.launch_file or ""
+    selected = []
+    for name in names:
+        share = overlay.share(name)
         file = find_named_launch_file(share, wanted) if share else None
-        if file is None:
-            return None
-        return SelectedPackage(name=name, source=source, share=share, launch_file=file)
-    spawning = [file for file in files if may_spawn(file)]
-    written = find_launch_files(source)
-    misnamed = None if written else find_misnamed(source)
+        if file is not None:
+            source = sources.get(name)
+            selected.append(
+                SelectedPackage(name=name, source=source, share=share, launch_file=file, label=name)
+            )
+        elif share is not None and (request.packages or len(names) == 1):
+            raise no_such_launch_file(name, wanted, find_launch_files(share))
+    if not selected:
+        raise RequestError(
+            f"No package of the workspace installs a launch file {wanted}.",
+            hint="`wsgen validate` without --launch lists the launch files that spawn robots.",
+        )
+    return tuple(selected)
+
+
+def _list_files(name: str, source: Path | None, share: Path | None) -> PackageFiles:
+    installed = find_launch_files(share) if share else ()
+    written = find_launch_files(source) if source else ()
+    there = {file.name for file in installed}
+    uninstalled = tuple(file for file in written if file.name not in there)
+    folder = source or share
+    misnamed = find_misnamed(folder) if folder and not (installed or written) else None
     if misnamed is not None:
-        written = (misnamed[0],)
-    written = tuple(file for file in written if may_spawn(file))
-    if len(spawning) == 1:
-        return SelectedPackage(name=name, source=source, share=share, launch_file=spawning[0])
-    if spawning:
-        problem = _several_launch_files(name, spawning)
-    elif not written:
-        return None
-    elif share is None:
-        (problem,) = found.diagnostics if (found := read_package(source)) else ()
-    else:
-        problem = _no_launch_file(source, share)
-    return SelectedPackage(name=name, source=source, share=share, problem=problem)
+        file, right_name = misnamed
+        return PackageFiles(name, source, share, (), (file,), right_name)
+    return PackageFiles(name, source, share, installed, uninstalled)
+
+
+def _select(
+    candidate: Candidate, package: PackageFiles, chosen: Sequence[Candidate]
+) -> SelectedPackage:
+    of_package = [one for one in chosen if one.package == package.name]
+    return SelectedPackage(
+        name=package.name,
+        source=package.source,
+        share=package.share,
+        launch_file=candidate.file,
+        started=candidate.started,
+        is_first=of_package[0] is candidate,
+        elsewhere=frozenset(spawn.entity for one in of_package for spawn in one.started.spawns),
+    )
+
+
+def _with_problem(candidate: Candidate, package: PackageFiles) -> SelectedPackage:
+    """A package that does not install its launch file, which spawns a robot."""
+    source, share = package.source, package.share
+    found = read_package(source) if source is not None and share is None else None
+    problem = found.diagnostics[0] if found else _not_installed(package, candidate.file)
+    return SelectedPackage(name=package.name, source=source, share=share, problem=problem)
+
+
+def _with_labels(selected: Sequence[SelectedPackage]) -> Iterator[SelectedPackage]:
+    """Each with its package as the label, or with package and launch file where it has several."""
+    counts = Counter(one.name for one in selected)
+    used: set[str] = set()
+    for one in selected:
+        label = one.name
+        if counts[one.name] > 1 and one.launch_file is not None:
+            stem = re.sub(r"[._-]?launch\.(py|xml|ya?ml)$", "", one.launch_file.name)
+            label = f"{one.name}-{stem or one.launch_file.name}"
+        number = 1
+        wanted = label
+        while label in used:
+            number += 1
+            label = f"{wanted}-{number}"
+        used.add(label)
+        yield replace(one, label=label)
+
+
+def _not_validated(
+    packages: Mapping[str, PackageFiles], choice: Choice, selected: Collection[str]
+) -> Iterator[NotValidated]:
+    """The launch files that are not simulated, and the packages that spawn no robot."""
+    explained = set()
+    for one, reason in choice.others:
+        explained.add(one.package)
+        yield NotValidated(package=one.package, launch_file=one.file, reason=reason)
+    for name, package in packages.items():
+        if name in selected or name in explained:
+            continue
+        spawners = _spawners_of(package, choice.chosen)
+        if spawners:
+            yield NotValidated(package=name, reason=f"robot spawned by {', '.join(spawners)}")
+        else:
+            yield NotValidated(
+                package=name,
+                reason="spawns no robot",
+                robot_files=find_robot_files(folder)
+                if (folder := package.source or package.share)
+                else (),
+            )
+
+
+def _spawners_of(package: PackageFiles, chosen: Sequence[Candidate]) -> list[str]:
+    """The packages that spawn a robot of this one."""
+    folders = [os.path.realpath(folder) for folder in (package.share, package.source) if folder]
+    starts = (
+        *(f"{scheme}://{package.name}/" for scheme in ("package", "model")),
+        *(f"{folder}/" for folder in folders),
+    )
+
+    def is_of_package(spawn: Spawn) -> bool:
+        file = spawn.description_file
+        is_there = file is not None and os.path.realpath(file).startswith(starts)
+        return is_there or any(start in spawn.description for start in starts)
+
+    return list(
+        dict.fromkeys(one.package for one in chosen if any(map(is_of_package, one.started.spawns)))
+    )
 
 
 def no_such_launch_file(package: str, wanted: str, files: Sequence[Path]) -> RequestError:
@@ -226,34 +331,29 @@ def no_such_launch_file(package: str, wanted: str, files: Sequence[Path]) -> Req
     )
 
 
-def _no_launch_file(source: Path | None, share: Path) -> Diagnostic:
-    written = find_launch_files(source) if source is not None else ()
-    rule = _find_install_rule(source, written[0]) if source is not None and written else None
-    if source is not None and rule is not None:
-        return _misplaced_launch_file(source, written[0], rule, share.name)
-    if source is not None and written:
-        folder = written[0].relative_to(source).parent.as_posix()
-        what = f"FILES {written[0].name}" if folder == "." else f"DIRECTORY {folder.split('/')[0]}"
-        return UNINSTALLED_LAUNCH_FILE.at(
-            source / "CMakeLists.txt",
-            message="The package does not install its launch file "
-            f"{written[0].relative_to(source)}.",
-            hint=f"Write in CMakeLists.txt: install({what} DESTINATION "
-            "share/${PROJECT_NAME}); then run `wsgen build`.",
-        )
-    misnamed = find_misnamed(source or share)
-    if misnamed is not None:
-        file, name = misnamed
-        return NO_LAUNCH_FILE.at(
+def _not_installed(package: PackageFiles, file: Path) -> Diagnostic:
+    """Report a launch file that is not in the share folder, or not named as one."""
+    source, share = package.source, package.share
+    if package.right_name is not None or source is None or share is None:
+        return MISNAMED_LAUNCH_FILE.at(
             file,
-            message=f"The package has no launch file: `{file.name}` is not named like one.",
-            hint=f"Rename it to {name}, then run `wsgen build`.",
+            message=f"The launch file `{file.name}` is not named like one.",
+            hint=f"Rename it to {package.right_name}, then run `wsgen build`.",
         )
-    return NO_LAUNCH_FILE.at(
-        source or share,
-        message="The package has no launch file.",
-        hint="Write a file launch/NAME.launch.py, and install the folder launch/ in "
-        "CMakeLists.txt.",
+    rule = _find_install_rule(source, file)
+    if rule is not None:
+        return _misplaced_launch_file(source, file, rule, share.name)
+    folder = file.relative_to(source).parent.as_posix()
+    is_cmake = (source / "CMakeLists.txt").is_file()
+    what = f"FILES {file.name}" if folder == "." else f"DIRECTORY {folder.split('/')[0]}"
+    return UNINSTALLED_LAUNCH_FILE.at(
+        source / ("CMakeLists.txt" if is_cmake else "setup.py"),
+        message=f"The package does not install its launch file {file.relative_to(source)}.",
+        hint=f"Write in CMakeLists.txt: install({what} DESTINATION "
+        "share/${PROJECT_NAME}); then run `wsgen build`."
+        if is_cmake
+        else f"Add to `data_files` in setup.py: ('share/{package.name}/{folder}', "
+        f"glob('{folder}/*')); then run `wsgen build`.",
     )
 
 
@@ -292,15 +392,6 @@ def _misplaced_launch_file(source: Path, file: Path, rule: Call, package: str) -
         hint += "`wsgen build`."
     return UNINSTALLED_LAUNCH_FILE.at(
         source / "CMakeLists.txt", rule.argument_lines[position], message=message, hint=hint
-    )
-
-
-def _several_launch_files(name: str, files: list[Path]) -> Diagnostic:
-    names = ", ".join(file.name for file in files)
-    return SEVERAL_LAUNCH_FILES.at(
-        files[0].parent,
-        message=f"Several launch files may spawn a robot: {names}.",
-        hint=f"Choose one: wsgen validate {name} --launch {files[0].name}",
     )
 
 

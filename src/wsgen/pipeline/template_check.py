@@ -18,7 +18,8 @@ from wsgen.diagnostics import Rule, Severity
 from wsgen.isolation.fork_server import ForkServer
 from wsgen.model.package import Maintainer
 from wsgen.pipeline.package_validation import Validation
-from wsgen.pipeline.selection import SelectedPackage, ValidateRequest, may_spawn
+from wsgen.pipeline.selection import SelectedPackage, ValidateRequest
+from wsgen.pipeline.started import start
 from wsgen.simulation.run import default_engine
 from wsgen.source_shares import INDEX
 from wsgen.templating.render import installed_folders
@@ -168,9 +169,18 @@ def _simulate(source: Path, overlay: Overlay, run: Run) -> Iterator[Diagnostic]:
     """The diagnostics of `wsgen validate`, for every launch file that spawns a robot."""
     share = overlay.prefixes[0] / "share" / PACKAGE
     request = ValidateRequest(engines=(default_engine(),))
-    for file in filter(may_spawn, find_launch_files(share)):
-        selected = SelectedPackage(name=PACKAGE, source=source, share=share, launch_file=file)
-        yield from Validation(selected, overlay, request, None, run).run().diagnostics
+    for file in find_launch_files(share):
+        started = start(file, PACKAGE, overlay, request, run)
+        selected = SelectedPackage(
+            name=PACKAGE,
+            source=source,
+            share=share,
+            launch_file=file,
+            started=started,
+            label=PACKAGE,
+        )
+        if started.has_spawner or not started.is_evaluated:
+            yield from Validation(selected, overlay, request, None, run).run().diagnostics
 
 
 def _relative(found: Diagnostic, folder: Path) -> Diagnostic:

@@ -16,15 +16,15 @@ from wsgen.isolation import parent
 from wsgen.launch.launch_warnings import UNUSED_ARGUMENT, UNUSED_XACRO_ARGUMENT
 from wsgen.model.outcome import Outcome
 from wsgen.pipeline.package_validation import Validation
-from wsgen.pipeline.selection import SelectedPackage, select_packages
+from wsgen.pipeline.parallel import run_parallel
+from wsgen.pipeline.selection import SelectedPackage, Selection, select_packages
 from wsgen.rendering.recording import lacks_encoder, why_no_video
 from wsgen.simulation.run import missing_engines
 from wsgen.workspace.layout import Workspace, find_packages, workspace_around
 from wsgen.workspace.overlay import Overlay, open_overlay, overlay_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
-    from concurrent.futures import Executor
+    from collections.abc import Iterable, Mapping, Sequence
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
@@ -56,7 +56,7 @@ def validate(
     Raises:
         RequestError: a package or launch file of that name does not exist, or an option is given
             that nothing named here takes.
-        NotFoundError: no package has a launch file, a file does not exist, or an engine is not
+        NotFoundError: the workspace has no package, a file does not exist, or an engine is not
             installed.
         NotReadableError: a FILE is no regular file, or the folder for the pictures cannot be made.
     """
@@ -64,27 +64,29 @@ def validate(
     serial = OneAtATime(listener)
     with ExitStack() as stack:
         overlay = overlay_of(environment)
-        packages: Sequence[SelectedPackage] = ()
-        left_out: tuple[str, ...] = ()
+        selection = Selection()
         if workspace is not None and (request.packages or not request.files):
             overlay = stack.enter_context(open_overlay([workspace], environment))
-            packages, left_out = select_packages(workspace, overlay, request)
+            selection = select_packages(workspace, overlay, request, listener)
+        packages, not_validated = selection
         overlays = _overlays_of_files(request.files, workspace, environment, stack)
 
         def subjects(run: Run) -> list[Validation | FileValidation]:
             return [
                 *(Validation(package, overlay, request, serial, run) for package in packages),
-                *_files(request, [package.name for package in packages], overlays, serial, run),
+                *_files(request, [package.label for package in packages], overlays, serial, run),
             ]
 
         ended = [] if ended is None else ended
         if len(packages) + len(request.files) == 1:  # a server would serve one child
             (subject,) = subjects(parent.run)
             ended.append(subject.run())
-        else:
-            _run_several(subjects, request.jobs, serial, ended)
+        elif packages or request.files:
+            run_parallel(
+                lambda run: [one.run for one in subjects(run)], request.jobs, serial, ended
+            )
         outcomes = _without_used_elsewhere(ended, request)
-        return Outcome(packages=_with_not_built(outcomes, overlay), left_out=left_out)
+        return Outcome(packages=_with_not_built(outcomes, overlay), not_validated=not_validated)
 
 
 def _with_not_built(
@@ -127,53 +129,6 @@ def _without_used_elsewhere(
 def _is_unused_argument(found: Diagnostic) -> bool:
     """Whether it is about an argument of the request; those that a file gives have a line."""
     return found.code in UNUSED_ARGUMENTS and found.line is None
-
-
-def _run_several(
-    subjects: Callable[[Run], list[Validation | FileValidation]],
-    jobs: int,
-    serial: OneAtATime,
-    ended: list[PackageOutcome],
-) -> None:
-    """Run them, `jobs` at a time, with child processes that share their start."""
-    from wsgen.isolation.fork_server import ForkServer  # noqa: PLC0415  of no use for one
-
-    # Leaving the fork server ends the children for which the threads wait.
-    with ExitStack() as stack:
-        pool = _thread_pool(stack, jobs)
-        todo = subjects(stack.enter_context(ForkServer()).run)
-        stack.callback(serial.close)  # what loses its child then has not failed
-        if pool is None:
-            for subject in todo:
-                ended.append(subject.run())  # noqa: PERF401  they are there when one is interrupted
-            return
-        from concurrent.futures import FIRST_EXCEPTION, wait  # noqa: PLC0415  see `_thread_pool`
-
-        running = [pool.submit(subject.run) for subject in todo]
-        try:
-            for future in wait(running, return_when=FIRST_EXCEPTION).done:
-                future.result()
-        finally:
-            ended += [
-                future.result()
-                for future in running
-                if future.done() and not future.cancelled() and future.exception() is None
-            ]
-
-
-def _thread_pool(stack: ExitStack, jobs: int) -> Executor | None:
-    """Threads that wait for child processes; None for one job.
-
-    When the stack is left early, no further job is started.
-    """
-    if jobs == 1:
-        return None
-    # Loaded only where it is used: it brings `logging`.
-    from concurrent.futures import ThreadPoolExecutor  # noqa: PLC0415
-
-    pool = ThreadPoolExecutor(max_workers=jobs)
-    stack.callback(pool.shutdown, cancel_futures=True)
-    return pool
 
 
 def _files(

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from wsgen.doctor.machine import Requirement
     from wsgen.doctor.report import DoctorReport
     from wsgen.model.behavior import BehaviorOutcome
-    from wsgen.model.outcome import Outcome, PackageOutcome, RobotOutcome
+    from wsgen.model.outcome import NotValidated, Outcome, PackageOutcome, RobotOutcome
     from wsgen.model.plan import Include, LaunchArgument, LaunchPlan, Process, Unresolved
     from wsgen.model.transform import Pose
     from wsgen.pipeline.create import CreatedPackage
@@ -39,6 +39,7 @@ def render_outcome(outcome: Outcome) -> str:
         "complete": outcome.is_complete,
         "passed": outcome.passed,
         "packages": [_package(package) for package in outcome.packages],
+        "not_validated": [_not_validated(one) for one in outcome.not_validated],
     }
     return json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
@@ -115,6 +116,15 @@ def _package(package: PackageOutcome) -> dict[str, Any]:
         "world_picture": _path(package.world_picture),
         "video": _path(package.video),
         "seconds": {stage: round(value, 4) for stage, value in package.seconds.items()},
+    }
+
+
+def _not_validated(one: NotValidated) -> dict[str, Any]:
+    return {
+        "package": one.package,
+        "launch_file": _path(one.launch_file),
+        "reason": one.reason,
+        "robot_files": [_path(file) for file in one.robot_files],
     }
 
 

@@ -1,0 +1,276 @@
+"""Which launch files of the packages spawn a robot: each is evaluated, and its plan says so."""
+
+from __future__ import annotations
+
+import os
+import threading
+import time
+from functools import partial
+from typing import TYPE_CHECKING, NamedTuple
+
+from wsgen.diagnostics import Severity
+from wsgen.events import OneAtATime, StepEnded, StepProgressed, StepStarted, post
+from wsgen.isolation import parent
+from wsgen.launch.spawning import names_spawner
+from wsgen.pipeline.parallel import run_parallel
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection, Iterable, Sequence
+    from pathlib import Path
+
+    from wsgen.events import Listener
+    from wsgen.isolation.parent import Run
+    from wsgen.pipeline.started import Started
+
+
+class LaunchFile(NamedTuple):
+    """A launch file of a package."""
+
+    package: str
+    file: Path
+    is_installed: bool = True  # not: in the source of the package alone
+
+
+class Candidate(NamedTuple):
+    """A launch file that was evaluated."""
+
+    launch_file: LaunchFile
+    started: Started
+
+    @property
+    def package(self) -> str:
+        """The package that it belongs to."""
+        return self.launch_file.package
+
+    @property
+    def file(self) -> Path:
+        """The launch file."""
+        return self.launch_file.file
+
+    @property
+    def name(self) -> str:
+        """Package and launch file, as `ros2 launch` takes them."""
+        return f"{self.package} {self.file.name}"
+
+    @property
+    def errors(self) -> frozenset[tuple[str, str, Path | None, int | None]]:
+        """What makes each error of the plan the one that it is."""
+        return frozenset(
+            (found.code, found.message, found.file, found.line)
+            for found in self.started.plan.diagnostics
+            if found.severity is Severity.ERROR
+        )
+
+    @property
+    def included(self) -> frozenset[str]:
+        """Real paths of the launch files that it includes."""
+        return frozenset(os.path.realpath(one.file) for one in self.started.plan.includes)
+
+    @property
+    def descriptions(self) -> frozenset[str]:
+        """The texts of the robots that it spawns."""
+        return frozenset(spawn.description for spawn in self.started.spawns)
+
+
+class Choice(NamedTuple):
+    """The launch files to simulate, and why others that may spawn a robot are not."""
+
+    chosen: tuple[Candidate, ...]
+    others: tuple[tuple[Candidate, str], ...]
+
+
+def evaluate_launch_files(
+    files: Sequence[LaunchFile],
+    jobs: int,
+    listener: Listener | None,
+    evaluate: Callable[[LaunchFile, Run], Started],
+) -> tuple[Candidate, ...]:
+    """Evaluate launch files, several at a time, and post how many are done."""
+    if not files:
+        return ()
+    count, before = len(files), time.perf_counter()
+    step = ("evaluate", "launch files") if count > 1 else (files[0].package, "launch")
+    detail = f"0/{count}" if count > 1 else files[0].file.name
+    serial = OneAtATime(listener)
+    lock, done = threading.Lock(), 0
+
+    def call(file: LaunchFile, run: Run) -> Candidate:
+        nonlocal done
+        candidate = Candidate(file, evaluate(file, run))
+        with lock:
+            done += 1
+            post(serial, StepProgressed(step=step, detail=f"{done}/{count}"))
+        return candidate
+
+    post(listener, StepStarted(step=step, detail=detail))
+    ended: list[Candidate] = []
+    if count == 1:
+        ended.append(call(files[0], parent.run))
+    else:
+        run_parallel(lambda run: [partial(call, file, run) for file in files], jobs, serial, ended)
+    succeeded = count > 1 or not ended[0].errors
+    post(
+        listener,
+        StepEnded(
+            step=step,
+            succeeded=succeeded,
+            seconds=time.perf_counter() - before,
+            detail=str(count) if count > 1 else detail,
+        ),
+    )
+    return tuple(ended)
+
+
+def choose(found: Sequence[Candidate], *, kept: Collection[str] = ()) -> Choice:
+    """Choose the launch files that spawn robots, and those whose mistakes may hide one.
+
+    Of launch files that include each other the outer one is chosen, of those that start the same
+    simulation the first. `kept` are packages whose launch files are simulated also where one of
+    another package includes them.
+    """
+    evaluated = [one for one in found if one.started.is_evaluated]
+    spawning = [one for one in evaluated if one.started.has_spawner]
+    outer: list[Candidate] = []
+    others: list[tuple[Candidate, str]] = []
+    for one in spawning:
+        includer = _includer(one, spawning, kept)
+        if includer is None:
+            outer.append(one)
+        else:
+            others.append((one, _is_included(one, includer)))
+    simulating = [one for one in outer if one.started.simulator]
+    chosen = [one for one in outer if one.started.simulator or not _is_simulated(one, simulating)]
+    failing, more = _choose_failing(
+        [one for one in found if not one.started.is_evaluated], evaluated, chosen
+    )
+    chosen, same = _without_same([*chosen, *failing])
+    order = {one.launch_file: number for number, one in enumerate(found)}
+    return Choice(
+        tuple(sorted(chosen, key=lambda one: order[one.launch_file])),
+        (*others, *more, *same),
+    )
+
+
+def _includer(
+    inner: Candidate, candidates: Iterable[Candidate], kept: Collection[str] = ()
+) -> Candidate | None:
+    """The outermost candidate that includes another one."""
+    file = os.path.realpath(inner.file)
+    including = [
+        one
+        for one in candidates
+        if one is not inner
+        and file in one.included
+        and (one.package == inner.package or inner.package not in kept)
+    ]
+    return max(including, key=lambda one: len(one.included), default=None)
+
+
+def _is_included(inner: Candidate, includer: Candidate) -> str:
+    return f"{inner.file.name} is included by {includer.name}"
+
+
+def _is_simulated(spawner: Candidate, simulating: Sequence[Candidate]) -> bool:
+    """Whether launch files that start a simulator spawn what one without a simulator spawns."""
+    if not spawner.descriptions:
+        return any(one.package == spawner.package for one in simulating)
+    return spawner.descriptions <= {text for one in simulating for text in one.descriptions}
+
+
+def _choose_failing(
+    failing: Sequence[Candidate], evaluated: Sequence[Candidate], chosen: Sequence[Candidate]
+) -> tuple[list[Candidate], list[tuple[Candidate, str]]]:
+    """Those with a mistake of their author, and those that may spawn a robot; why not the others.
+
+    A launch file that others include with the arguments that it needs has no mistake.
+    """
+    spawning = {one.file.name for one in chosen}
+    packages = {one.package for one in chosen}
+    reported: list[Candidate] = []
+    others: list[tuple[Candidate, str]] = []
+    for one in failing:
+        lacks, needs_argument = _lacks(one)
+        may_spawn = (
+            one.started.has_spawner
+            or one.started.simulator is not None
+            or names_spawner(one.file, spawning)
+        )
+        includer = _includer(one, evaluated)
+        if includer is not None:
+            if may_spawn:
+                others.append((one, _is_included(one, includer)))
+        elif not lacks or (may_spawn and not (needs_argument and one.package in packages)):
+            reported.append(one)
+        else:
+            others.append((one, f"{one.file.name}: {_first_error(one)}"))
+    outer = [
+        one
+        for one in reported
+        if not any(
+            other is not one
+            and os.path.realpath(one.file) in other.included
+            and one.errors <= other.errors
+            for other in reported
+        )
+    ]
+    return outer, others
+
+
+def _lacks(failing: Candidate) -> tuple[bool, bool]:
+    """Whether it lacks only what is given from outside; whether that is a launch argument."""
+    # They load what explains errors, which most workspaces do not need.
+    from wsgen.launch.explain import (  # noqa: PLC0415
+        ARGUMENT_WITHOUT_VALUE,
+        INTERACTIVE_INPUT,
+        NEEDS_UNKNOWN,
+        VARIABLE_NOT_SET,
+    )
+    from wsgen.launch.explain_missing import PACKAGE_NOT_FOUND  # noqa: PLC0415
+    from wsgen.launch.explain_names import UNSUPPORTED_API  # noqa: PLC0415
+
+    from_outside = (
+        *(ARGUMENT_WITHOUT_VALUE, INTERACTIVE_INPUT, NEEDS_UNKNOWN, PACKAGE_NOT_FOUND),
+        *(UNSUPPORTED_API, VARIABLE_NOT_SET),
+    )
+    codes = {code for code, *_ in failing.errors}
+    return codes <= {rule.code for rule in from_outside}, codes == {ARGUMENT_WITHOUT_VALUE.code}
+
+
+def _first_error(failing: Candidate) -> str:
+    return next(
+        found.message
+        for found in failing.started.plan.diagnostics
+        if found.severity is Severity.ERROR
+    )
+
+
+def _without_same(
+    candidates: Sequence[Candidate],
+) -> tuple[list[Candidate], list[tuple[Candidate, str]]]:
+    """Of those of a package that start the same simulation, or fail in the same way, the first."""
+    first: dict[object, Candidate] = {}
+    others: list[tuple[Candidate, str]] = []
+    for one in candidates:
+        same = first.setdefault(_simulation(one), one)
+        if same is not one:
+            how = "starts the same simulation as" if one.started.is_evaluated else "fails as"
+            others.append((one, f"{one.file.name} {how} {same.file.name}"))
+    return list(first.values()), others
+
+
+def _simulation(candidate: Candidate) -> object:
+    """What two launch files have in common if they start the same simulation."""
+    started = candidate.started
+    if not started.is_evaluated or not started.spawns:
+        return candidate.package, candidate.errors or candidate.file
+    paths = {
+        (name, value)
+        for name, value in started.plan.environment.items()
+        if name.endswith("_PATH")  # where models and meshes are looked up
+    }
+    spawns = {
+        (spawn.entity, spawn.description, spawn.pose_in_world.xyz, spawn.pose_in_world.rpy)
+        for spawn in started.spawns
+    }
+    simulator = started.simulator and (started.simulator.kind, started.simulator.world)
+    return candidate.package, simulator, frozenset(spawns), frozenset(paths)

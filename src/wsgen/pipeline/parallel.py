@@ -1,0 +1,66 @@
+"""Run calls that wait for child processes, several at a time."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from typing import TYPE_CHECKING, TypeVar
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+    from concurrent.futures import Executor
+
+    from wsgen.events import OneAtATime
+    from wsgen.isolation.parent import Run
+
+    Result = TypeVar("Result")
+
+
+def run_parallel(
+    calls: Callable[[Run], Sequence[Callable[[], Result]]],
+    jobs: int,
+    serial: OneAtATime,
+    ended: list[Result],
+) -> None:
+    """Run calls, `jobs` at a time, with child processes that share their start.
+
+    `calls` makes them, with what runs their child processes. Their results are added to `ended` in
+    this order, also when the calls are interrupted. `serial` receives no event afterwards.
+    """
+    from wsgen.isolation.fork_server import ForkServer  # noqa: PLC0415  of no use for one
+
+    # Leaving the fork server ends the children for which the threads wait.
+    with ExitStack() as stack:
+        pool = _thread_pool(stack, jobs)
+        todo = calls(stack.enter_context(ForkServer()).run)
+        stack.callback(serial.close)  # what loses its child then has not failed
+        if pool is None:
+            for call in todo:
+                ended.append(call())  # noqa: PERF401  they are there when one is interrupted
+            return
+        from concurrent.futures import FIRST_EXCEPTION, wait  # noqa: PLC0415  see `_thread_pool`
+
+        running = [pool.submit(call) for call in todo]
+        try:
+            for future in wait(running, return_when=FIRST_EXCEPTION).done:
+                future.result()
+        finally:
+            ended += [
+                future.result()
+                for future in running
+                if future.done() and not future.cancelled() and future.exception() is None
+            ]
+
+
+def _thread_pool(stack: ExitStack, jobs: int) -> Executor | None:
+    """Threads that wait for child processes; None for one job.
+
+    When the stack is left early, no further job is started.
+    """
+    if jobs == 1:
+        return None
+    # Loaded only where it is used: it brings `logging`.
+    from concurrent.futures import ThreadPoolExecutor  # noqa: PLC0415
+
+    pool = ThreadPoolExecutor(max_workers=jobs)
+    stack.callback(pool.shutdown, cancel_futures=True)
+    return pool

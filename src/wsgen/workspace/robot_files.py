@@ -1,0 +1,37 @@
+"""Find the robots that a package describes."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from wsgen.files import irregular_kind
+from wsgen.markup import read_text, without_comments
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+SUFFIXES = (".urdf", ".xacro")
+ROBOT = re.compile(r"<robot\b[^>]*?\sname\s*=")  # a file of macros has no name
+INCLUDED = re.compile(r"<xacro:include\b[^>]*?\sfilename\s*=\s*[\"']([^\"']+)")
+# What describes a robot: files of macros have nothing of it outside of them.
+MACRO = re.compile(r"<xacro:macro\b.*?</xacro:macro>", re.DOTALL)
+PART = re.compile(r"<(?:link|joint|xacro:(?!arg\b|property\b|macro\b)\w+)\b")
+
+
+def find_robot_files(folder: Path) -> tuple[Path, ...]:
+    """The URDF and xacro files of whole robots below a folder: no other file includes them."""
+    texts = {
+        file: without_comments(read_text(file) or "")
+        for file in sorted(folder.rglob("*"))
+        if file.suffix in SUFFIXES and irregular_kind(file) is None and file.is_file()
+    }
+    included = {
+        name.rpartition("/")[2] for text in texts.values() for name in INCLUDED.findall(text)
+    }
+    return tuple(
+        file
+        for file, text in texts.items()
+        if file.name not in included and ROBOT.search(text) and PART.search(MACRO.sub("", text))
+    )
