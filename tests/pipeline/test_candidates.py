@@ -1,0 +1,134 @@
+"""Which launch files are simulated, from plans alone."""
+
+from dataclasses import replace
+from pathlib import Path
+
+from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.launch.explain import ARGUMENT_WITHOUT_VALUE, SYNTAX_ERROR
+from wsgen.launch.explain_missing import PACKAGE_NOT_FOUND
+from wsgen.model.plan import Include, LaunchPlan
+from wsgen.model.transform import Pose
+from wsgen.model.world import Simulator, Spawn
+from wsgen.pipeline.candidates import Candidate, LaunchFile, choose
+from wsgen.pipeline.started import Started
+
+GAZEBO = Simulator(kind="classic", world=None)
+
+
+def robot(name: str, *, x: float = 0.0) -> Spawn:
+    return Spawn(entity=name, description=f"<robot name='{name}'/>", pose_in_world=Pose((x, 0, 0)))
+
+
+def candidate(
+    name: str,
+    *spawns: Spawn,
+    simulator: Simulator | None = GAZEBO,
+    includes: tuple[str, ...] = (),
+    error: Diagnostic | None = None,
+    package: str = "p",
+) -> Candidate:
+    plan = LaunchPlan(
+        package=package,
+        launch_file=Path(name),
+        includes=tuple(Include(package=None, file=Path(one)) for one in includes),
+        diagnostics=(error,) if error else (),
+    )
+    started = Started(plan, simulator, spawns, plan.diagnostics, bool(spawns), 0.1)
+    return Candidate(LaunchFile(package, Path(name)), started)
+
+
+def chosen(*found: Candidate, kept: tuple[str, ...] = ()) -> list[str]:
+    return [one.file.name for one in choose(found, kept=kept).chosen]
+
+
+def reasons(*found: Candidate) -> list[str]:
+    return [reason for _, reason in choose(found).others]
+
+
+def error(rule: str, message: str = "m", file: str = "f") -> Diagnostic:
+    return Diagnostic(
+        name="n", code=rule, severity=Severity.ERROR, message=message, file=Path(file)
+    )
+
+
+def test_what_spawns_into_a_simulator() -> None:
+    found = (
+        candidate("rviz", simulator=None),
+        candidate("sim", robot("r")),
+        candidate("world"),
+    )
+    assert chosen(*found) == ["sim"]
+    assert reasons(*found) == []
+
+
+def test_the_outer_one_of_any_package() -> None:
+    inner = candidate("sim", robot("r"), package="sim")
+    outer = candidate("robot", robot("r", x=1), includes=("sim",), package="bringup")
+    assert chosen(inner, outer) == ["robot"]
+    assert reasons(inner, outer) == ["sim is included by bringup robot"]
+    assert chosen(inner, outer, kept=("sim",)) == ["sim", "robot"]
+    outermost = candidate("all", robot("r", x=2), includes=("robot", "sim"), package="all")
+    assert reasons(inner, outer, outermost)[0] == "sim is included by all all"
+
+
+def test_an_outer_one_that_fails_hides_nothing() -> None:
+    failing = candidate("robot", includes=("sim",), error=error(SYNTAX_ERROR.code), simulator=None)
+    assert chosen(candidate("sim", robot("r")), failing) == ["sim", "robot"]
+
+
+def test_a_spawner_alone() -> None:
+    spawner = candidate("spawn", robot("r", x=3), simulator=None)
+    assert chosen(spawner) == ["spawn"]
+    assert chosen(spawner, candidate("sim", robot("r"))) == ["sim"]
+    assert chosen(spawner, candidate("sim", robot("other"))) == ["spawn", "sim"]
+
+
+def test_the_same_simulation_of_a_package() -> None:
+    first, second = candidate("a", robot("r")), candidate("b", robot("r"))
+    assert chosen(first, second, candidate("c", robot("r", x=1))) == ["a", "c"]
+    assert reasons(first, second) == ["b starts the same simulation as a"]
+    world = candidate("b", robot("r"), simulator=replace(GAZEBO, world="office.world"))
+    assert chosen(first, world) == ["a", "b"]
+    assert chosen(first, candidate("b", robot("r"), package="q")) == ["a", "b"]
+
+
+def test_a_mistake_is_reported_whatever_the_launch_file_starts() -> None:
+    found = candidate("teleop", simulator=None, error=error(SYNTAX_ERROR.code))
+    assert chosen(candidate("sim", robot("r")), found) == ["sim", "teleop"]
+
+
+def test_one_mistake_in_several_launch_files_is_reported_once() -> None:
+    mistake = error(SYNTAX_ERROR.code, file="robot.xacro")
+    found = [candidate(name, simulator=None, error=mistake) for name in ("a", "b")]
+    assert chosen(*found) == ["a"]
+    assert reasons(*found) == ["b fails as a"]
+    outer = candidate("c", simulator=None, error=mistake, includes=("a",), package="q")
+    assert chosen(found[0], outer) == ["c"]
+
+
+def test_what_only_its_machine_has(tmp_path: Path) -> None:
+    lacks = error(PACKAGE_NOT_FOUND.code, "The package 'lidar' is not found.")
+    driver = candidate("driver", simulator=None, error=lacks)
+    assert chosen(driver) == []
+    assert reasons(driver) == ["driver: The package 'lidar' is not found."]
+    for name, text in (
+        ("spawns.launch.py", "Node(executable='spawn_entity.py')"),
+        ("spawns.launch.xml", '<launch><node pkg="ros_gz_sim" exec="create"/></launch>'),
+    ):
+        file = tmp_path / name
+        file.write_text(text)
+        assert chosen(candidate(str(file), simulator=None, error=lacks)) == [name]
+    (tmp_path / "create.launch.py").write_text("description = 'Whether to create a map'")
+    assert chosen(candidate(str(tmp_path / "create.launch.py"), simulator=None, error=lacks)) == []
+    assert chosen(candidate("started", error=lacks)) == ["started"]
+
+
+def test_a_required_argument() -> None:
+    lacks = error(ARGUMENT_WITHOUT_VALUE.code, "The argument `x` has no default.")
+    needs = candidate("sim", error=lacks)
+    assert chosen(needs) == ["sim"]
+    other = candidate("a", robot("r"))
+    assert chosen(needs, other) == ["a"]
+    assert reasons(needs, other) == ["sim: The argument `x` has no default."]
+    outer = candidate("robot", robot("r"), includes=("sim",))
+    assert reasons(needs, outer) == ["sim is included by p robot"]
