@@ -33,7 +33,9 @@ def candidate(
         includes=tuple(Include(package=None, file=Path(one)) for one in includes),
         diagnostics=(error,) if error else (),
     )
-    started = Started(plan, simulator, spawns, plan.diagnostics, bool(spawns), 0.1)
+    started = Started(
+        plan, simulator, spawns, plan.diagnostics, bool(spawns), 0.1, is_evaluated=error is None
+    )
     return Candidate(LaunchFile(package, Path(name)), started)
 
 

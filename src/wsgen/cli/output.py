@@ -163,7 +163,10 @@ def _package(
         lines += ["", *(f"  {line}" for line in shown)]
     repeated = len(package.diagnostics) - len(diagnostics)
     if repeated:
-        lines += ["", f"  and {repeated} {'diagnostic' if repeated == 1 else 'diagnostics'} as above"]
+        lines += [
+            "",
+            f"  and {repeated} {'diagnostic' if repeated == 1 else 'diagnostics'} as above",
+        ]
     if package.picture is not None:
         scale = f"  (a square is {package.picture_tile:g} m)" if package.picture_tile else ""
         lines += ["", f"  picture      {package.picture}{scale}"]
