@@ -49,6 +49,14 @@ def test_the_files_of_its_robot(clone: KindOfWorkspace) -> None:
     assert whole["robots"][0]["mass"] == 2.5
 
 
+def test_a_file_outside_finds_no_package_of_the_current_folder(
+    clone: KindOfWorkspace, tmp_path: Path
+) -> None:
+    (tmp_path / "sled.urdf").write_text((clone.root / "urdf" / "sled.urdf").read_text())
+    answer = clone.wsgen("validate", str(tmp_path / "sled.urdf"), "--format", "json")
+    assert answer.document["packages"][0]["diagnostics"][0]["code"] == "ROB071"
+
+
 def test_what_an_included_file_lacks(clone: KindOfWorkspace) -> None:
     runners = clone.root / "urdf" / "runners.xacro"
     runners.write_text(runners.read_text().replace("</xacro:macro>", "</xacro:macro>\n${width}"))

@@ -278,13 +278,17 @@ def _workspace_option(workspace: Workspace | None) -> list[str]:
 
 
 def _open_workspace(given: str | None, request: ValidateRequest) -> Workspace | None:
-    """The selected workspace; None if only files are given and no workspace is found."""
+    """The selected workspace; None if only files are given and no workspace is found.
+
+    Files belong to the clone around them, not to that around the current folder.
+    """
     from wsgen.workspace.layout import open_workspace
 
+    has_only_files = bool(request.files) and not request.packages
     try:
-        return open_workspace(given)
+        return open_workspace(given, takes_clone=not has_only_files)
     except (NotFoundError, RequestError):
-        if given is None and request.files and not request.packages:
+        if given is None and has_only_files:
             return None
         raise
 

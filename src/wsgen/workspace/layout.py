@@ -111,10 +111,11 @@ class Inventory:
     has_python: bool = False  # colcon needs its extensions for Python packages
 
 
-def open_workspace(given: str | None) -> Workspace:
+def open_workspace(given: str | None, *, takes_clone: bool = True) -> Workspace:
     """Return the workspace at the given folder, or else the one around or in the current folder.
 
-    Where no workspace is, the clone or package around the current folder counts as one.
+    Where no workspace is, the clone or package around the current folder counts as one, unless
+    `takes_clone` is False.
 
     A workspace in the current folder counts if it is the only one, so that users need not change
     the folder after `wsgen new`. A given folder must be the workspace itself, as for `wsgen new`.
@@ -142,7 +143,7 @@ def open_workspace(given: str | None) -> Workspace:
             f"{here} has several colcon workspaces.",
             hint=f"Change into one, or choose: -w {' | '.join(folder.name for folder in inside)}",
         )
-    tree = None if inside else find_source_tree(here)
+    tree = _find_clone(here) if takes_clone and not inside else None
     if tree is not None:
         return tree
     if not inside:
@@ -185,8 +186,7 @@ def workspace_around(folder: Path) -> Workspace | None:
 def find_source_tree(start: Path) -> Workspace | None:
     """Find the packages that a folder belongs to where no workspace is: those of a clone.
 
-    colcon takes any folder for a workspace. This is the repository around the folder; without one
-    it is the package around it with those beside it, or else the folder itself, if it has packages.
+    It is the repository around the folder, or else the package around it with those beside it.
     """
     start = start.absolute()
     folders = [folder for folder in (start, *start.parents) if not _is_exposed(folder)]
@@ -195,11 +195,17 @@ def find_source_tree(start: Path) -> Workspace | None:
     if repository is not None and _holds_packages(repository, package):
         return Workspace(root=repository)
     if package is None:
-        return Workspace(root=start) if start in folders and _holds_packages(start) else None
+        return None
     beside = package.parent
     has_others = any(file.parent != package for file in beside.glob("*/package.xml"))
     is_whole = has_others and beside in folders and _holds_packages(beside, package)
     return Workspace(root=beside if is_whole else package)
+
+
+def _find_clone(here: Path) -> Workspace | None:
+    """Find the packages around a folder, or in it, as colcon takes any folder for a workspace."""
+    is_clone = not _is_exposed(here) and _holds_packages(here)
+    return find_source_tree(here) or (Workspace(root=here) if is_clone else None)
 
 
 def workspace_of_source_folder(start: Path) -> Workspace | None:
