@@ -42,7 +42,7 @@ NOT_COMPILED = Rule(
 
 FILE = Path(__file__).with_name("cmake") / "without_ros.cmake"
 OPTION = "CMAKE_PROJECT_TOP_LEVEL_INCLUDES"  # of CMake 3.24; older ones do not read it
-LEFT_OUT = "wsgen_left_out.txt"  # in the build folder of a package
+LEFT_OUT = "wsgen_left_out.txt"  # in the build folder of a package; wsgen.launch looks for it
 LAST_ARGUMENTS = "cmake_args.last"  # colcon configures again without this file
 COMPILERS = ("c++", "CC", "g++", "clang++")  # the names CMake looks for
 MOST_LISTED = 6  # names of targets in a message

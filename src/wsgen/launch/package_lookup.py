@@ -57,6 +57,7 @@ _METAPACKAGES = {
     "navigation2": ("nav2_amcl", "nav2_bt_navigator", "nav2_map_server", "nav2_planner"),
 }
 _DEPENDENCY = re.compile(r"<(\w*depend)\b[^>]*>\s*([\w.-]+)\s*</")
+LEFT_OUT = "wsgen_left_out.txt"  # left_out.cmake of wsgen.build writes it
 _FOR_BUILD = ("depend", "build_depend")
 _MOST_NAMED = 12  # packages in a message
 
@@ -135,12 +136,17 @@ def is_not_compiled(folder: str, package: str) -> bool:
     """Whether the programs of an installed package cannot have been compiled on this machine.
 
     `folder` is where they would be: a package that depends on a library of ROS which is not
-    installed is built without what needs it.
+    installed is built without what needs it. `wsgen build` writes what it leaves out into the build
+    folder of the package.
     """
     from ament_index_python.packages import get_packages_with_prefixes
 
+    prefix = Path(folder).parents[1]
+    for workspace in prefix.parents[:2]:  # of a merged install space, and of one folder a package
+        if (workspace / "build" / package / LEFT_OUT).is_file():
+            return True
     installed = get_packages_with_prefixes()
-    manifest = Path(folder).parents[1] / "share" / package / "package.xml"
+    manifest = prefix / "share" / package / "package.xml"
     return any(
         element in _FOR_BUILD and name not in installed and known_packages.is_released(name)
         for element, name in _dependencies(manifest)

@@ -137,7 +137,8 @@ function(wsgen_left_out_call command)
     set_property(GLOBAL APPEND PROPERTY WSGEN_REPORT "interfaces ${name}")
   elseif(command MATCHES "add_(executable|library|module)$" AND name MATCHES "^[A-Za-z0-9_.+-]+$")
     wsgen_leave_out("${name}")
-  elseif(NOT command MATCHES "^(ament|gz|ign|ignition|pluginlib|qt[56]?|rclcpp_components|rosidl)_|test")
+  elseif(NOT command MATCHES
+      "^(ament|export|gz|ign|ignition|pluginlib|qt[56]?|rclcpp_components|rosidl|set)_|test")
     set_property(GLOBAL APPEND PROPERTY WSGEN_REPORT "call ${command}()")
   endif()
   if(command MATCHES "generate" AND name MATCHES "^[A-Za-z0-9_.+-]+$")
@@ -403,14 +404,19 @@ endfunction()
 # ---- commands of missing packages
 
 # Commands of the package's files that nobody has defined so far do nothing; whoever defines one
-# later replaces it. A name that begins as those of CMake and ament_cmake do is rather misspelled.
+# later replaces it. A name that begins as that of a command does, up to the second letter of its
+# second word, is rather misspelled.
+get_cmake_property(wsgen_defined COMMANDS)
 file(GLOB_RECURSE wsgen_files "${CMAKE_SOURCE_DIR}/CMakeLists.txt" "${CMAKE_SOURCE_DIR}/*.cmake")
 foreach(file IN LISTS wsgen_files)
   file(STRINGS "${file}" lines REGEX "^[ \t]*[A-Za-z0-9]+_[A-Za-z0-9_]*[ \t]*\\(")
   foreach(line IN LISTS lines)
     string(REGEX REPLACE "^[ \t]*([A-Za-z0-9_]+).*" "\\1" command "${line}")
     string(TOLOWER "${command}" command)
-    if(NOT command MATCHES "^(add|ament|cmake|cpack|ctest|find|get|include|link|set|target|xacro)_")
+    string(REGEX MATCH "^[a-z0-9]+_.?.?" beginning "${command}")
+    set(similar ${wsgen_defined})
+    list(FILTER similar INCLUDE REGEX "^${beginning}")
+    if(NOT similar)
       list(APPEND wsgen_commands "${command}")
     endif()
   endforeach()
