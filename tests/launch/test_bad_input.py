@@ -190,7 +190,7 @@ ROBOT = """\
 """
 
 
-@pytest.mark.parametrize("how", ["process_file", "Command"])
+@pytest.mark.parametrize("how", ["process_file", "process", "Command"])
 @pytest.mark.parametrize(
     ("content", "message", "line"),
     [
@@ -209,6 +209,8 @@ def test_xacro_error(
     call = (
         f"xacro.process_file({text}).toxml()"
         if how == "process_file"
+        else f"xacro.process({text})"
+        if how == "process"
         else f"ParameterValue(Command(['xacro ', {text}]), value_type=str)"
     )
     plan = space.play(

@@ -65,6 +65,8 @@ class Watch:
         xacro.parse = self._timed(self._parse_and_watch)
         self._process = xacro.process_doc
         xacro.process_doc = self._timed(self._process_and_watch)
+        self._main = xacro._process  # noqa: SLF001  what `xacro.process` calls
+        xacro._process = self._process_without_exit  # noqa: SLF001  same
 
     def _parse_and_watch(self, inp: Any, filename: Any = None) -> Any:
         document = self._parse(inp, filename)
@@ -90,6 +92,14 @@ class Watch:
         self._process(doc, arguments, **keywords)
         mappings.update(arguments)  # as xacro does
         self._note_unused(arguments.find_unused())
+
+    def _process_without_exit(self, *arguments: Any) -> None:
+        """Raise the error after which xacro would print it and end the process."""
+        try:
+            self._main(*arguments)
+        except SystemExit as end:
+            sys.stdout = sys.__stdout__  # xacro has put another one in its place
+            raise (end.__context__ or end) from None
 
     def _timed(self, function: Callable[..., Any]) -> Callable[..., Any]:
         def timed(*arguments: Any, **keywords: Any) -> Any:
