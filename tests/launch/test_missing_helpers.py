@@ -176,6 +176,18 @@ def test_a_program_of_a_package_that_is_not_built(space: InstallSpace, tmp_path:
     assert_goes_on(plan)
 
 
+def test_a_xacro_file_of_a_package_that_is_not_installed(space: InstallSpace) -> None:
+    text = """<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="r">
+    <xacro:include filename="$(find realsense2_description)/urdf/_d435.urdf.xacro"/></robot>"""
+    share = space.add("my_robot", {"r.xacro": text})
+    command = f"Command(['xacro ', '{share}/r.xacro'])"
+    plan = space.play(f"Node(package='rviz2', executable='rviz2', arguments=[{command}]), {KNOWN}")
+    assert_goes_on(plan, "LCH007")
+    (found,) = plan.diagnostics
+    assert found.element == "realsense2_description"
+    assert (found.file, found.line) == (share / "r.xacro", 2)
+
+
 def test_modules_of_released_packages_are_unknown(space: InstallSpace) -> None:
     plan = space.play(
         f"ExecuteProcess(cmd=[str(cv_bridge.CvBridge())]), {KNOWN}", before="import cv_bridge"

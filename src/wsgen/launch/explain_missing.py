@@ -182,7 +182,10 @@ def of_xacro(error: BaseException, xacro_error: dict[str, Any] | None) -> Explan
     if found is None:
         return None
     if found.get("missing"):
-        return _missing_file(found["missing"])
+        missing = _missing_file(found["missing"])
+        # A line of a xacro file, where one includes what is missing.
+        is_included = found.get("line") is not None
+        return missing._replace(file=found["file"], line=found["line"]) if is_included else missing
     if found.get("package"):
         return missing_package(
             found["package"], found.get("file"), found.get("line"), found.get("hint")

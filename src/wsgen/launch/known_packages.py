@@ -9,6 +9,7 @@ distribution does differently is named.
 from __future__ import annotations
 
 import os
+from functools import cache
 from typing import TYPE_CHECKING
 
 from wsgen.ros_names import released_packages
@@ -238,7 +239,12 @@ def is_known(package: str) -> bool:
 
 def is_released(package: str) -> bool:
     """Whether a distribution of ROS 2 has the package."""
-    return package in released_packages()
+    return package in _released()
+
+
+@cache
+def _released() -> frozenset[str]:
+    return frozenset(released_packages())
 
 
 def names() -> set[str]:

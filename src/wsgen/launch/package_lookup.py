@@ -72,6 +72,8 @@ def find_prefix(package: str, prefix: str | None) -> str | None:
     is_of_user = not is_of_library(location)
     if is_of_user:
         RECORD.lookups.setdefault(package, location)
+    else:
+        location = RECORD.visited
     if prefix is not None:
         return prefix
     if not known_packages.is_known(package):
