@@ -9,6 +9,7 @@ import pytest
 from build.building import SHELL_PROGRAMS, link_programs, outside
 from wsgen.build.toolchain import (
     AMENT_CMAKE,
+    ROS_PREFIX,
     SourcedRos,
     Wheels,
     find_toolchain,
@@ -68,7 +69,7 @@ def test_what_the_user_set_stays() -> None:
     variables = find_toolchain(selected).environment({**outside(), **selected})
     assert {name: variables[name] for name in selected} == {
         **selected,
-        "CMAKE_PREFIX_PATH": f"/mine{os.pathsep}{sys.prefix}",
+        "CMAKE_PREFIX_PATH": os.pathsep.join(["/mine", str(ROS_PREFIX), sys.prefix]),
     }
 
 

@@ -6,6 +6,7 @@ A cause is a function that recognizes it in the output of the build, and reports
 from __future__ import annotations
 
 import re
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.build.cmake_text import find_open_block, find_open_quote, read_calls
@@ -14,6 +15,7 @@ from wsgen.ros_names import cmake_packages, released_packages
 from wsgen.suggestions import ask_for_nearest, did_you_mean, nearest
 from wsgen.workspace.manifest import read_manifest
 from wsgen.workspace.package_xml import check_package_xml
+from wsgen.xacro.reader import XACRO_FILE_FAILS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -612,10 +614,25 @@ def _find_install(failure: Failure, name: str) -> tuple[int | None, str]:
     return None, "file or folder"
 
 
+def _xacro_error(failure: Failure) -> Iterator[Diagnostic]:
+    """Report what `wsgen.build.ros_commands` prints."""
+    for name, line, message, hint in re.findall(
+        r"(?m)^xacro: (.+?):(\d*): (.+)\nxacro: (.*)$", failure.output
+    ):
+        yield failure.report(
+            XACRO_FILE_FAILS,
+            f"xacro cannot expand the file: {message.rstrip('.')}.",
+            file=Path(name).resolve(),
+            line=int(line) if line else None,
+            hint=hint or failure.where_to_look,
+        )
+
+
 PACKAGE_CAUSES = (
     _missing_manifest,
     _missing_cmake_file,
     _missing_package,
     _repeated_ament_package,
     _missing_installed_path,
+    _xacro_error,
 )

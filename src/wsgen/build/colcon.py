@@ -123,7 +123,7 @@ class PackageResult:
     name: str
     outcome: str  # "built", "failed", "interrupted" (because another one failed) or "skipped"
     seconds: float  # wall-clock
-    error_output: tuple[str, ...] = ()  # the lines of its programs on standard error
+    error_output: tuple[str, ...] = ()  # the lines of its programs on standard error, or of errors
     log_folder: Path | None = None  # None if logging is off
     left_out: tuple[str, ...] = ()  # targets and more that could not be compiled without ROS
     needs: tuple[str, ...] = ()  # names of the missing packages that these need
@@ -139,6 +139,7 @@ class Progress:
     colcon_output: list[str] = field(default_factory=list)  # lines on standard error
     _started: dict[str, float] = field(default_factory=dict)  # time.monotonic()
     _error_output: dict[str, list[str]] = field(default_factory=dict)
+    _failing: set[str] = field(default_factory=set)
 
     def __call__(self, event: dict[str, Any]) -> None:
         """Post the event, and keep what the result needs."""
@@ -154,7 +155,10 @@ class Progress:
             post(self.listener, StepProgressed(step=step, detail=event["detail"]))
         elif event["event"] == "line":
             is_error = event["is_error_stream"]
-            if is_error:
+            # From here on ninja writes what a failed program wrote to either stream.
+            if event["text"].startswith("FAILED: "):
+                self._failing.add(name)
+            if is_error or name in self._failing:
                 self._error_output.setdefault(name, []).append(event["text"])
             post(self.listener, OutputLine(step=step, text=event["text"], is_error_stream=is_error))
         elif event["event"] == "skipped":

@@ -13,6 +13,7 @@ from colcon_core.command import main
 from colcon_core.executor import Job
 
 from wsgen.build.colcon_events import write_events_to
+from wsgen.build.package_environment import set_package_environments
 from wsgen.isolation.parent_death import end_with_parent
 
 request = json.load(sys.stdin)
@@ -27,6 +28,7 @@ end_with_parent(request["parent_death_pipe"], signal.SIGTERM)
 # The process is short, and importing colcon creates enough objects to keep the collector busy.
 gc.disable()
 
+set_package_environments(os.environ)
 run_job = Job.__call__
 
 

@@ -24,6 +24,7 @@ from colcon_core.argument_parser import (
 from colcon_core.logging import colcon_logger
 from colcon_core.plugin_system import satisfies_version
 
+from wsgen.build.package_environment import set_package_environments
 from wsgen.build.toolchain import Wheels, find_toolchain, package_prefixes, use_toolchain
 from wsgen.errors import NotFoundError
 
@@ -47,6 +48,7 @@ class ToolchainExtension(ArgumentParserDecoratorExtensionPoint):  # type: ignore
         """Change the environment of this process; look at the arguments once they are parsed."""
         before = dict(os.environ)
         use_toolchain(os.environ)
+        set_package_environments(os.environ)
         # colcon has collected the descriptions of the environment variables by now, and with
         # them this module, which looks for CMake when it is imported and never again. What copies
         # its answer, the build tasks, is imported later.

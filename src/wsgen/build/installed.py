@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.build.cmake_text import read_calls
+from wsgen.build.toolchain import INDEX
 from wsgen.diagnostics import Rule, Severity
 
 if TYPE_CHECKING:
@@ -70,7 +71,6 @@ RELOCATED_PACKAGE = Rule(
 )
 
 CMAKE_TYPES = frozenset({"ament_cmake", "cmake"})
-INDEX = "share/ament_index/resource_index/packages"
 COLCON_FILES = ("package.sh", "package.bash", "package.zsh", "package.ps1", "package.dsv")
 COLCON_FOLDERS = frozenset({"hook"})
 NAMED = 5  # files in a message

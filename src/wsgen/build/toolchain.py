@@ -22,7 +22,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, MutableMapping
 
 
+INDEX = "share/ament_index/resource_index/packages"  # with a file for each package of a prefix
 AMENT_CMAKE = Path("share", "ament_cmake", "cmake", "ament_cmakeConfig.cmake")
+ROS_PREFIX = Path(__file__).with_name("ros_prefix")  # stands in for packages of ROS
 MAKE_PROGRAMS = ("gmake", "make", "smake")  # the names CMake looks for
 
 
@@ -57,17 +59,16 @@ class Wheels:
     prefix: Path  # with share/ament_cmake
 
     def environment(self, environ: Mapping[str, str]) -> dict[str, str]:
-        """Return the variables for the build: those given, with this prefix and this Python."""
+        """Return the variables for the build: those given, with these prefixes and this Python."""
         variables = dict(environ)
-        scripts = str(self.prefix / "bin")
-        path = [entry for entry in _split(environ, "PATH") if entry != scripts]
-        variables["PATH"] = os.pathsep.join([scripts, *path])
+        added = [str(ROS_PREFIX), str(self.prefix)]
+        scripts = [f"{prefix}/bin" for prefix in added]
+        path = [entry for entry in _split(environ, "PATH") if entry not in scripts]
+        variables["PATH"] = os.pathsep.join([*scripts, *path])
         # At the end: prefixes of the user come first. AMENT_PREFIX_PATH would be the natural
         # variable, but colcon warns about every entry without a local_setup file.
-        prefixes = [
-            entry for entry in _split(environ, "CMAKE_PREFIX_PATH") if entry != str(self.prefix)
-        ]
-        variables["CMAKE_PREFIX_PATH"] = os.pathsep.join([*prefixes, str(self.prefix)])
+        prefixes = [entry for entry in _split(environ, "CMAKE_PREFIX_PATH") if entry not in added]
+        variables["CMAKE_PREFIX_PATH"] = os.pathsep.join([*prefixes, *added])
         _choose_python(variables)
         _choose_cmake(variables)
         if not any(shutil.which(name, path=variables["PATH"]) for name in MAKE_PROGRAMS):

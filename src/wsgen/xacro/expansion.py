@@ -165,12 +165,17 @@ def expand_for_parent(request: ExpansionRequest) -> Expansion | ExpansionError:
     return ExpansionError(**{name: error[name] for name in fields if name in error})
 
 
-def run_command(words: Sequence[str]) -> CommandResult:
-    """Do what the command line `xacro …` does; the first word is the program."""
-    return _run(words[1:], {})
+def run_command(words: Sequence[str], *, rewrite: Callable[[str], str] = str) -> CommandResult:
+    """Do what the command line `xacro …` does; the first word is the program.
+
+    The expanded text goes through `rewrite`.
+    """
+    return _run(words[1:], {}, rewrite)
 
 
-def _run(words: Sequence[str], mappings: Mapping[str, str]) -> CommandResult:
+def _run(
+    words: Sequence[str], mappings: Mapping[str, str], rewrite: Callable[[str], str] = str
+) -> CommandResult:
     _reset()
     stdout, stderr = io.StringIO(), io.StringIO()
     error = None
@@ -179,7 +184,7 @@ def _run(words: Sequence[str], mappings: Mapping[str, str]) -> CommandResult:
         try:
             options, file = xacro.process_args(list(words))
             arguments = options.mappings = _Arguments({**options.mappings, **mappings})
-            code, error = _process(file, options)
+            code, error = _process(file, options, rewrite)
             unused = [] if code else arguments.find_unused()
         except SystemExit as end:  # the option parser leaves like this
             code = end.code if isinstance(end.code, int) else 1
@@ -189,7 +194,9 @@ def _run(words: Sequence[str], mappings: Mapping[str, str]) -> CommandResult:
     return CommandResult(stdout.getvalue(), stderr.getvalue(), code, error, unused)
 
 
-def _process(file: str, options: Any) -> tuple[int, dict[str, Any] | None]:
+def _process(
+    file: str, options: Any, rewrite: Callable[[str], str]
+) -> tuple[int, dict[str, Any] | None]:
     """Expand and write, as `xacro.main` does, and keep the exception that it only prints."""
     xacro.root_dir = options.root_dir or os.curdir
     try:
@@ -202,8 +209,9 @@ def _process(file: str, options: Any) -> tuple[int, dict[str, Any] | None]:
     if options.just_deps:
         text = " ".join(sorted(set(xacro.all_includes)))
     else:
-        text = document.toprettyxml(indent="  ")
+        text = rewrite(document.toprettyxml(indent="  "))
     if options.output:
+        Path(options.output).parent.mkdir(parents=True, exist_ok=True)
         Path(options.output).write_text(text, encoding="utf-8")
     else:
         sys.stdout.write(text)
