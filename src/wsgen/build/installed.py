@@ -42,9 +42,9 @@ STALE_FILES = Rule(
     name="stale-files",
     severity=Severity.WARNING,
     summary="The install space has files that the package no longer installs.",
-    what="Compares the share folder of the package with the list of files that CMake installed, "
-    "unless install() runs a script.",
-    why="CMake does not remove files that an earlier build installed. A launch file still finds "
+    what="Compares the share folder of the package with the list of files that CMake or setuptools "
+    "installed, unless install() runs a script.",
+    why="Neither removes files that an earlier build installed. A launch file still finds "
     "them here, but not after a build in a clone of the workspace.",
     example="git mv model/robot.xacro model/arm.xacro; wsgen build",
     instead="rm -r install/my_robot build/my_robot; wsgen build",
@@ -70,8 +70,16 @@ RELOCATED_PACKAGE = Rule(
     instead="mv src/my_robot src/robots/my_robot; rm -r build/my_robot; wsgen build",
 )
 
-CMAKE_TYPES = frozenset({"ament_cmake", "cmake"})
-COLCON_FILES = ("package.sh", "package.bash", "package.zsh", "package.ps1", "package.dsv")
+# What lists the installed files, in the build folder.
+MANIFESTS = {
+    "ament_cmake": "install_manifest.txt",
+    "ament_python": "install.log",
+    "cmake": "install_manifest.txt",
+}
+COLCON_FILES = (
+    *("package.sh", "package.bash", "package.zsh", "package.ps1", "package.dsv"),
+    "package.xml",  # of a Python package that does not install it
+)
 COLCON_FOLDERS = frozenset({"hook"})
 NAMED = 5  # files in a message
 
@@ -79,7 +87,7 @@ NAMED = 5  # files in a message
 def check_installed(
     packages: Iterable[PackageFolder], workspace: Workspace
 ) -> Iterator[Diagnostic]:
-    """Check the files that packages of CMake installed, where colcon puts them by default.
+    """Check the files that packages installed, where colcon puts them by default.
 
     With --install-base, --merge-install or --symlink-install nothing is checked.
     """
@@ -88,21 +96,22 @@ def check_installed(
         # colcon writes it in every build.
         if package.diagnostics or not (prefix / "share" / package.name / "package.sh").is_file():
             continue
-        if package.build_type in CMAKE_TYPES:
-            written = _read_install_manifest(workspace.build / package.name, prefix)
+        if package.build_type in MANIFESTS:
+            manifest = workspace.build / package.name / MANIFESTS[package.build_type]
+            written = _read_install_manifest(manifest, prefix)
             if package.build_type == "ament_cmake" and not _is_registered(package, prefix, written):
                 yield _missing_ament_package(package)
             elif written:
                 yield from _stale_files(package, workspace, prefix, written)
 
 
-def _read_install_manifest(build_folder: Path, prefix: Path) -> frozenset[str]:
-    """List what CMake installed into the prefix, as paths relative to it; empty if unknown.
+def _read_install_manifest(manifest: Path, prefix: Path) -> frozenset[str]:
+    """List what was installed into the prefix, as paths relative to it; empty if unknown.
 
     A DESTINATION that ends in a slash gives two slashes in a row.
     """
     try:
-        text = (build_folder / "install_manifest.txt").read_text(encoding="utf-8")
+        text = manifest.read_text(encoding="utf-8")
     except (OSError, ValueError):
         return frozenset()
     roots = {f"{prefix}/", f"{prefix.resolve()}/"}
@@ -143,6 +152,8 @@ def _stale_files(
         if f"share/{package.name}/{name}" not in written and name not in COLCON_FILES
     ]
     if stale:
+        is_python = package.build_type == "ament_python"
+        where = "data_files in setup.py" if is_python else "install() in CMakeLists.txt"
         others = f" and {len(stale) - NAMED} more" if len(stale) > NAMED else ""
         folders = shlex.join(
             str(space / package.name) for space in (workspace.install, workspace.build)
@@ -153,7 +164,7 @@ def _stale_files(
             message=f"The install space of {package.name} has files that the package no longer "
             f"installs: {', '.join(stale[:NAMED])}{others}. A fresh build will not have them.",
             hint=f"If that is intended, remove them (rm -rf {folders}) and build again. Otherwise "
-            "add them to install() in CMakeLists.txt.",
+            f"add them to {where}.",
         )
 
 

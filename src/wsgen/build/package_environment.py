@@ -59,7 +59,8 @@ def _add_prefixes(environment: Any, package: Any, arguments: Any) -> None:
     install = Path(arguments.install_base)
     sources = _link_sources(package.name, Path(arguments.path), Path(arguments.build_base))
     given = environment.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
-    built = _built_prefixes(install if arguments.merge_install else install.parent)
+    is_isolated = install.name == package.name
+    built = _built_prefixes(install.parent if is_isolated else install)
     prefixes = (str(sources), *filter(None, given), *(str(prefix) for prefix in built))
     environment["AMENT_PREFIX_PATH"] = os.pathsep.join(dict.fromkeys(prefixes))
     environment[SOURCE_PREFIX] = f"{sources}{os.pathsep}{install}"

@@ -103,7 +103,11 @@ class BuildResult:
         if any(found.code == DEPRECATED_MINIMUM.code for found in self.diagnostics):
             from wsgen.build.failure import split_deprecations  # noqa: PLC0415  as above
 
-            return split_deprecations(lines)[0]
+            lines = [*split_deprecations(lines)[0]]
+        if any("setuptools" in line or "byte-compiling" in line for line in lines):
+            from wsgen.build.python_installed import without_warnings  # noqa: PLC0415  as above
+
+            lines = without_warnings(lines)
         return tuple(lines)
 
 
@@ -344,5 +348,10 @@ def _unreported(job: _Job, finished: Finished, progress: Progress) -> Iterator[D
                 yield from check_package_xml(package.path / "package.xml")
     explained = {found.element for found in unknown}
     yield from skipped_packages(job.selected, wanted={*job.names} - explained, built=results)
-    built = (package for package in job.inventory.packages if package.name in results)
+    built = [package for package in job.inventory.packages if package.name in results]
     yield from check_installed(built, job.workspace)
+    if any(package.build_type == "ament_python" for package in built):
+        from wsgen.build.python_installed import check_python_packages  # noqa: PLC0415  as above
+
+        error_output = {result.name: result.error_output for result in progress.results}
+        yield from check_python_packages(built, job.workspace, error_output)

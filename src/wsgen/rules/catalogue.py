@@ -32,6 +32,7 @@ MODULES = (
     "wsgen.build.explain",
     "wsgen.build.installed",
     "wsgen.build.python_causes",
+    "wsgen.build.python_installed",
     "wsgen.build.run",
     "wsgen.build.source_packages",
     "wsgen.build.without_ros",
