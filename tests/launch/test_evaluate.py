@@ -13,7 +13,8 @@ from install_space import HEAD, InstallSpace
 from tutorial import TEXT, write_tutorial
 from wsgen.diagnostics import Severity
 from wsgen.launch.evaluate import evaluate
-from wsgen.launch.spawning import find_simulator, find_spawns
+from wsgen.launch.simulators import find_simulator
+from wsgen.launch.spawning import find_spawns
 
 if TYPE_CHECKING:
     from wsgen.model.plan import LaunchPlan

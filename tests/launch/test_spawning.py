@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from install_space import HEAD, InstallSpace
-from wsgen.launch.spawning import find_simulator, find_spawns
-from wsgen.model.plan import Include, LaunchPlan, Process
+from wsgen.diagnostics import Severity
+from wsgen.launch.spawning import assume_spawn, find_spawns
+from wsgen.model.plan import Include, LaunchPlan, Process, Unresolved
 from wsgen.model.world import Spawn, SpawnHeight
 
 URDF = "<robot name='r'/>"
@@ -174,7 +176,6 @@ def test_file(tmp_path: Path) -> None:
         ("-topic robot_description -entity e -x one", "SPN005", "-x of the spawner is 'one'"),
         ("-topic robot_description -entity e -x nan", "SPN005", "not a finite number"),
         ("-topic robot_description -entity e -x=inf", "SPN005", "not a finite number"),
-        ("-database cup -entity e", "SPN006", "cup"),
         ("-stdin -entity e", "SPN007", "standard input"),
         ("-entity e", "SPN004", "exactly one of -file, -topic"),
         ("-topic robot -entity e", "SPN008", "/robot, and no robot_state_publisher"),
@@ -242,7 +243,7 @@ def test_spawner_of_ros_1() -> None:
 
 
 def test_no_spawner() -> None:
-    assert only_error(publisher())[0] == "SPN003"
+    assert assume_spawn(plan(publisher()))[1].code == "SPN003"
 
 
 def test_create() -> None:
@@ -265,61 +266,6 @@ def test_create_with_parameters() -> None:
 def test_create_from_a_parameter() -> None:
     assert only_spawn(create("-param", "d", parameters={"d": URDF})).description == URDF
     assert only_error(create("-param", "d"))[0] == "SPN010"
-
-
-def include(name: str, package: str = "gazebo_ros", **values: str) -> LaunchPlan:
-    return plan(
-        includes=(
-            Include(
-                package=package,
-                file=Path("/opt/ros/iron/share") / package / "launch" / name,
-                configurations=values,
-                evaluated=False,
-            ),
-        )
-    )
-
-
-@pytest.mark.parametrize(
-    ("started", "simulator"),
-    [
-        (include("gazebo.launch.py", world="w"), ("classic", "w", False)),
-        (include("gazebo.launch.py", world="", gui="false"), ("classic", None, True)),
-        (include("gzserver.launch.py", world="w"), ("classic", "w", True)),
-        (include("gz_sim.launch.py", "ros_gz_sim", gz_args="-r -s w.sdf"), ("gz", "w.sdf", True)),
-        (include("gz_sim.launch.py", "ros_gz_sim", ign_args="w.sdf"), ("gz", "w.sdf", False)),
-        (include("gz_sim.launch.py", "ros_gz_sim", gz_args="-r 'a b"), ("gz", None, False)),
-        (
-            plan(Process(package=None, executable=None, command=("gzserver", "w.world"))),
-            ("classic", "w.world", True),
-        ),
-        (
-            plan(Process(package=None, executable=None, command=("gz sim -r w.sdf",))),
-            ("gz", "w.sdf", False),
-        ),
-    ],
-)
-def test_simulator(started: LaunchPlan, simulator: tuple[str, str | None, bool]) -> None:
-    found, diagnostics = find_simulator(started)
-    assert not diagnostics
-    assert found is not None
-    assert (found.kind, found.world, found.is_headless) == simulator
-
-
-@pytest.mark.parametrize(
-    "started",
-    [
-        plan(),
-        include("gazebo.launch.py", server="false"),
-        include("gzclient.launch.py"),
-        include("gz_sim.launch.py", "ros_gz_sim", gz_args="-g"),
-        plan(Process(package=None, executable=None, command=())),
-    ],
-)
-def test_no_simulator(started: LaunchPlan) -> None:
-    found, (diagnostic,) = find_simulator(started)
-    assert found is None
-    assert diagnostic.code == "SPN001"
 
 
 def test_misspelled_option_is_one_error() -> None:
@@ -368,7 +314,7 @@ CLASSIC = GZ_SIM.replace("ros_gz_sim", "gazebo_ros").replace("gz_sim.launch", "g
 def test_the_spawner_to_add_is_that_of_the_simulator(
     space: InstallSpace, actions: str, hint: str
 ) -> None:
-    (found,) = find_spawns(space.play(actions))[1]
+    found = assume_spawn(space.play(actions))[1]
     assert found.code == "SPN003"
     assert (found.hint or "").startswith(hint)
 
@@ -380,5 +326,219 @@ def test_a_robot_that_is_only_shown_can_be_tried_by_itself(
     file.write_text("<robot name='r'><link name='a'/></robot>")
     publisher = "Node(package='robot_state_publisher', executable='robot_state_publisher', "
     publisher += f"parameters=[{{'robot_description': open({str(file)!r}).read()}}])"
-    (found,) = find_spawns(space.play(publisher))[1]
+    found = assume_spawn(space.play(publisher))[1]
     assert (found.hint or "").endswith(f" wsgen validate {file}")
+
+
+def run(*words: str, is_shell: bool = False) -> Process:
+    return Process(package=None, executable=None, command=words, is_shell=is_shell, line=4)
+
+
+FACTORY = "/w/create --reqtype gz.msgs.EntityFactory --reptype gz.msgs.Boolean"
+
+
+@pytest.mark.parametrize(
+    "process",
+    [
+        run(
+            "ros2", "run", "gazebo_ros", "spawn_entity.py", "-topic", "d", "-entity", "e", "-z", "2"
+        ),
+        run("ros2 run ros_gz_sim create -topic d -name e -z 2", is_shell=True),
+        run("bash", "-c", "sleep 1; ros2 run ros_gz_sim create -string '<robot/>' -name e -z 2"),
+        run(
+            "ros2",
+            "run",
+            "ros_gz_sim",
+            "create",
+            *["--ros-args", "-p", "topic:=d", "-p", "z:=2", "-p", "name:=e"],
+        ),
+        Process(
+            package="ros_ign_gazebo",
+            executable="create",
+            arguments=("-topic", "d", "-name", "e", "-z", "2"),
+        ),
+        run(
+            *("ros2", "service", "call", "/spawn_entity", "gazebo_msgs/srv/SpawnEntity"),
+            '{name: "e", xml: "<robot/>", initial_pose: {position: {z: 2.0}}}',
+        ),
+        run(
+            "ros2 service call /spawn_entity gazebo_msgs/SpawnEntity",
+            "'{name: e, xml: \"<robot/>\", initial_pose: {position: {z: 2}}}'",
+            is_shell=True,
+        ),
+        run(
+            *("gz", "service", "-s", *FACTORY.split(), "--req"),
+            'sdf: "<robot/>" name: "e" pose: {position: {z: 2}}',
+        ),
+        run(
+            f"ign service -s {FACTORY.replace('gz.', 'ignition.')} --req",
+            '\'sdf: "<robot/>", name: "e", pose: {position: {z: 2}}\'',
+            is_shell=True,
+        ),
+    ],
+)
+def test_commands_that_spawn(process: Process) -> None:
+    spawn = only_spawn(process, publisher("<robot/>", remappings=(("robot_description", "d"),)))
+    assert (spawn.entity, spawn.description) == ("e", "<robot/>")
+    assert spawn.pose_in_world.xyz == (0, 0, 2)
+    assert spawn.height is not None
+    assert spawn.height.is_given
+
+
+def test_file_in_a_request(tmp_path: Path) -> None:
+    file = tmp_path / "r.sdf"
+    file.write_text("<sdf/>")
+    words = ("gz", "service", *FACTORY.split(), "--req", f'sdf_filename: "{file}"')
+    spawn = only_spawn(run(*words))
+    assert (spawn.entity, spawn.description, spawn.description_file) == ("robot", "<sdf/>", file)
+
+
+def test_orientation_in_a_request() -> None:
+    words = ("ros2", "service", "call", "/spawn_entity", "gazebo_msgs/srv/SpawnEntity")
+    request = "{xml: '<robot/>', initial_pose: {orientation: {z: 1.0, w: 1.0}}}"
+    assert only_spawn(run(*words, request)).pose_in_world.rpy == pytest.approx((0, 0, 1.5707963))
+
+
+@pytest.mark.parametrize(
+    ("request_", "code"),
+    [
+        ("{name: e}", "SPN004"),
+        ('{xml: "<robot name="r"/>"}', "SPN004"),
+        ("{xml: '<robot/>', initial_pose: {position: {x: far}}}", "SPN005"),
+    ],
+)
+def test_requests_that_fail(request_: str, code: str) -> None:
+    words = ("ros2", "service", "call", "/spawn_entity", "gazebo_msgs/srv/SpawnEntity")
+    assert only_error(run(*words, request_))[0] == code
+
+
+def test_publisher_that_is_a_command() -> None:
+    words = "ros2 run robot_state_publisher robot_state_publisher --ros-args -r __ns:=/a -p"
+    process = run(*words.split(), "robot_description:=<robot/>")
+    assert only_spawn(process, spawner("-topic", "/a/robot_description", "-entity", "e"))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "uri"),
+    [("-database cup -entity e", "model://cup"), ("-file model://cup -entity e", "model://cup")],
+)
+def test_models_that_gazebo_looks_up(arguments: str, uri: str) -> None:
+    assert only_spawn(spawner(*arguments.split())).model_uri == uri
+
+
+def test_create_ignores_what_it_does_not_know() -> None:
+    (spawn,), (found,) = find_spawns(
+        plan(publisher(), create("-topic", "robot_description", "-entity", "e"))
+    )
+    assert spawn.entity == "robot"
+    assert (found.code, found.severity) == ("SPN004", Severity.WARNING)
+    assert "ignores '-entity'" in found.message
+
+
+def test_create_is_not_told_what_to_spawn() -> None:
+    _, (found,) = find_spawns(plan(publisher(), create("-topc", "robot_description")))
+    assert (found.code, found.severity) == ("SPN004", Severity.ERROR)
+    assert "'-topc'" in found.message
+
+
+def test_create_takes_the_first_of_its_sources(tmp_path: Path) -> None:
+    file = tmp_path / "r.urdf"
+    file.write_text(URDF)
+    spawn = only_spawn(
+        publisher("<robot/>"), create("-topic", "robot_description", "-file", str(file))
+    )
+    assert spawn.description == URDF
+    given = {"topic": "robot_description"}
+    assert only_spawn(publisher(), create("-file", "no", parameters=given)).description == URDF
+
+
+def unknown(*processes: Process) -> LaunchPlan:
+    unresolved = (Unresolved(what="m.x()", why="it is not installed"),)
+    return replace(plan(*processes), unresolved=unresolved)
+
+
+@pytest.mark.parametrize(
+    "processes",
+    [
+        (publisher("$(m.x())"), spawner("-topic", "robot_description", "-entity", "e")),
+        (spawner("-file", "$(m.x())/r.urdf", "-entity", "e"),),
+        (publisher(), spawner("-topic", "$(m.x())", "-entity", "e")),
+    ],
+)
+def test_description_that_is_not_known_is_no_mistake(processes: tuple[Process, ...]) -> None:
+    spawns, (found,) = find_spawns(unknown(*processes))
+    assert not spawns
+    assert (found.code, found.severity) == ("SPN091", Severity.WARNING)
+
+
+def test_unknown_pose_and_name_have_their_defaults() -> None:
+    words = ("-topic", "robot_description", "-name", "$(m.x())", "-x", "$(m.x())", "-y", "1")
+    (spawn,), diagnostics = find_spawns(unknown(publisher(), create(*words)))
+    assert not diagnostics
+    assert (spawn.entity, spawn.pose_in_world.xyz) == ("robot", (0, 1, 0))
+
+
+GAZEBO = Process(package=None, executable=None, command=("gazebo", "w.world"))
+GAZEBO_ROS = Include(
+    package="gazebo_ros",
+    file=Path("/opt/share/gazebo_ros/launch/gazebo.launch.py"),
+    evaluated=False,
+)
+
+
+def test_topic_that_nobody_publishes_beside_a_simulator_is_an_error() -> None:
+    reads = spawner("-topic", "robot_description", "-entity", "e")
+    _, (found,) = find_spawns(plan(GAZEBO, reads))
+    assert found.severity is Severity.ERROR
+    _, (found,) = find_spawns(plan(reads, includes=(GAZEBO_ROS,)))
+    assert found.severity is Severity.ERROR
+    other = replace(GAZEBO_ROS, package="my_description")
+    _, (found,) = find_spawns(plan(GAZEBO, reads, includes=(other,)))
+    assert found.severity is Severity.WARNING
+
+
+def own(executable: str = "spawn_me", *arguments: str) -> Process:
+    return Process(package="my_robot", executable=executable, arguments=arguments)
+
+
+@pytest.mark.parametrize(
+    "processes",
+    [
+        (GAZEBO, publisher(), own()),
+        (publisher(), own()),
+        (GAZEBO, publisher(), own("put_it_there")),
+        (GAZEBO, publisher(), run("python3", "/my/put.py")),
+        (GAZEBO, publisher(), run("ros2", "run", "my_robot", "put_it_there")),
+    ],
+)
+def test_spawner_of_somebodys_own(processes: tuple[Process, ...]) -> None:
+    assert find_spawns(plan(*processes)) == ((), ())
+    spawn, found = assume_spawn(plan(*processes))
+    assert spawn is not None
+    assert (spawn.entity, spawn.description, spawn.is_assumed) == ("r", URDF, True)
+    assert (found.code, found.severity) == ("SPN092", Severity.INFO)
+
+
+def test_spawner_of_somebodys_own_that_is_given_a_file(tmp_path: Path) -> None:
+    file = tmp_path / "r.sdf"
+    file.write_text("<sdf version='1.6'><model name='m'/></sdf>")
+    spawn, _ = assume_spawn(plan(GAZEBO, own("spawn", str(file), "r", "0.0")))
+    assert spawn is not None
+    assert (spawn.entity, spawn.description_file) == ("spawn", file)
+
+
+@pytest.mark.parametrize(
+    "processes",
+    [
+        (GAZEBO, publisher()),
+        (GAZEBO, own()),
+        (publisher(), own("put_it_there")),
+        (GAZEBO, publisher(), Process(package="rviz2", executable="rviz2")),
+        (GAZEBO, publisher(), Process(package="controller_manager", executable="spawner")),
+        (GAZEBO, publisher(), run("ros2", "control", "list_controllers")),
+    ],
+)
+def test_nothing_that_could_be_a_spawner(processes: tuple[Process, ...]) -> None:
+    spawn, found = assume_spawn(plan(*processes))
+    assert spawn is None
+    assert found.code == "SPN003"

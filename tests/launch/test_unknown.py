@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from install_space import HEAD, InstallSpace, only_message
-from wsgen.launch.spawning import find_simulator, find_spawns
+from wsgen.launch.simulators import find_simulator
+from wsgen.launch.spawning import find_spawns
 
 if TYPE_CHECKING:
     from wsgen.model.plan import LaunchPlan

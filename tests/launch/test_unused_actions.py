@@ -7,12 +7,15 @@ from typing import TYPE_CHECKING
 import pytest
 
 from install_space import HEAD, InstallSpace
+from wsgen.diagnostics import Severity
 from wsgen.launch.explain_missing import unused_actions, where_written
-from wsgen.launch.spawning import find_simulator, find_spawns
+from wsgen.launch.simulators import find_simulator
+from wsgen.launch.spawning import assume_spawn, find_spawns
 
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from wsgen.diagnostics import Diagnostic
     from wsgen.model.plan import LaunchPlan
 
 
@@ -40,12 +43,19 @@ def without(space: InstallSpace, name: str) -> LaunchPlan:
     return space.evaluate(share / "launch" / "test.launch.py")
 
 
+def missing_from(plan: LaunchPlan) -> list[Diagnostic]:
+    spawns, not_spawned = find_spawns(plan)
+    missing = [] if spawns or not_spawned else [assume_spawn(plan)[1]]
+    return [*find_simulator(plan)[1], *not_spawned, *missing]
+
+
 @pytest.mark.parametrize(
     ("name", "code"), [("gazebo", "SPN001"), ("spawner", "SPN003"), ("publisher", "SPN008")]
 )
 def test_action_that_is_not_added(space: InstallSpace, name: str, code: str) -> None:
     plan = without(space, name)
-    (found,) = (*find_simulator(plan)[1], *find_spawns(plan)[1])
+    (found,) = missing_from(plan)
+    assert found.severity is Severity.ERROR
     assert found.code == code
     assert f"`{name}` is created and not added" in found.message
     assert found.line == TEXT[: TEXT.index(f"    {name} = ")].count("\n") + 1
@@ -65,18 +75,18 @@ def test_an_unused_action_for_another_thing_is_not_blamed(space: InstallSpace, u
     text += "    return LaunchDescription()\n"
     share = space.add("my_robot", {"launch/test.launch.py": text})
     plan = space.evaluate(share / "launch" / "test.launch.py")
-    found = (*find_simulator(plan)[1], *find_spawns(plan)[1])
+    found = missing_from(plan)
     assert [(one.code, one.line) for one in found] == [("SPN001", None), ("SPN003", None)]
 
 
 def test_all_are_added(space: InstallSpace) -> None:
     plan = without(space, "nothing")
-    assert not (*find_simulator(plan)[1], *find_spawns(plan)[1])
+    assert not missing_from(plan)
 
 
 def test_what_is_missing_for_another_reason(space: InstallSpace) -> None:
     plan = space.play("Node(package='rviz2', executable='rviz2')", before="a = LogInfo(msg='')")
-    assert [found.line for found in find_spawns(plan)[1]] == [None]
+    assert [found.line for found in missing_from(plan)] == [None, None]
 
 
 @pytest.mark.parametrize(

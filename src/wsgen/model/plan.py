@@ -47,6 +47,7 @@ class Process:
     configurations: tuple[str | None, ...] = ()
     remappings: tuple[tuple[str, str], ...] = ()
     command: tuple[str, ...] | None = None  # of ExecuteProcess
+    is_shell: bool = False  # the words of the command, with blanks between them, go to a shell
     environment: Mapping[str, str] = field(default_factory=dict)  # what differs from the launch's
     container: str | None = None  # of a composable node, which is not a process: its host
     starts: str = "launch"  # "launch", "timer 3.0", "exit of NAME", "start of NAME", "shutdown"
@@ -103,3 +104,7 @@ class LaunchPlan:
         """The launch files that were run: this one, and those that it includes."""
         included = (include.file for include in self.includes if include.evaluated)
         return tuple(dict.fromkeys((self.launch_file, *included)))
+
+    def is_unknown(self, text: str) -> bool:
+        """Whether a text, or a word of one, has something in it that stands for what is unknown."""
+        return any(f"{entry.what.split()[-1]})" in text for entry in self.unresolved if entry.what)

@@ -71,11 +71,13 @@ class Spawn:
     """A robot that the plan puts into the simulator."""
 
     entity: str
-    description: str  # URDF text
+    description: str  # text of a URDF or SDF; empty: the model of `model_uri`
+    model_uri: str | None = None  # the address of a model that Gazebo looks up
     description_file: Path | None = None  # where it was read from, when that is known
     pose_in_world: Pose = IDENTITY
     process: Process | None = None  # the spawner
     height: SpawnHeight | None = None
+    is_assumed: bool = False  # the spawner is not known, nor where it puts the robot
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,6 +13,7 @@ from wsgen.launch.explain_missing import first_missing, where_written
 from wsgen.launch.spawning import NO_ROBOT
 from wsgen.model.outcome import PackageOutcome
 from wsgen.pipeline.clock import DRAW, Clock
+from wsgen.pipeline.gazebo_models import DATABASE_MODEL, as_robots, look_up_model, robots_of_world
 from wsgen.pipeline.prepare import (
     PrepareContext,
     PreparedRobot,
@@ -265,20 +266,18 @@ class Validation:
             run=self.run_task,
             with_colors=self.request.is_drawn,
         )
-        world, static_models = self._read_world(started, context, environment)
+        world, models = self._read_world(started, context, environment)
         if world is None:
             return None, SimulationResult()
         in_world = {
-            *(model.entity for model in static_models),
+            *(model.entity for model in models),
             *(model.name for model in world.models if model.name),
         }
         prepared = self._describe(started, context, environment, in_world)
-        if not prepared:
+        scene = [*without_taken(models, [robot.entity for robot in prepared]), *prepared]
+        if all(model.is_static_model for model in scene):
             return world, SimulationResult()
-        taken = [robot.entity for robot in prepared]
-        return world, self._simulate(
-            world, [*without_taken(static_models, taken), *prepared], folder
-        )
+        return world, self._simulate(world, scene, folder)
 
     def _reported(self) -> tuple[Diagnostic, ...]:
         """The diagnostics with files of the source, without those that the package allows."""
@@ -325,7 +324,7 @@ class Validation:
     def _read_world(
         self, started: Started, context: PrepareContext, environment: Mapping[str, str]
     ) -> tuple[World | None, list[PreparedRobot]]:
-        """The world that the plan starts, and the models in it."""
+        """The world that the plan starts, and the models in it, robots among them."""
         name = started.simulator.world if started.simulator else None
         if not name:
             return DEFAULT_WORLD, []
@@ -344,13 +343,13 @@ class Validation:
                 self.diagnostics.append(missing)
                 return DEFAULT_WORLD if file is None else None, []
             found = self._for_simulator(read_file(file, context, environment))
-            static_models, more = prepare_models(found, context, is_static_model=True)
+            models, more = prepare_models(found, context, is_static_model=True)
             step.succeeded = not has_errors((*found.diagnostics, *more))
         self.diagnostics += (*found.diagnostics, *more)
         world = found.world
         if world is not None and world.file in self.written:
             world = replace(world, file=self.written[world.file])
-        return world, static_models
+        return world, as_robots(models, robots_of_world(found, environment))
 
     def _written_world(self, started: Started, name: str, context: PrepareContext) -> Path | None:
         """A file with the world that a process of the launch would write under this name."""
@@ -380,7 +379,8 @@ class Validation:
                 for spawn in reversed(unique.values())
                 if (robot := self._describe_one(spawn, context, environment))
             ]
-            if spawns and not prepared and not has_errors(self.diagnostics):
+            is_explained = any(found.code == DATABASE_MODEL.code for found in self.diagnostics)
+            if spawns and not (prepared or is_explained or has_errors(self.diagnostics)):
                 self.diagnostics.append(_nothing_spawned(started.plan.launch_file))
             step.succeeded = not has_errors(self.diagnostics[before:])
         return prepared
@@ -388,13 +388,24 @@ class Validation:
     def _describe_one(
         self, spawn: Spawn, context: PrepareContext, environment: Mapping[str, str]
     ) -> PreparedRobot | None:
+        if spawn.model_uri is not None:
+            looked_up = look_up_model(spawn, context, environment)
+            if isinstance(looked_up, Diagnostic):
+                self.diagnostics.append(looked_up)
+                return None
+            spawn = looked_up
         if is_sdf(spawn.description):
             found = self._for_simulator(read_spawned(spawn, context, environment))
             models, more = prepare_models(found, context)
             self.diagnostics += (*found.diagnostics, *more)
             return next(
                 (
-                    replace(model, entity=spawn.entity, height=spawn.height, on_the_ground=False)
+                    replace(
+                        model,
+                        entity=spawn.entity,
+                        height=spawn.height,
+                        on_the_ground=spawn.is_assumed,
+                    )
                     for model in models
                 ),
                 None,
@@ -405,6 +416,7 @@ class Validation:
             context=context,
             entity=spawn.entity,
             spawn_pose=spawn.pose_in_world,
+            on_the_ground=spawn.is_assumed,
             simulator=self.simulator_kind,
             distro=(self.settings and self.settings.distro) or environment.get("ROS_DISTRO"),
         )

@@ -294,14 +294,21 @@ def _finder(
     """A function from the address of a model to its folder."""
     find = None if file is None else model_finder(file, environment)
 
-    def find_model(uri: str) -> Path | None:
+    def look_up(uri: str) -> Path | None:
         found = None if find is None else find(uri)
         scheme, _, rest = uri.partition("://")
         name = rest.partition("/")[0]
         is_local = scheme in {"model", "package"} and name not in {"", ".", ".."}
         return found or (context.share_of(name) if is_local else None)
 
-    return find_model
+    return look_up
+
+
+def find_model(
+    uri: str, file: Path | None, context: PrepareContext, environment: Mapping[str, str]
+) -> Path | None:
+    """The folder of a model by its address, looked up as from a file."""
+    return _finder(file, context, environment)(uri)
 
 
 def _read_included(

@@ -107,6 +107,19 @@ AROUND = 6  # number of folders above a file that may be its package, or have it
 SCHEMES = ("model", "package")
 
 
+GAZEBO_FOLDERS = (".gazebo", ".gz", ".ignition")  # in the home directory
+GAZEBO_PREFIXES = ("/usr/share/gazebo", "/usr/share/gz", "/usr/share/ignition")
+
+
+def is_of_gazebo(file: Path, environment: Mapping[str, str]) -> bool:
+    """Whether a file is one that Gazebo brings along or has downloaded."""
+    home = environment.get("HOME")
+    folders = [*_caches(environment), *(Path(home) / name for name in GAZEBO_FOLDERS if home)]
+    return str(file).startswith(GAZEBO_PREFIXES) or any(
+        file.is_relative_to(folder) for folder in folders
+    )
+
+
 def find_world(name: str, environment: Mapping[str, str]) -> Path | None:
     """The file of a world given as a path or a name; None if it is not found.
 

@@ -11,6 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ament_index_python.resources import has_resource
 from launch._events import ProcessExited, ProcessStarted, TimerEvent
 from launch._events import Shutdown as ShutdownEvent
 from launch._finder import show_public_names
@@ -24,12 +25,12 @@ from launch._utilities import (
 from launch.base import Action, Event, Substitution, TextSubstitution
 from launch.launch_context import NEVER, PROCESS_TIME, LaunchContext
 from launch.launch_description import LaunchDescriptionSource
-from wsgen.launch import known_packages, written_files
+from wsgen.launch import commands, known_packages, written_files
 from wsgen.launch.record import RECORD, split_location
 from wsgen.model.plan import Include, LaunchArgument, Process
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable
+    from collections.abc import Awaitable, Callable, Iterator
 
     from launch.base import BaseEventHandler, LaunchDescriptionEntity, SomeSubstitutionsType
     from launch.launch_description import LaunchDescription
@@ -296,7 +297,7 @@ class ExecuteLocal(Action):
         exited = ProcessExited(**details)
         exited.wsgen_cause = f"exit of {self.process_name}"
         context.timeline.post(started)
-        lives_on = known_packages.runs_for_ever(program)
+        lives_on = commands.runs_for_ever(process)
         context.timeline.post(exited, delay=NEVER if lives_on else PROCESS_TIME)
 
     def _executed(self, context: LaunchContext) -> None:
@@ -329,6 +330,23 @@ class ExecuteProcess(ExecuteLocal):
         """What the process is called."""
         return self.__name
 
+    def execute(self, context: LaunchContext) -> Iterable[LaunchDescriptionEntity] | None:
+        """As every process; what `ros2 launch` starts in it is started too."""
+        super().execute(context)
+        nested = map(commands.nested_launch, commands.programs(RECORD.processes[-1]))
+        return [group for include in nested if include for group in self._launched(include)]
+
+    def _launched(self, include: Include) -> Iterator[LaunchDescriptionEntity]:
+        """The launch file that `ros2 launch` finds, with no arguments but those it is given."""
+        from launch.launch_description_sources import AnyLaunchDescriptionSource
+
+        file = _installed_launch_file(include)
+        if file is not None:
+            source = AnyLaunchDescriptionSource(file)
+            inside = IncludeLaunchDescription(source, launch_arguments=include.arguments.items())
+            inside.wsgen_location = self.wsgen_location
+            yield GroupAction([ResetLaunchConfigurations(), inside])
+
     def prepare(self, context: LaunchContext) -> Process:
         """Perform the words."""
         prefix = self.__prefix
@@ -345,6 +363,7 @@ class ExecuteProcess(ExecuteLocal):
             executable=None,
             name=name,
             command=tuple(words),
+            is_shell=bool(self.shell),
             environment={
                 **RECORD.changed_environment(),
                 **{
@@ -353,6 +372,17 @@ class ExecuteProcess(ExecuteLocal):
                 },
             },
         )
+
+
+def _installed_launch_file(include: Include) -> str | None:
+    """The path of a launch file of an installed package, or of one that is given as a path."""
+    if include.package is None:
+        return str(include.file) if include.file.is_file() else None
+    prefix = has_resource("packages", include.package)
+    if prefix is None:
+        return None
+    found = Path(prefix, "share", include.package).rglob(include.file.name)
+    return next((str(file) for file in sorted(found)), None)
 
 
 def _variables(

@@ -1,0 +1,117 @@
+"""Robots that Gazebo looks up: models of a world file, and models that are spawned by address."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from wsgen.diagnostics import Rule, Severity, has_errors
+from wsgen.files import read_regular
+from wsgen.isolation import parent
+from wsgen.launch.simulators import find_simulator
+from wsgen.launch.spawning import assume_spawn, find_spawns
+from wsgen.pipeline.prepare import PrepareContext, find_model, read_file
+from wsgen.sdf.lookup import file_of_model, find_world, is_file, is_of_gazebo
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.model.package import ShareOf
+    from wsgen.model.plan import LaunchPlan
+    from wsgen.model.world import Spawn
+    from wsgen.pipeline.prepare import PreparedRobot
+    from wsgen.sdf.models import SdfFile
+
+
+DATABASE_MODEL = Rule(
+    code="SPN006",
+    name="database-model",
+    severity=Severity.WARNING,
+    summary="The spawner takes a model that only Gazebo has, or downloads.",
+    what="Looks the model up where Gazebo looks on this machine, and around the launch file.",
+    why="The model is not part of the workspace, so wsgen cannot simulate it.",
+    example="arguments=['-database', 'coke_can', '-entity', 'can']",
+    instead="arguments=['-file', os.path.join(share, 'models', 'can', 'model.sdf'), "
+    "'-entity', 'can']",
+)
+MODEL_LIMIT = 2**24  # bytes
+
+
+def has_robots(plan: LaunchPlan, environment: Mapping[str, str], share_of: ShareOf) -> bool:
+    """Whether a plan puts a robot into a simulator: by a spawner, or as a model of its world.
+
+    `environment` is that of the launch, without what the launch file sets.
+    """
+    spawns, diagnostics = find_spawns(plan)
+    if spawns or has_errors(diagnostics):
+        return True
+    simulator, _ = find_simulator(plan)
+    if simulator is not None and simulator.world:
+        variables = {**environment, **plan.environment}
+        file = find_world(simulator.world, variables)
+        if file is not None and _may_hold_robots(file):
+            context = PrepareContext(share_of=share_of, folder=Path(), run=parent.run)
+            if robots_of_world(read_file(file, context, variables), variables):
+                return True
+    return assume_spawn(plan)[0] is not None
+
+
+def _may_hold_robots(file: Path) -> bool:
+    """Whether it is worth reading a world for robots."""
+    try:
+        text = read_regular(file, MODEL_LIMIT)
+    except OSError:
+        return False
+    return b"<joint" in text or b"<include" in text
+
+
+def robots_of_world(found: SdfFile, environment: Mapping[str, str]) -> set[str]:
+    """The names of the models of a world that are robots: they can move, and so can their joints.
+
+    Those that Gazebo brings along or downloads are none.
+    """
+    return {
+        model.name
+        for model in found.models
+        if model.robot is not None
+        and not model.is_static
+        and model.robot.movable_joints
+        and not (model.file and is_of_gazebo(model.file, environment))
+    }
+
+
+def as_robots(models: Sequence[PreparedRobot], names: set[str]) -> list[PreparedRobot]:
+    """The models of a world, of which those with these names are robots to simulate and check."""
+    return [
+        replace(model, is_static_model=False, can_run=not has_errors(model.diagnostics))
+        if model.entity in names
+        else model
+        for model in models
+    ]
+
+
+def look_up_model(
+    spawn: Spawn, context: PrepareContext, environment: Mapping[str, str]
+) -> Spawn | Diagnostic:
+    """A spawn of a model by its address, with the text of the model."""
+    process = spawn.process
+    around = process.file if process else None
+    uri = spawn.model_uri or ""
+    folder = find_model(uri, around, context, environment)
+    file = folder if folder is None or is_file(folder) else file_of_model(folder)
+    try:
+        text = None if file is None else read_regular(file, MODEL_LIMIT).decode()
+    except (OSError, UnicodeDecodeError):
+        text = None
+    if text is not None:
+        return replace(spawn, description=text, description_file=file)
+    return DATABASE_MODEL.at(
+        around,
+        process.line if process else None,
+        uri,
+        message=f"'{uri}' is not found in the workspace: Gazebo has it or downloads it, wsgen does "
+        "not simulate it.",
+        hint="To simulate it too, install the model with the package, and spawn its file.",
+    )

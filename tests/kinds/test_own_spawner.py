@@ -1,0 +1,26 @@
+"""What a spawner of somebody's own spawns is assumed, and said to be."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from kind_workspaces import copy_workspace
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+@pytest.mark.slow
+def test_own_spawner(tmp_path: Path) -> None:
+    workspace = copy_workspace("own_spawner", tmp_path)
+    assert workspace.wsgen("build").code == 0
+    answer = workspace.wsgen("validate", "--format", "json")
+    assert answer.code == 0, answer.errors
+    (package,) = answer.document["packages"]
+    (robot,) = package["robots"]
+    assert robot["entity"] == "own_cart"
+    assert robot["rest"]
+    (found,) = package["diagnostics"]
+    assert (found["code"], found["severity"]) == ("SPN092", "info")
