@@ -248,7 +248,7 @@ def test_no_spawner() -> None:
 
 def test_create() -> None:
     spawn = only_spawn(
-        create("-string", URDF, "--name", "e", "-x=1", "-allow_renaming", "true", "-z", "2")
+        create("-string", URDF, "--name", "e", "-x=1", "-allow-renaming", "true", "-z", "2")
     )
     assert (spawn.entity, spawn.description) == ("e", URDF)
     assert spawn.pose_in_world.xyz == (1.0, 0.0, 2.0)

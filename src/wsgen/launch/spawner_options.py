@@ -165,6 +165,8 @@ def _read_words(
         if word == "--ros-args":
             break
         name, has_value, value = word.lstrip("-").partition("=")
+        if not options.is_strict:  # gflags takes dashes for underscores
+            name = name.replace("-", "_")
         if not word.startswith("-") or name not in options.with_value | options.flags:
             unknown.append(_unknown(process, word, options))
             if word.startswith("-") and not has_value and words and words[0][:1] != "-":
