@@ -214,3 +214,14 @@ def test_simulators_run_on_however_they_are_started(space: InstallSpace) -> None
         gazebo = f"ExecuteProcess(cmd=[{words}], shell=True, on_exit=Shutdown())"
         late = "TimerAction(period=5.0, actions=[ExecuteProcess(cmd=['true'])])"
         assert len(space.play(f"{gazebo}, {late}").processes) == count
+
+
+def test_launch_file_that_a_process_launches_and_that_is_not_installed(
+    space: InstallSpace,
+) -> None:
+    words = "cmd=['ros2', 'launch', 'nav2_bringup', 'navigation_launch.py']"
+    (found,) = space.play(f"ExecuteProcess({words})").diagnostics
+    assert found.code == "LCH046"
+    assert "navigation_launch.py" in found.message
+    words = "cmd=['ros2', 'launch', 'gazebo_ros', 'gazebo.launch.py']"
+    assert not space.play(f"ExecuteProcess({words})").diagnostics

@@ -542,3 +542,15 @@ def test_nothing_that_could_be_a_spawner(processes: tuple[Process, ...]) -> None
     spawn, found = assume_spawn(plan(*processes))
     assert spawn is None
     assert found.code == "SPN003"
+
+
+def test_file_that_the_text_of_a_request_was_read_from(space: InstallSpace) -> None:
+    share = space.add("my_robot", {"r.urdf": '<robot name="r">\n  <link name="a"/>\n</robot>\n'})
+    xml = "open(get_package_share_directory('my_robot') + '/r.urdf').read().replace('\"', '\\\\\"')"
+    words = "'ros2', 'service', 'call', '/spawn_entity', 'gazebo_msgs/srv/SpawnEntity'"
+    for quote, is_shell in (("", False), ("'", True)):
+        request = f'"{quote}{{name: r, xml: \\"" + {xml} + "\\"}}{quote}"'
+        started = space.play(f"ExecuteProcess(cmd=[{words}, {request}], shell={is_shell})")
+        (spawn,), diagnostics = find_spawns(started)
+        assert not diagnostics
+        assert spawn.description_file == share / "r.urdf"

@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wsgen.files import refuse_irregular
+from wsgen.launch.requests import requested_texts
 from wsgen.model.plan import Unresolved
 
 if TYPE_CHECKING:
@@ -151,7 +152,8 @@ class Record:
     def find_description_files(self) -> None:
         """Note with each process which file the description is of that it is given."""
         for index, process in enumerate(self.processes):
-            for value in (*process.parameters.values(), *process.arguments):
+            requested = requested_texts(process.command or ())
+            for value in (*process.parameters.values(), *process.arguments, *requested):
                 if isinstance(value, str) and value.lstrip().startswith("<"):
                     file = self._file_of(_fold(value))
                     self.processes[index] = replace(

@@ -7,8 +7,13 @@ Of YAML it is a mapping in braces; of the text format of Protocol Buffers `name:
 from __future__ import annotations
 
 import re
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+SPAWNING_REQUESTS = {"SpawnEntity": "xml", "EntityFactory": "sdf"}  # type -> field for a text
+ROBOT = re.compile(r"<(?:robot|sdf)\b")
 _TOKEN = re.compile(
     r"""(?P<space>[\s,;]+)
     |(?P<brace>[{}\[\]])
@@ -43,6 +48,15 @@ def read_request(text: str) -> dict[str, Any] | None:
     except ValueError:
         return None
     return None if tokens else fields  # the tokens of all fields are taken
+
+
+def requested_texts(words: Iterable[str]) -> Iterator[str]:
+    """The robots in the requests that are words of a command line."""
+    for word in words:
+        if ROBOT.search(word):
+            # Where the words are for a shell, there are quotes around the request.
+            fields = read_request(word) or read_request(word.strip("'")) or {}
+            yield from (fields[name] for name in SPAWNING_REQUESTS.values() if name in fields)
 
 
 def _fields(tokens: list[tuple[str, str]]) -> dict[str, Any]:

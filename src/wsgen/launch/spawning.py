@@ -25,7 +25,7 @@ from wsgen.launch.descriptions import (
 )
 from wsgen.launch.explain_missing import nodes_of
 from wsgen.launch.missing_actions import or_unused_action
-from wsgen.launch.requests import read_request
+from wsgen.launch.requests import SPAWNING_REQUESTS, read_request
 from wsgen.launch.simulators import find_simulator, kind_of_project
 from wsgen.launch.spawner_options import (
     CREATE,
@@ -109,7 +109,6 @@ _HOW_TO_SPAWN = {
     "gz": "Add a Node with package='ros_gz_sim', executable='create' and "
     "arguments=['-topic', 'robot_description', '-name', NAME].",
 }
-_REQUESTS = {"SpawnEntity": "xml", "EntityFactory": "sdf"}  # type -> its field for a text
 _FILE_FIELD = "sdf_filename"
 _PROGRAMS_WITHOUT_ROBOT = frozenset(
     ("colcon", "gazebo", "gz", "gzclient", "gzserver", "ign", "killall", "pkill", "rviz2", "ros2")
@@ -312,7 +311,7 @@ def _request_of(program: Process) -> tuple[str, str] | None:
         request = options.get("--req", "")
     else:
         return None
-    return (named[0], request) if named and named[0] in _REQUESTS else None
+    return (named[0], request) if named and named[0] in SPAWNING_REQUESTS else None
 
 
 def _read_service_call(plan: LaunchPlan, program: Process, kind: str, text: str) -> Found:
@@ -335,13 +334,13 @@ def _read_service_call(plan: LaunchPlan, program: Process, kind: str, text: str)
 def _described_in_request(
     plan: LaunchPlan, program: Process, kind: str, fields: Mapping[str, Any]
 ) -> Description | Diagnostic:
-    content = fields.get(_REQUESTS[kind]) or fields.get(_FILE_FIELD)
+    content = fields.get(SPAWNING_REQUESTS[kind]) or fields.get(_FILE_FIELD)
     if content:
         return read_spawned_file(plan, program, str(content))
     return _report(
         INVALID_SPAWNER_OPTION,
         program,
-        f"The request for {kind} has no field `{_REQUESTS[kind]}`."
+        f"The request for {kind} has no field `{SPAWNING_REQUESTS[kind]}`."
         if fields
         else f"The request for {kind} is not one: a quote in it may end the text too early.",
         "Quote the text of the robot, and write a backslash before each quote inside of it.",

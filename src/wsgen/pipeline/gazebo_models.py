@@ -40,22 +40,30 @@ MODEL_LIMIT = 2**24  # bytes
 
 
 def has_robots(plan: LaunchPlan, environment: Mapping[str, str], share_of: ShareOf) -> bool:
-    """Whether a plan puts a robot into a simulator: by a spawner, or as a model of its world.
+    """Whether a plan puts a robot into a simulator, or is meant to.
 
+    By a spawner, also one that is wrong or was created and not added, or as a model of its world.
     `environment` is that of the launch, without what the launch file sets.
     """
-    spawns, diagnostics = find_spawns(plan)
-    if spawns or has_errors(diagnostics):
+    spawns, not_spawned = find_spawns(plan)
+    if spawns or not_spawned or _has_robot_in_world(plan, environment, share_of):
         return True
+    assumed, found = assume_spawn(plan)
+    return assumed is not None or found.element is not None
+
+
+def _has_robot_in_world(
+    plan: LaunchPlan, environment: Mapping[str, str], share_of: ShareOf
+) -> bool:
     simulator, _ = find_simulator(plan)
-    if simulator is not None and simulator.world:
-        variables = {**environment, **plan.environment}
-        file = find_world(simulator.world, variables)
-        if file is not None and _may_hold_robots(file):
-            context = PrepareContext(share_of=share_of, folder=Path(), run=parent.run)
-            if robots_of_world(read_file(file, context, variables), variables):
-                return True
-    return assume_spawn(plan)[0] is not None
+    if simulator is None or not simulator.world:
+        return False
+    variables = {**environment, **plan.environment}
+    file = find_world(simulator.world, variables)
+    if file is None or not _may_hold_robots(file):
+        return False
+    context = PrepareContext(share_of=share_of, folder=Path(), run=parent.run)
+    return bool(robots_of_world(read_file(file, context, variables), variables))
 
 
 def _may_hold_robots(file: Path) -> bool:

@@ -341,6 +341,10 @@ class ExecuteProcess(ExecuteLocal):
         from launch.launch_description_sources import AnyLaunchDescriptionSource
 
         file = _installed_launch_file(include)
+        if file is None and include.package and self.wsgen_location:
+            shim = known_packages.LaunchFileShim(include.package, include.file.name)
+            if not shim.has_known_arguments:
+                RECORD.left_out.append((shim.name, shim.package, self.wsgen_location))
         if file is not None:
             source = AnyLaunchDescriptionSource(file)
             inside = IncludeLaunchDescription(source, launch_arguments=include.arguments.items())

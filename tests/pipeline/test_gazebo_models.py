@@ -1,0 +1,147 @@
+"""Robots of worlds, and models that are spawned by their address."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from wsgen.isolation import parent
+from wsgen.launch.simulators import find_simulator
+from wsgen.model.plan import LaunchPlan, Process
+from wsgen.model.world import Spawn
+from wsgen.pipeline.gazebo_models import (
+    as_robots,
+    has_robots,
+    look_up_model,
+    robots_of_world,
+)
+from wsgen.pipeline.prepare import PrepareContext, prepare_models, read_file
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from wsgen.sdf.models import SdfFile
+
+
+def model(name: str, *, joint: str = "revolute", static: bool = False) -> str:
+    links = "".join(
+        f"<link name='{link}'><inertial><mass>1</mass></inertial><collision name='c'><geometry>"
+        "<box><size>1 1 1</size></box></geometry></collision></link>"
+        for link in ("a", "b")
+    )
+    joints = (
+        f"<joint name='j' type='{joint}'><parent>a</parent><child>b</child>"
+        "<axis><xyz>0 0 1</xyz></axis></joint>"
+        if joint
+        else ""
+    )
+    return f"<model name='{name}'><static>{str(static).lower()}</static>{links}{joints}</model>"
+
+
+def world(folder: Path, *models: str) -> Path:
+    file = folder / "w.sdf"
+    file.write_text(f"<sdf version='1.8'><world name='w'>{''.join(models)}</world></sdf>")
+    return file
+
+
+def context(folder: Path) -> PrepareContext:
+    return PrepareContext(share_of=lambda _: None, folder=folder, run=parent.run)
+
+
+def read(file: Path, environment: Mapping[str, str]) -> SdfFile:
+    return read_file(file, context(file.parent), environment)
+
+
+def plan(file: Path | str, *processes: Process) -> LaunchPlan:
+    gazebo = Process(package=None, executable=None, command=("gz", "sim", str(file)))
+    return LaunchPlan(package="p", launch_file=Path("p.launch.py"), processes=(gazebo, *processes))
+
+
+def no_share(_: str) -> None:
+    return None
+
+
+@pytest.mark.parametrize(
+    ("written", "names"),
+    [
+        (model("m"), {"m"}),
+        (model("m", joint="prismatic"), {"m"}),
+        (model("m", static=True), set()),
+        (model("m", joint="fixed"), set()),
+        (model("m", joint=""), set()),
+        (model("m") + model("n"), {"m", "n"}),
+        ("<include><uri>model://cart</uri><name>mine</name></include>", {"mine"}),
+        ("<include><uri>model://elsewhere</uri></include>", set()),
+    ],
+)
+def test_robots_of_a_world(tmp_path: Path, written: str, names: set[str]) -> None:
+    (tmp_path / "models" / "cart").mkdir(parents=True)
+    (tmp_path / "models" / "cart" / "model.sdf").write_text(
+        f"<sdf version='1.8'>{model('cart')}</sdf>"
+    )
+    file = world(tmp_path, written)
+    assert robots_of_world(read(file, {}), {}) == names
+    assert has_robots(plan(file), {}, no_share) == bool(names)
+
+
+def test_models_of_gazebo_are_no_robots(tmp_path: Path) -> None:
+    environment = {"HOME": str(tmp_path)}
+    folder = tmp_path / ".gazebo" / "models" / "crane"
+    folder.mkdir(parents=True)
+    (folder / "model.sdf").write_text(f"<sdf version='1.8'>{model('crane')}</sdf>")
+    (tmp_path / "my").mkdir()
+    file = world(tmp_path / "my", "<include><uri>model://crane</uri></include>")
+    found = read(file, environment)
+    assert [one.name for one in found.models] == ["crane"]
+    assert robots_of_world(found, environment) == set()
+
+
+def test_a_robot_with_an_error_is_there_and_not_simulated(tmp_path: Path) -> None:
+    bad = model("bad").replace("<mass>1<", "<mass>-1<")
+    found = read(world(tmp_path, bad, model("good"), model("box", joint="")), {})
+    models, _ = prepare_models(found, context(tmp_path), is_static_model=True)
+    robots = {one.entity: one for one in as_robots(models, robots_of_world(found, {}))}
+    assert [name for name, one in robots.items() if not one.is_static_model] == ["bad", "good"]
+    assert robots["good"].can_run
+    assert not robots["bad"].can_run
+
+
+def test_plans_with_a_spawner(tmp_path: Path) -> None:
+    file = world(tmp_path)
+    assert not has_robots(plan(file), {}, no_share)
+    assert not has_robots(plan("no.sdf"), {}, no_share)
+    create = Process(package="ros_gz_sim", executable="create", arguments=("-string", "<robot/>"))
+    assert has_robots(plan(file, create), {}, no_share)
+    wrong = replace(create, arguments=("-file", "/no/r.urdf"))
+    assert has_robots(plan(file, wrong), {}, no_share)
+    publisher = Process(
+        package="robot_state_publisher",
+        executable="robot_state_publisher",
+        parameters={"robot_description": "<robot name='r'/>"},
+    )
+    assert not has_robots(plan(file, publisher), {}, no_share)
+    own = Process(package="my_robot", executable="spawn")
+    assert has_robots(plan(file, publisher, own), {}, no_share)
+    assert find_simulator(plan(file))[0] is not None
+
+
+def test_model_that_is_spawned_by_its_name(tmp_path: Path) -> None:
+    folder = tmp_path / "models" / "cup"
+    folder.mkdir(parents=True)
+    (folder / "model.sdf").write_text("<sdf version='1.8'/>")
+    spawn = Spawn(entity="c", description="", model_uri="model://cup")
+    environment = {"GAZEBO_MODEL_PATH": str(tmp_path / "models")}
+    process = Process(package="gazebo_ros", executable="spawn_entity.py", file=tmp_path / "l.py")
+    found = look_up_model(replace(spawn, process=process), context(tmp_path), environment)
+    assert isinstance(found, Spawn)
+    assert (found.description, found.description_file) == (
+        "<sdf version='1.8'/>",
+        folder / "model.sdf",
+    )
+    for uri in ("model://no", "https://fuel.gazebosim.org/1.0/a/models/b"):
+        missing = look_up_model(replace(spawn, model_uri=uri), context(tmp_path), {})
+        assert not isinstance(missing, Spawn)
+        assert (missing.code, missing.element) == ("SPN006", uri)
