@@ -14,7 +14,7 @@ from wsgen.model.plan import LaunchPlan, Process
 from wsgen.model.world import Spawn
 from wsgen.pipeline.gazebo_models import (
     as_robots,
-    has_robots,
+    find_robots,
     look_up_model,
     robots_of_world,
 )
@@ -84,7 +84,7 @@ def test_robots_of_a_world(tmp_path: Path, written: str, names: set[str]) -> Non
     )
     file = world(tmp_path, written)
     assert robots_of_world(read(file, {}), {}) == names
-    assert has_robots(plan(file), {}, no_share) == bool(names)
+    assert find_robots(plan(file), {}, no_share).are_meant == bool(names)
 
 
 def test_models_of_gazebo_are_no_robots(tmp_path: Path) -> None:
@@ -111,20 +111,20 @@ def test_a_robot_with_an_error_is_there_and_not_simulated(tmp_path: Path) -> Non
 
 def test_plans_with_a_spawner(tmp_path: Path) -> None:
     file = world(tmp_path)
-    assert not has_robots(plan(file), {}, no_share)
-    assert not has_robots(plan("no.sdf"), {}, no_share)
+    assert not find_robots(plan(file), {}, no_share).are_meant
+    assert not find_robots(plan("no.sdf"), {}, no_share).are_meant
     create = Process(package="ros_gz_sim", executable="create", arguments=("-string", "<robot/>"))
-    assert has_robots(plan(file, create), {}, no_share)
+    assert find_robots(plan(file, create), {}, no_share).are_meant
     wrong = replace(create, arguments=("-file", "/no/r.urdf"))
-    assert has_robots(plan(file, wrong), {}, no_share)
+    assert find_robots(plan(file, wrong), {}, no_share).are_meant
     publisher = Process(
         package="robot_state_publisher",
         executable="robot_state_publisher",
         parameters={"robot_description": "<robot name='r'/>"},
     )
-    assert not has_robots(plan(file, publisher), {}, no_share)
+    assert not find_robots(plan(file, publisher), {}, no_share).are_meant
     own = Process(package="my_robot", executable="spawn")
-    assert has_robots(plan(file, publisher, own), {}, no_share)
+    assert find_robots(plan(file, publisher, own), {}, no_share).are_meant
     assert find_simulator(plan(file))[0] is not None
 
 

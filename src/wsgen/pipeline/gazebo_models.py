@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity, has_errors
 from wsgen.files import read_regular
@@ -39,17 +39,27 @@ DATABASE_MODEL = Rule(
 MODEL_LIMIT = 2**24  # bytes
 
 
-def has_robots(plan: LaunchPlan, environment: Mapping[str, str], share_of: ShareOf) -> bool:
-    """Whether a plan puts a robot into a simulator, or is meant to.
+class FoundRobots(NamedTuple):
+    """What a plan spawns, and why other robots do not appear."""
 
-    By a spawner, also one that is wrong or was created and not added, or as a model of its world.
+    spawns: tuple[Spawn, ...]
+    diagnostics: tuple[Diagnostic, ...]
+    are_meant: bool  # it puts a robot into a simulator, or would without its mistakes
+
+
+def find_robots(plan: LaunchPlan, environment: Mapping[str, str], share_of: ShareOf) -> FoundRobots:
+    """Find what spawners spawn; where nothing does and the world has no robot, what may be spawned.
+
     `environment` is that of the launch, without what the launch file sets.
     """
     spawns, not_spawned = find_spawns(plan)
     if spawns or not_spawned or _has_robot_in_world(plan, environment, share_of):
-        return True
+        return FoundRobots(spawns, not_spawned, are_meant=True)
     assumed, found = assume_spawn(plan)
-    return assumed is not None or found.element is not None
+    if assumed is not None:
+        return FoundRobots((assumed,), (found,), are_meant=True)
+    # An action that was created and not added is named as the element.
+    return FoundRobots((), (found,), are_meant=found.element is not None)
 
 
 def _has_robot_in_world(

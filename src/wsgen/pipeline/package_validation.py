@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from wsgen.diagnostics import Diagnostic, Rule, Severity, has_errors
 from wsgen.isolation import parent
 from wsgen.launch.explain_missing import first_missing, where_written
+from wsgen.launch.simulators import kind_of_project
 from wsgen.launch.spawning import NO_ROBOT
 from wsgen.model.outcome import PackageOutcome
 from wsgen.pipeline.clock import DRAW, Clock
@@ -318,7 +319,8 @@ class Validation:
             self.clock.add("launch", started.seconds)
         self.clock.split("launch", "expand", started.plan.seconds_in_xacro)
         self.diagnostics += started.diagnostics
-        self.simulator_kind = started.simulator.kind if started.simulator else None
+        simulator = started.simulator
+        self.simulator_kind = simulator.kind if simulator else kind_of_project(started.plan)
         return started if started.is_evaluated else None
 
     def _read_world(

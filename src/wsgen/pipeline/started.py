@@ -5,9 +5,10 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.diagnostics import has_errors
+from wsgen.diagnostics import Severity, has_errors
 from wsgen.launch.evaluate import evaluate
-from wsgen.launch.spawning import NO_ROBOT, find_simulator, find_spawns
+from wsgen.launch.simulators import find_simulator
+from wsgen.pipeline.gazebo_models import find_robots
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -27,7 +28,8 @@ class Started(NamedTuple):
     simulator: Simulator | None
     spawns: tuple[Spawn, ...]
     diagnostics: tuple[Diagnostic, ...]  # of the plan; of simulator and spawners if it has no error
-    has_spawner: bool  # in a plan that stopped at an error, a spawner before that
+    # Or a robot in its world; in a plan that stopped at an error, a spawner before that.
+    has_spawner: bool
     seconds: float  # wall-clock
     is_evaluated: bool  # to its end; or without helpers that are missing, where it spawns robots
 
@@ -46,19 +48,21 @@ def start(
         run=run,
     )
     simulator, no_simulator = find_simulator(plan)
-    spawns, no_spawns = find_spawns(plan)
+    robots = find_robots(plan, overlay.environment, overlay.share)
     lacks_something = has_errors(plan.diagnostics)
-    found = () if lacks_something else (*no_simulator, *no_spawns)
+    found = tuple(
+        one
+        for one in (*no_simulator, *robots.diagnostics)
+        if not lacks_something or one.severity is Severity.INFO
+    )
     # A helper that is missing does not keep the robots from being simulated.
-    is_evaluated = not lacks_something or (plan.is_complete and bool(spawns))
+    is_evaluated = not lacks_something or (plan.is_complete and robots.are_meant)
     return Started(
         plan=plan,
         simulator=simulator,
-        spawns=spawns if is_evaluated else (),
+        spawns=robots.spawns if is_evaluated else (),
         diagnostics=(*plan.diagnostics, *found),
-        # A spawner that was created and not added is named as the element.
-        has_spawner=bool(spawns)
-        or any(one.code != NO_ROBOT.code or one.element for one in no_spawns),
+        has_spawner=robots.are_meant,
         seconds=time.perf_counter() - before,
         is_evaluated=is_evaluated,
     )
