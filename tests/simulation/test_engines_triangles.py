@@ -5,32 +5,37 @@ from __future__ import annotations
 import math
 import multiprocessing
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import closing
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+import trimesh
 from PIL import Image
 
 from child_answers import answered
-from simulation.robots import VOID, ball_on_mesh, body, joint, single, spawned
+from simulation.robots import GROUND, VOID, ball_on_mesh, body, joint, single, spawned, tree
 from wsgen.meshes import shape_worker
 from wsgen.meshes.shape_meshes import build_shapes
 from wsgen.meshes.stl import write_stl
 from wsgen.model.robot import (
     Box,
     Collision,
+    Cylinder,
     Ellipsoid,
     Extrusion,
     Geometry,
     Heightmap,
     JointType,
     Link,
+    Mesh,
     Robot,
     Sphere,
 )
 from wsgen.model.transform import IDENTITY, Pose, rotation_of_quaternion
-from wsgen.simulation.scene import SpawnedRobot
+from wsgen.simulation.scene import Scene, SpawnedRobot
+from wsgen.simulation.simulate import run_scene
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -185,3 +190,41 @@ def test_half_a_million_triangles_load_within_seconds(
         height, seconds = executor.submit(ball_on_mesh, new_engine, str(file)).result()
     assert seconds < 10
     assert height > 0.15
+
+
+SUNK = 0.05  # m
+AXLE = joint("base", "", JointType.CONTINUOUS, axis_in_joint=(0.0, 1.0, 0.0))
+
+
+@pytest.mark.parametrize("is_mesh", [False, True])
+def test_what_is_spawned_in_a_slab_is_not_thrown(
+    new_engine: NewEngine, tmp_path: Path, *, is_mesh: bool
+) -> None:
+    """A cart on two wheels, in a slab and in one of a thousand triangles."""
+    size = (1.0, 1.0, 0.5)
+    slab: Geometry = Box(size=size)
+    if is_mesh:
+        fine = trimesh.creation.box(extents=size).subdivide().subdivide().subdivide()
+        write_stl(fine.triangles, tmp_path / "slab.stl")
+        slab = Mesh(uri="slab.stl", path=str(tmp_path / "slab.stl"))
+    wheel = Cylinder(radius=0.1, length=0.04)
+    across = Pose((0.0, 0.0, 0.0), (math.pi / 2, 0.0, 0.0))
+    cart = tree(
+        body(Box(size=(0.4, 0.3, 0.1)), at=Pose((0.0, 0.0, 0.05))),
+        *(
+            (replace(AXLE, name=side, child=side, pose_in_parent=Pose((0.0, y, 0.0))), rim)
+            for side, y in (("left", 0.2), ("right", -0.2))
+            for rim in [body(wheel, name=side, at=across)]
+        ),
+    )
+    at = Pose((0.33, 0.0, 0.05))
+    floor = SpawnedRobot(entity="floor", robot=static(slab), pose_in_world=at, is_static_model=True)
+    start = 0.3 + 0.1 - SUNK
+    robot = SpawnedRobot(
+        entity="e", robot=cart, pose_in_world=Pose((0.0, 0.0, start), (0.0, 0.0, 1.02))
+    )
+    scene = Scene(world=GROUND, robots=(floor, robot), seconds=2.0)
+    with closing(new_engine(GROUND)) as engine:
+        (_, run), _ = run_scene(engine, scene, lambda _: None)
+    assert run.highest_point < start + SUNK + 0.01
+    assert run.highest_speed < 0.5

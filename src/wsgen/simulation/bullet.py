@@ -190,6 +190,7 @@ PLUMB = -11.0  # m, z of its upper side
 # overlap are gone within the usual simulation.
 OVERLAP_SHARE = 0.08
 SEPARATION_SPEED = 0.25  # m/s
+SEPARATION_FROM_TRIANGLES = 0.05  # m/s; their edges push in several directions at once
 LIMIT_SHARE = 0.01  # of the way back to a limit, in one step; DART's error reduction parameter
 SEPARATION_STRIDE = 10  # steps between two looks at the overlap while it is large
 
@@ -210,6 +211,7 @@ class BulletEngine:
         self._bodies: dict[str, list[tuple[BulletBody, Pose]]] = {}  # with its pose in the robot
         self._pulled: list[BulletBody] = []
         self._damped: list[BulletBody] = []
+        self._triangles: set[int] = set()  # bodies that collide as the triangles of their meshes
         self._ground: int | None = None
         self._plumb: int | None = None
         self._separating = True  # there may be overlaps: something is new where it is
@@ -266,6 +268,8 @@ class BulletEngine:
         self._robots[robot.entity] = model
         self._bodies[robot.entity] = bodies
         self._separating = True
+        if model.is_static and any(_has_mesh(link) for link in model.links):
+            self._triangles |= {body.number for body, _ in bodies}
         self._pulled += [body for body, _ in bodies if body.pulls]
         self._damped += [body for body, _ in bodies if body.dampers.indices]
         links = sum(len(body.indices) for body, _ in bodies)
@@ -426,16 +430,22 @@ class BulletEngine:
         The overlap shrinks until the next look, so the speed is below the bound in between.
         """
         self.client.performCollisionDetection()
-        depth = max((-contact[8] for contact in self.client.getContactPoints()), default=0.0)
-        bounded = SEPARATION_SPEED * self.step_seconds
-        self._separating = depth * OVERLAP_SHARE > bounded
+        contacts = self.client.getContactPoints()
+        depth = max((-contact[8] for contact in contacts), default=0.0)
+        self._separating = depth * OVERLAP_SHARE > SEPARATION_SPEED * self.step_seconds
+        is_in_triangles = any(not self._triangles.isdisjoint(contact[1:3]) for contact in contacts)
+        speed = SEPARATION_FROM_TRIANGLES if is_in_triangles else SEPARATION_SPEED
         self.client.setPhysicsEngineParameter(
-            contactERP=bounded / depth if self._separating else OVERLAP_SHARE
+            contactERP=speed * self.step_seconds / depth if self._separating else OVERLAP_SHARE
         )
 
     def close(self) -> None:
         """Give everything back; the engine is not used afterwards."""
         self.client.close()
+
+
+def _has_mesh(link: Link) -> bool:
+    return any(isinstance(shape.geometry, Mesh) for shape in link.collisions)
 
 
 def _is_over_ground(box: PartBounds) -> bool:
