@@ -545,3 +545,28 @@ def test_the_child_imports_only_what_is_used(space: InstallSpace) -> None:
 STRUCTURE_IMPORTS = (
     "from launch import LaunchDescription\nfrom launch.actions import ExecuteProcess\n"
 )
+
+
+@pytest.mark.parametrize(
+    ("section", "names"),
+    [
+        ("a:\n  n:\n    ros__parameters: {p: 1}", {"/a/n"}),
+        ("/:\n  n:\n    ros__parameters: {p: 1}", {"/n"}),
+        ("/a/n:\n  ros__parameters: {p: 1}", {"/a/n"}),
+        ("/**/n:\n  ros__parameters: {p: 1}", {"/n", "/a/n"}),
+        ("/*/n:\n  ros__parameters: {p: 1}", {"/a/n"}),
+        ("/a/**:\n  ros__parameters: {p: 1}", {"/a/n", "/a/m"}),
+        ("/*:\n  ros__parameters: {p: 1}", {"/n"}),
+        ("'**':\n  n:\n    ros__parameters: {p: 1}", {"/n", "/a/n"}),
+    ],
+)
+def test_sections_of_parameter_files(space: InstallSpace, section: str, names: set[str]) -> None:
+    share = space.add("my_robot", {"p.yaml": section})
+    nodes = [
+        f"Node(package='rviz2', executable='rviz2', name='{name}', namespace='{namespace}', "
+        f"parameters=['{share}/p.yaml'])"
+        for namespace, name in (("", "n"), ("a", "n"), ("a", "m"))
+    ]
+    plan = space.play(", ".join(nodes))
+    assert not plan.diagnostics
+    assert {f"{n.namespace.rstrip('/')}/{n.name}" for n in plan.processes if n.parameters} == names

@@ -17,26 +17,10 @@ if TYPE_CHECKING:
 IMPORT = HEAD.count("\n") + 1  # the line of the first import after the head
 RVIZ = "Node(package='rviz2', executable='rviz2', name='n', {})"
 WHY_MODULE = "its Python module is not installed"
-WHY_VALUE = "it comes from a Python module that is not installed"
 
 
 def unresolved(plan: LaunchPlan) -> list[tuple[str, str, int | None]]:
     return [(entry.what, entry.why, entry.line) for entry in plan.unresolved]
-
-
-def test_parameters_that_nav2_rewrites(space: InstallSpace) -> None:
-    plan = space.play(
-        "\n"
-        + RVIZ.format(
-            "parameters=[RewrittenYaml(source_file='x', convert_types=True), "
-            "{'a': 1}, ParameterFile(RewrittenYaml(source_file='y'), allow_substs=True)]"
-        ),
-        before="from nav2_common.launch import RewrittenYaml, ReplaceString",
-    )
-    assert not plan.diagnostics
-    assert plan.processes[0].parameters == {"a": 1}
-    entry = ("nav2_common.launch.RewrittenYaml()", WHY_VALUE, IMPORT + 4)
-    assert unresolved(plan) == [("nav2_common", WHY_MODULE, IMPORT), entry]
 
 
 def test_the_configuration_of_moveit(space: InstallSpace) -> None:
@@ -305,3 +289,70 @@ def test_the_bridge_must_be_given_its_arguments(space: InstallSpace) -> None:
     )
     assert not plan.diagnostics
     assert plan.processes[0].command == ("info",)
+
+
+def test_a_value_stays_unknown_whatever_is_done_with_it(space: InstallSpace) -> None:
+    plan = space.play(
+        "DeclareLaunchArgument('mode', default_value=X.mode, choices=['a', 'b']), "
+        "DeclareLaunchArgument('one_of', default_value='a', choices=X.modes), "
+        "OpaqueFunction(function=f), TimerAction(period=X.period, actions=["
+        "ExecuteProcess(cmd=['later'])]), "
+        "ExecuteProcess(cmd=['and', AndSubstitution('true', X.flag)]), "
+        "ExecuteProcess(cmd=['equal', EqualsSubstitution(X.mode, 'a')]), "
+        "ExecuteProcess(cmd=['other', NotEqualsSubstitution(X.mode, 'a')]), "
+        "Node(package='rviz2', executable='rviz2', parameters=[{'a': Command('nproc'), "
+        "'b': ParameterValue(Command('nproc'), value_type=int), 'c': [[X.d], [X.e]]}])",
+        before="""
+        import json, yaml
+        import rclpy as X
+        a, b = X.pair()
+        assert yaml.safe_load(yaml.dump({'a': [X.value]})) == {'a': ['$(rclpy.value)']}
+        assert yaml.safe_load(yaml.safe_dump({'a': str(X.value)})) == {'a': '$(rclpy.value)'}
+        assert json.loads(json.dumps({'a': X.value})) == {'a': '$(rclpy.value)'}
+
+        def f(context):
+            words = [LaunchConfiguration('mode').perform(context)]
+            words += [words[0] + '_x', 'x_' + words[0], words[0].lower().strip()]
+            numbers = [int(words[0]), float(words[1]) + 1.0, float(words[2].upper())]
+            assert not os.path.exists(words[0]) and not os.path.isfile(X.file)
+            return [ExecuteProcess(cmd=[*words, os.path.basename(words[0]), str(numbers)])]
+        """,
+    )
+    assert not plan.diagnostics
+    mode = "$(rclpy.mode)"
+    commands = [one.command for one in plan.processes if one.command]
+    assert commands[0] == (mode, f"{mode}_x", f"x_{mode}", mode, mode, "[0, 1.0, 0.0]")
+    assert [command[0] for command in commands[1:]] == ["and", "equal", "other", "later"]
+    assert all("$(" in command[1] for command in commands[1:4])
+    (node,) = [one for one in plan.processes if one.package]
+    assert node.parameters == {
+        "a": "$(nproc)",
+        "b": "$(nproc)",
+        "c": ["$(rclpy.d)", "$(rclpy.e)"],
+    }
+
+
+@pytest.mark.parametrize("line", ["text.split(':')[1]", "json.loads(text)", "table[text]"])
+def test_what_only_the_known_value_could_do(space: InstallSpace, line: str) -> None:
+    plan = space.play(
+        "OpaqueFunction(function=f), ExecuteProcess(cmd=['goes on'])",
+        before=f"""
+        import json
+        import rclpy as X
+        table = {{'a': 1}}
+
+        def f(context):
+            text = str(X.value)
+            return [ExecuteProcess(cmd=[str({line})])]
+        """,
+    )
+    assert [one.command for one in plan.processes] == [("goes on",)]
+    (diagnostic,) = plan.diagnostics
+    assert diagnostic.code == "LCH024"
+
+
+def test_a_mistake_beside_a_value_that_is_not_known(space: InstallSpace) -> None:
+    before = "import rclpy as X\n\ndef f(context):\n    value = X.y\n    return [vlue, value]"
+    plan = space.play("OpaqueFunction(function=f)", before=before)
+    assert "vlue" in plan.diagnostics[0].message
+    assert plan.diagnostics[0].code != "LCH024"

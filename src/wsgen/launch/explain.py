@@ -22,7 +22,7 @@ from wsgen.launch.explain_missing import (
     where_written,
 )
 from wsgen.launch.explain_names import RAISES, REFUSED_BY_LAUNCH
-from wsgen.launch.record import RECORD, ForkError, last_user_line
+from wsgen.launch.record import RECORD, ForkError, last_user_line, unknown_in_line
 from wsgen.suggestions import advice
 
 if TYPE_CHECKING:
@@ -274,13 +274,15 @@ def _markup_error(error: BaseException) -> Explanation | None:
 
 def _needs_unknown(error: BaseException) -> Explanation | None:
     """An error about a text that represents an unknown value."""
-    named = getattr(error, "filename", None)
-    if not RECORD.is_unknown(f"{error} {named}"):
+    needed = getattr(error, "filename", None) or error
+    if not RECORD.is_unknown(str(needed)):
+        needed = unknown_in_line(error)
+    if needed is None:
         return None
     return Explanation(
         NEEDS_UNKNOWN,
         "The launch file cannot be evaluated further without ROS: it needs an unknown value, "
-        f"{named or error}.",
+        f"{needed}.",
         "Install the package that provides the value, and source it.",
     )
 

@@ -319,7 +319,6 @@ KNOWN_MODULES = frozenset(
         "launch_testing_ament_cmake",
         "launch_testing_ros",
         "moveit_configs_utils",
-        "nav2_common",
         "nav2_simple_commander",
         "osrf_pycommon",
         "rcl_interfaces",

@@ -11,7 +11,9 @@ every other one is known only where ROS is.
 from __future__ import annotations
 
 import contextlib
+import linecache
 import os
+import re
 import shlex
 import sys
 from dataclasses import replace
@@ -33,12 +35,40 @@ if TYPE_CHECKING:
     CommandRunner = Callable[[Sequence[str]], "CommandOutcome"]
 
 
+_NAME = re.compile(r"[^\W\d]\w*")
 _MACHINERY = os.path.dirname(os.path.dirname(__file__)) + os.sep  # all of wsgen
 _NOT_THE_USERS = (_MACHINERY, "<frozen importlib")
 
 
 class ForkError(Exception):
     """The launch file forks; raised in it, and reported."""
+
+
+class UnknownText(str):
+    """A text that stands for something unknown, also after what Python does with it."""
+
+    __slots__ = ()
+
+    def __add__(self, other: str) -> UnknownText:
+        return UnknownText(super().__add__(other))
+
+    def __radd__(self, other: str) -> UnknownText:
+        return UnknownText(other + str(self))
+
+    def __getitem__(self, key: Any) -> UnknownText:
+        return self
+
+    def __int__(self) -> int:
+        return 0
+
+    def __float__(self) -> float:
+        return 0.0
+
+    def _same(self, *_arguments: Any) -> UnknownText:
+        return self
+
+    capitalize = casefold = lower = swapcase = title = upper = _same
+    lstrip = rstrip = strip = removeprefix = removesuffix = replace = _same
 
 
 class CommandOutcome:
@@ -126,12 +156,17 @@ class Record:
     def note_unknown(self, what: str, why: str, location: Location | None) -> str:
         """Note a value that only a real ROS could give; gives the text that stands for it."""
         self.note_unresolved(what, why, location)
-        self.unknown_texts.add(f"$({what})")
-        return f"$({what})"
+        text = UnknownText(f"$({what})")
+        self.unknown_texts.add(text)
+        return text
 
     def is_unknown(self, text: str) -> bool:
         """Whether a text has one in it that stands for something unknown."""
         return "$(" in text and any(unknown in text for unknown in self.unknown_texts)
+
+    def mark(self, text: str) -> str:
+        """The text, marked if it has something unknown in it."""
+        return UnknownText(text) if self.is_unknown(text) else text
 
     def note_unused_xacro_arguments(
         self, unused: Sequence[Mapping[str, str]], location: Location | None = None
@@ -227,6 +262,28 @@ def last_user_line(error: BaseException) -> Location | None:
             found = (file, step.tb_lineno)
         step = step.tb_next
     return found
+
+
+def unknown_in_line(error: BaseException) -> str | None:
+    """The unknown value that the deepest line of a launch file works with, where it failed.
+
+    Misspelled names fail with any value.
+    """
+    step, found = error.__traceback__, None
+    while step is not None and not isinstance(error, (NameError, SyntaxError, ImportError)):
+        code = step.tb_frame.f_code
+        if code.co_filename in RECORD.launch_files:
+            line = linecache.getline(code.co_filename, step.tb_lineno)
+            values = {**step.tb_frame.f_globals, **step.tb_frame.f_locals}
+            named = [values[name] for name in _NAME.findall(line) if name in values]
+            found = next((repr(value) for value in named if _is_unknown(value)), None)
+        step = step.tb_next
+    return found
+
+
+def _is_unknown(value: Any) -> bool:
+    is_text = isinstance(value, str) and RECORD.is_unknown(value)
+    return is_text or hasattr(type(value), "wsgen_is_unknown")
 
 
 def run_command(words: Sequence[str], location: Location | None) -> CommandOutcome:

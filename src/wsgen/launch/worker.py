@@ -261,4 +261,6 @@ def _play(launch_file: str, arguments: Mapping[str, str]) -> None:
 
     source = AnyLaunchDescriptionSource(launch_file)
     root = IncludeLaunchDescription(source, launch_arguments=tuple(arguments.items()))
-    play(root, LaunchContext(argv=[f"{name}:={value}" for name, value in arguments.items()]))
+    words = [f"{name}:={value}" for name, value in arguments.items()]
+    sys.argv = ["ros2", "launch", RECORD.package or "", os.path.basename(launch_file), *words]
+    play(root, LaunchContext(argv=words))

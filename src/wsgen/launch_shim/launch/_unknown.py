@@ -7,20 +7,47 @@ with the line that made it, and a text stands in for it: `$(module.name)`.
 
 from __future__ import annotations
 
+import dis
+import sys
 from typing import TYPE_CHECKING, Any
 
 from launch._events import ProcessExited, ProcessStarted
 from launch.base import Action, Substitution
-from wsgen.launch.record import RECORD, caller
+from wsgen.launch.record import RECORD, UnknownText, caller
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from types import FrameType
 
     from launch.base import LaunchDescriptionEntity
     from launch.launch_context import LaunchContext
 
 
 WHY = "it comes from a Python module that is not installed"
+
+
+def _unpacked(frame: FrameType) -> int:
+    """To how many names a line of foreign code assigns the items of a value; else none."""
+    code, position = frame.f_code.co_code, frame.f_lasti
+    is_unpacking = dis.opname[code[position]] == "UNPACK_SEQUENCE"
+    return code[position + 1] if is_unpacking else 0
+
+
+def _let_be_written() -> None:
+    """Let YAML and JSON write what is unknown as the text that stands for it."""
+    import json
+
+    import yaml
+
+    for representer in (yaml.representer.SafeRepresenter, yaml.representer.Representer):
+        for kind in (Unknown, UnknownText):
+            representer.add_representer(kind, lambda dumper, it: dumper.represent_str(str(it)))
+    refuse = json.JSONEncoder.default
+
+    def default(self: json.JSONEncoder, value: Any) -> Any:
+        return str(value) if isinstance(value, Unknown) else refuse(self, value)
+
+    json.JSONEncoder.default = default  # type: ignore[assignment, method-assign]  # foreign code writes, too
 
 
 class Unknown(Action, Substitution):
@@ -87,7 +114,7 @@ class Unknown(Action, Substitution):
 
     def __iter__(self) -> Iterator[Any]:
         self.wsgen_text()
-        return iter(())
+        return iter([self] * _unpacked(sys._getframe(1)))  # noqa: SLF001  no stack is needed
 
     def keys(self) -> Any:
         """So that it can be unpacked."""
@@ -151,3 +178,6 @@ class Unknown(Action, Substitution):
     __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = _combine
     __truediv__ = __rtruediv__ = __or__ = __ror__ = __and__ = __rand__ = __mod__ = _combine
     __lt__ = __le__ = __gt__ = __ge__ = _compare
+
+
+_let_be_written()

@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, get_args, get_origin
 
 from launch.base import LaunchDescriptionEntity, Substitution, TextSubstitution
+from wsgen.launch.record import RECORD, UnknownText
 
 if TYPE_CHECKING:
     from launch.base import SomeSubstitutionsType
@@ -91,7 +92,7 @@ def _normalize(item: Any) -> Substitution:
 
 def perform_substitutions(context: LaunchContext, subs: Iterable[Substitution]) -> str:
     """Their texts in order, joined without anything in between."""
-    return "".join([context.perform_substitution(sub) for sub in subs])
+    return RECORD.mark("".join([context.perform_substitution(sub) for sub in subs]))
 
 
 def is_substitution(x: Any) -> bool:
@@ -108,6 +109,8 @@ def is_substitution(x: Any) -> bool:
 
 def normalize_typed_substitution(value: Any, data_type: Any) -> Any:
     """A value, a list of substitutions, or a list in which each item is one of both."""
+    if isinstance(value, UnknownText):
+        return value
     if isinstance(value, SCALAR_TYPES):
         if data_type is not None and not isinstance(value, data_type):
             raise TypeError(f"value='{value}' is not an instance of {data_type}")
@@ -150,7 +153,7 @@ def perform_typed_substitution(context: LaunchContext, value: Any, data_type: An
 
 def read_as(text: str, data_type: Any) -> Any:
     """The value that a text stands for; ValueError where it is not of that type."""
-    if data_type is str:
+    if data_type is str or RECORD.is_unknown(text):
         return text
     if data_type in {int, float}:
         return data_type(text)

@@ -84,12 +84,14 @@ class DeclareLaunchArgument(Action):
         self.__default_value = (
             None if default_value is None else normalize_to_list_of_substitutions(default_value)
         )
+        if hasattr(choices, "wsgen_is_unknown"):
+            choices = None
         self.__choices = None if choices is None else list(choices)
         if self.__choices is not None:
             if not self.__choices:
                 raise ValueError("Provided choices arg is empty.")
             default = _literal(self.__default_value)
-            if default is not None and default not in self.__choices:
+            if default is not None and not self._allows(default):
                 raise ValueError(
                     f'Provided default_value "{default}" is not in provided choices '
                     f'"{self.__choices}".'
@@ -135,11 +137,15 @@ class DeclareLaunchArgument(Action):
         else:
             self._note(_words(self.__default_value), configurations[self.__name])
         value = configurations[self.__name]
-        if self.__choices is not None and value not in self.__choices:
+        if not self._allows(value):
             raise RuntimeError(
                 f'Argument "{self.__name}" provided value "{value}" is not valid. '
                 f"Valid options are: {self.__choices}"
             )
+
+    def _allows(self, value: str) -> bool:
+        choices = self.__choices
+        return choices is None or value in choices or any(map(RECORD.is_unknown, [value, *choices]))
 
     def wsgen_give_up(self, context: LaunchContext) -> None:
         """Set the configuration to what is unknown."""

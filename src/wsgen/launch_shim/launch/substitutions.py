@@ -18,11 +18,11 @@ from wsgen.launch import known_packages
 from wsgen.launch.record import RECORD, run_command
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable, Sequence
 
     from launch.base import SomeSubstitutionsType
     from launch.launch_context import LaunchContext
-    from wsgen.launch.record import CommandOutcome
+    from wsgen.launch.record import CommandOutcome, Location
 
 
 class AnonName(Substitution):
@@ -55,8 +55,10 @@ class BooleanSubstitution(Substitution):
 
     def perform(self, context: LaunchContext) -> str:
         """Itself as "true" or "false"."""
-        truths = [_truth(perform_substitutions(context, value)) for value in self.__values]
-        return str(self._combine(truths)).lower()
+        texts = [perform_substitutions(context, value) for value in self.__values]
+        return _unless_unknown(
+            texts, lambda: self._combine([_truth(text) for text in texts]), self.wsgen_location
+        )
 
     def _combine(self, truths: list[bool]) -> bool:
         raise NotImplementedError
@@ -98,6 +100,15 @@ class OrSubstitution(AnySubstitution):
 
     def __init__(self, left: SomeSubstitutionsType, right: SomeSubstitutionsType) -> None:
         super().__init__(left, right)
+
+
+def _unless_unknown(
+    texts: Sequence[str], holds: Callable[[], bool], location: Location | None
+) -> str:
+    """Either "true" or "false", or the text that stands for it where it is not known."""
+    if any(map(RECORD.is_unknown, texts)):
+        return RECORD.note_unknown(" ".join(texts), "a part of it is not known", location)
+    return str(holds()).lower()
 
 
 def _truth(text: str) -> bool:
@@ -213,11 +224,11 @@ class EqualsSubstitution(Substitution):
 
     def perform(self, context: LaunchContext) -> str:
         """Whether both sides are equal."""
-        return str(self._are_equal(context)).lower()
+        sides = [perform_substitutions(context, side) for side in (self.__left, self.__right)]
+        return _unless_unknown(sides, lambda: self._holds(*map(_value, sides)), self.wsgen_location)
 
-    def _are_equal(self, context: LaunchContext) -> bool:
-        left = _value(perform_substitutions(context, self.__left))
-        right = _value(perform_substitutions(context, self.__right))
+    @staticmethod
+    def _holds(left: bool | float | str, right: bool | float | str) -> bool:  # noqa: FBT001  no flags
         if isinstance(left, float) and isinstance(right, float):
             import math
 
@@ -437,9 +448,9 @@ class LocalSubstitution(Substitution):
 class NotEqualsSubstitution(EqualsSubstitution):
     """The opposite of `EqualsSubstitution`."""
 
-    def perform(self, context: LaunchContext) -> str:
-        """Whether both sides differ."""
-        return str(not self._are_equal(context)).lower()
+    @staticmethod
+    def _holds(left: bool | float | str, right: bool | float | str) -> bool:  # noqa: FBT001  same
+        return not EqualsSubstitution._holds(left, right)  # noqa: SLF001  of its base
 
 
 class PathJoinSubstitution(Substitution):

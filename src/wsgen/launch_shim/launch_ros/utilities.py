@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from launch._utilities import normalize_to_list_of_substitutions, perform_substitutions
@@ -208,22 +209,30 @@ def _evaluate(context: LaunchContext, name: str, value: Any, location: Location 
             _report_description_as_yaml(location)
         return read
     if isinstance(value, _Texts):
-        values = [_read_yaml(name, perform_substitutions(context, item)) for item in value.items]
-        return _require_uniform(values)
+        texts = [perform_substitutions(context, item) for item in value.items]
+        if any(map(RECORD.is_unknown, texts)):
+            return texts
+        return _require_uniform([_read_yaml(name, text) for text in texts])
     if isinstance(value, list):
-        text = perform_substitutions(context, value)
-        read = _read_yaml(name, text)
-        if _is_description(name, text):
-            _report_description_as_yaml(location)
-        if read is None:
-            return ""
-        if isinstance(read, _SCALARS):
-            return read
-        if isinstance(read, list):
-            return _require_uniform(read)
-        # What would be needed to fix it is the same as where YAML cannot read it at all.
-        raise _not_yaml(name)
+        return _read_value(name, perform_substitutions(context, value), location)
     return value
+
+
+def _read_value(name: str, text: str, location: Location | None) -> Any:
+    """The value that a text stands for."""
+    if RECORD.is_unknown(text):
+        return text
+    read = _read_yaml(name, text)
+    if _is_description(name, text):
+        _report_description_as_yaml(location)
+    if read is None:
+        return ""
+    if isinstance(read, _SCALARS):
+        return read
+    if isinstance(read, list):
+        return _require_uniform(read)
+    # What would be needed to fix it is the same as where YAML cannot read it at all.
+    raise _not_yaml(name)
 
 
 def _read_yaml(name: str, text: str) -> Any:
@@ -391,21 +400,43 @@ def read(
     import yaml  # see launch.utilities.type_utils
 
     try:
-        content = yaml.safe_load(text)
+        content = _parse(text)
     except yaml.YAMLError as error:
         RECORD.note_unresolved(str(path), f"it is not YAML: {error}", location)
         return {}
     found: dict[str, Any] = {}
-    for name, section in (content or {}).items() if isinstance(content, dict) else ():
-        if _is_meant(str(name), node) and isinstance(section, dict):
-            found.update(_flatten(section.get("ros__parameters") or {}, ""))
+    for name, values in _sections(content, ""):
+        if _is_meant(name, node):
+            found.update(_flatten(values, ""))
     return found
+
+
+@functools.cache
+def _parse(text: str) -> Any:
+    """The content of a parameter file, which several nodes read and none changes."""
+    import yaml  # see launch.utilities.type_utils
+
+    # libyaml is ten times as fast, and what nodes read the file with themselves.
+    return yaml.load(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))  # noqa: S506  both are safe
+
+
+def _sections(content: Any, name: str) -> Iterator[tuple[str, dict[Any, Any]]]:
+    """Full names of nodes, or patterns of them, with parameters; sections may be nested."""
+    for key, section in content.items() if isinstance(content, dict) else ():
+        if key == "ros__parameters":
+            if isinstance(section, dict):
+                yield name, section
+        else:
+            yield from _sections(section, f"{name}/{str(key).strip('/')}".rstrip("/"))
 
 
 def _is_meant(pattern: str, node: str) -> bool:
     """Whether a section is for the node; `*` stands for one part of a name, `**` for several."""
-    wanted = "/" + pattern.strip("/")
-    return wanted in {"/**", node} or (wanted == "/*" and node.count("/") == 1)
+    if "*" not in pattern:
+        return pattern == node
+    parts = {"**": r"(/[^/]+)*", "*": r"/[^/]+"}
+    names = pattern.strip("/").split("/")
+    return bool(re.fullmatch("".join(parts.get(n, "/" + re.escape(n)) for n in names), node))
 
 
 def _flatten(values: dict[Any, Any], prefix: str) -> dict[str, Any]:
