@@ -570,3 +570,19 @@ def test_sections_of_parameter_files(space: InstallSpace, section: str, names: s
     plan = space.play(", ".join(nodes))
     assert not plan.diagnostics
     assert {f"{n.namespace.rstrip('/')}/{n.name}" for n in plan.processes if n.parameters} == names
+
+
+def test_a_parameter_file_is_parsed_once(space: InstallSpace) -> None:
+    share = space.add("my_robot", {"p.yaml": "/**: {ros__parameters: {p: 1}}"})
+    node = f"Node(package='rviz2', executable='rviz2', parameters=['{share}/p.yaml'])"
+    plan = space.play(
+        f"{node}, {node}, OpaqueFunction(function=lambda context: ["
+        "ExecuteProcess(cmd=[str(len(calls))])])",
+        before="""
+        import yaml
+        calls, load = [], yaml.load
+        yaml.load = lambda *arguments, **keywords: calls.append(1) or load(*arguments, **keywords)
+        """,
+    )
+    assert not plan.diagnostics
+    assert plan.processes[-1].command == ("1",)
