@@ -276,7 +276,8 @@ def test_every_package_of_a_workspace_is_checked_or_named(workspace: Path) -> No
     assert found == {PACKAGE: ["PKG065"], "not_built": [], "undecided": []}
     assert "  library: spawns no robot" in wsgen(workspace, "validate").stdout
     (same,) = (one for one in document["not_validated"] if one["launch_file"])
-    assert same["reason"] == "other.launch.py starts the same simulation as gazebo_model.launch.py"
+    assert same["launch_file"].endswith("/other.launch.py")
+    assert same["reason"] == "the same simulation as gazebo_model.launch.py"
     code, document, _ = validate(workspace, "undecided", "--launch", "other.launch.py")
     assert (code, [one["package"] for one in document["packages"]]) == (0, ["undecided"])
 

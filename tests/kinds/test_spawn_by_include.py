@@ -20,8 +20,16 @@ def test_the_outer_launch_file_is_simulated(tmp_path: Path) -> None:
     assert robot["rest"]["xyz"][0] == pytest.approx(0.5, abs=0.01)
     assert {one["package"]: one["reason"] for one in answer.document["not_validated"]} == {
         "crane_description": "robot spawned by crane_bringup",
-        "crane_sim": "sim.launch.py is included by crane_bringup crane.launch.xml",
+        "crane_sim": "included by crane_bringup crane.launch.xml",
     }
+    files = {found["file"] for found in row["diagnostics"] if found["file"]}
+    assert all(file.startswith(str(workspace.root / "src")) for file in files)
+    # What the simulated launch file uses must be built, too.
+    urdf = workspace.root / "src" / "crane_description" / "urdf" / "crane.urdf.xacro"
+    urdf.write_text(urdf.read_text().replace('mass="4"', 'mass="5"'))
+    (row,) = workspace.wsgen("validate", "--format", "json").document["packages"]
+    changed = [found["file"] for found in row["diagnostics"] if found["code"] == "PKG052"]
+    assert changed == [str(urdf)]
     # By itself it lacks an argument.
     alone = workspace.wsgen("validate", "crane_sim", "--format", "json")
     assert alone.code == 1

@@ -67,10 +67,11 @@ def test_the_outer_one_of_any_package() -> None:
     inner = candidate("sim", robot("r"), package="sim")
     outer = candidate("robot", robot("r", x=1), includes=("sim",), package="bringup")
     assert chosen(inner, outer) == ["robot"]
-    assert reasons(inner, outer) == ["sim is included by bringup robot"]
+    assert reasons(inner, outer) == ["included by bringup robot"]
+    assert reasons(inner, outer._replace(launch_file=LaunchFile("sim", Path("robot")))) == []
     assert chosen(inner, outer, kept=("sim",)) == ["sim", "robot"]
     outermost = candidate("all", robot("r", x=2), includes=("robot", "sim"), package="all")
-    assert reasons(inner, outer, outermost)[0] == "sim is included by all all"
+    assert reasons(inner, outer, outermost)[0] == "included by all all"
 
 
 def test_an_outer_one_that_fails_hides_nothing() -> None:
@@ -88,7 +89,7 @@ def test_a_spawner_alone() -> None:
 def test_the_same_simulation_of_a_package() -> None:
     first, second = candidate("a", robot("r")), candidate("b", robot("r"))
     assert chosen(first, second, candidate("c", robot("r", x=1))) == ["a", "c"]
-    assert reasons(first, second) == ["b starts the same simulation as a"]
+    assert reasons(first, second) == ["the same simulation as a"]
     world = candidate("b", robot("r"), simulator=replace(GAZEBO, world="office.world"))
     assert chosen(first, world) == ["a", "b"]
     assert chosen(first, candidate("b", robot("r"), package="q")) == ["a", "b"]
@@ -103,7 +104,7 @@ def test_one_mistake_in_several_launch_files_is_reported_once() -> None:
     mistake = error(SYNTAX_ERROR.code, file="robot.xacro")
     found = [candidate(name, simulator=None, error=mistake) for name in ("a", "b")]
     assert chosen(*found) == ["a"]
-    assert reasons(*found) == ["b fails as a"]
+    assert reasons(*found) == ["the same mistake as a"]
     outer = candidate("c", simulator=None, error=mistake, includes=("a",), package="q")
     assert chosen(found[0], outer) == ["c"]
 
@@ -112,7 +113,7 @@ def test_what_only_its_machine_has(tmp_path: Path) -> None:
     lacks = error(PACKAGE_NOT_FOUND.code, "The package 'lidar' is not found.")
     driver = candidate("driver", simulator=None, error=lacks)
     assert chosen(driver) == []
-    assert reasons(driver) == ["driver: The package 'lidar' is not found."]
+    assert reasons(driver) == ["The package 'lidar' is not found."]
     for name, text in (
         ("spawns.launch.py", "Node(executable='spawn_entity.py')"),
         ("spawns.launch.xml", '<launch><node pkg="ros_gz_sim" exec="create"/></launch>'),
@@ -131,6 +132,6 @@ def test_a_required_argument() -> None:
     assert chosen(needs) == ["sim"]
     other = candidate("a", robot("r"))
     assert chosen(needs, other) == ["a"]
-    assert reasons(needs, other) == ["sim: The argument `x` has no default."]
-    outer = candidate("robot", robot("r"), includes=("sim",))
-    assert reasons(needs, outer) == ["sim is included by p robot"]
+    assert reasons(needs, other) == ["The argument `x` has no default."]
+    outer = candidate("robot", robot("r"), includes=("sim",), package="q")
+    assert reasons(needs, outer) == ["included by q robot"]

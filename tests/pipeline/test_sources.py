@@ -33,14 +33,14 @@ def diagnostic(file: Path | None) -> Diagnostic:
 
 
 def test_the_file_that_a_person_edits_is_named(share: Path, source: Path) -> None:
-    (named,) = name_sources([diagnostic(share / "model" / "robot.xacro")], share, source)
+    (named,) = name_sources([diagnostic(share / "model" / "robot.xacro")], {share: source})
     assert (named.file, named.line) == (source / "model" / "robot.xacro", 3)
 
 
 def test_a_copy_that_differs_is_named_itself(share: Path, source: Path) -> None:
     installed = share / "model" / "robot.xacro"
     installed.write_text("<robot>")
-    assert [found.file for found in name_sources([diagnostic(installed)], share, source)] == [
+    assert [found.file for found in name_sources([diagnostic(installed)], {share: source})] == [
         installed
     ]
 
@@ -50,7 +50,7 @@ def test_files_without_a_source_stay(
     share: Path, source: Path, tmp_path: Path, place: str | None
 ) -> None:
     file = None if place is None else tmp_path / place
-    assert [found.file for found in name_sources([diagnostic(file)], share, source)] == [file]
+    assert [found.file for found in name_sources([diagnostic(file)], {share: source})] == [file]
 
 
 def test_nothing_changed(share: Path, source: Path) -> None:

@@ -110,20 +110,20 @@ def render_outcome(outcome: Outcome, *, verbose: bool = False, quiet: bool = Fal
 
 
 def _not_validated(packages: Sequence[NotValidated]) -> Iterator[str]:
-    """The reasons, each with its packages; for robots without a launch file what to do."""
+    """For each reason the packages or launch files; for robots that nothing spawns, what to do."""
     yield click.style("not validated", bold=True)
-    by_reason: dict[str, list[NotValidated]] = {}
+    alike: dict[tuple[str, ...], list[str]] = {}
     for one in packages:
-        by_reason.setdefault(one.reason, []).append(one)
-    for reason, alike in by_reason.items():
-        names = dict.fromkeys(one.package for one in alike if not one.robot_files)
-        if names:
-            yield f"  {', '.join(names)}: {reason}"
-        for one in alike:
-            if one.robot_files:
-                files = map(short_path, one.robot_files[:MOST_ALIKE])
-                yield f"  {one.package}: {reason}"
-                yield f"   try: {shlex.join(['wsgen', 'validate', *files])}"
+        if one.launch_file is not None:
+            alike.setdefault((one.reason, f"{one.package} "), []).append(one.launch_file.name)
+        elif one.robot_files:
+            files = map(short_path, one.robot_files[:MOST_ALIKE])
+            command = shlex.join(["wsgen", "validate", *files])
+            alike.setdefault((f"{one.reason}\n   try: {command}", ""), []).append(one.package)
+        else:
+            alike.setdefault((one.reason, ""), []).append(one.package)
+    for (reason, package), names in alike.items():
+        yield from f"  {package}{', '.join(names)}: {reason}".splitlines()
 
 
 def _summary(outcome: Outcome) -> list[str]:

@@ -136,8 +136,8 @@ def choose(found: Sequence[Candidate], *, kept: Collection[str] = ()) -> Choice:
         includer = _includer(one, spawning, kept)
         if includer is None:
             outer.append(one)
-        else:
-            others.append((one, _is_included(one, includer)))
+        elif includer.package != one.package:
+            others.append((one, f"included by {includer.name}"))
     simulating = [one for one in outer if one.started.simulator]
     chosen = [one for one in outer if one.started.simulator or not _is_simulated(one, simulating)]
     failing, more = _choose_failing(
@@ -164,10 +164,6 @@ def _includer(
         and (one.package == inner.package or inner.package not in kept)
     ]
     return max(including, key=lambda one: len(one.included), default=None)
-
-
-def _is_included(inner: Candidate, includer: Candidate) -> str:
-    return f"{inner.file.name} is included by {includer.name}"
 
 
 def _is_simulated(spawner: Candidate, simulating: Sequence[Candidate]) -> bool:
@@ -197,12 +193,12 @@ def _choose_failing(
         )
         includer = _includer(one, evaluated)
         if includer is not None:
-            if may_spawn:
-                others.append((one, _is_included(one, includer)))
+            if may_spawn and includer.package != one.package:
+                others.append((one, f"included by {includer.name}"))
         elif not lacks or (may_spawn and not (needs_argument and one.package in packages)):
             reported.append(one)
         else:
-            others.append((one, f"{one.file.name}: {_first_error(one)}"))
+            others.append((one, _first_error(one)))
     outer = [
         one
         for one in reported
@@ -253,8 +249,8 @@ def _without_same(
     for one in candidates:
         same = first.setdefault(_simulation(one), one)
         if same is not one:
-            how = "starts the same simulation as" if one.started.is_evaluated else "fails as"
-            others.append((one, f"{one.file.name} {how} {same.file.name}"))
+            what = "simulation" if one.started.is_evaluated else "mistake"
+            others.append((one, f"the same {what} as {same.file.name}"))
     return list(first.values()), others
 
 

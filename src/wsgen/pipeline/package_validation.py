@@ -63,15 +63,17 @@ NAMED = 5  # at most so many files are named in a message
 
 
 def name_sources(
-    diagnostics: Iterable[Diagnostic], share: Path, source: Path
+    diagnostics: Iterable[Diagnostic], sources: Mapping[Path, Path]
 ) -> Iterator[Diagnostic]:
     """Name the source file instead of its installed copy, where the two are equal.
 
-    A change of the copy would be lost in the next build.
+    A change of the copy would be lost in the next build. `sources` are those of share folders.
     """
     for found in diagnostics:
-        origin = None if found.file is None else _origin(found.file, share, source)
-        if origin is not None and found.file is not None and _same(origin, found.file):
+        file = found.file
+        origins = (_origin(file, *one) for one in sources.items()) if file is not None else ()
+        origin = next((one for one in origins if one is not None), None)
+        if origin is not None and file is not None and _same(origin, file):
             yield replace(found, file=origin)
         else:
             yield found
@@ -91,6 +93,8 @@ CHANGED_SINCE_BUILD = Rule(
 
 def changed_since_build(share: Path, source: Path) -> Iterator[Diagnostic]:
     """Report files of the source that differ from what is installed."""
+    if share == source:  # the package is not built
+        return
     changed = [
         origin.relative_to(source).as_posix()
         for file in sorted(share.rglob("*"))
@@ -223,7 +227,9 @@ class Validation:
         self.overlay = overlay
         self.request = request
         self.run_task = run
-        self.clock = Clock(selected.label, listener)
+        self.label = selected.label or selected.name
+        self.clock = Clock(self.label, listener)
+        self.started: Started | None = None
         self.simulator_kind: str | None = None  # "classic" or "gz"
         self.diagnostics: list[Diagnostic] = []
         self.written: dict[Path, Path] = {}  # a copy of what a process writes -> its xacro file
@@ -292,16 +298,29 @@ class Validation:
         settings = self.settings
         if source is None or share is None or settings is None:
             return tuple(self.diagnostics)
+        used = {**self._used(), share: source}
         of_package = (
-            *(changed_since_build(share, source) if share != source else ()),
+            *(found for one in used.items() for found in changed_since_build(*one)),
             *self.settings_diagnostics,
             *unknown_rule_allowed(settings.allow, settings.file, settings.allow_line),
         )
         reported = (
-            *name_sources(self.diagnostics, share, source),
+            *name_sources(self.diagnostics, used),
             *(of_package if self.selected.is_first else ()),
         )
         return without_allowed(reported, settings.allow)
+
+    def _used(self) -> dict[Path, Path]:
+        """The packages of the workspace that the launch uses: share folder -> source."""
+        if self.started is None:
+            return {}
+        robots = (spawn.description_file for spawn in self.started.spawns)
+        files = [*self.started.plan.evaluated_files, *(file for file in robots if file)]
+        return {
+            share: source
+            for share, source in self.selected.workspace.items()
+            if any(file.is_relative_to(share) for file in files)
+        }
 
     def _evaluate(self, launch_file: Path) -> Started | None:
         started = self.selected.started
@@ -319,6 +338,7 @@ class Validation:
             self.clock.add("launch", started.seconds)
         self.clock.split("launch", "expand", started.plan.seconds_in_xacro)
         self.diagnostics += started.diagnostics
+        self.started = started
         simulator = started.simulator
         self.simulator_kind = simulator.kind if simulator else kind_of_project(started.plan)
         return started if started.is_evaluated else None
@@ -457,7 +477,7 @@ class Validation:
                 world,
                 prepared,
                 self.request,
-                self.selected.label,
+                self.label,
                 run=self.run_task,
                 behavior_plan=self._behavior_plan(prepared),
                 progress=progress,

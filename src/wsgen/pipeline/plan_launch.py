@@ -104,7 +104,7 @@ def _with_sources_named(
     diagnostics = plan.diagnostics
     for package in find_packages(workspace):
         if package.name == plan.package:
-            diagnostics = tuple(name_sources(diagnostics, share, package.path))
+            diagnostics = tuple(name_sources(diagnostics, {share: package.path}))
     return replace(plan, diagnostics=diagnostics)
 
 

@@ -108,9 +108,10 @@ class SelectedPackage:
     launch_file: Path | None = None
     problem: Diagnostic | None = None
     started: Started | None = None  # by the launch file, if it has been evaluated
-    label: str = ""  # of pictures and progress; no other one of a run has it
+    label: str = ""  # of pictures and progress, if that is not the name
     is_first: bool = True  # of those with this package
     elsewhere: frozenset[str] = frozenset()  # entities that its other launch files spawn
+    workspace: Mapping[Path, Path] = field(default_factory=dict)  # share folder -> source, of all
 
 
 class Selection(NamedTuple):
@@ -147,8 +148,10 @@ def select_packages(
         _check_name(name, sources)
         require_share(overlay, workspace, name)
     names = tuple(dict.fromkeys(request.packages)) or tuple(sources)
+    shares = {share: path for name, path in sources.items() if (share := overlay.share(name))}
     if request.launch_file is not None:
-        return Selection(_select_by_launch_file(names, sources, overlay, request))
+        by_name = _select_by_launch_file(names, sources, overlay, request)
+        return Selection(tuple(_with_labels(by_name, shares)))
     packages = {name: _list_files(name, sources.get(name), overlay.share(name)) for name in names}
 
     def evaluate(launch_file: LaunchFile, run: Run) -> Started:
@@ -186,7 +189,7 @@ def select_packages(
     order = {name: number for number, name in enumerate(names)}
     selected.sort(key=lambda one: order[one.name])
     return Selection(
-        tuple(_with_labels(selected)),
+        tuple(_with_labels(selected, shares)),
         tuple(_not_validated(packages, choice, {one.name for one in selected})),
     )
 
@@ -204,7 +207,7 @@ def _check_name(name: str, sources: Mapping[str, Path]) -> None:
 
 def _select_by_launch_file(
     names: Sequence[str], sources: Mapping[str, Path], overlay: Overlay, request: ValidateRequest
-) -> tuple[SelectedPackage, ...]:
+) -> list[SelectedPackage]:
     """The packages that install the launch file of the request; each that is named must."""
     wanted = request.launch_file or ""
     selected = []
@@ -214,7 +217,7 @@ def _select_by_launch_file(
         if file is not None:
             source = sources.get(name)
             selected.append(
-                SelectedPackage(name=name, source=source, share=share, launch_file=file, label=name)
+                SelectedPackage(name=name, source=source, share=share, launch_file=file)
             )
         elif share is not None and (request.packages or len(names) == 1):
             raise no_such_launch_file(name, wanted, find_launch_files(share))
@@ -223,7 +226,7 @@ def _select_by_launch_file(
             f"No package of the workspace installs a launch file {wanted}.",
             hint="`wsgen validate` without --launch lists the launch files that spawn robots.",
         )
-    return tuple(selected)
+    return selected
 
 
 def _list_files(name: str, source: Path | None, share: Path | None) -> PackageFiles:
@@ -262,7 +265,9 @@ def _with_problem(candidate: Candidate, package: PackageFiles) -> SelectedPackag
     return SelectedPackage(name=package.name, source=source, share=share, problem=problem)
 
 
-def _with_labels(selected: Sequence[SelectedPackage]) -> Iterator[SelectedPackage]:
+def _with_labels(
+    selected: Sequence[SelectedPackage], shares: Mapping[Path, Path]
+) -> Iterator[SelectedPackage]:
     """Each with its package as the label, or with package and launch file where it has several."""
     counts = Counter(one.name for one in selected)
     used: set[str] = set()
@@ -277,7 +282,7 @@ def _with_labels(selected: Sequence[SelectedPackage]) -> Iterator[SelectedPackag
             number += 1
             label = f"{wanted}-{number}"
         used.add(label)
-        yield replace(one, label=label)
+        yield replace(one, label=label, workspace=shares)
 
 
 def _not_validated(

@@ -177,7 +177,6 @@ def _simulate(source: Path, overlay: Overlay, run: Run) -> Iterator[Diagnostic]:
             share=share,
             launch_file=file,
             started=started,
-            label=PACKAGE,
         )
         if started.has_spawner or not started.is_evaluated:
             yield from Validation(selected, overlay, request, None, run).run().diagnostics
