@@ -187,7 +187,11 @@ def test_the_documentation_lists_every_key() -> None:
 
 BUILD = BuildResult(
     succeeded=True,
-    packages=(PackageResult(name="p", outcome="built", seconds=1.23456),),
+    packages=(
+        PackageResult(
+            name="p", outcome="built", seconds=1.23456, left_out=("driver",), needs=("rclcpp",)
+        ),
+    ),
     seconds=2.0,
     diagnostics=(DIAGNOSTIC,),
     log_folder=Path("/ws/log"),
@@ -200,7 +204,13 @@ def test_every_key_of_a_build() -> None:
         "version": 1,
         "passed": True,
         "packages": [
-            {"package": "p", "state": "built", "seconds": 1.2346, "left_out": [], "needs": []}
+            {
+                "package": "p",
+                "state": "built",
+                "seconds": 1.2346,
+                "left_out": ["driver"],
+                "needs": ["rclcpp"],
+            }
         ],
         "diagnostics": [
             {
