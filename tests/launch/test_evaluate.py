@@ -586,3 +586,17 @@ def test_a_parameter_file_is_parsed_once(space: InstallSpace) -> None:
     )
     assert not plan.diagnostics
     assert plan.processes[-1].command == ("1",)
+
+
+def test_a_parameter_file_without_sections(space: InstallSpace) -> None:
+    share = space.add("my_robot", {"p.yaml": "a: 1\nb: {c: 2}\n"})
+    plan = space.play(
+        "ComposableNodeContainer(name='box', namespace='', package='rclcpp_components', "
+        f"executable='component_container', parameters=['{share}/p.yaml'], "
+        "composable_node_descriptions=[ComposableNode(package='p_a', plugin='p_a::N', "
+        f"parameters=['{share}/p.yaml'])])",
+        before="from launch_ros.descriptions import ComposableNode",
+    )
+    container, node = plan.processes
+    assert container.parameters == {}
+    assert node.parameters == {"a": 1, "b.c": 2}

@@ -163,6 +163,7 @@ def evaluate_parameters(
     *,
     node: str,
     location: Location | None,
+    in_container: bool = False,
 ) -> dict[str, Any]:
     """The parameters that the node has, in the order in which they are given, as JSON values."""
     evaluated: dict[str, Any] = {}
@@ -171,7 +172,9 @@ def evaluate_parameters(
             name, value = parameter.evaluate(context)
             evaluated[name] = _as_json(value)
         elif isinstance(parameter, ParameterFile):
-            evaluated.update(read(context, parameter, node=node, location=location))
+            evaluated.update(
+                read(context, parameter, node=node, location=location, in_container=in_container)
+            )
         else:
             for name_parts, value in parameter:
                 name = perform_substitutions(context, name_parts)
@@ -362,7 +365,13 @@ def note_composable_node(
             namespace=namespace or "",
             parameters={
                 **global_parameters(context, node=full_name, location=location),
-                **evaluate_parameters(context, node.parameters, node=full_name, location=location),
+                **evaluate_parameters(
+                    context,
+                    node.parameters,
+                    node=full_name,
+                    location=location,
+                    in_container=True,
+                ),
             },
             remappings=tuple(perform_remap_rules(context, node.remappings)),
             container=container,
@@ -380,8 +389,13 @@ def read(
     *,
     node: str,
     location: tuple[str, int] | None,
+    in_container: bool = False,
 ) -> dict[str, Any]:
-    """What a file says for a node, given by its full name; nothing where the file is missing."""
+    """What a file says for a node, given by its full name; nothing where the file is missing.
+
+    For a node that is loaded `in_container`, launch itself reads the file, and takes one without
+    sections for parameters.
+    """
     path = parameter_file.evaluate(context)
     if RECORD.is_unknown(str(path)):
         return {}
@@ -405,9 +419,12 @@ def read(
         RECORD.note_unresolved(str(path), f"it is not YAML: {error}", location)
         return {}
     found: dict[str, Any] = {}
-    for name, values in _sections(content, ""):
+    sections = list(_sections(content, ""))
+    for name, values in sections:
         if _is_meant(name, node):
             found.update(_flatten(values, ""))
+    if in_container and not sections and isinstance(content, dict):
+        return _flatten(content, "")
     return found
 
 
