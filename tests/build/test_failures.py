@@ -93,10 +93,6 @@ CMAKE_CASES = {
         CMAKE.replace("${PROJECT_NAME}\n)", "${PROJECT_NAME}\n"),
         ("BLD011", 4, 'missing ending ")"', "not closed"),
     ),
-    "asks for a CMake of old": (
-        CMAKE.replace("3.20", "2.8"),
-        ("BLD012", 1, "cmake_minimum_required", "VERSION 3.20"),
-    ),
     "asks for no CMake": (
         CMAKE.replace("cmake_minimum_required(VERSION 3.20)\n", ""),
         ("BLD031", 1, "does not call cmake_minimum_required()", "(VERSION 3.8...3.31)"),
@@ -155,6 +151,15 @@ def test_cmake_file(case: str, tmp_path: Path) -> None:
         event.text for event in events if isinstance(event, OutputLine) and event.is_error_stream
     ]
     assert tuple(said) == result.packages[0].error_output != ()
+
+
+def test_a_cmake_of_old_is_asked_for(tmp_path: Path) -> None:
+    write_package(tmp_path, cmake=CMAKE.replace("3.20", "2.8"))
+    environment = {**outside(), "CMAKE_POLICY_VERSION_MINIMUM": "2.8"}
+    diagnostic = only(build_here(tmp_path, environment=environment))
+    assert (diagnostic.code, diagnostic.line) == ("BLD012", 1)
+    assert "VERSION 3.20" in (diagnostic.hint or "")
+    assert build_here(tmp_path).succeeded
 
 
 def test_a_project_inside_that_asks_for_no_cmake(tmp_path: Path) -> None:

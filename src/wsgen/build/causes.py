@@ -560,8 +560,8 @@ def _where_to_get(name: str, failure: Failure) -> str:
     released = released_packages()
     known = {*failure.siblings, *released, *cmake_packages()}
     if name not in known:
-        near = nearest(name, {*failure.siblings, *USUAL_PACKAGES}, cutoff=0.75)
-        near = near or nearest(name, known, cutoff=0.9)  # thousands of names
+        usual = {*failure.siblings, *USUAL_PACKAGES, *cmake_packages()}
+        near = nearest(name, usual, cutoff=0.75) or nearest(name, known, cutoff=0.9)
         if near is not None:
             return did_you_mean(near)
     without = "remove the line if the package does not compile against it"

@@ -25,6 +25,7 @@ from wsgen.build.source_packages import (
 )
 from wsgen.build.toolchain import SourcedRos, find_toolchain, package_prefixes
 from wsgen.build.without_ros import (
+    OLD_PACKAGES,
     add_left_out,
     configure_again,
     report_left_out,
@@ -245,7 +246,7 @@ def _run(
     cmake_arguments: tuple[str, ...] = (WITHOUT_TESTS,) if missing else ()
     is_without_ros = not isinstance(toolchain, SourcedRos)
     if is_without_ros and any(one.build_type == "ament_cmake" for one in job.inventory.packages):
-        variables |= without_ros_variables()
+        variables = {**OLD_PACKAGES, **variables, **without_ros_variables()}
         cmake_arguments += without_ros_arguments(variables, job.colcon_arguments)
         configure_again((job.workspace.build / name for name in siblings), prefixes, siblings)
 

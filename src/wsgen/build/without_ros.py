@@ -45,6 +45,8 @@ OPTION = "CMAKE_PROJECT_TOP_LEVEL_INCLUDES"  # of CMake 3.24; older ones do not 
 LEFT_OUT = "wsgen_left_out.txt"  # in the build folder of a package; wsgen.launch looks for it
 LAST_ARGUMENTS = "cmake_args.last"  # colcon configures again without this file
 COMPILERS = ("c++", "CC", "g++", "clang++")  # the names CMake looks for
+# For CMake 4, which refuses cmake_minimum_required(VERSION 2.8); that of Ubuntu 24.04 does not.
+OLD_PACKAGES = {"CMAKE_POLICY_VERSION_MINIMUM": "3.5"}
 MOST_LISTED = 6  # names of targets in a message
 
 

@@ -1,0 +1,201 @@
+"""Builds that go on where a package of ROS, a compiler or a failed package is missing."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING
+
+import pytest
+
+from build.building import (
+    CMAKE,
+    PACKAGE_XML,
+    SHELL_PROGRAMS,
+    build_here,
+    cache_entry,
+    link_programs,
+    outside,
+    write_package,
+)
+from wsgen.build.without_ros import LAST_ARGUMENTS, LEFT_OUT, configure_again
+from wsgen.diagnostics import Severity
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from wsgen.build.run import BuildResult
+
+pytestmark = pytest.mark.slow
+
+NODE = CMAKE.replace("LANGUAGES NONE", "LANGUAGES CXX").replace(
+    "install(",
+    "find_package(rclcpp REQUIRED)\n"
+    "add_executable(node node.cpp)\n"
+    "@link@\n"
+    "install(TARGETS node DESTINATION lib/${PROJECT_NAME})\n"
+    "install(",
+)
+PLAIN = "int main() {return 0;}\n"
+
+
+def write_node(root: Path, link: str = "", source: str = PLAIN) -> None:
+    folder = write_package(root, cmake=NODE.replace("@link@", link))
+    (folder / "node.cpp").write_text(source)
+
+
+def left_out(result: BuildResult) -> tuple[str, ...]:
+    assert result.succeeded, result.diagnostics
+    (package,) = result.packages
+    return package.left_out
+
+
+@pytest.mark.parametrize(
+    "link",
+    [
+        "ament_target_dependencies(node rclcpp)",
+        "target_link_libraries(node rclcpp::rclcpp)",
+        "target_link_libraries(node PRIVATE ${rclcpp_LIBRARIES})",
+        "target_link_libraries(node PRIVATE $<BUILD_INTERFACE:rclcpp::rclcpp>)",
+        "target_include_directories(node PRIVATE ${rclcpp_INCLUDE_DIRS})",
+        (
+            "add_library(own INTERFACE)\n"
+            "target_link_libraries(own INTERFACE rclcpp::rclcpp)\n"
+            "target_link_libraries(node own)"
+        ),
+        "find_library(THEIRS NAMES nobody_has_it REQUIRED)\ntarget_link_libraries(node ${THEIRS})",
+    ],
+)
+def test_a_target_that_names_what_is_missing_is_left_out(link: str, tmp_path: Path) -> None:
+    write_node(tmp_path, link)
+    result = build_here(tmp_path)
+    assert "node" in left_out(result)
+    (note,) = result.diagnostics
+    assert (note.code, note.severity) == ("BLD032", Severity.INFO)
+    assert "needs rclcpp" in note.message
+    assert (tmp_path / "install/demo/share/demo/launch/demo.launch.py").is_file()
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "#include <rclcpp/rclcpp.hpp>\n",
+        '#include "own.hpp"\n',
+        '#  include "nowhere.hpp"\n',
+    ],
+)
+def test_a_target_that_includes_what_is_missing_is_left_out(source: str, tmp_path: Path) -> None:
+    write_node(tmp_path, source=source + PLAIN)
+    (tmp_path / "src/demo/own.hpp").write_text("#include <rclcpp/node.hpp>\n")
+    assert left_out(build_here(tmp_path)) == ("node",)
+
+
+def test_a_target_that_needs_nothing_of_it_is_compiled(tmp_path: Path) -> None:
+    write_node(tmp_path, source=f"#include <vector>\n{PLAIN}")
+    assert left_out(build_here(tmp_path)) == ()
+    assert (tmp_path / "install/demo/lib/demo/node").is_file()
+
+
+@pytest.mark.parametrize(
+    ("name", "meant"),
+    [("rclpcp", "rclcpp"), ("gz-sin8", "gz-sim8"), ("hardware_interfaces", "hardware_interface")],
+)
+def test_a_name_that_nobody_knows_is_an_error(name: str, meant: str, tmp_path: Path) -> None:
+    asking = f"find_package(std_msgs REQUIRED)\nfind_package({name} REQUIRED)\ninstall("
+    write_package(tmp_path, cmake=CMAKE.replace("install(", asking))
+    (error,) = build_here(tmp_path).diagnostics
+    assert (error.code, error.line) == ("BLD008", 5)
+    assert error.hint == f"Did you mean `{meant}`?"
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["ament_cmake_ros", "ignition-cmake2", "gz-sim8", "gz_gui_vendor", "Eigen3", "BZip2", "PCL"],
+)
+def test_a_name_that_ros_and_gazebo_know_is_none(name: str, tmp_path: Path) -> None:
+    asking = f"find_package({name} REQUIRED)\ninstall("
+    write_package(tmp_path, cmake=CMAKE.replace("install(", asking))
+    assert left_out(build_here(tmp_path)) == ()
+
+
+def test_with_a_sourced_ros_nothing_is_left_out(tmp_path: Path) -> None:
+    write_node(tmp_path)
+    (error,) = build_here(
+        tmp_path, environment={**outside(), "AMENT_PREFIX_PATH": sys.prefix}
+    ).diagnostics
+    assert (error.code, error.severity) == ("BLD008", Severity.ERROR)
+    assert "find_package(rclcpp)" in error.message
+
+
+def test_a_command_of_a_missing_package_does_nothing(tmp_path: Path) -> None:
+    asking = "find_package(nav2_common REQUIRED)\nnav2_package()\ninstall("
+    write_package(tmp_path, cmake=CMAKE.replace("install(", asking))
+    assert left_out(build_here(tmp_path)) == ("nav2_package()",)
+
+
+def test_a_misspelled_command_is_an_error_beside_a_missing_package(tmp_path: Path) -> None:
+    asking = "find_package(nav2_common REQUIRED)\ninstall("
+    cmake = CMAKE.replace("install(", asking).replace("ament_package", "ament_pakage")
+    write_package(tmp_path, cmake=cmake)
+    (error,) = build_here(tmp_path).diagnostics
+    assert error.code == "BLD027"
+    assert "ament_package" in (error.hint or "")
+
+
+def test_what_depends_on_a_failed_package_is_built(tmp_path: Path) -> None:
+    write_package(tmp_path, "broken", cmake=CMAKE.replace("launch model", "launch nothing"))
+    depends = PACKAGE_XML.replace("  <export>", "  <depend>broken</depend>\n  <export>")
+    asking = CMAKE.replace("install(", "find_package(broken REQUIRED)\ninstall(")
+    write_package(tmp_path, "second", package_xml=depends, cmake=asking)
+    third = depends.replace("broken", "second")
+    write_package(tmp_path, "third", package_xml=third)
+    result = build_here(tmp_path)
+    assert not result.succeeded
+    assert {one.name: one.outcome for one in result.packages} == {
+        "broken": "failed",
+        "second": "built",
+        "third": "built",
+    }
+    (error,) = result.diagnostics
+    assert (error.code, error.element) == ("BLD003", "broken")
+    assert (tmp_path / "install/second/share/second/launch").is_dir()
+
+
+def test_without_a_compiler_files_are_installed(tmp_path: Path) -> None:
+    write_node(tmp_path)
+    path = link_programs(tmp_path / "programs", *SHELL_PROGRAMS)
+    result = build_here(tmp_path, environment={**outside(), "PATH": str(path)})
+    assert left_out(result) == ("node",)
+    assert "a C++ compiler" in result.packages[0].needs
+    assert (tmp_path / "install/demo/share/demo/model/robot.xacro").is_file()
+
+
+def test_a_compiler_that_was_installed_later_is_used(tmp_path: Path) -> None:
+    write_node(tmp_path)
+    path = link_programs(tmp_path / "programs", *SHELL_PROGRAMS)
+    build_here(tmp_path, environment={**outside(), "PATH": str(path)})
+    assert left_out(build_here(tmp_path)) == ()
+    assert (tmp_path / "install/demo/lib/demo/node").is_file()
+
+
+def test_a_package_is_configured_again_once_it_can_be_compiled(tmp_path: Path) -> None:
+    folder = tmp_path / "build" / "demo"
+    folder.mkdir(parents=True)
+    (folder / LEFT_OUT).write_text("missing rclcpp\ntarget node\n")
+    arguments = folder / LAST_ARGUMENTS
+    arguments.write_text("[]")
+    prefix = tmp_path / "prefix"
+    configure_again([folder], [prefix], ())
+    assert arguments.exists()
+    (prefix / "share/rclcpp/cmake").mkdir(parents=True)
+    (prefix / "share/rclcpp/cmake/rclcppConfig.cmake").touch()
+    configure_again([folder], [prefix], ())
+    assert not arguments.exists()
+
+
+def test_who_includes_a_file_in_this_way_gets_no_other(tmp_path: Path) -> None:
+    mine = tmp_path / "mine.cmake"
+    mine.write_text("")
+    write_package(tmp_path)
+    option = f"-DCMAKE_PROJECT_TOP_LEVEL_INCLUDES={mine}"
+    assert build_here(tmp_path, colcon_arguments=("--cmake-args", option)).succeeded
+    assert cache_entry(tmp_path, "CMAKE_PROJECT_TOP_LEVEL_INCLUDES") == str(mine)
