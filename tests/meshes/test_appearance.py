@@ -19,7 +19,8 @@ from child_answers import answered
 from wsgen.diagnostics import Severity
 from wsgen.isolation.fork_server import ForkServer
 from wsgen.meshes import worker
-from wsgen.meshes.appearance import MATERIALS, Textures
+from wsgen.meshes.appearance import MATERIALS, Drawn, Textures, reduce_patches
+from wsgen.meshes.content import Patch
 from wsgen.meshes.inspection import inspect_meshes
 from wsgen.meshes.requests import InspectedMesh, MeshRequest, Showing
 from wsgen.meshes.stl import write_stl
@@ -614,3 +615,24 @@ def test_what_has_no_normals_is_not_black(tmp_path: Path, *, with_colors: bool) 
         model, file=None, folder=tmp_path, run=in_this_process, with_colors=with_colors
     )
     assert seen_from_above(changed.links[0].visuals[0])[0] == [255, 0, 0]
+
+
+def test_a_small_patch_beside_a_large_one_keeps_its_shape() -> None:
+    rng = np.random.default_rng(0)
+    places = rng.uniform(-5, 5, (120_000, 1, 3)) + rng.uniform(-0.1, 0.1, (120_000, 3, 3))
+    angles = np.linspace(0, 2 * np.pi, 31)[:-1]
+    ring = np.stack([np.cos(angles), np.sin(angles), np.zeros(30)], axis=-1) * 0.004
+    rings = ring + np.array([0, 0, 1]) * np.linspace(0, 0.2, 30)[:, None, None]  # a thin rod
+    a, b = rings[:-1], np.roll(rings[:-1], -1, axis=1)
+    c, d = np.roll(rings[1:], -1, axis=1), rings[1:]
+    rod = np.concatenate(
+        [np.stack(part, axis=2).reshape(-1, 3, 3) for part in ([a, b, c], [a, c, d])]
+    )
+    dot = np.zeros((600, 3, 3))  # has no area at all
+    large, small, flat = reduce_patches(
+        [Drawn(Patch(corners), 1, 1.0) for corners in (places, rod, dot)]
+    )
+    assert 1_000 < len(large.corners) < 100_000
+    assert 500 <= len(small.corners) <= len(rod)
+    assert np.ptp(small.corners[..., 2]) == pytest.approx(0.2, abs=0.02)
+    assert len(flat.corners) > 0

@@ -33,7 +33,8 @@ if TYPE_CHECKING:
 
 # To write and load a million, and to draw them twice, takes 5 s.
 BUDGET = 100_000  # triangles of a robot; a picture of 960 by 720 shows no more
-FEW = 500  # a patch with no more is left as it is
+FEW = 500  # a patch with no more is left as it is, and none is left with less
+HALVINGS = 12  # of a cell that is too large for a small patch
 SAMPLE = 4_000  # triangles of a patch that say how many of all will be left
 FINEST = 1 / 2000  # of the largest patch: no cell is smaller
 GROWTH = 1.25  # from one size of the cells to the next
@@ -52,8 +53,9 @@ def reduce_patches(drawn: Sequence[Drawn], budget: int = BUDGET) -> list[Patch]:
     """The patches, with no more triangles than a robot may have.
 
     The corners that lie in one cell of a grid become one, and what has no area then is left out.
-    The cells are equally large in all patches, so that the robot is equally fine all over. Normals
-    and texture points stay those of the corner.
+    The cells are equally large in all patches, so that the robot is equally fine all over, and
+    smaller only where little of a patch would be left: a small or thin one does not vanish.
+    Normals and texture points stay those of the corner.
     """
     if sum(len(one.patch.corners) * one.times for one in drawn) <= budget:
         return [one.patch for one in drawn]
@@ -88,14 +90,19 @@ def _share_left(corners: NDArray[Any], cell: float) -> float:
 def _clustered(patch: Patch, cell: float) -> Patch:
     if len(patch.corners) <= FEW:
         return patch
-    cells = _cells(patch.corners, cell)
-    left = np.flatnonzero(_is_left(cells))
+    for halving in range(HALVINGS):
+        cells = _cells(patch.corners, cell / 2**halving)
+        left = np.flatnonzero(_is_left(cells))
+        if len(left) >= FEW:
+            break
     before = patch.corners[left]
     _, first, places = np.unique(cells[left].ravel(), return_index=True, return_inverse=True)
     corners = before.reshape(-1, 3)[first][places].reshape(-1, 3, 3)
     flat = flat_normals(before)
     # What has been turned over is a fold, and is not seen from the side that the surface is.
     is_upright = np.einsum("ij,ij->i", flat, flat_normals(corners)) > 0
+    if not is_upright.any():  # no triangle has an area
+        return patch
     left, flat = left[is_upright], flat[is_upright]
     points = patch.texture_points
     return patch._replace(
