@@ -63,6 +63,18 @@ def test_the_text_of_a_file_is_read_like_the_file(tmp_path: Path) -> None:
     assert {found.code for found in read(text).diagnostics} == {"ROB061", "WLD004"}
 
 
+def test_a_spawned_text_may_only_include_a_model(tmp_path: Path) -> None:
+    """Gazebo's parser makes a root model of it."""
+    (tmp_path / "model.sdf").write_text(sdf(MODEL.format("")))
+    text = sdf("<include><uri>model://m</uri><name>n</name></include>")
+    file = read_model(
+        text, file=None, find_model=lambda _: tmp_path, pose_in_world=Pose((0, 7, 0), (0, 0, 0))
+    )
+    assert file.diagnostics == ()
+    (model,) = file.models
+    assert (model.name, model.pose_in_world.xyz) == ("n", (0, 7, 1))
+
+
 @pytest.mark.parametrize(
     ("content", "code", "severity"),
     [
@@ -71,6 +83,7 @@ def test_the_text_of_a_file_is_read_like_the_file(tmp_path: Path) -> None:
         (b"\xff\xfe\xfd", "ROB057", Severity.ERROR),
         ("<robot name='r'/>", "WLD003", Severity.ERROR),
         (sdf(""), "WLD003", Severity.ERROR),
+        (sdf("<include><uri>model://m</uri></include>"), "WLD004", Severity.WARNING),
         (sdf(f'<world name="w">{MODEL.format("")}</world>'), "WLD043", Severity.ERROR),
         (sdf('<light name="l" type="point"/>'), "WLD060", Severity.INFO),
         (sdf(MODEL.format("") * 2), "WLD038", Severity.ERROR),

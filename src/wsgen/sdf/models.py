@@ -128,9 +128,10 @@ class Contents:
         return scope
 
     def alone(self, source: Source, element: Element) -> Scope:
-        """The place of a single model, with the model in it."""
+        """The place of a single model, with the model in it; `element` may be its include."""
         scope = Scope("", source=source, element=source.root)
-        self._add(scope, element, _start(source))
+        add = self._include if element.tag == "include" else self._add
+        add(scope, element, _start(source))
         return scope
 
     def _fill(self, scope: Scope, trail: Trail) -> None:
@@ -490,8 +491,9 @@ def _read_spawned(source: Source, includes: Includes, pose: Pose | None) -> SdfF
 
 
 def _selected(source: Source) -> Element | None:
-    """The world or model that is read; a missing one, or several, are reported."""
-    found = list(children(source.root, "world", "model")) if source.root.tag == "sdf" else []
+    """The world, model or include that is read; a missing one, or several, are reported."""
+    kinds = ("world", "model", "include")
+    found = list(children(source.root, *kinds)) if source.root.tag == "sdf" else []
     if not found:
         source.report_missing(
             NO_WORLD,
