@@ -172,7 +172,6 @@ REFUSED = {
     "biped2d_pybullet": {"ROB016"},
     "cartpole": {"ROB040"},
     "humanoid": {"ROB015", "ROB024"},
-    "husky": {"ROB017"},
     "kuka_iiwa": {"ROB040"},
     "mini_cheetah": {"ROB037"},
     "plane": {"ROB040"},

@@ -26,7 +26,6 @@ WHY = {
     "ROB005": "the robot has no link",
     "ROB015": "URDF does not have this joint type",
     "ROB016": "Gazebo's parser refuses the number, or drops the element",
-    "ROB017": "xacro was not expanded; PyBullet reads 0",
     "ROB024": "Gazebo does not know this shape in a URDF",
     "ROB028": "the physics engine of Gazebo crashes on a collision mesh with a mirroring scale",
     "ROB037": "Gazebo refuses the inertia (Error 18)",
