@@ -9,6 +9,7 @@ from contextlib import ExitStack, suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from wsgen.alike import summed_up
 from wsgen.errors import NotFoundError, NotReadableError, RequestError
 from wsgen.events import OneAtATime
 from wsgen.files import irregular_kind
@@ -86,7 +87,11 @@ def validate(
                 lambda run: [one.run for one in subjects(run)], request.jobs, serial, ended
             )
         outcomes = _without_used_elsewhere(ended, request)
-        return Outcome(packages=_with_not_built(outcomes, overlay), not_validated=not_validated)
+        outcomes = tuple(
+            replace(outcome, diagnostics=summed_up(outcome.diagnostics))
+            for outcome in _with_not_built(outcomes, overlay)
+        )
+        return Outcome(packages=outcomes, not_validated=not_validated)
 
 
 def _with_not_built(

@@ -254,7 +254,7 @@ class Includes:
             self._misspelled_ground = len(self._diagnostics)
         source.report(
             MODEL_LEFT_OUT,
-            f"The model {uri} is not part of the simulation: {why}.",
+            f"The model `{uri}` is not part of the simulation: {why}.",
             at=include,
             hint=did_you_mean(f"model://{near}") if near else how_to_find(uri),
             # The models of a world may be where wsgen does not look.

@@ -1,0 +1,81 @@
+"""Diagnostics that differ only in what they name."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from wsgen.alike import summed_up
+from wsgen.diagnostics import Diagnostic, Rule, Severity
+
+RULE = Rule(
+    code="ROB999",
+    name="rule",
+    severity=Severity.WARNING,
+    severity_varies="yes",
+    summary="",
+    why="",
+    example="",
+    instead="",
+)
+
+
+def of_link(name: str, line: int, *, problem: str = "is cut short", hint: str = "") -> Diagnostic:
+    return RULE.at(
+        Path("r.urdf"),
+        line,
+        f"link[@name='{name}']",
+        message=f"The mesh `{name}.stl` {problem} (/meshes/{name}.stl).",
+        hint=hint or f"Export `{name}.stl` again.",
+    )
+
+
+def test_many_are_one_that_names_the_others() -> None:
+    other = of_link("a", 1, problem="is empty")
+    (first, second) = summed_up([*(of_link(name, 2) for name in "abcdef"), other])
+    assert first.message == (
+        "The mesh `a.stl` is cut short (/meshes/a.stl). The same holds for `b.stl` (line 2), "
+        "`c.stl` (line 2), `d.stl` (line 2) and 2 more."
+    )
+    assert (first.line, first.element) == (2, "link[@name='a']")
+    assert second == other
+
+
+@pytest.mark.parametrize(
+    "found",
+    [
+        [of_link("a", 1), of_link("b", 2)],
+        [
+            of_link(name, 1, hint=f"Write {inertia}.")
+            for name, inertia in zip("abc", "123", strict=True)
+        ],
+        [
+            RULE.at(None, message="It fails.", severity=severity)
+            for severity in (Severity.ERROR, Severity.WARNING, Severity.INFO)
+        ],
+    ],
+)
+def test_two_and_those_that_need_something_else_stay(found: list[Diagnostic]) -> None:
+    assert summed_up(found) == tuple(found)
+
+
+def test_the_same_words_are_said_once() -> None:
+    assert summed_up([of_link("a", 1)] * 5) == (of_link("a", 1),)
+
+
+@pytest.mark.parametrize(
+    ("elements", "lines", "told"),
+    [
+        (["m", "n", "o"], [None] * 3, "`n`, `o`"),
+        (["/w[@name='w']/m[@name='m']", "/w[@name='w']/m[@name='n']/l"] * 2, [None] * 4, "`n`"),
+        (["m"] * 3, [1, 2, 3], "line 2, line 3"),
+    ],
+)
+def test_what_tells_them_apart(elements: list[str], lines: list[int | None], told: str) -> None:
+    found = [
+        RULE.at(None, line, element, message=f"It sinks by {number} m.")
+        for number, (element, line) in enumerate(zip(elements, lines, strict=True))
+    ]
+    (one,) = summed_up(found)
+    assert one.message == f"It sinks by 0 m. The same holds for {told}."
