@@ -183,6 +183,10 @@ def test_scenery_that_falls_for_what_is_told_of_it_stays_a_warning() -> None:
     (cause,) = outcome.diagnostics_after([NOTHING_TO_TOUCH])
     assert cause.severity is Severity.WARNING
     assert "falls" in cause.message
+    silent = [replace(ball, diagnostics=()), prepared("a")]
+    outcome = simulate_robots(WORLD, silent, ValidateRequest(), "name", run=Falling("ball"))
+    (fall,) = outcome.diagnostics
+    assert fall.message.startswith("The model `ball` falls")
     assert [robot.passed for robot in outcome.robots] == [True]
 
 

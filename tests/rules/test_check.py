@@ -100,6 +100,21 @@ def test_out_of_another_body_is_not_into_the_air() -> None:
     assert codes(replace(robot_run, highest_point=1.5)) == ["SPN063", "SPN057"]
 
 
+def test_what_follows_from_an_overlap_is_not_said_of_the_robot() -> None:
+    robot_run = replace(
+        STANDS,
+        overlaps=(IN_ANOTHER,),
+        tilt=1.0,
+        settled_after=None,
+        speed=1.0,
+        lowest_point_at_end=-0.1,
+        energy_gain=99.0,
+    )
+    assert codes(robot_run) == ["SPN063"]
+    shallow = replace(robot_run, overlaps=(replace(IN_ANOTHER, depth=0.01),), energy_gain=0.0)
+    assert codes(shallow) == ["SPN063", "SPN055", "SPN059"]
+
+
 def test_energy_is_measured_in_the_gravity_of_the_world() -> None:
     robot_run = replace(STANDS, energy_gain=1.5)
     assert codes(robot_run) == ["SPN061"]

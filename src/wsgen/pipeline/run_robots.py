@@ -210,7 +210,7 @@ def _check(
             )
         )
         if robot.is_static_model:
-            checked = tuple(map(_soften, checked))
+            checked = tuple(_about_model(one, robot.entity) for one in checked)
         elif robot.may_move:
             checked = tuple(_soften(one) if one.code in MOVES else one for one in checked)
         elif behavior_plan is not None:
@@ -242,6 +242,12 @@ def _soften(diagnostic: Diagnostic) -> Diagnostic:
     """A warning instead of an error: the robots that are validated do not fail for it."""
     is_error = diagnostic.severity is Severity.ERROR
     return replace(diagnostic, severity=Severity.WARNING) if is_error else diagnostic
+
+
+def _about_model(diagnostic: Diagnostic, entity: str) -> Diagnostic:
+    """What is said of a model of the world, which is no robot."""
+    message = diagnostic.message.replace("The robot", f"The model `{entity}`", 1)
+    return _soften(replace(diagnostic, message=message))
 
 
 def _others(

@@ -25,6 +25,11 @@ if TYPE_CHECKING:
 PASSIVE_TURNING = 0.1  # rad
 PASSIVE_SLIDING = 0.01  # m
 OVERSHOT = 1.5  # times the way to the limit that a joint is pushed to: so far a push carries it
+# What a robot does that the simulator pushes out of another one.
+FOLLOW_FROM_OVERLAP = {
+    rule.code
+    for rule in (runs.GAINS_ENERGY, runs.STUCK_IN_GROUND, runs.KEEPS_MOVING, runs.TIPS_OVER)
+}
 ON_THE_GROUND = 0.02  # m
 
 
@@ -88,10 +93,12 @@ def check_run(  # noqa: PLR0913  most have defaults
         fall = min(robot_run.lowest_point, robot_run.lowest_point - robot_run.lowest_point_at_end)
         found += runs.spawned_high(entity, fall, robot_run.spawn_pose.xyz[2], height)
     if robot_run.is_finite and not robot_run.is_cut_short:
-        is_pushed = any(overlap.other_entity is not None for overlap in robot_run.overlaps)
+        depths = [one.depth for one in robot_run.overlaps if one.other_entity is not None]
         motion = _check_motion(
-            robot, world, robot_run, is_alone=is_alone and not is_pushed, pushed=pushed
+            robot, world, robot_run, is_alone=is_alone and not depths, pushed=pushed
         )
+        if max(depths, default=0.0) > runs.SHALLOW:
+            motion = [one for one in motion if one.code not in FOLLOW_FROM_OVERLAP]
         if static_models and not _is_on_the_ground(world, robot_run):
             motion = [_as_on_a_slope(one) for one in motion]
         found += motion
