@@ -89,6 +89,13 @@ def test_a_target_that_includes_what_is_missing_is_left_out(source: str, tmp_pat
     assert left_out(build_here(tmp_path)) == ("node",)
 
 
+def test_a_left_out_target_may_have_a_name_that_cmake_takes_for_false(tmp_path: Path) -> None:
+    cmake = NODE.replace("@link@", "ament_target_dependencies(n rclcpp)")
+    folder = write_package(tmp_path, cmake=cmake.replace("e(node", "e(n").replace("S node", "S n"))
+    (folder / "node.cpp").write_text(PLAIN)
+    assert left_out(build_here(tmp_path)) == ("n",)
+
+
 def test_a_target_that_needs_nothing_of_it_is_compiled(tmp_path: Path) -> None:
     write_node(tmp_path, source=f"#include <vector>\n{PLAIN}")
     assert left_out(build_here(tmp_path)) == ()
