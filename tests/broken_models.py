@@ -142,7 +142,7 @@ MODELS = {
         robot(TWO + joint("j", "a", "b", '<origin xyz="1e16 0 0"/>')), "ROB056"
     ),
     "size of 1e308": broken(box("1e308 1 1"), "ROB056"),
-    "size of 0": broken(box("0 1 1"), "ROB028"),
+    "size of 0": odd(box("0 1 1"), "ROB028"),
     "size of -1": broken(box("1 -1 1"), "ROB028"),
     "size not a number": broken(box("nan 1 1"), "ROB016"),
     "scale of 0": broken(

@@ -187,7 +187,8 @@ ZERO_SIZE = Rule(
     code="ROB028",
     name="zero-size",
     severity=Severity.ERROR,
-    severity_varies="a warning for a `<visual>` of a URDF, and for the `<size>` of a plane",
+    severity_varies="a warning for a `<visual>` of a URDF, for the `<size>` of a plane, and for a "
+    "flat box, which most builds of Gazebo take",
     summary="A size or scale is not greater than 0.",
     what=(
         "Looks at lengths, radii and scales of shapes and meshes. A visual mesh may be "

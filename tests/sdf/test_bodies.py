@@ -254,7 +254,7 @@ ERROR, WARNING = Severity.ERROR, Severity.WARNING
             "WLD015",
             ERROR,
         ),
-        (f'{MASS}<visual name="c">{BOX.replace("1 1 1", "0 1 1")}</visual>', "ROB028", ERROR),
+        (f'{MASS}<visual name="c">{BOX.replace("1 1 1", "0 1 1")}</visual>', "ROB028", WARNING),
         (SIZED.format("sphere", -1), "ROB028", ERROR),
         (SIZED.format("cylinder", "1e300"), "WLD034", ERROR),
         (

@@ -244,6 +244,16 @@ def is_sized(source: Source, shape: Element, sizes: tuple[float, ...]) -> bool:
     """Whether a shape has a usable size in all directions; other shapes are reported."""
     if all(0 < size <= FARTHEST for size in sizes):
         return True
+    if shape.tag == "box" and min(sizes) == 0 and max(sizes) <= FARTHEST:
+        source.report(
+            ZERO_SIZE,
+            "A size of this box is 0: it is left out of the simulation.",
+            at=shape,
+            hint="Make it 1 mm thick: a Gazebo that is built with assertions, as Debian's is, "
+            "terminates on a flat box.",
+            severity=Severity.WARNING,
+        )
+        return False
     source.report(
         _size_rule(sizes),
         f"A size of this {shape.tag} is not between 0 and {FARTHEST:g} m.",

@@ -338,7 +338,8 @@ def _read_shape(collector: Collector, shape: Element, path: str) -> Geometry | U
     if sizes is None:
         return Unusable.UNREADABLE
     if not all(size > 0 for size in sizes):
-        return _without_extent(collector, shape, path, "A size")
+        is_flat = shape.tag == "box" and min(sizes) == 0
+        return _without_extent(collector, shape, path, "A size", is_flat=is_flat)
     if shape.tag == "box":
         return Box(size=(sizes[0], sizes[1], sizes[2]))
     if shape.tag == "sphere":
@@ -368,13 +369,25 @@ def _read_mesh(collector: Collector, shape: Element, path: str) -> Mesh | Unusab
     return Mesh(uri=uri, scale=scale)
 
 
-def _without_extent(collector: Collector, shape: Element, path: str, what: str) -> Unusable:
+def _without_extent(
+    collector: Collector, shape: Element, path: str, what: str, *, is_flat: bool = False
+) -> Unusable:
     message = f"{what} of this {shape.tag} is not greater than 0"
     if _is_only_seen(path):
         collector.report(
             ZERO_SIZE,
             f"{message}: it is not visible.",
             hint="Remove the <visual>, or give every length, radius and scale a number of meters.",
+            at=shape,
+            path=path,
+            severity=Severity.WARNING,
+        )
+    elif is_flat:
+        collector.report(
+            ZERO_SIZE,
+            f"{message}: it is left out of the simulation.",
+            hint="Make it 1 mm thick: a Gazebo that is built with assertions, as Debian's is, "
+            "terminates on a flat box.",
             at=shape,
             path=path,
             severity=Severity.WARNING,
