@@ -434,6 +434,23 @@ def test_what_runs_for_ever_exits_last(space: InstallSpace) -> None:
     ]
 
 
+def test_an_event_in_the_place_of_an_action(space: InstallSpace) -> None:
+    plan = space.play(
+        "Node(package='rviz2', executable='rviz2',\non_exit=events.Shutdown()), "
+        "ExecuteProcess(cmd=['x'])",
+        before="from launch import events",
+    )
+    (found,) = plan.diagnostics
+    assert found.code == "LCH065"
+    assert found.severity is Severity.WARNING
+    assert "given Shutdown of launch.events, which is no action" in found.message
+    assert (found.hint or "").startswith("Import Shutdown from launch.actions, or write")
+    assert found.line is not None
+    assert "on_exit" in plan.launch_file.read_text().splitlines()[found.line - 1]
+    assert plan.is_complete
+    assert plan.processes[-1].command == ("x",)
+
+
 def test_causes(space: InstallSpace) -> None:
     plan = space.play(
         "spawn, RegisterEventHandler(OnProcessStart(target_action=spawn, on_start=[a])), "

@@ -5,6 +5,7 @@ In the child process this is imported only where there is something to report.
 
 from __future__ import annotations
 
+import ast
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -75,6 +76,17 @@ UNUSED_XACRO_ARGUMENT = Rule(
     instead="Command(['xacro ', path, ' length:=0.5'])",
 )
 
+NO_ACTION = Rule(
+    code="LCH065",
+    name="no-action-on-exit",
+    severity=Severity.WARNING,
+    summary="What `on_exit` is given is no action.",
+    why="When the process ends, `launch` stops everything with an AttributeError. "
+    "`launch.events.Shutdown` is an event; the action of that name is in `launch.actions`.",
+    example="from launch.events import Shutdown\n\nNode(..., on_exit=Shutdown())",
+    instead="from launch.actions import Shutdown\n\nNode(..., on_exit=Shutdown())",
+)
+
 
 def report_unused_arguments(
     launch_file: str, given: Sequence[str], of_includes: Sequence[tuple[str, Location, bool]]
@@ -126,6 +138,32 @@ def report_unused_xacro_arguments(
             argument["message"],
             argument["hint"],
         )
+
+
+def report_no_action(given: object, location: Location | None) -> None:
+    """Report what `on_exit` of a process is given and `launch` cannot execute."""
+    import launch.actions
+    from wsgen.launch.explain_missing import nodes_of
+
+    name = type(given).__name__
+    file, line = location or ("", 0)
+    lines = [
+        keyword.value.lineno
+        for node in nodes_of(file)
+        if isinstance(node, ast.Call) and node.lineno <= line <= (node.end_lineno or line)
+        for keyword in node.keywords
+        if keyword.arg == "on_exit"
+    ]
+    _report(
+        NO_ACTION,
+        (file, min(lines, default=line)) if location else None,
+        "on_exit",
+        f"`on_exit` is given {name} of {type(given).__module__.replace('._', '.')}, which is no "
+        "action: when the process ends, `launch` stops with an AttributeError.",
+        f"Import {name} from launch.actions, or write on_exit=[EmitEvent(event={name}())]."
+        if hasattr(launch.actions, name)
+        else "Give it an action, or a list of actions.",
+    )
 
 
 def report_description_as_yaml(location: Location | None) -> None:

@@ -48,10 +48,19 @@ class OnActionEventBase(BaseEventHandler):
         super().__init__(matcher=matches, **kwargs)
         self._on_event = on_event
         self._actions = [] if callable(on_event) else _entities(on_event)
+        self._location = caller() or RECORD.visited
 
     def handle(self, event: Event, context: LaunchContext) -> Any:
         """Give the actions, or what the function gives."""
         super().handle(event, context)
+        if isinstance(event, ProcessExited) and self._actions:
+            (first, *_) = self._actions
+            if not isinstance(first, LaunchDescriptionEntity):
+                # The launch fails when the process ends, and as long as it runs it does not.
+                from wsgen.launch.launch_warnings import report_no_action
+
+                report_no_action(first, self._location)
+                return None
         return self._actions or self._function()(event, context)
 
     def describe(self) -> tuple[str, list[LaunchDescriptionEntity]]:
