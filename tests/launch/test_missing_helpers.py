@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from wsgen.launch.package_lookup import LEFT_OUT
 from wsgen.source_shares import serve_sources
 
 if TYPE_CHECKING:
@@ -162,6 +163,17 @@ def test_a_program_that_is_not_compiled_here(space: InstallSpace, declared: str)
     if declared == "rclcpp":
         assert "driver of my_robot (line " in plan.diagnostics[-1].message
     assert [process.executable for process in plan.processes] == ["driver", "talkerr.py", None]
+
+
+def test_a_program_that_a_build_left_out(space: InstallSpace) -> None:
+    space.add("my_robot")
+    space.add_program("my_robot", "noisy_driver.py")
+    folder = space.prefix.parent / "build" / "my_robot"
+    folder.mkdir(parents=True)
+    (folder / LEFT_OUT).write_text("missing rclcpp\ntarget noisy_driver\n")
+    plan = space.play("Node(package='my_robot', executable='noisy_driver')")
+    assert codes(plan) == ["LCH046"]
+    assert codes(space.play("Node(package='my_robot', executable='noisy_drive')")) == ["LCH021"]
 
 
 def test_a_program_of_a_package_that_is_not_built(space: InstallSpace, tmp_path: Path) -> None:

@@ -228,6 +228,18 @@ def test_misspelled_executable(space: InstallSpace, package: str, program: str, 
     assert line_of(plan) == FIRST_LINE + 5
 
 
+def test_a_script_that_setuptools_installs_into_bin(space: InstallSpace) -> None:
+    space.add("other")
+    script = space.prefix / "bin" / "talker"
+    script.parent.mkdir()
+    script.touch()
+    plan = space.play("Node(package='other', executable='talker'), ExecuteProcess(cmd=['a'])")
+    message = only_message(plan, "LCH021")
+    assert "is installed into bin, and `launch` looks in lib/other" in message
+    assert "Write in setup.cfg of other: [install] install_scripts=$base/lib/other" in message
+    assert plan.processes[-1].command == ("a",)
+
+
 def test_a_program_of_ros_is_not_for_the_user_to_install(space: InstallSpace) -> None:
     plan = space.play("Node(package='gazebo_ros', executable='spawn_entiti.py')")
     assert "CMakeLists" not in only_message(plan, "LCH021")

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.launch import known_packages
-from wsgen.launch.package_lookup import is_not_compiled
+from wsgen.launch.package_lookup import needs_missing_library, targets_left_out
 from wsgen.ros_names import released_packages
 from wsgen.source_shares import is_source
 from wsgen.suggestions import advice, did_you_mean, nearest
@@ -349,10 +349,12 @@ def uncompiled(error: BaseException) -> tuple[str, str] | None:
     program, folder = found.groups()
     names = os.listdir(folder) if os.path.isdir(folder) else []
     package = os.path.basename(folder)
+    left_out = targets_left_out(folder, package)
+    if program in (left_out or ()):
+        return program, package
     is_misspelled = nearest(program, names, cutoff=known_packages.SURELY) is not None
-    if is_misspelled or not is_not_compiled(folder, package):
-        return None
-    return program, package
+    may_lack = left_out is not None or needs_missing_library(folder, package)
+    return (program, package) if may_lack and not is_misspelled else None
 
 
 def executable_error(error: BaseException) -> Explanation | None:
@@ -368,6 +370,17 @@ def executable_error(error: BaseException) -> Explanation | None:
     package = os.path.basename(folder)
     known = sorted({*names, *known_packages.programs_of(package)})
     near = nearest(program, known)
+    script = os.path.join(os.path.dirname(os.path.dirname(folder)), "bin", program)
+    if os.path.isfile(script):
+        return Explanation(
+            EXECUTABLE_NOT_FOUND,
+            f"'{program}' of the package '{package}' is installed into bin, and `launch` looks in "
+            f"lib/{package}.",
+            f"Write in setup.cfg of {package}: [install] install_scripts=$base/lib/{package}, and "
+            f"[develop] script_dir=$base/lib/{package}; then run `wsgen build`.",
+            element=program,
+            written=program,
+        )
     if not known_packages.is_known(package):
         hint = advice(program, known, "Let CMakeLists.txt install it to lib/${PROJECT_NAME}.")
     elif near is not None:

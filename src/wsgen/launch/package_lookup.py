@@ -134,21 +134,27 @@ def declares(files: Iterable[str], package: str) -> bool:
     return any(package == name for one in manifests for _, name in _dependencies(one))
 
 
-def is_not_compiled(folder: str, package: str) -> bool:
-    """Whether the programs of an installed package cannot have been compiled on this machine.
+def targets_left_out(folder: str, package: str) -> tuple[str, ...] | None:
+    """The targets of an installed package that `wsgen build` left out; None where it left out none.
 
-    `folder` is where they would be: a package that depends on a library of ROS which is not
-    installed is built without what needs it. `wsgen build` writes what it leaves out into the build
-    folder of the package.
+    `folder` is where its programs would be. The build writes them into its own folder.
+    """
+    for workspace in Path(folder).parents[2:4]:  # of a merged install space, of one a package
+        text = read_text(workspace / "build" / package / LEFT_OUT)
+        if text is not None:
+            return tuple(re.findall(r"^target (.+)$", text, re.MULTILINE))
+    return None
+
+
+def needs_missing_library(folder: str, package: str) -> bool:
+    """Whether an installed package depends on a library of ROS that is not installed.
+
+    `folder` is where its programs would be: such a package is built without what needs the library.
     """
     from ament_index_python.packages import get_packages_with_prefixes
 
-    prefix = Path(folder).parents[1]
-    for workspace in prefix.parents[:2]:  # of a merged install space, and of one folder a package
-        if (workspace / "build" / package / LEFT_OUT).is_file():
-            return True
     installed = get_packages_with_prefixes()
-    manifest = prefix / "share" / package / "package.xml"
+    manifest = Path(folder).parents[1] / "share" / package / "package.xml"
     return any(
         element in _FOR_BUILD and name not in installed and known_packages.is_released(name)
         for element, name in _dependencies(manifest)
