@@ -56,18 +56,33 @@ def test_the_same_simulation_is_run_once(tmp_path: Path) -> None:
     assert same in workspace.wsgen("validate", "--seconds", "0.1").output
 
 
-def test_a_mistake_in_a_launch_file_that_spawns_nothing_is_seen(tmp_path: Path) -> None:
+def test_mistakes_in_launch_files_that_spawn_nothing(tmp_path: Path) -> None:
     workspace = copy_workspace("five_launch_files", tmp_path)
-    launch = workspace.root / "src" / "rover_sim" / "launch"
+    package = workspace.root / "src" / "rover_sim"
+    launch = package / "launch"
     (launch / "teleop.launch.py").write_text("def generate_launch_description(:\n")
     display = launch / "display.launch.py"
     display.write_text(display.read_text().replace("'rover.rviz'", "os.environ['RVIZ_FILE']"))
+    gazebo = (launch / "gazebo.launch.py").read_text()
+    test = "import launch_testing\n\ndef generate_test_description():\n    return None\n"
+    for name, text in {
+        "launch/test_rover_launch.py": test,
+        "test/test_spawn.launch.py": gazebo,
+        "old/rover_sim/launch/old.launch.py": gazebo,  # not where anybody would install it from
+    }.items():
+        (package / name).parent.mkdir(parents=True, exist_ok=True)
+        (package / name).write_text(text)
     assert workspace.wsgen("build").code == 0
-    answer = workspace.wsgen("validate", "--format", "json")
-    assert answer.code == 1
-    rows = {Path(row["launch_file"]).name: row for row in answer.document["packages"]}
-    assert {name for name, row in rows.items() if not row["passed"]} == {"teleop.launch.py"}
-    # What only the machine of its author has is no mistake of a launch file that spawns nothing.
-    (left,) = answer.document["not_validated"]
-    assert Path(left["launch_file"]).name == "display.launch.py"
-    assert "RVIZ_FILE" in left["reason"]
+    answer = workspace.wsgen("validate", "--format", "json", "--seconds", "0.1")
+    assert answer.code == 0
+    assert [Path(row["launch_file"]).name for row in answer.document["packages"]] == [
+        "gazebo.launch.py",
+        "store.launch.py",
+    ]
+    reasons = {
+        Path(one["launch_file"]).name: one["reason"] for one in answer.document["not_validated"]
+    }
+    assert reasons.keys() == {"display.launch.py", "teleop.launch.py"}
+    assert "RVIZ_FILE" in reasons["display.launch.py"]
+    assert reasons["teleop.launch.py"].endswith("(LCH001, teleop.launch.py:1)")
+    assert workspace.wsgen("validate", "--launch", "teleop.launch.py").code == 1

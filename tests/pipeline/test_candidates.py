@@ -5,7 +5,7 @@ from pathlib import Path
 
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.launch.explain import ARGUMENT_WITHOUT_VALUE, SYNTAX_ERROR
-from wsgen.launch.explain_missing import PACKAGE_NOT_FOUND
+from wsgen.launch.explain_missing import PACKAGE_NOT_FOUND, XACRO_FAILS
 from wsgen.model.plan import Include, LaunchPlan
 from wsgen.model.transform import Pose
 from wsgen.model.world import Simulator, Spawn
@@ -47,9 +47,9 @@ def reasons(*found: Candidate) -> list[str]:
     return [reason for _, reason in choose(found).others]
 
 
-def error(rule: str, message: str = "m", file: str = "f") -> Diagnostic:
+def error(rule: str, message: str = "m", file: str = "f", line: int | None = None) -> Diagnostic:
     return Diagnostic(
-        name="n", code=rule, severity=Severity.ERROR, message=message, file=Path(file)
+        name="n", code=rule, severity=Severity.ERROR, message=message, file=Path(file), line=line
     )
 
 
@@ -95,17 +95,57 @@ def test_the_same_simulation_of_a_package() -> None:
     assert chosen(first, candidate("b", robot("r"), package="q")) == ["a", "b"]
 
 
-def test_a_mistake_is_reported_whatever_the_launch_file_starts() -> None:
-    found = candidate("teleop", simulator=None, error=error(SYNTAX_ERROR.code))
-    assert chosen(candidate("sim", robot("r")), found) == ["sim", "teleop"]
+def test_a_mistake_in_what_spawns_nothing() -> None:
+    found = candidate("teleop", simulator=None, error=error(SYNTAX_ERROR.code, line=3))
+    simulation = candidate("sim", robot("r"))
+    assert chosen(simulation, found) == ["sim"]
+    assert reasons(simulation, found) == [f"m ({SYNTAX_ERROR.code}, f:3)"]
+
+
+def test_a_mistake_in_what_may_spawn(tmp_path: Path) -> None:
+    mistake = error(SYNTAX_ERROR.code)
+    assert chosen(candidate("sim", error=mistake)) == ["sim"]
+    inner = candidate("spawn", robot("r"), simulator=None)
+    outer = candidate("all", simulator=None, error=mistake, includes=("spawn",))
+    assert chosen(inner, outer) == ["spawn", "all"]
+    for text in (
+        "'spawn.launch.py'",
+        "find('gazebo_ros')",
+        "<a b='$(find-pkg-share ros_gz_sim)/c'",
+        "cr(",
+    ):
+        file = tmp_path / "a.launch.py"
+        file.write_text(text)
+        failing = candidate(str(file), simulator=None, error=mistake)
+        spawner = candidate("spawn.launch.py", robot("r"), simulator=None, package="q")
+        assert ("a.launch.py" in chosen(failing, spawner)) == (text != "cr(")
+
+
+def test_a_mistake_in_the_description_of_a_robot() -> None:
+    mistake = error(XACRO_FAILS.code, file="robot.xacro")
+    display = candidate("display", simulator=None, error=mistake)
+    assert chosen(display) == ["display"]
+    simulation = candidate("sim", error=mistake, package="q")
+    assert chosen(display, simulation) == ["sim"]
+    assert reasons(display, simulation) == ["the same mistake as q sim"]
+
+
+def test_mistakes_of_packages_that_are_named() -> None:
+    mistake = error(SYNTAX_ERROR.code)
+    failing = candidate("teleop", simulator=None, error=mistake)
+    named = choose([failing], named=("p",))
+    assert [one.file.name for one in named.chosen] == ["teleop"]
+    assert not choose([failing], named=("q",)).chosen
+    both = choose([failing, candidate("sim", robot("r"))], named=("p",))
+    assert [one.file.name for one in both.chosen] == ["sim"]
 
 
 def test_one_mistake_in_several_launch_files_is_reported_once() -> None:
     mistake = error(SYNTAX_ERROR.code, file="robot.xacro")
-    found = [candidate(name, simulator=None, error=mistake) for name in ("a", "b")]
+    found = [candidate(name, error=mistake) for name in ("a", "b")]
     assert chosen(*found) == ["a"]
     assert reasons(*found) == ["the same mistake as a"]
-    outer = candidate("c", simulator=None, error=mistake, includes=("a",), package="q")
+    outer = candidate("c", error=mistake, includes=("a",), package="q")
     assert chosen(found[0], outer) == ["c"]
 
 

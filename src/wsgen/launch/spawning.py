@@ -131,8 +131,12 @@ def find_spawns(plan: LaunchPlan) -> tuple[tuple[Spawn, ...], tuple[Diagnostic, 
 
 
 def names_spawner(file: Path, launch_files: Collection[str]) -> bool:
-    """Whether a launch file that cannot be evaluated names a spawner, or one of `launch_files`."""
-    names = {executable for _, executable in _SPAWNERS} | _SPAWNING_LAUNCH_FILES | {*launch_files}
+    """Whether a launch file that cannot be evaluated names what spawns, or one of `launch_files`.
+
+    What spawns are spawners and the packages of Gazebo that have them and the simulator.
+    """
+    packages, executables = zip(*_SPAWNERS, strict=True)
+    names = {*packages, *executables, *_SPAWNING_LAUNCH_FILES, *launch_files}
     texts = [
         node.value
         for node in nodes_of(file)
@@ -140,7 +144,7 @@ def names_spawner(file: Path, launch_files: Collection[str]) -> bool:
     ]
     if not texts:
         texts = re.findall(r"[^\s\"'=<>:,\[\]]+", without_comments(read_text(file) or ""))
-    return any(text.rpartition("/")[2] in names for text in texts)
+    return any(not names.isdisjoint(re.split(r"[/()]", text)) for text in texts)
 
 
 def assume_spawn(plan: LaunchPlan) -> tuple[Spawn | None, Diagnostic]:

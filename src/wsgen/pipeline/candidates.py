@@ -8,7 +8,7 @@ import time
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.diagnostics import Severity
+from wsgen.diagnostics import Severity, has_errors
 from wsgen.events import OneAtATime, StepEnded, StepProgressed, StepStarted, post
 from wsgen.isolation import parent
 from wsgen.launch.spawning import names_spawner
@@ -108,12 +108,13 @@ def evaluate_launch_files(
         ended.append(call(files[0], parent.run))
     else:
         run_parallel(lambda run: [partial(call, file, run) for file in files], jobs, serial, ended)
-    succeeded = count > 1 or not ended[0].errors
+    first = ended[0].started
+    found = first.diagnostics if first.has_spawner else first.plan.diagnostics
     post(
         listener,
         StepEnded(
             step=step,
-            succeeded=succeeded,
+            succeeded=count > 1 or not has_errors(found),
             seconds=time.perf_counter() - before,
             detail=str(count) if count > 1 else detail,
         ),
@@ -121,12 +122,15 @@ def evaluate_launch_files(
     return tuple(ended)
 
 
-def choose(found: Sequence[Candidate], *, kept: Collection[str] = ()) -> Choice:
+def choose(
+    found: Sequence[Candidate], *, kept: Collection[str] = (), named: Collection[str] = ()
+) -> Choice:
     """Choose the launch files that spawn robots, and those whose mistakes may hide one.
 
     Of launch files that include each other the outer one is chosen, of those that start the same
     simulation the first. `kept` are packages whose launch files are simulated also where one of
-    another package includes them.
+    another package includes them. Of the packages that are `named`, and spawn nothing, each mistake
+    is shown.
     """
     evaluated = [one for one in found if one.started.is_evaluated]
     spawning = [one for one in evaluated if one.started.has_spawner]
@@ -140,9 +144,7 @@ def choose(found: Sequence[Candidate], *, kept: Collection[str] = ()) -> Choice:
             others.append((one, f"included by {includer.name}"))
     simulating = [one for one in outer if one.started.simulator]
     chosen = [one for one in outer if one.started.simulator or not _is_simulated(one, simulating)]
-    failing, more = _choose_failing(
-        [one for one in found if not one.started.is_evaluated], evaluated, chosen
-    )
+    failing, more = _choose_failing(found, chosen, named)
     chosen, same = _without_same([*chosen, *failing])
     order = {one.launch_file: number for number, one in enumerate(found)}
     return Choice(
@@ -174,31 +176,34 @@ def _is_simulated(spawner: Candidate, simulating: Sequence[Candidate]) -> bool:
 
 
 def _choose_failing(
-    failing: Sequence[Candidate], evaluated: Sequence[Candidate], chosen: Sequence[Candidate]
+    found: Sequence[Candidate], chosen: Sequence[Candidate], named: Collection[str]
 ) -> tuple[list[Candidate], list[tuple[Candidate, str]]]:
-    """Those with a mistake of their author, and those that may spawn a robot; why not the others.
+    """Those that may spawn a robot, or cannot read its description; why not the others.
 
     A launch file that others include with the arguments that it needs has no mistake.
     """
-    spawning = {one.file.name for one in chosen}
+    evaluated = [one for one in found if one.started.is_evaluated]
+    spawning = [one.file for one in evaluated if one.started.has_spawner]
     packages = {one.package for one in chosen}
-    reported: list[Candidate] = []
+    likely: list[Candidate] = []
+    unlikely: list[Candidate] = []
     others: list[tuple[Candidate, str]] = []
-    for one in failing:
+    for one in found:
+        if one.started.is_evaluated:
+            continue
         lacks, needs_argument = _lacks(one)
-        may_spawn = (
-            one.started.has_spawner
-            or one.started.simulator is not None
-            or names_spawner(one.file, spawning)
-        )
+        may_spawn = _may_spawn(one, spawning)
         includer = _includer(one, evaluated)
         if includer is not None:
             if may_spawn and includer.package != one.package:
                 others.append((one, f"included by {includer.name}"))
-        elif not lacks or (may_spawn and not (needs_argument and one.package in packages)):
-            reported.append(one)
+        elif may_spawn and not (needs_argument and one.package in packages):
+            likely.append(one)
+        elif not lacks and (_is_robot_broken(one) or one.package in {*named} - packages):
+            unlikely.append(one)
         else:
-            others.append((one, _first_error(one)))
+            others.append((one, _first_error(one, with_place=not lacks)))
+    reported = [*likely, *unlikely]  # of those with the same mistake the first is shown
     outer = [
         one
         for one in reported
@@ -210,6 +215,24 @@ def _choose_failing(
         )
     ]
     return outer, others
+
+
+def _may_spawn(failing: Candidate, spawning: Sequence[Path]) -> bool:
+    """Whether its plan or its text has a spawner, a simulator or a launch file that spawns."""
+    started = failing.started
+    return (
+        started.has_spawner
+        or started.simulator is not None
+        or not failing.included.isdisjoint(map(os.path.realpath, spawning))
+        or names_spawner(failing.file, {file.name for file in spawning})
+    )
+
+
+def _is_robot_broken(failing: Candidate) -> bool:
+    """Whether it fails for a mistake in the description of a robot."""
+    from wsgen.launch.explain_missing import XACRO_FAILS  # noqa: PLC0415  see `_lacks`
+
+    return any(code == XACRO_FAILS.code for code, *_ in failing.errors)
 
 
 def _lacks(failing: Candidate) -> tuple[bool, bool]:
@@ -232,25 +255,28 @@ def _lacks(failing: Candidate) -> tuple[bool, bool]:
     return codes <= {rule.code for rule in from_outside}, codes == {ARGUMENT_WITHOUT_VALUE.code}
 
 
-def _first_error(failing: Candidate) -> str:
-    return next(
-        found.message
-        for found in failing.started.plan.diagnostics
-        if found.severity is Severity.ERROR
+def _first_error(failing: Candidate, *, with_place: bool) -> str:
+    found = next(
+        found for found in failing.started.plan.diagnostics if found.severity is Severity.ERROR
     )
+    if not with_place:
+        return found.message
+    place = (found.file or failing.file).name + (f":{found.line}" if found.line else "")
+    return f"{found.message} ({found.code}, {place})"
 
 
 def _without_same(
     candidates: Sequence[Candidate],
 ) -> tuple[list[Candidate], list[tuple[Candidate, str]]]:
-    """Of those of a package that start the same simulation, or fail in the same way, the first."""
+    """The first of those of a package with the same simulation, and of those that fail alike."""
     first: dict[object, Candidate] = {}
     others: list[tuple[Candidate, str]] = []
     for one in candidates:
         same = first.setdefault(_simulation(one), one)
         if same is not one:
             what = "simulation" if one.started.is_evaluated else "mistake"
-            others.append((one, f"the same {what} as {same.file.name}"))
+            name = same.file.name if same.package == one.package else same.name
+            others.append((one, f"the same {what} as {name}"))
     return list(first.values()), others
 
 
@@ -258,7 +284,7 @@ def _simulation(candidate: Candidate) -> object:
     """What two launch files have in common if they start the same simulation."""
     started = candidate.started
     if not started.is_evaluated or not started.spawns:
-        return candidate.package, candidate.errors or candidate.file
+        return candidate.errors or candidate.file
     paths = {
         (name, value)
         for name, value in started.plan.environment.items()

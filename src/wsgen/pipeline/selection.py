@@ -38,6 +38,8 @@ if TYPE_CHECKING:
 
 
 LAUNCH_FUNCTION = b"def generate_launch_description("
+TEST_FUNCTION = b"def generate_test_description("
+TEST_FOLDERS = frozenset(("test", "tests"))
 
 UNINSTALLED_LAUNCH_FILE = Rule(
     code="PKG050",
@@ -84,10 +86,24 @@ def find_misnamed(folder: Path) -> tuple[Path, str] | None:
         is_python = name.endswith(".py") or (
             "launch" in name and not name.endswith((".xml", ".yaml", ".yml"))
         )
-        if is_python and file.is_file() and _holds(file, LAUNCH_FUNCTION):
+        if not is_python or not file.is_file() or _is_test(file, folder):
+            continue
+        if _holds(file, LAUNCH_FUNCTION):
             stem = name.removesuffix(".py").removesuffix(".launch")
             return file, name if name.endswith("launch.py") else f"{stem}.launch.py"
     return None
+
+
+def _launch_files(folder: Path) -> list[Path]:
+    """The launch files below a folder that are not launch tests."""
+    return [file for file in find_launch_files(folder) if not _is_test(file, folder)]
+
+
+def _is_test(file: Path, folder: Path) -> bool:
+    """Whether a file is run by `launch_test`, or lies where the tests of a package are."""
+    if not TEST_FOLDERS.isdisjoint(file.relative_to(folder).parts[:-1]):
+        return True
+    return _holds(file, TEST_FUNCTION) and not _holds(file, LAUNCH_FUNCTION)
 
 
 def _holds(file: Path, word: bytes) -> bool:
@@ -172,7 +188,11 @@ def select_packages(
         evaluate,
     )
     behaving = {name for name, source in sources.items() if read_settings(source)[0].behaviors}
-    choice = choose([one for one in found if one.launch_file.is_installed], kept=behaving)
+    choice = choose(
+        [one for one in found if one.launch_file.is_installed],
+        kept=behaving,
+        named=request.packages,
+    )
     packages_of_chosen = {one.package for one in choice.chosen}
     uninstalled = choose(
         [
@@ -230,16 +250,22 @@ def _select_by_launch_file(
 
 
 def _list_files(name: str, source: Path | None, share: Path | None) -> PackageFiles:
-    installed = find_launch_files(share) if share else ()
-    written = find_launch_files(source) if source else ()
+    installed = _launch_files(share) if share else []
+    written = _launch_files(source) if source else []
     there = {file.name for file in installed}
-    uninstalled = tuple(file for file in written if file.name not in there)
+    uninstalled = tuple(
+        file
+        for file in written
+        if file.name not in there
+        and source is not None
+        and file.relative_to(source).parts[0] in {"launch", file.name}
+    )
     folder = source or share
     misnamed = find_misnamed(folder) if folder and not (installed or written) else None
     if misnamed is not None:
         file, right_name = misnamed
         return PackageFiles(name, source, share, (), (file,), right_name)
-    return PackageFiles(name, source, share, installed, uninstalled)
+    return PackageFiles(name, source, share, tuple(installed), uninstalled)
 
 
 def _select(
