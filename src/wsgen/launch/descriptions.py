@@ -32,7 +32,8 @@ UNPUBLISHED_DESCRIPTION = Rule(
     code="SPN008",
     name="unpublished-description",
     severity=Severity.ERROR,
-    severity_varies="a warning where what is not evaluated may publish it",
+    severity_varies="a warning where what is not evaluated may publish it and another robot is "
+    "simulated",
     summary="No `robot_state_publisher` publishes the topic that the spawner reads.",
     what="Compares the topic of the spawner with those of every `robot_state_publisher`, with "
     "namespaces and remappings.",
@@ -86,6 +87,7 @@ UNKNOWN_DESCRIPTION = Rule(
     code="SPN091",
     name="unknown-description",
     severity=Severity.WARNING,
+    severity_varies="an error where no other robot is simulated",
     summary="What is spawned is known only where ROS 2 is installed.",
     what="Looks for values of packages that are not installed and outputs of commands that are not "
     "run, in what a spawner is given.",

@@ -13,14 +13,16 @@ from wsgen.events import OneAtATime, StepEnded, StepProgressed, StepStarted, pos
 from wsgen.isolation import parent
 from wsgen.launch.spawning import names_spawner
 from wsgen.pipeline.parallel import run_parallel
+from wsgen.pipeline.started import waits_for_description, with_description
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterable, Sequence
+    from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
     from pathlib import Path
 
     from wsgen.events import Listener
     from wsgen.isolation.parent import Run
     from wsgen.pipeline.started import Started
+    from wsgen.workspace.overlay import Overlay
 
 
 class LaunchFile(NamedTuple):
@@ -120,6 +122,20 @@ def evaluate_launch_files(
         ),
     )
     return tuple(ended)
+
+
+def with_descriptions(found: Sequence[Candidate], overlay: Overlay) -> Iterator[Candidate]:
+    """Give spawners that wait for the description of another launch file what that publishes.
+
+    It is one of the same package if that has one, else of any.
+    """
+    for one in found:
+        started = one.started
+        beside = [other.started.plan for other in found if other.package == one.package]
+        for plans in (beside, [other.started.plan for other in found]):
+            if waits_for_description(started):
+                started = with_description(started, plans, overlay)
+        yield one._replace(started=started)
 
 
 def choose(

@@ -29,6 +29,7 @@ DATABASE_MODEL = Rule(
     code="SPN006",
     name="database-model",
     severity=Severity.WARNING,
+    severity_varies="an error where no other robot is simulated",
     summary="The spawner takes a model that only Gazebo has, or downloads.",
     what="Looks the model up where Gazebo looks on this machine, and around the launch file.",
     why="The model is not part of the workspace, so wsgen cannot simulate it.",

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Diagnostic, Rule, Severity, has_errors
 from wsgen.isolation import parent
+from wsgen.launch.descriptions import UNKNOWN_DESCRIPTION, UNPUBLISHED_DESCRIPTION
 from wsgen.launch.explain_missing import first_missing, where_written
 from wsgen.launch.simulators import kind_of_project
 from wsgen.launch.spawning import NO_ROBOT
@@ -45,7 +46,7 @@ from wsgen.suggestions import advice
 from wsgen.workspace.settings import read_settings
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Iterator, Mapping
+    from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
     from wsgen.events import Listener
     from wsgen.isolation.parent import Run
@@ -249,6 +250,8 @@ class Validation:
             self.diagnostics.append(self.selected.problem)
         started = self._evaluate(launch_file) if launch_file else None
         world, simulated = self._play(started, folder) if started else (None, SimulationResult())
+        if started and not simulated.robots and not has_errors(self.diagnostics):
+            self.diagnostics = _why_nothing_is_simulated(started.plan, self.diagnostics)
         return PackageOutcome(
             package=self.package,
             share=self.selected.share,
@@ -487,6 +490,19 @@ class Validation:
         self.diagnostics = simulated.diagnostics_after(self.diagnostics)
         self.clock.take(simulated.seconds or {})
         return simulated
+
+
+def _why_nothing_is_simulated(plan: LaunchPlan, found: Sequence[Diagnostic]) -> list[Diagnostic]:
+    """The diagnostics with an error: each that says why a robot is missing, or one more."""
+    codes = {rule.code for rule in (DATABASE_MODEL, UNKNOWN_DESCRIPTION, UNPUBLISHED_DESCRIPTION)}
+    if codes.isdisjoint(one.code for one in found):
+        missing = NO_ROBOT.at(
+            plan.launch_file,
+            message="No robot is simulated: nothing that the launch file spawns can move.",
+            hint="Spawn a model with movable joints, or one that is not static.",
+        )
+        return [*found, missing]
+    return [replace(one, severity=Severity.ERROR) if one.code in codes else one for one in found]
 
 
 def _nothing_spawned(launch_file: Path | None) -> Diagnostic:

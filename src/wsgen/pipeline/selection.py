@@ -14,7 +14,12 @@ from wsgen.build.request import refuse_empty
 from wsgen.diagnostics import Rule, Severity
 from wsgen.errors import RequestError
 from wsgen.model.outcome import NotValidated
-from wsgen.pipeline.candidates import LaunchFile, choose, evaluate_launch_files
+from wsgen.pipeline.candidates import (
+    LaunchFile,
+    choose,
+    evaluate_launch_files,
+    with_descriptions,
+)
 from wsgen.pipeline.started import start
 from wsgen.suggestions import ask_for_nearest
 from wsgen.values import dataclass
@@ -176,7 +181,7 @@ def select_packages(
             launch_file.file, package.name if package.share else None, overlay, request, run
         )
 
-    found = evaluate_launch_files(
+    evaluated = evaluate_launch_files(
         [
             LaunchFile(name, file, is_installed)
             for name, package in packages.items()
@@ -187,6 +192,7 @@ def select_packages(
         listener,
         evaluate,
     )
+    found = tuple(with_descriptions(evaluated, overlay))
     behaving = {name for name, source in sources.items() if read_settings(source)[0].behaviors}
     choice = choose(
         [one for one in found if one.launch_file.is_installed],

@@ -3,19 +3,27 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.diagnostics import Severity, has_errors
+from wsgen.diagnostics import Rule, Severity, has_errors
+from wsgen.launch.descriptions import (
+    UNPUBLISHED_DESCRIPTION,
+    Description,
+    published_descriptions,
+    read_published,
+)
 from wsgen.launch.evaluate import evaluate
 from wsgen.launch.simulators import find_simulator
 from wsgen.pipeline.gazebo_models import find_robots
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.isolation.parent import Run
-    from wsgen.model.plan import LaunchPlan
+    from wsgen.model.plan import LaunchPlan, Process
     from wsgen.model.world import Simulator, Spawn
     from wsgen.pipeline.selection import ValidateRequest
     from wsgen.workspace.overlay import Overlay
@@ -34,6 +42,20 @@ class Started(NamedTuple):
     is_evaluated: bool  # to its end; or without helpers that are missing, where it spawns robots
 
 
+DESCRIPTION_FROM_ELSEWHERE = Rule(
+    code="LCH066",
+    name="description-from-elsewhere",
+    severity=Severity.INFO,
+    summary="The robot description that the spawner waits for is that of another launch file.",
+    what="Looks, where a launch file starts neither a simulator nor a `robot_state_publisher`, for "
+    "the one that publishes the topic in the launch files of the package, then of the workspace.",
+    why="The two are started from different terminals. Without the other one, the spawner waits "
+    "for ever.",
+    example="ros2 launch my_robot spawn.launch.py",
+    instead="ros2 launch my_robot rsp.launch.py  # first, in another terminal",
+)
+
+
 def start(
     launch_file: Path, package: str | None, overlay: Overlay, request: ValidateRequest, run: Run
 ) -> Started:
@@ -47,6 +69,11 @@ def start(
         answers=request.answers,
         run=run,
     )
+    return read_plan(plan, overlay, time.perf_counter() - before)
+
+
+def read_plan(plan: LaunchPlan, overlay: Overlay, seconds: float) -> Started:
+    """What a plan starts; `seconds` is how long it took to evaluate it."""
     simulator, no_simulator = find_simulator(plan)
     robots = find_robots(plan, overlay.environment, overlay.share)
     lacks_something = has_errors(plan.diagnostics)
@@ -63,6 +90,45 @@ def start(
         spawns=robots.spawns if is_evaluated else (),
         diagnostics=(*plan.diagnostics, *found),
         has_spawner=robots.are_meant,
-        seconds=time.perf_counter() - before,
+        seconds=seconds,
         is_evaluated=is_evaluated,
     )
+
+
+def waits_for_description(started: Started) -> bool:
+    """Whether a spawner waits for a topic that a launch file beside this one may publish."""
+    return any(
+        found.code == UNPUBLISHED_DESCRIPTION.code and found.severity is Severity.WARNING
+        for found in started.diagnostics
+    )
+
+
+def with_description(started: Started, others: Iterable[LaunchPlan], overlay: Overlay) -> Started:
+    """Spawn what other launch files publish on the topic that a spawner waits for.
+
+    Nothing changes where none publishes it, or where several publish different robots.
+    """
+    published: dict[str, dict[str, tuple[LaunchPlan, Process]]] = {}  # by topic, then text
+    for plan in others:
+        for topic, publisher in published_descriptions(plan).items():
+            description = read_published(plan, publisher)
+            if isinstance(description, Description):
+                texts = published.setdefault(topic, {})
+                texts.setdefault(description.text, (plan, publisher))
+    only = {
+        text: one for texts in published.values() if len(texts) == 1 for text, one in texts.items()
+    }
+    processes = (*started.plan.processes, *(publisher for _, publisher in only.values()))
+    found = read_plan(replace(started.plan, processes=processes), overlay, started.seconds)
+    spawn = next((spawn for spawn in found.spawns if spawn.description in only), None)
+    if spawn is None or spawn.process is None or waits_for_description(found):
+        return started
+    plan, _ = only[spawn.description]
+    told = DESCRIPTION_FROM_ELSEWHERE.at(
+        spawn.process.file,
+        spawn.process.line,
+        message=f"The robot description is that of {plan.package} {plan.launch_file.name}, which "
+        "must be started too.",
+        hint=f"Include {plan.launch_file.name}, so that one command starts both.",
+    )
+    return found._replace(plan=started.plan, diagnostics=(*found.diagnostics, told))

@@ -57,6 +57,7 @@ MODULES = (
     "wsgen.pipeline.prepare",
     "wsgen.pipeline.run_robots",
     "wsgen.pipeline.selection",
+    "wsgen.pipeline.started",
     "wsgen.pipeline.template_check",
     "wsgen.rules.behaviors",
     "wsgen.rules.catalogue",
