@@ -322,6 +322,29 @@ def test_handlers_without_end(space: InstallSpace) -> None:
 def test_environment_variable_that_is_not_set(space: InstallSpace) -> None:
     plan = space.play("", before="os.environ['GAZEBO_MODEL_PATH']")
     assert "GAZEBO_MODEL_PATH" in only_message(plan, "LCH020")
+    assert "`GAZEBO_MODEL_PATH=VALUE wsgen validate`" in str(plan.diagnostics[0].hint)
+
+
+@pytest.mark.parametrize("read", ["os.getenv('BASE')", "os.environ.get('BASE', None)"])
+def test_environment_variable_that_is_none(space: InstallSpace, read: str) -> None:
+    share = space.add("my_robot", {"4wd.urdf": "<robot/>", "2wd.urdf": "<robot/>", "a.txt": ""})
+    plan = space.play(
+        "LogInfo(msg=open(path).read())",
+        before=f"base = {read}\npath = f'{share}/{{base}}.urdf'",
+    )
+    message = only_message(plan, "LCH020")
+    assert "BASE is not set" in message
+    assert "None.urdf" in message
+    (found,) = plan.diagnostics
+    assert "BASE=VALUE wsgen validate`, where VALUE is one of 2wd, 4wd." in str(found.hint)
+    assert plan.launch_file.read_text().splitlines()[(found.line or 0) - 1] == f"base = {read}"
+
+
+def test_a_variable_that_is_none_is_named_only_where_none_fails(space: InstallSpace) -> None:
+    plan = space.play("LogInfo(msg=open('/no/file').read())", before="os.getenv('BASE')")
+    assert "None" not in only_message(plan, "LCH005")
+    joined = space.play("LogInfo(msg=os.path.join('/', os.getenv('BASE')))")
+    assert "BASE" in only_message(joined, "LCH020")
 
 
 def test_dictionary_key_is_no_environment_variable(space: InstallSpace) -> None:

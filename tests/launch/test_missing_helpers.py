@@ -188,6 +188,21 @@ def test_a_program_of_a_package_that_is_not_built(space: InstallSpace, tmp_path:
     assert_goes_on(plan)
 
 
+def test_a_module_of_a_package_that_is_not_built(space: InstallSpace, tmp_path: Path) -> None:
+    source, folder = tmp_path / "talkers", tmp_path / "prefixes"
+    (source / "talkers").mkdir(parents=True)
+    (source / "talkers" / "__init__.py").write_text("from talkers.words import WORD\n")
+    (source / "talkers" / "words.py").write_text("WORD = 'known'\n")
+    environment = serve_sources({"talkers": source}, folder, {})
+    path = f"{space.prefix}{os.pathsep}{environment.pop('AMENT_PREFIX_PATH')}"
+    plan = space.play(
+        "ExecuteProcess(cmd=[WORD])",
+        before="from talkers import WORD",
+        environment={**environment, "AMENT_PREFIX_PATH": path},
+    )
+    assert_goes_on(plan)
+
+
 def test_a_xacro_file_of_a_package_that_is_not_installed(space: InstallSpace) -> None:
     text = """<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="r">
     <xacro:include filename="$(find realsense2_description)/urdf/_d435.urdf.xacro"/></robot>"""
@@ -206,3 +221,9 @@ def test_modules_of_released_packages_are_unknown(space: InstallSpace) -> None:
     )
     assert_goes_on(plan)
     assert plan.processes[0].command == ("$(cv_bridge.CvBridge())",)
+
+
+def test_modules_that_rosdep_installs_are_unknown(space: InstallSpace) -> None:
+    plan = space.play(f"ExecuteProcess(cmd=[str(smbus.SMBus())]), {KNOWN}", before="import smbus")
+    assert_goes_on(plan)
+    assert plan.processes[0].command == ("$(smbus.SMBus())",)

@@ -192,3 +192,20 @@ def test_substitutions_in_parameter_files(space: InstallSpace) -> None:
 
 def test_where_logs_go(space: InstallSpace) -> None:
     assert space.play("SetROSLogDir('/l')").environment == {"ROS_LOG_DIR": "/l"}
+
+
+def test_choices_that_are_a_text(space: InstallSpace) -> None:
+    declare = "DeclareLaunchArgument('m', default_value='{}', choices=\"'two', 'four'\")"
+    plan = space.play(f"{declare.format('four')}, LogInfo(msg=LaunchConfiguration('m'))")
+    assert not plan.diagnostics
+    (found,) = space.play(declare.format("six")).diagnostics
+    assert "not in provided choices" in found.message
+
+
+def test_handler_that_nothing_calls(space: InstallSpace) -> None:
+    plan = space.play(
+        "RegisterEventHandler(OnIncludeLaunchDescription()), ExecuteProcess(cmd=['x'])",
+        before="from launch.event_handlers import OnIncludeLaunchDescription",
+    )
+    assert [process.command for process in plan.processes] == [("x",)]
+    assert not plan.diagnostics

@@ -426,6 +426,13 @@ def test_models_that_gazebo_looks_up(arguments: str, uri: str) -> None:
     assert only_spawn(spawner(*arguments.split())).model_uri == uri
 
 
+def test_models_that_create_looks_up_by_their_name(tmp_path: Path) -> None:
+    assert only_spawn(create("-file", "my_cup")).model_uri == "model://my_cup"
+    assert only_spawn(create("-file", str(tmp_path))).model_uri == str(tmp_path)
+    assert only_error(create("-file", "my_cup.sdf"))[0] == "SPN012"
+    assert only_error(spawner("-file", "my_cup", "-entity", "e"))[0] == "SPN012"
+
+
 def test_create_ignores_what_it_does_not_know() -> None:
     (spawn,), (found,) = find_spawns(
         plan(publisher(), create("-topic", "robot_description", "-entity", "e"))

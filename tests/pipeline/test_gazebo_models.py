@@ -145,3 +145,18 @@ def test_model_that_is_spawned_by_its_name(tmp_path: Path) -> None:
         missing = look_up_model(replace(spawn, model_uri=uri), context(tmp_path), {})
         assert not isinstance(missing, Spawn)
         assert (missing.code, missing.element) == ("SPN006", uri)
+
+
+@pytest.mark.parametrize("place", ["cup", "models/cup"])
+def test_models_of_other_packages(tmp_path: Path, place: str) -> None:
+    folder = tmp_path / "prefix" / "share" / "my_models" / place
+    folder.mkdir(parents=True)
+    (folder / "model.sdf").write_text("<sdf version='1.8'/>")
+    (tmp_path / "cup").mkdir()  # no model, but of that name
+    process = Process(package="ros_gz_sim", executable="create", file=tmp_path / "l.py")
+    spawn = Spawn(entity="c", description="", model_uri="model://cup", process=process)
+    environment = {"AMENT_PREFIX_PATH": str(tmp_path / "prefix")}
+    for uri in ("model://cup", str(folder)):
+        found = look_up_model(replace(spawn, model_uri=uri), context(tmp_path), environment)
+        assert isinstance(found, Spawn)
+        assert found.description_file == folder / "model.sdf"

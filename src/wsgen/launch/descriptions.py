@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -107,6 +109,7 @@ class Description(NamedTuple):
 
 PUBLISHER = "robot_state_publisher"
 PARAMETER = "robot_description"
+_MODEL_NAME = re.compile(r"[\w-]+(/[\w-]+)*")  # of Gazebo Sim, which opens it like model://NAME
 _SCHEMES = ("model://", "https://", "http://", "package://")
 
 
@@ -176,6 +179,16 @@ def read_spawned_file(plan: LaunchPlan, process: Process, path: str) -> Descript
             "Check the path, and that CMakeLists.txt installs its folder.",
         )
     return Description(text, Path(path.removeprefix("file://")))
+
+
+def _from_file(plan: LaunchPlan, spawner: Process, path: str) -> Description | Diagnostic:
+    """What `-file` names; that of Gazebo Sim may name a model, which is a folder."""
+    if spawner.executable == "create":
+        if os.path.isdir(path):
+            return Description(model_uri=path)
+        if _MODEL_NAME.fullmatch(path) and not os.path.exists(path):
+            return Description(model_uri=f"model://{path}")
+    return read_spawned_file(plan, spawner, path)
 
 
 def _resolve(topic: str, process: Process) -> str:
@@ -259,7 +272,7 @@ def _text(plan: LaunchPlan, process: Process, value: Any) -> Description | Diagn
 
 # The first of them that a spawner is given counts.
 _READERS: dict[str, Callable[[LaunchPlan, Process, str], Description | Diagnostic]] = {
-    "file": read_spawned_file,
+    "file": _from_file,
     "param": _from_parameter,
     "string": lambda _, spawner, text: Description(text, spawner.description_file),
     "topic": _from_topic,

@@ -18,6 +18,7 @@ from wsgen.launch import explain_missing, explain_names
 from wsgen.launch.explain_missing import (
     EXECUTABLE_NOT_FOUND,
     Explanation,
+    first_missing,
     keyword_of,
     where_written,
 )
@@ -104,10 +105,10 @@ VARIABLE_NOT_SET = Rule(
     name="variable-not-set",
     severity=Severity.ERROR,
     summary="The launch file reads an environment variable that is not set.",
-    what="Looks for `os.environ[NAME]` of a variable that neither the sourced workspace nor the "
-    "environment of wsgen sets.",
-    why="Python raises a KeyError, and the launch stops on every machine that does not set the "
-    "variable.",
+    what="Looks for `os.environ[NAME]`, and for what fails because `os.getenv(NAME)` is None, of a "
+    "variable that neither the sourced workspace nor the environment of wsgen sets.",
+    why="Python raises a KeyError, or None becomes part of a path, and the launch stops on every "
+    "machine that does not set the variable.",
     example="os.environ['GAZEBO_MODEL_PATH']",
     instead="os.environ.get('GAZEBO_MODEL_PATH', '')",
 )
@@ -161,6 +162,8 @@ _TYPOGRAPHIC = {
     **dict.fromkeys("\u201c\u201d\u201e\u2033\u00ab\u00bb", '"'),
     **dict.fromkeys("\u2010\u2011\u2013\u2014\u2212", "-"),
 }
+_NONE = re.compile(r"(?<![A-Za-z])None(?:Type)?(?![A-Za-z])")
+_PATH_WITH_NONE = re.compile(r"'(/[^']*None[^']*)'")
 LEAST_NULLS = 0.25  # of the bytes of a text in UTF-16 that is mostly of Latin letters
 BRIEF = 150  # characters of what an exception says behind an explanation
 LONGEST = 400  # characters of what an exception says; a whole robot may be in it
@@ -183,7 +186,9 @@ def _explain(
     for explainer in _EXPLAINERS:
         explanation = explanation or explainer(error)
     place = last_user_line(error) or vars(error).get("wsgen_location")
-    return diagnose(explanation or _other(error), place or (launch_file, None))
+    explanation = explanation or _other(error)
+    explanation = _of_unset_variable(explanation) or explanation
+    return diagnose(explanation, place or (launch_file, None))
 
 
 def diagnose(explanation: Explanation, where: tuple[str, int | None] | None) -> Diagnostic:
@@ -320,8 +325,33 @@ def _variable_not_set(name: str, with_default: str) -> Explanation:
     return Explanation(
         VARIABLE_NOT_SET,
         f"The launch file needs the environment variable {name}, which is not set.",
-        f"Set it before the launch, or read it with a default: {with_default}.",
+        f"Set it: `{name}=VALUE wsgen validate`. Or read it with a default: {with_default}.",
         element=name,
+    )
+
+
+def _of_unset_variable(found: Explanation) -> Explanation | None:
+    """What failed because a variable that is not set is None, as part of a path or alone."""
+    if not RECORD.unset or not _NONE.search(found.message):
+        return None
+    name, (file, line) = list(RECORD.unset.items())[-1]
+    path = _PATH_WITH_NONE.search(found.message)
+    missing, beside = first_missing(path[1]) if path else ("", [])
+    before, is_part, after = missing.partition("None")
+    values = [
+        file[len(before) : len(file) - len(after)]
+        for file in sorted(beside)
+        if is_part and file.startswith(before) and file.endswith(after)
+    ]
+    known = f", where VALUE is one of {', '.join(values)}" if values else ""
+    return Explanation(
+        VARIABLE_NOT_SET,
+        f"The environment variable {name} is not set, so that it is None. {found.message}",
+        f"Set it: `{name}=VALUE wsgen validate`{known}. Or read it with a default: "
+        f"os.environ.get('{name}', '').",
+        file,
+        line,
+        name,
     )
 
 

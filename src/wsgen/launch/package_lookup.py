@@ -18,6 +18,7 @@ from wsgen.diagnostics import Rule, Severity
 from wsgen.launch import known_packages
 from wsgen.launch.record import RECORD, caller, callers
 from wsgen.markup import read_text, without_comments
+from wsgen.source_shares import is_source
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -85,6 +86,14 @@ def find_prefix(package: str, prefix: str | None) -> str | None:
             _report_unknown(package, location)
         known_packages.declare(package)
     return known_packages.prefix()
+
+
+def source_of(package: str) -> str | None:
+    """The source folder of a package that is not built, which also has its Python modules."""
+    from ament_index_python.packages import get_packages_with_prefixes
+
+    share = f"{get_packages_with_prefixes().get(package)}/share/{package}"
+    return share if is_source(share) else None
 
 
 def is_of_library(location: Location | None) -> bool:

@@ -122,6 +122,7 @@ class Record:
         self.reading: Location | None = None  # element of an XML or YAML file that is made into one
         self.run_xacro: CommandRunner | None = None
         self.environment: dict[str, str] = {}  # as it was before the launch file ran
+        self.unset: dict[str, Location] = {}  # variables that are None for the user's files
         self.unknown_texts: set[str] = set()  # what stands in texts for what is not known
         self.texts: dict[str, str] = {}  # what files became, see `_fold` -> the file
         self.opened: list[str] = []  # robots and worlds that the launch file opened itself

@@ -13,15 +13,16 @@ import builtins
 import io
 import os
 import sys
-from importlib.machinery import ModuleSpec
+from importlib.machinery import ModuleSpec, PathFinder
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from wsgen.isolation.child import scratch_folder
 from wsgen.launch import known_packages, package_lookup, written_files
-from wsgen.launch.record import RECORD, ForkError, caller
+from wsgen.launch.record import RECORD, ForkError, caller, callers
 from wsgen.model.plan import LaunchArgument, LaunchPlan
+from wsgen.ros_names import rosdep_keys
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -36,6 +37,7 @@ _SHIM = os.path.join(os.path.dirname(os.path.dirname(__file__)), "launch_shim")
 _ROS_PACKAGES = os.path.join(os.path.dirname(__file__), "ros_packages")
 _DESCRIPTIONS = (".urdf", ".xacro", ".sdf", ".xml")
 _SHIM_PACKAGES = ("launch", "launch_ros", "launch_xml", "launch_yaml", "ament_index_python")
+_OS = ("<frozen os>", os.__file__)  # in which os.getenv() is
 MESSAGES = ("_msgs", "_interfaces", "_srvs")
 
 
@@ -55,6 +57,7 @@ def evaluate(
     _install()
     _take_answers(request.answers)
     RECORD.environment = dict(os.environ)
+    _note_unset_variables()
     RECORD.ends_branch = lambda error: _ends_branch(error, launch_file, explain_xacro)
     is_complete = False
     sys.addaudithook(_watch)
@@ -107,6 +110,20 @@ def _install() -> None:
     from ament_index_python import packages
 
     packages.find_prefix = package_lookup.find_prefix
+
+
+def _note_unset_variables() -> None:
+    """Remember which variables the user's files read without a default that are not set."""
+    get = os.environ.get
+
+    def note(name: str, default: Any = None) -> Any:
+        value = get(name, default)
+        reader = next((place for place in callers() if place[0] not in _OS), None)
+        if value is None and reader is not None and reader[0] in RECORD.launch_files:
+            RECORD.unset[name] = reader
+        return value
+
+    os.environ.get = note  # type: ignore[assignment,method-assign]  # os.getenv() calls it, too
 
 
 class _Answers(io.StringIO):
@@ -194,6 +211,10 @@ class _MissingModules:
         if inside and not isinstance(sys.modules.get(package), _MissingModule):
             return None  # the package is installed, and has no such module
         location = caller()
+        source = None if inside else package_lookup.source_of(package)
+        found = source and PathFinder.find_spec(package, [source])
+        if found:
+            return found
         if not inside and (
             location is None
             or package_lookup.is_of_library(location)
@@ -212,6 +233,7 @@ class _MissingModules:
             package in known_packages.KNOWN_MODULES
             or package.endswith(MESSAGES)
             or known_packages.is_released(package)
+            or f"python3-{package}" in rosdep_keys()
             or package_lookup.declares(RECORD.launch_files, package)
         )
 

@@ -12,7 +12,7 @@ from wsgen.isolation import parent
 from wsgen.launch.simulators import find_simulator
 from wsgen.launch.spawning import assume_spawn, find_spawns
 from wsgen.pipeline.prepare import PrepareContext, find_model, read_file
-from wsgen.sdf.lookup import file_of_model, find_world, is_file, is_of_gazebo
+from wsgen.sdf.lookup import file_of_model, find_world, is_file, is_folder, is_of_gazebo
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -118,7 +118,8 @@ def look_up_model(
     process = spawn.process
     around = process.file if process else None
     uri = spawn.model_uri or ""
-    folder = find_model(uri, around, context, environment)
+    is_path = is_folder(Path(uri))
+    folder = Path(uri) if is_path else find_model(uri, around, context, environment)
     file = folder if folder is None or is_file(folder) else file_of_model(folder)
     try:
         text = None if file is None else read_regular(file, MODEL_LIMIT).decode()

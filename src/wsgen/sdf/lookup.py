@@ -105,6 +105,7 @@ SEARCH_PATHS = ("GAZEBO_RESOURCE_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESO
 MODEL_PATHS = ("GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH")
 AROUND = 6  # number of folders above a file that may be its package, or have its models
 SCHEMES = ("model", "package")
+_MODEL_NAME = re.compile(r"\w[\w.-]*")
 
 
 GAZEBO_FOLDERS = (".gazebo", ".gz", ".ignition")  # in the home directory
@@ -190,7 +191,8 @@ def model_finder(file: Path, environment: Mapping[str, str]) -> Callable[[str], 
 
     It also finds models by their address of Fuel if Gazebo has downloaded them. It looks where
     Gazebo does, then around the file that names the model: in the folders above it, and in their
-    `models`. A folder with a model.config or model.sdf is preferred to one without.
+    `models`, and in the packages of the install space. A folder with a model.config or model.sdf is
+    preferred to one without.
     """
     above = list(file.absolute().parents)[:AROUND]
     home = environment.get("HOME")
@@ -208,16 +210,35 @@ def model_finder(file: Path, environment: Mapping[str, str]) -> Callable[[str], 
         if not separator or scheme not in SCHEMES or not name or ".." in Path(name).parts:
             return None
         found = [folder / name for folder in folders if is_folder(folder / name)]
-        return next(
-            (
-                folder
-                for folder in found
-                if is_file(folder / "model.config") or is_file(folder / "model.sdf")
-            ),
-            found[0] if found else None,
+        models = (
+            folder
+            for folder in found
+            if is_file(folder / "model.config") or is_file(folder / "model.sdf")
         )
+        model = next(models, None) or _find_in_packages(name, environment)
+        return model or (found[0] if found else None)
 
     return find
+
+
+def _find_in_packages(name: str, environment: Mapping[str, str]) -> Path | None:
+    """The folder of a model that a package of the install space has, alone or among its models.
+
+    Gazebo finds it where the author has put the folder into one of MODEL_PATHS by hand.
+    """
+    if not _MODEL_NAME.fullmatch(name):
+        return None
+    shares = [prefix / "share" for prefix in _entries(["AMENT_PREFIX_PATH"], environment)]
+    return next(
+        (
+            found.parent
+            for share in shares
+            for place in (f"*/{name}", f"*/models/{name}")
+            for found in sorted(share.glob(f"{place}/model.*"))
+            if found.name in {"model.config", "model.sdf"}
+        ),
+        None,
+    )
 
 
 def models_around(file: Path) -> set[str]:

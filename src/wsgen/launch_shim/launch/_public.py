@@ -108,6 +108,7 @@ NAMES: dict[str, dict[str, str]] = {
     },
     "launch.event_handlers": {
         "OnExecutionComplete": "on_execution_complete",
+        "OnIncludeLaunchDescription": "on_include_launch_description",
         "OnProcessExit": "on_process_exit",
         "OnProcessIO": "on_process_io",
         "OnProcessStart": "on_process_start",

@@ -30,7 +30,7 @@ from wsgen.launch.record import RECORD, split_location
 from wsgen.model.plan import Include, LaunchArgument, Process
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Iterator
+    from collections.abc import Awaitable, Callable, Iterator, Sequence
 
     from launch.base import BaseEventHandler, LaunchDescriptionEntity, SomeSubstitutionsType
     from launch.launch_description import LaunchDescription
@@ -86,7 +86,11 @@ class DeclareLaunchArgument(Action):
         )
         if hasattr(choices, "wsgen_is_unknown"):
             choices = None
-        self.__choices = None if choices is None else list(choices)
+        self.__choices: Sequence[str] | None
+        if choices is None or isinstance(choices, str):
+            self.__choices = choices  # of a text, launch accepts every part, as `in` does
+        else:
+            self.__choices = list(choices)
         if self.__choices is not None:
             if not self.__choices:
                 raise ValueError("Provided choices arg is empty.")
@@ -110,7 +114,7 @@ class DeclareLaunchArgument(Action):
         return self.__default_value
 
     @property
-    def choices(self) -> list[str] | None:
+    def choices(self) -> Sequence[str] | None:
         """The only values that are allowed."""
         return self.__choices
 

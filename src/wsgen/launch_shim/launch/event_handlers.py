@@ -151,6 +151,13 @@ class OnProcessStart(OnActionEventBase):
         )
 
 
+class OnIncludeLaunchDescription(BaseEventHandler):
+    """Waits for requests that only a running launch service gets."""
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__(matcher=lambda _event: False, **kwargs)
+
+
 class OnShutdown(BaseEventHandler):
     """What is done when the launch ends."""
 
