@@ -40,7 +40,7 @@ COMMANDS = {
     "new": "Create a package with a robot, and a workspace if none exists.",
     "templates": "List the templates and their variables, or check your own template.",
     "build": "Build the workspace with colcon and explain build errors.",
-    "validate": "Simulate the robots that the installed launch files spawn.",
+    "validate": "Simulate the robots that launch files spawn.",
     "launch": "Show what a launch file would start, without ROS and without starting it.",
     "rule": "List all rules, or show the documentation of one.",
     "doctor": "Show what this machine has and lacks for a target, and the commands that fix it.",

@@ -35,7 +35,7 @@ MOST_SEARCHED = 100  # folders, for packages and files to suggest
 
 @click.command(
     cls=ExampleCommand,
-    epilog="Build first: wsgen validates the installed package. A FILE needs no package.",
+    epilog="Of a package that is not built, the source folder counts. A FILE needs no package.",
     examples=("wsgen validate my_robot --picture .", "wsgen validate robot.urdf --engine dart"),
 )
 @click.argument(
@@ -93,7 +93,7 @@ def command(
     quiet: bool,
     verbose: bool,
 ) -> int:
-    """Simulate the robots that the installed launch files spawn, and check the result.
+    """Simulate the robots that launch files spawn, and check the result.
 
     Without PACKAGE, validate all packages of the workspace. A FILE (.urdf,
     .xacro, .sdf, .world, or another with a <robot> or <sdf>) is simulated by itself; a robot
