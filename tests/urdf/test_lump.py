@@ -150,6 +150,13 @@ def test_moving_massless_link_is_dropped_with_what_hangs_on_it() -> None:
     assert all(name in only.message for name in ("`b`", "`c`", "`d`"))
 
 
+def test_massless_scenery_of_an_arm_is_dropped_with_a_warning() -> None:
+    links = [body("world", None), body("plate", None), body("arm")]
+    lumped, found = lump(robot(links, [fixed("world", "plate"), fixed("world", "arm")]))
+    assert [link.name for link in lumped.links] == ["world", "arm"]
+    assert [(one.code, one.severity) for one in found] == [("ROB040", Severity.WARNING)]
+
+
 @pytest.mark.parametrize("mass", [None, 0.0])
 def test_root_without_mass_is_refused(mass: float | None) -> None:
     lumped, found = lump(robot([body("a", mass), body("b")], [turning("a", "b")]))

@@ -49,6 +49,8 @@ DROPPED_LINK = Rule(
     code="ROB040",
     name="dropped-link",
     severity=Severity.ERROR,
+    severity_varies="a warning for what is fixed to the world and carries nothing, such as a plate "
+    "under an arm",
     summary="Gazebo drops a link without mass, and everything that is attached to it.",
     why=(
         "`sdformat` drops a link without mass unless a fixed joint attaches it to a link with "
@@ -645,7 +647,16 @@ def _report_dropped(
                 if blamed.name == name
                 else "."
             ),
+            severity=Severity.WARNING if _is_scenery(bodies, name) else None,
         )
+
+
+def _is_scenery(bodies: Mapping[str, Body], name: str) -> bool:
+    """Whether a body is fixed to the world and carries none: the robot moves as well without."""
+    on_the_world = bodies[WORLD].joints if WORLD in bodies else ()
+    return not bodies[name].joints and any(
+        joint.child == name and joint.type is JointType.FIXED for joint in on_the_world
+    )
 
 
 def _dropped_message(robot: Robot, bodies: Mapping[str, Body], name: str, blamed: Link) -> str:
