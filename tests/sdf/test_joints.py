@@ -72,7 +72,29 @@ def test_types(read: Read, kind: str, axis: str, expected: JointType) -> None:
     assert (found.limit is not None) is (expected is JointType.REVOLUTE)
 
 
-@pytest.mark.parametrize("kind", ["revolute2", "universal", "screw", "gearbox"])
+@pytest.mark.parametrize("kind", ["universal", "revolute2"])
+def test_two_axes_are_two_joints_with_a_cross_between(read: Read, kind: str) -> None:
+    axes = (
+        "<axis><limit><lower>-0.5</lower><upper>0.5</upper></limit></axis>"
+        "<axis2><xyz>0 1 0</xyz><dynamics><damping>2</damping></dynamics></axis2>"
+    )
+    file = read(f'<model name="m">{LINKS}{joint(axes, kind)}</model>')
+    assert file.diagnostics == ()
+    robot = file.models[0].robot
+    assert robot is not None
+    first, second = robot.joints
+    assert (first.name, first.parent, first.child) == ("j", "a", "j (cross)")
+    assert (second.name, second.parent, second.child) == ("j (axis2)", "j (cross)", "b")
+    assert (first.type, second.type) == (JointType.REVOLUTE, JointType.CONTINUOUS)
+    assert (first.axis_in_joint, second.axis_in_joint) == ((0, 0, 1), (0, 1, 0))
+    assert (first.damping, second.damping) == (0, 2)
+    whole = read(f'<model name="m">{LINKS}{joint(axes, "ball")}</model>').models[0].robot
+    assert whole is not None
+    assert robot.mass == pytest.approx(whole.mass, abs=1e-5)
+    assert not robot.loose
+
+
+@pytest.mark.parametrize("kind", ["screw", "gearbox"])
 def test_types_that_no_engine_has(read: Read, kind: str) -> None:
     file = read(f'<model name="m">{LINKS}{joint("", kind)}</model>')
     (found,) = file.diagnostics

@@ -20,7 +20,7 @@ from simulation.gazebo_physics import DEBIAN, GazeboPhysics, is_installed
 from simulation.robots import run_of
 from wsgen.meshes.lookup import find_meshes
 from wsgen.model.transform import multiply, rotation_of_rpy, transpose
-from wsgen.sdf.models import read_sdf
+from wsgen.sdf.models import read_model, read_sdf
 from wsgen.simulation.bullet import BulletEngine
 from wsgen.simulation.run import missing_engines
 from wsgen.urdf.lumping import lump
@@ -157,6 +157,45 @@ def test_a_robot_on_a_ball_rests_as_in_gazebo(gazebo: GazeboPhysics) -> None:
     for engine in (BulletEngine, DartEngine):
         robot_run = run_of(engine, model.robot, 0.05 + model.pose_in_world.xyz[2])
         assert (robot_run.movable_joints, robot_run.links) == (3, 4)
+        place, angle = apart(robot_run.rest_pose, rest)
+        assert place < SAME_PLACE
+        assert angle < SAME_HEADING
+
+
+def cart() -> str:
+    """What the model holds of a cart whose front wheels steer and turn by universal joints."""
+    inertial = (
+        "<inertial><mass>{0}</mass>"
+        "<inertia><ixx>{1}</ixx><iyy>{1}</iyy><izz>{1}</izz></inertia></inertial>"
+    )
+    box = "<collision name='c'><geometry><box><size>1 0.5 0.1</size></box></geometry></collision>"
+    ball = (
+        "<collision name='c'><geometry><sphere><radius>0.1</radius></sphere></geometry></collision>"
+    )
+    parts = [f"<link name='chassis'>{inertial.format(20, 1)}{box}</link>"]
+    for name, x, y in (("fl", 0.4, 0.3), ("fr", 0.4, -0.3), ("bl", -0.4, 0.3), ("br", -0.4, -0.3)):
+        steer = "<axis><xyz>0 0 1</xyz><limit><lower>-0.5</lower><upper>0.5</upper></limit></axis>"
+        roll = "<xyz>0 1 0</xyz><dynamics><damping>0.1</damping></dynamics>"
+        kind, axes = ("universal", f"{steer}<axis2>{roll}</axis2>")
+        if name.startswith("b"):
+            kind, axes = "revolute", f"<axis>{roll}</axis>"
+        parts += [
+            f"<link name='{name}'><pose>{x} {y} -0.05 0 0 0</pose>",
+            f"{inertial.format(1, 0.01)}{ball}</link>",
+            f"<joint name='{name}_joint' type='{kind}'><parent>chassis</parent>",
+            f"<child>{name}</child>{axes}</joint>",
+        ]
+    return "".join(parts)
+
+
+def test_a_cart_on_universal_joints_rests_as_in_gazebo(gazebo: GazeboPhysics) -> None:
+    text = f"<sdf version='1.8'><model name='cart'>{cart()}</model></sdf>"
+    (model,) = read_model(text, file=None, find_model=lambda _: None).models
+    assert model.robot is not None
+    rest = gazebo.rest_pose_of_model("cart", cart(), "chassis", 0.2, steps=3000)
+    for engine in (BulletEngine, DartEngine):
+        robot_run = run_of(engine, model.robot, 0.2)
+        assert robot_run.movable_joints == 6
         place, angle = apart(robot_run.rest_pose, rest)
         assert place < SAME_PLACE
         assert angle < SAME_HEADING

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.description_rules import NO_LINK, UNKNOWN_MIMICKED_JOINT
 from wsgen.diagnostics import Rule, Severity
-from wsgen.model.robot import GazeboTag, Joint, JointType, Link, Plugin, Robot
+from wsgen.model.robot import GazeboTag, Inertial, Joint, JointType, Link, Plugin, Robot
 from wsgen.model.transform import IDENTITY, Pose, compose, invert
 from wsgen.sdf.bodies import read_body
 from wsgen.sdf.frames import DUPLICATE_SDF_NAME, WORLD, canonical_link, poses_in_model
@@ -55,10 +55,10 @@ JOINT_LEFT_OUT = Rule(
     name="joint-left-out",
     severity=Severity.WARNING,
     summary="A joint is left out of the simulation because no engine of wsgen has its type.",
-    what="Looks for joints of the types revolute2, universal, screw and gearbox.",
+    what="Looks for joints of the types screw and gearbox.",
     why="Gazebo has these joints, so the simulation differs from Gazebo: a link without another "
     "joint falls off.",
-    example='<joint name="steering" type="universal">',
+    example='<joint name="spindle" type="screw">',
     instead="Use two revolute joints with a small link between them.",
 )
 
@@ -91,6 +91,10 @@ SHARED_PART_NAME = Rule(
     example='<visual name="box">...</visual>\n<collision name="box">...</collision>',
     instead='<visual name="box_visual">...</visual>\n<collision name="box">...</collision>',
 )
+
+
+# Between the axes of a joint; engines need some mass, and feel nothing of this one.
+CROSS = Inertial(mass=1e-6, inertia=(1e-8, 0.0, 0.0, 1e-8, 0.0, 1e-8))  # kg, kg m²
 
 
 class Tree:
@@ -164,16 +168,25 @@ class Tree:
         frames[WORLD] = IDENTITY
         joint_of = dict(self.edge_of.values())
         loose = [name for name in links if name not in self.edge_of and name != root]
+        joints = [
+            joint
+            for name in edges
+            if name in joint_of
+            for joint in self._joints(name, joint_of[name], frames)
+        ]
         return Robot(
             name=self.model.name,
             root=root,
             links=(
                 *([Link(name=WORLD)] if is_fixed else []),
                 *(self._seen_from(frames[name], link) for name, link in links.items()),
+                *(
+                    Link(name=joint.child, inertial=CROSS, line=joint.line)
+                    for joint in joints
+                    if joint.child not in links
+                ),
             ),
-            joints=tuple(
-                self._joint(name, joint_of[name], frames) for name in edges if name in joint_of
-            ),
+            joints=tuple(joints),
             loose=tuple(
                 Joint(
                     name=f"{name} (loose)",
@@ -199,10 +212,18 @@ class Tree:
     def _parent(self, edge: Edge) -> str:
         return WORLD if edge.parent is None else self.name_of[edge.parent]
 
-    def _joint(self, name: str, edge: Edge, frames: dict[str, Pose]) -> Joint:
+    def _joints(self, name: str, edge: Edge, frames: dict[str, Pose]) -> tuple[Joint, ...]:
+        """The joint; of one with two axes, that of each, and between them a cross."""
         parent, child = self._parent(edge), self.name_of[edge.child]
         pose_in_parent = _from(frames[parent], frames[child])
-        return read_joint(edge, (name, parent, child), pose_in_parent, self.poses)
+        if not edge.has_two_axes:
+            return (read_joint(edge, (name, parent, child), pose_in_parent, self.poses),)
+        cross = f"{name} (cross)"
+        second = read_joint(edge, (f"{name} (axis2)", cross, child), IDENTITY, self.poses, "axis2")
+        return (
+            read_joint(edge, (name, parent, cross), pose_in_parent, self.poses),
+            replace(second, mimic=None),
+        )
 
     def _seen_from(self, frame: Pose, link: Link) -> Link:
         """The link with all of its parts in this frame instead of its own."""
@@ -239,7 +260,7 @@ def with_leaders(joints: tuple[Joint, ...], nodes: dict[str, Node]) -> tuple[Joi
     followers = {joint.name: joint.mimic for joint in joints if joint.mimic is not None}
     if not followers:
         return joints
-    names = {nodes[joint.name]: joint.name for joint in joints}
+    names = {nodes[joint.name]: joint.name for joint in joints if joint.name in nodes}
     leader_of: dict[str, str] = {}
     for name, mimic in followers.items():
         leader = nodes[name].scope.lookup(mimic.joint)

@@ -40,10 +40,14 @@ MISSING_JOINT_END = Rule(
     "</joint>",
 )
 
+TWO_AXES = ("universal", "revolute2")  # two revolute joints, one after the other
 TYPES = {
-    kind.value: kind for kind in JointType if kind not in {JointType.PLANAR, JointType.FLOATING}
+    **{
+        kind.value: kind for kind in JointType if kind not in {JointType.PLANAR, JointType.FLOATING}
+    },
+    **dict.fromkeys(TWO_AXES, JointType.REVOLUTE),
 }
-LEFT_OUT = ("revolute2", "universal", "screw", "gearbox")
+LEFT_OUT = ("screw", "gearbox")
 HAVE_AXIS = (JointType.REVOLUTE, JointType.CONTINUOUS, JointType.PRISMATIC)
 UNBOUNDED = 1e16  # rad, m, N or N m: so SDF writes that there is no limit
 DEFAULT_AXIS = (0.0, 0.0, 1.0)
@@ -56,6 +60,11 @@ class Edge(NamedTuple):
     type: JointType | None  # None: one that wsgen leaves out
     parent: Node | None  # None: the world
     child: Node
+
+    @property
+    def has_two_axes(self) -> bool:
+        """Whether it is two revolute joints, with nothing between them."""
+        return self.node.element.get("type") in TWO_AXES
 
 
 def read_edge(node: Node) -> Edge | None:
@@ -106,16 +115,17 @@ def _end(node: Node, tag: str) -> Node | None:
 
 
 def read_joint(
-    edge: Edge, names: tuple[str, str, str], pose_in_parent: Pose, poses: Poses
+    edge: Edge, names: tuple[str, str, str], pose_in_parent: Pose, poses: Poses, tag: str = "axis"
 ) -> Joint:
     """The joint with its own name, that of its parent and that of its child.
 
-    `poses` are those in the outermost model. Mimicked joints have to be looked up afterwards.
+    `poses` are those in the outermost model; `tag` is the element of the axis that is read.
+    Mimicked joints have to be looked up afterwards.
     """
     node, kind = edge.node, edge.type or JointType.FIXED
     source, element = node.source, node.element
     # Gazebo reads no axis, limit or damping of a ball joint.
-    axis = first(element, "axis") if kind in HAVE_AXIS else None
+    axis = first(element, tag) if kind in HAVE_AXIS else None
     limit = None
     if axis is not None:
         limit = _limit(source, axis)
@@ -127,8 +137,8 @@ def read_joint(
     elif kind is JointType.REVOLUTE:
         kind = JointType.CONTINUOUS
     dynamics = {
-        tag: 0.0 if axis is None else number(source, axis, "dynamics", tag, default=0.0)
-        for tag in ("damping", "friction", "spring_stiffness", "spring_reference")
+        name: 0.0 if axis is None else number(source, axis, "dynamics", name, default=0.0)
+        for name in ("damping", "friction", "spring_stiffness", "spring_reference")
     }
     return Joint(
         name=names[0],
