@@ -176,6 +176,25 @@ def test_a_program_that_a_build_left_out(space: InstallSpace) -> None:
     assert codes(space.play("Node(package='my_robot', executable='noisy_drive')")) == ["LCH021"]
 
 
+def test_undeclared_packages_of_an_included_file_of_a_source_folder(
+    space: InstallSpace, tmp_path: Path
+) -> None:
+    included = (
+        "from launch import LaunchDescription\nfrom launch_ros.actions import Node\n"
+        "def generate_launch_description():\n"
+        "    return LaunchDescription([Node(package='rplidar_ros', executable='x')])\n"
+    )
+    source = space.add(
+        "my_robot", {"package.xml": MANIFEST.format(""), "launch/a.launch.py": included}
+    )
+    plan = space.play(
+        f"{INCLUDE.format('my_robot')}, {KNOWN}",
+        environment=serve_sources({"my_robot": source}, tmp_path / "prefixes", {}),
+    )
+    assert_goes_on(plan, "LCH045")
+    assert "<exec_depend>rplidar_ros</exec_depend>" in (plan.diagnostics[0].hint or "")
+
+
 def test_a_program_of_a_package_that_is_not_built(space: InstallSpace, tmp_path: Path) -> None:
     source, folder = tmp_path / "talkers", tmp_path / "prefixes"
     source.mkdir()

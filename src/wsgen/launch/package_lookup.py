@@ -203,7 +203,8 @@ def _report_undeclared(manifest: Path) -> None:
         for package, location in sorted(RECORD.lookups.items())
         if package not in declared | {RECORD.package, manifest.parent.name}
         and location is not None
-        and manifest_of(location[0]) == manifest
+        and (where := manifest_of(location[0]))
+        and where.samefile(manifest)
         and not any(one.element == package for one in RECORD.diagnostics)
     }
     if not undeclared:
