@@ -152,7 +152,8 @@ def test_moving_massless_link_is_dropped_with_what_hangs_on_it() -> None:
 
 def test_massless_scenery_of_an_arm_is_dropped_with_a_warning() -> None:
     links = [body("world", None), body("plate", None), body("arm")]
-    lumped, found = lump(robot(links, [fixed("world", "plate"), fixed("world", "arm")]))
+    joints = [fixed("world", "plate"), fixed("world", "arm")]
+    lumped, found = lump(robot(links, joints, fixed_to_world=True))
     assert [link.name for link in lumped.links] == ["world", "arm"]
     assert [(one.code, one.severity) for one in found] == [("ROB040", Severity.WARNING)]
 
