@@ -5,8 +5,9 @@ from pathlib import Path
 import click
 import pytest
 
-from wsgen.cli.output import render_diagnostics, render_tree
+from wsgen.cli.output import render_diagnostics, render_outcome, render_tree
 from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.model.outcome import NotValidated, Outcome, PackageOutcome
 from wsgen.model.plan import LaunchArgument, LaunchPlan
 
 
@@ -45,6 +46,38 @@ def test_errors_are_all_shown_and_the_others_counted_without_them() -> None:
         "and 2 more of a-rule: -v shows all"
     ]
     assert len(plain(*warnings, most_alike=None)) == 4
+
+
+def test_a_summary_says_why_each_failed() -> None:
+    failed = PackageOutcome(
+        package="p",
+        share=None,
+        launch_file=Path("sim.launch.py"),
+        diagnostics=(diagnostic(Severity.WARNING), diagnostic(Severity.ERROR)),
+    )
+    lines = [click.unstyle(line) for line in render_outcome(Outcome(packages=(failed, failed)))]
+    assert lines[-3:] == ["0 passed, 2 failed:", *["  p  sim.launch.py: Say it."] * 2]
+
+
+def test_what_is_not_validated_is_said_once_for_each_reason() -> None:
+    robots = [
+        NotValidated(package=f"r{n}", reason="spawns no robot", robot_files=(Path(f"{n}.urdf"),))
+        for n in range(4)
+    ]
+    failing = [
+        NotValidated(package="p", launch_file=Path(name), reason="no") for name in ("a", "b")
+    ]
+    messages = NotValidated(package="m", reason="spawns no robot")
+    outcome = Outcome(packages=(), not_validated=(*robots, *failing, messages))
+    assert [click.unstyle(line) for line in render_outcome(outcome)] == [
+        "no launch file spawns a robot: nothing was simulated",
+        "",
+        "not validated",
+        "  r0, r1, r2, r3: spawns no robot",
+        "   try: wsgen validate 0.urdf 1.urdf 2.urdf  # or one of 1 more",
+        "  p a, b: no",
+        "  m: spawns no robot",
+    ]
 
 
 @pytest.mark.parametrize(

@@ -228,6 +228,13 @@ def test_misspelled_executable(space: InstallSpace, package: str, program: str, 
     assert line_of(plan) == FIRST_LINE + 5
 
 
+def test_a_name_that_a_stand_in_lacks(space: InstallSpace) -> None:
+    plan = space.play("", before="from nav2_common.launch import Node")
+    message = only_message(plan, "LCH002")
+    assert "cannot import name 'Node' from 'nav2_common.launch'." in message
+    assert "wsgen" not in message.partition("\n")[0]
+
+
 def test_a_script_that_setuptools_installs_into_bin(space: InstallSpace) -> None:
     space.add("other")
     script = space.prefix / "bin" / "talker"

@@ -130,6 +130,14 @@ def test_a_mistake_in_the_description_of_a_robot() -> None:
     assert reasons(display, simulation) == ["the same mistake as q sim"]
 
 
+def test_what_an_included_one_lacks_is_said_of_the_outer_one() -> None:
+    lacks = error(PACKAGE_NOT_FOUND.code)
+    inner = candidate("drivers", simulator=None, error=lacks)
+    outer = candidate("sim", error=lacks, includes=("drivers",))
+    assert chosen(inner, outer) == ["sim"]
+    assert reasons(inner, outer) == []
+
+
 def test_mistakes_of_packages_that_are_named() -> None:
     mistake = error(SYNTAX_ERROR.code)
     failing = candidate("teleop", simulator=None, error=mistake)

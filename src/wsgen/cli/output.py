@@ -104,6 +104,8 @@ def render_outcome(outcome: Outcome, *, verbose: bool = False, quiet: bool = Fal
         lines += [*_summary(outcome), ""]
     if not outcome.is_complete:
         lines += ["interrupted: only the packages and files above were checked", ""]
+    if outcome.not_validated and not outcome.packages:
+        lines += ["no launch file spawns a robot: nothing was simulated", ""]
     if outcome.not_validated:
         lines += [*_not_validated(outcome.not_validated), ""]
     return lines[:-1]
@@ -112,30 +114,30 @@ def render_outcome(outcome: Outcome, *, verbose: bool = False, quiet: bool = Fal
 def _not_validated(packages: Sequence[NotValidated]) -> Iterator[str]:
     """For each reason the packages or launch files; for robots that nothing spawns, what to do."""
     yield click.style("not validated", bold=True)
-    alike: dict[tuple[str, ...], list[str]] = {}
+    alike: dict[tuple[str, str, bool], list[NotValidated]] = {}
     for one in packages:
-        if one.launch_file is not None:
-            alike.setdefault((one.reason, f"{one.package} "), []).append(one.launch_file.name)
-        elif one.robot_files:
-            files = map(short_path, one.robot_files[:MOST_ALIKE])
-            command = shlex.join(["wsgen", "validate", *files])
-            alike.setdefault((f"{one.reason}\n   try: {command}", ""), []).append(one.package)
-        else:
-            alike.setdefault((one.reason, ""), []).append(one.package)
-    for (reason, package), names in alike.items():
-        yield from f"  {package}{', '.join(names)}: {reason}".splitlines()
+        prefix = f"{one.package} " if one.launch_file else ""
+        alike.setdefault((one.reason, prefix, bool(one.robot_files)), []).append(one)
+    for (reason, prefix, _), those in alike.items():
+        names = [one.launch_file.name if one.launch_file else one.package for one in those]
+        yield f"  {prefix}{', '.join(names)}: {reason}"
+        files = [short_path(file) for one in those for file in one.robot_files]
+        if files:
+            more = f"  # or one of {len(files) - MOST_ALIKE} more" * (len(files) > MOST_ALIKE)
+            yield f"   try: {shlex.join(['wsgen', 'validate', *files[:MOST_ALIKE]])}{more}"
 
 
 def _summary(outcome: Outcome) -> list[str]:
-    failed = [
-        _name(package)
-        + (f"  {package.launch_file.name}" if package.package and package.launch_file else "")
-        for package in outcome.packages
-        if not package.passed
-    ]
+    """How many passed, and of each that failed its first error."""
+    failed = [package for package in outcome.packages if not package.passed]
     passed = len(outcome.packages) - len(failed)
     lines = [f"{passed} passed, {len(failed)} failed" + (":" if failed else "")]
-    return lines + [f"  {name}" for name in failed]
+    for package in failed:
+        file = f"  {package.launch_file.name}" if package.package and package.launch_file else ""
+        errors = [one for one in package.diagnostics if one.severity is Severity.ERROR]
+        why = f": {errors[0].message}" if errors else ""
+        lines.append(f"  {_name(package)}{file}{why}")
+    return lines
 
 
 def _package(

@@ -226,9 +226,10 @@ def of_import(error: BaseException) -> Explanation | None:
             element=module,
         )
     names = {*MODULES, *KNOWN_MODULES, *sys.stdlib_module_names}
+    said = re.sub(r" \(/.*\)$", "", str(error))  # without the file of the module
     return Explanation(
         IMPORT_ERROR,
-        f"The launch file cannot import this: {error}.",
+        f"The launch file cannot import this: {said}.",
         advice(
             module,
             [name for name in names if not name.startswith("_")],

@@ -223,14 +223,14 @@ def _choose_failing(
     outer = [
         one
         for one in reported
-        if not any(
-            other is not one
-            and os.path.realpath(one.file) in other.included
-            and one.errors <= other.errors
-            for other in reported
-        )
+        if not any(other is not one and _says_all(other, one) for other in reported)
     ]
-    return outer, others
+    # What is wrong in an included one is said of the outer one.
+    return outer, [one for one in others if not any(_says_all(other, one[0]) for other in outer)]
+
+
+def _says_all(outer: Candidate, inner: Candidate) -> bool:
+    return os.path.realpath(inner.file) in outer.included and inner.errors <= outer.errors
 
 
 def _may_spawn(failing: Candidate, spawning: Sequence[Path]) -> bool:
@@ -278,7 +278,7 @@ def _first_error(failing: Candidate, *, with_place: bool) -> str:
     if not with_place:
         return found.message
     place = (found.file or failing.file).name + (f":{found.line}" if found.line else "")
-    return f"{found.message} ({found.code}, {place})"
+    return f"{found.message.removesuffix('.')} ({found.code}, {place})"
 
 
 def _without_same(
