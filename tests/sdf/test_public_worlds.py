@@ -203,7 +203,7 @@ def compare_joints(theirs: ET.Element, model: SdfModel, robot: Robot, messages: 
         )
         kind = "revolute" if joint.type is JointType.CONTINUOUS else joint.type.value
         assert element.get("type") in {kind, joint.type.value}
-        if joint.type is JointType.FIXED:
+        if joint.type in {JointType.FIXED, JointType.BALL}:
             continue
         xyz = element.find("axis/xyz")
         assert xyz is not None
