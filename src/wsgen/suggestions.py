@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable
+    from collections.abc import Collection, Iterable, Sequence
 
 
 # Least similarity of two words, as difflib measures it from 0 to 1.
@@ -52,3 +52,9 @@ def _similar(name: str, known: Iterable[str], most: int, cutoff: float) -> list[
     from difflib import get_close_matches  # noqa: PLC0415  3 ms that only a mistake pays
 
     return get_close_matches(name, [*known], n=most, cutoff=cutoff)
+
+
+def some_of(names: Sequence[str], most: int = 3) -> str:
+    """The names on one line; of many, the first few and the number of the others."""
+    listed = ", ".join(names[:most])
+    return f"{listed} and {len(names) - most} more" if len(names) > most else listed

@@ -40,7 +40,11 @@ CMAKE_CASES = {
     ),
     "needs a package that is not there": (
         CMAKE.replace("install(", "find_package(frobnicator REQUIRED)\ninstall("),
-        ("BLD008", 4, "frobnicator", "Source a ROS that has it"),
+        ("BLD008", 4, "frobnicator", "No ROS distribution has a package of this name"),
+    ),
+    "needs a package of ROS 1": (
+        CMAKE.replace("install(", "find_package(catkin REQUIRED)\ninstall("),
+        ("BLD008", 4, "catkin", "one of ROS 1"),
     ),
     "misspells a package": (
         CMAKE.replace("find_package(ament_cmake", "find_package(ament_cmak"),
@@ -116,7 +120,31 @@ CMAKE_CASES = {
     ),
     "enables a language that nobody knows": (
         CMAKE.replace("LANGUAGES NONE", "CXXX"),
-        ("BLD015", 2, "(Could not find cmake module file: CMakeDetermineCXXX", "stdout_stderr.log"),
+        ("BLD047", 2, "project() names the language CXXX", "Write CXX for C++"),
+    ),
+    "has no project()": (
+        CMAKE.replace("project(demo LANGUAGES NONE)\n", ""),
+        ("BLD045", 1, "does not call project()", "Add after line 1: project(demo)"),
+    ),
+    "compiles a file that is not there": (
+        CMAKE.replace(" LANGUAGES NONE", "").replace(
+            "install(", "add_library(own\n  own.cpp)\ninstall("
+        ),
+        ("BLD046", 4, "the source file own.cpp", "Create it"),
+    ),
+    "compiles a file that is not there with what is missing": (
+        CMAKE.replace(" LANGUAGES NONE", "").replace(
+            "install(", "find_package(rclcpp REQUIRED)\nadd_library(own own.cpp)\ninstall("
+        ),
+        ("BLD046", 5, "the source file own.cpp", "Create it"),
+    ),
+    "downloads what nobody has": (
+        CMAKE
+        + """include(ExternalProject)
+ExternalProject_Add(own
+  GIT_REPOSITORY file:///nobody/has.git)
+""",
+        ("BLD048", 11, "cannot download file:///nobody/has.git", "Check that the address exists"),
     ),
     "configures a file that is not there": (
         CMAKE + "configure_file(missing.in made)\n",
@@ -200,10 +228,11 @@ def test_no_package_xml(tmp_path: Path) -> None:
 
 def test_apt_is_advised_where_a_ros_is_sourced(tmp_path: Path) -> None:
     write_package(
-        tmp_path, cmake=CMAKE.replace("install(", "find_package(my_msgs REQUIRED)\ninstall(")
+        tmp_path, cmake=CMAKE.replace("install(", "find_package(nav_msgs REQUIRED)\ninstall(")
     )
-    diagnostic = only(build_here(tmp_path, environment={**outside(), "ROS_DISTRO": "iron"}))
-    assert "ros-iron-my-msgs" in (diagnostic.hint or "")
+    sourced = {"AMENT_PREFIX_PATH": sys.prefix, "ROS_DISTRO": "iron"}
+    diagnostic = only(build_here(tmp_path, environment={**outside(), **sourced}))
+    assert "ros-iron-nav-msgs" in (diagnostic.hint or "")
 
 
 def test_output_is_shown_again_where_it_is_not_explained(tmp_path: Path) -> None:
@@ -385,6 +414,17 @@ def test_a_package_of_the_workspace_that_is_not_declared(tmp_path: Path) -> None
     diagnostic = only(build_here(tmp_path))
     assert diagnostic.code == "BLD008"
     assert "<depend>zlast</depend>" in (diagnostic.hint or "")
+
+
+def test_a_package_that_a_file_for_vcs_names(tmp_path: Path) -> None:
+    needs = CMAKE.replace("install(", "find_package(rclcpq_msgs REQUIRED)\ninstall(")
+    folder = write_package(tmp_path, cmake=needs)
+    for name in ("robot.repos", "simulation.repos"):
+        (folder.parent / name).write_text("repositories:\n  somebody/rclcpq_msgs:\n    type: git\n")
+    hint = only(build_here(tmp_path)).hint
+    assert hint == (
+        f"Clone it into src, then build again: vcs import src < {folder.parent}/simulation.repos"
+    )
 
 
 def test_a_dependency_that_was_not_built(tmp_path: Path) -> None:

@@ -63,6 +63,11 @@ def left_out(result: BuildResult) -> tuple[str, ...]:
             "target_link_libraries(node own)"
         ),
         "find_library(THEIRS NAMES nobody_has_it REQUIRED)\ntarget_link_libraries(node ${THEIRS})",
+        (
+            "find_library(THEIRS nobody_has_it)\n"
+            "if(NOT THEIRS)\n  message(FATAL_ERROR no)\nendif()\n"
+            "target_link_libraries(node ${THEIRS})"
+        ),
     ],
 )
 def test_a_target_that_names_what_is_missing_is_left_out(link: str, tmp_path: Path) -> None:
@@ -131,6 +136,29 @@ def test_with_a_sourced_ros_nothing_is_left_out(tmp_path: Path) -> None:
     ).diagnostics
     assert (error.code, error.severity) == ("BLD008", Severity.ERROR)
     assert "find_package(rclcpp)" in error.message
+
+
+def test_a_library_that_a_package_goes_on_without_is_not_assumed(tmp_path: Path) -> None:
+    link = "find_library(THEIRS nobody_has_it)\nif(THEIRS)\n  message(FATAL_ERROR no)\nendif()"
+    write_node(tmp_path, link)
+    assert left_out(build_here(tmp_path)) == ()
+
+
+def test_cmake_sees_the_variables_of_a_sourced_ros(tmp_path: Path) -> None:
+    asks = 'if(NOT DEFINED ENV{ROS_DISTRO} OR NOT "$ENV{ROS_VERSION}" EQUAL 2)\n'
+    write_package(tmp_path, cmake=CMAKE + asks + "message(FATAL_ERROR no)\nendif()\n")
+    assert left_out(build_here(tmp_path)) == ()
+
+
+@pytest.mark.parametrize("asks", ["", "find_package(Python3 REQUIRED COMPONENTS Interpreter)\n"])
+def test_a_python_without_the_modules_of_ros_is_replaced(asks: str, tmp_path: Path) -> None:
+    python = tmp_path / "python3"
+    python.write_text("#!/bin/sh\nexit 1\n")
+    python.chmod(0o755)
+    names = f"set(Python3_EXECUTABLE {python} CACHE FILEPATH theirs FORCE)\n{asks}find_package("
+    write_package(tmp_path, cmake=CMAKE.replace("find_package(", names, 1))
+    assert left_out(build_here(tmp_path)) == ()
+    assert cache_entry(tmp_path, "Python3_EXECUTABLE") == sys.executable
 
 
 def test_a_command_of_a_missing_package_does_nothing(tmp_path: Path) -> None:

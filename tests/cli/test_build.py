@@ -49,8 +49,9 @@ def build(package: Path, *options: str) -> tuple[int, str]:
         text=True,
         check=False,
     )
-    assert run.stdout == ""
-    return run.returncode, run.stderr
+    assert "Next:" not in run.stdout
+    assert "[BLD" not in run.stderr  # diagnostics are the result
+    return run.returncode, run.stdout + run.stderr
 
 
 def test_the_next_step(package: Path) -> None:
@@ -111,7 +112,22 @@ def test_the_build_goes_on_after_a_failure(package: Path) -> None:
     code, words = build(package, "--", "--executor", "sequential")
     assert code == 1
     assert "2 built, 1 failed  " in words
-    assert "Next:" not in words
+    assert words.endswith("\nNext: repair the errors, or try what is built: wsgen validate\n")
+
+
+def test_what_is_left_out_is_told_in_a_line_each(package: Path) -> None:
+    shutil.copytree(package, package.with_name("zlast"))
+    for name in ("demo", "zlast"):
+        folder = package.with_name(name)
+        (folder / "package.xml").write_text(PACKAGE_XML.replace("<name>demo", f"<name>{name}"))
+        asks = "find_package(rclcpp REQUIRED)\nnone_rclcpp_do()\n"
+        cmake = CMAKE.replace("demo", name).replace("ament_package", f"{asks}ament_package")
+        (folder / "CMakeLists.txt").write_text(cmake)
+    words = build(package)[1]
+    first, second, hint, *_ = words.splitlines()
+    assert first.startswith("info[BLD032] not-compiled: demo is built without")
+    assert second.startswith("    and: zlast is built without")
+    assert hint.startswith("   try: Source a ROS")
 
 
 def test_the_output_of_an_unknown_failure_is_printed_once(package: Path) -> None:

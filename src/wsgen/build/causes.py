@@ -6,6 +6,7 @@ A cause is a function that recognizes it in the output of the build, and reports
 from __future__ import annotations
 
 import re
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -209,6 +210,50 @@ find_package(ament_cmake REQUIRED)
 ament_package()""",
 )
 
+MISSING_PROJECT = Rule(
+    code="BLD045",
+    name="missing-project",
+    severity=Severity.ERROR,
+    summary="CMakeLists.txt does not call project().",
+    why="`ament_package()` takes the name of the package from project(), and stops without it.",
+    example="""cmake_minimum_required(VERSION 3.8...3.31)
+find_package(ament_cmake REQUIRED)
+ament_package()""",
+    instead="""cmake_minimum_required(VERSION 3.8...3.31)
+project(my_robot)
+find_package(ament_cmake REQUIRED)
+ament_package()""",
+)
+MISSING_SOURCE = Rule(
+    code="BLD046",
+    name="missing-source",
+    severity=Severity.ERROR,
+    summary="A target names a source file that does not exist.",
+    why="CMake stops, as it cannot compile the target. The name is misspelled, or lacks its "
+    "folder: it begins at the folder of CMakeLists.txt.",
+    example="add_executable(my_node my_node.cpp)  # the file is src/my_node.cpp",
+    instead="add_executable(my_node src/my_node.cpp)",
+)
+UNKNOWN_LANGUAGE = Rule(
+    code="BLD047",
+    name="unknown-language",
+    severity=Severity.ERROR,
+    summary="`project()` names a language that CMake does not know.",
+    why="CMake looks for the compiler of each language, and stops. It calls C++ CXX.",
+    example="project(my_robot LANGUAGES CPP)",
+    instead="project(my_robot LANGUAGES CXX)",
+)
+FAILED_DOWNLOAD = Rule(
+    code="BLD048",
+    name="failed-download",
+    severity=Severity.ERROR,
+    summary="A package downloads something while it is built, which fails.",
+    why="FetchContent and ExternalProject of CMake need the network, git, and an address that "
+    "still exists. What they load is compiled with the package, so it is not built.",
+    example="""ExternalProject_Add(lely GIT_REPOSITORY https://example.com/removed.git)""",
+    instead="Check the address and the network; or install the library, and find_package() it.",
+)
+
 # Commands that packages of robots call -> the package that defines them; empty for CMake's own.
 COMMANDS = {
     "ament_auto_find_build_dependencies": "ament_cmake_auto",
@@ -331,6 +376,85 @@ def missing_cmake_minimum(failure: Failure) -> Iterator[Diagnostic]:
         )
 
 
+def missing_project(failure: Failure) -> Iterator[Diagnostic]:
+    """Name the package as package.xml does; CMake names it Project."""
+    calls = read_calls(failure.cmake_file)
+    if "No project() command is present" not in failure.output or any(
+        call.command == "project" for call in calls
+    ):
+        return
+    first = next((call for call in calls if call.command == "cmake_minimum_required"), None)
+    where = "as its first line" if first is None else f"after line {first.line}"
+    yield failure.report(
+        MISSING_PROJECT,
+        "CMakeLists.txt does not call project().",
+        line=first.line if first else 1,
+        hint=f"Add {where}: project({failure.package})",
+    )
+
+
+def unknown_language(failure: Failure) -> Iterator[Diagnostic]:
+    """Say how CMake names C++, where its own advice is to name a compiler."""
+    match = re.search(r"module file: CMakeDetermine(\S+)Compiler\.cmake", failure.output)
+    called = [error for error in failure.errors if error.command in {"project", "enable_language"}]
+    if match and called:
+        yield failure.report(
+            UNKNOWN_LANGUAGE,
+            f"{called[0].command}() names the language {match[1]}, which CMake does not know.",
+            error=called[0],
+            hint=f"Write CXX for C++, C for C, and NONE for neither: project({failure.package} "
+            "LANGUAGES CXX)",
+        )
+
+
+def missing_source(failure: Failure) -> Iterator[Diagnostic]:
+    """Find the file under the same or a similar name in the package."""
+    for error in failure.errors:
+        match = re.search(r"Cannot find source file: (.+?)(?: Tried |$)", error.message)
+        if match is None:
+            continue
+        path = failure.folder / match[1]
+        name = str(path.relative_to(failure.folder)) if path.is_relative_to(failure.folder) else ""
+        beside = {
+            str(file.relative_to(failure.folder))
+            for file in failure.folder.rglob("*")
+            if file.suffix in SOURCES
+        }
+        same = sorted(file for file in beside if Path(file).name == path.name)
+        hint = did_you_mean(*same[:3]) if same else ask_for_nearest(name, beside).strip()
+        yield failure.report(
+            MISSING_SOURCE,
+            f"the source file {name or path} of a target does not exist.",
+            error=error,
+            hint=hint or "Create it, or remove it from the target; it may be missing from a clone.",
+        )
+
+
+def failed_download(failure: Failure) -> Iterator[Diagnostic]:
+    """Name what the package wants to load."""
+    match = re.search(
+        r"Failed to clone repository:\s+'(.+?)'|(?s:Each download failed!.*?'(\S+://\S+?)')",
+        failure.output,
+    )
+    if match:
+        address = match[1] or match[2]
+        line = next(
+            (
+                call.argument_lines[call.arguments.index(address)]
+                for call in read_calls(failure.cmake_file)
+                if address in call.arguments
+            ),
+            None,
+        )
+        yield failure.report(
+            FAILED_DOWNLOAD,
+            f"CMake cannot download {address}, which the package asks for while it is built.",
+            line=line,
+            hint="Check that the address exists and that this machine reaches it, and build again. "
+            "wsgen validate uses the source folder of the package until then.",
+        )
+
+
 def missing_destination(failure: Failure) -> Iterator[Diagnostic]:
     """Say where to install to."""
     for error in failure.errors:
@@ -374,6 +498,10 @@ CMAKE_CAUSES = (
     syntax,
     unknown_command,  # before the next: the unknown command may be a misspelled minimum
     missing_cmake_minimum,
+    missing_project,
+    unknown_language,
+    missing_source,
+    failed_download,
     missing_destination,
     different_names,
 )
@@ -490,6 +618,7 @@ USUAL_PACKAGES = (
     *("tf2_ros", "trajectory_msgs", "urdf", "visualization_msgs", "xacro"),
 )
 
+SOURCES = frozenset((".c", ".cc", ".cpp", ".cxx"))
 GIT_KEEPS_NO_EMPTY_FOLDERS = " Git does not keep empty folders: they are missing from a clone."
 
 
@@ -560,16 +689,38 @@ def _where_to_get(name: str, failure: Failure) -> str:
     released = released_packages()
     known = {*failure.siblings, *released, *cmake_packages()}
     if name not in known:
-        usual = {*failure.siblings, *USUAL_PACKAGES, *cmake_packages()}
+        clone = _where_to_clone(name, failure)
+        usual = {*failure.siblings, *USUAL_PACKAGES, *cmake_packages()} - {failure.package}
         near = nearest(name, usual, cutoff=0.75) or nearest(name, known, cutoff=0.9)
-        if near is not None:
+        if near is not None and not clone:
             return did_you_mean(near)
+        return clone or (
+            "No ROS distribution has a package of this name: correct the name, clone the package "
+            "into src, or install the library that brings it."
+        )
     without = "remove the line if the package does not compile against it"
     if not failure.distro:
         return f"Source a ROS that has it (source /opt/ros/<distro>/setup.bash), or {without}."
     if name in cmake_packages() and name not in released:
         return f"Install it (apt: lib{name.lower()}-dev), or {without}."
     return f"Install it (apt: ros-{failure.distro}-{name.replace('_', '-')}), or {without}."
+
+
+def _where_to_clone(name: str, failure: Failure) -> str:
+    """For a package that no ROS 2 has: what a file for vcs in the repository says; maybe empty."""
+    if name == "catkin":
+        return (
+            "The package is one of ROS 1: put an empty file COLCON_IGNORE into its folder, or port "
+            "it to ament_cmake."
+        )
+    for folder in failure.folder.parents[:3]:
+        files = [file for depth in ("", "*/") for file in folder.glob(f"{depth}*.repos")]
+        for file in sorted(files, key=lambda one: ("sim" not in one.name, one)):
+            with suppress(OSError):
+                text = file.read_text(encoding="utf-8", errors="replace")
+                if re.search(rf"(?m)^\s+(?:\S+/)?{re.escape(name)}:\s*$", text):
+                    return f"Clone it into src, then build again: vcs import src < {file}"
+    return ""
 
 
 def _repeated_ament_package(failure: Failure) -> Iterator[Diagnostic]:

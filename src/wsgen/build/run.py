@@ -26,6 +26,7 @@ from wsgen.build.source_packages import (
 from wsgen.build.toolchain import SourcedRos, find_toolchain, package_prefixes
 from wsgen.build.without_ros import (
     OLD_PACKAGES,
+    SOURCED_VARIABLES,
     add_left_out,
     configure_again,
     report_left_out,
@@ -35,6 +36,7 @@ from wsgen.build.without_ros import (
 from wsgen.diagnostics import Diagnostic, Rule, Severity, has_errors
 from wsgen.errors import NotFoundError
 from wsgen.events import Listener, OutputLine, StepEnded, StepStarted, post
+from wsgen.suggestions import some_of
 from wsgen.values import dataclass
 from wsgen.workspace.layout import check_workspace_path, take_inventory
 from wsgen.workspace.package_xml import check_package_xml
@@ -246,7 +248,7 @@ def _run(
     cmake_arguments: tuple[str, ...] = (WITHOUT_TESTS,) if missing else ()
     is_without_ros = not isinstance(toolchain, SourcedRos)
     if is_without_ros and any(one.build_type == "ament_cmake" for one in job.inventory.packages):
-        variables = {**OLD_PACKAGES, **variables, **without_ros_variables()}
+        variables = {**OLD_PACKAGES, **SOURCED_VARIABLES, **variables, **without_ros_variables()}
         cmake_arguments += without_ros_arguments(variables, job.colcon_arguments)
         configure_again((job.workspace.build / name for name in siblings), prefixes, siblings)
 
@@ -325,7 +327,7 @@ def _deprecated_minimum(job: _Job, progress: Progress) -> Iterator[Diagnostic]:
             for name, line in split_deprecations(result.error_output)[1]:
                 places.append((result.name, (package.path if package else Path()) / name, line))
     if places:
-        names = ", ".join(dict.fromkeys(name for name, _, _ in places))
+        names = some_of([*dict.fromkeys(name for name, _, _ in places)])
         _, file, line = places[0]
         yield DEPRECATED_MINIMUM.at(
             file,

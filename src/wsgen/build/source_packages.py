@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.build.cmake_text import read_calls
 from wsgen.diagnostics import Diagnostic, Rule, Severity
-from wsgen.suggestions import suggest
+from wsgen.suggestions import some_of, suggest
 from wsgen.workspace.manifest import DEFAULT_BUILD_TYPE, read_manifest
 
 if TYPE_CHECKING:
@@ -108,12 +108,12 @@ def tests_left_out(missing: Mapping[str, list[tuple[Path, int, str]]]) -> Iterat
     """Report once which packages are built without tests, and what their tests require."""
     if missing:
         places = [place for calls in missing.values() for place in calls]
-        names = ", ".join(dict.fromkeys(name for _, _, name in places))
+        names = some_of([*dict.fromkeys(name for _, _, name in places)])
         several = len(missing) > 1
         yield TESTS_LEFT_OUT.at(
             *places[0][:2],
             None if several else next(iter(missing)),
-            message=f"{', '.join(missing)} {'are' if several else 'is'} built without tests "
+            message=f"{some_of([*missing])} {'are' if several else 'is'} built without tests "
             f"(BUILD_TESTING=OFF), because they require what is not installed: {names}.",
             hint="Install it to run the tests.",
         )

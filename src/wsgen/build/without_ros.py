@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,6 +17,7 @@ from typing import TYPE_CHECKING
 from wsgen.build.source_packages import is_installed
 from wsgen.diagnostics import Rule, Severity
 from wsgen.ros_names import CMAKE_NAMES, ROS_NAMES
+from wsgen.suggestions import some_of
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
@@ -47,7 +49,8 @@ LAST_ARGUMENTS = "cmake_args.last"  # colcon configures again without this file
 COMPILERS = ("c++", "CC", "g++", "clang++")  # the names CMake looks for
 # For CMake 4, which refuses cmake_minimum_required(VERSION 2.8); that of Ubuntu 24.04 does not.
 OLD_PACKAGES = {"CMAKE_POLICY_VERSION_MINIMUM": "3.5"}
-MOST_LISTED = 6  # names of targets in a message
+# What a sourced ROS sets and CMakeLists.txt asks for; the distribution is that of launch files.
+SOURCED_VARIABLES = {"ROS_DISTRO": "iron", "ROS_VERSION": "2", "ROS_PYTHON_VERSION": "3"}
 
 
 def without_ros_variables(failed: Iterable[str] = ()) -> dict[str, str]:
@@ -55,7 +58,11 @@ def without_ros_variables(failed: Iterable[str] = ()) -> dict[str, str]:
 
     A package of the workspace that did not fail is built before those that depend on it.
     """
-    return {"WSGEN_NAMES": f"{ROS_NAMES};{CMAKE_NAMES}", "WSGEN_FAILED": ";".join(failed)}
+    return {
+        "WSGEN_NAMES": f"{ROS_NAMES};{CMAKE_NAMES}",
+        "WSGEN_FAILED": ";".join(failed),
+        "WSGEN_PYTHON": sys.executable,
+    }
 
 
 def without_ros_arguments(
@@ -105,15 +112,12 @@ def report_left_out(
     """
     for package in packages:
         if package.left_out:
-            listed = [*package.left_out[:MOST_LISTED]]
-            if len(package.left_out) > MOST_LISTED:
-                listed.append(f"{len(package.left_out) - MOST_LISTED} more")
             yield NOT_COMPILED.at(
                 folders[package.name] / "CMakeLists.txt",
                 element=package.name,
                 severity=Severity.ERROR if strict else Severity.INFO,
-                message=f"{package.name} is built without {', '.join(listed)} (not compiled: needs "
-                f"{', '.join(package.needs)}).",
+                message=f"{package.name} is built without {some_of(package.left_out)} "
+                f"(not compiled: needs {some_of(package.needs)}).",
                 hint="Source a ROS that has what is missing (source /opt/ros/<distro>/setup.bash) "
                 "to compile it; everything else is installed.",
             )

@@ -117,7 +117,7 @@ def build_workspace(
         ]
         others = [found for found in result.diagnostics if found not in notes]
         for line in (*render_diagnostics(others), *render_alike(notes)):
-            click.echo(line, err=True)
+            click.echo(line)
         if result.not_built and "--continue-on-error" not in colcon_arguments and not quiet:
             words = [*packages, "--", *colcon_arguments, "--continue-on-error"]
             build_all = next_command(place, shlex.join(["wsgen", "build", *words]))
@@ -128,4 +128,7 @@ def build_workspace(
         if result.succeeded and not (quiet or goes_on):
             validate = " ".join(["wsgen validate", *packages])
             click.echo(f"Next: {next_command(place, validate)}", err=True)
+        elif any(package.outcome == "built" for package in result.packages) and not quiet:
+            validate = next_command(place, "wsgen validate")
+            click.echo(f"Next: repair the errors, or try what is built: {validate}", err=True)
     return EXIT_PASSED if result.succeeded else EXIT_FAILED

@@ -64,9 +64,12 @@ def render_diagnostics(
 
 
 def render_alike(diagnostics: Sequence[Diagnostic]) -> list[str]:
-    """A line each of diagnostics of one rule whose messages say where; what to do is said once."""
-    lines = [line for one in diagnostics for line in render_diagnostics([one])[:1]]
-    return [*lines, f"   try: {diagnostics[0].hint}"] if diagnostics else []
+    """A line each of diagnostics of one rule whose messages say where; the rest is said once."""
+    if not diagnostics:
+        return []
+    first, *_ = render_diagnostics(diagnostics[:1])
+    others = [f"    and: {one.message}" for one in diagnostics[1:]]
+    return [first, *others, f"   try: {diagnostics[0].hint}"]
 
 
 def _place(diagnostic: Diagnostic) -> str:

@@ -9,6 +9,7 @@
 # environment that wsgen build sets for one build:
 #   WSGEN_NAMES   files with the names of packages, a list; lines that begin with # are comments
 #   WSGEN_FAILED  the packages of the workspace whose build failed, a list
+#   WSGEN_PYTHON  the Python with the modules that ament_cmake imports
 # WSGEN_HAS_COMPILER is an argument, so that colcon configures again when it changes.
 
 set(wsgen_stand_in_file "${CMAKE_BINARY_DIR}/wsgen_without_compiler.txt")
@@ -106,9 +107,27 @@ macro(wsgen_assume package)
   wsgen_is_missing("${package}")
 endmacro()
 
+# A package may name the Python of the machine, which has the modules of ROS where ROS is installed.
+function(wsgen_choose_python)
+  get_property(origin CACHE Python3_EXECUTABLE PROPERTY HELPSTRING)
+  if(Python3_EXECUTABLE AND NOT Python3_EXECUTABLE STREQUAL "$ENV{WSGEN_PYTHON}"
+      AND NOT origin MATCHES "command line")
+    execute_process(
+      COMMAND "${Python3_EXECUTABLE}" -c "import ament_package, catkin_pkg"
+      RESULT_VARIABLE failed OUTPUT_QUIET ERROR_QUIET)
+    if(failed)
+      set(Python3_EXECUTABLE "$ENV{WSGEN_PYTHON}" CACHE FILEPATH "" FORCE)
+      set(Python3_EXECUTABLE "$ENV{WSGEN_PYTHON}" PARENT_SCOPE)
+    endif()
+  endif()
+endfunction()
+
 # The provider of find_package(). It is a macro, because find_package() sets variables of the
 # caller, and it uses no variable of its own after find_package(), which may call it again.
 macro(wsgen_find_package method package)
+  if("${package}" MATCHES "^(ament_cmake.*|Python3)$")
+    wsgen_choose_python()
+  endif()
   string(FIND "${CMAKE_CURRENT_LIST_FILE}" "${CMAKE_SOURCE_DIR}/" wsgen_position)
   # The module for Python heeds policies, and those of the caller do not reach into a macro: where
   # ament_cmake asks for it, CMake goes on by itself.
