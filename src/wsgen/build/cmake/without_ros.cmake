@@ -108,7 +108,13 @@ macro(wsgen_assume package)
 endmacro()
 
 # A package may name the Python of the machine, which has the modules of ROS where ROS is installed.
+# Later the variable is that of the Python which CMake has found.
 function(wsgen_choose_python)
+  get_property(has_chosen GLOBAL PROPERTY WSGEN_HAS_CHOSEN_PYTHON)
+  if(has_chosen)
+    return()
+  endif()
+  set_property(GLOBAL PROPERTY WSGEN_HAS_CHOSEN_PYTHON TRUE)
   get_property(origin CACHE Python3_EXECUTABLE PROPERTY HELPSTRING)
   if(Python3_EXECUTABLE AND NOT Python3_EXECUTABLE STREQUAL "$ENV{WSGEN_PYTHON}"
       AND NOT origin MATCHES "command line")
