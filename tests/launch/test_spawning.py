@@ -11,7 +11,7 @@ import pytest
 from install_space import HEAD, InstallSpace
 from wsgen.diagnostics import Severity
 from wsgen.launch.spawning import assume_spawn, find_spawns
-from wsgen.model.plan import Include, LaunchPlan, Process, Unresolved
+from wsgen.model.plan import STARTS_UNKNOWN, Include, LaunchPlan, Process, Unresolved
 from wsgen.model.world import Spawn, SpawnHeight
 
 URDF = "<robot name='r'/>"
@@ -424,6 +424,15 @@ def test_publisher_that_is_a_command() -> None:
 )
 def test_models_that_gazebo_looks_up(arguments: str, uri: str) -> None:
     assert only_spawn(spawner(*arguments.split())).model_uri == uri
+
+
+def test_what_is_not_known_may_publish() -> None:
+    gazebo = Process(package=None, executable=None, command=("gzserver",))
+    started = plan(gazebo, spawner("-topic", "robot_description", "-entity", "e"))
+    unknown = Unresolved(what="moveit.demo()", why=STARTS_UNKNOWN)
+    for unresolved, severity in (((), Severity.ERROR), ((unknown,), Severity.WARNING)):
+        _, (found,) = find_spawns(replace(started, unresolved=unresolved))
+        assert (found.code, found.severity) == ("SPN008", severity)
 
 
 def test_models_that_create_looks_up_by_their_name(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ import pytest
 from install_space import HEAD, InstallSpace, only_message
 from wsgen.launch.simulators import find_simulator
 from wsgen.launch.spawning import find_spawns
+from wsgen.model.plan import STARTS_UNKNOWN
 
 if TYPE_CHECKING:
     from wsgen.model.plan import LaunchPlan
@@ -356,3 +357,11 @@ def test_a_mistake_beside_a_value_that_is_not_known(space: InstallSpace) -> None
     plan = space.play("OpaqueFunction(function=f)", before=before)
     assert "vlue" in plan.diagnostics[0].message
     assert plan.diagnostics[0].code != "LCH024"
+
+
+def test_what_an_unknown_description_starts(space: InstallSpace) -> None:
+    plan = space.play(
+        "generate_demo_launch()",
+        before="from moveit_configs_utils.launches import generate_demo_launch",
+    )
+    assert STARTS_UNKNOWN in [entry.why for entry in plan.unresolved]

@@ -12,6 +12,7 @@ from wsgen.launch.commands import started_launch_files, started_programs
 from wsgen.launch.known_packages import SURELY
 from wsgen.launch.missing_actions import or_unused_action
 from wsgen.launch.simulators import PACKAGES_OF_GAZEBO, find_simulator
+from wsgen.model.plan import STARTS_UNKNOWN
 from wsgen.suggestions import advice, nearest
 
 if TYPE_CHECKING:
@@ -235,6 +236,8 @@ def _from_topic(plan: LaunchPlan, spawner: Process, topic: str) -> Description |
 
 def _may_publish_elsewhere(plan: LaunchPlan) -> bool:
     """Whether the launch file is run beside others, or with one that is not evaluated."""
+    if any(one.why == STARTS_UNKNOWN for one in plan.unresolved):
+        return True
     not_evaluated = (one for one in started_launch_files(plan) if not one.evaluated)
     return find_simulator(plan)[0] is None or any(
         not (one.package or "").startswith(PACKAGES_OF_GAZEBO) for one in not_evaluated

@@ -70,6 +70,9 @@ class Include:
     configurations: Mapping[str, str] = field(default_factory=dict)
 
 
+STARTS_UNKNOWN = "what it starts comes from a Python module that is not installed"
+
+
 @dataclass(frozen=True, kw_only=True)
 class Unresolved:
     """Something whose value cannot be known without a real ROS."""

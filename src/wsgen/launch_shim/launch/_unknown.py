@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from launch._events import ProcessExited, ProcessStarted
 from launch.base import Action, Substitution
 from wsgen.launch.record import RECORD, UnknownText, caller
+from wsgen.model.plan import STARTS_UNKNOWN
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -82,7 +83,7 @@ class Unknown(Action, Substitution):
 
     def execute(self, context: LaunchContext) -> list[LaunchDescriptionEntity]:
         """Note that something would start, and let happen what waits for it."""
-        self.wsgen_text()
+        RECORD.note_unresolved(self.wsgen_what, STARTS_UNKNOWN, self.wsgen_location or caller())
         details: dict[str, Any] = {"action": self, "name": self.wsgen_what, "cmd": []}
         for event in (ProcessStarted(**details), ProcessExited(**details)):
             kind = "start" if isinstance(event, ProcessStarted) else "exit"
