@@ -144,10 +144,8 @@ MISSING_WORLD = Rule(
 def missing_world(plan: LaunchPlan, file: Path) -> Diagnostic:
     """Report the path of a world that does not exist, at the line that writes it."""
     missing, beside = first_missing(str(file))
-    written, line = where_written(missing, plan.evaluated_files) or (plan.launch_file, None)
     return MISSING_WORLD.at(
-        Path(written),
-        line,
+        *_where(plan, missing),
         missing,
         message=f"The world file '{file}' does not exist.",
         hint=advice(
@@ -173,10 +171,8 @@ UNKNOWN_WORLD = Rule(
 
 def unknown_world(plan: LaunchPlan, name: str, environment: Mapping[str, str]) -> Diagnostic:
     """Report the name of a world that is not found; Gazebo may have it."""
-    written, line = where_written(name, plan.evaluated_files) or (plan.launch_file, None)
     return UNKNOWN_WORLD.at(
-        Path(written),
-        line,
+        *_where(plan, name),
         name,
         message=f"No world file {name} is found. If Gazebo brings it along, Gazebo finds it; "
         "the simulation uses a ground plane instead.",
@@ -202,14 +198,18 @@ WORLD_NOT_HERE = Rule(
 def world_not_here(plan: LaunchPlan, name: str) -> Iterator[Diagnostic]:
     """Report a world that only Gazebo or another package has, unless that is empty."""
     if Path(name).name not in EMPTY_WORLDS:
-        written, line = where_written(name, plan.evaluated_files) or (plan.launch_file, None)
         yield WORLD_NOT_HERE.at(
-            Path(written),
-            line,
+            *_where(plan, name),
             name,
             message=f"The world {name} is not here: the simulation uses a ground plane instead.",
             hint="Nothing to do for Gazebo, which finds it where it is installed.",
         )
+
+
+def _where(plan: LaunchPlan, text: str) -> tuple[Path, int | None]:
+    """The launch file and the line that write a text, or the launch file of the plan."""
+    written, line = where_written(text, plan.evaluated_files) or (plan.launch_file, None)
+    return Path(written), line
 
 
 class Validation:
