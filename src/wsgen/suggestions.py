@@ -24,15 +24,15 @@ def did_you_mean(*names: str) -> str:
     return f"Did you mean {' or '.join(f'`{name}`' for name in names)}?"
 
 
-def ask_for_nearest(name: str, known: Iterable[str]) -> str:
+def ask_for_nearest(name: str, known: Iterable[str], *, cutoff: float = SIMILAR) -> str:
     """Ask for the nearest name, followed by a space, to start a hint; empty if none is near."""
-    near = nearest(name, known)
+    near = nearest(name, known, cutoff=cutoff)
     return "" if near is None else f"{did_you_mean(near)} "
 
 
-def advice(name: str, known: Iterable[str], otherwise: str) -> str:
+def advice(name: str, known: Iterable[str], otherwise: str, *, cutoff: float = SIMILAR) -> str:
     """Ask for the nearest of the known names, if one is near, and say what to do otherwise."""
-    question = ask_for_nearest(name, known)
+    question = ask_for_nearest(name, known, cutoff=cutoff)
     return f"{question}If not, {otherwise[:1].lower()}{otherwise[1:]}" if question else otherwise
 
 

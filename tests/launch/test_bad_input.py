@@ -57,6 +57,12 @@ def test_import_of_what_is_not_there(space: InstallSpace) -> None:
     assert place(plan) == ("bad.launch.py", 2)
 
 
+def test_a_module_that_resembles_a_known_one_is_not_taken_for_it(space: InstallSpace) -> None:
+    message = only_message(evaluate(space, "import gamepads\n"), "LCH002")
+    assert "Did you mean" not in message
+    assert "Install 'gamepads'" in message
+
+
 def test_name_that_the_launch_api_does_not_have(space: InstallSpace) -> None:
     plan = evaluate(space, "from launch.actions import DeclareLaunchArgumet\n")
     assert "DeclareLaunchArgumet" in only_message(plan, "LCH017")

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.launch.explain_missing import Explanation, nodes_of, packages
-from wsgen.launch.known_packages import KNOWN_MODULES
+from wsgen.launch.known_packages import KNOWN_MODULES, SURELY
 from wsgen.launch.record import RECORD
 from wsgen.suggestions import advice, did_you_mean, nearest
 
@@ -234,6 +234,7 @@ def of_import(error: BaseException) -> Explanation | None:
             module,
             [name for name in names if not name.startswith("_")],
             f"Install '{module}' into the Python that runs wsgen.",
+            cutoff=SURELY,
         ),
         element=error.name,
     )
