@@ -268,10 +268,11 @@ def test_create_from_a_parameter() -> None:
     assert only_error(create("-param", "d"))[0] == "SPN010"
 
 
-def test_misspelled_option_is_one_error() -> None:
-    process = spawner("-topic", "robot_description", "-enity", "r")
+@pytest.mark.parametrize("option", ["-enity", "-name", "-model"])
+def test_misspelled_option_is_one_error(option: str) -> None:
+    process = spawner("-topic", "robot_description", option, "r")
     _, (found,) = find_spawns(plan(publisher(), process))
-    assert "'-enity'" in found.message
+    assert f"'{option}'" in found.message
     assert "Did you mean `-entity`?" in (found.hint or "")
 
 

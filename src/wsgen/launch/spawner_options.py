@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity
-from wsgen.suggestions import advice
+from wsgen.suggestions import advice, did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -193,7 +193,10 @@ def _unknown(process: Process, word: str, options: Options) -> _Remark:
         )
     names = [f"-{name}" for name in sorted(options.with_value | options.flags)]
     does = "does not know" if options.is_strict else "ignores"
+    is_name = word.lstrip("-") in {"entity", "model", "name"}  # as other spawners call it
     return _Remark(
         f"{process.executable} {does} '{word}'.",
-        advice(word, names, f"It knows {' '.join(names)}."),
+        did_you_mean(f"-{options.entity}")
+        if is_name
+        else advice(word, names, f"It knows {' '.join(names)}."),
     )
