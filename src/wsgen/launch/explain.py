@@ -299,7 +299,8 @@ def _missing_argument(error: BaseException) -> Explanation | None:
     return Explanation(
         ARGUMENT_WITHOUT_VALUE,
         f"The launch argument '{argument}' has no default and no value was given.",
-        f"Give a value, {argument}:=VALUE, or declare the argument with default_value=...",
+        f"Give a value (for wsgen validate: --arg {argument}:=VALUE), or declare the argument with "
+        "default_value=...",
         element=argument,
     )
 
