@@ -197,7 +197,7 @@ def select_packages(
     choice = choose(
         [one for one in found if one.launch_file.is_installed],
         kept=behaving,
-        named=request.packages,
+        named=request.packages or (names if len(found) == 1 else ()),
     )
     packages_of_chosen = {one.package for one in choice.chosen}
     uninstalled = choose(
