@@ -141,6 +141,13 @@ def test_a_static_robot_has_nothing_but_its_figures() -> None:
     assert codes(replace(robot_run, overlaps=(IN_ANOTHER,)), robot=static) == ["SPN063"]
 
 
+def test_joints_that_are_held_do_not_bolt_it_down() -> None:
+    held = replace(ARM, joints=tuple(replace(joint, is_held=True) for joint in ARM.joints))
+    (found,) = check_run(held, WORLD, replace(HANGS, tilt=1.0))
+    assert found.code == "SPN059"
+    assert "bolted" in (found.hint or "")
+
+
 def test_passive_joints_excuse_the_robot() -> None:
     assert codes(GAVE_WAY, robot=ARM) == ["SPN060"]
     swings = replace(GAVE_WAY, settled_after=None, joint_speed=2.0)

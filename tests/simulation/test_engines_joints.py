@@ -21,6 +21,7 @@ from simulation.robots import (
 )
 from wsgen.model.robot import Inertial, JointLimit, JointType, Link
 from wsgen.model.transform import Pose, compose
+from wsgen.simulation.engine import Motor
 
 TORQUE = G * 0.5  # N m, of the bar held out sideways
 
@@ -211,3 +212,16 @@ def test_a_spring_with_friction_and_damping_comes_to_rest(new_engine: NewEngine)
     robot_run = run_of(new_engine, robot, world=VOID)
     assert robot_run.joint_positions["cabin"] == pytest.approx(-G / 100.0, rel=0.01)
     assert robot_run.settled_after is not None
+
+
+def test_a_held_joint_stays_and_can_be_driven(new_engine: NewEngine) -> None:
+    with spawned(new_engine, pendulum(is_held=True, damping=0.5)) as engine:
+        engine.advance(1000)
+        assert engine.joint_positions("e") == {"bar": pytest.approx(0.0, abs=1e-4)}
+        engine.drive("e", {"bar": Motor(speed=-0.5, effort=100.0)})
+        engine.advance(500)
+        driven = engine.joint_positions("e")["bar"]
+        assert driven == pytest.approx(-0.25, abs=0.02)
+        engine.release("e")
+        engine.advance(500)
+        assert engine.joint_positions("e")["bar"] == pytest.approx(driven, abs=0.01)

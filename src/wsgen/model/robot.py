@@ -212,6 +212,7 @@ class Joint:
     spring_stiffness: float = 0.0  # N m/rad or N/m
     spring_reference: float = 0.0  # rad or m, where the spring is at rest
     mimic: Mimic | None = None
+    is_held: bool = False  # Gazebo's plugin for ros2_control keeps it where it is
     line: int | None = None  # of the element in the URDF text, 1-based
 
     @property

@@ -141,7 +141,8 @@ def _check_motion(
         return found  # anything else follows from that
     # A robot that is fixed to the world stays where it is spawned; only its joints can move.
     if not robot.fixed_to_world:
-        found += _check_place(world, robot_run, has_passive_joints=bool(passive))
+        is_held = any(joint.is_held for joint in robot.joints)
+        found += _check_place(world, robot_run, has_passive_joints=bool(passive), is_held=is_held)
     found += runs.rests_on_hull(entity, robot_run.hull_gaps)
     found += runs.joint_beyond_limit(entity, robot.joints, robot_run.joint_positions)
     # What its limits move is not reported as moved by gravity.
@@ -166,7 +167,7 @@ def _pushed_out(robot_run: RobotRun) -> float:
 
 
 def _check_place(
-    world: World, robot_run: RobotRun, *, has_passive_joints: bool
+    world: World, robot_run: RobotRun, *, has_passive_joints: bool, is_held: bool
 ) -> list[Diagnostic]:
     entity = robot_run.entity
     falls = list(
@@ -196,7 +197,9 @@ def _check_place(
             joint_speed=robot_run.joint_speed,
             has_passive_joints=has_passive_joints,
         )
-    found += runs.tips_over(entity, robot_run.tilt, has_passive_joints=has_passive_joints)
+    found += runs.tips_over(
+        entity, robot_run.tilt, has_passive_joints=has_passive_joints, is_held=is_held
+    )
     return found
 
 

@@ -498,7 +498,9 @@ TIPS_OVER = Rule(
 )
 
 
-def tips_over(entity: str, tilt: float, *, has_passive_joints: bool) -> Iterator[Diagnostic]:
+def tips_over(
+    entity: str, tilt: float, *, has_passive_joints: bool, is_held: bool = False
+) -> Iterator[Diagnostic]:
     """Report a robot that ends up leaning or on its side."""
     if tilt > TIPPED:
         yield TIPS_OVER.at(
@@ -508,7 +510,7 @@ def tips_over(entity: str, tilt: float, *, has_passive_joints: bool) -> Iterator
             + (" while its unactuated joints move." if has_passive_joints else "."),
             hint="If it is bolted to the floor: add a root link `world` and a fixed joint to it. "
             "If it walks: its controllers must hold it."
-            if has_passive_joints
+            if has_passive_joints or is_held
             else "Check masses, inertial origins and that all wheels reach the ground.",
             severity=Severity.WARNING if has_passive_joints else Severity.ERROR,
         )

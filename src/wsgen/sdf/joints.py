@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wsgen.description_rules import (
     SELF_JOINT,
@@ -136,7 +136,7 @@ def read_joint(
             limit = None
     elif kind is JointType.REVOLUTE:
         kind = JointType.CONTINUOUS
-    dynamics = {
+    dynamics: dict[str, Any] = {
         name: 0.0 if axis is None else number(source, axis, "dynamics", name, default=0.0)
         for name in ("damping", "friction", "spring_stiffness", "spring_reference")
     }

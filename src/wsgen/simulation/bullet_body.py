@@ -166,6 +166,11 @@ def unread_mesh(client: Client, body: int, tree: Robot, index_of: Mapping[str, i
 STRONGEST = 1e7  # N m or N
 
 
+def _at_rest(joint: Joint) -> float:
+    """What resists a joint that is not driven, N m or N."""
+    return STRONGEST if joint.is_held else joint.friction
+
+
 def set_motor(client: Client, body: int, index: int, joint: Joint, motor: Motor) -> None:
     """Have a motor keep the joint's speed.
 
@@ -238,7 +243,7 @@ def _radius(client: Client, body: int, index: int, part: Link) -> float:
 
 
 def release_joints(client: Client, body: int, tree: Robot, movable: Mapping[str, int]) -> None:
-    """Take the motors that PyBullet puts into all joints to hold them: only friction may."""
+    """Take the motors that PyBullet puts into all joints to hold them, if Gazebo has none."""
     for joint in tree.joints:
         if joint.type is JointType.BALL:
             client.setJointMotorControlMultiDof(
@@ -250,7 +255,7 @@ def release_joints(client: Client, body: int, tree: Robot, movable: Mapping[str,
             )
         elif joint.name in movable:
             client.setJointMotorControl2(
-                body, movable[joint.name], client.VELOCITY_CONTROL, force=joint.friction
+                body, movable[joint.name], client.VELOCITY_CONTROL, force=_at_rest(joint)
             )
 
 
@@ -308,7 +313,7 @@ class BulletBody:
         self._dampers = self.dampers = Dampers(
             indices=[self.movable[joint.name] for joint in stiff],
             damping=[joint.damping for joint in stiff],
-            friction=[joint.friction for joint in stiff],
+            friction=[_at_rest(joint) for joint in stiff],
             speeds=[0.0] * len(stiff),
         )
         self._root_from_base = invert(_pose(*self._dynamics[ROOT][3:5]))

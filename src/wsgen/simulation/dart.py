@@ -69,6 +69,7 @@ class DartBody:
         self._bases: list[tuple[Any, Pose]] = []  # of what is not fixed, with its pose in the robot
         self._pose_of_world = IDENTITY  # seen from the world, of a root that is the world
         self._speeds: dict[str, float] = {}  # rad/s or m/s, of the motors, by joint
+        self._held: set[str] = set()  # joints that stay where they are, unless they are driven
         self._fixed: list[tuple[Any, Pose]] = []  # of what is fixed to the world, likewise
         for tree, pose_in_robot in split_trees(robot):
             self._add_tree(tree, pose_in_robot)
@@ -118,6 +119,10 @@ class DartBody:
         made.setCoulombFriction(0, joint.friction)
         made.setSpringStiffness(0, joint.spring_stiffness)
         made.setRestPosition(0, joint.spring_reference)
+        if joint.is_held:
+            made.setActuatorType(dynamics.ActuatorType.SERVO)
+            self._held.add(joint.name)
+            self._speeds[joint.name] = 0.0
         if joint.limit is not None and joint.type is not JointType.CONTINUOUS:
             made.setPositionLowerLimit(0, joint.limit.lower)
             made.setPositionUpperLimit(0, joint.limit.upper)
@@ -193,10 +198,11 @@ class DartBody:
         """Take all motors away."""
         for name in self._speeds:
             joint = self.joints[name]
-            joint.setActuatorType(dynamics.ActuatorType.FORCE)
+            if name not in self._held:
+                joint.setActuatorType(dynamics.ActuatorType.FORCE)
             joint.setForceLowerLimit(0, -math.inf)
             joint.setForceUpperLimit(0, math.inf)
-        self._speeds.clear()
+        self._speeds = dict.fromkeys(self._held, 0.0)
 
     def command(self) -> None:
         """Tell the motors their speeds for the next step; DART forgets commands."""

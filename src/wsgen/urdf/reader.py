@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
+    from wsgen.model.robot import GazeboTag
     from wsgen.xmltree import Element
 
 
@@ -208,18 +209,34 @@ def _read_robot(collector: Collector, root: Element) -> Robot:
     # What hangs on a joint that could not be read would only look like a second root.
     root_link = find_root(collector, root, links, joints) if links and complete else None
     materials = read_materials(collector, root)
+    tags = read_tags(collector, root, set(links), set(joint_elements), is_complete=has_all_names)
+    held = _held_joints(root, tags)
     return Robot(
         name=root.get("name") or "",
         root=root_link or "",
         links=tuple(
             read_link(collector, element, name, materials) for name, element in links.items()
         ),
-        joints=tuple(joint for joint, _ in joints),
-        gazebo=read_tags(
-            collector, root, set(links), set(joint_elements), is_complete=has_all_names
-        ),
+        joints=tuple(replace(joint, is_held=joint.name in held) for joint, _ in joints),
+        gazebo=tags,
         fixed_to_world=root_link == WORLD,
     )
+
+
+def _held_joints(root: Element, tags: Iterable[GazeboTag]) -> set[str]:
+    """The joints whose position ros2_control commands in Gazebo.
+
+    Its plugin holds them from the start, also where no controller is active (`hold_joints`).
+    """
+    plugins = (plugin.filename for tag in tags for plugin in tag.plugins)
+    if not any("ros2_control" in filename for filename in plugins):
+        return set()
+    return {
+        joint.get("name") or ""
+        for control in children(root, "ros2_control")
+        for joint in children(control, "joint")
+        if any(one.get("name") == "position" for one in children(joint, "command_interface"))
+    }
 
 
 def _unique_names(
