@@ -43,7 +43,7 @@ def test_strict(tmp_path: Path) -> None:
     built = workspace.wsgen("build", "mole_msgs", "--strict")
     assert built.code == 1
     assert "mole_msgs is built without messages (not compiled: needs builtin_interfaces" in (
-        built.errors
+        built.output
     )
     install = workspace.root / "install" / "mole_msgs" / "share" / "mole_msgs"
     assert (install / "package.xml").is_file()
