@@ -32,7 +32,7 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
     workspace = write_tutorial(tmp_path_factory.mktemp("tutorial"))
     build = wsgen(workspace, "build")
     assert build.returncode == 0, build.stderr
-    assert "BUILD_TESTING" in build.stderr
+    assert "BUILD_TESTING" in build.stdout
     return workspace
 
 
