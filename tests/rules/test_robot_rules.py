@@ -91,6 +91,24 @@ def test_plausible_or_unknown(one: Link) -> None:
     assert list(implausible_inertia([one], None)) == []
 
 
+@pytest.mark.parametrize(
+    ("parent", "severity"),
+    [
+        (Link(name="base_footprint"), Severity.WARNING),
+        (replace(link(1.0, mass=9.0), name="chassis"), Severity.INFO),
+    ],
+)
+def test_inertia_of_what_is_fixed_to_mass_is_only_a_part(parent: Link, severity: Severity) -> None:
+    mount = Link(name="mount")
+    part = link(100.0)
+    joints = [
+        Joint(name="a", type=JointType.FIXED, parent=parent.name, child="mount"),
+        Joint(name="b", type=JointType.FIXED, parent="mount", child=part.name),
+    ]
+    *_, found = implausible_inertia([parent, mount, part], FILE, joints)
+    assert found.severity is severity
+
+
 def test_massless_root() -> None:
     (found,) = massless_root(Link(name="dummy"), [JOINT], 1.0, FILE)
     assert (found.code, found.severity) == ("ROB051", Severity.INFO)

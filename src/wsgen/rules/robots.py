@@ -179,7 +179,8 @@ IMPLAUSIBLE_INERTIA = Rule(
     code="ROB050",
     name="implausible-inertia",
     severity=Severity.WARNING,
-    severity_varies="an information of a link that a fixed joint attaches: only the sum counts",
+    severity_varies="an information of a link that fixed joints attach to one with mass: only the "
+    "sum counts",
     summary="The inertia of a link does not fit its mass and shape.",
     what="For a link with one primitive shape, compares the largest principal moment with that of "
     "a homogeneous body of this shape and the link's mass. The two may differ by a factor of 30.",
@@ -210,7 +211,8 @@ def implausible_inertia(
     links: Iterable[Link], file: Path | None, joints: Iterable[Joint] = ()
 ) -> Iterator[Diagnostic]:
     """Report inertias that do not fit the mass and the shape of the link."""
-    lumped = {joint.child for joint in joints if joint.type is JointType.FIXED}
+    links = tuple(links)
+    attached = _attached_to_mass(links, joints)
     for link in links:
         shapes = [collision.geometry for collision in link.collisions]
         shapes = shapes or [visual.geometry for visual in link.visuals]
@@ -232,8 +234,23 @@ def implausible_inertia(
             message=f"The inertia of the link `{link.name}` ({largest:.4g} kg m²) is "
             f"{_ratio(times)} that of {_described(shape)} of {link.inertial.mass:g} kg.",
             hint=f"For a homogeneous body: {as_attributes(solid)} (kg m², the products 0).",
-            severity=Severity.INFO if link.name in lumped else None,
+            severity=Severity.INFO if link.name in attached else None,
         )
+
+
+def _attached_to_mass(links: Iterable[Link], joints: Iterable[Joint]) -> set[str]:
+    """The links that fixed joints attach to a link with mass, of which they are only a part."""
+    above = {joint.child: joint.parent for joint in joints if joint.type is JointType.FIXED}
+    with_mass = {link.name for link in links if link.inertial and link.inertial.mass > 0}
+    attached = set()
+    for name in [*above]:
+        seen, link = {name}, above[name]
+        while link not in with_mass and link in above and link not in seen:
+            seen.add(link)
+            link = above[link]
+        if link in with_mass:
+            attached.add(name)
+    return attached
 
 
 MASSLESS_ROOT = Rule(
