@@ -361,7 +361,7 @@ def test_description_without_parameter_value_is_warned_of(robot: InstallSpace) -
         "'/model/part.xacro'])}])"
     )
     (diagnostic,) = plan.diagnostics
-    assert (diagnostic.code, diagnostic.severity) == ("LCH016", Severity.WARNING)
+    assert (diagnostic.code, diagnostic.severity) == ("LCH016", Severity.INFO)
 
 
 def test_parameter_file(space: InstallSpace) -> None:

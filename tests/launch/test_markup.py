@@ -522,6 +522,7 @@ def test_a_description_read_as_yaml_is_warned_of(robot: InstallSpace) -> None:
     )
     assert plan.processes[0].parameters == {"robot_description": "<robot/>"}
     only_message(plan, "LCH016")
+    assert plan.diagnostics[0].hint == 'Add type="str" to the <param>.'
 
 
 def test_entities_that_multiply(robot: InstallSpace) -> None:

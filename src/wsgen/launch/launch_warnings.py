@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 DESCRIPTION_AS_YAML = Rule(
     code="LCH016",
     name="description-as-yaml",
-    severity=Severity.WARNING,
+    severity=Severity.INFO,
     summary="A robot description is parsed as YAML.",
     what="Looks at a `robot_description` that is a substitution, such as `Command`, without "
     "`ParameterValue`.",
@@ -168,14 +168,16 @@ def report_no_action(given: object, location: Location | None) -> None:
 
 def report_description_as_yaml(location: Location | None) -> None:
     """Report a robot description that is parsed as YAML."""
+    in_python = "Wrap it: ParameterValue(Command([...]), value_type=str), from "
+    in_python += "launch_ros.parameter_descriptions."
+    as_text = {".xml": 'Add type="str" to the <param>.', ".yaml": "Add type: str to the param."}
     _report(
         DESCRIPTION_AS_YAML,
         location,
         "robot_description",
-        "robot_description is parsed as YAML: its line breaks are folded, and a ': ' or ' #' in "
-        "the robot, in a comment for example, stops the launch.",
-        "Wrap it: ParameterValue(Command([...]), value_type=str), from "
-        "launch_ros.parameter_descriptions.",
+        "robot_description is parsed as YAML: this robot passes, with its line breaks folded; a "
+        "': ' or ' #' in it, in a comment for example, would stop the launch.",
+        as_text.get(Path(location[0]).suffix if location else "", in_python),
     )
 
 

@@ -40,6 +40,7 @@ IMPOSSIBLE_STEP = Rule(
     code="WLD007",
     name="impossible-step",
     severity=Severity.ERROR,
+    severity_varies="a warning for a long one, with which Gazebo runs",
     summary="The physics step is not positive, or longer than 20 ms.",
     why="With long steps the engine misses contacts and becomes unstable; without a positive step "
     "no time passes.",
@@ -182,8 +183,9 @@ def _step(source: Source, world: Element) -> float:
                 source.report(
                     IMPOSSIBLE_STEP,
                     f"The physics step of {numbers[0]:g} s is not between 0 and "
-                    f"{LONGEST_STEP:g} s.",
+                    f"{LONGEST_STEP:g} s; the simulation here takes {DEFAULT_WORLD.step:g} s.",
                     at=element,
                     hint="Use Gazebo's default, 0.001.",
+                    severity=Severity.WARNING if numbers[0] > 0 else None,
                 )
     return DEFAULT_WORLD.step
