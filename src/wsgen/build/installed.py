@@ -52,20 +52,23 @@ STALE_FILES = Rule(
 RELOCATED_WORKSPACE = Rule(
     code="BLD025",
     name="relocated-workspace",
-    severity=Severity.ERROR,
-    summary="The workspace was moved or copied after it was built.",
-    what="Compares the folder in CMakeCache.txt with the build folder.",
-    why="CMake keeps absolute paths, and would go on building in the first place.",
+    severity=Severity.WARNING,
+    summary="The workspace was moved, copied or cloned after it was built.",
+    what="Compares the folder in CMakeCache.txt with the build folder. `wsgen build` has CMake "
+    "make its caches anew.",
+    why="CMake keeps absolute paths: `colcon build` fails, or goes on building in the first place. "
+    "The install space may hold files of the first build.",
     example="cp -r ws ws_2; cd ws_2; wsgen build",
     instead="cp -r ws ws_2; cd ws_2; rm -r build install log; wsgen build",
 )
 RELOCATED_PACKAGE = Rule(
     code="BLD026",
     name="relocated-package",
-    severity=Severity.ERROR,
+    severity=Severity.WARNING,
     summary="A package was moved to another folder after it was built.",
-    what="Compares the source folder in CMakeCache.txt with the folder of the package.",
-    why="CMake keeps absolute paths, and looks for the sources in the first folder.",
+    what="Compares the source folder in CMakeCache.txt with the folder of the package. `wsgen "
+    "build` has CMake make its caches anew.",
+    why="CMake keeps absolute paths: `colcon build` looks for the sources in the first folder.",
     example="mv src/my_robot src/robots/my_robot; wsgen build",
     instead="mv src/my_robot src/robots/my_robot; rm -r build/my_robot; wsgen build",
 )
@@ -181,7 +184,8 @@ def _list_files(share: Path) -> Iterator[str]:
 
 ENTRY = re.compile(r"^CMAKE_(CACHEFILE_DIR|HOME_DIRECTORY):INTERNAL=(.*)$", re.MULTILINE)
 # With these options CMake uses other build folders, or a new cache.
-OTHER_CACHE = ("--build-base", "--cmake-clean-cache")
+NEW_CACHE = "--cmake-clean-cache"
+OTHER_CACHE = ("--build-base", NEW_CACHE)
 
 
 def find_relocated(
@@ -211,9 +215,9 @@ def _relocated_workspace(workspace: Workspace, built_in: str) -> Diagnostic:
     spaces = (workspace.build, workspace.install, workspace.log)
     return RELOCATED_WORKSPACE.at(
         workspace.build,
-        message=f"The workspace was moved or copied: it was built in {built_in}, and CMake would "
-        "go on building there.",
-        hint=f"Remove build, install and log, then build again: rm -rf "
+        message=f"The workspace was moved, copied or cloned after a build in {built_in}: CMake's "
+        "caches are made anew.",
+        hint="To be rid of all files of that build, build again after: rm -rf "
         f"{shlex.join(map(str, spaces))}",
     )
 
@@ -223,8 +227,8 @@ def _relocated_package(workspace: Workspace, package: PackageFolder, source: str
     return RELOCATED_PACKAGE.at(
         package.path,
         element=package.name,
-        message=f"{package.name} was moved: it was built from {source}, and CMake still looks for "
-        "it there.",
-        hint="Remove its build and install folders, then build again: rm -rf "
+        message=f"{package.name} was moved: it was built from {source} before. CMake's caches are "
+        "made anew.",
+        hint="To be rid of all files of that build, build again after: rm -rf "
         f"{shlex.join(map(str, spaces))}",
     )

@@ -8,6 +8,7 @@ packages of the workspace that are built already, and the sources of the package
 from __future__ import annotations
 
 import os
+import shutil
 from contextvars import ContextVar
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -75,6 +76,8 @@ def _link_sources(name: str, folder: Path, build_folder: Path) -> Path:
     link = prefix / "share" / name
     if link.is_symlink():
         link.unlink()
+    elif link.exists():  # the workspace was copied, and its links with what they stand for
+        shutil.rmtree(link)
     link.symlink_to(folder.absolute())
     return prefix
 

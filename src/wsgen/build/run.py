@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.build.colcon import STEP, Finished, PackageResult, Progress, run_colcon
-from wsgen.build.installed import check_installed, find_relocated
+from wsgen.build.installed import NEW_CACHE, check_installed, find_relocated
 from wsgen.build.request import (
     block_extensions,
     blocked_extensions,
@@ -207,9 +208,10 @@ def _build(
     if job.names and has_errors(broken):
         return False, broken  # colcon would not find the package
     relocated = find_relocated(job.workspace, job.inventory.packages, job.colcon_arguments)
-    if relocated:
-        return False, (*broken, *relocated)  # CMake might build in the other place
+    if relocated:  # CMake would build in the other place
+        job = replace(job, colcon_arguments=(NEW_CACHE, *job.colcon_arguments))
     finished, notes = _run(job, environment, progress)
+    notes = (*relocated, *notes)
     unreported = tuple(_unreported(job, finished, progress))
     if finished.returncode == 0 and not finished.output:
         return True, (*broken, *notes, *unreported)
