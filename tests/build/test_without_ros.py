@@ -167,6 +167,26 @@ def test_a_command_of_a_missing_package_does_nothing(tmp_path: Path) -> None:
     assert left_out(build_here(tmp_path)) == ("nav2_package()",)
 
 
+AUTO = """\
+cmake_minimum_required(VERSION 3.8...3.31)
+project(demo LANGUAGES CXX)
+find_package(ament_cmake_auto REQUIRED)
+ament_auto_find_build_dependencies()
+ament_auto_add_executable(node node.cpp)
+ament_auto_package(INSTALL_TO_SHARE launch model)
+"""
+
+
+def test_ament_cmake_auto_installs_what_it_is_told_to(tmp_path: Path) -> None:
+    depends = PACKAGE_XML.replace("ament_cmake</buildtool", "ament_cmake_auto</buildtool")
+    folder = write_package(tmp_path, package_xml=depends, cmake=AUTO)
+    (folder / "node.cpp").write_text(PLAIN)
+    assert left_out(build_here(tmp_path)) == ("node",)
+    share = tmp_path / "install" / "demo" / "share"
+    assert (share / "ament_index" / "resource_index" / "packages" / "demo").is_file()
+    assert {"launch", "model"} <= {entry.name for entry in (share / "demo").iterdir()}
+
+
 def test_a_misspelled_command_is_an_error_beside_a_missing_package(tmp_path: Path) -> None:
     asking = "find_package(nav2_common REQUIRED)\ninstall("
     cmake = CMAKE.replace("install(", asking).replace("ament_package", "ament_pakage")

@@ -431,34 +431,6 @@ endfunction()
 
 # ---- commands of missing packages
 
-# Commands of the package's files that nobody has defined so far do nothing; whoever defines one
-# later replaces it. A name that begins as that of a command does, up to the second letter of its
-# second word, is rather misspelled.
-get_cmake_property(wsgen_defined COMMANDS)
-file(GLOB_RECURSE wsgen_files "${CMAKE_SOURCE_DIR}/CMakeLists.txt" "${CMAKE_SOURCE_DIR}/*.cmake")
-foreach(file IN LISTS wsgen_files)
-  file(STRINGS "${file}" lines REGEX "^[ \t]*[A-Za-z0-9]+_[A-Za-z0-9_]*[ \t]*\\(")
-  foreach(line IN LISTS lines)
-    string(REGEX REPLACE "^[ \t]*([A-Za-z0-9_]+).*" "\\1" command "${line}")
-    string(TOLOWER "${command}" command)
-    string(REGEX MATCH "^[a-z0-9]+_.?.?" beginning "${command}")
-    set(similar ${wsgen_defined})
-    list(FILTER similar INCLUDE REGEX "^${beginning}")
-    if(NOT similar)
-      list(APPEND wsgen_commands "${command}")
-    endif()
-  endforeach()
-endforeach()
-list(REMOVE_DUPLICATES wsgen_commands)
-foreach(command IN LISTS wsgen_commands)
-  if(NOT COMMAND ${command})
-    cmake_language(EVAL CODE "
-function(${command})
-  wsgen_left_out_call(${command} \${ARGV})
-endfunction()")
-  endif()
-endforeach()
-
 # ament_cmake_auto asks for what package.xml names.
 if(NOT COMMAND ament_auto_package)
   macro(ament_auto_find_build_dependencies)
@@ -501,5 +473,33 @@ foreach(command IN ITEMS gz_find_package ign_find_package)
 macro(${command})
   find_package(\${ARGN})
 endmacro()")
+  endif()
+endforeach()
+
+# Commands of the package's files that nobody has defined so far do nothing; whoever defines one
+# later replaces it. A name that begins as that of a command does, up to the second letter of its
+# second word, is rather misspelled.
+get_cmake_property(wsgen_defined COMMANDS)
+file(GLOB_RECURSE wsgen_files "${CMAKE_SOURCE_DIR}/CMakeLists.txt" "${CMAKE_SOURCE_DIR}/*.cmake")
+foreach(file IN LISTS wsgen_files)
+  file(STRINGS "${file}" lines REGEX "^[ \t]*[A-Za-z0-9]+_[A-Za-z0-9_]*[ \t]*\\(")
+  foreach(line IN LISTS lines)
+    string(REGEX REPLACE "^[ \t]*([A-Za-z0-9_]+).*" "\\1" command "${line}")
+    string(TOLOWER "${command}" command)
+    string(REGEX MATCH "^[a-z0-9]+_.?.?" beginning "${command}")
+    set(similar ${wsgen_defined})
+    list(FILTER similar INCLUDE REGEX "^${beginning}")
+    if(NOT similar)
+      list(APPEND wsgen_commands "${command}")
+    endif()
+  endforeach()
+endforeach()
+list(REMOVE_DUPLICATES wsgen_commands)
+foreach(command IN LISTS wsgen_commands)
+  if(NOT COMMAND ${command})
+    cmake_language(EVAL CODE "
+function(${command})
+  wsgen_left_out_call(${command} \${ARGV})
+endfunction()")
   endif()
 endforeach()
