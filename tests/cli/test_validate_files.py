@@ -333,7 +333,7 @@ def test_many_warnings_of_one_kind_are_counted(tmp_path: Path) -> None:
         f'<origin xyz="0 0 {n}"/></joint>'
         for n in range(1, 6)
     ]
-    links = [link(f"l{n}", inertia="500") for n in range(6)]
+    links = [link(f"l{n}", mass=f"{n + 1}", inertia="500") for n in range(6)]
     (tmp_path / "odd.urdf").write_text(urdf(*links, *joints))
     brief, full = run(tmp_path, "odd.urdf").stdout, run(tmp_path, "-v", "odd.urdf").stdout
     assert brief.count("] implausible-inertia:") == 3

@@ -1,5 +1,7 @@
 """A package whose URDF and world are expanded by xacro while it is built."""
 
+import os
+import time
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -39,6 +41,8 @@ def test_an_included_file_is_a_dependency(tmp_path: Path) -> None:
     assert workspace.wsgen("build").code == 0
     included = workspace.root / "src" / "hook_description" / "urdf" / "hook.xacro"
     included.write_text(included.read_text().replace('radius="0.05"', 'radius="0.06"'))
+    later = time.time() + 2.0  # than all that the first build has written
+    os.utime(included, (later, later))
     assert workspace.wsgen("build").code == 0
     share = workspace.root / "install" / "crane_description" / "share" / "crane_description"
     for name in ("crane", "long_crane"):

@@ -125,10 +125,11 @@ def build_workspace(
                 f"Next: {build_all}  (builds the packages that do not depend on the failed ones)",
                 err=True,
             )
+        has_built = any(package.outcome == "built" for package in result.packages)
         if result.succeeded and not (quiet or goes_on):
             validate = " ".join(["wsgen validate", *packages])
             click.echo(f"Next: {next_command(place, validate)}", err=True)
-        elif any(package.outcome == "built" for package in result.packages) and not quiet:
+        elif has_built and not (result.succeeded or quiet):
             validate = next_command(place, "wsgen validate")
             click.echo(f"Next: repair the errors, or try what is built: {validate}", err=True)
     return EXIT_PASSED if result.succeeded else EXIT_FAILED
