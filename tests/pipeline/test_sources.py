@@ -66,6 +66,11 @@ def test_a_change_without_a_build(share: Path, source: Path) -> None:
     assert "wsgen build" in (found.hint or "")
 
 
+def test_what_a_build_has_generated_is_no_change(share: Path, source: Path) -> None:
+    (share / "model" / "robot.xacro").write_text("<generated/>")
+    assert list(changed_since_build(share, source)) == []
+
+
 def test_files_that_are_new_or_gone_are_no_change(share: Path, source: Path) -> None:
     (source / "model" / "robot.xacro").unlink()
     (source / "model" / "new.xacro").write_text("")
