@@ -8,6 +8,7 @@ from dataclasses import replace
 import pytest
 
 from rules.robot_runs import STANDS
+from wsgen.diagnostics import Severity
 from wsgen.model.robot import Inertial, Joint, JointLimit, JointType, Link, Robot
 from wsgen.model.transform import Pose
 from wsgen.model.world import World
@@ -113,6 +114,24 @@ def test_what_follows_from_an_overlap_is_not_said_of_the_robot() -> None:
     assert codes(robot_run) == ["SPN063"]
     shallow = replace(robot_run, overlaps=(replace(IN_ANOTHER, depth=0.01),), energy_gain=0.0)
     assert codes(shallow) == ["SPN063", "SPN055", "SPN059"]
+
+
+@pytest.mark.parametrize(
+    ("depth", "tilt", "others", "severity"),
+    [
+        (0.05, 0.0, {"s"}, Severity.WARNING),
+        (0.05, 1.0, {"s"}, Severity.ERROR),
+        (0.20, 0.0, {"s"}, Severity.ERROR),
+        (0.05, 0.0, set(), Severity.ERROR),
+    ],
+)
+def test_a_robot_that_is_pushed_out_of_a_model_of_the_world(
+    depth: float, tilt: float, others: set[str], severity: Severity
+) -> None:
+    inside = replace(IN_ANOTHER, depth=depth)
+    robot_run = replace(STANDS, overlaps=(inside,), tilt=tilt)
+    found = check_run(ARM, WORLD, robot_run, static_models=others)
+    assert [one.severity for one in found if one.code == "SPN063"] == [severity]
 
 
 def test_energy_is_measured_in_the_gravity_of_the_world() -> None:

@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from wsgen.diagnostics import Severity
+from wsgen.diagnostics import Severity, has_errors
 from wsgen.model.kinematics import unactuated_joints
 from wsgen.model.robot import JointType
 from wsgen.rules import robots, runs
@@ -98,11 +98,21 @@ def check_run(  # noqa: PLR0913  most have defaults
             robot, world, robot_run, is_alone=is_alone and not depths, pushed=pushed
         )
         if max(depths, default=0.0) > runs.SHALLOW:
+            others = {one.other_entity for one in robot_run.overlaps if one.other_entity}
+            is_pushed_out = max(depths) <= runs.PUSHED_OUT and not has_errors(motion)
+            if is_pushed_out and others <= set(static_models):
+                found = [_as_pushed_out(one) for one in found]
             motion = [one for one in motion if one.code not in FOLLOW_FROM_OVERLAP]
         if static_models and not _is_on_the_ground(world, robot_run):
             motion = [_as_on_a_slope(one) for one in motion]
         found += motion
     return tuple(found)
+
+
+def _as_pushed_out(found: Diagnostic) -> Diagnostic:
+    """What is said of a robot in a model of the world that stands all the same."""
+    is_overlap = found.code == runs.OVERLAPPING_ROBOTS.code
+    return replace(found, severity=Severity.WARNING) if is_overlap else found
 
 
 def _is_on_the_ground(world: World, robot_run: RobotRun) -> bool:

@@ -517,6 +517,7 @@ def tips_over(
 
 
 SHALLOW = 0.02  # m; engines push a robot out of less without a jump
+PUSHED_OUT = 0.1  # m; what stands after less was spawned a bit too low, as many robots are
 # at most so many pairs of links are named in a message
 SAME_PLACE = 0.005  # m; engines have collision margins of 1 mm
 SAME_HEADING = math.radians(2)
@@ -527,7 +528,8 @@ OVERLAPPING_ROBOTS = Rule(
     code="SPN063",
     name="overlapping-robots",
     severity=Severity.ERROR,
-    severity_varies="a warning up to a depth of 2 cm, out of which engines push without a jump",
+    severity_varies="a warning up to a depth of 2 cm, out of which engines push without a jump; of "
+    "a robot in a model of the world up to 10 cm, if it stands all the same",
     summary="Two robots, or a robot and a model of the world, overlap when spawned.",
     why="The simulator pushes them apart with a large force.",
     example="""
