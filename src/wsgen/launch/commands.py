@@ -161,30 +161,46 @@ def _command_lines(process: Process) -> Iterator[list[str]]:
         yield from _unwrapped(list(command))
 
 
-def _in_shell(text: str) -> Iterator[list[str]]:
-    """The programs of a text for a shell, which may have several commands."""
-    text = _LOOKED_UP.sub(lambda found: found[1] or found[2], text)
+def shell_commands(text: str) -> Iterator[list[str]]:
+    """The words of each command of a text for a shell; redirections are words of their own.
+
+    A text with a quote that is not closed is taken apart at its blanks.
+    """
     lexer = shlex.shlex(text, posix=True, punctuation_chars=_OPERATORS)
     lexer.whitespace_split = True
     lexer.whitespace = " \t\r"
     lexer.commenters = ""
-    words: list[str] = []
     try:
         tokens = list(lexer)
     except ValueError:
         tokens = text.split()
-    is_target = False  # of a redirection
+    words: list[str] = []
     for token in tokens:
-        if not token.strip(_OPERATORS) and token:
-            is_target = "<" in token or ">" in token
-            if not is_target:
-                yield from _unwrapped(words)
-                words = []
-        elif is_target:
-            is_target = False
+        if token and not token.strip(_OPERATORS) and not is_redirection(token):
+            yield words
+            words = []
         else:
             words.append(token)
-    yield from _unwrapped(words)
+    yield words
+
+
+def is_redirection(word: str) -> bool:
+    """Whether the next word of a command for a shell is a file that it reads or writes."""
+    return bool(word) and not word.strip(_OPERATORS) and ("<" in word or ">" in word)
+
+
+def _in_shell(text: str) -> Iterator[list[str]]:
+    """The programs of a text for a shell, which may have several commands."""
+    text = _LOOKED_UP.sub(lambda found: found[1] or found[2], text)
+    for words in shell_commands(text):
+        before = ["", *words]
+        yield from _unwrapped(
+            [
+                word
+                for word, previous in zip(words, before, strict=False)
+                if not (is_redirection(word) or is_redirection(previous))
+            ]
+        )
 
 
 def _unwrapped(words: list[str]) -> Iterator[list[str]]:

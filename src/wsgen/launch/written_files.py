@@ -12,6 +12,7 @@ import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from wsgen.launch.commands import shell_commands
 from wsgen.launch.record import RECORD, xacro_words
 
 if TYPE_CHECKING:
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
 
 
 _SHELLS = ("sh", "bash")
-_BETWEEN_COMMANDS = ("&&", "||", ";", "|", "&")
 _copies: list[Path] = []
 
 
@@ -65,17 +65,8 @@ def _commands(words: list[str], *, shell: bool) -> Iterator[list[str]]:
     if line is None:
         yield words
         return
-    lexer = shlex.shlex(line, posix=True, punctuation_chars=True)
-    lexer.whitespace_split, lexer.commenters = True, ""
-    command: list[str] = []
-    with contextlib.suppress(ValueError):  # a quote that is not closed
-        for word in lexer:
-            if word in _BETWEEN_COMMANDS:
-                yield command
-                command = []
-            else:
-                command.append(os.path.expanduser(os.path.expandvars(word)))
-    yield command
+    for command in shell_commands(line):
+        yield [os.path.expanduser(os.path.expandvars(word)) for word in command]
 
 
 def _take_output(words: list[str]) -> str | None:
