@@ -7,6 +7,7 @@ for every class that it loads. Here all classes share those that compare, hash a
 from __future__ import annotations
 
 import dataclasses
+from functools import cache
 from reprlib import recursive_repr
 from typing import TYPE_CHECKING, Any
 
@@ -30,9 +31,15 @@ else:
         return make if cls is None else make(cls)
 
 
+@cache
+def _compared_names(cls: type) -> tuple[str, ...]:
+    """The names of the fields that count when two values of a class are compared."""
+    fields: tuple[dataclasses.Field[Any], ...] = dataclasses.fields(cls)
+    return tuple(field.name for field in fields if field.compare)
+
+
 def _compared(value: Any) -> tuple[Any, ...]:
-    """The fields that count when two values are compared."""
-    return tuple(getattr(value, field.name) for field in dataclasses.fields(value) if field.compare)
+    return tuple([getattr(value, name) for name in _compared_names(value.__class__)])
 
 
 def _equal(self: Any, other: object) -> bool:
