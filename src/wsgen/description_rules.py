@@ -201,6 +201,10 @@ ZERO_SIZE = Rule(
     example='<cylinder radius="0" length="0.1"/>',
     instead='<cylinder radius="0.05" length="0.1"/>',
 )
+MAKE_IT_THICK = (  # a flat box
+    "Make it 1 mm thick: a Gazebo that is built with assertions, as Debian's is, terminates on a "
+    "flat box."
+)
 
 ONE_NAME_FOR_LINK_AND_JOINT = Rule(
     code="ROB034",

@@ -98,12 +98,10 @@ def _with_not_built(
     outcomes: tuple[PackageOutcome, ...], overlay: Overlay
 ) -> tuple[PackageOutcome, ...]:
     """Say once, with the first outcome, which packages are used without having been built."""
-    return tuple(
-        replace(outcome, diagnostics=(*outcome.diagnostics, *overlay.not_built()))
-        if number == 0
-        else outcome
-        for number, outcome in enumerate(outcomes)
-    )
+    if not outcomes:
+        return ()
+    first, *others = outcomes
+    return (replace(first, diagnostics=(*first.diagnostics, *overlay.not_built())), *others)
 
 
 def _without_used_elsewhere(

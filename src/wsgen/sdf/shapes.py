@@ -10,6 +10,7 @@ import math
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.description_rules import (
+    MAKE_IT_THICK,
     MISSING_COLLISION_MESH,
     MISSING_VISUAL_MESH,
     NO_SHAPE,
@@ -249,8 +250,7 @@ def is_sized(source: Source, shape: Element, sizes: tuple[float, ...]) -> bool:
             ZERO_SIZE,
             "A size of this box is 0: it is left out of the simulation.",
             at=shape,
-            hint="Make it 1 mm thick: a Gazebo that is built with assertions, as Debian's is, "
-            "terminates on a flat box.",
+            hint=MAKE_IT_THICK,
             severity=Severity.WARNING,
         )
         return False

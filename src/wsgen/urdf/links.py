@@ -10,7 +10,13 @@ from __future__ import annotations
 from enum import Enum
 from typing import TYPE_CHECKING
 
-from wsgen.description_rules import NEGATIVE_MASS, NO_SHAPE, UNNAMED_ELEMENT, ZERO_SIZE
+from wsgen.description_rules import (
+    MAKE_IT_THICK,
+    NEGATIVE_MASS,
+    NO_SHAPE,
+    UNNAMED_ELEMENT,
+    ZERO_SIZE,
+)
 from wsgen.diagnostics import Rule, Severity
 from wsgen.model.robot import (
     Box,
@@ -386,8 +392,7 @@ def _without_extent(
         collector.report(
             ZERO_SIZE,
             f"{message}: it is left out of the simulation.",
-            hint="Make it 1 mm thick: a Gazebo that is built with assertions, as Debian's is, "
-            "terminates on a flat box.",
+            hint=MAKE_IT_THICK,
             at=shape,
             path=path,
             severity=Severity.WARNING,
