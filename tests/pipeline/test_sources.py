@@ -1,12 +1,17 @@
 """The source of an installed package."""
 
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.pipeline.package_validation import changed_since_build, name_sources
+from wsgen.pipeline.package_validation import (
+    changed_since_build,
+    is_folder_reported,
+    name_sources,
+)
 
 
 @pytest.fixture
@@ -75,3 +80,15 @@ def test_files_that_are_new_or_gone_are_no_change(share: Path, source: Path) -> 
     (source / "model" / "robot.xacro").unlink()
     (source / "model" / "new.xacro").write_text("")
     assert list(changed_since_build(share, source)) == []
+
+
+def test_a_folder_that_is_missing_is_one_mistake(share: Path) -> None:
+    """Its other files need no error of their own."""
+    robot = replace(
+        diagnostic(None), severity=Severity.ERROR, element=str(share / "worlds" / "r.urdf")
+    )
+    assert is_folder_reported(share / "worlds" / "w.sdf", [robot])
+    assert not is_folder_reported(share / "worlds" / "w.sdf", [diagnostic(None)])
+    assert not is_folder_reported(share / "other" / "w.sdf", [robot])
+    (share / "worlds").mkdir()
+    assert not is_folder_reported(share / "worlds" / "w.sdf", [robot])

@@ -64,12 +64,17 @@ def _is(node: ast.expr, value: object) -> bool:
     return type(written) is type(value) and bool(written == value)
 
 
+def first_missing_path(path: Path) -> Path:
+    """The first of the folders above a file that is not there; the file, if all are there."""
+    # Unlike the method, this does not raise where a name is too long or a folder is closed.
+    while not os.path.isdir(path.parent) and path.parent != path:
+        path = path.parent
+    return path
+
+
 def first_missing(path: str) -> tuple[str, list[str]]:
     """The first part of a path that is not there, and what is in its place."""
-    missing = Path(path)
-    # Unlike the method, this does not raise where a name is too long or a folder is closed.
-    while not os.path.isdir(missing.parent) and missing.parent != missing:
-        missing = missing.parent
+    missing = first_missing_path(Path(path))
     try:
         return missing.name, os.listdir(missing.parent)
     except OSError:

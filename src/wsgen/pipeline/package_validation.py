@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from wsgen.diagnostics import Diagnostic, Rule, Severity, has_errors
 from wsgen.isolation import parent
 from wsgen.launch.descriptions import UNKNOWN_DESCRIPTION, UNPUBLISHED_DESCRIPTION
-from wsgen.launch.explain_missing import first_missing, where_written
+from wsgen.launch.explain_missing import first_missing, first_missing_path, where_written
 from wsgen.launch.simulators import kind_of_project
 from wsgen.launch.spawning import NO_ROBOT
 from wsgen.model.outcome import PackageOutcome
@@ -167,6 +167,15 @@ def missing_world(plan: LaunchPlan, file: Path) -> Diagnostic:
             "Add its folder to an install(DIRECTORY ...) rule of CMakeLists.txt, then run "
             "`wsgen build`.",
         ),
+    )
+
+
+def is_folder_reported(file: Path, diagnostics: Iterable[Diagnostic]) -> bool:
+    """Whether an error is about another file in the folder whose lack makes this one missing."""
+    missing = first_missing_path(file)
+    return missing != file and any(
+        found.severity is Severity.ERROR and Path(found.element or "").is_relative_to(missing)
+        for found in diagnostics
     )
 
 
@@ -372,6 +381,9 @@ class Validation:
                 if is_brought_along(name):
                     self.diagnostics += world_not_here(started.plan, name)
                     return DEFAULT_WORLD, []
+                if file is not None and is_folder_reported(file, self.diagnostics):
+                    step.succeeded = False
+                    return None, []
                 missing = (
                     unknown_world(started.plan, name, environment)
                     if file is None
