@@ -36,16 +36,16 @@ def summed_up(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
     They have one rule, severity and file, and the same hint except for what the message names.
     What is reported twice in the same words stays once.
     """
+    different = dict.fromkeys(diagnostics)
     groups: dict[_Cause, list[Diagnostic]] = {}
-    for found in dict.fromkeys(diagnostics):
+    for found in different:
         groups.setdefault(_cause_of(found), []).append(found)
-    told = {id(group[0]): _with_names(group) for group in groups.values() if len(group) >= MANY}
-    left_out = {id(found) for group in groups.values() if len(group) >= MANY for found in group[1:]}
-    return tuple(
-        told.get(id(found), found)
-        for found in dict.fromkeys(diagnostics)
-        if id(found) not in left_out
-    )
+    reported: dict[Diagnostic, Diagnostic | None] = {}  # None: a part of another one
+    for group in groups.values():
+        if len(group) >= MANY:
+            reported |= {**dict.fromkeys(group), group[0]: _with_names(group)}
+    kept = (reported.get(found, found) for found in different)
+    return tuple(found for found in kept if found is not None)
 
 
 def _cause_of(found: Diagnostic) -> _Cause:
@@ -70,8 +70,8 @@ def _with_names(group: Sequence[Diagnostic]) -> Diagnostic:
     if not others:
         return group[0]
     more = f" and {len(others) - NAMED} more" if len(others) > NAMED else ""
-    told = f"The same holds for {', '.join(others[:NAMED])}{more}."
-    return replace(group[0], message=f"{group[0].message} {told}")
+    same = f"The same holds for {', '.join(others[:NAMED])}{more}."
+    return replace(group[0], message=f"{group[0].message} {same}")
 
 
 def _telling(group: Sequence[Diagnostic]) -> Sequence[str]:

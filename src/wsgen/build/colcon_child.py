@@ -36,7 +36,7 @@ async def run_to_its_end(job: Job) -> int:
     """Let a package fail whose task raises: colcon would give up all others, too."""
     try:
         await run_job(job)
-    except Exception:  # noqa: BLE001  the job has told it
+    except Exception:  # noqa: BLE001  the job has reported it
         return 1
     return int(job.returncode)
 

@@ -124,11 +124,11 @@ def with_description(started: Started, others: Iterable[LaunchPlan], overlay: Ov
     if spawn is None or spawn.process is None or waits_for_description(found):
         return started
     plan, _ = only[spawn.description]
-    told = DESCRIPTION_FROM_ELSEWHERE.at(
+    elsewhere = DESCRIPTION_FROM_ELSEWHERE.at(
         spawn.process.file,
         spawn.process.line,
         message=f"The robot description is that of {plan.package} {plan.launch_file.name}, which "
         "must be started too.",
         hint=f"Include {plan.launch_file.name}, so that one command starts both.",
     )
-    return found._replace(plan=started.plan, diagnostics=(*found.diagnostics, told))
+    return found._replace(plan=started.plan, diagnostics=(*found.diagnostics, elsewhere))
