@@ -83,6 +83,7 @@ def main() -> None:
         "PyBullet by hand": [sys.executable, BY_HAND, *robots],
         "wsgen validate -j 1": [*validate, *robots],
         "wsgen validate -j 2": [*validate, "-j", "2", *robots],
+        "wsgen validate --engine mujoco": [*validate, "--engine", "mujoco", *robots],
     }
     measured: dict[str, list[tuple[float, float]]] = {name: [] for name in commands}
     for _ in range(runs):
@@ -96,8 +97,9 @@ def main() -> None:
     print("| | CPU s | wall-clock s |\n|---|---|---|")
     for name in commands:
         print(f"| {name} | {cpu[name]:.1f} | {wall[name]:.1f} |")
-    by_hand, one, two = commands
+    by_hand, one, two, mujoco = commands
     print(f"\nCPU against by hand: {cpu[one] / cpu[by_hand]:.2f} (at most 1.5)")
+    print(f"MuJoCo against PyBullet: {cpu[mujoco] / cpu[one]:.2f} (at most 1.2)")
     print(f"two jobs are {wall[one] / wall[two]:.2f} times faster than one (at least 1.7)")
 
 

@@ -1,4 +1,8 @@
-"""The whole loop on every supported Python of this machine, installed as a user installs it."""
+"""The whole loop on every supported Python of this machine, installed as a user installs it.
+
+Interpreters are looked for on the PATH, in pyenv's folder, and in WSGEN_TEST_PYTHONS, which lists
+further folders as PATH does. `.ci/debian-python` unpacks one of Debian that is newer than others.
+"""
 
 import json
 import os
@@ -14,12 +18,13 @@ from PIL import Image
 pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[1]
-SUPPORTED = ((3, 10), (3, 11), (3, 12), (3, 13))
+SUPPORTED = ((3, 10), (3, 11), (3, 12), (3, 13), (3, 14))
 
 
 def interpreters() -> Iterator[tuple[str, Path]]:
     """Version and path of one interpreter for each supported version but the running one."""
-    folders = [Path(entry) for entry in os.environ.get("PATH", "").split(os.pathsep)]
+    listed = [os.environ.get(name, "") for name in ("WSGEN_TEST_PYTHONS", "PATH")]
+    folders = [Path(entry) for entry in os.pathsep.join(listed).split(os.pathsep) if entry]
     pyenv = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv"))
     folders += sorted(pyenv.glob("versions/*/bin"))
     for version in SUPPORTED:
@@ -75,7 +80,7 @@ def test_new_build_validate(version: str, tmp_path: Path) -> None:
         (robot,) = outcome["packages"][0]["robots"]
         assert outcome["passed"]
         assert robot["simulated"] == {
-            "engine": "bullet",
+            "engine": "mujoco" if version == "3.14" else "bullet",
             "links": 1,
             "movable_joints": 0,
             "mass": 1.0,
@@ -85,7 +90,7 @@ def test_new_build_validate(version: str, tmp_path: Path) -> None:
 
 
 def draw(call: Callable[..., str], scripts: Path, workspace: Path) -> None:
-    """A picture and a video of it: PyBullet's builds for newer Pythons give images otherwise."""
+    """A picture and a video of it, and what `wsgen doctor` says about them."""
     said = call(scripts / "wsgen", "doctor", "--format", "json", folder=workspace)
     met = {found["name"]: found["met"] for found in json.loads(said)["wsgen"]}
     assert met["pictures"]

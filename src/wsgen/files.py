@@ -57,6 +57,11 @@ def _dead_link(path: str | Path) -> str | None:
         return None
 
 
+def after_scheme(path: str) -> str:
+    """Return the path that follows `file://`: on Windows it has a slash before its drive."""
+    return path[1:] if os.name == "nt" and path[:1] == "/" and path[2:3] == ":" else path
+
+
 def refuse_irregular(path: str | Path) -> None:
     """Raise OSError for anything that is not a regular file; `strerror` says what it is."""
     kind = irregular_kind(path)
@@ -186,6 +191,8 @@ def full_folder(*folders: Path) -> OSError | None:
 
 def _free_bytes(folder: Path) -> float:
     """Return the free bytes for this user; infinite if unknown or on a read-only file system."""
+    if not hasattr(os, "statvfs"):  # on Windows
+        return math.inf
     try:
         system = os.statvfs(folder)
     except OSError:

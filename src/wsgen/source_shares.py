@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 
 VARIABLE = "WSGEN_SOURCE_PREFIXES"  # in the environment: the folder of these prefixes
+SEPARATOR = r"[/\\]"  # of folders; Windows has both
 INDEX = Path("share", "ament_index", "resource_index", "packages")  # below a prefix
 
 
@@ -28,17 +29,28 @@ def serve_sources(
     for package, source in sources.items():
         prefix = folder / package
         (prefix / INDEX).mkdir(parents=True)
-        (prefix / INDEX / package).touch()
-        (prefix / "share" / package).symlink_to(source, target_is_directory=True)
+        (prefix / INDEX / package).write_text(str(source), encoding="utf-8")
+        _link(prefix / "share" / package, source)
         prefixes.append(str(prefix))
     path = os.pathsep.join(filter(None, prefixes))
     return {**environment, "AMENT_PREFIX_PATH": path, VARIABLE: str(folder)}
 
 
+def _link(place: Path, folder: Path) -> None:
+    try:
+        place.symlink_to(folder, target_is_directory=True)
+    except OSError as error:
+        if not hasattr(error, "winerror"):  # Windows lets only administrators make links
+            raise
+        from _winapi import CreateJunction  # type: ignore[attr-defined]  # noqa: PLC0415
+
+        CreateJunction(str(folder), str(place))
+
+
 def is_source(share: str) -> bool:
     """Whether a share folder is the source of a package that is not built."""
     folder = os.environ.get(VARIABLE)
-    return folder is not None and share.startswith(f"{folder}/")
+    return folder is not None and Path(folder) in Path(share).parents
 
 
 def name_sources(answer: Any, environment: Mapping[str, str]) -> Any:
@@ -50,10 +62,11 @@ def name_sources(answer: Any, environment: Mapping[str, str]) -> Any:
     folder = environment.get(VARIABLE)
     if folder is None:
         return answer
-    prefix = re.compile(rf"{re.escape(folder)}/([\w-]+)/share(/\1)?(?![\w-])")
+    words = [*map(re.escape, re.split(SEPARATOR, folder)), r"([\w-]+)", rf"share({SEPARATOR}\1)?"]
+    prefix = re.compile(SEPARATOR.join(words) + r"(?![\w-])")
 
     def name_source(found: re.Match[str]) -> str:
-        source = Path(folder, found[1], "share", found[1]).readlink()
+        source = Path(Path(folder, found[1], INDEX, found[1]).read_text(encoding="utf-8"))
         if found[2]:
             return str(source)
         return str(source.parent) if source.name == found[1] else found[0]

@@ -1,7 +1,10 @@
 """Which ament_cmake, CMake and Python are taken. Real builds are in the other files."""
 
 import os
+import platform
+import site
 import sys
+from importlib.metadata import distributions
 from pathlib import Path
 
 import pytest
@@ -9,9 +12,11 @@ import pytest
 from build.building import SHELL_PROGRAMS, link_programs, outside
 from wsgen.build.toolchain import (
     AMENT_CMAKE,
+    FETCHED,
     ROS_PREFIX,
     SourcedRos,
     Wheels,
+    fetch_arguments,
     find_toolchain,
     package_prefixes,
     use_toolchain,
@@ -33,6 +38,19 @@ def test_the_wheels_are_the_default() -> None:
     assert find_toolchain(outside()) == Wheels(prefix=Path(sys.prefix))
 
 
+def test_the_wheels_hold_nothing_compiled_that_is_used() -> None:
+    """On other machines the same files serve: what is compiled is an empty module in each wheel."""
+    wheels = [one for one in distributions() if one.name.startswith("ros-ament-cmake")]
+    if not wheels:
+        pytest.skip("ament_cmake comes from elsewhere")
+    files = [Path(str(one.locate_file(file))) for one in wheels for file in one.files or ()]
+    compiled = {file for file in files if file.is_file() and file.read_bytes()[:4] == b"\x7fELF"}
+    assert {file.name.partition(".")[0] for file in compiled} <= {"_dummy"}
+    used = [file for file in files if "share" in file.parts and file.is_file()]
+    assert len(used) > 200
+    assert not [file for file in used if b"_dummy" in file.read_bytes()]
+
+
 def test_a_sourced_ros_comes_first(ros: Path) -> None:
     variables = {"AMENT_PREFIX_PATH": f"/overlay{os.pathsep}{ros}"}
     assert find_toolchain(variables) == SourcedRos(prefix=ros)
@@ -49,14 +67,54 @@ def test_other_places_of_pip(tmp_path: Path, ros: Path, monkeypatch: pytest.Monk
     assert find_toolchain({}) == Wheels(prefix=ros)
 
 
-def test_no_toolchain(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.fixture
+def nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A prefix without ament_cmake, which is the only one."""
     monkeypatch.setattr(sys, "prefix", str(tmp_path))
     monkeypatch.setattr(sys, "path", ["", str(tmp_path), "relative"])
-    with pytest.raises(NotFoundError, match="Source a ROS"):
+    return tmp_path
+
+
+def test_no_toolchain(nothing: Path) -> None:
+    with pytest.raises(NotFoundError) as caught:
         find_toolchain({})
+    assert "ource a ROS" in caught.value.hint
     variables = {"PATH": "/bin"}
     use_toolchain(variables)  # a workspace of plain CMake packages needs none
     assert variables == {"PATH": "/bin"}
+
+
+def test_wheels_that_were_fetched_for_another_machine(nothing: Path) -> None:
+    (nothing / FETCHED / AMENT_CMAKE).parent.mkdir(parents=True)
+    (nothing / FETCHED / AMENT_CMAKE).touch()
+    assert find_toolchain({}) == Wheels(prefix=nothing / FETCHED)
+
+
+@pytest.mark.parametrize(
+    ("system", "architecture", "hint"),
+    [
+        ("linux", "aarch64", "-m pip install --only-binary :all: --platform manylinux_2_28_x86_64"),
+        ("darwin", "arm64", "-m pip install --only-binary :all: --platform manylinux_2_28_x86_64"),
+        ("win32", "AMD64", "wsl --install"),
+    ],
+)
+def test_what_to_do_where_pip_does_not_bring_it(
+    nothing: Path, monkeypatch: pytest.MonkeyPatch, system: str, architecture: str, hint: str
+) -> None:
+    monkeypatch.setattr(sys, "platform", system)
+    monkeypatch.setattr(platform, "machine", lambda: architecture)
+    with pytest.raises(NotFoundError) as caught:
+        find_toolchain({})
+    assert hint in caught.value.hint
+
+
+def test_wheels_are_fetched_to_where_the_user_may_write(
+    nothing: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert str(nothing / FETCHED) in (fetch_arguments("linux", "aarch64") or ())
+    monkeypatch.setattr(os, "access", lambda *_: False)
+    assert str(Path(site.getuserbase()) / FETCHED) in (fetch_arguments("linux", "aarch64") or ())
+    assert fetch_arguments("linux", "x86_64") is None
 
 
 def test_what_the_user_set_stays() -> None:

@@ -65,6 +65,7 @@ def completions(*words: str) -> list[str]:
         (("new", "my_robot", "-t", ""), ["<dir>", "arm", "diff_drive", "simple"]),
         (("templates", "s"), ["<dir>", "simple"]),
         (("build", "-w", ""), ["<dir>"]),
+        (("validate", "--engine", ""), ["bullet", "dart", "mujoco", "all"]),
     ],
 )
 @pytest.mark.usefixtures("workspace")

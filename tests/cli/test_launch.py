@@ -293,13 +293,49 @@ def test_a_video_without_its_encoder_and_a_simulation_without_its_engine(
     monkeypatch.setattr("wsgen.simulation.run.find_spec", lambda _: None)
     words = ("gazebo_test", "gazebo_model.launch.py", "--play")
     code, _, err = launch(capsys, *words, "--engine", "bullet", "--record", "video.mp4")
-    assert (code, "is not installed" in err) == (4, True)
+    assert (code, "No physics engine is installed" in err) == (4, True)
     monkeypatch.setattr("wsgen.simulation.run.find_spec", lambda _: True)
     code, _, err = launch(capsys, *words, "--record", "video.mp4")
     assert (code, "pip install 'wsgen[video]'" in err) == (4, True)
     monkeypatch.setattr("wsgen.simulation.run.find_spec", lambda _: None)
     code, _, err = launch(capsys, *words, "--engine", "dart")
     assert (code, "pip install 'wsgen[dart]'" in err) == (4, True)
+
+
+@pytest.mark.parametrize(
+    ("installed", "engine", "message", "hint"),
+    [
+        ("pybullet", "dart", "DART is not installed", "pip install 'wsgen[dart]'"),
+        ("pybullet", "mujoco", "MuJoCo is not installed", "pip install 'wsgen[mujoco]'"),
+        ("mujoco", "bullet", "PyBullet is not installed", "elsewhere use --engine mujoco"),
+        ("pybullet", "all", "MuJoCo and DART are not installed", "'wsgen[mujoco,dart]'"),
+        ("", "all", "No physics engine is installed", "'wsgen[mujoco,dart]'"),
+    ],
+)
+def test_an_engine_that_is_not_installed(  # noqa: PLR0917  the facts of a case
+    built: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    installed: str,
+    engine: str,
+    message: str,
+    hint: str,
+) -> None:
+    monkeypatch.chdir(built)
+    monkeypatch.setattr(
+        "wsgen.simulation.run.find_spec", lambda name: True if name == installed else None
+    )
+    words = ("gazebo_test", "gazebo_model.launch.py", "--play", "--engine", engine)
+    code, out, err = launch(capsys, *words)
+    assert (code, out) == (4, "")
+    assert message in err
+    assert hint in err
+
+
+def test_the_former_name_of_all_engines(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, err = launch(capsys, "my_robot", "r.launch.py", "--play", "--engine", "both")
+    assert (code, out) == (2, "")
+    assert "Did you mean `--engine all`?" in err
 
 
 def test_play_a_launch_file_of_no_package(

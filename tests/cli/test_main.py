@@ -32,6 +32,12 @@ def command_that(raises: BaseException) -> click.Command:
         (NotFoundError("no cmake", hint="install it"), 4, ("no cmake", "install it")),
         (NotReadableError("disk full", hint="make room"), 4, ("disk full", "make room")),
         (KeyboardInterrupt(), 130, ("interrupted",)),
+        (
+            ImportError("libGL.so.1: cannot open shared object file: No such file", name="numpy"),
+            4,
+            ("numpy needs libGL.so.1, which the system lacks", "sudo apt install libgl1"),
+        ),
+        (ImportError("cannot import name"), 70, ("bug in wsgen",)),
         (ZeroDivisionError("division by zero"), 70, ("bug in wsgen", "WSGEN_TRACEBACK")),
     ],
 )
@@ -272,3 +278,20 @@ def test_a_full_disk_is_not_a_bug(
     printed = capfd.readouterr().err
     assert words in printed
     assert len(printed.splitlines()) == 2
+
+
+def test_what_the_encoding_of_a_pipe_does_not_have(tmp_path: Path) -> None:
+    """Windows has such pipes: not even an arrow is in this encoding."""
+    node = "Node(package='turtlesim', executable='draw', remappings=[('here', 'there')])"
+    (tmp_path / "draw.launch.py").write_text(
+        "from launch import LaunchDescription\nfrom launch_ros.actions import Node\n"
+        f"def generate_launch_description():\n    return LaunchDescription([{node}])\n"
+    )
+    run = subprocess.run(
+        [sys.executable, "-m", "wsgen", "launch", "draw.launch.py"],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONIOENCODING": "cp1252"},
+        capture_output=True,
+        check=False,
+    )
+    assert (run.returncode, b"here ? there" in run.stdout) == (0, True), run.stderr

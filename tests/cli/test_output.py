@@ -1,14 +1,26 @@
 """The lines of diagnostics."""
 
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import click
 import pytest
 
 from wsgen.cli.output import render_diagnostics, render_outcome, render_tree
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.model.outcome import NotValidated, Outcome, PackageOutcome
+from wsgen.model.behavior import BehaviorOutcome, Drive
+from wsgen.model.outcome import (
+    EngineOutcome,
+    NotValidated,
+    Outcome,
+    PackageOutcome,
+    Rest,
+    RobotOutcome,
+    Simulated,
+)
 from wsgen.model.plan import LaunchArgument, LaunchPlan
+from wsgen.model.transform import Pose
 
 
 def diagnostic(severity: Severity, code: str = "ROB052", name: str = "a-rule") -> Diagnostic:
@@ -78,6 +90,79 @@ def test_what_is_not_validated_is_said_once_for_each_reason() -> None:
         "  p a, b: no",
         "  m: spawns no robot",
     ]
+
+
+def in_engine(name: str, *, z: float = 0.25, passed: bool = True, **rest: Any) -> EngineOutcome:
+    return EngineOutcome(
+        engine=name,
+        simulated=Simulated(engine=name, links=1, movable_joints=0, mass=1.0),
+        rest=Rest(pose_in_world=Pose((0.0, 0.0, z)), settled_after=0.5, speed=0.0, **rest),
+        passed=passed,
+        codes=frozenset(["SPN059"] if not passed or z < 0.2 else []),  # tips-over
+    )
+
+
+def table_of(
+    *engines: EngineOutcome, behaviors: tuple[BehaviorOutcome, ...] = (), quiet: bool = False
+) -> list[str]:
+    robot = RobotOutcome(
+        entity="r",
+        spawn_pose=Pose((0.0, 0.0, 0.255)),
+        links=2,
+        joints=1,
+        movable_joints=0,
+        mass=1.0,
+        engines=engines,
+        behaviors=behaviors,
+        passed=all(one.passed for one in engines),
+    )
+    package = PackageOutcome(package="p", share=None, launch_file=None, robots=(robot,))
+    lines = render_outcome(Outcome(packages=(package,)), quiet=quiet)
+    return [" ".join(click.unstyle(line).split()) for line in lines[2:]]
+
+
+def test_a_robot_has_a_row_for_each_engine() -> None:
+    head, _, *rows = table_of(
+        in_engine("bullet"), in_engine("mujoco", z=0.1, tilt=1.0), EngineOutcome(engine="dart")
+    )
+    assert head == "robot engine mass, kg at the end, m tilt, degrees result"
+    assert rows == [
+        "r PyBullet 1.000 0.00 0.00 0.250 0.0 stands after 0.5 s",
+        "r MuJoCo 1.000 0.00 0.00 0.100 57.3 tips over",
+        "r DART - - - not simulated",
+    ]
+    assert table_of(in_engine("bullet"), in_engine("dart", passed=False), quiet=True) == [
+        "r PyBullet 1.000 0.00 0.00 0.250 0.0 stands after 0.5 s",
+        "r DART 1.000 0.00 0.00 0.250 0.0 fails",
+    ]
+
+
+def test_one_engine_has_no_column() -> None:
+    head, _, row = table_of(in_engine("dart"))
+    assert head == "robot mass, kg movable spawned at, m at the end, m result"
+    assert row == "r 1.000 0 of 1 0.00 0.00 0.255 0.00 0.00 0.250 stands after 0.5 s"
+    (row,) = table_of(quiet=True)
+    assert row == "r - 0 of 1 0.00 0.00 0.255 - not simulated"
+
+
+def test_a_behavior_has_a_line_for_each_engine() -> None:
+    def drives(x: float, *, passed: bool = True) -> tuple[BehaviorOutcome, ...]:
+        return (
+            BehaviorOutcome(name="drives", task=Drive(x=1.0), passed=passed, moved=(x, 0.0, 0.0)),
+        )
+
+    far, near = drives(0.98), drives(0.4, passed=False)
+    each = (
+        replace(in_engine("mujoco"), behaviors=far),
+        replace(in_engine("dart", passed=False), behaviors=near),
+    )
+    assert table_of(*each, behaviors=drives(0.98, passed=False))[-2:] == [
+        "ok drives, MuJoCo: 0.98 m ahead, 0.00 m to the left, turned by 0.00 rad",
+        "failed drives, DART: 0.40 m ahead, 0.00 m to the left, turned by 0.00 rad",
+    ]
+    assert table_of(each[0], behaviors=far)[-1] == (
+        "ok drives: 0.98 m ahead, 0.00 m to the left, turned by 0.00 rad"
+    )
 
 
 @pytest.mark.parametrize(

@@ -152,14 +152,27 @@ ixz="0" iyz="0"/></inertial><collision><geometry><box size="1 1 1"/></geometry><
 ENDLESS = '<robot name="r" xmlns:xacro="http://ros.org/wiki/xacro" a="${fsum(range(10**15))}"/>'
 
 
+WSGEN = ("-m", "wsgen")
+AS_ON_MACOS = """
+from wsgen.isolation import system
+system.has_guards = lambda: False
+from wsgen.__main__ import main
+main()
+"""
+
+
 def stop(
-    folder: Path, number: signal.Signals, step: str, *arguments: str
+    folder: Path,
+    number: signal.Signals,
+    step: str,
+    *arguments: str,
+    command: tuple[str, str] = WSGEN,
 ) -> tuple[int, str, list[str]]:
     """Signal `wsgen validate` when it has begun a step; exit code, output, errors from then on."""
     scratch = folder / "tmp"
     scratch.mkdir()
     with subprocess.Popen(
-        [sys.executable, "-m", "wsgen", "validate", "--verbose", *arguments],
+        [sys.executable, *command, "validate", "--verbose", *arguments],
         cwd=folder,
         env={**os.environ, "TMPDIR": str(scratch)},
         stdout=subprocess.PIPE,
@@ -185,17 +198,19 @@ def test_in_the_middle_of_a_simulation(tmp_path: Path, number: signal.Signals) -
     assert [line for line in complaints if line] == [ENDINGS[number]]
 
 
+@pytest.mark.parametrize("command", [WSGEN, ("-c", AS_ON_MACOS)], ids=["linux", "macos"])
 @pytest.mark.parametrize("jobs", ["1", "2"])
 @pytest.mark.parametrize("number", ENDINGS)
-def test_a_batch_keeps_what_has_ended(tmp_path: Path, number: signal.Signals, jobs: str) -> None:
+def test_a_batch_keeps_what_has_ended(
+    tmp_path: Path, number: signal.Signals, jobs: str, command: tuple[str, str]
+) -> None:
     (tmp_path / "r.urdf").write_text(ROBOT)
     (tmp_path / "endless.xacro").write_text(ENDLESS)
     (tmp_path / "last.urdf").write_text(ROBOT)
     files = ["r.urdf", "endless.xacro", "last.urdf"]
     step = "...  endless expand" if jobs == "1" else "...  last expand"  # what comes after r.urdf
-    code, words, complaints = stop(
-        tmp_path, number, step, *files, "--jobs", jobs, "--json", "r.json", "--format", "json"
-    )
+    options = ("--jobs", jobs, "--json", "r.json", "--format", "json")
+    code, words, complaints = stop(tmp_path, number, step, *files, *options, command=command)
     assert code == 128 + number
     assert ENDINGS[number] in complaints
     assert not any("failed" in line for line in complaints)

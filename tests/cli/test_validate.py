@@ -401,11 +401,12 @@ def test_only_a_table_loads_rich(built: Path, options: tuple[str, ...], *, is_lo
     assert run.stdout.splitlines()[-1] == str(is_loaded)
 
 
-@pytest.mark.parametrize("engine", ["dart", "both"])
+@pytest.mark.parametrize("engine", ["dart", "all"])
 def test_the_next_step_keeps_the_engine(built: Path, engine: str) -> None:
     pytest.importorskip("dartpy")
     run = wsgen(built, "validate", "--engine", engine)
     assert f"Next: wsgen validate --engine {engine} --picture .\n" in run.stderr
+    assert (" in PyBullet" in run.stderr) == (engine == "all")
 
 
 def test_the_next_steps_from_elsewhere(built: Path, tmp_path: Path) -> None:

@@ -111,9 +111,9 @@ def test_a_robot_that_does_what_it_must(workspace: Path) -> None:
     )
 
 
-@pytest.mark.parametrize("engine", ["bullet", "both"])
+@pytest.mark.parametrize("engine", ["bullet", "all"])
 def test_a_wheel_size_that_is_wrong_in_the_plugin_is_found(workspace: Path, engine: str) -> None:
-    if engine == "both":
+    if engine == "all":
         pytest.importorskip("dartpy")
     give(workspace, robot(diameter=0.4))
     code, document, _ = validate(workspace, "--engine", engine)

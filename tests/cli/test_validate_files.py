@@ -283,8 +283,8 @@ def test_meshes_that_pybullet_does_not_read_are_stood_on(tmp_path: Path, kind: s
 
 
 @needs_dart
-@pytest.mark.parametrize("engine", ["dart", "both"])
-def test_the_other_engine(tmp_path: Path, engine: str) -> None:
+@pytest.mark.parametrize("engine", ["dart", "all"])
+def test_the_other_engines(tmp_path: Path, engine: str) -> None:
     (tmp_path / "crate.urdf").write_text(urdf(link()))
     code, (package,) = checked(
         tmp_path, "crate.urdf", "--engine", engine, "--picture", str(tmp_path)
@@ -293,7 +293,14 @@ def test_the_other_engine(tmp_path: Path, engine: str) -> None:
     assert code == 0
     assert robot["simulated"]["engine"] == ("dart" if engine == "dart" else "bullet")
     assert robot["rest"]["xyz"] == pytest.approx([0, 0, 0.1], abs=0.001)
-    assert package["diagnostics"] == []
+    assert [one["passed"] for one in robot["engines"]] == [True] * len(robot["engines"])
+    assert [one["rest"]["xyz"][2] for one in robot["engines"]] == pytest.approx(
+        [0.1] * len(robot["engines"]), abs=0.001
+    )
+    names = [one["engine"] for one in robot["engines"]]
+    if engine == "all":
+        assert codes(package, "info") == (["SPN098"] if "mujoco" not in names else [])
+        assert {"bullet", "dart"} <= set(names)
     with Image.open(tmp_path / "crate.png") as picture:
         assert picture.width > 0
 
@@ -318,7 +325,7 @@ def test_engines_that_disagree_are_reported(tmp_path: Path) -> None:
         </inertial><collision name="c"><geometry><sphere><radius>0.05</radius></sphere></geometry>
         </collision></link></model></world></sdf>"""
     (tmp_path / "bowl.sdf").write_text(world)
-    _, (package,) = checked(tmp_path, "bowl.sdf", "--engine", "both")
+    _, (package,) = checked(tmp_path, "bowl.sdf", "--engine", "all", "-j", "3")
     found = [item for item in package["diagnostics"] if item["code"] == "SPN065"]
     assert [item["element"] for item in found] == ["ball"]
     assert "mm" in found[0]["message"]

@@ -8,6 +8,7 @@ from collections.abc import Collection, Mapping
 from pathlib import Path
 
 import pytest
+from packaging.requirements import Requirement as Dependency
 
 from wsgen.build.toolchain import SourcedRos, Wheels
 from wsgen.doctor import machine as machine_module
@@ -45,6 +46,7 @@ def machine(
     python: tuple[int, int] = (3, 10),
     toolchain: SourcedRos | Wheels | None = Wheels(prefix=Path("/venv")),  # noqa: B008  it is frozen
     why_no_picture: str | None = None,
+    why_not_loaded: Mapping[str, str] = {},
 ) -> Machine:
     variables = {"PATH": "/bin"} if environment is None else environment
     return Machine(
@@ -58,6 +60,7 @@ def machine(
         interpreter="/venv/bin/python",
         which=lambda name, path: programs.get(name) if path else None,
         has_module=lambda name: name not in lacking,
+        why_not_loaded=why_not_loaded.get,
         why_no_picture=lambda: why_no_picture,
     )
 
@@ -113,39 +116,70 @@ def test_a_missing_module(tmp_path: Path, module: str, name: str, fix: str) -> N
     assert found.fix == f"/venv/bin/python -m {fix}"
 
 
+ENGINES = ("pybullet", "mujoco", "dartpy")
+NO_GL = "failed (ImportError: libGL.so.1: cannot open shared object file: No such file)"
+
+
 @pytest.mark.parametrize(
-    ("python", "fix"),
+    ("python", "architecture", "fix"),
     [
-        ((3, 11), "pybullet"),
-        ((3, 12), "pybullet-arm64"),
-        ((3, 13), "pybullet-arm64"),
-        ((3, 14), "dartpy"),
+        ((3, 11), "x86_64", "pybullet"),
+        ((3, 12), "x86_64", "pybullet-arm64"),
+        ((3, 13), "x86_64", "pybullet-arm64"),
+        ((3, 14), "x86_64", "wsgen[mujoco]"),
+        ((3, 11), "aarch64", "wsgen[mujoco]"),
     ],
 )
-def test_no_engine(tmp_path: Path, python: tuple[int, int], fix: str) -> None:
-    one = machine(tmp_path, lacking=["pybullet", "dartpy"], python=python)
+def test_no_engine(tmp_path: Path, python: tuple[int, int], architecture: str, fix: str) -> None:
+    one = machine(tmp_path, lacking=ENGINES, python=python, architecture=architecture)
     assert not check(one).passed
-    assert own(one)["physics engine"].fix.split()[-1] == fix
+    assert shlex.split(own(one)["physics engine"].fix)[-1] == fix
 
 
 def test_one_engine_is_enough(tmp_path: Path) -> None:
-    one = machine(tmp_path, lacking=["pybullet"])
+    one = machine(tmp_path, lacking=["pybullet", "mujoco"])
     assert check(one).passed
     assert own(one)["physics engine"].text == "DART"
 
 
+def test_an_engine_that_lacks_a_library_of_the_system(tmp_path: Path) -> None:
+    broken = {"wsgen.simulation.dart": NO_GL}
+    found = own(machine(tmp_path, why_not_loaded=broken))
+    assert found["physics engine"].text == "PyBullet, MuJoCo"
+    assert not found["DART"].is_met
+    assert found["DART"].text == ("cannot be loaded: it needs libGL.so.1, which the system lacks")
+    assert found["DART"].fix == "sudo apt install libgl1"
+    alone = machine(tmp_path, lacking=["pybullet", "mujoco"], why_not_loaded=broken, python=(3, 14))
+    assert not check(alone).passed
+    assert own(alone)["physics engine"].fix.endswith("install 'wsgen[mujoco]'")
+
+
+def test_an_engine_that_crashes_when_it_is_loaded(tmp_path: Path) -> None:
+    broken = {"wsgen.simulation.bullet": "crashed (SIGILL)"}
+    found = own(machine(tmp_path, why_not_loaded=broken))["PyBullet"]
+    assert found.text == "cannot be loaded: it crashed (SIGILL)"
+    assert found.fix.endswith("install --force-reinstall pybullet")
+
+
+@pytest.mark.parametrize(
+    ("module", "pip"), [("lxml.etree", "lxml"), ("PIL.Image", "pillow"), ("numpy", "numpy")]
+)
+def test_a_compiled_library_that_cannot_be_loaded(tmp_path: Path, module: str, pip: str) -> None:
+    broken = machine(tmp_path, why_not_loaded={module: "failed (ImportError: no such symbol)"})
+    found = own(broken)["Python libraries"]
+    assert not check(broken).passed
+    assert found.text.endswith("failed (ImportError: no such symbol)")
+    assert found.fix.endswith(f"install --force-reinstall {pip}")
+
+
 def test_pictures_are_drawn_or_it_is_said_what_keeps_them_from_it(tmp_path: Path) -> None:
-    assert own(machine(tmp_path))["pictures"].text == "drawn by PyBullet"
-    broken = check(machine(tmp_path, python=(3, 12), why_no_picture="crashed (SIGSEGV)"))
+    assert own(machine(tmp_path))["pictures"].text == "can be drawn"
+    broken = check(machine(tmp_path, why_no_picture=NO_GL))
     (found,) = (one for one in broken.wsgen if one.name == "pictures")
     assert (found.is_met, found.is_required) == (False, False)
-    assert found.text == "cannot be drawn: PyBullet crashed (SIGSEGV)"
-    assert found.fix == "/venv/bin/python -m pip install --force-reinstall pybullet-arm64"
+    assert found.text == f"cannot be drawn: the renderer {NO_GL}"
+    assert found.fix == "sudo apt install libgl1"
     assert broken.passed  # all else can be done
-    dart_alone = machine(tmp_path, python=(3, 14), lacking=["pybullet"])
-    found = own(dart_alone)["pictures"]
-    assert found.text.endswith("has no wheel for this Python")
-    assert (found.is_met, found.fix) == (False, "")
 
 
 def test_this_machine_draws_in_a_child_whose_death_is_reported(
@@ -153,18 +187,21 @@ def test_this_machine_draws_in_a_child_whose_death_is_reported(
 ) -> None:
     one = here(os.environ)
     assert one.why_no_picture() is None
+    assert one.why_not_loaded("numpy") is None
     tmp_path.joinpath("deadly.py").write_text("import os\ndef die():\n    os.abort()\n")
+    tmp_path.joinpath("deadly_to_import.py").write_text("import deadly\ndeadly.die()\n")
     monkeypatch.syspath_prepend(tmp_path)
+    assert one.why_not_loaded("deadly_to_import") == "crashed (SIGABRT)"
     monkeypatch.setattr(machine_module, "DRAWING_TASK", "deadly:die")
     assert one.why_no_picture() == "crashed (SIGABRT)"
 
 
-@pytest.mark.parametrize("lacking", [["av"], ["dartpy"]])
+@pytest.mark.parametrize("lacking", [["av"], ["dartpy", "mujoco"]])
 def test_what_wsgen_can_do_without(tmp_path: Path, lacking: list[str]) -> None:
     one = machine(tmp_path, lacking=lacking, programs={"cmake": "c", "make": "m"})
     assert check(one).passed
     missing = {found.name for found in check(one).wsgen if not found.is_met}
-    assert missing >= {"C++ compiler", "git"}
+    assert missing > {"C++ compiler", "git"}
     assert all("only for" in found.text for found in check(one).wsgen if not found.is_met)
 
 
@@ -193,10 +230,13 @@ def test_no_ament_cmake(tmp_path: Path) -> None:
     found = own(machine(tmp_path, toolchain=None))["ament_cmake"]
     assert not found.is_met
     assert "ros-ament-cmake-pytest" in found.fix
+    elsewhere = machine(tmp_path, toolchain=None, architecture="aarch64")
+    found = own(elsewhere)["ament_cmake"]
+    assert not found.is_met
+    assert found.is_required
+    assert found.fix.startswith("/venv/bin/python -m pip install --only-binary :all: --platform")
     install_ros(tmp_path, "jazzy")
-    found = own(machine(tmp_path, toolchain=None, architecture="aarch64"))["ament_cmake"]
-    assert "need a ROS installation" in found.text
-    assert found.fix == f"source {tmp_path}/opt/ros/jazzy/setup.bash"
+    assert own(elsewhere)["ament_cmake"].fix == f"source {tmp_path}/opt/ros/jazzy/setup.bash"
 
 
 def test_ament_cmake_of_a_sourced_ros(tmp_path: Path) -> None:
@@ -290,8 +330,10 @@ def test_os_release_of_the_other_place(tmp_path: Path) -> None:
 def test_no_linux(tmp_path: Path, system: str, name: str) -> None:
     one = machine(tmp_path, system=system, architecture="arm64", toolchain=None)
     assert f"this is {name}" in ros(one)["Ubuntu"].text
-    assert "need a ROS installation" in own(one)["ament_cmake"].text
-    assert own(one)["ament_cmake"].fix == ""
+    found = own(one)["ament_cmake"]
+    assert not found.is_met
+    assert found.is_required == (system != "win32")
+    assert found.fix.startswith("wsl" if system == "win32" else "/venv/bin/python -m pip install")
 
 
 def test_ros_that_is_not_sourced(tmp_path: Path) -> None:
@@ -366,7 +408,7 @@ def test_gazebo_as_a_package_of_ros(tmp_path: Path) -> None:
 @pytest.mark.parametrize("target", TARGETS, ids=lambda target: target.name)
 def test_every_command_can_be_typed(tmp_path: Path, target: Target) -> None:
     os_release(tmp_path, UBUNTU.format(version=target.ubuntu, name=target.fact("ubuntu_codename")))
-    lacking = {"xacro", "pybullet", "dartpy", "av", "colcon_core"}
+    lacking = {"xacro", *ENGINES, "av", "colcon_core"}
     found = check(machine(tmp_path, lacking=lacking, programs={}, toolchain=None), target)
     commands = [one.fix for one in (*found.wsgen, *found.ros) if one.fix]
     assert len(commands) > 8
@@ -393,10 +435,40 @@ def test_every_dependency_of_wsgen_is_looked_for() -> None:
     wanted = {re.match(r"[\w.-]+", line)[0].lower() for line in project["dependencies"]}  # type: ignore[index]
     modules = [*report.COLCON_PACKAGES.values(), *report.LIBRARIES.values()]
     known = {re.match(r"[\w.-]+", name)[0].lower() for name in modules}  # type: ignore[index]
-    engines = {"pybullet", "pybullet-arm64", "dartpy"}
+    engines = {"pybullet", "pybullet-arm64", "mujoco", "mujoco-core"}
     # tomli: without it wsgen does not start.
     others = {"cmake", "ninja", "xacro", "tomli"}
     assert wanted == known | set(report.WHEELS) | engines | others
-    assert set(MODULES.values()) == {"pybullet", "dartpy"}
+    known_engines = {name: library for name, _, library, _ in report.ENGINES}
+    assert known_engines.items() >= MODULES.items()
+    assert {module.partition(".")[0] for module in report.COMPILED} <= report.LIBRARIES.keys()
     first, last = (f"{major}.{minor}" for major, minor in report.PYTHONS)
     assert project["requires-python"] == f">={first},<3.{int(last.split('.')[1]) + 1}"
+
+
+@pytest.mark.parametrize("minor", range(10, 15))
+@pytest.mark.parametrize(
+    ("system", "architecture"),
+    [
+        ("linux", "x86_64"),
+        ("linux", "aarch64"),
+        ("darwin", "arm64"),
+        ("darwin", "x86_64"),
+        ("win32", "AMD64"),
+        ("win32", "ARM64"),
+    ],
+)
+def test_the_pybullet_that_is_named_is_the_one_that_wsgen_depends_on(
+    tmp_path: Path, system: str, architecture: str, minor: int
+) -> None:
+    project = load(Path(__file__).parents[2] / "pyproject.toml")["project"]
+    variables = {
+        "sys_platform": system,
+        "platform_machine": architecture,
+        "python_version": f"3.{minor}",
+    }
+    lines = [Dependency(line) for line in project["dependencies"]]
+    wanted = {one.name for one in lines if one.marker is None or one.marker.evaluate(variables)}
+    one = machine(tmp_path, system=system, architecture=architecture, python=(3, minor))
+    named = report.pybullet_for(one)
+    assert wanted & {"pybullet", "pybullet-arm64"} == ({named} if named else set())

@@ -1,4 +1,5 @@
 import itertools
+import os
 import textwrap
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -6,11 +7,17 @@ from typing import Protocol
 
 import pytest
 
+from windows_like import ModuleOnWindows, make_interpreter
 from wsgen.isolation import parent
 from wsgen.isolation.fork_server import ForkServer
 from wsgen.isolation.result import Answered, Died
 
 Run = Callable[..., Answered | Died]
+
+
+# Mark tests of what only a guard can do, and of what Windows cannot.
+GUARDED = pytest.mark.parametrize("run", ["fresh", "forked"], indirect=True)
+GROUPED = pytest.mark.parametrize("run", ["fresh", "forked", "macos"], indirect=True)
 
 
 class Task(Protocol):
@@ -41,10 +48,23 @@ def task(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Task:
     return write
 
 
-@pytest.fixture(params=["fresh", "forked"])
-def run(request: pytest.FixtureRequest) -> Run:
-    """Both ways to run a task; what they promise is the same."""
-    if request.param == "fresh":
+@pytest.fixture(scope="session")
+def windows_like(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """An interpreter for children like those on Windows."""
+    return make_interpreter(tmp_path_factory.mktemp("windows") / "environment")
+
+
+@pytest.fixture(params=["fresh", "forked", "macos", "windows"])
+def run(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Run:
+    """All ways to run a task; what they promise is the same, but for `GUARDED` and `GROUPED`."""
+    if request.param in {"macos", "windows"}:
+        monkeypatch.setattr("wsgen.isolation.system.has_guards", lambda: False)
+    if request.param == "windows":
+        python: Path = request.getfixturevalue("windows_like")
+        monkeypatch.setattr("sys.executable", str(python))
+        monkeypatch.setattr("wsgen.isolation.system.os", ModuleOnWindows(os))
+        monkeypatch.setenv("PATH", str(python.parent), prepend=os.pathsep)
+    if request.param != "forked":
         return parent.run
     fork_server: ForkServer = request.getfixturevalue("fork_server")
     return fork_server.run

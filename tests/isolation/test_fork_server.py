@@ -247,8 +247,8 @@ def test_the_modules_of_wsgen_start_no_threads(fork_server: ForkServer, task: Ta
 def test_nothing_is_forked_elsewhere(
     fork_server: ForkServer, task: Task, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("sys.platform", "darwin")
-    assert value(fork_server.run(task(SERVER))) == os.getpid()
+    monkeypatch.setattr("wsgen.isolation.system.has_guards", lambda: False)
+    assert value(fork_server.run(task("import os\nreturn os.getppid()"))) == os.getpid()
 
 
 def test_the_end_of_a_nursery(task: Task, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -264,6 +264,23 @@ def test_the_end_of_a_nursery(task: Task, tmp_path: Path, monkeypatch: pytest.Mo
     assert isinstance(outcomes[0], Died)
     wait_while(lambda: is_alive(server) or is_alive(child))
     assert list((tmp_path / "scratch").iterdir()) == []
+    with pytest.raises(RuntimeError, match="closed"):
+        fork_server.run(name)
+
+
+def test_the_end_where_nothing_is_forked(
+    task: Task, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("wsgen.isolation.system.has_guards", lambda: False)
+    name, file = task(WAIT), tmp_path / "pid"
+    with ThreadPoolExecutor() as pool, ForkServer() as fork_server:
+        call = pool.submit(fork_server.run, name, str(file))
+        wait_while(lambda: not file.exists())
+        fork_server.__exit__(None, None, None)
+        died = call.result(120)
+    assert isinstance(died, Died)
+    assert died.reason == "crashed (SIGKILL)"
+    assert not is_alive(int(file.read_text()))
     with pytest.raises(RuntimeError, match="closed"):
         fork_server.run(name)
 

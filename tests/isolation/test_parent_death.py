@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from isolation.conftest import Run
+from isolation.conftest import GROUPED, Run
 from isolation.processes import is_alive, wait_while
 from wsgen.isolation.result import Answered, Limits
 
@@ -44,24 +44,30 @@ with ThreadPoolExecutor(2) as pool, ForkServer() as server:
     for call in calls:
         call.result()
 """
+WITHOUT_GUARD = f"from wsgen.isolation import system\nsystem.has_guards = lambda: False\n{ONE}"
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere a killed parent ends nobody")
 @pytest.mark.parametrize(
-    ("number", "returncode", "is_left_behind"),
-    [(signal.SIGTERM, 128 + signal.SIGTERM, False), (signal.SIGKILL, -signal.SIGKILL, True)],
+    ("number", "returncode"),
+    [(signal.SIGTERM, 128 + signal.SIGTERM), (signal.SIGKILL, -signal.SIGKILL)],
 )
-@pytest.mark.parametrize("calls", [ONE, SEVERAL])
+@pytest.mark.parametrize("calls", [ONE, SEVERAL, WITHOUT_GUARD, "windows"])
 def test_the_end_of_the_parent(
-    calls: str, number: signal.Signals, returncode: int, is_left_behind: bool, tmp_path: Path
+    calls: str, number: signal.Signals, returncode: int, tmp_path: Path, windows_like: Path
 ) -> None:
+    interpreter = sys.executable
+    if calls == "windows":
+        calls, interpreter = ONE, str(windows_like)
+    path = os.pathsep.join([str(windows_like.parent), os.environ["PATH"]])  # for its taskkill
     (tmp_path / "foreign_spin.py").write_text(TASK)
     scratch = tmp_path / "scratch"
     scratch.mkdir()
-    files = [tmp_path / "one", tmp_path / "two"][: 1 if calls is ONE else 2]
+    files = [tmp_path / "one", tmp_path / "two"][: 2 if calls is SEVERAL else 1]
     arguments = [START + calls, str(tmp_path), str(scratch), *map(str, files)]
-    with subprocess.Popen([sys.executable, "-c", *arguments]) as parent:
+    with subprocess.Popen(
+        [interpreter, "-c", *arguments], env={**os.environ, "PATH": path}
+    ) as parent:
         wait_while(lambda: not all(file.exists() for file in files))
         family = [int(pid) for file in files for pid in file.read_text().split()]
         assert all(map(is_alive, family))
@@ -69,7 +75,7 @@ def test_the_end_of_the_parent(
         assert parent.wait(120) == returncode
     wait_while(lambda: any(map(is_alive, family)))
     # Nobody can clean up after kill -9.
-    assert bool(list(scratch.iterdir())) == is_left_behind
+    assert bool(list(scratch.iterdir())) == (number is signal.SIGKILL)
 
 
 IMPORT = """
@@ -82,7 +88,7 @@ time.sleep(600)
 """
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere a killed parent ends nobody")
+@pytest.mark.skipif(sys.platform != "linux", reason="nothing is forked elsewhere")
 def test_the_end_of_the_parent_while_a_server_imports(tmp_path: Path) -> None:
     (tmp_path / "foreign_spin.py").write_text(IMPORT)
     file = tmp_path / "pid"
@@ -97,22 +103,24 @@ def test_the_end_of_the_parent_while_a_server_imports(tmp_path: Path) -> None:
 
 
 HELD_TOO_LATE = """
-import os, signal, sys
-from wsgen.isolation.parent_death import end_with_parent
+import os, signal, sys, time
+from wsgen.isolation import parent_death
 os.setsid()
 for_child, ours = os.pipe()
 os.close(ours)
-end_with_parent(for_child, signal.SIGTERM)
-sys.exit("still here")
+getattr(parent_death, sys.argv[1])(for_child, signal.SIGTERM)
+time.sleep(60)
 """
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere a killed parent ends nobody")
-def test_a_parent_that_ended_before(tmp_path: Path) -> None:
-    ended = subprocess.run([sys.executable, "-c", HELD_TOO_LATE], cwd=tmp_path, check=False)
+@pytest.mark.parametrize("function", ["end_with_parent", "end_with_parent_by_thread"])
+def test_a_parent_that_ended_before(function: str, tmp_path: Path) -> None:
+    command = [sys.executable, "-c", HELD_TOO_LATE, function]
+    ended = subprocess.run(command, cwd=tmp_path, check=False)
     assert ended.returncode == -signal.SIGTERM
 
 
+@GROUPED
 def test_the_system_limits_the_cpu_time_too(
     run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from wsgen.simulation.run import TASKS
+
 SOURCE = Path(__file__).parents[2] / "src"
 TASK = re.compile(r"wsgen\.\S+:\S+")
 
@@ -15,18 +17,22 @@ TASK = re.compile(r"wsgen\.\S+:\S+")
 def task_names() -> list[str]:
     return sorted(
         {
-            node.value
-            for path in SOURCE.rglob("*.py")
-            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
-            if isinstance(node, ast.Constant)
-            and isinstance(node.value, str)
-            and TASK.fullmatch(node.value)
+            *TASKS.values(),
+            *(
+                node.value
+                for path in SOURCE.rglob("*.py")
+                for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+                if isinstance(node, ast.Constant)
+                and isinstance(node.value, str)
+                and TASK.fullmatch(node.value)
+            ),
         }
     )
 
 
 def test_the_names_are_found() -> None:
     assert "wsgen.meshes.worker:inspect" in task_names()
+    assert "wsgen.tasks.launch:evaluate_launch" in task_names()
     assert "wsgen.tasks.dart:simulate" in task_names()
 
 

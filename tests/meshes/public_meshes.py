@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.meshes import worker
-from wsgen.meshes.requests import InspectedMesh, MeshRequest, Showing, UnusableMesh
+from wsgen.meshes.requests import InspectedMesh, MeshRequest, UnusableMesh
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -28,7 +28,7 @@ REFUSED = {
 }
 LARGEST = 2_000_000  # bytes, of a mesh of the sample
 SAMPLE = 4  # meshes of one kind in one folder, or in folders that have numbers for names
-SHOWINGS = (Showing(is_painted=False, scale=(1.0, 1.0, 1.0), times=1),)
+SHOWINGS = (False,)
 
 
 def meshes_of(distribution: str, *, every: bool) -> list[Path]:
@@ -60,7 +60,6 @@ def differences(meshes: Sequence[Path]) -> list[str]:
 
 def _difference(file: Path) -> str | None:
     with tempfile.TemporaryDirectory() as folder:
-        # Each by itself, else they are reduced as one robot's.
         plain, seen = (
             worker.inspect([_request(file, showings)], Path(folder))[0]
             for showings in ((), SHOWINGS)
@@ -82,7 +81,7 @@ def _difference(file: Path) -> str | None:
     return None
 
 
-def _request(file: Path, showings: tuple[Showing, ...]) -> MeshRequest:
+def _request(file: Path, showings: tuple[bool, ...]) -> MeshRequest:
     return MeshRequest(
         path=str(file), is_collision=False, is_visual=not showings, showings=showings
     )

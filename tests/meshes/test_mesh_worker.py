@@ -24,7 +24,6 @@ from wsgen.meshes.requests import (
     MISSING_MATERIAL_LIBRARY,
     InspectedMesh,
     MeshRequest,
-    Showing,
     UnusableMesh,
 )
 from wsgen.meshes.stl import write_stl
@@ -45,7 +44,7 @@ def write(folder: Path, name: str, content: bytes | str) -> Path:
     return file
 
 
-ONCE = (Showing(is_painted=False, scale=(1.0, 1.0, 1.0), times=1),)
+ONCE = (False,)
 
 
 def inspect(file: Path, folder: Path) -> InspectedMesh | UnusableMesh:

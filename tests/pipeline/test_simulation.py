@@ -1,19 +1,20 @@
-"""Simulations in one engine or two: what is told of each, and who passes."""
+"""Simulations in one engine or several: what is told of each, and who passes."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
 from child_answers import answered
 from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.isolation import parent
 from wsgen.isolation.codec import decode
 from wsgen.isolation.result import Answered, Died
 from wsgen.model.behavior import Behavior, Reach
-from wsgen.model.robot import Inertial, Joint, JointType, Link, Robot
+from wsgen.model.robot import Box, Collision, Inertial, Joint, JointType, Link, Robot
 from wsgen.model.transform import Pose
 from wsgen.model.world import World
 from wsgen.pipeline import run_robots as robot_runs
@@ -22,6 +23,8 @@ from wsgen.pipeline.prepare import PreparedRobot
 from wsgen.pipeline.run_robots import SimulationResult, simulate_robots
 from wsgen.pipeline.selection import ValidateRequest
 from wsgen.simulation.contact_shapes import MOST_LINKS
+from wsgen.simulation.engine import HullGap
+from wsgen.simulation.run import TASKS, missing_engines
 from wsgen.simulation.scene import (
     DRAWING,
     LOADING,
@@ -33,8 +36,12 @@ from wsgen.simulation.scene import (
 )
 from wsgen.workspace.settings import Settings
 
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
 BODY = Inertial(mass=1.0, inertia=(0.1, 0.0, 0.0, 0.1, 0.0, 0.1))
 WORLD = World(name="w", has_ground_plane=True)
+ALL = ("bullet", "mujoco", "dart")
 
 
 def prepared(entity: str) -> PreparedRobot:
@@ -74,18 +81,21 @@ def stands(entity: str, **more: Any) -> RobotRun:
 class Engines:
     """Answers for child processes: a robot that is in `kills` ends the engine."""
 
-    def __init__(self, *, kills: str = "", **dart: Any) -> None:
+    def __init__(
+        self, other: Mapping[str, Mapping[str, Any]] | None = None, *, kills: str = ""
+    ) -> None:
         self.kills = kills
-        self.dart = dart
+        self.other = other or {}  # what is measured, by engine, where it is not that of `stands`
         self.scenes: list[Scene] = []
 
     def __call__(self, task: str, *arguments: Any, **_: Any) -> Answered | Died:
         (scene,) = arguments
+        assert task == TASKS[scene.engine]
         self.scenes.append(scene)
         if any(robot.entity == self.kills for robot in scene.robots):
             step = LOADING.format(entity=self.kills)
             return Died(reason="crashed (SIGSEGV)", step=step, output="")
-        more = self.dart if "dart" in task else {}
+        more = self.other.get(scene.engine, {})
         result = SceneResult(
             robot_runs=tuple(stands(robot.entity, **more) for robot in scene.robots),
             refused={},
@@ -95,8 +105,10 @@ class Engines:
         return answered(result)
 
 
-def simulated(engines: Engines, *entities: str, both: bool = False) -> SimulationResult:
-    request = ValidateRequest(engines=("bullet", "dart") if both else ("bullet",))
+def simulated(
+    engines: Engines, *entities: str, names: Sequence[str] = ("bullet",)
+) -> SimulationResult:
+    request = ValidateRequest(engines=names)
     robots = [prepared(entity) for entity in entities]
     return simulate_robots(WORLD, robots, request, "name", run=engines)
 
@@ -118,20 +130,109 @@ def test_an_engine_that_dies_while_it_draws_costs_the_picture_alone(tmp_path: Pa
                 return Died(reason="crashed (SIGSEGV)", step=DRAWING, output="")
             return super().__call__(task, *arguments, **more)
 
-    request = ValidateRequest(picture_folder=tmp_path)
+    request = ValidateRequest(engines=ALL, picture_folder=tmp_path)
     outcome = simulate_robots(WORLD, [prepared("a")], request, "name", run=DiesDrawing())
     assert [robot.passed for robot in outcome.robots] == [True]
-    assert [(found.code, found.severity) for found in outcome.diagnostics] == [
-        ("SPN034", Severity.ERROR)
-    ]
+    (found,) = outcome.diagnostics
+    assert (found.code, found.severity) == ("SPN034", Severity.ERROR)
+    assert found.message.startswith("Cannot draw")  # whatever the engines that draw none
     assert outcome.picture is None
 
 
-def test_both_engines_must_pass_a_robot() -> None:
-    outcome = simulated(Engines(lowest_point_at_end=-0.3), "a", both=True)
-    assert [robot.passed for robot in outcome.robots] == [False]
-    (found,) = [finding for finding in outcome.diagnostics if finding.code == "SPN055"]
-    assert found.message.startswith("In DART: ")
+IN_GROUND = {"lowest_point_at_end": -0.3}
+
+
+@pytest.mark.parametrize(
+    ("engines", "where"),
+    [
+        (("dart",), "In DART: "),
+        (("bullet",), "In PyBullet: "),
+        (("mujoco", "dart"), "In MuJoCo and DART: "),
+        (("bullet", "mujoco", "dart"), ""),
+    ],
+)
+def test_every_engine_must_pass_a_robot(engines: Sequence[str], where: str) -> None:
+    outcome = simulated(Engines(dict.fromkeys(engines, IN_GROUND)), "a", names=ALL)
+    (robot,) = outcome.robots
+    assert not robot.passed
+    assert [one.engine for one in robot.engines if not one.passed] == list(engines)
+    (found,) = outcome.diagnostics
+    assert found.code == "SPN055"
+    assert found.message.startswith(f"{where}The robot is 0.300 m deep in the ground")
+    assert [one.codes for one in robot.engines] == [
+        frozenset(["SPN055"] if engine in engines else []) for engine in ALL
+    ]
+
+
+def test_the_worst_of_an_engine_is_reported() -> None:
+    rolls, slides = ({"settled_after": None, "speed": speed} for speed in (0.02, 1.0))
+    outcome = simulated(Engines({"bullet": rolls, "mujoco": slides}), "a", names=ALL)
+    moving, disagree = outcome.diagnostics
+    assert (moving.code, moving.severity) == ("SPN058", Severity.ERROR)
+    assert moving.message.startswith("In PyBullet and MuJoCo: ")
+    assert "moves at 1.000 m/s" in moving.message
+    assert (disagree.code, disagree.element) == ("SPN065", "a")
+    assert disagree.message.endswith("DART does not: in DART it comes to rest.")
+
+
+def test_a_robot_on_a_hull_is_told_why_engines_disagree() -> None:
+    class OnHull(Engines):
+        def __call__(self, task: str, *arguments: Any, **more: Any) -> Answered | Died:
+            answer = super().__call__(task, *arguments, **more)
+            assert isinstance(answer, Answered)
+            result = decode(answer.value, SceneResult)
+            if "bullet" not in task:
+                return answer
+            bowl, ball = result.robot_runs
+            gaps = (HullGap("l", "ball", 0.2),)
+            rests = replace(ball, rest_pose=Pose((0.0, 0.0, 0.2)))
+            return answered(replace(result, robot_runs=(replace(bowl, hull_gaps=gaps), rests)))
+
+    on_hull, disagree = simulated(OnHull(), "bowl", "ball", names=ALL).diagnostics
+    assert on_hull.message.startswith("In PyBullet: The mesh of `l` touches `ball` 200 mm from")
+    assert disagree.element == "ball"
+    assert disagree.message.startswith("MuJoCo and DART agree, PyBullet does not: in PyBullet it")
+    assert "rests-on-hull" in str(disagree.hint)
+
+
+def test_the_first_engine_is_the_one_of_the_report() -> None:
+    places = {
+        engine: {"rest_pose": Pose((0.0, 0.0, z)), "tilt": z}
+        for engine, z in (("mujoco", 0.1), ("dart", 0.2))
+    }
+    outcome = simulated(Engines(places), "a", names=("mujoco", "dart"))
+    (robot,) = outcome.robots
+    assert robot.simulated is not None
+    assert robot.simulated.engine == "mujoco"
+    assert [one.rest and one.rest.tilt for one in robot.engines] == [0.1, 0.2]
+    assert robot.rest == robot.engines[0].rest
+
+
+@pytest.mark.slow
+def test_engines_in_parallel_give_the_same_in_the_same_order() -> None:
+    """Real engines; what is injected runs no threads."""
+    robot = Robot(
+        name="r",
+        root="base",
+        links=(
+            Link(
+                name="base",
+                inertial=BODY,
+                collisions=(Collision(geometry=Box(size=(0.2, 0.2, 0.2))),),
+            ),
+        ),
+    )
+    one = PreparedRobot(entity="a", written=robot, lumped=robot, spawn_pose=Pose((0.0, 0.0, 0.105)))
+    engines = [name for name in ALL if not missing_engines([name])]
+    outcomes = [
+        simulate_robots(
+            WORLD, [one], ValidateRequest(engines=engines, jobs=jobs), "n", run=parent.run
+        )
+        for jobs in (1, 3)
+    ]
+    assert outcomes[0].robots == outcomes[1].robots
+    assert [one.engine for one in outcomes[1].robots[0].engines] == engines
+    assert outcomes[1].robots[0].passed
 
 
 NOTHING_TO_TOUCH = Diagnostic(
@@ -190,9 +291,21 @@ def test_scenery_that_falls_for_what_is_told_of_it_stays_a_warning() -> None:
     assert [robot.passed for robot in outcome.robots] == [True]
 
 
-@pytest.mark.parametrize("both", [True, False])
-def test_more_links_than_pybullet_can_do_go_to_dart(
-    monkeypatch: pytest.MonkeyPatch, *, both: bool
+@pytest.mark.parametrize(
+    ("asked", "installed", "taken"),
+    [
+        (["bullet"], ALL, ["mujoco"]),
+        (["bullet"], ["bullet", "dart"], ["dart"]),
+        (["bullet"], ["bullet"], []),
+        (["bullet", "dart"], ["bullet", "dart"], ["dart"]),
+        (ALL, ALL, ["mujoco", "dart"]),
+    ],
+)
+def test_more_links_than_pybullet_can_do_go_to_another_engine(
+    monkeypatch: pytest.MonkeyPatch,
+    asked: Sequence[str],
+    installed: Sequence[str],
+    taken: Sequence[str],
 ) -> None:
     links = tuple(Link(name=f"l{n}", inertial=BODY) for n in range(MOST_LINKS + 1))
     joints = tuple(
@@ -201,34 +314,39 @@ def test_more_links_than_pybullet_can_do_go_to_dart(
     )
     robot = Robot(name="r", root="l0", links=links, joints=joints)
     large = PreparedRobot(entity="large", written=robot, lumped=robot)
-    request = ValidateRequest(engines=("bullet", "dart") if both else ("bullet",))
-    for missing, tried_in, codes in (([], ["dart"], ["SPN089"]), (["dart"], request.engines, [])):
-        monkeypatch.setattr(robot_runs, "missing_engines", lambda _, missing=missing: missing)
-        engines = Engines()
-        outcome = simulate_robots(WORLD, [large, prepared("a")], request, "name", run=engines)
-        assert [scene.engine for scene in engines.scenes] == list(tried_in)
-        found = [one for one in outcome.diagnostics if one.code == "SPN089"]
-        assert [(one.code, one.element) for one in found] == [(code, "large") for code in codes]
-
-
-def test_what_both_engines_find_is_told_once() -> None:
+    monkeypatch.setattr(robot_runs, "installed_engines", lambda: list(installed))
     engines = Engines()
-    engines.dart = {}
-    outcome = simulated(engines, "a", both=True)
+    robots = [large, prepared("a")]
+    outcome = simulate_robots(WORLD, robots, ValidateRequest(engines=asked), "name", run=engines)
+    assert [scene.engine for scene in engines.scenes] == list(taken or asked)
+    found = [one for one in outcome.diagnostics if one.code == "SPN089"]
+    assert [one.element for one in found] == (["large"] if taken else [])
+    for one in found:
+        names = {"mujoco": "MuJoCo", "dart": "DART"}
+        assert " and ".join(names[engine] for engine in taken) in one.message
+
+
+def test_engines_that_agree_are_not_reported() -> None:
+    engines = Engines()
+    outcome = simulated(engines, "a", names=ALL)
     assert outcome.diagnostics == ()
-    assert [scene.engine for scene in engines.scenes] == ["bullet", "dart"]
+    assert [scene.engine for scene in engines.scenes] == list(ALL)
 
 
-def test_an_engine_that_dies_in_one_of_two_is_no_pass() -> None:
+def test_an_engine_that_dies_is_no_pass() -> None:
     class OnlyDartDies(Engines):
         def __call__(self, task: str, *arguments: Any, **more: Any) -> Answered | Died:
             if "dart" in task:
                 return Died(reason="took longer than 1 s", step="simulating 3 s", output="")
             return super().__call__(task, *arguments, **more)
 
-    outcome = simulated(OnlyDartDies(), "a", both=True)
-    assert [robot.passed for robot in outcome.robots] == [False]
-    assert [found.code for found in outcome.diagnostics] == ["SPN031"]
+    outcome = simulated(OnlyDartDies(), "a", names=ALL)
+    (robot,) = outcome.robots
+    assert not robot.passed
+    assert [one.passed for one in robot.engines] == [True, True, False]
+    (found,) = outcome.diagnostics
+    assert found.code == "SPN031"
+    assert found.message.startswith("In DART: The physics engine took longer")
 
 
 def test_behaviors_are_given_to_their_robots_and_judged() -> None:
@@ -280,7 +398,7 @@ def test_behaviors_are_given_to_their_robots_and_judged() -> None:
             )
             return answered(replace(result, robot_runs=robot_runs))
 
-    engines = Moves(mass=2.0, movable_joints=1)
+    engines = Moves({"dart": {"mass": 2.0, "movable_joints": 1}})
     outcome = simulate_robots(
         WORLD,
         robots,

@@ -9,12 +9,32 @@ from wsgen.build.colcon import PackageResult
 from wsgen.build.run import BuildResult
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.model.behavior import BehaviorOutcome, Drive, Reach
-from wsgen.model.outcome import NotValidated, Outcome, PackageOutcome, Rest, RobotOutcome, Simulated
+from wsgen.model.outcome import (
+    EngineOutcome,
+    NotValidated,
+    Outcome,
+    PackageOutcome,
+    Rest,
+    RobotOutcome,
+    Simulated,
+)
 from wsgen.model.transform import Pose
 from wsgen.model.world import PlacedModel, World
 from wsgen.report.json_report import render_build, render_outcome, render_rules
 from wsgen.rules.catalogue import UNKNOWN_RULE_ALLOWED
 
+BEHAVIORS = (
+    BehaviorOutcome(
+        name="drives", task=Drive(x=1.0, yaw=0.0), passed=True, moved=(0.98, 0.0, math.inf)
+    ),
+    BehaviorOutcome(
+        name="reaches",
+        task=Reach(positions={"elbow": 0.5}),
+        passed=False,
+        positions={"elbow": 0.3},
+    ),
+    BehaviorOutcome(name="untried", task=Drive(y=0.5), passed=False),
+)
 ROBOT = RobotOutcome(
     entity="r",
     spawn_pose=Pose((0.0, 0.0, 1.0)),
@@ -22,25 +42,23 @@ ROBOT = RobotOutcome(
     joints=1,
     movable_joints=0,
     mass=1.0,
-    simulated=Simulated(engine="bullet", links=1, movable_joints=0, mass=1.0),
-    rest=Rest(
-        pose_in_world=Pose((0.0, 0.0, 0.25)),
-        settled_after=0.5,
-        speed=0.0,
-        joint_positions={"elbow": 0.5},
-    ),
-    behaviors=(
-        BehaviorOutcome(
-            name="drives", task=Drive(x=1.0, yaw=0.0), passed=True, moved=(0.98, 0.0, math.inf)
+    engines=(
+        EngineOutcome(
+            engine="bullet",
+            simulated=Simulated(engine="bullet", links=1, movable_joints=0, mass=1.0),
+            rest=Rest(
+                pose_in_world=Pose((0.0, 0.0, 0.25)),
+                settled_after=0.5,
+                speed=0.0,
+                tilt=0.01,
+                joint_positions={"elbow": 0.5},
+            ),
+            behaviors=BEHAVIORS[:1],
+            passed=True,
         ),
-        BehaviorOutcome(
-            name="reaches",
-            task=Reach(positions={"elbow": 0.5}),
-            passed=False,
-            positions={"elbow": 0.3},
-        ),
-        BehaviorOutcome(name="untried", task=Drive(y=0.5), passed=False),
+        EngineOutcome(engine="dart", behaviors=BEHAVIORS[2:]),
     ),
+    behaviors=BEHAVIORS,
 )
 DIAGNOSTIC = Diagnostic(
     name="some-rule", code="SPN053", severity=Severity.WARNING, message="m", file=Path("f"), line=3
@@ -100,6 +118,7 @@ def test_every_key_of_the_contract() -> None:
                             "rpy": [0.0, 0.0, 0.0],
                             "settled_after": 0.5,
                             "speed": 0.0,
+                            "tilt": 0.01,
                             "joint_positions": {"elbow": 0.5},
                         },
                         "behaviors": [
@@ -123,6 +142,41 @@ def test_every_key_of_the_contract() -> None:
                                 "moved": None,
                                 "joints": None,
                                 "expected": {"x": None, "y": 0.5, "yaw": None},
+                            },
+                        ],
+                        "engines": [
+                            {
+                                "engine": "bullet",
+                                "passed": True,
+                                "rest": {
+                                    "xyz": [0.0, 0.0, 0.25],
+                                    "rpy": [0.0, 0.0, 0.0],
+                                    "settled_after": 0.5,
+                                    "speed": 0.0,
+                                    "tilt": 0.01,
+                                    "joint_positions": {"elbow": 0.5},
+                                },
+                                "behaviors": [
+                                    {
+                                        "name": "drives",
+                                        "passed": True,
+                                        "moved": {"x": 0.98, "y": 0.0, "yaw": None},
+                                        "joints": None,
+                                    }
+                                ],
+                            },
+                            {
+                                "engine": "dart",
+                                "passed": False,
+                                "rest": None,
+                                "behaviors": [
+                                    {
+                                        "name": "untried",
+                                        "passed": False,
+                                        "moved": None,
+                                        "joints": None,
+                                    }
+                                ],
                             },
                         ],
                     }
@@ -180,8 +234,11 @@ def documented_keys(command: str) -> set[str]:
 def test_the_documentation_lists_every_key() -> None:
     stages = dict.fromkeys(("launch", "expand", "load", "simulate", "total"), 1.0)
     document = json.loads(render_outcome(outcome(seconds=stages)))
-    document["packages"][0]["robots"][0]["rest"]["joint_positions"] = None  # its keys are names
-    document["packages"][0]["robots"][0]["behaviors"][0]["expected"] = None  # so may be its
+    (robot,) = document["packages"][0]["robots"]
+    robot["rest"]["joint_positions"] = None  # its keys are names
+    robot["behaviors"][0]["expected"] = None  # so may be its
+    robot["engines"][0]["rest"] = None  # as `rest`
+    robot["engines"][0]["behaviors"][0]["moved"] = None  # as in `behaviors`
     assert documented_keys("wsgen validate") == keys(document)
 
 
@@ -244,7 +301,13 @@ def test_an_error_is_no_pass() -> None:
 def test_numbers_that_json_does_not_know_are_null() -> None:
     rest = Rest(pose_in_world=Pose((math.nan, 0.0, math.inf)), settled_after=None, speed=math.nan)
     robot = RobotOutcome(
-        entity="r", spawn_pose=Pose(), links=1, joints=0, movable_joints=0, mass=1.0, rest=rest
+        entity="r",
+        spawn_pose=Pose(),
+        links=1,
+        joints=0,
+        movable_joints=0,
+        mass=1.0,
+        engines=(EngineOutcome(engine="bullet", rest=rest),),
     )
     written = json.loads(render_outcome(outcome(robots=(robot,))))["packages"][0]["robots"][0]
     assert written["rest"]["xyz"] == [None, 0.0, None]

@@ -1,14 +1,16 @@
-"""The check over robots in each other, and over two engines, from facts alone."""
+"""The check over robots in each other, and over several engines, from facts alone."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 from typing import TYPE_CHECKING
 
 import pytest
 
 from rules.robot_runs import STANDS
 from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.model.outcome import name_engines
 from wsgen.model.transform import Pose
 from wsgen.rules import runs as rules
 from wsgen.simulation.engine import HullGap
@@ -16,6 +18,8 @@ from wsgen.simulation.scene import Overlapping
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
+
+    from wsgen.simulation.scene import RobotRun
 
 
 def found(diagnostics: Iterable[Diagnostic]) -> list[tuple[str, Severity]]:
@@ -93,8 +97,15 @@ def test_the_deepest_pairs_are_named() -> None:
     )
 
 
+def disagreement(**runs: RobotRun) -> str:
+    """What is said of runs in these engines."""
+    (one,) = rules.engines_disagree(runs)
+    assert found([one]) == [("SPN065", Severity.WARNING)]
+    return one.message
+
+
 def test_engines_that_agree() -> None:
-    assert found(rules.engines_disagree(STANDS, STANDS)) == []
+    assert found(rules.engines_disagree({"bullet": STANDS})) == []
     near = replace(
         STANDS,
         mass=STANDS.mass * (1 + 1e-7),
@@ -102,46 +113,154 @@ def test_engines_that_agree() -> None:
         joint_positions={"j": 0.05},
         settled_after=2.0,
     )
-    assert found(rules.engines_disagree(STANDS, near)) == []
+    assert found(rules.engines_disagree({"bullet": STANDS, "mujoco": near, "dart": STANDS})) == []
 
 
 @pytest.mark.parametrize(
     ("measured", "words"),
     [
-        ({"mass": 2.5}, "mass 1 and 2.5 kg"),
-        ({"movable_joints": 3}, "0 and 3 joints"),
-        ({"settled_after": None}, "it comes to rest only in PyBullet"),
-        ({"rest_pose": Pose((0.0, 0.03, 0.29))}, "it rests 50 mm and 0.0 degrees apart"),
+        ({"mass": 2.5}, "weighs 2.5 kg instead of 1 kg"),
+        ({"movable_joints": 3}, "has 3 movable joints instead of 0"),
+        ({"settled_after": None}, "does not come to rest"),
         (
-            {"rest_pose": Pose((0.0, 0.0, 0.25), (0.1, 0.0, 0.0))},
-            "it rests 0 mm and 5.7 degrees apart",
+            {"rest_pose": Pose((0.0, 0.03, 0.29))},
+            "rests 40 mm higher (z = 0.290 m instead of 0.250 m) and 30 mm to the side",
+        ),
+        (
+            {"rest_pose": Pose((0.0, 0.001, 0.238))},
+            "rests 12 mm lower (z = 0.238 m instead of 0.250 m)",
+        ),
+        ({"rest_pose": Pose((1.5, 0.0, 0.25))}, "rests 1.50 m to the side"),
+        (
+            {"rest_pose": Pose((0.0, 0.0, 0.25), (0.1, 0.0, 0.0)), "tilt": 0.1},
+            "leans by 5.7 instead of 0.0 degrees",
+        ),
+        (
+            {"rest_pose": Pose((0.0, 0.0, 0.25), (0.0, 0.0, 0.1))},
+            "is turned by 5.7 degrees",
         ),
         (
             {"joint_positions": {"j": -0.5, "k": 0.3}},
-            "the joint `j` rests 0.50 rad or m apart",
+            "has the joint `j` at -0.50 instead of 0.00 rad or m",
         ),
     ],
 )
-def test_engines_that_disagree(measured: dict[str, object], words: str) -> None:
+def test_two_engines_that_disagree(measured: dict[str, object], words: str) -> None:
     first = replace(STANDS, joint_positions={"j": 0.0, "k": 0.0})
     second = replace(STANDS, **{"joint_positions": first.joint_positions, **measured})  # type: ignore[arg-type]
-    (one,) = rules.engines_disagree(first, second)
-    assert found([one]) == [("SPN065", Severity.WARNING)]
-    assert one.message == f"PyBullet and DART disagree: {words}."
+    said = disagreement(bullet=first, dart=second)
+    assert said == f"PyBullet and DART disagree: in DART it {words}."
 
 
-def test_who_comes_to_rest_is_reported() -> None:
-    (one,) = rules.engines_disagree(replace(STANDS, settled_after=None), STANDS)
-    assert "only in DART" in one.message
+LOWER = replace(STANDS, rest_pose=Pose((0.0, 0.0, 0.238)))
+MOVES = replace(STANDS, settled_after=None)
+
+
+@pytest.mark.parametrize(
+    ("odd", "others"),
+    [
+        ("bullet", "MuJoCo and DART agree, PyBullet does not: in PyBullet it"),
+        ("mujoco", "PyBullet and DART agree, MuJoCo does not: in MuJoCo it"),
+        ("dart", "PyBullet and MuJoCo agree, DART does not: in DART it"),
+    ],
+)
+def test_of_three_engines_the_one_that_differs_is_named(odd: str, others: str) -> None:
+    runs = {**dict.fromkeys(("bullet", "mujoco", "dart"), STANDS), odd: LOWER}
+    said = disagreement(**runs)
+    assert said == f"{others} rests 12 mm lower (z = 0.238 m instead of 0.250 m)."
+    runs = {**dict.fromkeys(("bullet", "mujoco", "dart"), MOVES), odd: STANDS}
+    assert disagreement(**runs) == f"{others} comes to rest."
+
+
+def rests_at(z: float) -> RobotRun:
+    return replace(STANDS, rest_pose=Pose((0.0, 0.0, z)))
+
+
+def test_three_engines_that_differ() -> None:
+    assert disagreement(bullet=STANDS, mujoco=rests_at(0.15), dart=rests_at(0.1)) == (
+        "PyBullet, MuJoCo and DART disagree: compared with PyBullet, in MuJoCo it rests 100 mm "
+        "lower (z = 0.150 m instead of 0.250 m); in DART it rests 150 mm lower "
+        "(z = 0.100 m instead of 0.250 m)."
+    )
+
+
+def test_engines_that_differ_are_compared_with_one_in_which_the_robot_rests() -> None:
+    assert disagreement(bullet=MOVES, mujoco=STANDS, dart=rests_at(0.1)) == (
+        "PyBullet, MuJoCo and DART disagree: compared with MuJoCo, in DART it rests 150 mm lower "
+        "(z = 0.100 m instead of 0.250 m); in PyBullet it does not come to rest."
+    )
+
+
+def test_two_of_three_engines_that_nearly_agree() -> None:
+    runs = {"bullet": STANDS, "mujoco": rests_at(0.24), "dart": rests_at(0.1)}
+    assert disagreement(**runs) == (
+        "PyBullet and MuJoCo nearly agree, DART does not: in DART it rests 150 mm lower "
+        "(z = 0.100 m instead of 0.250 m)."
+    )
+    assert disagreement(**{**runs, "bullet": MOVES, "dart": STANDS}) == (
+        "MuJoCo and DART nearly agree, PyBullet does not: in PyBullet it does not come to rest."
+    )
+
+
+def test_an_engine_between_two_that_disagree() -> None:
+    assert disagreement(bullet=STANDS, mujoco=rests_at(0.242), dart=rests_at(0.246)) == (
+        "PyBullet and MuJoCo disagree, DART is between them: in MuJoCo it rests 8 mm lower "
+        "(z = 0.242 m instead of 0.250 m)."
+    )
+
+
+def test_a_run_that_explodes_or_is_cut_short_does_not_decide() -> None:
+    for broken in (replace(LOWER, is_finite=False), replace(LOWER, is_cut_short=True)):
+        assert found(rules.engines_disagree({"bullet": STANDS, "dart": broken})) == []
+        said = disagreement(bullet=STANDS, mujoco=LOWER, dart=broken)
+        assert said.startswith("PyBullet and MuJoCo disagree: in MuJoCo it rests 12 mm lower")
 
 
 def test_poses_of_what_moves_are_not_compared() -> None:
-    moving = replace(STANDS, settled_after=None)
-    elsewhere = replace(moving, rest_pose=Pose((9.0, 9.0, 9.0)), joint_positions={"j": 9.0})
-    assert found(rules.engines_disagree(moving, elsewhere)) == []
+    elsewhere = replace(MOVES, rest_pose=Pose((9.0, 9.0, 9.0)), joint_positions={"j": 9.0})
+    assert found(rules.engines_disagree({"bullet": MOVES, "dart": elsewhere})) == []
 
 
 def test_all_differences_are_reported_together() -> None:
     other = replace(STANDS, mass=2.0, movable_joints=1, rest_pose=Pose((0.0, 0.0, 1.25)))
-    (one,) = rules.engines_disagree(STANDS, other)
-    assert one.message.count(";") == 2
+    said = disagreement(bullet=STANDS, dart=other)
+    assert [word in said for word in ("weighs", "joints", "1.00 m higher")] == [True] * 3
+
+
+@pytest.mark.parametrize(
+    ("run", "has_passive_joints", "words"),
+    [
+        (LOWER, False, "one that stands should not"),
+        (LOWER, True, "unactuated joints"),
+        (MOVES, False, "--seconds 10"),
+        (replace(LOWER, penetration=0.1), True, "Spawn it above the ground"),
+    ],
+)
+def test_why_engines_may_disagree(run: RobotRun, words: str, *, has_passive_joints: bool) -> None:
+    runs = {"bullet": STANDS, "dart": run}
+    (one,) = rules.engines_disagree(runs, has_passive_joints=has_passive_joints)
+    assert words in str(one.hint)
+    (one,) = rules.engines_disagree(runs, has_passive_joints=has_passive_joints, is_on_hull=True)
+    assert "rests-on-hull" in str(one.hint)
+
+
+RUNS = [STANDS, rests_at(0.246), rests_at(0.23), rests_at(0.1), MOVES, replace(STANDS, mass=2.0)]
+
+
+@pytest.mark.parametrize("runs", list(product(RUNS, repeat=3)))
+def test_whatever_three_engines_say_the_verdict_is_about_those_that_differ(
+    runs: tuple[RobotRun, ...],
+) -> None:
+    engines = ("bullet", "mujoco", "dart")
+    reported = list(rules.engines_disagree(dict(zip(engines, runs, strict=True))))
+    alone = [one for one in runs if runs.count(one) == 1]
+    if not alone:
+        assert reported == []
+        return
+    for one in reported:
+        verdict, _, details = one.message.partition(": ")
+        assert all(name in verdict for name in ("PyBullet", "MuJoCo", "DART"))
+        if len(alone) == 1:  # the others are the same
+            odd = name_engines([engines[runs.index(alone[0])]])
+            assert verdict.endswith(f" agree, {odd} does not")
+            assert details.startswith(f"in {odd} it ")

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from simulation.robots import NewEngine
 
 
-CLASSES = {"bullet": "BulletEngine", "dart": "DartEngine"}
+CLASSES = {"bullet": "BulletEngine", "dart": "DartEngine", "mujoco": "MujocoEngine"}
 
 
 @pytest.fixture(params=MODULES)

@@ -1,4 +1,4 @@
-"""What the PyBullet engine does in a way of its own; what both do is in `test_engines`."""
+"""What the PyBullet engine does in a way of its own; what all do is in `test_engines`."""
 
 from __future__ import annotations
 
@@ -26,8 +26,6 @@ from simulation.robots import (
 )
 from wsgen.model.robot import Capsule, Cylinder, Geometry, JointType, Robot, Sphere
 from wsgen.model.transform import Pose
-from wsgen.simulation.bullet import SEPARATION_SPEED, BulletEngine, Client
-from wsgen.simulation.bullet_body import ROLLING_RESISTANCE, ROOT
 from wsgen.simulation.contact_shapes import MOST_LINKS
 from wsgen.simulation.engine import Loaded, Refused
 from wsgen.simulation.scene import SpawnedRobot
@@ -35,6 +33,10 @@ from wsgen.simulation.scene import SpawnedRobot
 if TYPE_CHECKING:
     from pathlib import Path
 
+pytest.importorskip("pybullet")
+
+from wsgen.simulation.bullet import SEPARATION_SPEED, BulletEngine, Client
+from wsgen.simulation.bullet_body import ROLLING_RESISTANCE, ROOT
 
 # Where PyBullet's getDynamicsInfo has what.
 FRICTION, ROLLING_FRICTION = 1, 6
@@ -64,7 +66,7 @@ def test_more_links_than_the_engine_can_do() -> None:
         refused = engine.spawn(SpawnedRobot(entity="e", robot=robot))
     assert isinstance(refused, Refused)
     assert "129 links" in refused.reason
-    assert "pip install 'wsgen[dart]'" in refused.hint
+    assert "pip install 'wsgen[mujoco]'" in refused.hint
 
 
 def test_as_many_links_as_the_engine_can_do() -> None:

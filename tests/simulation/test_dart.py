@@ -44,4 +44,4 @@ def test_shapes_of_two_robots_have_names_of_their_own() -> None:
     """DART tells contacts by the names of shapes."""
     with spawned(DartEngine, single(body(PLATE))) as engine:
         (first,) = engine._robots["e"].shapes  # type: ignore[attr-defined]
-        assert first[2].getName() == "e 0"
+        assert first[1].getName() == "e 0"

@@ -264,6 +264,22 @@ def test_neighbors_do_not_collide_with_each_other(new_engine: NewEngine) -> None
         assert engine.joint_positions("e")["a"] == pytest.approx(0.0, abs=1e-6)
 
 
+def test_what_is_fixed_to_a_neighbor_is_no_neighbor(new_engine: NewEngine) -> None:
+    """A cube on a slide is in one that is fixed to the slide's base."""
+    cube = Box(size=(0.2, 0.2, 0.2))
+    base, fixed, slides = (
+        replace(body(cube, name=name), self_collide=True) for name in ("base", "fixed", "slides")
+    )
+    robot = tree(
+        base,
+        (joint("base", "fixed", JointType.FIXED, Pose((1.0, 0.0, 0.0))), fixed),
+        (joint("base", "slides", JointType.PRISMATIC, Pose((1.15, 0.0, 0.0)), damping=1.0), slides),
+    )
+    with spawned(new_engine, robot, world=SPACE) as engine:
+        engine.advance(2000)
+        assert engine.joint_positions("e")["slides"] > 0.0015
+
+
 FLAT = list(product(range(5), range(5), [0]))
 RAISED = [(x, y, 1) for x, y, _ in FLAT if {x, y} & {0, 4}]  # a rim on it
 WALL = list(product(range(10), [0], range(3)))

@@ -5,14 +5,17 @@ from __future__ import annotations
 import math
 import random
 import time
+from dataclasses import replace
 from itertools import product
 from typing import TYPE_CHECKING
 
 import pytest
 
+from simulation.robots import body, single
 from wsgen.model.robot import Box, Capsule, Collision, Cylinder, Geometry, Mesh, Sphere
 from wsgen.model.transform import Pose, compose
-from wsgen.simulation.contact_shapes import inside_hull, lowest_point
+from wsgen.simulation.contact_shapes import inside_hull
+from wsgen.simulation.surfaces import lowest_point
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -58,13 +61,8 @@ def surface(geometry: Geometry) -> list[Vector]:
 def test_no_point_is_lower(geometry: Geometry, rpy: Vector) -> None:
     pose = Pose((1.0, 2.0, 3.0), rpy)
     lowest = min(compose(pose, Pose(point)).xyz[2] for point in surface(geometry))
-    found = lowest_point(geometry, pose)
-    assert found is not None
+    found = lowest_point(single(body(geometry, moment=1.0)), {"base": pose})
     assert lowest - 1e-3 * 0.5 < found <= lowest + 1e-9
-
-
-def test_a_mesh_is_in_a_file() -> None:
-    assert lowest_point(Mesh(uri="m.stl"), Pose()) is None
 
 
 CUBE = Box(size=(0.1, 0.1, 0.1))
@@ -111,9 +109,8 @@ def test_what_spans_the_hull_reaches_as_low_however_it_lies(seed: int) -> None:
     anyhow = random.Random(seed)  # noqa: S311
     for _ in range(200):
         turn = Pose(rpy=(anyhow.uniform(-3, 3), anyhow.uniform(-3, 3), anyhow.uniform(-3, 3)))
-        lows = [
-            lowest_point(one.geometry, compose(turn, one.pose_in_link)) or 0.0 for one in shapes
-        ]
+        links = [replace(body(None), collisions=(one,)) for one in shapes]
+        lows = [lowest_point(single(link), {"base": turn}) for link in links]
         outer = [low for number, low in enumerate(lows) if number not in inside]
         assert min(outer) == pytest.approx(min(lows), abs=2e-5)
 

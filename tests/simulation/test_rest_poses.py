@@ -1,4 +1,4 @@
-"""Public robots come to rest in both engines where they do in Gazebo's own physics.
+"""Public robots come to rest in all engines where they do in Gazebo's own physics.
 
 These robots stand; what balances at first or falls over its own legs ends up somewhere else in
 every engine.
@@ -7,6 +7,7 @@ every engine.
 from __future__ import annotations
 
 import functools
+import importlib
 import importlib.metadata
 import math
 import re
@@ -16,13 +17,13 @@ from typing import TYPE_CHECKING
 import pytest
 
 from kind_workspaces import WORKSPACES
+from simulation.conftest import CLASSES
 from simulation.gazebo_physics import DEBIAN, GazeboPhysics, is_installed
 from simulation.robots import run_of
 from wsgen.meshes.lookup import find_meshes
 from wsgen.model.transform import multiply, rotation_of_rpy, transpose
 from wsgen.sdf.models import read_model, read_sdf
-from wsgen.simulation.bullet import BulletEngine
-from wsgen.simulation.run import missing_engines
+from wsgen.simulation.run import MODULES, missing_engines
 from wsgen.urdf.lumping import lump
 from wsgen.urdf.reader import read_urdf
 
@@ -32,13 +33,15 @@ if TYPE_CHECKING:
     from wsgen.simulation.scene import RobotRun
 
 
-if not missing_engines(["dart"]):
-    from wsgen.simulation.dart import DartEngine
-
+ENGINES = {
+    name: getattr(importlib.import_module(f"wsgen.simulation.{name}"), CLASSES[name])
+    for name in MODULES
+    if not missing_engines([name])
+}
 pytestmark = [
     pytest.mark.slow,
     pytest.mark.oracle,
-    pytest.mark.skipif(bool(missing_engines(["dart"])), reason="dartpy is not installed"),
+    pytest.mark.skipif("dart" not in ENGINES, reason="dartpy is not installed"),
 ]
 
 SCOUT = WORKSPACES / "ball_caster/src/scout_gazebo/models/scout/model.sdf"
@@ -47,6 +50,7 @@ SCOUT = WORKSPACES / "ball_caster/src/scout_gazebo/models/scout/model.sdf"
 SAME_HEIGHT = 0.0001  # m
 SAME_PLACE = 0.002  # m
 SAME_HEADING = math.radians(0.5)
+SAME_TILT = {name: math.radians(0.15 if name == "bullet" else 0.1) for name in ENGINES}
 SAME_ENGINE = 0.0005  # m; Gazebo's is DART, of another version
 
 BULLET_DATA = ("pybullet", "pybullet-arm64")
@@ -125,26 +129,27 @@ def gazebo(tmp_path_factory: pytest.TempPathFactory) -> GazeboPhysics:
 
 
 @functools.cache
-def runs_of(ending: str) -> tuple[Robot, RobotRun, RobotRun]:
-    """The robot as written, and its simulations in PyBullet and DART."""
+def runs_of(ending: str) -> tuple[Robot, dict[str, RobotRun]]:
+    """The robot as written, and its simulations by engine."""
     written = prepared(installed(ending, ROBOTS[ending]))
     lumped, _ = lump(written)
     assert lumped is not None
-    bullet, dart = (
-        run_of(engine, lumped, on_the_ground=True) for engine in (BulletEngine, DartEngine)
-    )
-    return written, bullet, dart
+    return written, {
+        name: run_of(engine, lumped, on_the_ground=True) for name, engine in ENGINES.items()
+    }
 
 
 @pytest.mark.parametrize("ending", ROBOTS)
-def test_both_engines_agree_on_how_it_rests(ending: str) -> None:
-    written, bullet, dart = runs_of(ending)
-    for robot_run in (bullet, dart):
-        assert robot_run.settled_after is not None
-        assert robot_run.mass == pytest.approx(written.mass, rel=1e-6)
-        assert robot_run.movable_joints == len(written.movable_joints)
-    assert bullet.links == dart.links
-    assert_same_rest(ending, bullet.rest_pose, dart.rest_pose, same_place=SAME_PLACE)
+def test_the_engines_agree_on_how_it_rests(ending: str) -> None:
+    written, runs = runs_of(ending)
+    for one in runs.values():
+        assert one.settled_after is not None
+        assert one.mass == pytest.approx(written.mass, rel=1e-6)
+        assert one.movable_joints == len(written.movable_joints)
+    dart = runs["dart"]  # Gazebo's
+    for one in runs.values():
+        assert one.links == dart.links
+        assert_same_rest(ending, one.rest_pose, dart.rest_pose, same_place=SAME_PLACE)
 
 
 def test_a_robot_on_a_ball_rests_as_in_gazebo(gazebo: GazeboPhysics) -> None:
@@ -154,7 +159,7 @@ def test_a_robot_on_a_ball_rests_as_in_gazebo(gazebo: GazeboPhysics) -> None:
     rest = gazebo.rest_pose_of_model("scout", inside[1], "chassis", 0.05, steps=3000)
     (model,) = read_sdf(SCOUT, find_model=lambda _: None).models
     assert model.robot is not None
-    for engine in (BulletEngine, DartEngine):
+    for engine in ENGINES.values():
         robot_run = run_of(engine, model.robot, 0.05 + model.pose_in_world.xyz[2])
         assert (robot_run.movable_joints, robot_run.links) == (3, 4)
         place, angle = apart(robot_run.rest_pose, rest)
@@ -193,7 +198,7 @@ def test_a_cart_on_universal_joints_rests_as_in_gazebo(gazebo: GazeboPhysics) ->
     (model,) = read_model(text, file=None, find_model=lambda _: None).models
     assert model.robot is not None
     rest = gazebo.rest_pose_of_model("cart", cart(), "chassis", 0.2, steps=3000)
-    for engine in (BulletEngine, DartEngine):
+    for engine in ENGINES.values():
         robot_run = run_of(engine, model.robot, 0.2)
         assert robot_run.movable_joints == 6
         place, angle = apart(robot_run.rest_pose, rest)
@@ -202,9 +207,13 @@ def test_a_cart_on_universal_joints_rests_as_in_gazebo(gazebo: GazeboPhysics) ->
 
 
 @pytest.mark.parametrize("ending", [ending for ending in ROBOTS if ending not in NOT_IN_GAZEBO])
-def test_both_engines_agree_with_gazebo(gazebo: GazeboPhysics, ending: str) -> None:
-    written, bullet, dart = runs_of(ending)
+def test_the_engines_agree_with_gazebo(gazebo: GazeboPhysics, ending: str) -> None:
+    written, runs = runs_of(ending)
     text = installed(ending, ROBOTS[ending]).read_text(encoding="utf-8")
-    rest = gazebo.rest_pose(text, written, dart.spawn_pose.xyz[2], steps=3000)
-    for robot_run, same_place in ((bullet, SAME_PLACE), (dart, SAME_ENGINE)):
-        assert_same_rest(ending, robot_run.rest_pose, rest, same_place=same_place)
+    z = next(iter(runs.values())).spawn_pose.xyz[2]
+    rest = gazebo.rest_pose(text, written, z, steps=3000)
+    for name, one in runs.items():
+        same_place = SAME_ENGINE if name == "dart" else SAME_PLACE
+        assert_same_rest(ending, one.rest_pose, rest, same_place=same_place)
+        tilts = [math.acos(rotation_of_rpy(pose.rpy)[2][2]) for pose in (one.rest_pose, rest)]
+        assert tilts[0] == pytest.approx(tilts[1], abs=SAME_TILT[name])

@@ -9,7 +9,6 @@ which other threads may need. A child can also be ended together with the proces
 from __future__ import annotations
 
 import json
-import os
 import signal
 import subprocess
 import sys
@@ -23,6 +22,7 @@ from typing import IO, TYPE_CHECKING, Any
 from wsgen.errors import NotReadableError
 from wsgen.events import OutputLine, StepEnded, StepProgressed, StepStarted, post
 from wsgen.isolation.parent_death import open_parent_death_pipe
+from wsgen.isolation.system import end_tree
 from wsgen.values import dataclass
 
 if TYPE_CHECKING:
@@ -57,20 +57,15 @@ def run_colcon(
     process ends them, too.
     """
     with tempfile.TemporaryFile() as output, open_parent_death_pipe() as parent_death_pipe:
-        request = {
-            "path": [entry for entry in sys.path if entry],
-            "arguments": arguments,
-            "parent_death_pipe": parent_death_pipe,
-        }
+        path = json.dumps([entry for entry in sys.path if entry])
         try:
             child = subprocess.Popen(
-                [sys.executable, "-I", CHILD],
-                stdin=subprocess.PIPE,
+                [sys.executable, "-I", CHILD, path, *arguments],
+                stdin=parent_death_pipe,
                 stdout=subprocess.PIPE,
                 stderr=output,
                 cwd=folder,
                 env=dict(environment),
-                pass_fds=(parent_death_pipe,),
                 start_new_session=True,  # the group of processes to end
             )
         except OSError as error:
@@ -80,7 +75,6 @@ def run_colcon(
             ) from error
         with child:  # outermost: its exit waits for the child, which must have ended
             try:
-                _send(child.stdin, json.dumps(request))
                 for line in child.stdout or ():
                     on_event(json.loads(line))
             except KeyboardInterrupt:
@@ -92,17 +86,10 @@ def run_colcon(
         return Finished(returncode=child.returncode, output=_read(output))
 
 
-def _send(stream: IO[bytes] | None, request: str) -> None:
-    if stream is not None:
-        with suppress(BrokenPipeError), stream:  # it died at once; its exit code shows it
-            stream.write(request.encode())
-
-
 def _end(child: subprocess.Popen[bytes], first: signal.Signals) -> None:
     """Signal the group as a terminal or supervisor would, and kill what does not stop."""
-    for number, patience in ((first, SECONDS_TO_STOP), (signal.SIGKILL, None)):
-        with suppress(ProcessLookupError, PermissionError):
-            os.killpg(child.pid, number)
+    for number, patience in ((first, SECONDS_TO_STOP), (None, None)):
+        end_tree(child.pid, number)
         with suppress(subprocess.TimeoutExpired):
             child.wait(patience)
 

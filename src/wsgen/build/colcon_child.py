@@ -1,6 +1,7 @@
-"""The process that colcon runs in, a script with the request on standard input.
+"""The process that colcon runs in: a script with the module search path and colcon's arguments.
 
-Standard output carries the events to wsgen; the output of colcon itself goes to standard error.
+Standard input is the parent-death pipe. Standard output carries the events to wsgen; the output of
+colcon itself goes to standard error.
 """
 
 import gc
@@ -14,16 +15,15 @@ from colcon_core.executor import Job
 
 from wsgen.build.colcon_events import write_events_to
 from wsgen.build.package_environment import set_package_environments
-from wsgen.isolation.parent_death import end_with_parent
+from wsgen.isolation.parent_death import end_with_parent, take_parent_death_pipe
 
-request = json.load(sys.stdin)
-sys.path[:] = request["path"]
+sys.path[:] = json.loads(sys.argv[1])
 events = os.fdopen(os.dup(1), "w", encoding="utf-8")
 os.dup2(2, 1)
 
 
 # Not SIGKILL: make and compilers remove unfinished files.
-end_with_parent(request["parent_death_pipe"], signal.SIGTERM)
+end_with_parent(take_parent_death_pipe(), signal.SIGTERM)
 
 # The process is short, and importing colcon creates enough objects to keep the collector busy.
 gc.disable()
@@ -43,5 +43,5 @@ async def run_to_its_end(job: Job) -> int:
 
 Job.__call__ = run_to_its_end
 write_events_to(events)
-sys.argv[0] = "colcon"  # the name in its messages
-sys.exit(main(argv=request["arguments"]))
+sys.argv[:2] = ["colcon"]  # the name in its messages
+sys.exit(main(argv=sys.argv[1:]))

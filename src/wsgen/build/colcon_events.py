@@ -20,6 +20,8 @@ from colcon_core.event_handler import EventHandlerExtensionPoint
 from colcon_core.location import get_log_path
 from colcon_core.plugin_system import satisfies_version
 
+from wsgen.isolation.system import end_tree
+
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
@@ -77,7 +79,7 @@ class EventWriter(EventHandlerExtensionPoint):  # type: ignore[misc]  # colcon i
             self._stream.flush()
         except BrokenPipeError:
             # wsgen has ended, perhaps killed, so the build must end, too.
-            os.killpg(os.getpgrp(), signal.SIGINT)
+            end_tree(os.getpid(), signal.SIGINT)
 
 
 def _decode(line: bytes | str) -> str:

@@ -4,6 +4,9 @@ A sourced ROS is used as it is, with its own Python. Otherwise ament_cmake comes
 that wsgen depends on, and CMake must use the interpreter of their environment. Both also work if
 the virtual environment is not activated.
 
+The wheels of ament_cmake are for Linux on x86-64, but what is used of them are CMake files. For
+other machines pip brings them into a folder of their own, with FETCH_OPTIONS.
+
 colcon loads this module at the start of every command, so it imports little.
 """
 
@@ -25,6 +28,11 @@ if TYPE_CHECKING:
 INDEX = "share/ament_index/resource_index/packages"  # with a file for each package of a prefix
 AMENT_CMAKE = Path("share", "ament_cmake", "cmake", "ament_cmakeConfig.cmake")
 ROS_PREFIX = Path(__file__).with_name("ros_prefix")  # stands in for packages of ROS
+FETCHED = Path("share", "wsgen", "ament_cmake")  # below a prefix: wheels for another machine
+# pip takes wheels for another machine into a folder only. There it leaves out what ament_cmake runs
+# tests with, so the packages for tests are not asked for: packages are then built without tests.
+FETCH_OPTIONS = ("--only-binary", ":all:", "--platform", "manylinux_2_28_x86_64", "--target")
+FETCHED_WHEELS = ("ros-ament-cmake", "ros-ament-cmake-include-directories")
 MAKE_PROGRAMS = ("gmake", "make", "smake")  # the names CMake looks for
 
 
@@ -90,13 +98,26 @@ def find_toolchain(environment: Mapping[str, str]) -> Toolchain:
         if (prefix / AMENT_CMAKE).is_file():
             return SourcedRos(prefix=prefix)
     for prefix in _installation_prefixes():
-        if (prefix / AMENT_CMAKE).is_file():
-            return Wheels(prefix=prefix)
-    raise NotFoundError(
-        "ament_cmake was not found: no ROS is sourced, and it is not installed with wsgen.",
-        hint="Source a ROS (source /opt/ros/<distro>/setup.bash), or install wsgen with pip on "
-        "Linux x86_64, which also installs ament_cmake.",
-    )
+        for place in (prefix, prefix / FETCHED):
+            if (place / AMENT_CMAKE).is_file():
+                return Wheels(prefix=place)
+    raise _not_found()
+
+
+def fetch_arguments(system: str, architecture: str) -> tuple[str, ...] | None:
+    """Return the arguments of pip that bring ament_cmake where `pip install wsgen` does not.
+
+    Args:
+        system: as sys.platform.
+        architecture: as platform.machine().
+
+    Returns:
+        None on Linux on x86-64, which needs nothing more, and on Windows, where wsgen does not
+        build.
+    """
+    if system == "win32" or (system, architecture) == ("linux", "x86_64"):
+        return None
+    return ("install", *FETCH_OPTIONS, str(_writable_prefix() / FETCHED), *FETCHED_WHEELS)
 
 
 def use_toolchain(environment: MutableMapping[str, str]) -> None:
@@ -131,6 +152,40 @@ def _installation_prefixes() -> Iterator[Path]:
         # <prefix>/lib/python3.12/site-packages: those of --user and of /usr/local too
         if entry.name in {"site-packages", "dist-packages"}:
             yield entry.parents[2]
+
+
+def _writable_prefix() -> Path:
+    """Return the first prefix into which this user may install, or that of `pip install --user`."""
+    for prefix in _installation_prefixes():
+        if os.access(prefix, os.W_OK):
+            return prefix
+    import site  # noqa: PLC0415  who needs it waits for pip anyway
+
+    return Path(site.getuserbase())
+
+
+def _not_found() -> NotFoundError:
+    import platform  # noqa: PLC0415  5 ms that only this error pays
+    import shlex  # noqa: PLC0415  as above
+
+    found = "ament_cmake was not found: no ROS is sourced, and "
+    arguments = fetch_arguments(sys.platform, platform.machine())
+    if arguments is not None:
+        return NotFoundError(
+            f"{found}pip installs it by itself only on Linux on x86_64. Its wheels hold CMake "
+            "files, which work here, too.",
+            hint=shlex.join([sys.executable, "-m", "pip", *arguments]),
+        )
+    if sys.platform == "win32":
+        return NotFoundError(
+            f"{found}wsgen does not build on Windows; all other commands work.",
+            hint="Build in the Windows Subsystem for Linux (wsl --install), with wsgen in it.",
+        )
+    return NotFoundError(
+        f"{found}it is not installed with wsgen.",
+        hint="Install wsgen with pip, which also installs ament_cmake, or source a ROS "
+        "(source /opt/ros/<distro>/setup.bash).",
+    )
 
 
 def _choose_python(variables: dict[str, str]) -> None:

@@ -9,6 +9,7 @@ import contextlib
 import errno
 import gc
 import importlib
+import io
 import os
 import sys
 from typing import TYPE_CHECKING
@@ -104,6 +105,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     # at the end, is an eighth of the time of `wsgen new`.
     gc.set_threshold(GARBAGE_THRESHOLD)
     _put_overlays_last()
+    _print_what_is_encodable()
     try:
         _unwind_at_signals()
         code = run(sys.argv[1:] if arguments is None else arguments)
@@ -112,6 +114,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
         code = _report_end(end)
     gc.freeze()
     sys.exit(code)
+
+
+def _print_what_is_encodable() -> None:
+    """Print `?` for what the encoding of the output does not have, as in pipes on Windows."""
+    if isinstance(sys.stdout, io.TextIOWrapper) and sys.stdout.errors == "strict":
+        sys.stdout.reconfigure(errors="replace")
 
 
 def _put_overlays_last() -> None:
@@ -146,7 +154,11 @@ def run(arguments: Sequence[str]) -> int:
         code = _report_end(end)
     except Exception as error:  # noqa: BLE001  the last resort: no traceback reaches a beginner
         disk = _explain_disk(error) if isinstance(error, OSError) else None
-        if disk is not None:
+        library = _explain_library(error) if isinstance(error, ImportError) else None
+        if library is not None:
+            _print_error(library.message, library.hint, color=colors.wanted)
+            code = library.exit_code
+        elif disk is not None:
             _drop_standard_output()
             _print_error(disk.message, disk.hint, color=colors.wanted)
             code = disk.exit_code
@@ -246,6 +258,19 @@ def _print_usage_error(error: click.ClickException, *, color: bool | None) -> No
     usage = " ".join(ctx.get_usage().partition(" ")[2].split())
     hint = did_you_mean(near[0]) if near else f"{usage} (options: {ctx.command_path} --help)"
     _print_error(f"{message.rstrip('.')}.", hint, color=color)
+
+
+def _explain_library(error: ImportError) -> WsgenError | None:
+    """The error for a library of the system that a compiled module needs; None for any other."""
+    from wsgen.isolation.missing_library import find_missing_library
+
+    missing = find_missing_library(str(error))
+    if missing is None:
+        return None
+    return NotFoundError(
+        f"The Python module {error.name} needs {missing.name}, which the system lacks.",
+        hint=missing.advice,
+    )
 
 
 def _explain_disk(error: OSError) -> WsgenError | None:

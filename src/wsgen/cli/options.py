@@ -7,6 +7,9 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from wsgen.errors import RequestError
+from wsgen.suggestions import did_you_mean
+
 if TYPE_CHECKING:
     from wsgen.model.target import Target
 
@@ -77,11 +80,27 @@ seconds_option = click.option(
     help="Simulated time in seconds.",
 )
 
+
+class _EngineChoice(click.Choice[str]):
+    """The names of the engines, and `all`."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        if value == "both":  # as it was called while there were two
+            raise RequestError("wsgen has no engine `both`.", hint=did_you_mean("--engine all"))
+        if value.lower() in {"pybullet", "dartsim"}:
+            name = "bullet" if value.lower() == "pybullet" else "dart"
+            raise RequestError(
+                f"wsgen has no engine `{value}`.", hint=did_you_mean(f"--engine {name}")
+            )
+        return super().convert(value, param, ctx)
+
+
 engine_option = click.option(
     "--engine",
-    type=click.Choice(["bullet", "dart", "both"]),
-    help="Physics engine; DART is the engine of Gazebo Sim (pip install 'wsgen[dart]').  "
-    "[default: bullet, or dart where PyBullet is not available]",
+    type=_EngineChoice(["bullet", "dart", "mujoco", "all"], case_sensitive=False),
+    help="Physics engine: PyBullet, DART (that of Gazebo Sim; pip install 'wsgen[dart]') or MuJoCo "
+    "(pip install 'wsgen[mujoco]'); `all` compares those that are installed.  "
+    "[default: bullet, or mujoco where PyBullet is not available]",
 )
 
 picture_option = click.option(
@@ -122,9 +141,10 @@ def chosen_answers(given: Sequence[str]) -> Callable[[], Sequence[str]]:
 
 def chosen_engines(engine: str | None) -> tuple[str, ...]:
     """The engines that `engine_option` selects; results come from the first one."""
+    from wsgen.pipeline.engines import all_engines
     from wsgen.simulation.run import default_engine
 
-    return ("bullet", "dart") if engine == "both" else (engine or default_engine(),)
+    return all_engines() if engine == "all" else (engine or default_engine(),)
 
 
 def _set_color(ctx: click.Context, _parameter: click.Parameter, value: str) -> None:

@@ -14,6 +14,7 @@ import click
 from wsgen.cli.terminal import Branch, draw_table, draw_tree
 from wsgen.cli.words import short_path
 from wsgen.diagnostics import Severity
+from wsgen.model.outcome import ENGINE_NAMES
 from wsgen.rules.runs import TIPS_OVER, UNACTUATED_JOINTS_MOVE
 
 if TYPE_CHECKING:
@@ -21,7 +22,14 @@ if TYPE_CHECKING:
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.behavior import BehaviorOutcome
-    from wsgen.model.outcome import NotValidated, Outcome, PackageOutcome, RobotOutcome
+    from wsgen.model.outcome import (
+        EngineOutcome,
+        NotValidated,
+        Outcome,
+        PackageOutcome,
+        RobotOutcome,
+        Simulated,
+    )
     from wsgen.model.plan import Include, LaunchArgument, LaunchPlan, Process
 
 
@@ -84,6 +92,7 @@ def _place(diagnostic: Diagnostic) -> str:
 
 # Lengths in meters.
 HEADINGS = ("robot", "mass, kg", "movable", "spawned at, m", "at the end, m", "result")
+ENGINE_HEADINGS = ("robot", "engine", "mass, kg", "at the end, m", "tilt, degrees", "result")
 
 MOST_ALIKE = 3  # warnings of one code that are shown without --verbose
 
@@ -160,8 +169,7 @@ def _package(
             f"  world        {package.world.name}" + (f"  {short_path(file)}" if file else "")
         )
     if package.robots:
-        rows = [_robot(robot, package) for robot in package.robots]
-        lines += ["", *draw_table(rows, headings=HEADINGS, wrapped=(0, -1), quiet=quiet)]
+        lines += ["", *_robots(package, quiet=quiet)]
         lines += _behaviors(package)
     shown = render_diagnostics(diagnostics, most_alike=None if verbose else MOST_ALIKE)
     if shown:
@@ -183,15 +191,25 @@ def _package(
 
 
 def _behaviors(package: PackageOutcome) -> list[str]:
-    """A line for each: its name, and what the robot did."""
-    simulated = [(robot, one) for robot in package.robots for one in robot.behaviors]
-    several = len({robot.entity for robot, _ in simulated}) > 1
+    """A line for each, and for each engine if there are several: what the robot did."""
+    robots = [robot for robot in package.robots if robot.behaviors]
     lines = []
-    for robot, one in simulated:
-        mark = click.style("  ok  ", fg="green") if one.passed else click.style("failed", fg="red")
-        name = f"{robot.entity}: {one.name}" if several else one.name
-        lines.append(f"  {mark}  {name}: {_did(one)}")
+    for robot in robots:
+        prefix = f"{robot.entity}: " if len(robots) > 1 else ""
+        each = [(f", {ENGINE_NAMES[one.engine]}", one.behaviors) for one in robot.engines]
+        if len(each) <= 1:
+            each = [("", robot.behaviors)]
+        lines += [
+            _behavior(f"{prefix}{behaviors[number].name}{engine}", behaviors[number])
+            for number in range(len(robot.behaviors))
+            for engine, behaviors in each
+        ]
     return ["", *lines] if lines else []
+
+
+def _behavior(name: str, one: BehaviorOutcome) -> str:
+    mark = click.style("  ok  ", fg="green") if one.passed else click.style("failed", fg="red")
+    return f"  {mark}  {name}: {_did(one)}"
 
 
 def _did(behavior: BehaviorOutcome) -> str:
@@ -212,26 +230,51 @@ def _name(package: PackageOutcome) -> str:
     return package.package or (short_path(file) if file else "(file)")
 
 
-def _robot(robot: RobotOutcome, package: PackageOutcome) -> tuple[str, ...]:
-    rest, simulated = robot.rest, robot.simulated
+def _robots(package: PackageOutcome, *, quiet: bool) -> list[str]:
+    """The table of the robots; with several engines, of each robot in each of them."""
+    headings, rows = HEADINGS, [_robot(robot) for robot in package.robots]
+    if any(len(robot.engines) > 1 for robot in package.robots):
+        headings = ENGINE_HEADINGS
+        rows = [_in_engine(robot, one) for robot in package.robots for one in robot.engines]
+    return draw_table(rows, headings=headings, wrapped=(0, -1), quiet=quiet)
+
+
+def _robot(robot: RobotOutcome) -> tuple[str, ...]:
+    rest = robot.rest
     return (
         robot.entity,
-        f"{simulated.mass:.3f}" if simulated else "-",  # what was read may lack refused links
+        _mass(robot.simulated),
         f"{robot.movable_joints} of {robot.joints}",
         _xyz(robot.spawn_pose.xyz),
         _xyz(rest.pose_in_world.xyz) if rest else "-",
-        _result(robot, package),
+        _result(robot.engines[0]) if robot.engines else "not simulated",
     )
 
 
-def _result(robot: RobotOutcome, package: PackageOutcome) -> str:
-    if not robot.passed:
-        return "fails" if robot.rest else "not simulated"
-    codes = {one.code for one in package.diagnostics if one.element == robot.entity}
-    if TIPS_OVER.code in codes:
+def _in_engine(robot: RobotOutcome, one: EngineOutcome) -> tuple[str, ...]:
+    rest = one.rest
+    return (
+        robot.entity,
+        ENGINE_NAMES[one.engine],
+        _mass(one.simulated),
+        _xyz(rest.pose_in_world.xyz) if rest else "-",
+        f"{math.degrees(rest.tilt):.1f}" if rest else "-",
+        _result(one),
+    )
+
+
+def _mass(simulated: Simulated | None) -> str:
+    """As simulated: what was read may have links that are refused."""
+    return f"{simulated.mass:.3f}" if simulated else "-"
+
+
+def _result(one: EngineOutcome) -> str:
+    if one.rest is None or not one.passed:
+        return "fails" if one.rest else "not simulated"
+    if TIPS_OVER.code in one.codes:
         return "tips over"
-    settled = None if robot.rest is None else robot.rest.settled_after
-    if UNACTUATED_JOINTS_MOVE.code in codes:
+    settled = one.rest.settled_after
+    if UNACTUATED_JOINTS_MOVE.code in one.codes:
         end = "did not settle" if settled is None else f"settled after {settled:.1f} s"
         return f"{end}, unactuated joints"
     return "did not settle" if settled is None else f"stands after {settled:.1f} s"

@@ -69,7 +69,7 @@ MOST_SEARCHED = 100  # folders, for packages and files to suggest
     default=1,
     show_default=True,
     metavar="N",
-    help="Number of packages or files to process in parallel.",
+    help="Number of packages or files to process in parallel; of one alone, its engines.",
 )
 @picture_option
 @click.option(
@@ -261,7 +261,7 @@ def _simulation_options(request: ValidateRequest) -> list[str]:
     if request.seconds != ValidateRequest().seconds:
         words += ["--seconds", f"{request.seconds:g}"]
     if request.engines != chosen_engines(None):
-        words += ["--engine", request.engines[0] if len(request.engines) == 1 else "both"]
+        words += ["--engine", request.engines[0] if len(request.engines) == 1 else "all"]
     return words
 
 

@@ -1,7 +1,8 @@
-"""Look at a machine: its system, programs and Python modules, without importing a library.
+"""Look at a machine: its system, programs and Python modules.
 
-Only a child process that draws a picture imports one, as a PyBullet built for another machine may
-crash. A `Machine` holds all that is looked at, so that tests can make one up.
+Compiled modules are imported in a child process: one that is built for another machine may crash,
+and the system may lack a library that one needs. A `Machine` holds all that is looked at, so that
+tests can make one up.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ import platform
 import shutil
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wsgen.build.toolchain import find_toolchain
 from wsgen.errors import NotFoundError, NotReadableError
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 
 OS_RELEASE = ("etc/os-release", "usr/lib/os-release")  # the first that exists
 DRAWING_TASK = "wsgen.rendering.renderer:draw_a_box"
+IMPORTING_TASK = "wsgen.isolation.imports:import_modules"
 SYSTEMS = {"linux": "Linux", "darwin": "macOS", "win32": "Windows"}
 
 
@@ -55,7 +57,8 @@ class Machine:
     interpreter: str  # its path
     which: Callable[[str, str], str | None]  # name of a program, PATH -> its path
     has_module: Callable[[str], bool]  # name of a Python module at the top level
-    why_no_picture: Callable[[], str | None]  # why PyBullet cannot draw; None if it can
+    why_not_loaded: Callable[[str], str | None]  # why a module cannot be imported; None if it can
+    why_no_picture: Callable[[], str | None]  # why nothing can be drawn; None if it can
 
     @property
     def system_name(self) -> str:
@@ -86,6 +89,7 @@ def here(environment: Mapping[str, str]) -> Machine:
         interpreter=sys.executable,
         which=_which,
         has_module=_has_module,
+        why_not_loaded=_why_not_loaded,
         why_no_picture=_why_no_picture,
     )
 
@@ -132,15 +136,24 @@ def _which(program: str, path: str) -> str | None:
     return shutil.which(program, path=path)
 
 
+def _why_not_loaded(module: str) -> str | None:
+    """Import a module in a child process; return why it failed, to follow its name."""
+    return _why_not_done(IMPORTING_TASK, [module])[1]
+
+
 def _why_no_picture() -> str | None:
-    """Draw a small picture in a child process; return why it failed, to follow "PyBullet"."""
+    """Draw a small picture in a child process; return why it failed, to follow "the renderer"."""
+    drawn, problem = _why_not_done(DRAWING_TASK)
+    return problem if drawn or problem else "draws nothing"
+
+
+def _why_not_done(task: str, *arguments: object) -> tuple[Any, str | None]:
+    """Return the answer of a child process, and why it has none."""
     try:
-        outcome = parent.run(DRAWING_TASK)
+        outcome = parent.run(task, *arguments)
     except NotReadableError as error:
-        return f"was not started: {error.message}"
-    if isinstance(outcome, Died):
-        return outcome.reason
-    return None if outcome.value else "draws nothing"
+        return None, f"was not started: {error.message}"
+    return (None, outcome.reason) if isinstance(outcome, Died) else (outcome.value, None)
 
 
 def _has_module(name: str) -> bool:

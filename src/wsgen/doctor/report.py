@@ -8,8 +8,9 @@ from __future__ import annotations
 import shlex
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.build.toolchain import MAKE_PROGRAMS, SourcedRos
+from wsgen.build.toolchain import MAKE_PROGRAMS, SourcedRos, fetch_arguments
 from wsgen.doctor.machine import Requirement, names_in_apt, read_os_release, ros_prefixes
+from wsgen.isolation.missing_library import find_missing_library
 from wsgen.model.facts import DISTROS, RELEASED_FOR
 from wsgen.model.installation import (
     APT_HOSTS,
@@ -25,7 +26,7 @@ from wsgen.model.installation import (
 from wsgen.model.target import Target, end_of_life_note
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
     from wsgen.doctor.machine import Machine
@@ -59,8 +60,23 @@ LIBRARIES = {
     "trimesh": "trimesh",
     "shapely": "shapely",
 }
-LAST_PYTHON_WITH_PYBULLET = (3, 13)
-FIRST_PYTHON_WITH_ITS_FORK = (3, 12)
+# Of these, what is compiled: it is imported, to see whether it can be.
+COMPILED = ("lxml.etree", "yaml", "numpy", "PIL.Image", "shapely")
+# The physics engines in the order of preference: name on the command line and for people, library,
+# what pip calls it. What is imported is wsgen's module of the engine.
+ENGINES = (
+    ("bullet", "PyBullet", "pybullet", "pybullet"),
+    ("mujoco", "MuJoCo", "mujoco", "wsgen[mujoco]"),
+    ("dart", "DART", "dartpy", "wsgen[dart]"),
+)
+# Where PyBullet has wheels, or its fork, which is the same module: system, machine, first and last
+# Python, what pip calls it. As in pyproject.toml.
+PYBULLETS = (
+    ("linux", "x86_64", (3, 10), (3, 11), "pybullet"),
+    ("linux", "x86_64", (3, 12), (3, 13), "pybullet-arm64"),
+    ("darwin", "arm64", (3, 10), (3, 13), "pybullet-arm64"),
+    ("win32", "AMD64", (3, 10), (3, 13), "pybullet-arm64"),
+)
 WHEELS = (
     "ros-ament-cmake",
     "ros-ament-package",
@@ -80,8 +96,8 @@ def check_wsgen(machine: Machine) -> Iterator[Requirement]:
     yield _cmake(machine)
     yield _build_program(machine)
     yield _modules(machine, "xacro", {"xacro": "xacro"})
-    yield _modules(machine, "Python libraries", LIBRARIES)
-    yield _engine(machine)
+    yield _modules(machine, "Python libraries", LIBRARIES, compiled=COMPILED)
+    yield from _engines(machine)
     yield _pictures(machine)
     yield from _extras(machine)
 
@@ -96,15 +112,30 @@ def _python_for_wsgen(machine: Machine) -> Requirement:
     )
 
 
-def _modules(machine: Machine, name: str, modules: Mapping[str, str]) -> Requirement:
+def _modules(
+    machine: Machine, name: str, modules: Mapping[str, str], *, compiled: Sequence[str] = ()
+) -> Requirement:
     missing = [pip for module, pip in modules.items() if not machine.has_module(module)]
-    return Requirement(
-        name=name,
-        is_met=not missing,
-        text=f"missing: {', '.join(missing)}" if missing else "installed with wsgen",
-        is_required=True,
-        fix=_pip(machine, *missing),
-    )
+    text, fix = "installed with wsgen", ""
+    if missing:
+        text, fix = f"missing: {', '.join(missing)}", _pip(machine, *missing)
+    for module in () if missing else compiled:
+        why = machine.why_not_loaded(module)
+        if why is not None:
+            library, _, _ = module.partition(".")
+            text, fix = _not_loaded(machine, why, modules[library])
+            return Requirement(
+                name, is_met=False, text=f"{library} {text}", is_required=True, fix=fix
+            )
+    return Requirement(name, is_met=not missing, text=text, is_required=True, fix=fix)
+
+
+def _not_loaded(machine: Machine, why: str, pip: str) -> tuple[str, str]:
+    """Return why a library is not loaded, to follow its name, and the command that fixes it."""
+    missing = find_missing_library(why)
+    if missing is None:
+        return f"cannot be loaded: it {why}", _pip(machine, "--force-reinstall", pip)
+    return f"cannot be loaded: it needs {missing.name}, which the system lacks", missing.command
 
 
 def _ament_cmake(machine: Machine) -> Requirement:
@@ -113,15 +144,21 @@ def _ament_cmake(machine: Machine) -> Requirement:
         source = "the sourced ROS" if isinstance(found, SourcedRos) else "the wheels"
         text = f"from {source}, in {found.prefix}"
         return Requirement("ament_cmake", is_met=True, text=text, is_required=True)
-    has_wheels = (machine.system, machine.architecture) == ("linux", "x86_64")
+    text, fix = "missing", ""
     setup = _any_ros(machine)
-    fix = f"source {setup}" if setup else ""
-    if has_wheels:
+    fetch = fetch_arguments(machine.system, machine.architecture)
+    if machine.system == "win32":
+        text = "missing; wsgen does not build on Windows: use the Windows Subsystem for Linux"
+        fix = "wsl --install"
+    elif fetch is None:
         fix = _pip(machine, *WHEELS)
-    where = "" if has_wheels else "; other systems than Linux x86_64 need a ROS installation"
-    return Requirement(
-        "ament_cmake", is_met=False, text=f"missing{where}", is_required=True, fix=fix
-    )
+    elif setup:
+        fix = f"source {setup}"
+    else:
+        text = "missing; pip installs it by itself only on Linux on x86_64"
+        fix = shlex.join([machine.interpreter, "-m", "pip", *fetch])
+    is_required = machine.system != "win32"  # where nobody has it, the rest is still of use
+    return Requirement("ament_cmake", is_met=False, text=text, is_required=is_required, fix=fix)
 
 
 def _any_ros(machine: Machine) -> str | None:
@@ -153,55 +190,61 @@ def _build_program(machine: Machine) -> Requirement:
     )
 
 
-def _engine(machine: Machine) -> Requirement:
-    for module, name in (("pybullet", "PyBullet"), ("dartpy", "DART")):
-        if machine.has_module(module):
-            return Requirement("physics engine", is_met=True, text=name, is_required=True)
-    wanted = "dartpy" if machine.python > LAST_PYTHON_WITH_PYBULLET else _pybullet(machine)
-    return Requirement(
+def _engines(machine: Machine) -> Iterator[Requirement]:
+    """Check that an engine can be loaded, then each of them."""
+    found = [_engine(machine, *engine) for engine in ENGINES]
+    usable = [one.name for one in found if one.is_met]
+    yield Requirement(
         "physics engine",
-        is_met=False,
-        text="missing: neither PyBullet nor DART",
+        is_met=bool(usable),
+        text=", ".join(usable) or "none can be used",
         is_required=True,
-        fix=_pip(machine, wanted),
+        fix="" if usable else next(one.fix for one in found if one.fix),
     )
+    yield from found
+
+
+def _engine(machine: Machine, name: str, title: str, library: str, pip: str) -> Requirement:
+    wanted = pybullet_for(machine) if name == "bullet" else pip
+    why = None
+    is_there = machine.has_module(library)
+    if is_there:
+        why = machine.why_not_loaded(f"wsgen.simulation.{name}")
+        text, fix = ("can be loaded", "") if why is None else _not_loaded(machine, why, library)
+    elif wanted is None:
+        text, fix = "missing; it has no wheels for this machine and Python", ""
+    else:
+        text, fix = f"missing; only for --engine {name}", _pip(machine, wanted)
+    return Requirement(title, is_met=is_there and why is None, text=text, fix=fix)
+
+
+def pybullet_for(machine: Machine) -> str | None:
+    """Return what pip calls the PyBullet with wheels for a machine; None if it has none."""
+    for system, architecture, first, last, pip in PYBULLETS:
+        is_it = (system, architecture) == (machine.system, machine.architecture)
+        if is_it and first <= machine.python <= last:
+            return pip
+    return None
 
 
 def _pictures(machine: Machine) -> Requirement:
     """Check whether `--picture` and `--record` can draw."""
-    if not machine.has_module("pybullet"):
-        why, fix = "PyBullet is not installed", _pip(machine, _pybullet(machine))
-        if machine.python > LAST_PYTHON_WITH_PYBULLET:
-            why, fix = "PyBullet has no wheel for this Python", ""
-        return Requirement("pictures", is_met=False, text=f"cannot be drawn: {why}", fix=fix)
     problem = machine.why_no_picture()
-    return Requirement(
-        "pictures",
-        is_met=problem is None,
-        text="drawn by PyBullet" if problem is None else f"cannot be drawn: PyBullet {problem}",
-        fix="" if problem is None else _pip(machine, "--force-reinstall", _pybullet(machine)),
-    )
-
-
-def _pybullet(machine: Machine) -> str:
-    """Return the name of PyBullet for pip: the original has no wheels for newer Pythons."""
-    is_old = machine.python < FIRST_PYTHON_WITH_ITS_FORK
-    return "pybullet" if is_old else "pybullet-arm64"  # the same module, on every architecture
+    text = "can be drawn" if problem is None else f"cannot be drawn: the renderer {problem}"
+    missing = find_missing_library(problem or "")
+    fix = "" if missing is None else missing.command
+    return Requirement("pictures", is_met=problem is None, text=text, fix=fix)
 
 
 def _extras(machine: Machine) -> Iterator[Requirement]:
     """Check what is optional."""
-    for name, module, purpose, requirement in (
-        ("DART", "dartpy", "a second engine", "wsgen[dart]"),
-        ("PyAV", "av", "videos as MP4", "wsgen[video]"),
-    ):
-        is_there = machine.has_module(module)
-        yield Requirement(
-            name,
-            is_met=is_there,
-            text="installed" if is_there else f"missing; only for {purpose}",
-            fix="" if is_there else _pip(machine, requirement),
-        )
+    text, fix = "missing; only for videos as MP4", _pip(machine, "wsgen[video]")
+    why = None
+    is_there = machine.has_module("av")
+    if is_there:
+        why = machine.why_not_loaded("av")
+        text, fix = ("installed", "") if why is None else _not_loaded(machine, why, "av")
+    yield Requirement("PyAV", is_met=is_there and why is None, text=text, fix=fix)
     for name, programs, purpose, package in (
         ("C++ compiler", ("c++", "g++", "clang++"), "packages with C++", "build-essential"),
         ("git", ("git",), "the maintainer's name and address", "git"),

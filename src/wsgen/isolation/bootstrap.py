@@ -1,14 +1,17 @@
 """The first lines of a child process: set the module search path, then perform the task.
 
-Run as a script in an isolated interpreter (`python -I bootstrap.py`), with the request on
-standard input. Before the search path is set it imports only what performs the task.
+Run as a script in an isolated interpreter (`python -I bootstrap.py REQUEST`), with the file of the
+request, and the parent-death pipe as standard input. Before the search path is set it imports only
+what performs the task.
 """
 
 import os
 import pickle
 import sys
+from pathlib import Path
 
 from wsgen.isolation import child
+from wsgen.isolation.parent_death import take_parent_death_pipe
 
 
 def set_search_path(own: list[str]) -> None:
@@ -17,7 +20,8 @@ def set_search_path(own: list[str]) -> None:
     sys.path[:] = own + [entry for entry in overlay if entry and entry not in own]
 
 
-request = pickle.load(sys.stdin.buffer)  # noqa: S301  the parent wrote it
+request = pickle.loads(Path(sys.argv[1]).read_bytes())  # noqa: S301  the parent wrote it
+request["parent_death_pipe"] = take_parent_death_pipe()
 set_search_path(request["path"])
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import _thread
 import importlib
 import json
 import math
@@ -14,13 +15,18 @@ from pathlib import Path
 from typing import Any
 
 from wsgen.isolation.codec import encode
+from wsgen.isolation.parent_death import end_with_parent_by_thread
+from wsgen.isolation.system import end_tree
 
-if sys.platform != "win32":
+try:
     import resource
+except ImportError:  # on Windows
+    resource = None  # type: ignore[assignment]
 
 SPARE_CPU_SECONDS = 5  # between the soft and the hard limit
 
 _scratch: Path | None = None
+_answering = _thread.allocate_lock()  # who has it answers, and ends the process
 
 
 def announce(step: str) -> None:
@@ -38,26 +44,29 @@ def perform(request: dict[str, Any]) -> None:
     """Perform the task, write its answer into the scratch folder, and end the process."""
     global _scratch  # noqa: PLW0603  the process has one task; its functions announce from anywhere
     _scratch = Path(request["scratch"])
-    if sys.platform == "linux":
+    if request["is_guarded"]:
         from wsgen.isolation.guard import stand_guard  # noqa: PLC0415  only on Linux
 
         stand_guard(request["parent_death_pipe"], request["cpu_seconds"])
+    else:
+        from wsgen.isolation.watcher import watch  # noqa: PLC0415  not on Linux
+
+        end_with_parent_by_thread(request["parent_death_pipe"])
+        watch(request, _end_at_limit)
     _limit(request["memory"], request["cpu_seconds"], request["output"])
     module, _, function = request["task"].partition(":")
     try:
         value = getattr(importlib.import_module(module), function)(*request["arguments"])
         text = encode({"value": value})
     except MemoryError:
-        text = json.dumps({"died": "exceeded its memory limit", "cause": "memory"})
+        text = json.dumps({"cause": "memory"})
     except SystemExit:
         raise
     except BaseException as error:  # noqa: BLE001  foreign code may raise anything
         traceback.print_exc()
         reason = f"failed ({type(error).__name__}: {error})"
         text = json.dumps({"died": reason, "cause": "exception"})
-    answer_file = _scratch / "answer"
-    answer_file.with_suffix(".part").write_text(text, encoding="utf-8")
-    answer_file.with_suffix(".part").replace(answer_file)
+    _answer(text)
     with suppress(OSError, ValueError):  # the foreign code may have closed them
         sys.stdout.flush()
         sys.stderr.flush()
@@ -66,9 +75,23 @@ def perform(request: dict[str, Any]) -> None:
     os._exit(0)
 
 
+def _answer(text: str) -> None:
+    """Write the answer, the only one of this process."""
+    _answering.acquire()
+    part = Path(_scratch or "", "answer.part")
+    part.write_text(text, encoding="utf-8")
+    part.replace(part.with_suffix(""))
+
+
+def _end_at_limit(cause: str) -> None:
+    with suppress(OSError):  # a full disk
+        _answer(json.dumps({"cause": cause}))
+    end_tree(os.getpid())
+
+
 def _limit(memory: int, cpu_seconds: float, output: int) -> None:
     """Limit address space, CPU time and output where the system supports it."""
-    if sys.platform == "win32":
+    if resource is None:
         return
     # Python would raise an exception, which foreign code may ignore.
     signal.signal(signal.SIGXFSZ, signal.SIG_DFL)

@@ -4,25 +4,23 @@ Starting an interpreter and importing a physics engine takes longer than most ro
 to rest. A fork server does it once for each module, in a server process that does nothing else
 (`fork_server_process`), and every task runs in a child that is forked from there.
 
-It works on Linux only: Windows cannot fork, on macOS the system's libraries may crash in a forked
-child, and elsewhere nothing would end the children when this process is killed. There, and where a
-module starts threads when it is imported, every task starts its own interpreter.
+It works on Linux only: Windows cannot fork, and on macOS the system's libraries may crash in a
+forked child. There, and where a module starts threads when it is imported, every task starts its
+own interpreter.
 """
 
 from __future__ import annotations
 
 import contextlib
 import os
-import pickle
 import socket
-import sys
 import tempfile
 import threading
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wsgen.isolation import parent
+from wsgen.isolation import parent, system
 from wsgen.isolation.parent_death import open_parent_death_pipe
 from wsgen.isolation.result import (
     DEFAULT_LIMITS,
@@ -37,6 +35,7 @@ from wsgen.isolation.result import (
 )
 
 if TYPE_CHECKING:
+    import subprocess
     from collections.abc import Mapping
     from types import TracebackType
 
@@ -57,6 +56,8 @@ class ForkServer(contextlib.AbstractContextManager["ForkServer"]):
 
     def __init__(self) -> None:
         self._servers: dict[str, _Server] = {}
+        # Children with their own interpreters, by the threads that wait for them.
+        self._alone: dict[int, subprocess.Popen[bytes]] = {}
         self._lock = threading.Lock()
         self._is_closed = False
 
@@ -70,6 +71,8 @@ class ForkServer(contextlib.AbstractContextManager["ForkServer"]):
             self._is_closed = True
             for server in self._servers.values():
                 server.close()
+            for child in self._alone.values():
+                parent.end(child)
 
     def run(
         self,
@@ -89,11 +92,22 @@ class ForkServer(contextlib.AbstractContextManager["ForkServer"]):
             RuntimeError: The fork server is closed.
         """
         outcome = None
-        if sys.platform == "linux":
+        if system.has_guards():
             outcome = self._run_forked(task, arguments, limits, environment, folder)
-        return outcome or parent.run(
-            task, *arguments, limits=limits, environment=environment, folder=folder
-        )
+        if outcome is not None:
+            return outcome
+        try:
+            return parent.run(
+                task,
+                *arguments,
+                limits=limits,
+                environment=environment,
+                folder=folder,
+                on_start=self._remember,
+            )
+        finally:
+            with self._lock:
+                self._alone.pop(threading.get_ident(), None)
 
     def _run_forked(
         self,
@@ -104,19 +118,13 @@ class ForkServer(contextlib.AbstractContextManager["ForkServer"]):
         folder: Path | None,
     ) -> Answered | Died | None:
         """Run the task like `run`; return None if it has to start its own interpreter."""
-        with (
-            # A process that a dying server left behind may still write into the folder.
-            tempfile.TemporaryDirectory(prefix="wsgen-", ignore_cleanup_errors=True) as name,
-            open_parent_death_pipe() as parent_death_pipe,
-        ):
-            scratch = Path(name)
+        with parent.make_scratch() as scratch, open_parent_death_pipe() as parent_death_pipe:
             request = {
-                **parent.make_request(task, arguments, limits, scratch, parent_death_pipe),
+                **parent.make_request(task, arguments, limits, scratch),
                 "environment": parent.complete(environment),
                 "folder": str(Path.cwd() / (folder or "")),
             }
-            with (scratch / "request").open("wb") as stream:
-                pickle.dump(request, stream)
+            parent.write_request(request)
             with self._lock:
                 server = self._server_of(task.partition(":")[0])
                 report = server.send(scratch, parent_death_pipe)
@@ -128,14 +136,22 @@ class ForkServer(contextlib.AbstractContextManager["ForkServer"]):
             return _conclude(message, scratch, limits)
 
     def _server_of(self, module: str) -> _Server:
-        if self._is_closed:
-            raise RuntimeError("The fork server is closed.")
+        self._refuse_closed()
         server = self._servers.get(module)
         if server is None or not server.is_alive():
             if server is not None:
                 server.close()
             server = self._servers[module] = _Server(module)
         return server
+
+    def _remember(self, child: subprocess.Popen[bytes]) -> None:
+        with self._lock:
+            self._refuse_closed()
+            self._alone[threading.get_ident()] = child
+
+    def _refuse_closed(self) -> None:
+        if self._is_closed:
+            raise RuntimeError("The fork server is closed.")
 
     def _report_lost_children(self, server: _Server, scratch: Path) -> Died:
         """Report that a child was lost with its server."""
@@ -158,19 +174,16 @@ class _Server:
             parent_death_pipe = stack.enter_context(open_parent_death_pipe())
             self._output = scratch / "output"
             self.process = parent.start_interpreter(
-                output=self._output, descriptors=(theirs.fileno(), parent_death_pipe)
+                {
+                    "path": parent.search_path(),
+                    "module": module,
+                    "control": theirs.fileno(),
+                    "scratch": str(scratch),
+                },
+                parent_death_pipe=parent_death_pipe,
+                descriptors=(theirs.fileno(),),
             )
             stack.callback(self._end)
-            orders = {
-                "path": parent.search_path(),
-                "module": module,
-                "control": theirs.fileno(),
-                "parent_death_pipe": parent_death_pipe,
-            }
-            if self.process.stdin is not None:
-                # A server that dies before it has read them is noticed at its end.
-                with contextlib.suppress(BrokenPipeError), self.process.stdin as stream:
-                    pickle.dump(orders, stream)
             self._stack = stack.pop_all()
 
     def is_alive(self) -> bool:

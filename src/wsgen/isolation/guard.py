@@ -4,8 +4,8 @@ A child may start processes that leave its group and its session. Linux makes th
 of every process that loses its own, so the guard finds all of them, counts their CPU time and ends
 them. A child that kills its parent kills its guard, not wsgen.
 
-Other systems than Linux have no guard: they limit the CPU time of each process on its own, and a
-process that leaves the child's group outlives the child.
+Other systems than Linux have no guard, see `wsgen.isolation.watcher`: a process that leaves the
+child's group outlives the child.
 """
 
 from __future__ import annotations

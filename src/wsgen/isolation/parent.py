@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from wsgen.errors import NotReadableError
+from wsgen.isolation import system
 from wsgen.isolation.parent_death import open_parent_death_pipe
 from wsgen.isolation.result import (
     DEFAULT_LIMITS,
@@ -25,12 +26,14 @@ from wsgen.isolation.result import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Iterator, Mapping
 
 
 __all__ = ["Answered", "Died", "Limits", "run"]
 
 BOOTSTRAP = str(Path(__file__).with_name("bootstrap.py"))
+# Robots are written on Linux, where this is the encoding of files and streams anyway.
+UTF_8 = ("-X", "utf8") if sys.platform == "win32" else ()
 SECONDS_TO_END = 10.0  # wall-clock, for a guard after SIGTERM
 
 # Numerical libraries start a thread for every core when they are imported. wsgen does not use these
@@ -44,6 +47,7 @@ def run(
     limits: Limits = DEFAULT_LIMITS,
     environment: Mapping[str, str] | None = None,
     folder: Path | None = None,
+    on_start: Callable[[subprocess.Popen[bytes]], None] | None = None,
 ) -> Answered | Died:
     """Call `module:function` with the arguments in a fresh interpreter.
 
@@ -51,39 +55,52 @@ def run(
     has touched must not be unpickled. `environment` replaces the child's environment. The module
     search path stays that of wsgen, followed by PYTHONPATH of the environment, so that a sourced
     ROS of another Python cannot replace modules of wsgen. `folder` is the child's working
-    directory.
+    directory. `on_start` is called with the child, which `end` ends.
 
     The child and its children end with the call and with this process, however it ends.
     """
-    with (
-        # A process that a killed guard left behind may still write into the folder.
-        tempfile.TemporaryDirectory(prefix="wsgen-", ignore_cleanup_errors=True) as name,
-        open_parent_death_pipe() as parent_death_pipe,
-    ):
-        scratch = Path(name)
-        request = make_request(task, arguments, limits, scratch, parent_death_pipe)
+    with make_scratch() as scratch, open_parent_death_pipe() as parent_death_pipe:
         child = start_interpreter(
-            output=scratch / "output",
-            descriptors=(parent_death_pipe,),
+            make_request(task, arguments, limits, scratch),
+            parent_death_pipe=parent_death_pipe,
             environment=environment,
             folder=folder,
         )
         is_late = False
         try:
-            # If the child dies before it has read the request, its exit code shows it.
-            with contextlib.suppress(BrokenPipeError):
-                child.communicate(pickle.dumps(request), timeout=limits.wall_clock_seconds)
+            if on_start is not None:
+                on_start(child)
+            child.wait(limits.wall_clock_seconds)
         except subprocess.TimeoutExpired:
             is_late = True
         finally:
-            _end(child)
+            end(child)
         if is_late:
             return read_lateness(scratch, limits)
         return conclude(scratch, limits, returncode=child.returncode)
 
 
+@contextlib.contextmanager
+def make_scratch() -> Iterator[Path]:
+    """Make a scratch folder, of a child or of a stage; it is removed at the end.
+
+    A signal that arrives while it is made waits until it would be removed.
+    """
+    mask = getattr(signal, "pthread_sigmask", None)  # not on Windows
+    before = mask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}) if mask else ()
+    try:
+        # A process that a killed guard or server left behind may still write into the folder.
+        with tempfile.TemporaryDirectory(prefix="wsgen-", ignore_cleanup_errors=True) as name:
+            if mask:
+                mask(signal.SIG_SETMASK, before)
+            yield Path(name)
+    finally:
+        if mask:
+            mask(signal.SIG_SETMASK, before)
+
+
 def make_request(
-    task: str, arguments: tuple[object, ...], limits: Limits, scratch: Path, parent_death_pipe: int
+    task: str, arguments: tuple[object, ...], limits: Limits, scratch: Path
 ) -> dict[str, Any]:
     """Make the request to a child, for either way to start it."""
     return {
@@ -94,7 +111,7 @@ def make_request(
         "cpu_seconds": limits.seconds,
         "path": search_path(),
         "scratch": str(scratch),
-        "parent_death_pipe": parent_death_pipe,
+        "is_guarded": system.has_guards(),
     }
 
 
@@ -104,31 +121,42 @@ def search_path() -> list[str]:
 
 
 def start_interpreter(
+    request: dict[str, Any],
     *,
-    output: Path,
-    descriptors: tuple[int, ...],
+    parent_death_pipe: int,
+    descriptors: tuple[int, ...] = (),
     environment: Mapping[str, str] | None = None,
     folder: Path | None = None,
 ) -> subprocess.Popen[bytes]:
-    """Start the interpreter of a child, which expects its pickled request on standard input.
+    """Start the interpreter of a child, which reads its request from the scratch folder.
 
     Raises:
         NotReadableError: The folder or the memory for it is missing.
     """
-    with output.open("wb") as stream:
+    scratch = write_request(request)
+    with (scratch / "output").open("wb") as stream:
         try:
             return subprocess.Popen(
-                [sys.executable, "-I", BOOTSTRAP],
-                stdin=subprocess.PIPE,
+                [sys.executable, "-I", *UTF_8, BOOTSTRAP, scratch / "request"],
+                stdin=parent_death_pipe,
                 stdout=stream,
                 stderr=subprocess.STDOUT,
                 cwd=folder,
                 env=complete(environment),
                 pass_fds=descriptors,
-                start_new_session=True,  # so that its own children can be ended with it
+                # So that its own children can be ended with it. Windows has no sessions: Ctrl-C
+                # ends the child, too, for which this process would wait deaf to it.
+                start_new_session=True,
             )
         except OSError as error:
             raise not_started(error) from error
+
+
+def write_request(request: dict[str, Any]) -> Path:
+    """Write the request of a child into its scratch folder; return the folder."""
+    scratch = Path(request["scratch"])
+    scratch.joinpath("request").write_bytes(pickle.dumps(request))
+    return scratch
 
 
 def complete(environment: Mapping[str, str] | None) -> dict[str, str]:
@@ -144,15 +172,12 @@ def not_started(error: OSError) -> NotReadableError:
     )
 
 
-def _end(child: subprocess.Popen[bytes]) -> None:
+def end(child: subprocess.Popen[bytes]) -> None:
     """End the child and every process it started; nothing outlives the call."""
-    if sys.platform == "linux":
+    if system.has_guards():
         _end_with_guard(child)
-    elif hasattr(os, "killpg"):
-        with contextlib.suppress(ProcessLookupError, PermissionError):
-            os.killpg(child.pid, signal.SIGKILL)
-    else:
-        child.kill()
+    elif os.name == "posix" or child.poll() is None:
+        system.end_tree(child.pid)
     child.wait()
 
 

@@ -1,16 +1,19 @@
 """The parent-death pipe, which ends a child process when its parent ends.
 
 Whatever ends the parent, also kill -9, the system closes its end of the pipe. Linux then sends a
-signal to the child's whole process group, however busy it is.
+signal to the child's whole process group, however busy it is. Elsewhere a thread of the child
+notices. A child that is started gets the pipe as its standard input, as every system allows.
 """
 
 from __future__ import annotations
 
-import fcntl
+import _thread
 import os
 import sys
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
+
+from wsgen.isolation.system import end_tree
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -30,14 +33,25 @@ def open_parent_death_pipe() -> Iterator[int]:
         os.close(ours)
 
 
+def take_parent_death_pipe() -> int:
+    """Return the pipe that is the standard input of this process; that becomes empty."""
+    parent_death_pipe = os.dup(0)
+    nothing = os.open(os.devnull, os.O_RDONLY)
+    os.dup2(nothing, 0)
+    os.close(nothing)
+    return parent_death_pipe
+
+
 def end_with_parent(parent_death_pipe: int, number: int) -> None:
     """Have this process's group get the signal `number` when the parent ends.
 
-    The child, the leader of its group, calls it. On other systems than Linux it does nothing: there
-    only the parent ends the child.
+    The child, the leader of its group, calls it.
     """
     if sys.platform != "linux":
+        end_with_parent_by_thread(parent_death_pipe, number)
         return
+    import fcntl  # noqa: PLC0415  Windows has none
+
     fcntl.fcntl(parent_death_pipe, fcntl.F_SETSIG, number)
     fcntl.fcntl(parent_death_pipe, fcntl.F_SETOWN, -os.getpgrp())
     fcntl.fcntl(parent_death_pipe, fcntl.F_SETFL, os.O_ASYNC | os.O_NONBLOCK)
@@ -46,4 +60,14 @@ def end_with_parent(parent_death_pipe: int, number: int) -> None:
     except BlockingIOError:
         return
     if has_ended:
-        os.killpg(0, number)
+        end_tree(0, number)
+
+
+def end_with_parent_by_thread(parent_death_pipe: int, number: int | None = None) -> None:
+    """Do the same on every system, if the child lets its threads run; see `end_tree`."""
+
+    def wait() -> None:
+        os.read(parent_death_pipe, 1)  # nobody writes
+        end_tree(os.getpid(), number)
+
+    _thread.start_new_thread(wait, ())

@@ -9,6 +9,7 @@ import signal
 from typing import TYPE_CHECKING, Any, Literal
 
 from wsgen.files import explain_write_error, full_folder
+from wsgen.isolation.missing_library import find_missing_library
 from wsgen.values import dataclass
 
 if TYPE_CHECKING:
@@ -20,7 +21,10 @@ OUTPUT_LIMIT = 64 * 2**20  # bytes of a file, so that a child cannot fill the di
 # A child that shares its core with eight others takes nine times its CPU time.
 WALL_CLOCK_FACTOR = 10.0
 
+WINDOWS_ERRORS = 0xC0000000  # and above: exit codes of processes that Windows ended
+
 Cause = Literal["cpu time", "wall-clock time", "memory", "output", "crash", "exception"]
+CAUSES: dict[str | None, Cause] = {"SIGXCPU": "cpu time", "SIGXFSZ": "output"}  # by signal
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,6 +70,9 @@ class Died:
             )
         if self.cause == "output":
             return "Look for a loop that prints or writes without end."
+        missing = find_missing_library(self.reason)
+        if missing is not None and missing.command:
+            return f"Install {missing.name}: {missing.command}"
         return otherwise
 
 
@@ -89,18 +96,27 @@ def conclude(scratch: Path, limits: Limits, *, returncode: int) -> Answered | Di
         return _read_end(scratch, limits, returncode)
     if "value" in answer:
         return Answered(value=answer["value"], output=read_tail(scratch / "output"))
-    return read_death(scratch, answer["died"], answer["cause"])
+    if "died" in answer:
+        return read_death(scratch, answer["died"], answer["cause"])
+    return _read_excess(scratch, limits, answer["cause"])
 
 
 def _read_end(scratch: Path, limits: Limits, returncode: int) -> Died:
     """Read the outcome of a child that ended without an answer."""
-    if os.name == "posix" and returncode == -signal.SIGXCPU:
-        reason = f"used more than {limits.seconds:g} s of CPU time"
-        return read_death(scratch, reason, "cpu time")
-    if os.name == "posix" and returncode == -signal.SIGXFSZ:
-        reason = f"wrote more than {OUTPUT_LIMIT // 2**20} MB to its output or to a file"
-        return read_death(scratch, reason, "output")
+    cause = CAUSES.get(_signal_name(returncode))
+    if cause is not None:
+        return _read_excess(scratch, limits, cause)
     return read_death(scratch, describe_exit(returncode))
+
+
+def _read_excess(scratch: Path, limits: Limits, cause: Cause) -> Died:
+    """Read the outcome of a child that exceeded a limit."""
+    reasons: dict[Cause, str] = {
+        "cpu time": f"used more than {limits.seconds:g} s of CPU time",
+        "output": f"wrote more than {OUTPUT_LIMIT // 2**20} MB to its output or to a file",
+        "memory": "exceeded its memory limit",
+    }
+    return read_death(scratch, reasons[cause], cause)
 
 
 def read_death(scratch: Path, reason: str, cause: Cause = "crash") -> Died:
@@ -122,10 +138,17 @@ def read_lateness(scratch: Path, limits: Limits) -> Died:
 
 def describe_exit(code: int) -> str:
     """Describe how a process ended that left no answer."""
-    if code < 0:
-        with contextlib.suppress(ValueError):
-            return f"crashed ({signal.Signals(-code).name})"
+    name = f"0x{code:X}" if code >= WINDOWS_ERRORS else _signal_name(code)
+    if name is not None:
+        return f"crashed ({name})"
     return f"ended with exit code {code} and no answer"
+
+
+def _signal_name(code: int) -> str | None:
+    """Return the name of the signal that ended a process; Windows never does so."""
+    with contextlib.suppress(ValueError):
+        return signal.Signals(-code).name
+    return None
 
 
 def read_tail(file: Path) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import os
 import re
 import shlex
 from dataclasses import replace
@@ -148,9 +149,14 @@ def _lacks_shell(process: Process) -> bool:
 def split(line: str) -> list[str]:
     """The words of a command line; of one that cannot be split, what blanks separate."""
     try:
-        return shlex.split(line)
+        return shlex.split(keep_separators(line))
     except ValueError:
         return line.split()
+
+
+def keep_separators(line: str) -> str:
+    """A command line from which `shlex` takes no backslash of a path of Windows."""
+    return line.replace("\\", r"\\") if os.name == "nt" else line
 
 
 def _command_lines(process: Process) -> Iterator[list[str]]:

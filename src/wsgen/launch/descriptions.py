@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wsgen.diagnostics import Diagnostic, Rule, Severity
+from wsgen.files import after_scheme
 from wsgen.launch.commands import started_launch_files, started_programs
 from wsgen.launch.known_packages import SURELY
 from wsgen.launch.missing_actions import or_unused_action
@@ -170,7 +171,8 @@ def read_spawned_file(plan: LaunchPlan, process: Process, path: str) -> Descript
     if path.startswith(_SCHEMES):
         return Description(model_uri=path)
     try:
-        text = Path(path.removeprefix("file://")).read_text(encoding="utf-8")
+        file = Path(after_scheme(path.removeprefix("file://")))
+        text = file.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError, ValueError) as error:
         reason = getattr(error, "strerror", None) or "it is not text in UTF-8"
         return _report(
@@ -179,7 +181,7 @@ def read_spawned_file(plan: LaunchPlan, process: Process, path: str) -> Descript
             f"The file to spawn cannot be read: '{path}': {reason}.",
             "Check the path, and that CMakeLists.txt installs its folder.",
         )
-    return Description(text, Path(path.removeprefix("file://")))
+    return Description(text, file)
 
 
 def _from_file(plan: LaunchPlan, spawner: Process, path: str) -> Description | Diagnostic:

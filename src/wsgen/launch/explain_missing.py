@@ -317,7 +317,7 @@ def _missing_file(path: str) -> Explanation:
             "Look it up in the share folder of a package: get_package_share_directory('PACKAGE').",
             element=path,
         )
-    inside = path.rpartition(f"/share/{package}/")[2]
+    inside = known_packages.as_on_linux(path).rpartition(f"/share/{package}/")[2]
     folder, found, _ = inside.partition("/")
     what = f"DIRECTORY {folder}" if found else f"FILES {inside}"
     return Explanation(
@@ -332,7 +332,7 @@ def _missing_file(path: str) -> Explanation:
 
 def _glued_package(path: str) -> str | None:
     """The package whose share folder has become one word with what should be in it."""
-    share, found, rest = path.rpartition("/share/")
+    share, found, rest = path.replace(os.sep, "/").rpartition("/share/")
     name = rest.split("/", 1)[0]
     if not found or os.path.isdir(f"{share}/share/{name}"):
         return None

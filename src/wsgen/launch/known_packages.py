@@ -9,6 +9,7 @@ distribution does differently is named.
 from __future__ import annotations
 
 import os
+import re
 from functools import cache
 from typing import TYPE_CHECKING
 
@@ -273,24 +274,34 @@ def declare(package: str) -> None:
     _declared.add(package)
 
 
+_DRIVE = re.compile("[A-Za-z]:")
+
+
 def shim_of(file: str) -> LaunchFileShim | None:
     """The launch file of a known package that a path means, unless it is installed."""
     package = package_of(file)
     if package is None or not is_in_shim(file) or os.path.exists(file):
         return None
-    return LaunchFileShim(package, os.path.basename(file))
+    return LaunchFileShim(package, os.path.basename(as_on_linux(file)))
 
 
 def package_of(file: str) -> str | None:
     """The package whose share folder a path lies in."""
-    _, found, rest = file.rpartition("/share/")
+    _, found, rest = as_on_linux(file).rpartition("/share/")
     return rest.split("/", 1)[0] if found and "/" in rest else None
 
 
 def is_in_shim(file: str) -> bool:
     """Whether a path leads into the share folder of a package that is not installed."""
     package = package_of(file)
-    return package is not None and is_known(package) and file.startswith(_share(package))
+    return (
+        package is not None and is_known(package) and as_on_linux(file).startswith(_share(package))
+    )
+
+
+def as_on_linux(path: str) -> str:
+    """A path of any system, without a drive and with slashes."""
+    return _DRIVE.sub("", path).replace("\\", "/")
 
 
 def program_path(name: str) -> str | None:

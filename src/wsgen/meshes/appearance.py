@@ -1,7 +1,6 @@
-"""Makes of a mesh with materials what a renderer draws: files of one color or texture each.
+"""Makes of a mesh with materials what a renderer draws: arrays of one color or texture each.
 
-They have no more triangles than a picture shows, and textures of a size and format that every
-renderer reads.
+Textures have a size and format that every renderer reads.
 """
 
 from __future__ import annotations
@@ -16,118 +15,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from wsgen.files import read_regular
-from wsgen.isolation.child import announce
-from wsgen.meshes.content import Material, Patch, bounds_of, flat_normals
-from wsgen.meshes.obj import write_obj
+from wsgen.meshes.content import Material, Patch, bounds_of
 from wsgen.meshes.requests import MISSING_TEXTURE, UNUSABLE_TEXTURE, ColoredMesh, MaterialProblem
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from numpy.typing import NDArray
-
     from wsgen.meshes.content import Content
-    from wsgen.meshes.requests import Showing
-    from wsgen.model.transform import Vector
-
-
-# To write and load a million, and to draw them twice, takes 5 s.
-BUDGET = 100_000  # triangles of a robot; a picture of 960 by 720 shows no more
-FEW = 500  # a patch with no more is left as it is, and none is left with less
-HALVINGS = 12  # of a cell that is too large for a small patch
-SAMPLE = 4_000  # triangles of a patch that say how many of all will be left
-FINEST = 1 / 2000  # of the largest patch: no cell is smaller
-GROWTH = 1.25  # from one size of the cells to the next
-CELLS = 2**20  # along each edge, so that a cell's number has 60 bits
-
-
-class Drawn(NamedTuple):
-    """A patch, and how a robot shows it."""
-
-    patch: Patch
-    times: int  # in so many places
-    scale: float  # the largest of the three, without sign
-
-
-def reduce_patches(drawn: Sequence[Drawn], budget: int = BUDGET) -> list[Patch]:
-    """The patches, with no more triangles than a robot may have.
-
-    The corners that lie in one cell of a grid become one, and what has no area then is left out.
-    The cells are equally large in all patches, so that the robot is equally fine all over, and
-    smaller only where little of a patch would be left: a small or thin one does not vanish.
-    Normals and texture points stay those of the corner.
-    """
-    if sum(len(one.patch.corners) * one.times for one in drawn) <= budget:
-        return [one.patch for one in drawn]
-    largest = max(one.scale * _extent(one.patch.corners) for one in drawn)
-    samples = [_sample(one.patch.corners) for one in drawn]
-    cell = largest * FINEST
-    for _ in range(math.ceil(math.log(1 / FINEST, GROWTH))):
-        left = sum(
-            one.times * len(one.patch.corners) * _share_left(sample, cell / one.scale)
-            for one, sample in zip(drawn, samples, strict=True)
-        )
-        if left <= budget:
-            break
-        cell *= GROWTH
-    return [_clustered(one.patch, cell / one.scale) for one in drawn]
-
-
-def _extent(corners: NDArray[Any]) -> float:
-    points = corners.reshape(-1, 3)
-    return max(float(points[:, axis].max() - points[:, axis].min()) for axis in range(3))
-
-
-def _sample(corners: NDArray[Any]) -> NDArray[Any]:
-    return corners[:: max(1, len(corners) // SAMPLE)]
-
-
-def _share_left(corners: NDArray[Any], cell: float) -> float:
-    """How many of the triangles have corners in three cells, 0 to 1."""
-    return 1.0 if len(corners) <= FEW else float(_is_left(_cells(corners, cell)).mean())
-
-
-def _clustered(patch: Patch, cell: float) -> Patch:
-    if len(patch.corners) <= FEW:
-        return patch
-    for halving in range(HALVINGS):
-        cells = _cells(patch.corners, cell / 2**halving)
-        left = np.flatnonzero(_is_left(cells))
-        if len(left) >= FEW:
-            break
-    before = patch.corners[left]
-    _, first, places = np.unique(cells[left].ravel(), return_index=True, return_inverse=True)
-    corners = before.reshape(-1, 3)[first][places].reshape(-1, 3, 3)
-    flat = flat_normals(before)
-    # What has been turned over is a fold, and is not seen from the side that the surface is.
-    is_upright = np.einsum("ij,ij->i", flat, flat_normals(corners)) > 0
-    if not is_upright.any():  # no triangle has an area
-        return patch
-    left, flat = left[is_upright], flat[is_upright]
-    points = patch.texture_points
-    return patch._replace(
-        corners=corners[is_upright],
-        normals=np.repeat(flat[:, None], 3, axis=1)
-        if patch.normals is None
-        else patch.normals[left],
-        texture_points=None if points is None else points[left],
-    )
-
-
-def _cells(corners: NDArray[Any], cell: float) -> NDArray[np.int64]:
-    """The number of the cell that each corner is in, shape (n, 3)."""
-    numbers = np.zeros(corners.shape[:2], np.int64)
-    for axis in range(3):
-        along = corners[:, :, axis]
-        steps = np.floor((along - along.min()) / cell).astype(np.int64)
-        numbers = numbers * CELLS + np.minimum(steps, CELLS - 1)
-    return numbers
-
-
-def _is_left(cells: NDArray[np.int64]) -> NDArray[np.bool_]:
-    first, second, third = cells.T
-    is_left: NDArray[np.bool_] = (first != second) & (second != third) & (third != first)
-    return is_left
 
 
 LARGEST = 1024  # pixels; more cost time and are not seen in a picture
@@ -265,85 +159,67 @@ def _eight_bits(image: Any) -> Any:
     return image.convert("RGB")
 
 
-KEPT = 1_000_000  # triangles that wait for the end; with more, those that wait are reduced first
-
 MATERIALS = 64  # of a mesh; robots' have up to 30
 
 
-class _Part(NamedTuple):
-    """What is to become a ColoredMesh."""
-
-    request: int  # the number of the file that it is of
-    showing: Showing
-    patch: Patch
-    file: Path | None  # of these triangles and no others, if a renderer may take it
-    triangles: int  # before any was left out
-    low: Vector
-    high: Vector
-
-
 class AppearanceWriter:
-    """Collects what is seen of the meshes of a robot, and writes it when all is there."""
+    """Writes what is seen of the meshes of a robot."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.textures = Textures(folder)
-        self._parts: list[_Part] = []
+        self._written = 0
 
-    def add(
-        self, request: int, file: Path, content: Content, showings: Iterable[Showing]
-    ) -> list[MaterialProblem]:
-        """Take in a mesh file; gives what is wrong with its materials."""
+    def write(
+        self, file: Path, content: Content, showings: Iterable[bool]
+    ) -> tuple[list[tuple[ColoredMesh, ...]], list[MaterialProblem]]:
+        """Write what is seen of a mesh file, for each way of showing it, as `MeshRequest` has it.
+
+        Gives what to draw, and what is wrong with the materials.
+        """
         problems = dict.fromkeys(content.material_problems)
-        for showing in showings:
+        colored = []
+        for is_painted in showings:
             patches = content.patches or (Patch(content.corners),)
-            if showing.is_painted:
+            if is_painted:
                 patches = tuple(patch._replace(material=Material()) for patch in patches)
-            groups = _merged(patches)
-            is_file = content.is_drawable and len(groups) == 1 and _is_even(showing.scale)
-            for patch in groups:
+            meshes = []
+            for patch in _merged(patches):
                 seen, problem = self._with_texture(patch, file)
                 if problem is not None:
                     problems[problem] = None
-                low, high = bounds_of(patch.corners)
-                own = file if is_file and seen.material.image is None else None
-                count = len(patch.corners)
-                self._parts.append(_Part(request, showing, seen, own, count, low, high))
-        if sum(len(part.patch.corners) for part in self._parts) > KEPT:
-            self._reduce()
-        return list(problems)
+                meshes.append(self._write(seen))
+            colored.append(tuple(meshes))
+        return colored, list(problems)
 
-    def write(self) -> dict[tuple[int, Showing], list[ColoredMesh]]:
-        """Write the files; what to draw for each request and each way of showing it."""
-        self._reduce()
-        colored: dict[tuple[int, Showing], list[ColoredMesh]] = {}
-        for number, part in enumerate(self._parts):
-            announce(str(part.request))
-            path = part.file
-            if path is None or part.triangles > len(part.patch.corners):
-                path = self.folder / f"colored{number}.obj"
-                write_obj(part.patch, part.showing.scale, path)
-            rgba, image = part.patch.material
-            mesh = ColoredMesh(
-                path=str(path),
-                rgba=rgba,
-                texture=image,
-                low=part.low,
-                high=part.high,
-                triangles=len(part.patch.corners),
-            )
-            colored.setdefault((part.request, part.showing), []).append(mesh)
-        return colored
+    def _write(self, patch: Patch) -> ColoredMesh:
+        """Write the triangles of a patch.
 
-    def _reduce(self) -> None:
-        drawn = [
-            Drawn(part.patch, part.showing.times, _largest(part.showing.scale))
-            for part in self._parts
-        ]
-        reduced = reduce_patches(drawn)
-        self._parts = [
-            part._replace(patch=patch) for part, patch in zip(self._parts, reduced, strict=True)
-        ]
+        An array in single precision, of 3, 6 or 8 coordinates by three corners by n: points,
+        normals, texture points. Normals that are missing are not numbers.
+        """
+        path = self.folder / f"colored{self._written}.npy"
+        self._written += 1
+        normals, points = patch.normals, patch.texture_points
+        if normals is None and points is not None:
+            normals = np.full_like(patch.corners, np.nan)
+        parts = [part for part in (patch.corners, normals, points) if part is not None]
+        rows = np.empty((sum(part.shape[2] for part in parts), 3, len(patch.corners)), np.float32)
+        start = 0
+        for part in parts:
+            rows[start : start + part.shape[2]] = part.T
+            start += part.shape[2]
+        np.save(path, rows)
+        low, high = bounds_of(patch.corners)
+        rgba, image = patch.material
+        return ColoredMesh(
+            path=str(path),
+            rgba=rgba,
+            texture=image,
+            low=low,
+            high=high,
+            triangles=len(patch.corners),
+        )
 
     def _with_texture(self, patch: Patch, file: Path) -> tuple[Patch, MaterialProblem | None]:
         """The patch with an image that can be drawn, or without one."""
@@ -392,12 +268,3 @@ def _concatenated(rows: Sequence[Any], group: Sequence[Patch], width: int) -> An
             for part, patch in zip(rows, group, strict=True)
         ]
     )
-
-
-def _is_even(scale: Vector) -> bool:
-    """Whether normals stay what they are."""
-    return scale[0] > 0 and len(set(scale)) == 1
-
-
-def _largest(scale: Vector) -> float:
-    return max((abs(part) for part in scale if math.isfinite(part) and part), default=1.0)

@@ -75,7 +75,6 @@ class Content(NamedTuple):
     # The rest is there where the materials were asked for:
     patches: tuple[Patch, ...] = ()  # all the triangles, by material
     material_problems: tuple[MaterialProblem, ...] = ()
-    is_drawable: bool = False  # PyBullet draws well what it reads from the file itself
 
 
 def parse_floats(text: str | bytes, what: str) -> NDArray[np.float64]:

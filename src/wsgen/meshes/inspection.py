@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import tempfile
-from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -13,7 +12,7 @@ from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.isolation import parent
 from wsgen.isolation.codec import decode
 from wsgen.isolation.result import Died, Limits
-from wsgen.meshes.requests import InspectedMesh, MeshRequest, Showing, UnusableMesh
+from wsgen.meshes.requests import InspectedMesh, MeshRequest, UnusableMesh
 from wsgen.model.robot import Mesh
 
 if TYPE_CHECKING:
@@ -22,7 +21,6 @@ if TYPE_CHECKING:
     from wsgen.isolation.parent import Run
     from wsgen.meshes.requests import ColoredMesh
     from wsgen.model.robot import Collision, Link, Robot, Visual
-    from wsgen.model.transform import Vector
 
 
 BROKEN_COLLISION_MESH = Rule(
@@ -226,7 +224,8 @@ HINT = "Open the mesh in a viewer; export it again or reduce its triangles."
 DEATHS = 3  # after so many meshes that the child dies of, the others are not read
 
 Answers = dict[str, InspectedMesh | UnusableMesh]  # by path
-Colored = dict[tuple[str, bool, "Vector"], tuple["ColoredMesh", ...]]  # by path and `_showing`
+# By path, and whether it is painted in a color of the description.
+Colored = dict[tuple[str, bool], tuple["ColoredMesh", ...]]
 
 
 def inspect_meshes(
@@ -244,8 +243,7 @@ def inspect_meshes(
     rewritten, and the robot that is returned has the path of the new file. All meshes get bounds
     and a number of triangles.
 
-    With colors, a visual without a color of its own becomes one for each material of its file,
-    and what is seen has no more triangles than a picture shows.
+    With colors, a visual without a color of its own becomes one for each material of its file.
 
     Args:
         robot: The robot as written, its meshes with their paths.
@@ -259,10 +257,10 @@ def inspect_meshes(
         return robot, ()
     answers = _ask(requests, Path(tempfile.mkdtemp(prefix="meshes-", dir=folder)), run)
     colored: Colored = {
-        (request.path, showing.is_painted, showing.scale): meshes
+        (request.path, is_painted): meshes
         for request in requests
         if isinstance(answer := answers[request.path], InspectedMesh)
-        for showing, meshes in zip(request.showings, answer.colored, strict=True)
+        for is_painted, meshes in zip(request.showings, answer.colored, strict=True)
     }
     found: dict[Diagnostic, None] = {}  # one file may be seen several times in a link
     links = []
@@ -288,29 +286,19 @@ def _requests(robot: Robot, *, with_colors: bool) -> list[MeshRequest]:
     uses = [use for link in robot.links for use in _uses(link)]
     touched = {use.path for use in uses if not use.is_visual}
     seen = {use.path for use in uses if use.is_visual}
-    counts: dict[str, Counter[tuple[bool, Vector]]] = {}
+    showings: dict[str, dict[bool, None]] = {}
     for visual in (one for link in robot.links for one in link.visuals if with_colors):
         if isinstance(visual.geometry, Mesh) and visual.geometry.path is not None:
-            counts.setdefault(visual.geometry.path, Counter())[_showing(visual)] += 1
+            showings.setdefault(visual.geometry.path, {})[visual.rgba is not None] = None
     return [
         MeshRequest(
             path=path,
             is_collision=path in touched,
             is_visual=path in seen and not with_colors,
-            showings=tuple(
-                Showing(is_painted, scale, times)
-                for (is_painted, scale), times in counts.get(path, {}).items()
-            ),
+            showings=tuple(showings.get(path, ())),
         )
         for path in dict.fromkeys(use.path for use in uses)
     ]
-
-
-def _showing(visual: Visual) -> tuple[bool, Vector]:
-    """Whether it has a color of its own, and its scale."""
-    geometry = visual.geometry
-    scale = geometry.scale if isinstance(geometry, Mesh) else (1.0, 1.0, 1.0)
-    return visual.rgba is not None, scale
 
 
 def _ask(requests: Sequence[MeshRequest], folder: Path, run: Run) -> Answers:
@@ -345,7 +333,7 @@ def _new_visuals(visual: Visual, answers: Answers, colored: Colored) -> Iterator
     answer = answers[mesh.path]
     if isinstance(answer, UnusableMesh):
         return
-    parts = colored.get((mesh.path, *_showing(visual)))
+    parts = colored.get((mesh.path, visual.rgba is not None))
     if parts is None:  # its colors were not asked for
         yield replace(visual, geometry=_with_file(mesh, answer.visual, answer))
         return

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from urllib.parse import unquote
 
 from wsgen.description_rules import MISSING_COLLISION_MESH, MISSING_VISUAL_MESH
-from wsgen.files import irregular_kind
+from wsgen.files import after_scheme, irregular_kind
 from wsgen.model.robot import Mesh, Robot
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ def locate(uri: str, share_of: ShareOf, folder: Path | None) -> Path | Missing:
         return unread
     scheme, separator, rest = uri.partition("://")
     if not separator or scheme == "file":
-        path = Path(unquote(rest) if separator else uri)
+        path = Path(after_scheme(unquote(rest)) if separator else uri)
         if not path.is_absolute():
             if folder is None:
                 return Missing(

@@ -63,15 +63,6 @@ MISSING_EFFECT = Rule(
 )
 
 
-@dataclass(frozen=True)
-class Showing:
-    """A way in which a robot shows a mesh."""
-
-    is_painted: bool  # all of it in one color, which is not the file's
-    scale: Vector
-    times: int  # in so many places
-
-
 @dataclass(frozen=True, kw_only=True)
 class MeshRequest:
     """A mesh file to inspect, and what it is used for."""
@@ -79,7 +70,9 @@ class MeshRequest:
     path: str
     is_collision: bool
     is_visual: bool  # seen, and its materials are not asked for
-    showings: tuple[Showing, ...] = ()  # the ways in which it is seen with its materials
+    # The ways in which it is seen with its materials: True where all of it has one color, which is
+    # not the file's.
+    showings: tuple[bool, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -93,7 +86,7 @@ class MaterialProblem:
 
 @dataclass(frozen=True, kw_only=True)
 class ColoredMesh:
-    """A file that a renderer draws in one color."""
+    """An array that a renderer draws in one color; see `AppearanceWriter`."""
 
     path: str
     rgba: Rgba | None  # None: the simulator's default

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-LEAST_COSINE = 0.7  # between a normal and its triangle; of small ones it may be rounded
 TITLE_BYTES = 80
 HEADER_BYTES = 84  # a title, and the number of triangles
 TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
@@ -31,8 +30,7 @@ def is_stl(data: bytes) -> bool:
 def read_stl(data: bytes, folder: Path | None = None) -> Content:
     """The triangles of an STL file; with their materials if its `folder` is given.
 
-    PyBullet leaves out one that is text, or has bytes behind its triangles; it draws one without
-    normals in black.
+    PyBullet leaves out one that is text, or has bytes behind its triangles.
     """
     size = _binary_size(data)
     if size != len(data) and _is_text(data):
@@ -55,13 +53,9 @@ def read_stl(data: bytes, folder: Path | None = None) -> Content:
             "behind them: PyBullet leaves it out"
         )
     is_plain = inconsistency is None
-    content = Content(corners=triangles["corners"], is_plain=is_plain, inconsistency=inconsistency)
-    if folder is None:
-        return content
-    return content._replace(
-        patches=(Patch(content.corners),),
-        is_drawable=content.is_plain and _has_good_normals(triangles),
-    )
+    corners = triangles["corners"]
+    patches = () if folder is None else (Patch(corners),)
+    return Content(corners=corners, is_plain=is_plain, inconsistency=inconsistency, patches=patches)
 
 
 def write_stl(corners: NDArray[Any], file: Path) -> None:
@@ -72,15 +66,6 @@ def write_stl(corners: NDArray[Any], file: Path) -> None:
     with file.open("wb") as stream:
         stream.write(bytes(TITLE_BYTES) + len(corners).to_bytes(4, "little"))
         stream.write(triangles.data)
-
-
-def _has_good_normals(triangles: NDArray[Any]) -> bool:
-    """Whether those of the file are what the corners say, so that light falls on the outside."""
-    given = triangles["normal"].astype(float)
-    expected = flat_normals(triangles["corners"])
-    cosines = np.einsum("ij,ij->i", given, expected)
-    has_no_area = (expected == 0).all(axis=1)
-    return bool(((cosines > LEAST_COSINE) & (cosines < 2 - LEAST_COSINE) | has_no_area).all())
 
 
 def _binary_size(data: bytes) -> int | None:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 import os
-from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
@@ -236,16 +235,7 @@ def inspect(requests: Sequence[MeshRequest], folder: Path) -> list[InspectedMesh
     for number, request in enumerate(requests):
         announce(str(number))
         answers.append(_inspect(request, number, folder, writer))
-    colored = writer.write()
-    return [
-        replace(
-            answer,
-            colored=tuple(tuple(colored.get((number, one), ())) for one in request.showings),
-        )
-        if isinstance(answer, InspectedMesh)
-        else answer
-        for number, (answer, request) in enumerate(zip(answers, requests, strict=True))
-    ]
+    return answers
 
 
 def _inspect(
@@ -255,7 +245,7 @@ def _inspect(
     try:
         content = read_mesh(file, with_materials=bool(request.showings))
         low, high = _bounds(content.corners)
-        problems = writer.add(number, file, content, request.showings)
+        colored, problems = writer.write(file, content, request.showings)
     except BrokenMeshError as error:
         is_enormous = isinstance(error, EnormousMeshError)
         return UnusableMesh(problem=error.problem, hint=error.hint, is_enormous=is_enormous)
@@ -281,6 +271,7 @@ def _inspect(
         inconsistency=content.inconsistency,
         collision=str(file if is_collision_plain else rewritten),
         visual=str(file if content.is_plain else rewritten),
+        colored=tuple(colored),
         material_problems=tuple(problems),
     )
 
@@ -288,12 +279,12 @@ def _inspect(
 def _bounds(corners: NDArray[Any]) -> tuple[Vector, Vector]:
     """The corners of the box around triangles, m."""
     if not len(corners):
-        raise BrokenMeshError("has no triangle: Gazebo and PyBullet leave it out without a message")
+        raise BrokenMeshError("has no triangle: Gazebo leaves it out without a message")
     refuse_triangles(len(corners))
     low, high = bounds_of(corners)
     if not np.isfinite([*low, *high]).all() or max(-min(low), *high) > CRASHING:
         raise BrokenMeshError(
-            "has a vertex with an infinite, enormous or undefined coordinate: PyBullet crashes on "
-            "it or leaves it out"
+            "has a vertex with an infinite, enormous or undefined coordinate: nothing can be "
+            "drawn or touched there"
         )
     return low, high

@@ -9,13 +9,23 @@ from wsgen.diagnostics import has_errors
 from wsgen.values import dataclass
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.behavior import BehaviorOutcome
     from wsgen.model.transform import Pose
     from wsgen.model.world import World
+
+
+# The physics engines in the order of preference, with the names that their users know.
+ENGINE_NAMES = {"bullet": "PyBullet", "mujoco": "MuJoCo", "dart": "DART"}
+
+
+def name_engines(engines: Iterable[str]) -> str:
+    """The names of engines, as a sentence lists them."""
+    *names, last = [ENGINE_NAMES[engine] for engine in engines]
+    return f"{', '.join(names)} and {last}" if names else last
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,6 +35,7 @@ class Rest:
     pose_in_world: Pose  # of the root link's frame
     settled_after: float | None  # s; None: it still moved at the end
     speed: float  # m/s, at the end
+    tilt: float = 0.0  # rad, between what was up in the robot when spawned and up, at the end
     joint_positions: Mapping[str, float] = field(default_factory=dict)  # rad or m, at the end
 
 
@@ -32,10 +43,22 @@ class Rest:
 class Simulated:
     """What the engine says it simulates."""
 
-    engine: str  # `bullet` or `dart`
+    engine: str  # a key of `ENGINE_NAMES`
     links: int
     movable_joints: int
     mass: float  # kg
+
+
+@dataclass(frozen=True, kw_only=True)
+class EngineOutcome:
+    """How a robot did in one engine."""
+
+    engine: str  # a key of `ENGINE_NAMES`
+    simulated: Simulated | None = None  # None: it was not simulated
+    rest: Rest | None = None
+    behaviors: tuple[BehaviorOutcome, ...] = ()  # what it must do beyond standing
+    passed: bool = False  # no error is reported about the robot in this engine
+    codes: frozenset[str] = frozenset()  # of the rules that are reported about it in this engine
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,10 +71,19 @@ class RobotOutcome:
     joints: int
     movable_joints: int
     mass: float  # kg
-    simulated: Simulated | None = None  # None: it was not simulated
-    rest: Rest | None = None
-    behaviors: tuple[BehaviorOutcome, ...] = ()  # what it must do beyond standing
+    engines: tuple[EngineOutcome, ...] = ()  # all in which it was to be simulated
+    behaviors: tuple[BehaviorOutcome, ...] = ()  # of the first engine; passed if in every engine
     passed: bool = False  # no error is reported about this robot
+
+    @property
+    def simulated(self) -> Simulated | None:
+        """What the first engine simulated; None if it did not."""
+        return self.engines[0].simulated if self.engines else None
+
+    @property
+    def rest(self) -> Rest | None:
+        """How the robot was at the end, in the first engine."""
+        return self.engines[0].rest if self.engines else None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -147,7 +147,7 @@ class Visual:
     geometry: Geometry
     pose_in_link: Pose = IDENTITY
     rgba: tuple[float, float, float, float] | None = None  # 0 to 1; None: the simulator's default
-    texture: str | None = None  # an image file, for a mesh in OBJ that has texture coordinates
+    texture: str | None = None  # an image file, for a mesh that has texture points
     name: str | None = None
 
 

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.description_rules import NO_LINK, UNREADABLE_DESCRIPTION
 from wsgen.diagnostics import Rule, Severity, has_errors
 from wsgen.files import read_regular
+from wsgen.isolation.parent import make_scratch
 from wsgen.model.outcome import PackageOutcome
 from wsgen.pipeline.clock import Clock
 from wsgen.pipeline.file_kinds import defined_macros, find_includer, kind_of, why_refused
@@ -31,6 +30,8 @@ from wsgen.urdf.reader import TEXT_LIMIT, UNNAMED_ROBOT
 from wsgen.xacro.reader import XACRO_FILE_FAILS, expand_file
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from wsgen.diagnostics import Diagnostic
     from wsgen.events import Listener
     from wsgen.isolation.parent import Run
@@ -110,10 +111,10 @@ class FileValidation:
 
     def run(self) -> PackageOutcome:
         """Run all stages, up to the first that fails."""
-        with tempfile.TemporaryDirectory(prefix="wsgen-") as folder:
+        with make_scratch() as folder:
             context = PrepareContext(
                 share_of=self._share_of,
-                folder=Path(folder),
+                folder=folder,
                 run=self.run_task,
                 with_colors=self.request.is_drawn,
             )
@@ -125,7 +126,7 @@ class FileValidation:
             step.succeeded = not has_errors(self.diagnostics)
         simulated = SimulationResult()
         if prepared and world:
-            with self.clock.step("simulate", name_some(prepared)) as step:
+            with self.clock.step("simulate", name_some(prepared, self.request.engines)) as step:
                 simulated = simulate_robots(
                     world, prepared, self.request, self.name, run=self.run_task
                 )

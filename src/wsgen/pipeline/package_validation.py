@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -263,8 +262,8 @@ class Validation:
 
     def run(self) -> PackageOutcome:
         """Run all stages, up to the first that fails."""
-        with tempfile.TemporaryDirectory(prefix="wsgen-") as folder:
-            return self._run(Path(folder))
+        with parent.make_scratch() as folder:
+            return self._run(folder)
 
     def _run(self, folder: Path) -> PackageOutcome:
         launch_file = self.selected.launch_file
@@ -498,7 +497,7 @@ class Validation:
     ) -> SimulationResult:
         progress = folder / "progress" if self.request.video else None
         with (
-            self.clock.step("simulate", name_some(prepared)) as step,
+            self.clock.step("simulate", name_some(prepared, self.request.engines)) as step,
             self.clock.watch(DRAW, progress),
         ):
             simulated = simulate_robots(

@@ -15,6 +15,10 @@ if TYPE_CHECKING:
     Result = TypeVar("Result")
 
 
+# s; a signal that another thread receives is handled when this one wakes.
+WAKE_EVERY = 0.2
+
+
 def run_parallel(
     calls: Callable[[Run], Sequence[Callable[[], Result]]],
     jobs: int,
@@ -41,8 +45,12 @@ def run_parallel(
 
         running = [pool.submit(call) for call in todo]
         try:
-            for future in wait(running, return_when=FIRST_EXCEPTION).done:
-                future.result()
+            waiting = True
+            while waiting:
+                some = wait(running, timeout=WAKE_EVERY, return_when=FIRST_EXCEPTION)
+                for future in some.done:
+                    future.result()
+                waiting = bool(some.not_done)
         finally:
             ended += [
                 future.result()

@@ -14,6 +14,7 @@ from wsgen.diagnostics import Rule, Severity, has_errors
 from wsgen.meshes.inspection import inspect_meshes
 from wsgen.meshes.lookup import find_meshes
 from wsgen.meshes.shape_meshes import build_shapes
+from wsgen.model.outcome import name_engines
 from wsgen.model.robot import Robot
 from wsgen.model.transform import IDENTITY, Pose
 from wsgen.rules.check import check_robot
@@ -193,11 +194,15 @@ def _as_in_gazebo(
     return lumped, (*missing, *broken, *dropped)
 
 
-def name_some(prepared: Sequence[PreparedRobot]) -> str:
-    """The names of the robots that are simulated, of many the first few."""
+def name_some(prepared: Sequence[PreparedRobot], engines: Sequence[str]) -> str:
+    """The names of the robots that are simulated, of many the first few, and in which engines.
+
+    PyBullet alone goes without saying.
+    """
     names = [robot.entity for robot in prepared if robot.can_run and not robot.is_static_model]
     others = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
-    return ", ".join(names[:NAMED]) + others
+    where = f" in {name_engines(engines)}" if tuple(engines) != ("bullet",) else ""
+    return ", ".join(names[:NAMED]) + others + where
 
 
 def complete_meshes(

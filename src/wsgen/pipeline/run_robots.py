@@ -3,12 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import field, replace
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity, has_errors
+from wsgen.events import OneAtATime
 from wsgen.isolation.result import Limits
-from wsgen.model.outcome import Rest, RobotOutcome, Simulated
+from wsgen.model.outcome import (
+    ENGINE_NAMES,
+    EngineOutcome,
+    Rest,
+    RobotOutcome,
+    Simulated,
+    name_engines,
+)
 from wsgen.pipeline.clock import DRAW
+from wsgen.pipeline.parallel import run_parallel
 from wsgen.rules.check import check_run
 from wsgen.rules.consequences import fold_consequences, joints_beyond_limits
 from wsgen.rules.runs import (
@@ -17,10 +27,11 @@ from wsgen.rules.runs import (
     SPAWNED_IN_GROUND,
     STUCK_IN_GROUND,
     TIPS_OVER,
+    UNACTUATED_JOINTS_MOVE,
     engines_disagree,
 )
 from wsgen.simulation.contact_shapes import MOST_LINKS, most_parts
-from wsgen.simulation.run import missing_engines, run_simulation
+from wsgen.simulation.run import installed_engines, run_simulation
 from wsgen.simulation.scene import Scene, SpawnedRobot
 from wsgen.values import dataclass
 
@@ -43,7 +54,6 @@ MOVES = {
     rule.code
     for rule in (KEEPS_MOVING, TIPS_OVER, STUCK_IN_GROUND, SPAWNED_IN_GROUND, OVERLAPPING_ROBOTS)
 }
-ENGINE_NAMES = {"bullet": "PyBullet", "dart": "DART"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,6 +84,15 @@ class SimulationResult:
         step.is_drawn = self.video is not None or request.video is None
 
 
+class _EngineResult(NamedTuple):
+    """What is known of a simulation in one engine."""
+
+    engine: str
+    runs: Mapping[str, RobotRun]  # by entity
+    diagnostics: list[Diagnostic]
+    failed: set[str]  # the entities that do not pass
+
+
 def simulate_robots(  # noqa: PLR0913  what is simulated, and how
     world: World,
     prepared: Sequence[PreparedRobot],
@@ -92,47 +111,30 @@ def simulate_robots(  # noqa: PLR0913  what is simulated, and how
     runnable = [robot for robot in prepared if robot.can_run]
     robots = [robot for robot in prepared if not robot.is_static_model]
     not_run = () if behavior_plan is None else behavior_plan.diagnostics
-    nothing = tuple(_outcome(robot, None, behavior_plan=behavior_plan) for robot in robots)
     if all(robot.is_static_model for robot in runnable):
+        nothing = tuple(_outcome(robot, (), behavior_plan, ()) for robot in robots)
         return SimulationResult(robots=nothing, diagnostics=not_run)
-    changes = tuple(_beyond_bullet(runnable)) if "bullet" in request.engines else ()
+    changes = tuple(_beyond_bullet(runnable, request.engines))
     if changes:
-        request = replace(request, engines=("dart",))
-    limits = _limits(request, behavior_plan)
-    outcomes = [
-        run_simulation(
-            replace(
-                _scene(world, runnable, request, name, engine=engine, behavior_plan=behavior_plan),
-                progress=progress,
-            ),
-            limits=limits,
-            run=run,
+        request = replace(request, engines=_engines_without_bullet(request.engines))
+    scenes = [
+        replace(
+            _scene(world, runnable, request, name, engine=engine, behavior_plan=behavior_plan),
+            progress=progress,
         )
         for engine in request.engines
     ]
-    found: list[Diagnostic] = [*not_run, *changes]
-    failed: set[str] = set()
-    for engine, outcome in zip(request.engines, outcomes, strict=True):
-        checked, failed_here = _check(world, runnable, outcome, behavior_plan)
-        found += checked if engine == request.engines[0] else _others(checked, found, engine)
-        failed |= failed_here
-    first, *others = outcomes
-    for other in others:
-        found += _compare(first, other)
-    measured = {robot_run.entity: robot_run for robot_run in first.robot_runs}
+    outcomes = _run_scenes(scenes, _limits(request, behavior_plan), request.jobs, run)
+    results = [
+        _check(world, runnable, engine, outcome, behavior_plan)
+        for engine, outcome in zip(request.engines, outcomes, strict=True)
+    ]
+    found = [*not_run, *changes, *_of_all_engines(results)]
+    found += _compare(runnable, results)
     causes, found = _fold(runnable, found)
+    first = outcomes[0]
     return SimulationResult(
-        robots=tuple(
-            _outcome(
-                robot,
-                measured.get(robot.entity),
-                engine=request.engines[0],
-                passed=robot.can_run and robot.entity not in failed,
-                behavior_plan=behavior_plan,
-                found=found,
-            )
-            for robot in robots
-        ),
+        robots=tuple(_outcome(robot, results, behavior_plan, found) for robot in robots),
         diagnostics=tuple(found),
         causes=causes,
         picture=first.picture,
@@ -147,18 +149,25 @@ ENGINE_CHANGED = Rule(
     code="SPN089",
     name="engine-changed",
     severity=Severity.INFO,
-    summary="The robot is too complex for PyBullet; DART simulates it.",
+    summary="The robot is too complex for PyBullet; another engine simulates it.",
     what="Counts the links, and further parts where a link has several frictions.",
     why="PyBullet does not simulate robots with more parts than its limit.",
     example="wsgen validate my_robot",
-    instead="wsgen validate my_robot --engine dart",
+    instead="wsgen validate my_robot --engine mujoco",
 )
 
 
-def _beyond_bullet(robots: Sequence[PreparedRobot]) -> Iterator[Diagnostic]:
-    """For each robot that is too much for PyBullet, report that DART simulates it."""
-    if missing_engines(["dart"]):
-        return  # PyBullet says what to install
+def _engines_without_bullet(engines: Sequence[str]) -> tuple[str, ...]:
+    """The other engines of a request; if it has none, the next one that is installed, if any."""
+    others = tuple(engine for engine in engines if engine != "bullet")
+    return others or tuple(name for name in installed_engines() if name != "bullet")[:1]
+
+
+def _beyond_bullet(robots: Sequence[PreparedRobot], engines: Sequence[str]) -> Iterator[Diagnostic]:
+    """For each robot that is too much for PyBullet, report which engines simulate it."""
+    others = _engines_without_bullet(engines) if "bullet" in engines else ()
+    if not others:
+        return  # PyBullet is not asked for, or says what to install
     for robot in robots:
         parts = most_parts(robot.lumped)
         if parts > MOST_LINKS:
@@ -166,9 +175,28 @@ def _beyond_bullet(robots: Sequence[PreparedRobot]) -> Iterator[Diagnostic]:
                 None,
                 element=robot.entity,
                 message=f"The robot has {parts} links with separate friction, more than the "
-                f"{MOST_LINKS} that PyBullet simulates: DART simulates it.",
-                hint="Add --engine dart to choose DART yourself.",
+                f"{MOST_LINKS} that PyBullet simulates: {name_engines(others)} "
+                f"simulate{'s' if len(others) == 1 else ''} it.",
+                hint=f"Add --engine {others[0]} to choose {ENGINE_NAMES[others[0]]} yourself."
+                if len(engines) == 1
+                else "Nothing to do; the comparison is without PyBullet.",
             )
+
+
+def _run_scenes(
+    scenes: Sequence[Scene], limits: Limits, jobs: int, run: Run
+) -> list[SimulationOutcome]:
+    """Simulate each scene, `jobs` at a time."""
+    if min(jobs, len(scenes)) == 1:
+        return [run_simulation(scene, limits=limits, run=run) for scene in scenes]
+    ended: list[SimulationOutcome] = []
+    run_parallel(
+        lambda run: [partial(run_simulation, scene, limits=limits, run=run) for scene in scenes],
+        jobs,
+        OneAtATime(None),
+        ended,
+    )
+    return ended
 
 
 def _limits(request: ValidateRequest, behavior_plan: BehaviorPlan | None) -> Limits:
@@ -185,10 +213,11 @@ def _limits(request: ValidateRequest, behavior_plan: BehaviorPlan | None) -> Lim
 def _check(
     world: World,
     runnable: Sequence[PreparedRobot],
+    engine: str,
     outcome: SimulationOutcome,
     behavior_plan: BehaviorPlan | None,
-) -> tuple[list[Diagnostic], set[str]]:
-    """The diagnostics of the simulation in one engine, and the entities that do not pass it."""
+) -> _EngineResult:
+    """Check a simulation in one engine."""
     failed: set[str] = set()
     static_models = {robot.entity for robot in runnable if robot.is_static_model}
     found = [_soften(one) if one.element in static_models else one for one in outcome.diagnostics]
@@ -220,7 +249,7 @@ def _check(
         if robot_run is None or has_errors(checked):
             failed.add(robot.entity)
         found += checked
-    return found, failed
+    return _EngineResult(engine, measured, found, failed)
 
 
 def _fold(
@@ -250,23 +279,49 @@ def _about_model(diagnostic: Diagnostic, entity: str) -> Diagnostic:
     return _soften(replace(diagnostic, message=message))
 
 
-def _others(
-    checked: Sequence[Diagnostic], reported: Sequence[Diagnostic], engine: str
-) -> list[Diagnostic]:
-    """The diagnostics of a second engine that the first did not have, with its name."""
-    known = {(found.code, found.element) for found in reported}
-    return [
-        replace(found, message=f"In {ENGINE_NAMES[engine]}: {found.message}")
-        for found in checked
-        if (found.code, found.element) not in known
-    ]
+def _of_all_engines(results: Sequence[_EngineResult]) -> Iterator[Diagnostic]:
+    """The diagnostics of all engines, those of one rule about one element once.
+
+    They are those of the engine that reports the worst, and name the engines that report it, if
+    these are not all. What is about no element is about one engine, or about its pictures.
+    """
+    reported: dict[tuple[str, str], dict[str, list[Diagnostic]]] = {}
+    for result in results:
+        for found in result.diagnostics:
+            if found.element is None:
+                yield found
+            else:
+                engines = reported.setdefault((found.code, found.element), {})
+                engines.setdefault(result.engine, []).append(found)
+    for engines in reported.values():
+        worst = min(engines.values(), key=_worst_severity)
+        prefix = "" if len(engines) == len(results) else f"In {name_engines(engines)}: "
+        yield from (replace(found, message=f"{prefix}{found.message}") for found in worst)
 
 
-def _compare(first: SimulationOutcome, other: SimulationOutcome) -> Iterator[Diagnostic]:
-    measured = {robot_run.entity: robot_run for robot_run in other.robot_runs}
-    for robot_run in first.robot_runs:
-        if robot_run.entity in measured:
-            yield from engines_disagree(robot_run, measured[robot_run.entity])
+def _compare(
+    runnable: Sequence[PreparedRobot], results: Sequence[_EngineResult]
+) -> Iterator[Diagnostic]:
+    """Say where the engines disagree about a robot."""
+    reported = {(one.code, one.element) for result in results for one in result.diagnostics}
+    on_hull = {
+        entity
+        for result in results
+        for robot_run in result.runs.values()
+        for gap in robot_run.hull_gaps
+        for entity in (robot_run.entity, gap.other_entity)
+    }
+    for robot in runnable:
+        entity = robot.entity
+        yield from engines_disagree(
+            {result.engine: result.runs[entity] for result in results if entity in result.runs},
+            is_on_hull=entity in on_hull,
+            has_passive_joints=(UNACTUATED_JOINTS_MOVE.code, entity) in reported,
+        )
+
+
+def _worst_severity(found: Iterable[Diagnostic]) -> int:
+    return min(list(Severity).index(one.severity) for one in found)
 
 
 def _scene(  # noqa: PLR0913  what is in it, and how it is played
@@ -301,41 +356,59 @@ def _scene(  # noqa: PLR0913  what is in it, and how it is played
     )
 
 
-def _outcome(  # noqa: PLR0913  what is known of it; most have defaults
+def _outcome(
     prepared: PreparedRobot,
-    robot_run: RobotRun | None,
-    *,
-    engine: str = "",
-    passed: bool = False,
-    behavior_plan: BehaviorPlan | None = None,
-    found: Sequence[Diagnostic] = (),
+    results: Sequence[_EngineResult],
+    behavior_plan: BehaviorPlan | None,
+    found: Sequence[Diagnostic],
 ) -> RobotOutcome:
-    written = prepared.written
+    """What is known of a robot; `found` are the diagnostics of all engines."""
+    written, entity = prepared.written, prepared.entity
+    runs = [result.runs.get(entity) for result in results]
+    first = runs[0] if runs else None
     return RobotOutcome(
-        entity=prepared.entity,
-        spawn_pose=prepared.spawn_pose if robot_run is None else robot_run.spawn_pose,
+        entity=entity,
+        spawn_pose=prepared.spawn_pose if first is None else first.spawn_pose,
         links=len(written.links),
         joints=len(written.joints),
         movable_joints=len(written.movable_joints),
         mass=written.mass,
-        simulated=None
-        if robot_run is None
-        else Simulated(
-            engine=engine,
+        engines=tuple(_in_engine(prepared, result, behavior_plan) for result in results),
+        behaviors=() if behavior_plan is None else behavior_plan.outcomes(entity, first, found),
+        passed=bool(results)
+        and prepared.can_run
+        and not any(entity in one.failed for one in results),
+    )
+
+
+def _in_engine(
+    prepared: PreparedRobot, result: _EngineResult, behavior_plan: BehaviorPlan | None
+) -> EngineOutcome:
+    entity = prepared.entity
+    robot_run = result.runs.get(entity)
+    behaviors = (
+        ()
+        if behavior_plan is None
+        else behavior_plan.outcomes(entity, robot_run, result.diagnostics)
+    )
+    if robot_run is None:
+        return EngineOutcome(engine=result.engine, behaviors=behaviors)
+    return EngineOutcome(
+        engine=result.engine,
+        simulated=Simulated(
+            engine=result.engine,
             links=robot_run.links,
             movable_joints=robot_run.movable_joints,
             mass=robot_run.mass,
         ),
-        rest=None
-        if robot_run is None
-        else Rest(
+        rest=Rest(
             pose_in_world=robot_run.rest_pose,
             settled_after=robot_run.settled_after,
             speed=robot_run.speed,
+            tilt=robot_run.tilt,
             joint_positions=robot_run.joint_positions,
         ),
-        behaviors=()
-        if behavior_plan is None
-        else behavior_plan.outcomes(prepared.entity, robot_run, found),
-        passed=passed,
+        behaviors=behaviors,
+        passed=prepared.can_run and entity not in result.failed,
+        codes=frozenset(one.code for one in result.diagnostics if one.element == entity),
     )

@@ -346,7 +346,7 @@ def _spawners_of(package: PackageFiles, chosen: Sequence[Candidate]) -> list[str
     folders = [os.path.realpath(folder) for folder in (package.share, package.source) if folder]
     starts = (
         *(f"{scheme}://{package.name}/" for scheme in ("package", "model")),
-        *(f"{folder}/" for folder in folders),
+        *(os.path.join(folder, "") for folder in folders),  # noqa: PTH118  with a separator
     )
 
     def is_of_package(spawn: Spawn) -> bool:
@@ -447,7 +447,7 @@ class ValidateRequest:
     answers: Callable[[], Sequence[str]] = tuple
     seconds: float = 3.0  # of simulated time
     engines: Sequence[str] = ("bullet",)  # the first one's figures are reported
-    jobs: int = 1  # number of packages or files to process in parallel
+    jobs: int = 1  # number of packages or files to process in parallel; of one, its engines
     picture_folder: Path | None = None
     video: Path | None = None  # a .gif or .mp4 of the simulation of one launch file
 

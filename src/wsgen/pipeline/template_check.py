@@ -8,14 +8,13 @@ from __future__ import annotations
 
 import os
 import shutil
-import tempfile
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen import tomlfile
 from wsgen.diagnostics import Rule, Severity
 from wsgen.isolation.fork_server import ForkServer
+from wsgen.isolation.parent import make_scratch
 from wsgen.model.package import Maintainer
 from wsgen.pipeline.package_validation import Validation
 from wsgen.pipeline.selection import SelectedPackage, ValidateRequest
@@ -35,6 +34,7 @@ from wsgen.xmltree import Malformed, parse
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
+    from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.isolation.parent import Run
@@ -112,9 +112,9 @@ def check_template(template: Template) -> tuple[Diagnostic, ...]:
     Files are named by their paths in the package, except those of the template itself.
     """
     cases = tuple(_cases(template))
-    with tempfile.TemporaryDirectory(prefix="wsgen-") as folder, ForkServer() as fork_server:
+    with make_scratch() as folder, ForkServer() as fork_server:
         found = {
-            case: _check_case(case, template, Path(folder, str(number)), fork_server.run)
+            case: _check_case(case, template, folder / str(number), fork_server.run)
             for number, case in enumerate(cases)
         }
     return _gather(found)

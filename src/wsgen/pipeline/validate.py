@@ -16,11 +16,11 @@ from wsgen.files import irregular_kind
 from wsgen.isolation import parent
 from wsgen.launch.launch_warnings import UNUSED_ARGUMENT, UNUSED_XACRO_ARGUMENT
 from wsgen.model.outcome import Outcome
+from wsgen.pipeline.engines import check_engines, engine_left_out
 from wsgen.pipeline.package_validation import Validation
 from wsgen.pipeline.parallel import run_parallel
 from wsgen.pipeline.selection import SelectedPackage, Selection, select_packages
 from wsgen.rendering.recording import lacks_encoder, why_no_video
-from wsgen.simulation.run import missing_engines
 from wsgen.workspace.layout import Workspace, find_packages, workspace_around
 from wsgen.workspace.overlay import Overlay, open_overlay, overlay_of
 
@@ -71,15 +71,17 @@ def validate(
             selection = select_packages(workspace, overlay, request, listener)
         packages, not_validated = selection
         overlays = _overlays_of_files(request.files, workspace, environment, stack)
+        is_alone = len(packages) + len(request.files) == 1
+        each = request if is_alone else replace(request, jobs=1)  # engines one after the other
 
         def subjects(run: Run) -> list[Validation | FileValidation]:
             return [
-                *(Validation(package, overlay, request, serial, run) for package in packages),
-                *_files(request, [package.label for package in packages], overlays, serial, run),
+                *(Validation(package, overlay, each, serial, run) for package in packages),
+                *_files(each, [package.label for package in packages], overlays, serial, run),
             ]
 
         ended = [] if ended is None else ended
-        if len(packages) + len(request.files) == 1:  # a server would serve one child
+        if is_alone:  # a server would serve one child
             (subject,) = subjects(parent.run)
             ended.append(subject.run())
         elif packages or request.files:
@@ -89,19 +91,23 @@ def validate(
         outcomes = _without_used_elsewhere(ended, request)
         outcomes = tuple(
             replace(outcome, diagnostics=summed_up(outcome.diagnostics))
-            for outcome in _with_not_built(outcomes, overlay)
+            for outcome in _with_general(outcomes, overlay, request)
         )
         return Outcome(packages=outcomes, not_validated=not_validated)
 
 
-def _with_not_built(
-    outcomes: tuple[PackageOutcome, ...], overlay: Overlay
+def _with_general(
+    outcomes: tuple[PackageOutcome, ...], overlay: Overlay, request: ValidateRequest
 ) -> tuple[PackageOutcome, ...]:
-    """Say once, with the first outcome, which packages are used without having been built."""
+    """Say once, with the first outcome, what holds for all.
+
+    It is which packages are used without having been built, and which engine is not compared.
+    """
     if not outcomes:
         return ()
     first, *others = outcomes
-    return (replace(first, diagnostics=(*first.diagnostics, *overlay.not_built())), *others)
+    general = (*overlay.not_built(), *engine_left_out(request.engines))
+    return (replace(first, diagnostics=(*first.diagnostics, *general)), *others)
 
 
 def _without_used_elsewhere(
@@ -161,14 +167,7 @@ def check_request(request: ValidateRequest) -> None:
         NotFoundError: a file does not exist, or an engine is not installed.
         NotReadableError: a FILE is no regular file, or the folder for the pictures cannot be made.
     """
-    missing = missing_engines(request.engines)
-    if missing:
-        raise NotFoundError(
-            f"The engine {missing[0]} is not installed.",
-            hint="Install it: pip install 'wsgen[dart]'"
-            if missing[0] == "dart"
-            else "PyBullet has no wheels for this Python; use --engine dart.",
-        )
+    check_engines(request.engines)
     if len(request.files) == 1 and not request.packages:
         _refuse_only_file(request.files[0])
     if request.files and not request.packages:
@@ -279,7 +278,7 @@ def play(  # noqa: PLR0913  what to play, where, how
     )
     outcome = Validation(selected, overlay, request, listener).run()
     outcomes = (replace(outcome, package=package),)
-    return Outcome(packages=_with_not_built(outcomes, overlay))
+    return Outcome(packages=_with_general(outcomes, overlay, request))
 
 
 def unique_names(files: Sequence[Path], taken: Iterable[str]) -> list[str]:

@@ -3,53 +3,89 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from wsgen.values import dataclass
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from numpy.typing import NDArray
 
     from wsgen.model.transform import Vector
 
     Floats = NDArray[np.float64]
+    Floats32 = NDArray[np.float32]
+
+
+class View(NamedTuple):
+    """How points become places in an image: `matrix` times (point - origin) gives x, y and z.
+
+    With perspective the place is x / z and y / z from the middle, in pixels to the right and
+    downwards, and the nearness 1 / z; without, it is x and y, and the nearness z.
+    """
+
+    matrix: Floats  # 3 by 3
+    origin: Floats  # m, in the world
+    width: int  # pixels
+    height: int
+    nearest: float | None  # z before which nothing is seen; None: no perspective
+
+    @property
+    def axis(self) -> Floats:
+        """The direction in which it looks, in the world."""
+        axis: Floats = self.matrix[2] / np.linalg.norm(self.matrix[2])
+        return axis if self.nearest is not None else -axis
+
+    def project(self, points: Floats32) -> tuple[Floats32, Floats32, Floats32]:
+        """Columns, rows and nearness of points in the view (3 by any shape)."""
+        x, y, z = points
+        if self.nearest is not None:
+            z = 1 / z
+            x, y = x * z, y * z
+        else:
+            z = np.maximum(z, np.float32(1e-30))
+        return x + np.float32(self.width / 2), y + np.float32(self.height / 2), z
 
 
 @dataclass(frozen=True)
 class Camera:
-    """Where a picture is taken from, as renderers want it (OpenGL's conventions)."""
+    """Where a picture is taken from; its pixels are squares."""
 
     eye: Vector  # m
     target: Vector  # m
-    up: Vector  # a direction that is up in the picture
     field_of_view: float  # degrees, vertical
-    aspect: float  # width over height
-    near: float  # m
-    far: float  # m
-    width: int  # pixels to render
+    near: float  # m; nothing nearer is seen
+    far: float  # m; of what is seen nothing is farther away
+    width: int  # pixels
     height: int
 
+    @property
+    def aspect(self) -> float:
+        """Width over height."""
+        return self.width / self.height
 
-@dataclass(frozen=True)
-class Shot:
-    """What a renderer saw through a camera."""
+    @property
+    def axes(self) -> Floats:
+        """Right, up and forward, as rows."""
+        return view_axes(_vector(np.subtract(self.eye, self.target)))
 
-    camera: Camera
-    view: tuple[float, ...]  # 4 by 4, column-major: world to camera
-    projection: tuple[float, ...]  # 4 by 4, column-major: camera to clip space
-    rgba: NDArray[np.uint8]  # height by width by 4
-    depth: NDArray[np.float32]  # height by width, 0 to 1, of the depth buffer
-    body: NDArray[np.int32]  # height by width; negative where nothing is seen
+    @property
+    def view(self) -> View:
+        """The same as a matrix; its z is the depth, m."""
+        focal = self.height / 2 / math.tan(math.radians(self.field_of_view / 2))  # pixels
+        matrix = self.axes * np.array([[focal], [-focal], [1.0]])
+        return View(matrix, np.array(self.eye), self.width, self.height, self.near)
 
 
 FIELD_OF_VIEW = 32.0  # degrees, vertical
 FROM: Vector = (0.72, -0.62, 0.36)  # direction from the robot to the camera: three-quarter view
 MARGIN = 0.08  # of the picture's width or height, on either side
 
-SUN_FIELD_OF_VIEW = 3.0  # degrees; so far away its rays are nearly parallel
-SUN_MARGIN = 0.03
+SUN_MARGIN = 0.04
+SUN_REACH = 100.0  # sizes of what it shines on: what is farther behind is not told apart
 
 SMALLEST = 1e-4  # m; what is smaller is a point
 AROUND_A_POINT = 0.5  # m
@@ -72,66 +108,61 @@ def extent(points: Floats) -> float:
 
 
 def eye_camera(
-    points: Floats, size: Size, *, behind: Floats | None = None, towards: Vector = FROM
+    points: Floats, size: Size, *, behind: Iterable[Floats] = (), towards: Vector = FROM
 ) -> Camera:
     """A camera that has all points (n by 3, m, in the world) within the margin.
 
     It is `towards` a direction from them, and sees what is `behind` and around them, too, but
     nothing that is in front of them.
-    """
-    return _camera(_padded(points), towards, FIELD_OF_VIEW, size, MARGIN, behind=behind)
-
-
-def sun_camera(points: Floats, towards: Vector, pixels: int) -> Camera:
-    """A camera at a sun in this direction from the points."""
-    size = Size(pixels, pixels)
-    return _camera(_padded(points), towards, SUN_FIELD_OF_VIEW, size, SUN_MARGIN)
-
-
-def _padded(points: Floats) -> Floats:
-    if np.ptp(points, axis=0).max() >= SMALLEST:
-        return points
-    return np.vstack([points - AROUND_A_POINT, points + AROUND_A_POINT])
-
-
-def _camera(  # noqa: PLR0913  an optical set-up has this many parts
-    points: Floats,
-    towards: Vector,
-    field_of_view: float,
-    size: Size,
-    margin: float,
-    *,
-    behind: Floats | None = None,
-) -> Camera:
-    """The nearest camera that looks along a direction and has all points in its picture.
 
     Seen from anywhere along that direction a point at depth z keeps within the picture's sides if
     |x - x of the camera| is at most (z - z of the camera) times a slope. The sides that the
     outermost points put up are straight lines in the plane of x and z, and where they cross is the
     nearest place for the camera. Likewise for y; the farther of the two places is taken.
     """
+    points = _padded(points)
     axes = view_axes(towards)
     center = points.mean(axis=0)  # far from the origin digits would be lost
     x, y, z = axes @ (points - center).T
-    slope_y = math.tan(math.radians(field_of_view / 2)) * (1 - 2 * margin)
+    slope_y = math.tan(math.radians(FIELD_OF_VIEW / 2)) * (1 - 2 * MARGIN)
     slope_x = slope_y * size.width / size.height
     left, right = (x - slope_x * z).max(), (x + slope_x * z).min()
     low, high = (y - slope_y * z).max(), (y + slope_y * z).min()
     depth = min((right - left) / (2 * slope_x), (high - low) / (2 * slope_y))
     eye = np.array([(left + right) / 2, (low + high) / 2, depth])
     nearest, middle = z.min() - depth, (z.min() + z.max()) / 2 - depth
-    farther = [] if behind is None else (axes[2] @ (behind - center).T - depth).tolist()
+    farther = [float((one @ axes[2]).max() - axes[2] @ center - depth) for one in behind]
     return Camera(
         eye=_vector(axes.T @ eye + center),
         target=_vector(axes.T @ (eye + np.array([0, 0, middle])) + center),
-        field_of_view=field_of_view,
-        aspect=size.width / size.height,
-        up=_vector(axes[1]),
+        field_of_view=FIELD_OF_VIEW,
         near=max(float(nearest) * CUT_AWAY, float(middle) * NEAREST),
         far=max(float(z.max() - depth) * 1.05, *farther, float(middle) * 1.05),
         width=size.width,
         height=size.height,
     )
+
+
+def sun_view(points: Floats, towards: Vector, pixels: int) -> View:
+    """What a sun in this direction sees of the points, in a square; its rays are parallel."""
+    points = _padded(points)
+    axes = view_axes(towards)
+    low, high = points.min(axis=0), points.max(axis=0)
+    middle = (low + high) / 2
+    reach = axes @ (points - middle).T
+    x, y, z = (reach.min(axis=1) + reach.max(axis=1)) / 2
+    edge = max(float(np.ptp(reach[:2], axis=1).max()), SMALLEST) / (1 - 2 * SUN_MARGIN)
+    scale = pixels / edge
+    depth = SUN_REACH * max(edge, float(np.ptp(reach[2])))
+    origin = middle + axes.T @ np.array([x, y, z + depth])
+    matrix = axes * np.array([[scale], [-scale], [-1 / depth]])
+    return View(matrix, origin, pixels, pixels, None)
+
+
+def _padded(points: Floats) -> Floats:
+    if np.ptp(points, axis=0).max() >= SMALLEST:
+        return points
+    return np.vstack([points - AROUND_A_POINT, points + AROUND_A_POINT])
 
 
 def view_axes(towards: Vector) -> Floats:
@@ -145,9 +176,3 @@ def view_axes(towards: Vector) -> Floats:
 
 def _vector(numbers: Floats) -> Vector:
     return (float(numbers[0]), float(numbers[1]), float(numbers[2]))
-
-
-def matrix(column_major: tuple[float, ...]) -> Floats:
-    """The 4 by 4 matrix of OpenGL's sixteen numbers."""
-    square: Floats = np.array(column_major, dtype=float).reshape(4, 4).T
-    return square

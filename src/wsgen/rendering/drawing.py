@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-NO_RENDERER = "PyBullet, which draws it, is not installed: it has no wheels for this Python"
-
 
 class StandingPoses(NamedTuple):
     """What pictures show: where everything was when the robots had stood."""
@@ -104,8 +102,7 @@ def _draw_all(
     *,
     has_static_models: bool,
 ) -> Drawings:
-    # Loading NumPy and Pillow would cost every simulation as much as it takes itself, and where
-    # PyBullet has no wheels there is no picture.
+    # Loading NumPy and Pillow would cost every simulation as much as it takes itself.
     from wsgen.rendering.scene_renderer import SceneRenderer  # noqa: PLC0415
 
     scene_renderer = SceneRenderer(scene, standing.poses, standing.corners, refused)
@@ -145,8 +142,6 @@ def _drawn(task: Callable[[], T]) -> T | NotDrawn:
 
 
 def _reason(error: Exception) -> str:
-    if isinstance(error, ImportError):
-        return NO_RENDERER
     if isinstance(error, WsgenError):
         return f"{error.message[0].lower()}{error.message[1:].rstrip('.')}"
     return getattr(error, "strerror", None) or str(error) or repr(error)

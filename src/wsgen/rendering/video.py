@@ -13,8 +13,8 @@ from PIL import Image
 
 from wsgen.files import write_file
 from wsgen.rendering.camera import Size
-from wsgen.rendering.picture import draw_title, write_caption
-from wsgen.rendering.scene_renderer import CameraSetup, picture_seconds
+from wsgen.rendering.picture import CAPTION_COLOR, TITLE_COLOR, draw_title, write_caption
+from wsgen.rendering.scene_renderer import CameraSetup, is_no_subject
 from wsgen.simulation.scene import Video
 
 if TYPE_CHECKING:
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 
 COLORS = 255  # and one that says that a pixel is as before
+LETTERS = (CAPTION_COLOR, TITLE_COLOR)  # so few pixels that none of the colors would be theirs
 
 
 def write_video(
@@ -41,7 +42,7 @@ def write_video(
         rate: Frames a second.
     """
     if file.suffix.lower() == ".mp4":
-        # It is an extra, and its loading takes longer than PyBullet's.
+        # It is an extra, and takes a while to load.
         from wsgen.rendering.video_encoder import encode_mp4  # noqa: PLC0415
 
         write_file(file, encode_mp4(frames, rate))
@@ -73,17 +74,17 @@ def _palette(samples: Sequence[Image.Image]) -> Image.Image:
     sheet = Image.new("RGB", (width, height * len(samples)))
     for number, sample in enumerate(samples):
         sheet.paste(sample, (0, number * height))
-    return sheet.quantize(COLORS, method=Image.Quantize.MEDIANCUT)
+    palette = sheet.quantize(COLORS - len(LETTERS), method=Image.Quantize.MEDIANCUT)
+    palette.putpalette([*(palette.getpalette() or []), *(part for rgb in LETTERS for part in rgb)])
+    return palette
 
 
-BUDGET = 16.0  # s of CPU time for all frames, about: a usual robot's need a third of it
-
-# The picture's size and how many times as large it is drawn; the first that can be done in time.
+BUDGET = 16.0  # s of CPU time for all frames, about: a usual robot's need a fifth of it
 LARGE, SMALL = Size(480, 360), Size(320, 240)
-QUALITIES = (
-    *((LARGE, scale) for scale in (1.5, 1.0)),
-    *((SMALL, scale) for scale in (1.5, 1.0, 0.75)),
-)
+
+# About what a frame takes on a usual computer, s of CPU time. It is computed and not measured, so
+# that the same things get the same videos on every machine, however busy it is.
+FRAME_SECONDS, PIXEL_SECONDS, TRIANGLE_SECONDS = 0.006, 0.1e-6, 0.15e-6
 
 TITLE_SECONDS = 0.8  # how long the name of a behavior is shown before it
 
@@ -100,12 +101,10 @@ def draw_video(
     """
     clips = recorder.shown
     count = sum(len(clip.frames) for clip in clips)
-    size, scale, cost = _quality(scene_renderer, count)
+    size, cost = _quality(scene_renderer.renderer.triangles, count)
     stride = max(1, -int(-count * cost // BUDGET))
     rate = recorder.rate / stride
-    setup = _set_up(
-        scene_renderer, [moment for clip in clips for moment in _moments(clip)], size, scale
-    )
+    setup = _set_up(scene_renderer, [moment for clip in clips for moment in _moments(clip)], size)
     titles = max(1, round(TITLE_SECONDS * rate))
     total = sum(len(clip.frames[::stride]) for clip in clips)
     written = total + titles * sum(bool(clip.name) for clip in clips)
@@ -133,22 +132,21 @@ def draw_video(
     )
 
 
-def _quality(scene_renderer: SceneRenderer, frames: int) -> tuple[Size, float, float]:
-    """The size, how many times as large it is drawn, and about the CPU time of a frame (s)."""
-    for size, scale in QUALITIES:
-        cost = picture_seconds(scene_renderer.renderer, size, scale)
+def _quality(triangles: int, frames: int) -> tuple[Size, float]:
+    """The size in which so many triangles are drawn, and about the CPU time of a frame (s)."""
+    for size in (LARGE, SMALL):
+        pixels = size.width * size.height
+        cost = FRAME_SECONDS + pixels * PIXEL_SECONDS + triangles * TRIANGLE_SECONDS
         if cost * frames <= BUDGET:
             break
-    return size, scale, cost
+    return size, cost
 
 
 def _moments(clip: Clip) -> list[Poses]:
     return [clip.frames[0], clip.frames[len(clip.frames) // 2], clip.frames[-1]]
 
 
-def _set_up(
-    scene_renderer: SceneRenderer, moments: Sequence[Poses], size: Size, scale: float
-) -> CameraSetup:
+def _set_up(scene_renderer: SceneRenderer, moments: Sequence[Poses], size: Size) -> CameraSetup:
     points = []
     for moment in moments:
         scene_renderer.renderer.arrange(moment)
@@ -158,8 +156,8 @@ def _set_up(
         scene_renderer.world,
         np.vstack(points),
         size,
-        scale,
-        without_shadow=scene_renderer.static_models,
+        samples=2,
+        without_shadow=is_no_subject,
     )
 
 
@@ -170,8 +168,7 @@ def _samples(setup: CameraSetup, clips: Sequence[Clip]) -> list[Image.Image]:
 
 
 def _draw(setup: CameraSetup, poses: Poses, name: str, *, seconds: float) -> Image.Image:
-    setup.renderer.arrange(poses)
-    image = setup.take(dither=False)
+    image = setup.take_at(poses)
     tile = setup.backdrop.tile
     lines = [name, f"{seconds:.2f} s", f"1 square = {tile:g} m" if tile else ""]
     write_caption(image, [line for line in lines if line])

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from wsgen.doctor.machine import Requirement
     from wsgen.doctor.report import DoctorReport
     from wsgen.model.behavior import BehaviorOutcome
-    from wsgen.model.outcome import NotValidated, Outcome, PackageOutcome, RobotOutcome
+    from wsgen.model.outcome import NotValidated, Outcome, PackageOutcome, Rest, RobotOutcome
     from wsgen.model.plan import Include, LaunchArgument, LaunchPlan, Process, Unresolved
     from wsgen.model.transform import Pose
     from wsgen.pipeline.create import CreatedPackage
@@ -129,7 +129,7 @@ def _not_validated(one: NotValidated) -> dict[str, Any]:
 
 
 def _robot(robot: RobotOutcome) -> dict[str, Any]:
-    simulated, rest = robot.simulated, robot.rest
+    simulated = robot.simulated
     return {
         "entity": robot.entity,
         "spawn_pose": _pose(robot.spawn_pose),
@@ -145,19 +145,37 @@ def _robot(robot: RobotOutcome) -> dict[str, Any]:
             "movable_joints": simulated.movable_joints,
             "mass": _number(simulated.mass),
         },
-        "rest": None
-        if rest is None
-        else {
-            **_pose(rest.pose_in_world),
-            "settled_after": rest.settled_after,
-            "speed": _number(rest.speed),
-            "joint_positions": _numbers(dict(rest.joint_positions)),
-        },
+        "rest": _rest(robot.rest),
         "behaviors": [_behavior(behavior) for behavior in robot.behaviors],
+        "engines": [
+            {
+                "engine": one.engine,
+                "passed": one.passed,
+                "rest": _rest(one.rest),
+                "behaviors": [_behaved(behavior) for behavior in one.behaviors],
+            }
+            for one in robot.engines
+        ],
+    }
+
+
+def _rest(rest: Rest | None) -> dict[str, Any] | None:
+    if rest is None:
+        return None
+    return {
+        **_pose(rest.pose_in_world),
+        "settled_after": rest.settled_after,
+        "speed": _number(rest.speed),
+        "tilt": _number(rest.tilt),
+        "joint_positions": _numbers(dict(rest.joint_positions)),
     }
 
 
 def _behavior(behavior: BehaviorOutcome) -> dict[str, Any]:
+    return {**_behaved(behavior), "expected": _numbers(behavior.task.expected)}
+
+
+def _behaved(behavior: BehaviorOutcome) -> dict[str, Any]:
     moved, positions = behavior.moved, behavior.positions
     return {
         "name": behavior.name,
@@ -166,7 +184,6 @@ def _behavior(behavior: BehaviorOutcome) -> dict[str, Any]:
         if moved is None
         else _numbers(dict(zip(("x", "y", "yaw"), moved, strict=True))),
         "joints": None if positions is None else _numbers(dict(positions)),
-        "expected": _numbers(behavior.task.expected),
     }
 
 

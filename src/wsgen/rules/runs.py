@@ -1,4 +1,4 @@
-"""Rules about what a simulation measured, of one robot, of a scene, and in two engines.
+"""Rules about what a simulation measured, of one robot, of a scene, and in several engines.
 
 The parameters of a check are facts in SI units; a check yields what it reports. An unactuated joint
 is one that gravity can move, other than the axle of a wheel; it is passive when gravity did move
@@ -8,9 +8,11 @@ it. Such a joint needs a controller, not a better description.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from itertools import combinations
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity
+from wsgen.model.outcome import ENGINE_NAMES, name_engines
 from wsgen.model.robot import JointType
 from wsgen.model.transform import multiply, rotation_of_rpy, transpose
 
@@ -522,6 +524,9 @@ PUSHED_OUT = 0.1  # m; what stands after less was spawned a bit too low, as many
 SAME_PLACE = 0.005  # m; engines have collision margins of 1 mm
 SAME_HEADING = math.radians(2)
 SAME_JOINT = 0.1  # rad or m
+# Of three engines that all disagree, two nearly agree: their gap is less than so many tolerances,
+NEAR = 4
+CLEARLY = 3  # and so many times less than that of either to the third.
 
 
 OVERLAPPING_ROBOTS = Rule(
@@ -613,8 +618,8 @@ RESTS_ON_HULL = Rule(
     summary="A mesh rests on its convex hull, where Gazebo would let it sink in.",
     what="At the end of the simulation, measures how far the contacts of a mesh with anything but "
     "level ground are from its nearest triangle. Up to 5 mm are not reported.",
-    why="PyBullet collides the convex hull of a mesh, Gazebo its triangles: a fork above "
-    "a post rests on the post in PyBullet, and lower in Gazebo.",
+    why="PyBullet and MuJoCo collide the convex hull of a mesh that can move, DART and Gazebo its "
+    "triangles: a fork above a post rests on the post in the two, and lower in Gazebo.",
     example='<collision><geometry><mesh filename="package://robot/fork.stl"/></geometry></collision>',
     instead="""
 <collision><geometry><box size="1.0 0.1 0.05"/></geometry><origin xyz="0 0.3 0"/></collision>
@@ -630,7 +635,7 @@ def rests_on_hull(entity: str, gaps: Sequence[HullGap]) -> Iterator[Diagnostic]:
             None,
             element=entity,
             message=f"The mesh of `{found.link}` touches `{found.other_entity}` "
-            f"{found.gap * 1000:.0f} mm from its triangles: PyBullet uses its convex hull, "
+            f"{found.gap * 1000:.0f} mm from its triangles: the engine uses its convex hull, "
             "Gazebo would let it sink in.",
             hint="Use --engine dart, or replace the mesh by several convex <collision> shapes.",
         )
@@ -640,9 +645,10 @@ ENGINES_DISAGREE = Rule(
     code="SPN065",
     name="engines-disagree",
     severity=Severity.WARNING,
-    summary="The robot ends up differently in two physics engines.",
-    what="Compares mass, joints and, where the robot comes to rest in both, poses and joint "
-    "positions.",
+    summary="The robot ends up differently in different physics engines.",
+    what="Compares, for each two engines, mass and joints, whether the robot comes to rest and, if "
+    "it does in both, its pose and joint positions. Of three engines, the message names the one "
+    "that differs from the other two, or by far the most. A run that explodes is not compared.",
     why="The result depends on details that no description fixes: a balance, a fall, or a mesh "
     "that one engine treats as its convex hull and the other as triangles. Gazebo Sim uses DART by "
     "default.",
@@ -651,35 +657,107 @@ ENGINES_DISAGREE = Rule(
 )
 
 
-def engines_disagree(first: RobotRun, second: RobotRun) -> Iterator[Diagnostic]:
-    """Report differences between the runs of one robot in two engines."""
-    different = list(_differences(first, second))
-    if different:
-        yield ENGINES_DISAGREE.at(
-            None,
-            element=first.entity,
-            message=f"PyBullet and DART disagree: {'; '.join(different)}.",
-            hint="Gazebo Sim uses DART by default. A robot that falls or balances ends up "
-            "somewhere else each time; a robot that stands should not.",
-        )
+def engines_disagree(
+    robot_runs: Mapping[str, RobotRun],
+    *,
+    is_on_hull: bool = False,
+    has_passive_joints: bool = False,
+) -> Iterator[Diagnostic]:
+    """Report differences between the runs of one robot, by engine: of three, the one against two.
+
+    Runs that exploded are reported for each engine, and not compared. `is_on_hull` says that in one
+    of the engines `rests_on_hull` reports this robot or what it touches.
+    """
+    runs = {
+        engine: robot_run
+        for engine, robot_run in robot_runs.items()
+        if robot_run.is_finite and not robot_run.is_cut_short
+    }
+    gaps = {
+        (one, other): max((found.gap for found in _differences(runs[one], runs[other])), default=0)
+        for one, other in combinations(runs, 2)
+    }
+    if not any(gaps.values()):
+        return
+    # What comes to rest is compared with what does so, too.
+    engines = sorted(runs, key=lambda engine: runs[engine].settled_after is None)
+    agreement, reference, others = _agreement(engines, gaps)
+    details = "; ".join(
+        f"in {ENGINE_NAMES[other]} it "
+        + ", ".join(found.words for found in _differences(runs[reference], runs[other]))
+        for other in others
+    )
+    why = _why_engines_disagree(list(runs.values()), has_passive_joints=has_passive_joints)
+    if is_on_hull:
+        why = "It rests on the convex hull of a mesh (rests-on-hull), which only DART does not use."
+    yield ENGINES_DISAGREE.at(
+        None,
+        element=runs[reference].entity,
+        message=f"{agreement}{details}.",
+        hint=f"{why} Gazebo Sim uses DART by default.",
+    )
 
 
-def _differences(first: RobotRun, second: RobotRun) -> Iterator[str]:
-    if not math.isclose(first.mass, second.mass, rel_tol=1e-6):
-        yield f"mass {first.mass:g} and {second.mass:g} kg"
+def _agreement(
+    engines: Sequence[str], gaps: Mapping[tuple[str, str], float]
+) -> tuple[str, str, list[str]]:
+    """Who disagrees, in words; the engine to compare with, and those to compare with it."""
+    apart = [pair for pair, gap in gaps.items() if gap]
+    near, *rest = sorted(gaps, key=lambda pair: gaps[pair])
+    if rest and len(apart) > 1 and gaps[near] < min(NEAR, gaps[rest[0]] / CLEARLY):
+        nearly = "nearly " if gaps[near] else ""
+        (odd,) = set(engines) - set(near)
+        agreement = f"{name_engines(near)} {nearly}agree, {ENGINE_NAMES[odd]} does not: "
+        return agreement, near[0], [odd]
+    different = [engine for engine in engines if any(engine in pair for pair in apart)]
+    between = [engine for engine in engines if engine not in different]
+    agreement = f"{name_engines(sorted(different, key=list(ENGINE_NAMES).index))} disagree"
+    if between:
+        agreement += f", {name_engines(between)} is between them"
+    reference, *others = different
+    compared = f"compared with {ENGINE_NAMES[reference]}, " if others[1:] else ""
+    return f"{agreement}: {compared}", reference, others
+
+
+def _why_engines_disagree(runs: Sequence[RobotRun], *, has_passive_joints: bool) -> str:
+    if any(robot_run.penetration > CONTACT_SLACK for robot_run in runs):
+        return "Spawn it above the ground: each engine pushes it out in its own way."
+    if has_passive_joints:
+        return "Its unactuated joints let it fall, each time in another way; controllers hold them."
+    if len({robot_run.settled_after is None for robot_run in runs}) > 1:
+        return "Try --seconds 10: it may come to rest later in one engine than in another."
+    return "A robot that falls or balances ends up elsewhere each time; one that stands should not."
+
+
+class _Difference(NamedTuple):
+    gap: float  # in tolerances: more than 1
+    words: str  # what "it" does in the second run, after "in DART it"
+
+
+def _differences(first: RobotRun, second: RobotRun) -> Iterator[_Difference]:
+    """What a robot does otherwise in the second run than in the first."""
+    if not math.isclose(first.mass, second.mass, rel_tol=MASS_TOLERANCE):
+        yield _Difference(math.inf, f"weighs {second.mass:g} kg instead of {first.mass:g} kg")
     if first.movable_joints != second.movable_joints:
-        yield f"{first.movable_joints} and {second.movable_joints} joints"
-    if not (first.is_finite and second.is_finite):
-        return  # reported for each engine
-    if (first.settled_after is None) != (second.settled_after is None):
-        names = ("PyBullet", "DART") if second.settled_after is None else ("DART", "PyBullet")
-        yield f"it comes to rest only in {names[0]}"
-    if first.settled_after is None or second.settled_after is None:
+        counts = f"{second.movable_joints} movable joints instead of {first.movable_joints}"
+        yield _Difference(math.inf, f"has {counts}")
+    if second.settled_after is None or first.settled_after is None:
+        if second.settled_after is not None:
+            yield _Difference(math.inf, "comes to rest")
+        elif first.settled_after is not None:
+            yield _Difference(math.inf, "does not come to rest")
         return
     apart = math.dist(first.rest_pose.xyz, second.rest_pose.xyz)
+    if apart > SAME_PLACE:
+        place = " and ".join(_apart(first.rest_pose, second.rest_pose))
+        yield _Difference(apart / SAME_PLACE, f"rests {place}")
     angle = _angle(first.rest_pose, second.rest_pose)
-    if apart > SAME_PLACE or angle > SAME_HEADING:
-        yield f"it rests {apart * 1000:.0f} mm and {math.degrees(angle):.1f} degrees apart"
+    if angle > SAME_HEADING:
+        words = f"is turned by {math.degrees(angle):.1f} degrees"
+        if abs(second.tilt - first.tilt) > SAME_HEADING:
+            tilts = (f"{math.degrees(tilt):.1f}" for tilt in (second.tilt, first.tilt))
+            words = f"leans by {' instead of '.join(tilts)} degrees"
+        yield _Difference(angle / SAME_HEADING, words)
     far = {
         name: abs(position - second.joint_positions[name])
         for name, position in first.joint_positions.items()
@@ -687,7 +765,26 @@ def _differences(first: RobotRun, second: RobotRun) -> Iterator[str]:
     }
     worst = max(far, key=lambda name: far[name], default=None)
     if worst is not None and far[worst] > SAME_JOINT:
-        yield f"the joint `{worst}` rests {far[worst]:.2f} rad or m apart"
+        ends = (f"{one.joint_positions[worst]:.2f}" for one in (second, first))
+        words = f"has the joint `{worst}` at {' instead of '.join(ends)} rad or m"
+        yield _Difference(far[worst] / SAME_JOINT, words)
+
+
+def _apart(first: Pose, second: Pose) -> Iterator[str]:
+    """How much higher or lower than in the first, and how far to the side."""
+    rise = second.xyz[2] - first.xyz[2]
+    aside = math.dist(first.xyz[:2], second.xyz[:2])
+    if abs(rise) > SAME_PLACE / 2:
+        yield (
+            f"{_length(abs(rise))} {'higher' if rise > 0 else 'lower'} (z = {second.xyz[2]:.3f} m "
+            f"instead of {first.xyz[2]:.3f} m)"
+        )
+    if aside > SAME_PLACE / 2:
+        yield f"{_length(aside)} to the side"
+
+
+def _length(meters: float) -> str:
+    return f"{meters * 1000:.0f} mm" if meters < 1 else f"{meters:.2f} m"
 
 
 def _angle(first: Pose, second: Pose) -> float:

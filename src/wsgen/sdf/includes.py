@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from urllib.parse import unquote
 
 from wsgen.diagnostics import Rule, Severity
-from wsgen.files import irregular_kind
+from wsgen.files import after_scheme, irregular_kind
 from wsgen.sdf.lookup import (
     address_of,
     file_of_model,
@@ -298,7 +298,7 @@ class Includes:
         """
         scheme, separator, rest = uri.partition("://")
         if not separator or scheme == "file":
-            written = unquote(rest) if separator else uri
+            written = after_scheme(unquote(rest)) if separator else uri
             if source.file is None:
                 return Path(written) if Path(written).is_absolute() else None
             beside = source.file.parent.absolute() / written

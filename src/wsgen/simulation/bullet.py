@@ -17,8 +17,9 @@ from typing import TYPE_CHECKING, Any
 import pybullet
 
 from wsgen.model.kinematics import split_trees
-from wsgen.model.robot import Box, Capsule, Collision, Cylinder, Link, Mesh, Robot, Sphere
-from wsgen.model.transform import Pose, Vector, compose, invert, quaternion_of_rpy
+from wsgen.model.robot import Box, Collision, Link, Mesh, Robot
+from wsgen.model.transform import Pose, Vector, compose, quaternion_of_rpy
+from wsgen.simulation import surfaces
 from wsgen.simulation.bullet_body import ROOT, BulletBody, PartBounds, load
 from wsgen.simulation.bullet_body import STRIDE as DAMPER_STRIDE
 from wsgen.simulation.contact_shapes import MOST_LINKS, most_parts
@@ -30,10 +31,11 @@ from wsgen.simulation.engine import (
     Refused,
     State,
     deepest_overlaps,
+    meeting,
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping
 
     from wsgen.model.world import World
     from wsgen.simulation.engine import Motor, Place
@@ -73,99 +75,6 @@ class Client:
         self._disconnect()
 
 
-PROBE = 1e-4  # m, radius of the sphere that feels for a surface
-MARGIN = 0.001  # m, PyBullet's around convex shapes
-# m; how far it feels, one after the other: far is slow, and near is usual.
-REACHES = (0.005, 0.02, 0.1, 1.0)
-
-
-def hull_gaps(
-    client: Client, body: BulletBody, others: Iterable[tuple[int, str]]
-) -> Iterator[HullGap]:
-    """The contacts of a body's meshes that are farther from the triangles than the first reach.
-
-    `others` are the bodies that it may rest on, with their entities; level ground is none of them.
-    One gap a link and entity, the widest.
-    """
-    entities = dict(others)
-    touched = [
-        (link, entities[contact[2]], tuple(contact[5]))
-        for contact in client.getContactPoints(bodyA=body.number)
-        if contact[2] in entities and contact[9] > 0  # presses on it
-        for link in [body.link_of(contact[3])]
-    ]
-    widest: dict[tuple[str, str], float] = {}
-    poses = body.link_poses() if touched else {}
-    for link in {link for link, _, _ in touched}:
-        collisions = body.tree.link(link).collisions
-        if not any(isinstance(shape.geometry, Mesh) for shape in collisions):
-            continue
-        into_link = invert(poses[link])
-        places = [(entity, point) for name, entity, point in touched if name == link]
-        seen_from_link = [compose(into_link, Pose(xyz=point)).xyz for _, point in places]
-        for (entity, _), gap in zip(places, _gaps(collisions, seen_from_link), strict=True):
-            widest[link, entity] = max(gap, widest.get((link, entity), 0.0))
-    for (link, entity), gap in widest.items():
-        if gap > REACHES[0]:
-            yield HullGap(link=link, other_entity=entity, gap=gap)
-
-
-def _gaps(collisions: Sequence[Collision], points: Sequence[Vector]) -> list[float]:
-    """How far each point is from the surfaces, m; both are seen from the link."""
-    client = Client()  # a world where meshes are their triangles
-    try:
-        surfaces = [number for shape in collisions if (number := _place(client, shape)) is not None]
-        probe = client.createMultiBody(
-            baseCollisionShapeIndex=client.createCollisionShape(client.GEOM_SPHERE, radius=PROBE)
-        )
-        return [_gap(client, probe, surfaces, point) for point in points]
-    finally:
-        client.close()
-
-
-def _gap(client: Client, probe: int, surfaces: Iterable[int], point: Vector) -> float:
-    client.resetBasePositionAndOrientation(probe, point, (0, 0, 0, 1))
-    for reach in REACHES:
-        near = [
-            found[8] + PROBE
-            for surface in surfaces
-            for found in client.getClosestPoints(probe, surface, distance=reach)
-        ]
-        if near:
-            return float(max(0.0, min(near) - MARGIN))
-    return REACHES[-1]
-
-
-def _place(client: Client, shape: Collision) -> int | None:
-    geometry = shape.geometry
-    if isinstance(geometry, Mesh):
-        if geometry.path is None:
-            return None
-        made = client.createCollisionShape(
-            client.GEOM_MESH,
-            fileName=geometry.path,
-            meshScale=geometry.scale,
-            flags=client.GEOM_FORCE_CONCAVE_TRIMESH,
-        )
-    elif isinstance(geometry, Box):
-        half = tuple(edge / 2 for edge in geometry.size)
-        made = client.createCollisionShape(client.GEOM_BOX, halfExtents=half)
-    elif isinstance(geometry, Sphere):
-        made = client.createCollisionShape(client.GEOM_SPHERE, radius=geometry.radius)
-    elif isinstance(geometry, Cylinder | Capsule):
-        kind = client.GEOM_CYLINDER if isinstance(geometry, Cylinder) else client.GEOM_CAPSULE
-        made = client.createCollisionShape(kind, radius=geometry.radius, height=geometry.length)
-    else:
-        return None
-    return int(
-        client.createMultiBody(
-            baseCollisionShapeIndex=made,
-            basePosition=shape.pose_in_link.xyz,
-            baseOrientation=quaternion_of_rpy(shape.pose_in_link.rpy),
-        )
-    )
-
-
 # A box, because a plane of PyBullet has no thickness and lets fast things through.
 GROUND_SIZE = (1000.0, 1000.0, 10.0)  # m
 GROUND = Robot(
@@ -193,9 +102,6 @@ SEPARATION_SPEED = 0.25  # m/s
 SEPARATION_FROM_TRIANGLES = 0.05  # m/s; their edges push in several directions at once
 LIMIT_SHARE = 0.01  # of the way back to a limit, in one step; DART's error reduction parameter
 SEPARATION_STRIDE = 10  # steps between two looks at the overlap while it is large
-
-# What can touch something: entity, body, link, PyBullet's index, two corners of its box (m).
-Part = tuple[str, BulletBody, str, int, Vector, Vector]
 
 FAR = 100.0  # m; no robot is as large
 
@@ -246,7 +152,7 @@ class BulletEngine:
         if parts > MOST_LINKS:
             return Refused(
                 f"it has {parts} links with different friction; PyBullet takes {MOST_LINKS}",
-                hint="Install DART, which takes any number: pip install 'wsgen[dart]'",
+                hint="Install MuJoCo, which takes any number: pip install 'wsgen[mujoco]'",
             )
         bodies: list[tuple[BulletBody, Pose]] = []
         try:
@@ -376,36 +282,35 @@ class BulletEngine:
 
     def overlaps(self) -> list[Overlap]:
         """Links in each other, of two robots or of one, whether or not they may collide."""
-        parts = [
-            (entity, body, *box)
+        return deepest_overlaps(self._found_in_each_other(), self._robots)
+
+    def _found_in_each_other(self) -> Iterator[tuple[Place, Place, float]]:
+        """The parts of two links whose boxes meet, with the depth of the deepest contact (m)."""
+        boxes = [
+            (low, high, ((entity, link), body.number, index))
             for entity, bodies in self._bodies.items()
             for body, _ in bodies
-            for box in body.boxes()
+            for link, index, low, high in body.boxes()
         ]
-        return deepest_overlaps(self._found_in_each_other(parts), self._robots)
-
-    def _found_in_each_other(self, parts: list[Part]) -> Iterator[tuple[Place, Place, float]]:
-        """The parts of two links whose boxes meet, with the depth of the deepest contact (m)."""
-        for one, other in _meeting(parts):
-            entity, body, link, index, _, _ = one
-            other_entity, other_body, other_link, other_index, _, _ = other
-            if (entity, link) != (other_entity, other_link):
-                near = self.client.getClosestPoints(
-                    body.number, other_body.number, 0.0, index, other_index
-                )
-                depth = max((-point[8] for point in near), default=0.0)
-                yield (entity, link), (other_entity, other_link), depth
+        for (place, body, index), (other_place, other_body, other_index) in meeting(boxes):
+            if place != other_place:
+                near = self.client.getClosestPoints(body, other_body, 0.0, index, other_index)
+                yield place, other_place, max((-point[8] for point in near), default=0.0)
 
     def hull_gaps(self, entity: str) -> list[HullGap]:
         """Where a robot touches something with the convex hulls of its meshes alone, right now."""
         if self._robots[entity].is_static:
             return []  # collides with its triangles
-        others = [
-            (body.number, other) for other, bodies in self._bodies.items() for body, _ in bodies
+        others = {
+            body.number: other for other, bodies in self._bodies.items() for body, _ in bodies
+        }
+        touched = [
+            (body.link_of(contact[3]), others[contact[2]], tuple(contact[5]))
+            for body, _ in self._bodies[entity]
+            for contact in self.client.getContactPoints(bodyA=body.number)
+            if contact[2] in others and contact[9] > 0  # presses on it
         ]
-        return [
-            gap for body, _ in self._bodies[entity] for gap in hull_gaps(self.client, body, others)
-        ]
+        return surfaces.hull_gaps(self._robots[entity], self.link_poses(entity), touched)
 
     def advance(self, steps: int) -> None:
         """Let time pass; overlapping bodies are pushed apart no faster than the bound."""
@@ -453,15 +358,3 @@ def _is_over_ground(box: PartBounds) -> bool:
     _, _, low, high = box
     x, y, depth = (size / 2 for size in GROUND_SIZE)
     return -x < low[0] and high[0] < x and -y < low[1] and high[1] < y and low[2] > -depth
-
-
-def _meeting(parts: Iterable[Part]) -> Iterator[tuple[Part, Part]]:
-    """The pairs of parts whose boxes meet, found by a sweep along x."""
-    open_ones: list[Part] = []  # that reach as far as the sweep has come
-    for part in sorted(parts, key=lambda part: part[4][0]):
-        low, high = part[4], part[5]
-        open_ones = [other for other in open_ones if other[5][0] >= low[0]]
-        for other in open_ones:
-            if all(other[4][axis] <= high[axis] and low[axis] <= other[5][axis] for axis in (1, 2)):
-                yield other, part
-        open_ones.append(part)

@@ -5,10 +5,6 @@ step. Where that takes away more than all of the speed in one step, the joint is
 than it came, and the robot explodes; of the public robots one in ten has such joints (TIAGo, TALOS,
 iCub, xArm). Here a motor that wants to stand still, but is no stronger than the damper, does the
 same and can only take energy away.
-
-The torque of a spring is applied in the same way, from the position before a step. A spring that
-swings faster than steps can follow is made as soft as they can: where it comes to rest is the same
-to the eye.
 """
 
 from __future__ import annotations
@@ -20,7 +16,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.isolation.child import scratch_folder
-from wsgen.model.inertia import about_link_axes, moved
 from wsgen.model.robot import Capsule, Cylinder, JointType, Mesh, Sphere, Triangulated
 from wsgen.model.transform import (
     Pose,
@@ -36,20 +31,19 @@ from wsgen.model.transform import (
 )
 from wsgen.simulation.contact_shapes import inner_apart, one_friction_a_link
 from wsgen.simulation.engine import GROUND_FRICTION, may_touch
+from wsgen.simulation.stiffness import STRONGEST, is_stiff, stiffness_to_simulate
 from wsgen.simulation.urdf_writer import write_urdf
 from wsgen.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
 
-    from wsgen.model.robot import Inertial, Joint, Link, Robot
+    from wsgen.model.robot import Joint, Link, Robot
     from wsgen.simulation.bullet import Client
     from wsgen.simulation.engine import Motor
 
 
-STIFF = 0.5  # of the speed, in one step; PyBullet's own damping is exact far below
 STRIDE = 5  # steps from one setting of the motors to the next
-RESOLVED = 0.25  # of the resistance over the squared step; beyond 4 a swing grows
 SMOOTHING = 0.2  # how much of a new speed is taken over; the motor stops the joint now and then
 
 
@@ -93,46 +87,9 @@ class Dampers:
         )
 
 
-def stiffness_to_simulate(joint: Joint, tree: Robot, step_seconds: float) -> float:
-    """The stiffness of a joint's spring, or what the step can follow (N m/rad or N/m)."""
-    most = RESOLVED * _least_resistance(joint, tree) / step_seconds**2
-    return min(joint.spring_stiffness, most)
-
-
-def is_stiff(joint: Joint, tree: Robot, step_seconds: float) -> bool:
-    """Whether the damper stops the lighter side of the joint within about a step."""
-    if not (joint.damping and joint.is_movable):
-        return False
-    return joint.damping * step_seconds > STIFF * _least_resistance(joint, tree)
-
-
-def _least_resistance(joint: Joint, tree: Robot) -> float:
-    """That of the side of the joint that is easier to move, kg m² or kg."""
-    resistances = [
-        _resistance(inertial, joint)
-        for inertial in (tree.link(joint.child).inertial, tree.link(joint.parent).inertial)
-        if inertial is not None and inertial.mass > 0
-    ]
-    return min(resistances, default=0.0)
-
-
 def undamped(joints: tuple[Joint, ...], names: set[str]) -> tuple[Joint, ...]:
     """The joints without the damping of those that are named."""
     return tuple(replace(joint, damping=0.0) if joint.name in names else joint for joint in joints)
-
-
-def _resistance(inertial: Inertial, joint: Joint) -> float:
-    """How hard a body is to move by a joint at its frame's origin: kg m² or kg.
-
-    Of the parent, which hangs on the joint by another point, it is an estimate.
-    """
-    if joint.type is JointType.PRISMATIC:
-        return inertial.mass
-    x, y, z = joint.axis_in_joint
-    xx, xy, xz, yy, yz, zz = moved(
-        about_link_axes(inertial), inertial.mass, inertial.pose_in_link.xyz
-    )
-    return xx * x * x + yy * y * y + zz * z * z + 2 * (xy * x * y + xz * x * z + yz * y * z)
 
 
 def without_missing_meshes(tree: Robot) -> Robot:
@@ -160,10 +117,6 @@ def unread_mesh(client: Client, body: int, tree: Robot, index_of: Mapping[str, i
                 read = {shape[4].decode(errors="replace") for shape in loaded}
                 return next((file for file in files if file not in read), files[0])
     return None
-
-
-# PyBullet makes nonsense of an infinite force; nothing on a robot resists this one.
-STRONGEST = 1e7  # N m or N
 
 
 def _at_rest(joint: Joint) -> float:

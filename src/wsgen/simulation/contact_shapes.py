@@ -27,31 +27,11 @@ from wsgen.model.transform import Vector, rotate, rotation_of_rpy
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
-    from wsgen.model.robot import Collision, Geometry, Robot
+    from wsgen.model.robot import Collision, Robot
     from wsgen.model.transform import Pose
 
 
 HULL_TOLERANCE = 1e-5  # m; what sticks out of a convex hull by less is on it
-
-
-def lowest_point(geometry: Geometry, pose_in_world: Pose) -> float | None:
-    """The z of the lowest point of a primitive, m; None for others, whose points are in files."""
-    x, y, z = (abs(part) for part in rotation_of_rpy(pose_in_world.rpy)[2])
-    if not isinstance(geometry, Primitive):
-        return None
-    if isinstance(geometry, Box):
-        reach = sum(part * edge / 2 for part, edge in zip((x, y, z), geometry.size, strict=True))
-    elif isinstance(geometry, Sphere):
-        reach = geometry.radius
-    elif isinstance(geometry, Capsule):
-        reach = z * geometry.length / 2 + geometry.radius
-    else:
-        reach = _of_cylinder(geometry, math.hypot(x, y), z)
-    return pose_in_world.xyz[2] - reach
-
-
-def _of_cylinder(cylinder: Cylinder, across: float, along: float) -> float:
-    return along * cylinder.length / 2 + across * cylinder.radius
 
 
 def inside_hull(collisions: Sequence[Collision]) -> set[int]:
@@ -82,7 +62,7 @@ def _is_within(faces: Sequence[_Face], collision: Collision) -> bool:
         return True  # a box has no more points
     return all(
         face.height(corner) <= HULL_TOLERANCE
-        for corner in _placed(_box_around(collision.geometry), collision.pose_in_link)
+        for corner in _placed(box_around(collision.geometry), collision.pose_in_link)
         for face in faces
     )
 
@@ -95,7 +75,7 @@ def _placed(points: Iterable[Vector], pose: Pose) -> Iterator[Vector]:
         yield (x + a, y + b, z + c)
 
 
-def _box_around(geometry: Primitive) -> Iterator[Vector]:
+def box_around(geometry: Primitive) -> Iterator[Vector]:
     """The corners of a primitive's box."""
     if isinstance(geometry, Box):
         reach = geometry.size
@@ -111,7 +91,7 @@ def _box_around(geometry: Primitive) -> Iterator[Vector]:
 def _points_of(geometry: Primitive) -> Iterator[Vector]:
     """All corners of a box; the outermost points of what is round along its own axes."""
     if isinstance(geometry, Box):
-        yield from _box_around(geometry)
+        yield from box_around(geometry)
         return
     r, half = geometry.radius, 0.0 if isinstance(geometry, Sphere) else geometry.length / 2
     for side in (-1, 1):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from itertools import combinations, product
+from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 import dartpy
@@ -21,7 +21,8 @@ from wsgen.model.transform import (
     rotation_of_rpy,
     rpy_of_rotation,
 )
-from wsgen.simulation.contact_shapes import inner_collisions, lowest_point
+from wsgen.simulation import surfaces
+from wsgen.simulation.contact_shapes import inner_collisions
 from wsgen.simulation.engine import (
     GROUND_FRICTION,
     HullGap,
@@ -63,7 +64,7 @@ class DartBody:
         self._inner: list[tuple[str, Collision, Any]] = []  # what level ground need not touch
         self._touches_with_all = False
         self.joints: dict[str, Any] = {}  # the movable ones, by name
-        self._shapes: list[tuple[str, Geometry, Any]] = []  # with the names of their links
+        self._shapes: list[tuple[str, Any]] = []  # with the names of their links
         self.unread: list[str] = []  # mesh files
         self.loose_nodes: list[Any] = []  # the root of every tree that is not fixed
         self._bases: list[tuple[Any, Pose]] = []  # of what is not fixed, with its pose in the robot
@@ -150,10 +151,10 @@ class DartBody:
             else:
                 frame = add_shape(node, shape, collision.surface.mu1, self._shape_name())
                 frame.setRelativeTransform(matrix_of(collision.pose_in_link))
-            self._shapes.append((link.name, collision.geometry, frame))
+            self._shapes.append((link.name, frame))
 
     @property
-    def shapes(self) -> list[tuple[str, Geometry, Any]]:
+    def shapes(self) -> list[tuple[str, Any]]:
         """All that can touch something: the names of the links, and the frames in the world."""
         for link, collision, frame in self._inner:
             pose = compose(self.link_pose(link), collision.pose_in_link)
@@ -221,16 +222,6 @@ def _position(joint: Any) -> float:
     return float(positions[0]) if len(positions) == 1 else math.hypot(*positions)
 
 
-def corners_of(frame: Any) -> list[Vector]:
-    """The corners of the box around a shape along its own axes, seen from the world."""
-    box, pose = frame.getShape().getBoundingBox(), pose_of(frame)
-    (x, y, z), (far_x, far_y, far_z) = box.getMin().tolist(), box.getMax().tolist()
-    return [
-        compose(pose, Pose(xyz=corner)).xyz
-        for corner in product((x, far_x), (y, far_y), (z, far_z))
-    ]
-
-
 def add_shape(node: Any, shape: Any, friction: float, name: str) -> Any:
     """Give a body something to touch; gives the shape's frame."""
     frame = node.createShapeNode(shape, name)
@@ -284,7 +275,6 @@ def _shape_of(geometry: Geometry) -> Any:
 GROUND_SIZE = (1000.0, 1000.0, 10.0)  # m
 
 MOST_CONTACTS = 10_000  # of a search for overlaps; no robot has as many shapes in each other
-BISECTIONS = 40  # of the height at which a mesh begins; from 1 km they lead to 1e-9 m
 
 
 class DartEngine:
@@ -391,38 +381,11 @@ class DartEngine:
 
     def lowest_point(self, entity: str) -> float:
         """The z of the lowest point that can touch something, m; that of the root without any."""
-        lowest = []
-        for _, geometry, frame in self._robots[entity].shapes:
-            z = lowest_point(geometry, pose_of(frame))
-            lowest.append(self._lowest_of_mesh(frame) if z is None else z)
-        return min(lowest, default=self.state(entity).xyz[2])
-
-    def _lowest_of_mesh(self, frame: Any) -> float:
-        """Where a box that comes up from below first meets it: DART does not give its points."""
-        corners = corners_of(frame)
-        low, high = (pick(z for _, _, z in corners) for pick in (min, max))
-        edge = 4 * max(math.dist(corners[0], corners[-1]), 1e-3)  # it holds all of the mesh
-        x, y, _ = corners[0]
-        probe = dynamics.SimpleFrame(dynamics.Frame.World())
-        probe.setShape(dynamics.BoxShape((edge, edge, edge)))
-        group, other = self._detector.createCollisionGroup(), self._detector.createCollisionGroup()
-        group.addShapeFrame(frame)
-        other.addShapeFrame(probe)
-        option = dartpy.collision.CollisionOption(False, 1)
-        for _ in range(BISECTIONS):
-            middle = (low + high) / 2
-            probe.setRelativeTransform(matrix_of(Pose(xyz=(x, y, middle - edge / 2))))
-            if group.collide(other, option):
-                high = middle
-            else:
-                low = middle
-        return high
+        return surfaces.lowest_point(self._robots[entity].robot, self.link_poses(entity))
 
     def corners(self, entity: str) -> list[Vector]:
         """Corners of boxes along the world's axes around all that can touch something, m."""
-        shapes = self._robots[entity].shapes
-        boxes = [corner for _, _, frame in shapes for corner in corners_of(frame)]
-        return boxes or [self.state(entity).xyz]
+        return surfaces.corners(self._robots[entity].robot, self.link_poses(entity))
 
     def link_poses(self, entity: str) -> dict[str, Pose]:
         """The frames of all links of a robot by name, seen from the world."""
@@ -434,7 +397,7 @@ class DartEngine:
         group = self._detector.createCollisionGroup()
         place: dict[str, tuple[str, str]] = {}
         for entity, body in self._robots.items():
-            for link, _, frame in body.shapes:
+            for link, frame in body.shapes:
                 group.addShapeFrame(frame)
                 place[frame.getName()] = (entity, link)
         result = dartpy.collision.CollisionResult()

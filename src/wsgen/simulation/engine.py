@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from itertools import combinations
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeVar
 
 from wsgen.values import dataclass
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from wsgen.model.robot import Robot
     from wsgen.model.transform import Pose, Vector
@@ -177,3 +177,18 @@ def deepest_overlaps(
         if depth > TOUCHING and not (is_one or is_joined):
             deepest[pair] = max(depth, deepest.get(pair, 0.0))
     return [Overlap(*one, *other, depth=depth) for (one, other), depth in deepest.items()]
+
+
+T = TypeVar("T")
+
+
+def meeting(boxes: Iterable[tuple[Sequence[float], Sequence[float], T]]) -> Iterator[tuple[T, T]]:
+    """What is in boxes that meet, found by a sweep along x; each is given by two corners."""
+    open_ones: list[tuple[Sequence[float], Sequence[float], T]] = []  # that reach to the sweep
+    for box in sorted(boxes, key=lambda box: box[0][0]):
+        low, high, one = box
+        open_ones = [other for other in open_ones if other[1][0] >= low[0]]
+        for near, far, other in open_ones:
+            if all(near[axis] <= high[axis] and low[axis] <= far[axis] for axis in (1, 2)):
+                yield other, one
+        open_ones.append(box)

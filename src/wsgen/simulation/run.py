@@ -11,7 +11,10 @@ from typing import TYPE_CHECKING
 from wsgen.diagnostics import Rule, Severity
 from wsgen.isolation import parent
 from wsgen.isolation.codec import decode
+from wsgen.isolation.missing_library import find_missing_library
 from wsgen.isolation.result import DEFAULT_LIMITS, Died
+from wsgen.model.outcome import ENGINE_NAMES
+from wsgen.simulation.not_loaded import explain_not_loaded
 from wsgen.simulation.scene import (
     DRAWING,
     LOADING,
@@ -56,8 +59,8 @@ ENGINE_REFUSED = Rule(
     severity=Severity.ERROR,
     summary="The physics engine does not load the robot.",
     why="A robot that does not load cannot be simulated; the message says what the engine lacks.",
-    example="A robot of more than 128 links, where DART is not installed.",
-    instead="pip install 'wsgen[dart]'",
+    example="A robot of more than 128 links, where PyBullet is the only engine.",
+    instead="pip install 'wsgen[mujoco]'",
 )
 
 ENGINE_WARNING = Rule(
@@ -106,8 +109,13 @@ COARSE_VIDEO = Rule(
     instead="wsgen validate my_robot --record robot.gif --seconds 5",
 )
 
-MODULES = {"bullet": "pybullet", "dart": "dartpy"}  # the libraries, by engine
-TASKS = {"bullet": "wsgen.tasks.bullet:simulate", "dart": "wsgen.tasks.dart:simulate"}
+# The libraries, by engine.
+MODULES = {"bullet": "pybullet", "dart": "dartpy", "mujoco": "mujoco"}
+TASKS = {
+    "bullet": "wsgen.tasks.bullet:simulate",
+    "dart": "wsgen.tasks.dart:simulate",
+    "mujoco": "wsgen.tasks.mujoco:simulate",
+}
 MANY_TRIANGLES = 20_000  # with fewer, a frame's time goes into its pixels
 LAST_OUTPUT = 600  # characters of an engine's output that are reported
 COLORS = re.compile(r"\x1b\[[0-9;]*m")  # DART's warnings are yellow
@@ -119,9 +127,14 @@ def missing_engines(engines: Iterable[str]) -> list[str]:
     return [name for name in engines if find_spec(MODULES[name]) is None]
 
 
+def installed_engines() -> list[str]:
+    """Which engines are installed, in the order of preference."""
+    return [name for name in ENGINE_NAMES if not missing_engines([name])]
+
+
 def default_engine() -> str:
-    """PyBullet, or DART where Python has no wheels of PyBullet."""
-    return "dart" if missing_engines(["bullet"]) else "bullet"
+    """PyBullet, or MuJoCo where Python has no wheels of PyBullet, or else DART."""
+    return next(iter(installed_engines()), "mujoco")
 
 
 def run_simulation(
@@ -191,6 +204,10 @@ def _without(scene: Scene, entity: str) -> Scene | None:
 
 
 def _death(scene: Scene, death: Died) -> Diagnostic:
+    others = (name for name in MODULES if name != scene.engine and not missing_engines([name]))
+    not_loaded = explain_not_loaded(scene.engine, death, others)
+    if not_loaded is not None:
+        return not_loaded
     words = _without_greetings(death.output)[-LAST_OUTPUT:]
     said = f" Its last output: {words}" if words else ""
     return ENGINE_DIED.at(
@@ -234,6 +251,13 @@ def _no_picture(what: str, problem: str) -> Diagnostic:
 
 
 def _no_video(problem: str) -> Diagnostic:
+    missing = find_missing_library(problem)
+    if missing is not None:
+        return NO_VIDEO.at(
+            None,
+            message=f"Cannot record a video: this takes {missing.name}, which the system lacks.",
+            hint=f"{missing.advice}; or record a .gif.",
+        )
     return NO_VIDEO.at(
         None,
         message=f"Cannot record a video: {problem}.",

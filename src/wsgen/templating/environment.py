@@ -79,8 +79,10 @@ def _open_folder() -> Iterator[int]:
     """Open wsgen's cache folder, which is created if it is missing, and yield its descriptor.
 
     Raises:
-        OSError, RuntimeError: it cannot be created, or is not the user's alone.
+        OSError, RuntimeError: it cannot be created, or is not known to be the user's alone.
     """
+    if not hasattr(os, "geteuid"):  # on Windows, which opens no folders, too
+        raise PermissionError
     cache = Path(os.environ.get("XDG_CACHE_HOME", ""))
     if not cache.is_absolute():  # the XDG specification ignores it then, and so an empty one
         cache = Path.home() / ".cache"

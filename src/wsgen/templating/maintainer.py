@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import os
-import pwd
+import getpass
 import re
 import subprocess
 from typing import TYPE_CHECKING
@@ -63,10 +62,8 @@ def _ask_git() -> Mapping[str, str]:
 
 def _login() -> str:
     """Return the login's name, without characters that are invalid before the @ of an address."""
-    name = os.environ.get("LOGNAME") or os.environ.get("USER")
-    if not name:
-        try:
-            name = pwd.getpwuid(os.getuid()).pw_name
-        except KeyError:  # a container that runs under a number
-            name = ""
+    try:
+        name = getpass.getuser()
+    except (ImportError, KeyError, OSError):  # a container that runs under a number
+        name = ""
     return re.sub(r"[^A-Za-z0-9_-]", "", name) or "user"

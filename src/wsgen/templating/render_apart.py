@@ -90,8 +90,11 @@ def render_here(request: RenderRequest) -> Rendered:
     def stop(_number: int, _frame: FrameType | None) -> None:
         raise TooSlowError(f"the template needs more than {request.seconds:g} s of CPU time")
 
-    signal.signal(signal.SIGPROF, stop)
-    signal.setitimer(signal.ITIMER_PROF, request.seconds)
+    has_timer = hasattr(signal, "setitimer")  # Windows has the limit of the child alone
+    if has_timer:
+        signal.signal(signal.SIGPROF, stop)
+        signal.setitimer(signal.ITIMER_PROF, request.seconds)
     tree, diagnostics = render_tree(request.spec, request.template)
-    signal.setitimer(signal.ITIMER_PROF, 0)
+    if has_timer:
+        signal.setitimer(signal.ITIMER_PROF, 0)
     return Rendered(tree, tuple(diagnostics))

@@ -19,7 +19,7 @@ WORKFLOWS = {
     "github": (".github/workflows/wsgen.yml", "wsgen:workspace/github.yml.j2"),
     "gitlab": (".gitlab-ci.yml", "wsgen:workspace/gitlab.yml.j2"),
 }
-# The newest that has wheels of PyBullet (pyproject.toml); on a newer one wsgen takes DART.
+# The newest that has wheels of PyBullet (pyproject.toml); on a newer one wsgen takes MuJoCo.
 NEWEST_PYTHON = (3, 13)
 
 

@@ -8,19 +8,24 @@ Files of a workspace are also written into a hidden folder first, and linked to 
 there, which fails where something exists.
 
 A killed command leaves its hidden folder behind. It held a lock on it, which the system released
-when the process ended: the next command removes every such folder that it can lock.
+when the process ended: the next command removes every such folder that it can lock. Windows locks
+no folders, so it stays there.
 """
 
 from __future__ import annotations
 
 import contextlib
 import errno
-import fcntl
 import os
 import shutil
 from typing import TYPE_CHECKING
 
 from wsgen.errors import NotReadableError, WouldOverwriteError
+
+try:
+    import fcntl
+except ImportError:  # on Windows
+    fcntl = None  # type: ignore[assignment]
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -108,6 +113,9 @@ def remove_leftovers(parent: Path) -> None:
 @contextlib.contextmanager
 def _lock(folder: Path, *, wait: bool) -> Iterator[bool]:
     """Lock the folder; yield False if it is locked already or cannot be locked."""
+    if fcntl is None:
+        yield False
+        return
     try:
         descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
     except OSError:

@@ -15,6 +15,7 @@ from launch.conditions import evaluate_condition_expression
 from launch.launch_context import local_of
 from wsgen.files import refuse_irregular
 from wsgen.launch import known_packages
+from wsgen.launch.commands import keep_separators
 from wsgen.launch.record import RECORD, run_command
 
 if TYPE_CHECKING:
@@ -154,7 +155,7 @@ class Command(Substitution):
                 "expected 'on_stderr' to be one of: 'fail', 'ignore', 'warn', and 'capture', "
                 f"but got '{on_stderr}'"
             )
-        outcome = run_command(shlex.split(line), self.wsgen_location)
+        outcome = run_command(shlex.split(keep_separators(line)), self.wsgen_location)
         if outcome.code != 0:
             raise _failure(
                 f"executed command failed. Command: {line}\n"
@@ -294,7 +295,8 @@ class FindExecutable(Substitution):
         path = shutil.which(name) or known_packages.program_path(name)
         if path is None:
             raise SubstitutionFailure(f"executable '{name}' not found on the PATH")
-        return path
+        # Without what Windows adds, such as `.EXE`.
+        return os.path.join(os.path.dirname(path), os.path.basename(name))
 
 
 class ForEachVar(Substitution):

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-import pybullet
 import pytest
 from PIL import Image
 
-from simulation.showpieces import (
+from rendering.showpieces import (
     BLUE,
     GROUND,
     VOID,
@@ -23,16 +22,20 @@ from simulation.showpieces import (
     spawned,
     touched_alone,
 )
+from wsgen.meshes.appearance import AppearanceWriter
+from wsgen.meshes.content import Material
+from wsgen.meshes.worker import read_mesh
 from wsgen.model.robot import GAZEBO_COLORS, Box, Collision, Cylinder, Link, Mesh, Sphere, Visual
 from wsgen.model.transform import Pose
-from wsgen.rendering.camera import Size, extent, eye_camera, view_axes
-from wsgen.rendering.picture import Backdrop, tile_for, write_caption
-from wsgen.rendering.scene_renderer import lights
+from wsgen.rendering.backdrop import Backdrop, tile_for
+from wsgen.rendering.camera import Size, extent, eye_camera
+from wsgen.rendering.picture import write_caption
+from wsgen.rendering.scene_renderer import SUN, sun_of
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from simulation.showpieces import Pixels
+    from rendering.showpieces import Pixels
     from wsgen.model.transform import Vector
 
 
@@ -66,17 +69,15 @@ def test_a_square_is_as_large_as_it_is_said_to_be(size: float) -> None:
     ) * size
     camera = eye_camera(points, SIZE)
     tile = tile_for(extent(points))
-    ground = Backdrop(camera, SIZE, tile=tile, has_ground=True)
+    ground = Backdrop(camera, tile=tile, has_ground=True)
     assert ground.tile == tile
-    axes = view_axes(tuple(np.array(camera.eye) - np.array(camera.target)))
-    slope = math.tan(math.radians(camera.field_of_view / 2))
+    view = camera.view
 
     def brightness(x: float, y: float) -> float:
         """Of the middle of the square that is so many squares from the world's middle."""
-        across, up, away = axes @ (np.array([x * tile, y * tile, 0.0]) - camera.eye)
-        column = (across / away / slope / camera.aspect + 1) / 2 * SIZE.width
-        row = (1 - up / away / slope) / 2 * SIZE.height
-        return float(ground.color[int(row), int(column)].sum() * 255)
+        point = view.matrix @ (np.array([x * tile, y * tile, 0.0]) - camera.eye)
+        column, row, _ = view.project(point.astype(np.float32))
+        return float(ground.color[:, int(row), int(column)].sum() * 255)
 
     center = brightness(0, 0)  # the middle of the world is the middle of a square
     others = [brightness(x, y) for x, y in ((1, 0), (0, 1), (-1, 0), (0, -1))]
@@ -212,8 +213,15 @@ def test_a_texture_is_shown_the_right_way_up(tmp_path: Path) -> None:
     quarters = Image.new("RGB", (2, 2))
     quarters.putdata(colors)
     quarters.resize((64, 64), Image.Resampling.NEAREST).save(image)
-    mesh = Mesh(uri="quad.obj", path=str(file), bounds=((-1.0, 0.0, -1.0), (1.0, 0.0, 1.0)))
-    wall = piece(mesh, rgba=None, texture=str(image), at=Pose((0.0, 0.0, 1.0)))
+    content = read_mesh(file, with_materials=True)
+    patch = content.patches[0]._replace(material=Material(image="quad.png"))
+    colored, problems = AppearanceWriter(tmp_path).write(
+        file, content._replace(patches=(patch,)), [False]
+    )
+    assert problems == []
+    ((part,),) = colored
+    mesh = Mesh(uri="quad.obj", path=part.path)
+    wall = piece(mesh, rgba=None, texture=part.texture, at=Pose((0.0, 0.0, 1.0)))
     pixels, _ = photograph(tmp_path, wall)
     rows, columns = np.nonzero(pixels.max(axis=2).astype(int) - pixels.min(axis=2) > 100)
     width, height = np.ptp(columns), np.ptp(rows)
@@ -359,12 +367,9 @@ def test_a_wide_slab_at_the_height_of_the_ground_does_not_hide_its_squares(tmp_p
 
 
 def test_gazebo_s_own_sun_is_drawn_as_ours_and_another_one_as_it_shines() -> None:
-    shading, shadow = lights(GROUND)
-    assert shadow is not None
-    assert shading != shadow
-    low = replace(GROUND, sun_direction=(0.6, 0.0, -0.8))
-    assert lights(low) == ((-0.6, 0.0, 0.8), (-0.6, 0.0, 0.8))
-    assert lights(replace(GROUND, sun_direction=(1.0, 0.0, 0.0)))[1] is None
+    assert sun_of(GROUND) == (SUN, True)
+    assert sun_of(replace(GROUND, sun_direction=(0.6, 0.0, -0.8))) == ((-0.6, 0.0, 0.8), True)
+    assert not sun_of(replace(GROUND, sun_direction=(1.0, 0.0, 0.0)))[1]
 
 
 def test_the_shadow_falls_away_from_the_world_s_light(tmp_path: Path) -> None:
@@ -392,28 +397,7 @@ def test_a_light_from_straight_above(tmp_path: Path) -> None:
     assert is_blue(pixels).mean() > 0.1
 
 
-# PyBullet as other people build it
-
-
-def test_the_picture_is_the_same_where_pybullet_knows_no_numpy(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """As `pybullet-arm64` is built: it gives a tuple of all numbers of an image."""
-    parts = (
-        piece(CUBE, rgba=(1.0, 0.0, 0.0, 0.5), at=STANDING),  # see-through, and half in the ground
-        piece(Sphere(radius=0.4), rgba=BLUE, at=Pose((1.0, 0.3, 0.1)), name="other"),
-    )
-    usual, usual_tile = photograph(tmp_path, *parts)
-    draw = pybullet.getCameraImage
-
-    def draw_without_numpy(*arguments: Any, **options: Any) -> tuple[Any, ...]:
-        width, height, *images = draw(*arguments, **options)
-        return (width, height, *(tuple(image.ravel().tolist()) for image in images))
-
-    monkeypatch.setattr(pybullet, "getCameraImage", draw_without_numpy)
-    pixels, tile = photograph(tmp_path, *parts)
-    assert tile == usual_tile
-    assert (pixels == usual).all()
+# Captions
 
 
 def word_gap(height: int) -> float:

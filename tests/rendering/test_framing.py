@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from simulation.showpieces import BLUE, is_blue, margins, photograph, piece
+from rendering.showpieces import BLUE, is_blue, margins, photograph, piece
 from wsgen.model.robot import Box, Cylinder, Geometry, Mesh, Sphere
 from wsgen.model.transform import Pose
-from wsgen.rendering.camera import MARGIN, Size, eye_camera, view_axes
+from wsgen.rendering.camera import MARGIN, Size, eye_camera
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -42,8 +42,7 @@ def corners(size: tuple[float, float, float], at: tuple[float, float, float]) ->
 
 def seen_at(camera: Camera, points: Floats) -> Floats:
     """Where points are seen: 0 to 1 from left to right and from top to bottom."""
-    back = tuple(a - b for a, b in zip(camera.eye, camera.target, strict=True))
-    across, up, forward = view_axes((back[0], back[1], back[2])) @ (points - np.array(camera.eye)).T
+    across, up, forward = camera.axes @ (points - np.array(camera.eye)).T
     slope = math.tan(math.radians(camera.field_of_view / 2))
     seen: Floats = np.stack(
         [(across / forward / slope / camera.aspect + 1) / 2, (1 - up / forward / slope) / 2]

@@ -14,10 +14,10 @@ import pytest
 from PIL import Image
 
 from child_answers import answered
-from simulation.showpieces import BLUE, GROUND, is_blue, piece, scene_renderer_of
+from rendering.showpieces import BLUE, GROUND, is_blue
 from wsgen.diagnostics import Severity
 from wsgen.isolation.result import DEFAULT_LIMITS, Answered, Died, Limits
-from wsgen.model.robot import Box, Collision, Inertial, Link, Mesh, Robot, Visual
+from wsgen.model.robot import Box, Collision, Inertial, Link, Robot, Visual
 from wsgen.model.transform import Pose
 from wsgen.rendering import recording, video
 from wsgen.rendering.recording import Clip, Recorder, why_no_video
@@ -28,8 +28,7 @@ from wsgen.simulation.scene import RECORDING, Picture, Scene, SceneResult, Spawn
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from simulation.showpieces import Pixels
-    from wsgen.rendering.camera import Size
+    from rendering.showpieces import Pixels
     from wsgen.rendering.render_items import Poses
 
 
@@ -201,17 +200,10 @@ def test_what_takes_long_to_draw_gets_fewer_and_smaller_frames(
 
 
 def test_what_a_video_is_like_depends_on_what_is_drawn_alone() -> None:
-    def quality(triangles: int, frames: int) -> tuple[Size, float]:
-        mesh = Mesh(uri="m", path=None, triangles=triangles)
-        scene_renderer = scene_renderer_of(piece(Box(size=SIZE)))
-        render_item = replace(scene_renderer.render_items[0], geometry=mesh)
-        scene_renderer.renderer._bodies = [(render_item, 0)]
-        return video._quality(scene_renderer, frames)[:2]
-
-    assert quality(12, 61) == (video.LARGE, 1.5)
-    assert quality(12, 601)[0] == video.SMALL
-    assert quality(500_000, 61) == (video.SMALL, 0.75)
-    assert quality(20_000, 121) != quality(12, 121)
+    assert video._quality(12, 61)[0] == video.LARGE
+    assert video._quality(12, 601)[0] == video.LARGE
+    assert video._quality(2_000_000, 61)[0] == video.SMALL
+    assert video._quality(20_000, 121)[1] > video._quality(12, 121)[1]
 
 
 @pytest.mark.parametrize(("triangles", "word"), [(12, "seconds"), (90_000, "meshes")])
@@ -264,6 +256,25 @@ def test_a_robot_that_is_nowhere_at_the_end_stays_where_it_was(tmp_path: Path) -
     made_of(file, frames, [])
     pictures, _ = frames_of(file)
     assert is_blue(pictures[-1]).sum() == is_blue(pictures[0]).sum() > 1000
+
+
+def test_a_model_that_is_the_ground_is_shown_as_ground(tmp_path: Path) -> None:
+    """As in the picture, from the first frame to the last."""
+    slab = Box(size=(100.0, 100.0, 1.0))
+    link = Link(name="l", visuals=(Visual(geometry=slab, rgba=(0.0, 0.8, 0.0, 1.0)),))
+    floor = SpawnedRobot(
+        entity="floor",
+        robot=Robot(name="f", root="l", links=(link,), is_static=True),
+        pose_in_world=Pose((0.0, 0.0, -0.5)),
+        is_static_model=True,
+    )
+    file = tmp_path / "video.gif"
+    outcome = run_simulation(replace(scene(file, 0.3), robots=(pole(), floor)))
+    assert outcome.video is not None
+    for picture in frames_of(file)[0]:
+        red, green, blue = picture[10:40, 10:40].reshape(-1, 3).astype(int).T
+        assert (abs(green - red) < 40).all()
+        assert (abs(green - blue) < 40).all()
 
 
 # What keeps a video from being made

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-PAGE = Path(__file__).parents[1] / "docs" / "pictures.md"
+PAGE = Path(__file__).parents[2] / "docs" / "pictures.md"
 FOLDER = PAGE.with_suffix("")
 
 
@@ -64,10 +64,25 @@ HEAD = """\
 # Ten robots
 
 These pictures are what `wsgen validate --picture DIR --seconds 0.1` draws of ten published robots
-from PyPI, without a display: colors and textures of the meshes, shadows, and the size of a square
-of the ground. The models belong to their authors; each has the license of its package.
-`pytest tests/test_pictures.py --regenerate` draws them again; a test compares them.
+from PyPI. wsgen draws them itself, with NumPy, without a display or a graphics card: the same
+picture with every engine and on every platform. All triangles of a mesh are drawn, millions of
+them if need be, in the colors and textures of its file; things throw shadows on the ground, on each
+other and on themselves, and nooks between them are darker. What is transparent is drawn over the
+rest, and what is under the ground faintly. A square of the ground has the size that is written into
+the picture.
+
+The models belong to their authors; each has the license of its package.
+`pytest tests/rendering/test_pictures.py --regenerate` draws them again; a test compares them.
 """
+
+TAIL = """
+## Before and after
+
+Until wsgen had a renderer of its own, PyBullet's drew the pictures (left): without shadows on the
+robots, and of dense meshes only a part of the triangles.
+"""
+
+SHEETS = ("before-after-arms", "before-after-humanoids", "before-after-vehicles")
 
 SMALL = (48, 36)  # pixels in which pictures are compared: what the renderer does at edges is lost
 ALIKE = 6.0  # levels of 256, mean over a small picture
@@ -122,7 +137,8 @@ def test_the_page_shows_all_pictures(*, regenerate: bool) -> None:
         f"![{robot.title}](pictures/{name}.png)\n"
         for name, robot in ROBOTS.items()
     )
+    text += TAIL + "".join(f"\n![Before and after](pictures/{name}.png)\n" for name in SHEETS)
     if regenerate:
         PAGE.write_text(text, encoding="utf-8")
     assert PAGE.read_text(encoding="utf-8") == text
-    assert {file.stem for file in FOLDER.glob("*.png")} == set(ROBOTS)
+    assert {file.stem for file in FOLDER.glob("*.png")} == {*ROBOTS, *SHEETS}

@@ -1,0 +1,79 @@
+"""The engines of a request: all that can be compared, those that are missing."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from wsgen.diagnostics import Rule, Severity
+from wsgen.errors import NotFoundError
+from wsgen.model.outcome import ENGINE_NAMES, name_engines
+from wsgen.simulation.run import default_engine, installed_engines, missing_engines
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from wsgen.diagnostics import Diagnostic
+
+
+def all_engines() -> tuple[str, ...]:
+    """Those that `--engine all` compares: what is installed; all, if there is nothing to compare.
+
+    `check_engines` then says which are missing.
+    """
+    installed = installed_engines()
+    return tuple(installed if len(installed) > 1 else ENGINE_NAMES)
+
+
+def check_engines(engines: Sequence[str]) -> None:
+    """Check that engines are installed.
+
+    Raises:
+        NotFoundError: one is not.
+    """
+    missing = missing_engines(engines)
+    if missing:
+        raise NotFoundError(
+            f"{name_engines(missing)} {'is' if len(missing) == 1 else 'are'} not installed."
+            if installed_engines()
+            else "No physics engine is installed.",
+            hint=_how_to_install(missing),
+        )
+
+
+def _how_to_install(engines: Sequence[str]) -> str:
+    """The hint for engines that are missing; PyBullet's wheels have two names, where it has any."""
+    extras = [engine for engine in engines if engine != "bullet"]
+    if not extras and not installed_engines():
+        extras = ["mujoco"]
+    if extras:
+        what = "it" if len(engines) == 1 else "them"
+        if extras != list(engines):
+            what = name_engines(extras)
+        return f"Install {what}: pip install 'wsgen[{','.join(extras)}]'"
+    return (
+        "PyBullet comes with wsgen where it has a wheel for the machine and its Python; elsewhere "
+        f"use --engine {default_engine()}."
+    )
+
+
+ENGINE_LEFT_OUT = Rule(
+    code="SPN098",
+    name="engine-left-out",
+    severity=Severity.INFO,
+    summary="An engine is not installed, so `--engine all` compares the other two.",
+    why="Of two engines that disagree, neither is known to be the one that is right.",
+    example="wsgen validate my_robot --engine all",
+    instead="pip install 'wsgen[mujoco,dart]'\nwsgen validate my_robot --engine all",
+)
+
+
+def engine_left_out(engines: Sequence[str]) -> Iterator[Diagnostic]:
+    """Report which engine a comparison is without; `engines` are those that are compared."""
+    left_out = [name for name in ENGINE_NAMES if name not in engines]
+    if len(engines) > 1 and left_out:
+        yield ENGINE_LEFT_OUT.at(
+            None,
+            message=f"{name_engines(left_out)} is not installed: only {name_engines(engines)} are "
+            "compared.",
+            hint=_how_to_install(left_out),
+        )
