@@ -22,7 +22,7 @@ def columns(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> 
     """A terminal with so many columns."""
     size = os.terminal_size((request.param, 24))
     monkeypatch.setattr(terminal, "_is_terminal", lambda: True)
-    monkeypatch.setattr(shutil, "get_terminal_size", lambda: size)
+    monkeypatch.setattr(shutil, "get_terminal_size", lambda *_, **__: size)
     return size.columns
 
 
