@@ -288,7 +288,7 @@ def _without_same(
     first: dict[object, Candidate] = {}
     others: list[tuple[Candidate, str]] = []
     for one in candidates:
-        same = first.setdefault(_simulation(one), one)
+        same = first.setdefault(simulation_of(one), one)
         if same is not one:
             what = "simulation" if one.started.is_evaluated else "mistake"
             name = same.file.name if same.package == one.package else same.name
@@ -296,7 +296,7 @@ def _without_same(
     return list(first.values()), others
 
 
-def _simulation(candidate: Candidate) -> object:
+def simulation_of(candidate: Candidate) -> object:
     """What two launch files have in common if they start the same simulation."""
     started = candidate.started
     if not started.is_evaluated or not started.spawns:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 LOOK_EVERY = 0.2  # s; between two reads of the progress of a child process
 DRAW = "draw"
-STAGES = ("launch", "expand", "load", "simulate")
+STAGES = ("launch", "expand", "load", "simulate")  # of a validation
 
 
 class Step:
@@ -59,7 +59,7 @@ class Clock:
 
     def _end(self, step: tuple[str, str], started: float, ended: Step, detail: str) -> None:
         seconds = time.perf_counter() - started
-        self.seconds[step[1]] += seconds
+        self.seconds[step[1]] = self.seconds.get(step[1], 0.0) + seconds
         post(
             self.listener,
             StepEnded(

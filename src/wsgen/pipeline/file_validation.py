@@ -113,7 +113,7 @@ class FileValidation:
         """Run all stages, up to the first that fails."""
         with make_scratch() as folder:
             context = PrepareContext(
-                share_of=self._share_of,
+                share_of=self.share_of,
                 folder=folder,
                 run=self.run_task,
                 with_colors=self.request.is_drawn,
@@ -122,7 +122,7 @@ class FileValidation:
 
     def _run(self, context: PrepareContext) -> PackageOutcome:
         with self.clock.step("expand", self.file.name) as step:
-            world, prepared = self._read(context)
+            world, prepared = self.read(context)
             step.succeeded = not has_errors(self.diagnostics)
         simulated = SimulationResult()
         if prepared and world:
@@ -148,7 +148,8 @@ class FileValidation:
             seconds=self.clock.read(),
         )
 
-    def _read(self, context: PrepareContext) -> tuple[World | None, list[PreparedRobot]]:
+    def read(self, context: PrepareContext) -> tuple[World | None, list[PreparedRobot]]:
+        """Read and check the file: the world, and what stands in it."""
         refused = why_refused(self.file)
         if refused is not None:
             message = f"{self.file} {refused}."
@@ -231,8 +232,8 @@ class FileValidation:
             )
         return found.world or DEFAULT_WORLD, prepared
 
-    def _share_of(self, package: str) -> Path | None:
-        """Sourced packages come first, as for Gazebo."""
+    def share_of(self, package: str) -> Path | None:
+        """Find a package, sourced ones first, as Gazebo does."""
         return self.overlay.share(package) or self.on_model_path(package) or self.around(package)
 
 

@@ -266,17 +266,22 @@ class Validation:
             return self._run(folder)
 
     def _run(self, folder: Path) -> PackageOutcome:
-        launch_file = self.selected.launch_file
-        if self.selected.problem is not None:
-            self.diagnostics.append(self.selected.problem)
-        started = self._evaluate(launch_file) if launch_file else None
-        world, simulated = self._play(started, folder) if started else (None, SimulationResult())
-        if started and not simulated.robots and not has_errors(self.diagnostics):
+        world, scene = self.read(folder)
+        simulated = SimulationResult()
+        if world is not None and not all(model.is_static_model for model in scene):
+            simulated = self._simulate(world, scene, folder)
+        started = self.started
+        if (
+            started is not None
+            and started.is_evaluated
+            and not simulated.robots
+            and not has_errors(self.diagnostics)
+        ):
             self.diagnostics = _why_nothing_is_simulated(started.plan, self.diagnostics)
         return PackageOutcome(
             package=self.package,
             share=self.selected.share,
-            launch_file=launch_file,
+            launch_file=self.selected.launch_file,
             world=world,
             robots=simulated.robots,
             diagnostics=self._reported(),
@@ -287,8 +292,19 @@ class Validation:
             seconds=self.clock.read(),
         )
 
-    def _play(self, started: Started, folder: Path) -> tuple[World | None, SimulationResult]:
-        """Put what the plan spawns into the world that it names, and simulate it."""
+    def read(self, folder: Path) -> tuple[World | None, list[PreparedRobot]]:
+        """Run the stages before the simulation: the world, and what stands in it.
+
+        `folder` is for files that engines read; `diagnostics` has what is reported.
+        """
+        launch_file = self.selected.launch_file
+        if self.selected.problem is not None:
+            self.diagnostics.append(self.selected.problem)
+        started = self._evaluate(launch_file) if launch_file else None
+        return (None, []) if started is None else self._prepare(started, folder)
+
+    def _prepare(self, started: Started, folder: Path) -> tuple[World | None, list[PreparedRobot]]:
+        """Read what the plan spawns, and the world that it names."""
         environment = {**self.overlay.environment, **started.plan.environment}
         on_model_path = share_on_model_path(environment)
         context = PrepareContext(
@@ -299,16 +315,13 @@ class Validation:
         )
         world, models = self._read_world(started, context, environment)
         if world is None:
-            return None, SimulationResult()
+            return None, []
         in_world = {
             *(model.entity for model in models),
             *(model.name for model in world.models if model.name),
         }
         prepared = self._describe(started, context, environment, in_world)
-        scene = [*without_taken(models, [robot.entity for robot in prepared]), *prepared]
-        if all(model.is_static_model for model in scene):
-            return world, SimulationResult()
-        return world, self._simulate(world, scene, folder)
+        return world, [*without_taken(models, [robot.entity for robot in prepared]), *prepared]
 
     def _reported(self) -> tuple[Diagnostic, ...]:
         """The diagnostics with files of the source, without those that the package allows."""

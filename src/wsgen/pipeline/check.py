@@ -1,0 +1,123 @@
+"""The stages of `wsgen check`: packages and files are read, evaluated and checked; nothing moves.
+
+Launch files see the packages as they would be installed: a scratch folder is laid out as the
+install space would be after a build, with links to the sources.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from contextlib import ExitStack
+from dataclasses import field
+from typing import TYPE_CHECKING
+
+from wsgen.alike import summed_up
+from wsgen.diagnostics import has_errors
+from wsgen.events import OneAtATime
+from wsgen.isolation.parent import make_scratch
+from wsgen.pipeline.check_package import FileCheck, PackageCheck
+from wsgen.pipeline.check_targets import Targets, find_targets
+from wsgen.pipeline.installed_as_built import lay_out
+from wsgen.pipeline.parallel import run_parallel
+from wsgen.values import dataclass
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+    from pathlib import Path
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.events import Listener
+    from wsgen.isolation.parent import Run
+
+
+@dataclass(frozen=True, kw_only=True)
+class CheckRequest:
+    """What to check, and how."""
+
+    paths: Sequence[Path] = ()  # none: the workspace around the current folder
+    workspace: str | None = None  # as `-w` gives it
+    distro: str | None = None  # the target, where packages do not say it
+    jobs: int = 1  # number of packages or files to check in parallel
+
+
+@dataclass(frozen=True, kw_only=True)
+class CheckOutcome:
+    """What was checked, and what is reported about it."""
+
+    diagnostics: tuple[Diagnostic, ...] = ()  # by file and line
+    packages: tuple[str, ...] = ()  # names
+    folders: Mapping[str, Path] = field(default_factory=dict)  # of the packages
+    files: tuple[Path, ...] = ()  # that belong to no package
+    seconds: float = 0.0  # wall-clock
+
+    @property
+    def passed(self) -> bool:
+        """Whether no error is reported."""
+        return not has_errors(self.diagnostics)
+
+
+def check(
+    request: CheckRequest, *, environment: Mapping[str, str], listener: Listener | None = None
+) -> CheckOutcome:
+    """Check packages and files without building or simulating them.
+
+    Raises:
+        NotFoundError: a path does not exist, or a folder has no package.
+        RequestError: the current folder has several workspaces.
+    """
+    before = time.perf_counter()
+    targets = find_targets(request.paths, request.workspace)
+    serial = OneAtATime(listener)
+    ended: list[tuple[Diagnostic, ...]] = []
+    with ExitStack() as stack:
+        scratch = stack.enter_context(make_scratch())
+        installed = lay_out(targets, scratch, environment)
+
+        def subjects(run: Run) -> list[PackageCheck | FileCheck]:
+            return [
+                *(
+                    PackageCheck(package, installed, request.distro, serial, run)
+                    for package in (*targets.packages, *targets.installed)
+                ),
+                *(FileCheck(file, installed, serial, run) for file in targets.files),
+            ]
+
+        run_parallel(lambda run: [one.run for one in subjects(run)], request.jobs, serial, ended)
+        reported = [found for each in ended for found in each]
+    return CheckOutcome(
+        diagnostics=_in_order(_wanted(reported, targets)),
+        packages=tuple(one.name for one in (*targets.packages, *targets.installed)),
+        folders={one.name: one.path for one in (*targets.packages, *targets.installed)},
+        files=targets.files,
+        seconds=time.perf_counter() - before,
+    )
+
+
+def _wanted(diagnostics: Sequence[Diagnostic], targets: Targets) -> tuple[Diagnostic, ...]:
+    """What is reported about the files and folders that were named."""
+    summed = summed_up(diagnostics)
+    if not targets.only:
+        return summed
+    places = (*targets.only, *targets.files, *(one.path for one in targets.installed))
+    return tuple(
+        found
+        for found in summed
+        if found.file is not None and any(found.file.is_relative_to(place) for place in places)
+    )
+
+
+def _in_order(diagnostics: Sequence[Diagnostic]) -> tuple[Diagnostic, ...]:
+    """By file and line, errors first where these are the same."""
+    severities = ["error", "warning", "info"]
+    return tuple(
+        sorted(
+            diagnostics,
+            key=lambda found: (
+                os.fspath(found.file or ""),
+                found.line or 0,
+                severities.index(found.severity.value),
+                found.code,
+            ),
+        )
+    )

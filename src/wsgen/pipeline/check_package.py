@@ -1,0 +1,236 @@
+"""Check one package, or one file without a package: what its files say, each and together."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
+
+from wsgen.diagnostics import Severity, has_errors
+from wsgen.isolation.parent import make_scratch
+from wsgen.pipeline.candidates import Candidate, LaunchFile, simulation_of, with_descriptions
+from wsgen.pipeline.clock import Clock
+from wsgen.pipeline.file_validation import NO_MODEL, PART_OF_ROBOT, FileValidation
+from wsgen.pipeline.package_validation import Validation
+from wsgen.pipeline.prepare import PrepareContext
+from wsgen.pipeline.selection import SelectedPackage, ValidateRequest
+from wsgen.pipeline.started import start
+from wsgen.workspace.layout import find_launch_files
+from wsgen.workspace.package_xml import check_package_xml
+from wsgen.workspace.robot_files import find_robot_files
+from wsgen.workspace.settings import read_settings
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+    from pathlib import Path
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.events import Listener
+    from wsgen.isolation.parent import Run
+    from wsgen.model.plan import LaunchPlan
+    from wsgen.model.robot import Robot
+    from wsgen.model.world import World
+    from wsgen.pipeline.installed_as_built import InstalledAsBuilt
+    from wsgen.pipeline.prepare import PreparedRobot
+    from wsgen.workspace.layout import PackageFolder
+
+
+NOTHING = ValidateRequest()  # launch files and xacro are given no arguments
+
+
+class DescribedRobot(NamedTuple):
+    """A robot that a launch file spawns, or that a file of the package describes."""
+
+    written: Robot
+    file: Path | None
+    launch_file: Path | None  # None: the file is read by itself
+
+
+class Facts(NamedTuple):
+    """What the files of a package say, for the checks between them."""
+
+    package: PackageFolder
+    plans: tuple[LaunchPlan, ...]  # of its launch files, those that fail included
+    robots: tuple[DescribedRobot, ...]
+    worlds: tuple[World, ...]
+    distro: str | None  # the target
+    simulator: str | None  # "classic" or "gz"
+
+
+class PackageCheck:
+    """Reads the files of a package, each once, and checks them."""
+
+    def __init__(
+        self,
+        package: PackageFolder,
+        installed: InstalledAsBuilt,
+        distro: str | None,
+        listener: Listener | None,
+        run: Run,
+    ) -> None:
+        self.package = package
+        self.installed = installed
+        self.overlay = installed.overlay
+        self.run_task = run
+        self.listener = listener
+        self.clock = Clock(package.name, listener)
+        self.settings, self.diagnostics_of_settings = read_settings(package.path)
+        self.distro = self.settings.distro or distro or self.overlay.environment.get("ROS_DISTRO")
+        self.robots: list[DescribedRobot] = []
+        self.worlds: list[World] = []
+        self.simulators: list[str] = []
+        self.read: set[Path] = set()  # files of robots and worlds, as sources
+
+    def run(self) -> tuple[Diagnostic, ...]:
+        """Run all checks."""
+        with self.clock.step("check", self.package.path.name) as step, make_scratch() as folder:
+            found = tuple(dict.fromkeys(self.installed.named(self._run(folder))))
+            step.succeeded = not has_errors(found)
+        return found
+
+    def _run(self, folder: Path) -> Iterator[Diagnostic]:
+        yield from self.package.diagnostics or check_package_xml(self.package.path / "package.xml")
+        yield from self.diagnostics_of_settings
+        if self.package.diagnostics:
+            return
+        candidates = self._evaluate()
+        yield from self._check_launched(candidates, folder)
+        yield from self._check_files(folder)
+        yield from self._check_together(
+            Facts(
+                package=self.package,
+                plans=tuple(one.started.plan for one in candidates),
+                robots=tuple(self.robots),
+                worlds=tuple(self.worlds),
+                distro=self.distro,
+                simulator=self.simulators[0] if len(set(self.simulators)) == 1 else None,
+            )
+        )
+
+    def _check_together(self, facts: Facts) -> Iterator[Diagnostic]:
+        """The checks between files."""
+        # One call of a rule a line: `yield from topic.rule(facts...)`.
+        del facts
+        yield from ()
+
+    def _evaluate(self) -> list[Candidate]:
+        """The launch files of the package, evaluated with their defaults."""
+        share = self.overlay.share(self.package.name)
+        files = find_launch_files(share or self.package.path)
+        found = [
+            Candidate(
+                LaunchFile(self.package.name, file),
+                start(file, self.package.name, self.overlay, NOTHING, self.run_task),
+            )
+            for file in files
+        ]
+        return list(with_descriptions(found, self.overlay))
+
+    def _check_launched(
+        self, candidates: Iterable[Candidate], folder: Path
+    ) -> Iterator[Diagnostic]:
+        """What the launch files do, and once each the robots and worlds that they start."""
+        known = set()
+        for one in candidates:
+            started = one.started
+            yield from started.diagnostics if started.has_spawner else started.plan.diagnostics
+            same = simulation_of(one)
+            if not started.is_evaluated or not started.has_spawner or same in known:
+                continue
+            known.add(same)
+            selected = SelectedPackage(
+                name=self.package.name,
+                source=self.package.path,
+                share=self.overlay.share(self.package.name),
+                launch_file=one.file,
+                started=started,
+            )
+            validation = Validation(selected, self.overlay, NOTHING, None, self.run_task)
+            world, scene = validation.read(folder)
+            yield from validation.diagnostics
+            files = {spawn.entity: spawn.description_file for spawn in started.spawns}
+            self._note(world, scene, files, one.file)
+            if validation.simulator_kind is not None:
+                self.simulators.append(validation.simulator_kind)
+            self.read |= {
+                file.resolve()
+                for file in (
+                    *(spawn.description_file for spawn in started.spawns),
+                    world.file if world else None,
+                )
+                if file is not None
+            }
+
+    def _note(
+        self,
+        world: World | None,
+        scene: Iterable[PreparedRobot],
+        files: Mapping[str, Path | None],
+        launch_file: Path | None,
+    ) -> None:
+        if world is not None and world.file is not None:
+            self.worlds.append(world)
+        self.robots += [
+            DescribedRobot(one.written, files.get(one.entity), launch_file)
+            for one in scene
+            if not one.is_static_model
+        ]
+
+    def _check_files(self, folder: Path) -> Iterator[Diagnostic]:
+        """The robots and worlds of the package that no launch file starts."""
+        for file in self._robot_and_world_files():
+            if file.resolve() in self.read:
+                continue
+            validation = FileValidation(
+                file, self.overlay, NOTHING, None, self.run_task, name=file.name
+            )
+            context = PrepareContext(share_of=validation.share_of, folder=folder, run=self.run_task)
+            world, prepared = validation.read(context)
+            yield from _of_file_alone(validation.diagnostics)
+            self._note(world, prepared, dict.fromkeys((one.entity for one in prepared), file), None)
+
+    def _robot_and_world_files(self) -> Iterator[Path]:
+        yield from find_robot_files(self.package.path)
+        for suffix in (".sdf", ".world"):
+            yield from sorted(self.package.path.rglob(f"*{suffix}"))
+
+
+class FileCheck:
+    """Checks a file that belongs to no package."""
+
+    def __init__(
+        self, file: Path, installed: InstalledAsBuilt, listener: Listener | None, run: Run
+    ) -> None:
+        self.file = file
+        self.installed = installed
+        self.run_task = run
+        self.clock = Clock(file.name, listener)
+
+    def run(self) -> tuple[Diagnostic, ...]:
+        """Read and check it."""
+        with self.clock.step("check", self.file.name) as step, make_scratch() as folder:
+            found = tuple(self._run(folder))
+            step.succeeded = not has_errors(found)
+        return found
+
+    def _run(self, folder: Path) -> tuple[Diagnostic, ...]:
+        overlay = self.installed.overlay
+        if self.file.name.endswith(("launch.py", "launch.xml", "launch.yaml", "launch.yml")):
+            started = start(self.file, None, overlay, NOTHING, self.run_task)
+            return started.diagnostics if started.has_spawner else started.plan.diagnostics
+        validation = FileValidation(
+            self.file, overlay, NOTHING, None, self.run_task, name=self.file.name
+        )
+        context = PrepareContext(share_of=validation.share_of, folder=folder, run=self.run_task)
+        validation.read(context)
+        return tuple(_of_file_alone(validation.diagnostics))
+
+
+def _of_file_alone(diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
+    """What is wrong with a file; that it holds only a part of a robot or world is not."""
+    for found in diagnostics:
+        if found.code == NO_MODEL.code:
+            continue
+        if found.code == PART_OF_ROBOT.code:
+            yield replace(found, severity=Severity.INFO)
+        else:
+            yield found
