@@ -61,15 +61,13 @@ def lay_out(targets: Targets, scratch: Path, environment: Mapping[str, str]) -> 
         for package in find_packages(workspace):
             if not package.diagnostics:
                 packages.setdefault(package.name, package)
+    # Merged: where each package has a prefix, what looks one up passes over all others.
     folder = Path(os.path.realpath(scratch)) / "install"
-    prefixes = [*targets.prefixes]
+    (folder / INDEX).mkdir(parents=True)
     for package in packages.values():
-        prefix = folder / package.name
-        (prefix / INDEX).mkdir(parents=True)
-        (prefix / INDEX / package.name).touch()
-        (prefix / "share" / package.name).symlink_to(package.path, target_is_directory=True)
-        prefixes.append(prefix)
-    path = os.pathsep.join(map(str, prefixes))
+        (folder / INDEX / package.name).touch()
+        (folder / "share" / package.name).symlink_to(package.path, target_is_directory=True)
+    path = os.pathsep.join(map(str, (*targets.prefixes, folder)))
     before = environment.get("AMENT_PREFIX_PATH", "")
     overlay = overlay_of(
         {**environment, "AMENT_PREFIX_PATH": os.pathsep.join(filter(None, (path, before)))}
