@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Severity, has_errors
 from wsgen.isolation.parent import make_scratch
+from wsgen.launch.explain import (
+    ARGUMENT_WITHOUT_VALUE,
+    INTERACTIVE_INPUT,
+    NEEDS_UNKNOWN,
+    VARIABLE_NOT_SET,
+)
+from wsgen.launch.explain_names import UNSUPPORTED_API
+from wsgen.launch.simulators import NO_SIMULATOR
 from wsgen.pipeline.candidates import Candidate, LaunchFile, simulation_of, with_descriptions
 from wsgen.pipeline.clock import Clock
 from wsgen.pipeline.file_validation import NO_MODEL, PART_OF_ROBOT, FileValidation
@@ -20,7 +29,7 @@ from wsgen.workspace.robot_files import find_robot_files
 from wsgen.workspace.settings import read_settings
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
@@ -126,13 +135,13 @@ class PackageCheck:
         return list(with_descriptions(found, self.overlay))
 
     def _check_launched(
-        self, candidates: Iterable[Candidate], folder: Path
+        self, candidates: Sequence[Candidate], folder: Path
     ) -> Iterator[Diagnostic]:
         """What the launch files do, and once each the robots and worlds that they start."""
         known = set()
         for one in candidates:
             started = one.started
-            yield from started.diagnostics if started.has_spawner else started.plan.diagnostics
+            yield from _of_launch(one, candidates)
             same = simulation_of(one)
             if not started.is_evaluated or not started.has_spawner or same in known:
                 continue
@@ -146,7 +155,7 @@ class PackageCheck:
             )
             validation = Validation(selected, self.overlay, NOTHING, None, self.run_task)
             world, scene = validation.read(folder)
-            yield from validation.diagnostics
+            yield from (one for one in validation.diagnostics if one not in started.diagnostics)
             files = {spawn.entity: spawn.description_file for spawn in started.spawns}
             self._note(world, scene, files, one.file)
             if validation.simulator_kind is not None:
@@ -216,13 +225,42 @@ class FileCheck:
         overlay = self.installed.overlay
         if self.file.name.endswith(("launch.py", "launch.xml", "launch.yaml", "launch.yml")):
             started = start(self.file, None, overlay, NOTHING, self.run_task)
-            return started.diagnostics if started.has_spawner else started.plan.diagnostics
+            return tuple(_of_launch(Candidate(LaunchFile("", self.file), started), ()))
         validation = FileValidation(
             self.file, overlay, NOTHING, None, self.run_task, name=self.file.name
         )
         context = PrepareContext(share_of=validation.share_of, folder=folder, run=self.run_task)
         validation.read(context)
         return tuple(_of_file_alone(validation.diagnostics))
+
+
+# What a launch file lacks here is given to it where it is started, or where it is included.
+GIVEN_FROM_OUTSIDE = frozenset(
+    rule.code
+    for rule in (
+        ARGUMENT_WITHOUT_VALUE,
+        INTERACTIVE_INPUT,
+        NEEDS_UNKNOWN,
+        UNSUPPORTED_API,
+        VARIABLE_NOT_SET,
+    )
+)
+
+
+def _of_launch(one: Candidate, beside: Iterable[Candidate]) -> Iterator[Diagnostic]:
+    """What is wrong with a launch file, whatever it is started with."""
+    started = one.started
+    is_included = any(
+        os.path.realpath(one.file) in other.included for other in beside if other is not one
+    )
+    for found in started.diagnostics if started.has_spawner else started.plan.diagnostics:
+        if found.code in GIVEN_FROM_OUTSIDE:
+            if not is_included:
+                yield replace(found, severity=Severity.INFO)
+        elif found.code == NO_SIMULATOR.code:  # somebody may start it in another terminal
+            yield replace(found, severity=Severity.INFO)
+        else:
+            yield found
 
 
 def _of_file_alone(diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]:

@@ -7,6 +7,7 @@ after `colcon build`; what is reported names the sources.
 from __future__ import annotations
 
 import os
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -49,7 +50,13 @@ class InstalledAsBuilt:
 
     def text(self, text: str) -> str:
         """A text with the user's install space in place of the scratch folder."""
-        return text.replace(str(self.folder), str(self.shown_as))
+        if str(self.folder) not in text:
+            return text
+        # colcon gives each package a prefix of its own.
+        place = rf"{re.escape(str(self.folder))}/(share|lib)/([\w-]+)"
+        return re.sub(place, rf"{self.shown_as}/\2/\1/\2", text).replace(
+            str(self.folder), str(self.shown_as)
+        )
 
 
 def lay_out(targets: Targets, scratch: Path, environment: Mapping[str, str]) -> InstalledAsBuilt:
