@@ -25,7 +25,7 @@ from wsgen.pipeline.selection import SelectedPackage, ValidateRequest
 from wsgen.pipeline.started import start
 from wsgen.workspace.layout import find_launch_files
 from wsgen.workspace.package_xml import check_package_xml
-from wsgen.workspace.robot_files import find_robot_files
+from wsgen.workspace.robot_files import find_descriptions
 from wsgen.workspace.settings import read_settings
 
 if TYPE_CHECKING:
@@ -186,7 +186,7 @@ class PackageCheck:
 
     def _check_files(self, folder: Path) -> Iterator[Diagnostic]:
         """The robots and worlds of the package that no launch file starts."""
-        for file in self._robot_and_world_files():
+        for file in find_descriptions(self.package.path):
             if file.resolve() in self.read:
                 continue
             validation = FileValidation(
@@ -196,11 +196,6 @@ class PackageCheck:
             world, prepared = validation.read(context)
             yield from _of_file_alone(validation.diagnostics)
             self._note(world, prepared, dict.fromkeys((one.entity for one in prepared), file), None)
-
-    def _robot_and_world_files(self) -> Iterator[Path]:
-        yield from find_robot_files(self.package.path)
-        for suffix in (".sdf", ".world"):
-            yield from sorted(self.package.path.rglob(f"*{suffix}"))
 
 
 class FileCheck:

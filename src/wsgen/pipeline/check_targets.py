@@ -16,6 +16,7 @@ from wsgen.workspace.layout import (
     read_package,
     workspace_around,
 )
+from wsgen.workspace.robot_files import find_descriptions
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -52,7 +53,9 @@ def find_targets(paths: Sequence[Path], workspace: str | None = None) -> Targets
     installed: dict[Path, PackageFolder] = {}
     prefixes: dict[Path, None] = {}
     places: dict[Path, Workspace] = {}
-    files, only, is_partial = [], [], False
+    files: list[Path] = []
+    only: list[Path] = []
+    is_partial = False
     if workspace is not None:
         place = open_workspace(workspace)
         places[place.root] = place
@@ -77,9 +80,13 @@ def find_targets(paths: Sequence[Path], workspace: str | None = None) -> Targets
             is_partial = is_partial or path != package.path
         elif path.is_dir():
             place = Workspace(root=path)
-            places.setdefault(path, place)
-            packages.update((one.path, one) for one in _require_packages(place))
-            only.append(path)
+            found = find_packages(place)
+            if found:
+                places.setdefault(path, place)
+                packages.update((one.path, one) for one in found)
+                only.append(path)
+            else:
+                files += _require_files(path)
         else:
             files.append(path)
     return Targets(
@@ -100,6 +107,17 @@ def _require_packages(place: Workspace) -> tuple[PackageFolder, ...]:
             hint="Give a folder with packages, or a file: wsgen check robot.urdf",
         )
     return packages
+
+
+def _require_files(folder: Path) -> tuple[Path, ...]:
+    """The robots and worlds below a folder that has no package."""
+    files = tuple(find_descriptions(folder))
+    if not files:
+        raise NotFoundError(
+            f"{folder} has no ROS package, robot or world.",
+            hint="Give a folder with packages, or a file: wsgen check robot.urdf",
+        )
+    return files
 
 
 def _package_around(path: Path) -> PackageFolder | None:

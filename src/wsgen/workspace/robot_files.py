@@ -1,4 +1,4 @@
-"""Find the robots that a package describes."""
+"""Find the robots and worlds that a package describes."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from wsgen.files import irregular_kind
 from wsgen.markup import read_text, without_comments
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from pathlib import Path
 
 
@@ -18,6 +19,13 @@ INCLUDED = re.compile(r"<xacro:include\b[^>]*?\sfilename\s*=\s*[\"']([^\"']+)")
 # What describes a robot: files of macros have nothing of it outside of them.
 MACRO = re.compile(r"<xacro:macro\b.*?</xacro:macro>", re.DOTALL)
 PART = re.compile(r"<(?:link|joint|xacro:(?!arg\b|property\b|macro\b)\w+)\b")
+
+
+def find_descriptions(folder: Path) -> Iterator[Path]:
+    """The files of whole robots below a folder, then those of SDF worlds and models."""
+    yield from find_robot_files(folder)
+    for suffix in (".sdf", ".world"):
+        yield from sorted(file for file in folder.rglob(f"*{suffix}") if file.is_file())
 
 
 def find_robot_files(folder: Path) -> tuple[Path, ...]:
