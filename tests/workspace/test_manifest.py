@@ -8,7 +8,7 @@ import pytest
 
 from build.building import PACKAGE_XML
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.workspace.manifest import Manifest, read_manifest
+from wsgen.workspace.manifest import RUN_TAGS, Dependency, Manifest, read_manifest
 from wsgen.workspace.package_xml import check_package_xml
 
 
@@ -20,9 +20,48 @@ def write(folder: Path, text: str | bytes) -> Path:
 
 def test_what_is_read(tmp_path: Path) -> None:
     text = PACKAGE_XML.replace("<export>", "<test_depend> ament_lint_auto </test_depend><export>")
-    assert read_manifest(write(tmp_path, text)) == Manifest(
-        name="demo", build_type="ament_cmake", test_dependencies=frozenset({"ament_lint_auto"})
+    manifest = read_manifest(write(tmp_path, text))
+    assert manifest == Manifest(
+        name="demo",
+        build_type="ament_cmake",
+        dependencies=(
+            Dependency(tag="buildtool_depend", name="ament_cmake", line=8),
+            Dependency(tag="test_depend", name="ament_lint_auto", line=9),
+        ),
     )
+    assert isinstance(manifest, Manifest)
+    assert manifest.test_dependencies == {"ament_lint_auto"}
+    assert (manifest.format, manifest.line_of("export", "build_type")) == (3, 9)
+
+
+CONDITIONS = """<package>
+<name>demo</name>
+<depend condition="$ROS_VERSION == 1">roscpp</depend>
+<depend condition="$ROS_VERSION == 2">rclcpp</depend>
+<exec_depend condition="$ROS_DISTRO == humble or $ROS_DISTRO == iron">gazebo_ros</exec_depend>
+<exec_depend condition="$ROS_DISTRO &gt; iron">ros_gz_sim</exec_depend>
+<exec_depend condition="not a condition">strange</exec_depend>
+<export>
+<build_type condition="$ROS_VERSION == 1">catkin</build_type>
+<build_type condition="$ROS_VERSION == 2">ament_cmake</build_type>
+</export></package>"""
+
+
+@pytest.mark.parametrize(
+    ("distro", "counting"),
+    [
+        (None, {"rclcpp", "gazebo_ros", "ros_gz_sim", "strange"}),
+        ("humble", {"rclcpp", "gazebo_ros", "strange"}),
+        ("jazzy", {"rclcpp", "ros_gz_sim", "strange"}),
+    ],
+)
+def test_dependencies_with_conditions(
+    distro: str | None, counting: set[str], tmp_path: Path
+) -> None:
+    manifest = read_manifest(write(tmp_path, CONDITIONS))
+    assert isinstance(manifest, Manifest)
+    assert manifest.names(RUN_TAGS, distro) == counting
+    assert manifest.build_type == "ament_cmake"
 
 
 def test_names_elsewhere_are_not_the_package_s(tmp_path: Path) -> None:

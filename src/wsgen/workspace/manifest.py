@@ -1,4 +1,4 @@
-"""Read the name, the build type and the test dependencies from a package.xml.
+"""Read a package.xml: its name, its build type, its dependencies, and where they are written.
 
 It uses only expat of the standard library and takes a millisecond, which is enough to list the
 packages of a workspace. `package_xml` checks with catkin_pkg whether ROS accepts the manifest.
@@ -7,15 +7,16 @@ packages of a workspace. `package_xml` checks with catkin_pkg whether ROS accept
 from __future__ import annotations
 
 from dataclasses import field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 from xml.parsers import expat
 
 from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.values import dataclass
+from wsgen.workspace.conditions import holds
 from wsgen.xmlsyntax import find_mistake
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Collection, Mapping
     from pathlib import Path
 
 
@@ -71,52 +72,104 @@ UNNAMED_PACKAGE = Rule(
 
 DEFAULT_BUILD_TYPE = "catkin"  # what colcon and catkin_pkg take where none is exported
 
+# What a dependency is for, by the element that declares it (REP 149; run_depend: REP 127).
+BUILD_TAGS = frozenset({"depend", "build_depend", "buildtool_depend"})
+EXPORT_TAGS = frozenset({"depend", "build_export_depend", "buildtool_export_depend"})
+RUN_TAGS = frozenset({"depend", "exec_depend", "run_depend"})
+TEST_TAGS = frozenset({"test_depend"})
+DEPENDENCY_TAGS = BUILD_TAGS | EXPORT_TAGS | RUN_TAGS | TEST_TAGS | {"doc_depend"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Dependency:
+    """A package that another one declares to need."""
+
+    tag: str  # depend, exec_depend, ...
+    name: str
+    line: int  # 1-based, of the element
+    condition: str | None = None  # as written; None: always
+
+    def holds(self, distro: str | None) -> bool | None:
+        """Whether it counts in ROS 2 and a distribution; None where that is not known."""
+        return self.condition is None or holds(self.condition, distro)
+
+
+class Entry(NamedTuple):
+    """An element below <package>."""
+
+    text: str
+    line: int  # 1-based
+    attributes: Mapping[str, str]
+
 
 @dataclass(frozen=True, kw_only=True)
 class Manifest:
-    """The parts of a package.xml that say how the package is built."""
+    """What a package.xml says."""
 
     name: str
     build_type: str  # ament_cmake, ament_python, cmake, catkin, ...
-    test_dependencies: frozenset[str]  # of <test_depend>
-    # 1-based, of the first element at each path below <package>
-    lines: Mapping[tuple[str, ...], int] = field(default_factory=dict, compare=False)
+    dependencies: tuple[Dependency, ...] = ()  # in the order of the file
+    file: Path | None = field(default=None, compare=False)
+    # All elements by their paths below <package>; the empty path is that of <package>.
+    entries: Mapping[tuple[str, ...], tuple[Entry, ...]] = field(
+        default_factory=dict, compare=False
+    )
+
+    @property
+    def test_dependencies(self) -> frozenset[str]:
+        """The names in <test_depend>."""
+        return frozenset(one.name for one in self.dependencies if one.tag in TEST_TAGS)
+
+    @property
+    def format(self) -> int | None:
+        """The format, 1 where none is given; None where it is not a number."""
+        text = self.entries[()][0].attributes.get("format", "1") if () in self.entries else "1"
+        return int(text) if text.isdecimal() else None
 
     def line_of(self, *path: str) -> int | None:
-        """Return the line on which the element begins; None if it is missing."""
-        return self.lines.get(path)
+        """Return the line on which the first such element begins; None if it is missing."""
+        found = self.entries.get(path)
+        return found[0].line if found else None
+
+    def names(self, tags: Collection[str], distro: str | None = None) -> frozenset[str]:
+        """The packages that elements with one of these tags name, unless they surely do not count.
+
+        `distro` is what the package is for, None where that is not known.
+        """
+        return frozenset(
+            one.name
+            for one in self.dependencies
+            if one.tag in tags and one.holds(distro) is not False
+        )
 
 
 @dataclass
 class _Handler:
-    """Collects the texts and lines of the elements by their path below the root."""
+    """Collects the elements by their path below the root."""
 
     parser: Any  # expat's
     root: str | None = None
-    texts: dict[tuple[str, ...], list[str]] = field(default_factory=dict)
-    lines: dict[tuple[str, ...], int] = field(default_factory=dict)
-    opened: list[tuple[str, int]] = field(default_factory=list)  # and not closed yet
-    _text: str = ""
+    entries: dict[tuple[str, ...], list[Entry]] = field(default_factory=dict)
+    # And not closed yet: tag, line, attributes, text.
+    opened: list[tuple[str, int, dict[str, str], list[str]]] = field(default_factory=list)
+    dependencies: list[Dependency] = field(default_factory=list)
 
-    def start(self, tag: str, _attributes: dict[str, str]) -> None:
-        self.opened.append((tag, self.parser.CurrentLineNumber))
-        self._text = ""
-        self.lines.setdefault(self._path, self.parser.CurrentLineNumber)
+    def start(self, tag: str, attributes: dict[str, str]) -> None:
         if self.root is None:
             self.root = tag
+        self.opened.append((tag, self.parser.CurrentLineNumber, attributes, []))
 
     def text(self, data: str) -> None:
-        self._text += data
+        self.opened[-1][3].append(data)
 
-    def end(self, _tag: str) -> None:
-        self.texts.setdefault(self._path, []).append(self._text.strip())
-        self.opened.pop()
-        self._text = ""
-
-    @property
-    def _path(self) -> tuple[str, ...]:
-        """Where the parser is, below the root."""
-        return tuple(tag for tag, _ in self.opened[1:])
+    def end(self, tag: str) -> None:
+        path = tuple(entry[0] for entry in self.opened[1:])
+        _, line, attributes, texts = self.opened.pop()
+        text = "".join(texts).strip()
+        self.entries.setdefault(path, []).append(Entry(text, line, attributes))
+        if len(path) == 1 and tag in DEPENDENCY_TAGS and text:
+            condition = attributes.get("condition")
+            self.dependencies.append(Dependency(tag=tag, name=text, line=line, condition=condition))
 
 
 def read_manifest(file: Path) -> Manifest | Diagnostic:
@@ -172,7 +225,8 @@ def _make_manifest(handler: _Handler, file: Path) -> Manifest | Diagnostic:
             message=f"package.xml is not a ROS manifest: its root element is <{handler.root}>.",
             hint="Make <package> the root element if this is a ROS package.",
         )
-    name = next(iter(handler.texts.get(("name",), [])), "")
+    entries = {path: tuple(found) for path, found in handler.entries.items()}
+    name = next((entry.text for entry in entries.get(("name",), ())), "")
     if not name:
         return UNNAMED_PACKAGE.at(
             file,
@@ -180,13 +234,22 @@ def _make_manifest(handler: _Handler, file: Path) -> Manifest | Diagnostic:
             message="package.xml does not name the package.",
             hint=f"Add <name>{file.parent.name}</name> below <package>.",
         )
-    build_types = handler.texts.get(("export", "build_type"), [])
     return Manifest(
         name=name,
-        build_type=next(iter(build_types), DEFAULT_BUILD_TYPE),
-        test_dependencies=frozenset(handler.texts.get(("test_depend",), [])),
-        lines=handler.lines,
+        build_type=_build_type(entries.get(("export", "build_type"), ())),
+        dependencies=tuple(handler.dependencies),
+        file=file,
+        entries=entries,
     )
+
+
+def _build_type(found: tuple[Entry, ...]) -> str:
+    """The first one that counts in ROS 2."""
+    for entry in found:
+        condition = entry.attributes.get("condition")
+        if condition is None or holds(condition, None) is not False:
+            return entry.text
+    return DEFAULT_BUILD_TYPE
 
 
 class _EntityError(Exception):
