@@ -227,7 +227,7 @@ def test_all_rules_over_a_description_are_asked() -> None:
             type=JointType.REVOLUTE,
             parent="base",
             child="jolts",
-            limit=JointLimit(lower=0.5, upper=1.0),
+            limit=JointLimit(lower=0.5, upper=1.0, effort=1.0, velocity=1.0),
         ),
     )
     robot = Robot(

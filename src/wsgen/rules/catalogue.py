@@ -62,6 +62,7 @@ MODULES = (
     "wsgen.pipeline.template_check",
     "wsgen.rules.behaviors",
     "wsgen.rules.catalogue",
+    "wsgen.rules.joint_limits",
     "wsgen.rules.robots",
     "wsgen.rules.runs",
     "wsgen.sdf.assembly",

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from wsgen.diagnostics import Severity, has_errors
 from wsgen.model.kinematics import unactuated_joints
 from wsgen.model.robot import JointType
-from wsgen.rules import robots, runs
+from wsgen.rules import joint_limits, robots, runs
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -52,6 +52,10 @@ def check_robot(
         *robots.no_visual(written.links, file),
         *robots.loose_joint(written.joints, written.gazebo, file, simulator),
         *robots.starts_outside_limits(written.joints, file),
+        *joint_limits.limits_in_degrees(written.joints, file),
+        *joint_limits.zero_limits(written.joints, file),
+        *joint_limits.no_range(written.joints, file),
+        *joint_limits.useless_mimics(written.joints, file),
     )
 
 

@@ -1,0 +1,271 @@
+"""Rules about the limits of joints, and about joints that follow others.
+
+The parameters of a check are facts in SI units; a check yields what it reports.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from wsgen.diagnostics import Rule, Severity
+from wsgen.model.robot import JointType
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+    from pathlib import Path
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.model.robot import Joint, JointLimit
+
+
+# rad; no joint of the published robots that is not free turns further, but for ±10 (solo, bolt).
+FURTHEST_TURN = 10.0
+MOST_DEGREES = 720.0  # larger bounds are how descriptions write "no limit"
+HAVE_RANGE = (JointType.REVOLUTE, JointType.PRISMATIC)
+# How far a follower may be told to go beyond its limits: rounding of what is written by hand.
+SLACK = 0.01  # of its range
+
+LIMITS_IN_DEGREES = Rule(
+    code="ROB081",
+    name="limits-in-degrees",
+    severity=Severity.WARNING,
+    summary="The limits of a revolute joint look like degrees.",
+    what="Looks for revolute joints with a bound between 10 and 720 and no more than one decimal.",
+    why="URDF gives angles in radians. A joint with limits of ±90 turns 14 times in each direction "
+    "before it stops, so that nothing keeps the arm out of its own body.",
+    example="""
+<joint name="elbow" type="revolute">
+  <parent link="upper_arm"/>
+  <child link="forearm"/>
+  <axis xyz="0 1 0"/>
+  <limit lower="-90" upper="90" effort="10" velocity="1"/>
+</joint>
+""",
+    instead="""
+<joint name="elbow" type="revolute">
+  <parent link="upper_arm"/>
+  <child link="forearm"/>
+  <axis xyz="0 1 0"/>
+  <limit lower="-1.5708" upper="1.5708" effort="10" velocity="1"/>
+</joint>
+""",
+)
+
+
+def limits_in_degrees(joints: Iterable[Joint], file: Path | None) -> Iterator[Diagnostic]:
+    """Report angles that are surely meant in degrees."""
+    for joint in joints:
+        limit = joint.limit
+        if joint.type is not JointType.REVOLUTE or limit is None or not _in_degrees(limit):
+            continue
+        lower, upper = math.radians(limit.lower), math.radians(limit.upper)
+        yield LIMITS_IN_DEGREES.at(
+            file,
+            joint.line,
+            f"joint[@name='{joint.name}']/limit",
+            message=f"The limits {limit.lower:g} and {limit.upper:g} of the revolute joint "
+            f"`{joint.name}` look like degrees, but URDF reads radians.",
+            hint=f'Write lower="{lower:.5g}" upper="{upper:.5g}". If the joint turns without end, '
+            "make it continuous.",
+        )
+
+
+def _in_degrees(limit: JointLimit) -> bool:
+    bounds = (limit.lower, limit.upper)
+    largest = max(map(abs, bounds))
+    is_round = all(round(bound, 1) == bound for bound in bounds)
+    return FURTHEST_TURN < largest <= MOST_DEGREES and is_round
+
+
+ZERO_EFFORT = Rule(
+    code="ROB082",
+    name="zero-effort",
+    severity=Severity.WARNING,
+    summary="The limit of a joint has an effort of 0.",
+    what='Looks for movable joints whose `<limit>` says `effort="0"`, except those that mimic '
+    "another joint.",
+    why="`effort` is the largest force or torque that a motor of the joint has. With 0, Gazebo "
+    "discards whatever a controller commands: the arm hangs down. CAD exporters write 0 where they "
+    "know nothing.",
+    example='<limit lower="-1.57" upper="1.57" effort="0" velocity="1"/>',
+    instead='<limit lower="-1.57" upper="1.57" effort="10" velocity="1"/>',
+)
+
+ZERO_VELOCITY = Rule(
+    code="ROB083",
+    name="zero-velocity",
+    severity=Severity.WARNING,
+    summary="The limit of a joint has a velocity of 0.",
+    what='Looks for movable joints whose `<limit>` says `velocity="0"`, except those that mimic '
+    "another joint.",
+    why="`velocity` is the highest speed of the joint. With 0, controllers and motion planners "
+    "do not move it: MoveIt refuses to plan, and Gazebo Sim discards commanded speeds.",
+    example='<limit lower="-1.57" upper="1.57" effort="10" velocity="0"/>',
+    instead='<limit lower="-1.57" upper="1.57" effort="10" velocity="1"/>',
+)
+
+
+def zero_limits(joints: Iterable[Joint], file: Path | None) -> Iterator[Diagnostic]:
+    """Report movable joints that may have no force or no speed."""
+    for joint in joints:
+        limit = joint.limit
+        if limit is None or not _has_motor(joint):
+            continue
+        turns = joint.type is not JointType.PRISMATIC
+        if limit.effort == 0:
+            yield ZERO_EFFORT.at(
+                file,
+                joint.line,
+                f"joint[@name='{joint.name}']/limit",
+                message=f"The limit of the joint `{joint.name}` has an effort of 0: no motor can "
+                "move or hold it.",
+                hint=f"Write the motor's {'torque, in N m' if turns else 'force, in N'}, for "
+                'example effort="10".',
+            )
+        if limit.velocity == 0:
+            yield ZERO_VELOCITY.at(
+                file,
+                joint.line,
+                f"joint[@name='{joint.name}']/limit",
+                message=f"The limit of the joint `{joint.name}` has a velocity of 0: controllers "
+                "do not move it.",
+                hint=f"Write its highest speed, in {'rad/s' if turns else 'm/s'}, for example "
+                'velocity="1".',
+            )
+
+
+def _has_motor(joint: Joint) -> bool:
+    """Whether it is of a type that a motor may move, and is not moved by another joint."""
+    kinds = (*HAVE_RANGE, JointType.CONTINUOUS)
+    return joint.type in kinds and joint.mimic is None
+
+
+NO_RANGE = Rule(
+    code="ROB084",
+    name="no-range",
+    severity=Severity.WARNING,
+    summary="The lower and the upper limit of a joint are the same: it cannot move.",
+    what="Looks for revolute and prismatic joints whose bounds are equal. A bound that is not "
+    "written is 0.",
+    why="The joint is there and has a controller, but never moves. Usually the bounds were "
+    "forgotten: `lower` and `upper` default to 0.",
+    example='<limit effort="10" velocity="1"/>',
+    instead='<limit lower="-1.57" upper="1.57" effort="10" velocity="1"/>',
+)
+
+
+def no_range(joints: Iterable[Joint], file: Path | None) -> Iterator[Diagnostic]:
+    """Report joints whose limits leave no way to move."""
+    for joint in joints:
+        limit = joint.limit
+        if joint.type not in HAVE_RANGE or limit is None or limit.lower != limit.upper:
+            continue
+        yield NO_RANGE.at(
+            file,
+            joint.line,
+            f"joint[@name='{joint.name}']/limit",
+            message=f"The lower and the upper limit of the joint `{joint.name}` are both "
+            f"{limit.lower:g}: it cannot move.",
+            hint='Write lower="-1.57" upper="1.57" with its bounds in radians, or make it '
+            "continuous or fixed."
+            if joint.type is JointType.REVOLUTE
+            else 'Write lower="0" upper="0.1" with its bounds in meters, or make it fixed.',
+        )
+
+
+MIMICS_FIXED_JOINT = Rule(
+    code="ROB085",
+    name="mimics-fixed-joint",
+    severity=Severity.WARNING,
+    summary="A joint mimics a fixed joint, or is a fixed joint itself.",
+    what="Compares the types of the joint with `<mimic>` and of the joint that it names.",
+    why="A fixed joint has no position: one that mimics it never moves, and a `<mimic>` in a fixed "
+    "joint has no effect. Gazebo reports neither.",
+    example="""
+<joint name="left_finger_joint" type="fixed">…</joint>
+<joint name="right_finger_joint" type="prismatic">
+  …
+  <mimic joint="left_finger_joint"/>
+</joint>
+""",
+    instead="""
+<joint name="left_finger_joint" type="prismatic">…</joint>
+<joint name="right_finger_joint" type="prismatic">
+  …
+  <mimic joint="left_finger_joint"/>
+</joint>
+""",
+)
+
+MIMIC_BEYOND_LIMITS = Rule(
+    code="ROB086",
+    name="mimic-beyond-limits",
+    severity=Severity.INFO,
+    summary="A joint that mimics another one cannot follow it over its whole range.",
+    what="Compares the limits of the joint with those of the other one times `multiplier` plus "
+    "`offset`; reports what is beyond by more than a hundredth of the range.",
+    why="The follower stops at its own limit while the other joint goes on. In Gazebo Sim the "
+    "constraint between the two then holds the other joint back, too.",
+    example="""
+<joint name="left" type="prismatic"><limit lower="0" upper="0.04" …/></joint>
+<joint name="right" type="prismatic">
+  <limit lower="0" upper="0.04" …/>
+  <mimic joint="left" multiplier="-1"/>
+</joint>
+""",
+    instead="""
+<joint name="left" type="prismatic"><limit lower="0" upper="0.04" …/></joint>
+<joint name="right" type="prismatic">
+  <limit lower="-0.04" upper="0" …/>
+  <mimic joint="left" multiplier="-1"/>
+</joint>
+""",
+)
+
+
+def useless_mimics(joints: Iterable[Joint], file: Path | None) -> Iterator[Diagnostic]:
+    """Report joints that follow what cannot move, or that cannot follow."""
+    joints = tuple(joints)
+    named = {joint.name: joint for joint in joints}
+    for joint in joints:
+        leader = None if joint.mimic is None else named.get(joint.mimic.joint)
+        if leader is None:
+            continue
+        place = f"joint[@name='{joint.name}']/mimic"
+        fixed = next((one for one in (joint, leader) if one.type is JointType.FIXED), None)
+        if fixed is not None:
+            yield MIMICS_FIXED_JOINT.at(
+                file,
+                joint.line,
+                place,
+                message=f"The joint `{joint.name}` mimics `{leader.name}`, but "
+                + ("is itself fixed." if fixed is joint else "that joint is fixed."),
+                hint=f"Make `{fixed.name}` revolute, continuous or prismatic, or remove <mimic>.",
+            )
+            continue
+        if (reach := _reach(joint, leader)) is not None and joint.limit is not None:
+            yield MIMIC_BEYOND_LIMITS.at(
+                file,
+                joint.line,
+                place,
+                message=f"The joint `{joint.name}` should follow `{leader.name}` from "
+                f"{reach[0]:.4g} to {reach[1]:.4g}, but its limits are {joint.limit.lower:g} and "
+                f"{joint.limit.upper:g}.",
+                hint=f'Write lower="{reach[0]:.4g}" upper="{reach[1]:.4g}" in its <limit>, or '
+                "change `multiplier` and `offset`.",
+            )
+
+
+def _reach(joint: Joint, leader: Joint) -> tuple[float, float] | None:
+    """Where the leader takes the follower, if that is beyond the follower's limits."""
+    mimic, limit, other = joint.mimic, joint.limit, leader.limit
+    has_range = joint.type in HAVE_RANGE and leader.type in HAVE_RANGE
+    if mimic is None or limit is None or other is None or not has_range:
+        return None
+    low, high = sorted(
+        mimic.multiplier * bound + mimic.offset for bound in (other.lower, other.upper)
+    )
+    slack = SLACK * max(limit.upper - limit.lower, high - low)
+    is_beyond = low < limit.lower - slack or high > limit.upper + slack
+    return (low, high) if is_beyond else None

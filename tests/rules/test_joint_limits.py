@@ -1,0 +1,105 @@
+"""The rules over the limits of joints, each with its facts and no files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from wsgen.diagnostics import Severity
+from wsgen.model.robot import Joint, JointLimit, JointType, Mimic
+from wsgen.rules.joint_limits import limits_in_degrees, no_range, useless_mimics, zero_limits
+
+FILE = Path("robot.urdf")
+SLIDES, TURNS = JointType.PRISMATIC, JointType.REVOLUTE
+
+
+def joint(
+    lower: float = -1.0,
+    upper: float = 1.0,
+    *,
+    kind: JointType = TURNS,
+    effort: float = 5.0,
+    velocity: float = 2.0,
+    mimic: Mimic | None = None,
+    name: str = "elbow",
+) -> Joint:
+    limit = JointLimit(lower=lower, upper=upper, effort=effort, velocity=velocity)
+    return Joint(name=name, type=kind, parent="a", child="b", limit=limit, mimic=mimic, line=7)
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper", "hint"),
+    [
+        (-90.0, 90.0, 'lower="-1.5708" upper="1.5708"'),
+        (0.0, 180.0, 'lower="0" upper="3.1416"'),
+        (-45.0, 30.0, 'lower="-0.7854" upper="0.5236"'),
+        (-117.5, 0.0, 'lower="-2.0508" upper="0"'),
+    ],
+)
+def test_limits_in_degrees(lower: float, upper: float, hint: str) -> None:
+    (found,) = limits_in_degrees([joint(lower, upper)], FILE)
+    assert (found.code, found.severity, found.line) == ("ROB081", Severity.WARNING, 7)
+    assert found.element == "joint[@name='elbow']/limit"
+    assert hint in (found.hint or "")
+
+
+@pytest.mark.parametrize(
+    "sound",
+    [
+        joint(-3.14, 3.14),
+        joint(-6.283, 6.283),
+        joint(-10.0, 10.0),
+        joint(-12.566, 12.566),  # two turns, in radians
+        joint(-1e16, 1e16),
+        joint(-1000.0, 1000.0),
+        joint(0.0, 45.0, kind=SLIDES),
+        joint(-90.0, 90.0, kind=JointType.CONTINUOUS),
+    ],
+)
+def test_limits_in_radians(sound: Joint) -> None:
+    assert not list(limits_in_degrees([sound], FILE))
+
+
+def test_no_effort_and_no_velocity() -> None:
+    (effort,) = zero_limits([joint(effort=0.0)], FILE)
+    (velocity,) = zero_limits([joint(velocity=0.0, kind=SLIDES)], FILE)
+    assert (effort.code, velocity.code) == ("ROB082", "ROB083")
+    assert effort.line == velocity.line == 7
+    assert "N m" in (effort.hint or "")
+    assert "m/s" in (velocity.hint or "")
+
+
+def test_what_no_motor_moves_needs_no_effort() -> None:
+    follower = joint(effort=0.0, velocity=0.0, mimic=Mimic(joint="other"))
+    fixed = joint(effort=0.0, velocity=0.0, kind=JointType.FIXED)
+    without_bound = joint(effort=-1.0, velocity=-1.0)  # of SDF
+    assert not list(zero_limits([follower, fixed, without_bound, joint()], FILE))
+
+
+def test_a_joint_without_range() -> None:
+    (found,) = no_range([joint(0.0, 0.0)], FILE)
+    assert (found.code, found.line) == ("ROB084", 7)
+    assert not list(no_range([joint(), joint(0.0, 0.0, kind=JointType.CONTINUOUS)], FILE))
+
+
+def test_a_joint_that_mimics_a_fixed_one() -> None:
+    leader = joint(name="left", kind=JointType.FIXED)
+    follower = joint(name="right", mimic=Mimic(joint="left"))
+    (found,) = useless_mimics([leader, follower], FILE)
+    assert (found.code, found.element) == ("ROB085", "joint[@name='right']/mimic")
+    fixed = joint(name="right", mimic=Mimic(joint="left"), kind=JointType.FIXED)
+    (found,) = useless_mimics([joint(name="left"), fixed], FILE)
+    assert "is itself fixed" in found.message
+
+
+def test_a_joint_that_cannot_follow() -> None:
+    leader = joint(0.0, 0.04, name="left", kind=SLIDES)
+    mimic = Mimic(joint="left", multiplier=-1.0)
+    follower = joint(0.0, 0.04, name="right", kind=SLIDES, mimic=mimic)
+    (found,) = useless_mimics([leader, follower], FILE)
+    assert (found.code, found.severity) == ("ROB086", Severity.INFO)
+    assert 'lower="-0.04" upper="0"' in (found.hint or "")
+    mirrored = joint(-0.04, 0.0, name="right", kind=SLIDES, mimic=mimic)
+    unknown = joint(mimic=Mimic(joint="nobody"))
+    assert not list(useless_mimics([leader, mirrored, unknown], FILE))
