@@ -1,0 +1,99 @@
+"""YAML with the lines of its values, read without trusting it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import yaml
+
+from wsgen.files import read_regular
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+
+SIZE_LIMIT = 2**20  # bytes; parameters are written by hand
+MOST_VALUES = 100_000  # aliases count each time
+_Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+
+class Value(NamedTuple):
+    """A value of a YAML document, and the line where it is written."""
+
+    content: Any  # a dict of texts to values, a list of values, or a plain scalar
+    line: int  # 1-based
+
+    def get(self, *keys: str) -> Value | None:
+        """The value under these keys, one inside of the other; None where it is not there."""
+        found: Value | None = self
+        for key in keys:
+            content = found.content if found is not None else None
+            found = content.get(key) if isinstance(content, dict) else None
+        return found
+
+    def items(self) -> Iterator[tuple[str, Value]]:
+        """The keys of a mapping with their values; nothing of what is none."""
+        if isinstance(self.content, dict):
+            yield from self.content.items()
+
+    def elements(self) -> tuple[Value, ...]:
+        """The elements of a list; nothing of what is none."""
+        return tuple(self.content) if isinstance(self.content, list) else ()
+
+    @property
+    def text(self) -> str | None:
+        """The content if it is a text."""
+        return self.content if isinstance(self.content, str) else None
+
+
+class NotYaml(NamedTuple):
+    """Why a text is not YAML."""
+
+    message: str
+    line: int  # 1-based
+
+
+def load(file: Path) -> Value | NotYaml | None:
+    """The first document of a file; None where it cannot be read or is empty."""
+    try:
+        text = read_regular(file, SIZE_LIMIT).decode()
+    except (OSError, ValueError):
+        return None
+    return parse(text)
+
+
+def parse(text: str) -> Value | NotYaml | None:
+    """The first document of a text; None where it has none, or more than anybody writes."""
+    loader = _Loader(text)
+    try:
+        node = loader.get_node() if loader.check_node() else None
+        return None if node is None else _value(loader, node, [0])
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        return NotYaml(error.problem or "it is not YAML", mark.line + 1 if mark else 1)
+    except (yaml.YAMLError, ValueError) as error:  # a character, a date that does not exist
+        return NotYaml(str(error).partition("\n")[0], 1)
+    except (RecursionError, OverflowError):
+        return None
+    finally:
+        loader.dispose()
+
+
+def _value(loader: Any, node: Any, count: list[int]) -> Value:
+    count[0] += 1
+    if count[0] > MOST_VALUES:
+        raise OverflowError
+    line = node.start_mark.line + 1
+    if isinstance(node, yaml.MappingNode):
+        loader.flatten_mapping(node)
+        return Value({_key(key): _value(loader, value, count) for key, value in node.value}, line)
+    if isinstance(node, yaml.SequenceNode):
+        return Value([_value(loader, value, count) for value in node.value], line)
+    content = loader.construct_object(node)
+    is_plain = isinstance(content, (str, int, float, bool, type(None)))
+    return Value(content if is_plain else str(content), line)
+
+
+def _key(node: Any) -> str:
+    return str(node.value) if isinstance(node, yaml.ScalarNode) else ""
