@@ -65,6 +65,7 @@ MODULES = (
     "wsgen.rules.joint_limits",
     "wsgen.rules.robots",
     "wsgen.rules.runs",
+    "wsgen.rules.worlds",
     "wsgen.sdf.assembly",
     "wsgen.sdf.bodies",
     "wsgen.sdf.frames",

@@ -1,0 +1,107 @@
+"""The systems of Gazebo Sim: plugin libraries, and the classes in them.
+
+Source: gazebosim/gz-sim, src/systems, of all releases from Fortress to Jetty.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+from wsgen.suggestions import nearest
+
+# Library, without its prefix and suffix -> its class; where that is not the name in CamelCase, it
+# follows the name after a colon.
+_SYSTEMS = """
+ackermann-steering acoustic-comms advanced-lift-drag air-pressure air-speed altimeter
+apply-joint-force apply-link-wrench breadcrumbs buoyancy buoyancy-engine camera-video-recorder
+collada-world-exporter comms-endpoint contact cpu-lidar detachable-joint diff-drive
+drive-to-pose-controller dvl:DopplerVelocityLogSystem elevator entity-semantics environment-preload
+environmental-sensor:EnvironmentalSystem follow-actor forcetorque:ForceTorque free-space-explorer
+hydrodynamics imu joint-controller joint-position-controller joint-state-publisher
+joint-trajectory-controller kinetic-energy-monitor label led-plugin lens-flare lift-drag
+lighter_than_air_dynamics:LighterThanAirDynamics linearbatteryplugin:LinearBatteryPlugin
+log:LogPlayback log:LogRecord log-video-recorder
+logicalaudiosensorplugin:LogicalAudioSensorPlugin logical-camera lookup-wheel-slip magnetometer
+mecanum-drive model-photo-shoot multicopter-control:MulticopterVelocityControl
+multicopter-motor-model navsat:NavSat odometry-publisher opticaltactileplugin:OpticalTactilePlugin
+particle-emitter perfect-comms performer-detector physics pose-publisher python-system-loader
+rf-comms:RFComms scene-broadcaster sensors shader-param spacecraft-thruster-model thermal
+thermal-sensor thruster touchplugin:TouchPlugin track-controller tracked-vehicle
+trajectory-follower triggered-publisher user-commands velocity-control websocket-server wheel-slip
+wind-effects
+"""
+_LIBRARY = re.compile(r"(?:lib)?(gz-sim|ignition-gazebo)(\d*)-(.+?)-system(?:\.so)?")
+_CLASS = re.compile(r"(?:gz::sim|ignition::gazebo)(?:::v\d+)?::systems::(\w+)")
+# What another prefix or a missing `-system` still tells: it is meant to be a system of Gazebo.
+_NEARLY = re.compile(r"(?:lib)?((?:gz-sim|ignition-gazebo)\d*-[\w-]+)(?:\.so)?")
+_MARKERS = (
+    *("gz-sim", "gz::sim", "ignition-gazebo", "ignition::gazebo"),
+    *("gz_ros2_control", "ign_ros2_control"),
+)
+SURELY = 0.8  # so alike two names are, as difflib counts, that one is the other misspelled
+
+
+class Remark(NamedTuple):
+    """What is wrong with the names of a plugin."""
+
+    message: str
+    meant: str  # the name to write instead
+    is_filename: bool  # it stands in `filename`; else in `name`
+
+
+def systems() -> dict[str, tuple[str, ...]]:
+    """The classes of each system, by its name between `gz-sim-` and `-system`."""
+    found: dict[str, tuple[str, ...]] = {}
+    for word in _SYSTEMS.split():
+        name, _, written = word.partition(":")
+        in_camel_case = "".join(part.capitalize() for part in name.split("-"))
+        found[name] = (*found.get(name, ()), written or in_camel_case)
+    return found
+
+
+def system_of(filename: str) -> str | None:
+    """The class of the system that a library holds; None of any other library, and of several."""
+    found = _LIBRARY.fullmatch(filename)
+    classes = systems().get(found[3], ()) if found else ()
+    return classes[0] if len(classes) == 1 else None
+
+
+def is_of_gz(filename: str, name: str = "") -> bool:
+    """Whether a plugin is a system of Gazebo Sim, or what connects it to ros2_control."""
+    return any(marker in word for word in (filename, name) for marker in _MARKERS)
+
+
+def is_of_classic(filename: str) -> bool:
+    """Whether a plugin is one of Gazebo Classic for ROS."""
+    return filename.startswith(("libgazebo_ros_", "libgazebo_ros2_control"))
+
+
+def remark_on(filename: str, name: str) -> Remark | None:
+    """What is wrong with the names of a plugin that is meant to be a system of Gazebo Sim.
+
+    None where nothing is, or where it may be a library of somebody's own.
+    """
+    known = systems()
+    found = _LIBRARY.fullmatch(filename)
+    if found is None:
+        nearly = _NEARLY.fullmatch(filename)
+        stem = re.sub(r"^(?:gz-sim|ignition-gazebo)\d*-", "", nearly[1]) if nearly else ""
+        meant = f"{nearly[1]}-system" if nearly and stem in known else None
+    else:
+        near = None if found[3] in known else nearest(found[3], known, cutoff=SURELY)
+        meant = f"{found[1]}-{near}-system" if near else None
+    if meant is not None:
+        return Remark(f"Gazebo has no system `{filename}`.", meant, is_filename=True)
+    classes = known.get(found[3], ()) if found else ()
+    if not classes or not name:
+        return None
+    written = _CLASS.fullmatch(name)
+    if written is not None and written[1] in classes:
+        return None
+    namespace = "ignition::gazebo" if name.startswith("ignition::") else "gz::sim"
+    return Remark(
+        f"The library `{filename}` has no class `{name}`.",
+        f"{namespace}::systems::{classes[0]}",
+        is_filename=False,
+    )

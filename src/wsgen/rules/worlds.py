@@ -1,0 +1,413 @@
+"""The rules about the world of a simulator: what it needs to run and to be seen there.
+
+What holds for any SDF file is checked where it is read, in `wsgen.sdf`.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from wsgen.diagnostics import Rule, Severity
+from wsgen.model.facts import DISTROS
+from wsgen.model.gazebo_systems import is_of_classic, is_of_gz, remark_on, system_of
+from wsgen.model.target import Target
+from wsgen.sdf.includes import is_ground_plane, is_sun
+from wsgen.sdf.source import line_of, path_of
+from wsgen.suggestions import some_of
+from wsgen.xmltree import child_text, children
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from pathlib import Path
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.xmltree import Element
+
+
+MISSING_SYSTEM = Rule(
+    code="WLD063",
+    name="missing-system-plugin",
+    severity=Severity.WARNING,
+    summary="A world loads some systems of Gazebo Sim and lacks one that every simulation needs.",
+    what="Looks for `Physics`, `UserCommands` and `SceneBroadcaster` in a world with a `<plugin>`. "
+    "Nothing is reported for distributions from Kilted on, whose Gazebo adds them.",
+    why="Up to Gazebo Harmonic a world that loads any system loads no default ones. Without "
+    "`Physics` nothing moves, without `UserCommands` nothing can be spawned, and without "
+    "`SceneBroadcaster` the window stays empty.",
+    example='<world name="w">\n'
+    '  <plugin filename="gz-sim-physics-system" name="gz::sim::systems::Physics"/>\n'
+    "</world>",
+    instead='<world name="w">\n'
+    '  <plugin filename="gz-sim-physics-system" name="gz::sim::systems::Physics"/>\n'
+    '  <plugin filename="gz-sim-user-commands-system" name="gz::sim::systems::UserCommands"/>\n'
+    '  <plugin filename="gz-sim-scene-broadcaster-system"\n'
+    '    name="gz::sim::systems::SceneBroadcaster"/>\n'
+    "</world>",
+)
+PLUGIN_OF_OTHER_SIMULATOR = Rule(
+    code="WLD064",
+    name="plugin-of-other-simulator",
+    severity=Severity.WARNING,
+    summary="A plugin of a world belongs to another simulator than the one that loads the world.",
+    what="Compares the plugins of a world with the simulator that a launch file starts with it, or "
+    "that package.xml depends on.",
+    why="The simulator cannot load the library: it prints an error and goes on without the plugin.",
+    example="<!-- loaded by Gazebo Sim -->\n"
+    '<plugin name="gazebo_ros_state" filename="libgazebo_ros_state.so"/>',
+    instead='<plugin filename="gz-sim-physics-system" name="gz::sim::systems::Physics"/>',
+)
+UNKNOWN_SYSTEM = Rule(
+    code="WLD065",
+    name="unknown-system",
+    severity=Severity.WARNING,
+    summary="Gazebo Sim has no system with the library or the class that a `<plugin>` names.",
+    what="Compares the names with those of the systems of Gazebo from Fortress to Jetty. Libraries "
+    "whose names are not nearly one of these are assumed to be somebody's own.",
+    why="Gazebo prints that it failed to load the system, and goes on without it.",
+    example='<plugin filename="gz-sim-imu-system" name="gz::sim::systems::IMU"/>',
+    instead='<plugin filename="gz-sim-imu-system" name="gz::sim::systems::Imu"/>',
+)
+FUEL_MODEL = Rule(
+    code="WLD066",
+    name="model-from-network",
+    severity=Severity.INFO,
+    summary="A world takes models from the network.",
+    why="The first start of the world downloads them, and fails on a machine without network, as "
+    "tests often run on.",
+    example="<include>\n"
+    "  <uri>https://fuel.gazebosim.org/1.0/OpenRobotics/models/Table</uri>\n"
+    "</include>",
+    instead="<!-- the folder `table` is in GZ_SIM_RESOURCE_PATH -->\n"
+    "<include>\n  <uri>model://table</uri>\n</include>",
+)
+MODEL_OF_CLASSIC = Rule(
+    code="WLD067",
+    name="model-of-classic",
+    severity=Severity.WARNING,
+    summary="A world for Gazebo Sim includes the sun or the ground plane of Gazebo Classic.",
+    what="Looks for `model://sun` and `model://ground_plane` that no folder of the package has.",
+    why="Gazebo Sim ships neither of them: it prints that it cannot find the model, and up to "
+    "Gazebo Harmonic it does not load the world.",
+    example="<include>\n  <uri>model://ground_plane</uri>\n</include>",
+    instead='<model name="ground_plane">\n'
+    "  <static>true</static>\n"
+    '  <link name="link">\n'
+    '    <collision name="collision">\n'
+    "      <geometry><plane><normal>0 0 1</normal><size>100 100</size></plane></geometry>\n"
+    "    </collision>\n"
+    '    <visual name="visual">\n'
+    "      <geometry><plane><normal>0 0 1</normal><size>100 100</size></plane></geometry>\n"
+    "    </visual>\n"
+    "  </link>\n"
+    "</model>",
+)
+NO_LIGHT = Rule(
+    code="WLD068",
+    name="no-light",
+    severity=Severity.INFO,
+    summary="A world has no light.",
+    what="Looks for `<light>` and for included models, which may be lights.",
+    why="Robots and models are hardly visible in the window, and cameras see dark images.",
+    example='<world name="w">\n  <gravity>0 0 -9.8</gravity>\n</world>',
+    instead='<world name="w">\n'
+    '  <light name="sun" type="directional">\n'
+    "    <pose>0 0 10 0 0 0</pose>\n"
+    "    <direction>-0.5 0.1 -0.9</direction>\n"
+    "  </light>\n"
+    "</world>",
+)
+MATERIAL_SCRIPT = Rule(
+    code="WLD069",
+    name="material-script",
+    severity=Severity.INFO,
+    summary="A material of a world for Gazebo Sim is an Ogre script.",
+    what="Looks for `<script>` in materials without a color or `<pbr>`. The names `Gazebo/NAME` "
+    "are reported for Humble and Iron alone: later releases know them as colors.",
+    why="Gazebo Sim does not read Ogre material scripts, and draws the visual in white or gray.",
+    example="<material>\n  <script><name>Gazebo/Red</name></script>\n</material>",
+    instead="<material>\n  <ambient>1 0 0 1</ambient>\n  <diffuse>1 0 0 1</diffuse>\n</material>",
+)
+UNUSUAL_RATE = Rule(
+    code="WLD070",
+    name="not-in-real-time",
+    severity=Severity.INFO,
+    summary="Gazebo Classic runs a world faster or slower than its real-time factor says.",
+    what="Compares the product of `<max_step_size>` and `<real_time_update_rate>` with "
+    "`<real_time_factor>`.",
+    why="Gazebo Classic ignores `<real_time_factor>`: it takes as many steps a second as the "
+    "update rate says, so that a shorter step alone slows the simulation down.",
+    example="<max_step_size>0.01</max_step_size>\n"
+    "<real_time_update_rate>1000</real_time_update_rate>",
+    instead="<max_step_size>0.001</max_step_size>\n"
+    "<real_time_update_rate>1000</real_time_update_rate>",
+)
+NEWER_SDF = Rule(
+    code="WLD071",
+    name="newer-sdf",
+    severity=Severity.WARNING,
+    summary="The SDF version of a world is newer than the target's Gazebo.",
+    why="Gazebo prints that it cannot convert the file, and reads it as the newest version that it "
+    "knows; what is new in the format is ignored.",
+    example='<!-- for Gazebo Fortress, which reads SDF up to 1.9 -->\n<sdf version="1.11">',
+    instead='<sdf version="1.9">',
+)
+
+_NEEDED = {
+    "Physics": "nothing in it moves",
+    "UserCommands": "nothing can be spawned into it",
+    "SceneBroadcaster": "the window shows nothing",
+}
+_MERGING = ("kilted", "lyrical", "rolling")  # whose Gazebo adds the default systems
+# What another Gazebo than the usual one reads that is released for the distribution: Harmonic.
+_NEWEST_BESIDE = {"humble-gz": "1.11"}
+_WITHOUT_COLOR_NAMES = ("humble", "iron")  # whose Gazebo does not know Gazebo/Red
+CLOSE = 0.02  # of two rates, relative: steps are written with few digits
+FASTEST = 1e6  # times real time; what is written as more is no rate
+
+
+def check_world(
+    root: Element,
+    file: Path,
+    *,
+    simulator: str | None,
+    distro: str | None,
+    has_model: Callable[[str], bool],
+) -> Iterator[Diagnostic]:
+    """Check the worlds of an SDF file for the simulator that loads them.
+
+    Args:
+        root: The `<sdf>` element.
+        file: What the diagnostics name.
+        simulator: "classic", "gz", or None where that is not known.
+        distro: The distribution that the package is for, if that is known.
+        has_model: Whether the model of an address is on this machine.
+    """
+    for world in children(root, "world"):
+        kind = simulator or simulator_of(world)
+        yield from system_names(world, file)
+        if kind == "gz":
+            yield from missing_systems(world, file, distro)
+            yield from plugins_of_other_simulator(world, file, kind)
+            yield from models_of_classic(world, file, has_model)
+            yield from no_light(world, file)
+            yield from material_scripts(world, file, distro)
+            if distro in DISTROS:
+                yield from newer_sdf(root, file, Target(distro=distro, simulator=kind))
+        elif kind == "classic":
+            yield from plugins_of_other_simulator(world, file, kind)
+            yield from not_in_real_time(world, file)
+            yield from newer_sdf(root, file, Target(distro="humble", simulator=kind))
+        yield from models_from_network(world, file, has_model)
+
+
+def simulator_of(world: Element) -> str | None:
+    """The simulator that a world is written for, where its plugins tell."""
+    plugins = [(one.get("filename") or "", one.get("name") or "") for one in world.iter("plugin")]
+    is_gz = any(is_of_gz(*one) for one in plugins)
+    is_classic = any(is_of_classic(filename) for filename, _ in plugins)
+    if is_gz == is_classic:
+        return None
+    return "gz" if is_gz else "classic"
+
+
+def missing_systems(world: Element, file: Path, distro: str | None) -> Iterator[Diagnostic]:
+    """Report a world that loads systems and lacks one that every simulation needs."""
+    loaded = [
+        (plugin.get("filename") or "", plugin.get("name") or "")
+        for plugin in children(world, "plugin")
+        if not is_of_classic(plugin.get("filename") or "")
+    ]
+    if distro in _MERGING or not loaded:
+        return
+    classes = {system_of(filename) or name.rpartition("::")[2] for filename, name in loaded}
+    lacking = [name for name in _NEEDED if name not in classes]
+    if len(lacking) == len(_NEEDED) and not all(is_of_gz(*one) for one in loaded):
+        return  # plugins of somebody's own, for a simulator that is not known
+    if lacking:
+        names = " and ".join(lacking) if len(lacking) < len(_NEEDED) else ", ".join(lacking)
+        causes = "; ".join(f"without {name} {_NEEDED[name]}" for name in lacking)
+        until = "" if distro else " up to Gazebo Harmonic"
+        yield MISSING_SYSTEM.at(
+            file,
+            line_of(next(children(world, "plugin"))),
+            path_of(world),
+            message=f"The world loads systems of its own and not {names}{until}: {causes}.",
+            hint="Add "
+            + " ".join(
+                f'<plugin filename="gz-sim-{library}-system" name="gz::sim::systems::{name}"/>'
+                for name in lacking
+                for library in (_LIBRARIES[name],)
+            ),
+        )
+
+
+_LIBRARIES = {
+    "Physics": "physics",
+    "UserCommands": "user-commands",
+    "SceneBroadcaster": "scene-broadcaster",
+}
+
+
+def plugins_of_other_simulator(world: Element, file: Path, simulator: str) -> Iterator[Diagnostic]:
+    """Report plugins of Gazebo Classic in a world for Gazebo Sim, and the reverse."""
+    for plugin in world.iter("plugin"):
+        filename, name = plugin.get("filename") or "", plugin.get("name") or ""
+        is_in_window = any(one.tag == "gui" for one in plugin.iterancestors())
+        is_other = is_of_classic(filename) if simulator == "gz" else is_of_gz(filename, name)
+        if is_other and not is_in_window:
+            this, other = "Gazebo Sim", "Gazebo Classic"
+            if simulator == "classic":
+                this, other = other, this
+            yield PLUGIN_OF_OTHER_SIMULATOR.at(
+                file,
+                line_of(plugin),
+                path_of(plugin),
+                message=f"`{filename}` is a plugin of {other}, and {this} loads this world.",
+                hint=f"Remove the plugin, or use one of {this}.",
+            )
+
+
+def system_names(world: Element, file: Path) -> Iterator[Diagnostic]:
+    """Report plugins that are meant to be systems of Gazebo Sim, by names that it does not have."""
+    for plugin in world.iter("plugin"):
+        remark = remark_on(plugin.get("filename") or "", plugin.get("name") or "")
+        if remark is not None:
+            attribute = "filename" if remark.is_filename else "name"
+            yield UNKNOWN_SYSTEM.at(
+                file,
+                line_of(plugin),
+                path_of(plugin),
+                message=remark.message,
+                hint=f'Write {attribute}="{remark.meant}".',
+            )
+
+
+def models_from_network(
+    world: Element, file: Path, has_model: Callable[[str], bool]
+) -> Iterator[Diagnostic]:
+    """Report, in one diagnostic, the models that Gazebo downloads."""
+    includes = [
+        (include, uri)
+        for include in world.iter("include")
+        if (uri := child_text(include, "uri") or "").startswith(("http://", "https://"))
+        and not has_model(uri)
+    ]
+    if includes:
+        names = list(dict.fromkeys(uri.rstrip("/").rpartition("/")[2] for _, uri in includes))
+        first, _ = includes[0]
+        yield FUEL_MODEL.at(
+            file,
+            line_of(first),
+            path_of(first),
+            message=f"Gazebo downloads models of this world: {some_of(names)}.",
+            hint="Download them once with `gz fuel download -u URI`, or put their folders into the "
+            "package and include model://NAME.",
+        )
+
+
+def models_of_classic(
+    world: Element, file: Path, has_model: Callable[[str], bool]
+) -> Iterator[Diagnostic]:
+    """Report the sun and the ground plane that only Gazebo Classic has."""
+    for include in children(world, "include"):
+        uri = child_text(include, "uri") or ""
+        what = "sun" if is_sun(uri) else "ground plane" if is_ground_plane(uri) else None
+        if what is not None and uri.startswith("model://") and not has_model(uri):
+            inline = (
+                'a `<light type="directional">`' if what == "sun" else "a static model with a plane"
+            )
+            yield MODEL_OF_CLASSIC.at(
+                file,
+                line_of(include),
+                path_of(include),
+                message=f"Gazebo Sim has no `{uri}`: only Gazebo Classic ships that {what}.",
+                hint=f"Write {inline} into the world instead of the include.",
+            )
+
+
+def no_light(world: Element, file: Path) -> Iterator[Diagnostic]:
+    """Report a world without light."""
+    has_light = next(world.iter("light"), None) is not None
+    if not has_light and next(world.iter("include"), None) is None:
+        yield NO_LIGHT.at(
+            file,
+            line_of(world),
+            path_of(world),
+            message="The world has no light.",
+            hint='Add <light name="sun" type="directional"><pose>0 0 10 0 0 0</pose>'
+            "<direction>-0.5 0.1 -0.9</direction></light>",
+        )
+
+
+def material_scripts(world: Element, file: Path, distro: str | None) -> Iterator[Diagnostic]:
+    """Report, in one diagnostic, the materials that are Ogre scripts and nothing else."""
+    scripts = []
+    for material in world.iter("material"):
+        script = next(children(material, "script"), None)
+        if (
+            script is None
+            or next(children(material, "ambient", "diffuse", "pbr"), None) is not None
+        ):
+            continue
+        name = child_text(script, "name") or ""
+        if distro in _WITHOUT_COLOR_NAMES or not name.startswith("Gazebo/"):
+            scripts.append((material, name))
+    if scripts:
+        names = list(dict.fromkeys(name for _, name in scripts if name))
+        first, _ = scripts[0]
+        yield MATERIAL_SCRIPT.at(
+            file,
+            line_of(first),
+            path_of(first),
+            message="Gazebo Sim does not read the scripts of materials in this world"
+            f"{': ' if names else ''}{some_of(names)}.",
+            hint="Add <ambient> and <diffuse> to each <material>.",
+        )
+
+
+def not_in_real_time(world: Element, file: Path) -> Iterator[Diagnostic]:
+    """Report a step and an update rate whose product is not the real-time factor."""
+    for physics in children(world, "physics"):
+        step, rate = (_number(physics, tag) for tag in ("max_step_size", "real_time_update_rate"))
+        factor = _number(physics, "real_time_factor")
+        step, rate = 0.001 if step is None else step, 1000.0 if rate is None else rate
+        factor = 1.0 if factor is None else factor
+        speed = step * rate
+        if not (0 < speed < FASTEST and 0 < factor < FASTEST):
+            continue  # as fast as it can, or no numbers
+        if abs(speed / factor - 1) > CLOSE:
+            yield UNUSUAL_RATE.at(
+                file,
+                line_of(physics),
+                path_of(physics),
+                message=f"{rate:g} steps of {step:g} s a second are {speed:g} times real time, and "
+                f"not {factor:g} times.",
+                hint=f"Write <real_time_update_rate>{factor / step:g}</real_time_update_rate>.",
+            )
+
+
+def newer_sdf(root: Element, file: Path, target: Target) -> Iterator[Diagnostic]:
+    """Report an SDF version that the Gazebo of the target does not know."""
+    newest = _NEWEST_BESIDE.get(target.name, target.sdf_version)
+    written = _version(root.get("version"))
+    if written > _version(newest):
+        yield NEWER_SDF.at(
+            file,
+            line_of(root),
+            path_of(root),
+            message=f"{target.gazebo} reads SDF up to {target.sdf_version}, and this file is SDF "
+            f"{root.get('version')}.",
+            hint=f'Write <sdf version="{target.sdf_version}">.',
+        )
+
+
+def _version(text: str | None) -> tuple[int, ...]:
+    words = (text or "").strip().split(".")
+    return tuple(map(int, words)) if all(word.isdecimal() for word in words) else ()
+
+
+def _number(parent: Element, tag: str) -> float | None:
+    try:
+        return float(child_text(parent, tag) or "")
+    except ValueError:
+        return None
