@@ -14,7 +14,6 @@ from __future__ import annotations
 import contextlib
 import os
 import socket
-import tempfile
 import threading
 from dataclasses import replace
 from pathlib import Path
@@ -169,7 +168,7 @@ class _Server:
         self.last_output = ""
         self._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         with contextlib.ExitStack() as stack, theirs:
-            scratch = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="wsgen-")))
+            scratch = stack.enter_context(parent.make_scratch())
             stack.enter_context(self._control)
             parent_death_pipe = stack.enter_context(open_parent_death_pipe())
             self._output = scratch / "output"

@@ -84,19 +84,32 @@ def run(
 def make_scratch() -> Iterator[Path]:
     """Make a scratch folder, of a child or of a stage; it is removed at the end.
 
-    A signal that arrives while it is made waits until it would be removed.
+    A signal that arrives while it is made or removed waits until that is done.
     """
-    mask = getattr(signal, "pthread_sigmask", None)  # not on Windows
-    before = mask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}) if mask else ()
+    before = _hold_signals()
     try:
         # A process that a killed guard or server left behind may still write into the folder.
-        with tempfile.TemporaryDirectory(prefix="wsgen-", ignore_cleanup_errors=True) as name:
-            if mask:
-                mask(signal.SIG_SETMASK, before)
-            yield Path(name)
+        folder = tempfile.TemporaryDirectory(prefix="wsgen-", ignore_cleanup_errors=True)
+        try:
+            _release_signals(before)
+            yield Path(folder.name)
+        finally:
+            before = _hold_signals()
+            folder.cleanup()
     finally:
-        if mask:
-            mask(signal.SIG_SETMASK, before)
+        _release_signals(before)
+
+
+def _hold_signals() -> set[int]:
+    """Let signals to this thread wait; returns those that waited before."""
+    mask = getattr(signal, "pthread_sigmask", None)  # not on Windows
+    return mask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}) if mask else set()
+
+
+def _release_signals(before: set[int]) -> None:
+    mask = getattr(signal, "pthread_sigmask", None)
+    if mask:
+        mask(signal.SIG_SETMASK, before)
 
 
 def make_request(

@@ -6,7 +6,6 @@ import os
 import re
 import shutil
 import subprocess
-import tempfile
 from contextlib import contextmanager
 from dataclasses import field, replace
 from pathlib import Path
@@ -14,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.errors import NotFoundError, NotReadableError, RequestError
+from wsgen.isolation.parent import make_scratch
 from wsgen.source_shares import INDEX, serve_sources
 from wsgen.suggestions import suggest
 from wsgen.values import dataclass
@@ -172,8 +172,8 @@ def open_overlay(
     if not sources:
         yield overlay
         return
-    with tempfile.TemporaryDirectory(prefix="wsgen-") as folder:
-        variables = serve_sources(sources, Path(folder), overlay.environment)
+    with make_scratch() as folder:
+        variables = serve_sources(sources, folder, overlay.environment)
         yield replace(overlay, environment=variables, sources=sources)
 
 
