@@ -1,0 +1,169 @@
+"""What `wsgen check` reads, and which of it is reported."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+from wsgen.errors import NotFoundError
+from wsgen.pipeline.check import CheckOutcome, CheckRequest, check
+
+MANIFEST = """\
+<package format="3">
+  <name>NAME</name>
+  <version>0.0.1</version>
+  <description>A cart.</description>
+  <maintainer email="ada@example.org">Ada</maintainer>
+  <license>Apache-2.0</license>
+  <buildtool_depend>ament_cmake</buildtool_depend>
+  <exec_depend>robot_state_publisher</exec_depend>
+  <exec_depend>xacro</exec_depend>
+  <export><build_type>ament_cmake</build_type></export>
+</package>
+"""
+CMAKE = """\
+cmake_minimum_required(VERSION 3.16)
+project(NAME NONE)
+find_package(ament_cmake REQUIRED)
+install(DIRECTORY launch urdf DESTINATION share/${PROJECT_NAME})
+ament_package()
+"""
+LAUNCH = """\
+import os
+from ament_index_python.packages import get_package_share_directory
+from launch import LaunchDescription
+from launch.substitutions import Command
+from launch_ros.actions import Node
+from launch_ros.parameter_descriptions import ParameterValue
+
+
+def generate_launch_description():
+    path = os.path.join(get_package_share_directory('NAME'), 'urdf', 'cart.urdf')
+    text = ParameterValue(Command(['xacro ', path]), value_type=str)
+    return LaunchDescription([
+        Node(package='robot_state_publisher', executable='robot_state_publisher',
+             parameters=[{'robot_description': text}]),
+    ])
+"""
+URDF = """\
+<robot name="cart">
+  <link name="base">
+    <inertial>
+      <mass value="2"/>
+      <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/>
+    </inertial>
+    <visual><geometry><box size="1 1 0.2"/></geometry></visual>
+    <collision><geometry><box size="1 1 0.2"/></geometry></collision>
+  </link>
+</robot>
+"""
+FILES = {
+    "package.xml": MANIFEST,
+    "CMakeLists.txt": CMAKE,
+    "launch/cart.launch.py": LAUNCH,
+    "urdf/cart.urdf": URDF,
+}
+
+
+def write_package(workspace: Path, name: str = "cart", **changes: str) -> Path:
+    """A sound package; `changes` are of texts, by a part of the path."""
+    package = workspace / "src" / name
+    for path, template in FILES.items():
+        text = template
+        for part, (old, new) in ((part, change.split(" -> ")) for part, change in changes.items()):
+            if part in path:
+                assert old in text
+                text = text.replace(old, new)
+        file = package / path
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text.replace("NAME", name))
+    return package
+
+
+def run(*paths: Path, jobs: int = 1) -> CheckOutcome:
+    environment = {k: v for k, v in os.environ.items() if k != "AMENT_PREFIX_PATH"}
+    return check(CheckRequest(paths=paths, jobs=jobs), environment=environment)
+
+
+def reported(outcome: CheckOutcome) -> list[tuple[str, str, int | None]]:
+    return [(one.name, one.file.name if one.file else "", one.line) for one in outcome.diagnostics]
+
+
+def test_a_sound_package(tmp_path: Path) -> None:
+    outcome = run(write_package(tmp_path))
+    assert outcome.diagnostics == ()
+    assert outcome.packages == ("cart",)
+    assert outcome.passed
+
+
+def test_a_mistake_is_at_the_line_of_the_source(tmp_path: Path) -> None:
+    package = write_package(tmp_path, urdf='<mass value="2"/> -> <mass value="-2"/>')
+    outcome = run(tmp_path)
+    assert reported(outcome) == [("negative-mass", "cart.urdf", 4)]
+    assert outcome.diagnostics[0].file == package / "urdf" / "cart.urdf"
+    assert not outcome.passed
+
+
+def test_a_file_of_a_package_is_checked_with_it(tmp_path: Path) -> None:
+    package = write_package(
+        tmp_path, urdf='<mass value="2"/> -> <mass value="-2"/>', package="Apache -> "
+    )
+    assert reported(run(package / "urdf" / "cart.urdf")) == [("negative-mass", "cart.urdf", 4)]
+    assert reported(run(package / "urdf")) == [("negative-mass", "cart.urdf", 4)]
+    assert reported(run(package / "launch" / "cart.launch.py")) == []
+
+
+def test_of_two_packages_one_is_meant(tmp_path: Path) -> None:
+    write_package(tmp_path, "cart", urdf='<mass value="2"/> -> <mass value="-2"/>')
+    other = write_package(tmp_path, "other", launch="'NAME' -> 'cart'")
+    undeclared = ("undeclared-package", "cart.launch.py", 10)
+    assert reported(run(other)) == [undeclared]
+    assert reported(run(tmp_path, jobs=2)) == [("negative-mass", "cart.urdf", 4), undeclared]
+
+
+def test_what_an_included_launch_file_is_given_is_not_missing(tmp_path: Path) -> None:
+    package = write_package(tmp_path)
+    (package / "launch" / "inner.launch.py").write_text(
+        "from launch import LaunchDescription\n"
+        "from launch.actions import DeclareLaunchArgument\n"
+        "def generate_launch_description():\n"
+        "    return LaunchDescription([DeclareLaunchArgument('x')])\n"
+    )
+    outcome = run(package)
+    assert [(one.name, one.severity.value) for one in outcome.diagnostics] == [
+        ("argument-without-value", "info")
+    ]
+    (package / "launch" / "outer.launch.xml").write_text(
+        '<launch><include file="$(find-pkg-share cart)/launch/inner.launch.py">'
+        '<arg name="x" value="1"/></include></launch>'
+    )
+    assert run(package).diagnostics == ()
+
+
+def test_files_without_a_package(tmp_path: Path) -> None:
+    file = tmp_path / "robots" / "cart.urdf"
+    file.parent.mkdir()
+    file.write_text(URDF.replace('value="2"', 'value="x"'))
+    for path in (file, file.parent):
+        assert reported(run(path)) == [("not-a-number", "cart.urdf", 4)]
+    assert run(file).files == (file,)
+
+
+def test_an_install_space(tmp_path: Path) -> None:
+    share = tmp_path / "install" / "cart" / "share"
+    write_package(tmp_path, urdf='<mass value="2"/> -> <mass value="-2"/>')
+    (share / "ament_index" / "resource_index" / "packages").mkdir(parents=True)
+    (share / "ament_index" / "resource_index" / "packages" / "cart").touch()
+    (tmp_path / "src" / "cart").rename(share / "cart")
+    (tmp_path / "install" / ".colcon_install_layout").write_text("isolated")
+    outcome = run(tmp_path / "install")
+    assert outcome.packages == ("cart",)
+    assert reported(outcome) == [("negative-mass", "cart.urdf", 4)]
+    assert outcome.diagnostics[0].file == share / "cart" / "urdf" / "cart.urdf"
+
+
+def test_what_does_not_exist(tmp_path: Path) -> None:
+    with pytest.raises(NotFoundError, match="does not exist"):
+        run(tmp_path / "nothing")
+    with pytest.raises(NotFoundError, match="no ROS package"):
+        run(tmp_path)
