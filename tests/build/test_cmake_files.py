@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.build.cmake_text import read_calls
+from wsgen.build_files.cmake_text import read_calls
 from wsgen.build.failure import fold_details, read_errors, split_deprecations
 
 TEXT = """\

@@ -10,7 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wsgen.build.cmake_text import find_open_block, find_open_quote, read_calls
+from wsgen.build_files.cmake_text import find_open_block, find_open_quote, read_calls
 from wsgen.diagnostics import Diagnostic, Rule, Severity, has_errors
 from wsgen.ros_names import cmake_packages, released_packages
 from wsgen.suggestions import ask_for_nearest, did_you_mean, nearest

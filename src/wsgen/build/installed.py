@@ -12,8 +12,8 @@ import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wsgen.build.cmake_text import read_calls
 from wsgen.build.toolchain import INDEX
+from wsgen.build_files.cmake_text import read_calls
 from wsgen.diagnostics import Rule, Severity
 
 if TYPE_CHECKING:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from wsgen.build.cmake_text import read_calls
+from wsgen.build_files.cmake_text import read_calls
 from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.suggestions import some_of, suggest
 from wsgen.workspace.manifest import DEFAULT_BUILD_TYPE, read_manifest

@@ -9,8 +9,8 @@ from dataclasses import field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.build.cmake_text import read_calls
 from wsgen.build.request import refuse_empty
+from wsgen.build_files.cmake_text import read_calls
 from wsgen.diagnostics import Rule, Severity
 from wsgen.errors import RequestError
 from wsgen.model.outcome import NotValidated
@@ -31,7 +31,7 @@ from wsgen.workspace.settings import read_settings
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 
-    from wsgen.build.cmake_text import Call
+    from wsgen.build_files.cmake_text import Call
     from wsgen.diagnostics import Diagnostic
     from wsgen.events import Listener
     from wsgen.isolation.parent import Run

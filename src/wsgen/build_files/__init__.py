@@ -1,0 +1,1 @@
+"""CMakeLists.txt, setup.py and setup.cfg, read without running them."""

@@ -1,0 +1,178 @@
+"""CMakeLists.txt is read as CMake is written."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from wsgen.build_files.cmake_text import parse
+from wsgen.build_files.facts import read_build_facts
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+    from pathlib import Path
+
+    from wsgen.model.build_facts import BuildFacts
+
+START = "cmake_minimum_required(VERSION 3.8)\nproject(bot)\nfind_package(ament_cmake REQUIRED)\n"
+
+
+def read(folder: Path, text: str, files: Iterable[str] = ()) -> BuildFacts:
+    """The facts of a package `bot` with these files, and commands between the usual ones."""
+    for name in ("launch/a.launch.py", "urdf/b.urdf", *files):
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).touch()
+    (folder / "CMakeLists.txt").write_text(f"{START}{text}\nament_package()\n")
+    return read_build_facts(folder, "bot", "ament_cmake")[0]
+
+
+def shared(facts: BuildFacts) -> list[str]:
+    return sorted(name for name in facts.shared("bot") if name != "package.xml")
+
+
+BOTH = ["launch/a.launch.py", "urdf/b.urdf"]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "install(DIRECTORY launch urdf DESTINATION share/${PROJECT_NAME})",
+        "INSTALL(\n  DIRECTORY launch # no urdf)\n  urdf\n  DESTINATION share/${PROJECT_NAME}/)",
+        'install(DIRECTORY "launch" "urdf" DESTINATION "share/${PROJECT_NAME}")',
+        "#[[ install( ]] install(DIRECTORY launch urdf DESTINATION share/bot) #[==[ ]] ]==]",
+        (
+            "set(dirs launch)\nlist(APPEND dirs urdf)\n"
+            "install(DIRECTORY ${dirs} DESTINATION share/${PROJECT_NAME})"
+        ),
+        (
+            "foreach(dir launch urdf)\n"
+            "  install(DIRECTORY ${dir}/ DESTINATION share/${PROJECT_NAME}/${dir})\nendforeach()"
+        ),
+        (
+            "foreach(dir IN ITEMS launch urdf)\n  if(EXISTS ${CMAKE_CURRENT_SOURCE_DIR}/${dir})\n"
+            "    install(DIRECTORY ${dir} DESTINATION share/bot)\n  endif()\nendforeach()"
+        ),
+        (
+            "function(share)\n  foreach(one ${ARGN})\n"
+            "    install(DIRECTORY ${one} DESTINATION share/bot)\n"
+            "  endforeach()\nendfunction()\nshare(launch urdf)"
+        ),
+        (
+            "file(GLOB found launch/* RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} urdf/*)\n"
+            "foreach(one ${found})\n  get_filename_component(dir ${one} DIRECTORY)\n"
+            "  install(FILES ${one} DESTINATION share/bot/${dir})\nendforeach()"
+        ),
+        (
+            "install(DIRECTORY launch urdf TYPE DATA)\n"
+            "install(DIRECTORY launch urdf DESTINATION share/bot)"
+        ),
+        "set(CMAKE_INSTALL_DATADIR share/bot)\ninstall(DIRECTORY launch urdf TYPE DATA)",
+        (
+            "install(DIRECTORY . DESTINATION share/bot PATTERN package.xml EXCLUDE "
+            "PATTERN CMakeLists.txt EXCLUDE)"
+        ),
+        (
+            "install(FILES launch/a.launch.py\n"
+            "  DESTINATION ${CMAKE_INSTALL_PREFIX}/share/bot/launch)\n"
+            "install(FILES urdf/x.urdf OPTIONAL DESTINATION share/bot/urdf)\n"
+            "install(FILES urdf/b.urdf DESTINATION share/bot/urdf RENAME b.urdf)"
+        ),
+        (
+            "if(WIN32 OR (APPLE AND NOT UNIX))\nelse()\n"
+            "install(DIRECTORY launch urdf DESTINATION share/bot)\nendif()"
+        ),
+        (
+            "if($ENV{ROS_DISTRO} STREQUAL humble)\n"
+            "install(DIRECTORY launch urdf DESTINATION share/bot)\nendif()"
+        ),
+        "ament_auto_package(INSTALL_TO_SHARE launch urdf)\nreturn()",
+    ],
+)
+def test_installed(tmp_path: Path, text: str) -> None:
+    assert shared(read(tmp_path, text)) == BOTH
+
+
+def test_patterns(tmp_path: Path) -> None:
+    text = 'install(DIRECTORY urdf DESTINATION share/bot FILES_MATCHING PATTERN "*.xacro" '
+    text += 'PATTERN "old" EXCLUDE REGEX "/x[0-9]+\\\\.dae$")'
+    files = ["urdf/a.xacro", "urdf/old/a.xacro", "urdf/x1.dae", "urdf/y.dae", "urdf/c/d.xacro"]
+    assert shared(read(tmp_path, text, files)) == ["urdf/a.xacro", "urdf/c/d.xacro", "urdf/x1.dae"]
+
+
+def test_where_things_come_from(tmp_path: Path) -> None:
+    text = "install(DIRECTORY\n  launch/\n  DESTINATION share/bot/start)\n"
+    text += "install(PROGRAMS scripts/go.py DESTINATION lib/${PROJECT_NAME} RENAME go)\n"
+    text += "add_executable(node src/node.cpp)\ninstall(TARGETS node DESTINATION lib/bot)"
+    facts = read(tmp_path, text, ["scripts/go.py"])
+    (file,) = (one for one in facts.installed if one.destination.startswith("share/bot/start"))
+    assert (file.source, file.line) == (tmp_path / "launch/a.launch.py", 5)
+    assert [(one.name, one.source) for one in facts.executables] == [
+        ("go", tmp_path / "scripts/go.py"),
+        ("node", None),
+    ]
+    assert facts.is_whole
+    assert facts.folders == {"share/bot/start": tmp_path / "launch"}
+
+
+def test_required_packages(tmp_path: Path) -> None:
+    text = "foreach(one rclcpp std_msgs)\n  find_package(${one} REQUIRED)\nendforeach()\n"
+    text += "find_package(gz QUIET)\nif(BUILD_TESTING)\n  find_package(ament_lint_auto REQUIRED)\n"
+    text += "endif()"
+    found = read(tmp_path, text).required_packages
+    assert [(one.name, one.line, one.required, one.in_tests) for one in found] == [
+        ("ament_cmake", 3, True, False),
+        ("rclcpp", 5, True, False),
+        ("std_msgs", 5, True, False),
+        ("gz", 7, False, False),
+        ("ament_lint_auto", 9, True, True),
+    ]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "install(DIRECTORY ${FOLDERS} DESTINATION share/bot)",
+        "install(CODE [[message(hello)]])",
+        "install_all_of_it(launch)",
+        "include(${somewhere}/more.cmake)",
+    ],
+)
+def test_what_cannot_be_known_is_not_whole(tmp_path: Path, text: str) -> None:
+    assert not read(tmp_path, text).is_whole
+
+
+def test_a_subdirectory(tmp_path: Path) -> None:
+    (tmp_path / "models").mkdir()
+    (tmp_path / "models" / "CMakeLists.txt").write_text(
+        "set(place ${place}/models PARENT_SCOPE)\n"
+        "install(FILES robot.sdf DESTINATION share/${PROJECT_NAME}/models)\n"
+    )
+    text = "set(place share/bot)\nadd_subdirectory(models)\n"
+    text += "install(DIRECTORY launch DESTINATION ${place})"
+    facts = read(tmp_path, text, ["models/robot.sdf"])
+    assert shared(facts) == ["models/launch/a.launch.py", "models/robot.sdf"]
+    (file,) = (one for one in facts.installed if one.destination.endswith(".sdf"))
+    assert file.file == tmp_path / "models" / "CMakeLists.txt"
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "words"),
+    [
+        ("a()\nb(", 2, "not closed"),
+        ("a()\n)", 2, "no opening one"),
+        ('a("b)\nc()', 1, "quotation mark"),
+        ("a()\nlaunch\nb()", 2, "not followed by"),
+        ("a()\n// no comment\nb()", 2, "not a command"),
+    ],
+)
+def test_mistakes_of_syntax(text: str, line: int, words: str) -> None:
+    mistake = parse(text)[1]
+    assert mistake is not None
+    assert mistake.line == line
+    assert words in mistake.message
+
+
+def test_an_endless_loop_ends(tmp_path: Path) -> None:
+    facts = read(tmp_path, "macro(again)\n  again()\nendmacro()\nagain()")
+    assert not facts.is_whole
