@@ -1,0 +1,278 @@
+"""Fixes in CMakeLists.txt, setup.py and setup.cfg."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from wsgen.fixes.cmake_source import command_at, read_commands
+from wsgen.fixes.meant import is_surely, suggested
+from wsgen.fixes.source import Edit
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.fixes.cmake_source import Command
+    from wsgen.fixes.source import SourceText
+
+
+OLDEST_CMAKE = "3.8"  # of the supported distributions' templates
+NEWEST_CMAKE = "3.31"  # the newest that all of them were tested with
+RANGE = f"{OLDEST_CMAKE}...{NEWEST_CMAKE}"
+VERSION = re.compile(r"(\d+)\.(\d+)(?:\.\d+)*(?:\.\.\.\d+(?:\.\d+)+)?")
+LANGUAGES = {"CPP": "CXX", "C++": "CXX", "CPLUSPLUS": "CXX", "CC": "CXX"}
+SHARED = ("DIRECTORY", "FILES")
+RUN = ("PROGRAMS", "TARGETS")
+OPTIONS = frozenset(
+    (
+        *("PATTERN", "REGEX", "EXCLUDE", "PERMISSIONS", "RENAME", "OPTIONAL", "COMPONENT"),
+        *("CONFIGURATIONS", "EXCLUDE_FROM_ALL", "FILES_MATCHING", "USE_SOURCE_PERMISSIONS"),
+        *("FILE_PERMISSIONS", "DIRECTORY_PERMISSIONS", "MESSAGE_NEVER", "TYPE"),
+        *("ARCHIVE", "LIBRARY", "RUNTIME", "EXPORT", "INCLUDES", "OBJECTS", "FRAMEWORK", "BUNDLE"),
+    )
+)
+
+
+def _append(source: SourceText, text: str) -> list[Edit]:
+    """Add a line at the end."""
+    end = len(source.text)
+    before = "" if not source.text or source.text.endswith("\n") else source.newline
+    return [Edit(start=end, end=end, text=f"{before}{text}{source.newline}")]
+
+
+def _first(source: SourceText, text: str) -> list[Edit]:
+    return [Edit(start=0, end=0, text=f"{text}{source.newline}")]
+
+
+def _remove(source: SourceText, start: int, end: int) -> list[Edit]:
+    start, end = source.whole_lines(start, end)
+    return [Edit(start=start, end=end, text="")]
+
+
+def add_ament_package(_: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Call ament_package() at the end; nothing is found before it is called."""
+    commands = read_commands(source)
+    names = [command.name for command in commands]
+    if "ament_package" in names or "ament_auto_package" in names or "project" not in names:
+        return []
+    found = [one for one in commands if one.name == "find_package" and one.arguments]
+    edits = _append(source, "ament_package()")
+    if not any(one.arguments[0].text.startswith("ament_cmake") for one in found):
+        place = next(command.end for command in commands if command.name == "project")
+        added = f"{source.newline}find_package(ament_cmake REQUIRED)"
+        edits.append(Edit(start=place, end=place, text=added))
+    return edits
+
+
+def remove_repeated_ament_package(_: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Keep the last call of ament_package(), which must follow all others."""
+    calls = [command for command in read_commands(source) if command.name == "ament_package"]
+    if len({_words(one) for one in calls}) > 1 or _has_blocks(source):
+        return []
+    return [edit for call in calls[:-1] for edit in _remove(source, call.start, call.end)]
+
+
+def _words(command: Command) -> tuple[str, ...]:
+    return tuple(argument.text for argument in command.arguments)
+
+
+def _has_blocks(source: SourceText) -> bool:
+    """Whether calls may be skipped: then only one of two could be meant to run."""
+    blocks = {"if", "foreach", "while", "function", "macro", "return"}
+    return any(command.name in blocks for command in read_commands(source))
+
+
+def move_ament_package(_: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Move the only call of ament_package() to the end."""
+    calls = [command for command in read_commands(source) if command.name == "ament_package"]
+    if len(calls) != 1 or _depth(source, calls[0]):
+        return []
+    call = calls[0]
+    text = source.text[call.start : call.end]
+    return [*_remove(source, call.start, call.end), *_append(source, text)]
+
+
+def _depth(source: SourceText, call: Command) -> int:
+    """How many blocks are open where a command is called."""
+    before = [one.name for one in read_commands(source) if one.start < call.start]
+    blocks = ("if", "foreach", "while", "function", "macro", "block")
+    return sum(name in blocks for name in before) - sum(name[3:] in blocks for name in before)
+
+
+def fix_cmake_minimum(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Ask for a range of versions: the oldest stays unless CMake no longer knows it."""
+    command = command_at(source, diagnostic.line, "cmake_minimum_required")
+    if command is None:
+        calls = [one for one in read_commands(source) if one.name == "cmake_minimum_required"]
+        command = calls[0] if len(calls) == 1 else None
+    for argument in command.arguments if command else ():
+        version = VERSION.fullmatch(argument.text)
+        if version is not None:
+            oldest = max((3, 8), (int(version[1]), int(version[2])))
+            text = f"{oldest[0]}.{oldest[1]}...{NEWEST_CMAKE}"
+            if argument.text == text or oldest >= (3, 31):
+                return []
+            return [Edit(start=argument.start, end=argument.end, text=text)]
+    return []
+
+
+def add_cmake_minimum(_: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Call cmake_minimum_required() first."""
+    if any(one.name == "cmake_minimum_required" for one in read_commands(source)):
+        return []
+    return _first(source, f"cmake_minimum_required(VERSION {RANGE})")
+
+
+_PROJECT = re.compile(r"project\((\w+)\)")
+
+
+def add_project(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Call project() after cmake_minimum_required(), with the name that the hint gives."""
+    commands = read_commands(source)
+    named = _PROJECT.search(diagnostic.hint or "")
+    if named is None or any(one.name == "project" for one in commands):
+        return []
+    minimum = next((one for one in commands if one.name == "cmake_minimum_required"), None)
+    if minimum is None:
+        return _first(source, named[0])
+    return [Edit(start=minimum.end, end=minimum.end, text=f"{source.newline}{named[0]}")]
+
+
+def fix_project_name(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Name the project like the package."""
+    named = _PROJECT.search(diagnostic.hint or "")
+    calls = [one for one in read_commands(source) if one.name == "project" and one.arguments]
+    if named is None or len(calls) != 1:
+        return []
+    first = calls[0].arguments[0]
+    if "$" in first.text or first.text == named[1]:
+        return []
+    return [Edit(start=first.start, end=first.end, text=named[1])]
+
+
+def fix_language(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Write CXX for C++."""
+    command = command_at(source, diagnostic.line, "project", "enable_language")
+    return (
+        [
+            Edit(start=argument.start, end=argument.end, text=LANGUAGES[argument.text.upper()])
+            for argument in (command.arguments[1 if command.name == "project" else 0 :])
+            if argument.text.upper() in LANGUAGES
+        ]
+        if command
+        else []
+    )
+
+
+def fix_command_name(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Write the suggested command."""
+    meant = (suggested(diagnostic.hint) or "").rstrip("()")
+    written = re.search(r"command (\w+)\(\)", diagnostic.message)
+    if not meant or written is None or not is_surely(written[1], meant):
+        return []
+    command = command_at(source, diagnostic.line, written[1].lower())
+    if command is None:
+        return []
+    return [Edit(start=command.start, end=command.start + len(written[1]), text=meant)]
+
+
+def add_destination(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Give install() the destination in which ROS looks."""
+    command = command_at(source, diagnostic.line, "install")
+    if command is None or not command.arguments:
+        return []
+    words = _words(command)
+    kind = words[0]
+    if "DESTINATION" in words or OPTIONS & {*words} or kind not in {*SHARED, *RUN}:
+        return []
+    place = "share" if kind in SHARED else "lib"
+    end = command.arguments[-1].end
+    destination = f"DESTINATION {place}/${{PROJECT_NAME}}"
+    is_on_lines = "\n" in source.text[command.start : end]
+    indent = source.newline + source.indent_at(end) if is_on_lines else " "
+    return [Edit(start=end, end=end, text=f"{indent}{destination}")]
+
+
+_INSTALLED = re.compile(r"install\(\) names the \w+ ([^\s,]+), which does not exist")
+
+
+def fix_installed_path(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Write the suggested name of what is installed; without one, remove what does not exist."""
+    named = _INSTALLED.search(diagnostic.message)
+    command = command_at(source, diagnostic.line, "install")
+    if named is None or command is None:
+        return []
+    first = next((n for n, word in enumerate(_words(command)) if word == "DESTINATION"), None)
+    listed = command.arguments[1:first]
+    written = [one for one in listed if one.text.rstrip("/") == named[1].rstrip("/")]
+    if first is None or len(written) != 1 or command.arguments[0].text not in SHARED:
+        return []
+    one, meant = written[0], suggested(diagnostic.hint)
+    if meant is not None:
+        if not is_surely(named[1].rpartition("/")[2], meant):
+            return []
+        folder = named[1].rpartition("/")[0]
+        slash = "/" if one.text.endswith("/") else ""
+        text = f"{folder}/{meant}{slash}" if folder else f"{meant}{slash}"
+        return [Edit(start=one.start, end=one.end, text=text)]
+    if len(listed) == 1:
+        return _remove(source, command.start, command.end)
+    before = command.arguments[command.arguments.index(one) - 1]
+    start, end = source.whole_lines(one.start, one.end)
+    if (start, end) == (one.start, one.end):
+        start = before.end
+    return [Edit(start=start, end=end, text="")]
+
+
+_UNKNOWN_ARGUMENT = re.compile(r"does not know the argument (\w+) of setup\(\)")
+
+
+def fix_setup_option(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Write the suggested argument of setup(), or underscores for the dashes in setup.cfg."""
+    start, end = source.start_of(diagnostic.line or 0), source.start_of((diagnostic.line or 0) + 1)
+    text = source.text[start:end]
+    if source.file.name == "setup.cfg":
+        return [
+            Edit(start=one.start(1), end=one.end(1), text=one[1].replace("-", "_"))
+            for one in re.finditer(r"(?m)^(\w+(?:-\w+)+)(?=[ \t]*[=:])", source.text)
+            if one[1] in diagnostic.message
+        ]
+    unknown = _UNKNOWN_ARGUMENT.search(diagnostic.message)
+    meant = suggested(diagnostic.hint)
+    if unknown is None or meant is None or not is_surely(unknown[1], meant):
+        return []
+    places = list(re.finditer(rf"\b{unknown[1]}(?=\s*=[^=])", text))
+    if len(places) != 1 or re.search(rf"\b{meant}\s*=[^=]", source.text):
+        return []
+    return [Edit(start=start + places[0].start(), end=start + places[0].end(), text=meant)]
+
+
+_SCRIPTS = re.compile(r"install_scripts=(\$base/lib/[\w-]+)")
+# What setup.cfg of a package of the build type ament_python has, per section.
+_KEYS = {"develop": "script_dir", "install": "install_scripts"}
+
+
+def fix_script_folder(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Have setuptools install scripts where `ros2 run` looks."""
+    place = _SCRIPTS.search(diagnostic.hint or "")
+    if place is None or source.file.name != "setup.cfg":
+        return []
+    edits, missing = list[Edit](), list[str]()
+    for section, key in _KEYS.items():
+        header = re.search(rf"(?m)^\[{section}\][ \t]*$", source.text)
+        if header is None:
+            missing += [f"[{section}]", f"{key}={place[1]}"]
+            continue
+        following = re.compile(r"(?m)^\[").search(source.text, header.end())
+        end = following.start() if following else len(source.text)
+        written = re.compile(
+            rf"(?m)^{key[:-1]}.[ \t]*[=:][ \t]*(.*?)[ \t]*\r?$".replace("_", "[-_]")
+        )
+        value = written.search(source.text, header.end(), end)
+        if value is None:
+            line = f"{source.newline}{key}={place[1]}"
+            edits.append(Edit(start=header.end(), end=header.end(), text=line))
+        elif value[1] != place[1]:
+            edits.append(Edit(start=value.start(1), end=value.end(1), text=place[1]))
+    return [*edits, *(_append(source, source.newline.join(missing)) if missing else [])]

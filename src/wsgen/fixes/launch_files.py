@@ -1,0 +1,281 @@
+"""Fixes in launch files: in Python by its syntax tree, in XML by its tags."""
+
+from __future__ import annotations
+
+import ast
+import re
+import warnings
+from typing import TYPE_CHECKING, TypeVar
+
+from wsgen.fixes.meant import is_surely, suggested
+from wsgen.fixes.source import Edit
+from wsgen.fixes.xml_source import read_tags
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Sequence
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.fixes.source import SourceText
+    from wsgen.fixes.xml_source import Tag
+
+    Located = ast.expr | ast.stmt | ast.keyword
+
+Node = TypeVar("Node", bound=ast.AST)
+
+DESCRIPTION = "robot_description"
+AS_TEXT = "ParameterValue"
+AS_TEXT_IMPORT = "from launch_ros.parameter_descriptions import ParameterValue"
+# What Node took before Galactic -> what it takes.
+RENAMED = {"node_executable": "executable", "node_name": "name", "node_namespace": "namespace"}
+STATEMENT = re.compile(r"Add `((?:from [\w.]+ )?import \w+)` at the top")
+XACRO_WORDS = frozenset(("xacro", "ros2 run xacro xacro"))
+
+
+class Tree:
+    """A launch file in Python, with the places of its syntax."""
+
+    def __init__(self, source: SourceText, module: ast.Module) -> None:
+        self.source = source
+        self.module = module
+        self.nodes = list(ast.walk(module))
+
+    def all(self, kind: type[Node]) -> list[Node]:
+        """Every node of a kind."""
+        return [node for node in self.nodes if isinstance(node, kind)]
+
+    def start(self, node: Located) -> int:
+        """The place of the first character of a node."""
+        return self._place(node.lineno, node.col_offset)
+
+    def end(self, node: Located) -> int:
+        """The place behind the last character of a node."""
+        return self._place(node.end_lineno or node.lineno, node.end_col_offset or 0)
+
+    def _place(self, line: int, column: int) -> int:
+        """The tree counts columns in bytes of UTF-8."""
+        start = self.source.start_of(line)
+        text = self.source.text[start : self.source.start_of(line + 1)]
+        return start + len(text.encode()[:column].decode(errors="ignore"))
+
+
+def _tree(source: SourceText) -> Tree | None:
+    if source.file.suffix != ".py" or re.search(r"\r(?!\n)|\f", source.text):
+        return None
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # about escapes in strings of the user
+            return Tree(source, ast.parse(source.text))
+    except (SyntaxError, ValueError, RecursionError):
+        return None
+
+
+def _name_of(call: ast.Call) -> str:
+    function = call.func
+    return function.attr if isinstance(function, ast.Attribute) else getattr(function, "id", "")
+
+
+def import_edit(tree: Tree, statement: str) -> list[Edit]:
+    """Add an import behind those that there are; nothing if the name is imported already."""
+    name = statement.rpartition(" ")[2]
+    tops = [one for one in tree.module.body if isinstance(one, (ast.Import, ast.ImportFrom))]
+    names = {alias.asname or alias.name for one in tops for alias in one.names}
+    if name in names or "*" in names:
+        return []
+    source, newline = tree.source, tree.source.newline
+    if tops:
+        module = statement.split()[1].partition(".")[0]
+        same = [one for one in tops if _module(one).partition(".")[0] == module]
+        last = max(same or tops, key=lambda one: one.lineno)
+        place = tree.end(last)
+        return [Edit(start=place, end=place, text=f"{newline}{statement}")]
+    body = [one for one in tree.module.body if not _is_docstring(one)]
+    place = source.start_of(body[0].lineno) if body else len(source.text)
+    return [Edit(start=place, end=place, text=f"{statement}{newline}")]
+
+
+def _module(node: ast.Import | ast.ImportFrom) -> str:
+    return (node.module or "") if isinstance(node, ast.ImportFrom) else node.names[0].name
+
+
+def _is_docstring(node: ast.stmt) -> bool:
+    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
+
+
+def keep_description_as_text(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Say that the robot description is text, which launch_ros does not parse."""
+    if source.file.suffix in {".xml", ".launch"}:
+        return _typed_parameter(diagnostic, source)
+    tree = _tree(source)
+    if tree is None:
+        return []
+    values = [
+        value
+        for node in tree.all(ast.Dict)
+        for key, value in zip(node.keys, node.values, strict=True)
+        if isinstance(key, ast.Constant) and key.value == DESCRIPTION
+        if not (isinstance(value, ast.Call) and _name_of(value) == AS_TEXT)
+    ]
+    if len(values) != 1 or isinstance(values[0], ast.Constant):
+        return []
+    start, end = tree.start(values[0]), tree.end(values[0])
+    if isinstance(values[0], (ast.GeneratorExp, ast.Tuple, ast.Starred, ast.NamedExpr)):
+        return []
+    return [
+        Edit(start=start, end=start, text=f"{AS_TEXT}("),
+        Edit(start=end, end=end, text=", value_type=str)"),
+        *import_edit(tree, AS_TEXT_IMPORT),
+    ]
+
+
+def _typed_parameter(diagnostic: Diagnostic, source: SourceText) -> list[Edit]:
+    tags = [
+        tag
+        for tag in read_tags(source.text)
+        if tag.name == "param" and (named := tag.attributes.get("name")) is not None
+        if named.text == DESCRIPTION and "type" not in tag.attributes
+    ]
+    near = [tag for tag in tags if _around(source, tag, diagnostic.line)]
+    tags = near if near and len(tags) > 1 else tags
+    if len(tags) != 1:
+        return []
+    place = tags[0].attributes["name"].value.end + len('"')
+    return [Edit(start=place, end=place, text=' type="str"')]
+
+
+def _around(source: SourceText, tag: Tag, line: int | None) -> bool:
+    """Whether the node of a parameter begins on a line."""
+    owner = tag.path[-1] if tag.path else tag
+    return source.line_at(owner.start.start) <= (line or 0) <= source.line_at(tag.start.end)
+
+
+def rename_old_keywords(_: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Write the keywords that Node takes since Galactic, in all nodes of the file."""
+    tree = _tree(source)
+    if tree is None:
+        return []
+    edits = []
+    for call in tree.all(ast.Call):
+        given = {keyword.arg for keyword in call.keywords}
+        if given & {RENAMED[old] for old in given & RENAMED.keys() if old}:
+            return []
+        for keyword in call.keywords:
+            if keyword.arg in RENAMED:
+                start = tree.start(keyword)
+                end = start + len(keyword.arg)
+                edits.append(Edit(start=start, end=end, text=RENAMED[keyword.arg]))
+    return edits
+
+
+def fix_keyword(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Write the suggested keyword argument."""
+    tree, meant, written = _tree(source), suggested(diagnostic.hint), diagnostic.element
+    if tree is None or meant is None or not written or not is_surely(written, meant):
+        return []
+    found = [
+        keyword
+        for call in tree.all(ast.Call)
+        if meant not in {keyword.arg for keyword in call.keywords}
+        for keyword in call.keywords
+        if keyword.arg == written and keyword.lineno == diagnostic.line
+    ]
+    if len(found) != 1:
+        return []
+    start = tree.start(found[0])
+    return [Edit(start=start, end=start + len(written), text=meant)]
+
+
+def add_import(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Import what the launch file uses and does not import, or correct its misspelled name."""
+    tree, meant, written = _tree(source), suggested(diagnostic.hint), diagnostic.element
+    if tree is None or not written:
+        return []
+    statement = STATEMENT.search(diagnostic.hint or "")
+    edits = import_edit(tree, statement[1]) if statement else []
+    if statement is not None and statement[1].endswith(f" {written}"):
+        return edits
+    if meant is None or not is_surely(written, meant):
+        return []
+    names = [node for node in tree.all(ast.Name) if node.id == written]
+    if not names or any(isinstance(node.ctx, ast.Store) for node in names):
+        return []
+    places = [(tree.start(node), tree.end(node)) for node in names]
+    return [*(Edit(start=start, end=end, text=meant) for start, end in places), *edits]
+
+
+def fix_text(key: str = "") -> Callable[[Diagnostic, SourceText], Sequence[Edit]]:
+    """The fix that writes the suggested word for the only text that has the misspelled one.
+
+    With `key`, that is the value of this keyword argument or attribute.
+    """
+
+    def fix(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+        meant, written = suggested(diagnostic.hint), diagnostic.element
+        if meant is None or not written or not is_surely(written, meant):
+            return []
+        tree = _tree(source)
+        if tree is None:
+            return _fix_attribute(source, key, written, meant)
+        texts: Iterable[ast.expr] = tree.all(ast.Constant)
+        if key:
+            texts = [one.value for one in tree.all(ast.keyword) if one.arg == key]
+        found = [one for one in texts if isinstance(one, ast.Constant) and one.value == written]
+        return _within(tree, found, written, meant)
+
+    return fix
+
+
+def _fix_attribute(source: SourceText, key: str, written: str, meant: str) -> list[Edit]:
+    found = [
+        attribute
+        for tag in read_tags(source.text)
+        for name, attribute in tag.attributes.items()
+        if attribute.text == written and name == (key or "name")
+    ]
+    if source.file.suffix not in {".xml", ".launch"} or len(found) != 1:
+        return []
+    return [Edit(start=found[0].value.start, end=found[0].value.end, text=meant)]
+
+
+def _within(tree: Tree, found: Sequence[ast.expr], written: str, meant: str) -> list[Edit]:
+    """Replace a word in the only text that has it."""
+    if len(found) != 1:
+        return []
+    start, end = tree.start(found[0]), tree.end(found[0])
+    places = list(re.finditer(rf"(?<!\w){re.escape(written)}(?!\w)", tree.source.text[start:end]))
+    if len(places) != 1:
+        return []
+    return [Edit(start=start + places[0].start(), end=start + places[0].end(), text=meant)]
+
+
+def fix_xacro_argument(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Write the suggested name of an argument for xacro."""
+    tree, meant, written = _tree(source), suggested(diagnostic.hint), diagnostic.element
+    if tree is None or meant is None or not written or not is_surely(written, meant):
+        return []
+    used = re.compile(rf"(?<!\w){re.escape(written)}:=")
+    found = [
+        node
+        for node in tree.all(ast.Constant)
+        if isinstance(node.value, str) and (used.search(node.value) or node.value == written)
+    ]
+    return _within(tree, found, written, meant)
+
+
+def add_blank_after_xacro(_: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Put a blank between `xacro` and the path: Command joins its words without one."""
+    tree = _tree(source)
+    if tree is None:
+        return []
+    edits = []
+    for call in tree.all(ast.Call):
+        first = call.args[0] if call.args else None
+        if _name_of(call) != "Command" or not isinstance(first, ast.List):
+            continue
+        words = first.elts
+        has_more = len(words) > 1 and not (
+            isinstance(words[1], ast.Constant) and str(words[1].value).startswith(" ")
+        )
+        if has_more and isinstance(words[0], ast.Constant) and words[0].value in XACRO_WORDS:
+            place = tree.end(words[0]) - 1
+            edits.append(Edit(start=place, end=place, text=" "))
+    return edits

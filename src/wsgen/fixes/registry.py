@@ -1,0 +1,92 @@
+"""Which rules have a safe fix, and in which file it is made."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from wsgen.fixes import build_files, launch_files, manifests, robots
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+    from pathlib import Path
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.fixes.source import Edit, SourceText
+
+    # The edits in a text that remove the reason of a diagnostic; none where that is not certain.
+    Fixer = Callable[[Diagnostic, SourceText], Sequence[Edit]]
+
+
+# Name of the rule -> its fix.
+FIXERS: Mapping[str, Fixer] = {
+    # package.xml and wsgen.toml
+    "missing-build-type": manifests.add_build_type,
+    "invalid-manifest": manifests.fix_version,
+    "invalid-settings": manifests.fix_settings_key,
+    "unknown-rule-allowed": manifests.fix_allowed_rule,
+    "undeclared-package": manifests.add_dependencies,
+    # CMakeLists.txt, setup.py, setup.cfg
+    "missing-installed-path": build_files.fix_installed_path,
+    "repeated-ament-package": build_files.remove_repeated_ament_package,
+    "missing-ament-package": build_files.add_ament_package,
+    "old-cmake-minimum": build_files.fix_cmake_minimum,
+    "deprecated-cmake-minimum": build_files.fix_cmake_minimum,
+    "missing-cmake-minimum": build_files.add_cmake_minimum,
+    "missing-project": build_files.add_project,
+    "different-names": build_files.fix_project_name,
+    "unknown-language": build_files.fix_language,
+    "unknown-command": build_files.fix_command_name,
+    "missing-destination": build_files.add_destination,
+    "unknown-setup-option": build_files.fix_setup_option,
+    "broken-console-script": build_files.fix_script_folder,
+    # URDF, xacro, SDF
+    "malformed-xml": robots.fix_xml,
+    "unnamed-robot": robots.fix_robot_name,
+    "unknown-urdf-version": robots.fix_urdf_version,
+    "no-sdf-version": robots.fix_sdf_version,
+    "unknown-link": robots.fix_link,
+    "unknown-joint-type": robots.rename_value("type"),
+    "unnormalized-axis": robots.fix_axis,
+    "swapped-limits": robots.fix_limits,
+    "not-a-number": robots.fix_number,
+    "gazebo-not-a-number": robots.fix_number,
+    "gazebo-not-a-boolean": robots.fix_boolean,
+    "color-out-of-range": robots.fix_color,
+    "duplicate-material": robots.remove_repeated_material,
+    "unknown-gazebo-material": robots.rename_value(),
+    "unknown-reference": robots.rename_value("reference"),
+    "misspelled-element": robots.fix_element_name,
+    "misspelled-attribute": robots.fix_attribute_name,
+    # launch files
+    "description-not-yaml": launch_files.keep_description_as_text,
+    "description-as-yaml": launch_files.keep_description_as_text,
+    "old-keyword": launch_files.rename_old_keywords,
+    "invalid-keyword": launch_files.fix_keyword,
+    "undefined-name": launch_files.add_import,
+    "executable-not-found": launch_files.fix_text("executable"),
+    "unused-include-argument": launch_files.fix_text(),
+    "unused-xacro-argument": launch_files.fix_xacro_argument,
+}
+
+
+def _manifest_around(diagnostic: Diagnostic) -> Path | None:
+    """package.xml of the package in which the file of a diagnostic is."""
+    folders = diagnostic.file.absolute().parents if diagnostic.file else ()
+    return next((one / "package.xml" for one in folders if (one / "package.xml").is_file()), None)
+
+
+# Rules whose fix is in another file than the one that they name.
+ELSEWHERE: Mapping[str, Callable[[Diagnostic], Path | None]] = {
+    "undeclared-package": _manifest_around,
+}
+
+
+def file_to_fix(diagnostic: Diagnostic) -> Path | None:
+    """The file that the fix of a diagnostic changes."""
+    find = ELSEWHERE.get(diagnostic.name)
+    return find(diagnostic) if find else diagnostic.file
+
+
+def has_fix(diagnostic: Diagnostic) -> bool:
+    """Whether there may be a fix; the text decides."""
+    return diagnostic.name in FIXERS
