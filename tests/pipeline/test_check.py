@@ -10,7 +10,7 @@ from wsgen.pipeline.check import CheckOutcome, CheckRequest, check
 
 MANIFEST = """\
 <package format="3">
-  <name>NAME</name>
+  <name>@PKG@</name>
   <version>0.0.1</version>
   <description>A cart.</description>
   <maintainer email="ada@example.org">Ada</maintainer>
@@ -23,7 +23,7 @@ MANIFEST = """\
 """
 CMAKE = """\
 cmake_minimum_required(VERSION 3.16)
-project(NAME NONE)
+project(@PKG@ NONE)
 find_package(ament_cmake REQUIRED)
 install(DIRECTORY launch urdf DESTINATION share/${PROJECT_NAME})
 ament_package()
@@ -38,7 +38,7 @@ from launch_ros.parameter_descriptions import ParameterValue
 
 
 def generate_launch_description():
-    path = os.path.join(get_package_share_directory('NAME'), 'urdf', 'cart.urdf')
+    path = os.path.join(get_package_share_directory('@PKG@'), 'urdf', 'cart.urdf')
     text = ParameterValue(Command(['xacro ', path]), value_type=str)
     return LaunchDescription([
         Node(package='robot_state_publisher', executable='robot_state_publisher',
@@ -76,7 +76,7 @@ def write_package(workspace: Path, name: str = "cart", **changes: str) -> Path:
                 text = text.replace(old, new)
         file = package / path
         file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(text.replace("NAME", name))
+        file.write_text(text.replace("@PKG@", name))
     return package
 
 
@@ -115,7 +115,7 @@ def test_a_file_of_a_package_is_checked_with_it(tmp_path: Path) -> None:
 
 def test_of_two_packages_one_is_meant(tmp_path: Path) -> None:
     write_package(tmp_path, "cart", urdf='<mass value="2"/> -> <mass value="-2"/>')
-    other = write_package(tmp_path, "other", launch="'NAME' -> 'cart'")
+    other = write_package(tmp_path, "other", launch="'@PKG@' -> 'cart'")
     undeclared = ("undeclared-package", "cart.launch.py", 10)
     assert reported(run(other)) == [undeclared]
     assert reported(run(tmp_path, jobs=2)) == [("negative-mass", "cart.urdf", 4), undeclared]

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
     from wsgen.events import Listener
     from wsgen.isolation.parent import Run
+    from wsgen.model.build_facts import BuildFacts
     from wsgen.model.plan import LaunchPlan
     from wsgen.model.robot import Robot
     from wsgen.model.world import World
@@ -61,6 +62,7 @@ class Facts(NamedTuple):
     plans: tuple[LaunchPlan, ...]  # of its launch files, those that fail included
     robots: tuple[DescribedRobot, ...]
     worlds: tuple[World, ...]
+    build: BuildFacts | None  # None: of an install space
     distro: str | None  # the target
     simulator: str | None  # "classic" or "gz"
 
@@ -101,6 +103,7 @@ class PackageCheck:
         yield from self.diagnostics_of_settings
         if self.package.diagnostics:
             return
+        yield from self.installed.reported.get(self.package.name, ())
         candidates = self._evaluate()
         yield from self._check_launched(candidates, folder)
         yield from self._check_files(folder)
@@ -110,6 +113,7 @@ class PackageCheck:
                 plans=tuple(one.started.plan for one in candidates),
                 robots=tuple(self.robots),
                 worlds=tuple(self.worlds),
+                build=self.installed.facts.get(self.package.name),
                 distro=self.distro,
                 simulator=self.simulators[0] if len(set(self.simulators)) == 1 else None,
             )
