@@ -1,0 +1,136 @@
+"""setup.py and setup.cfg are read without running them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from wsgen.build_files.facts import read_build_facts
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from wsgen.model.build_facts import BuildFacts
+
+FILES = ("launch/a.launch.py", "urdf/b.urdf", "bot/__init__.py", "bot/node.py", "resource/bot")
+CONFIGURATION = "[develop]\nscript_dir=$base/lib/bot\n[install]\ninstall_scripts=$base/lib/bot\n"
+
+
+def read(folder: Path, text: str, configuration: str = CONFIGURATION) -> BuildFacts:
+    for name in FILES:
+        (folder / name).parent.mkdir(exist_ok=True)
+        (folder / name).touch()
+    (folder / "setup.py").write_text(text)
+    (folder / "setup.cfg").write_text(configuration)
+    return read_build_facts(folder, "bot", "ament_python")[0]
+
+
+def shared(facts: BuildFacts) -> list[str]:
+    return sorted(name for name in facts.shared("bot") if name != "package.xml")
+
+
+HEAD = """
+import os
+from glob import glob
+from pathlib import Path
+from setuptools import find_packages, setup
+
+package_name = 'bot'
+"""
+ROWS = HEAD + "setup(name=package_name, packages=[package_name], data_files=[\n{}\n])"
+BY_LOOP = """
+data_files = [('share/' + package_name, ['package.xml'])]
+for folder in ('launch', 'urdf', 'no_such_folder'):
+    for path, folders, names in os.walk(folder):
+        files = [os.path.join(path, name) for name in names]
+        if files:
+            data_files.append((os.path.join('share', package_name, path), files))
+setup(name=package_name, packages=find_packages(exclude=['test']), data_files=data_files)
+"""
+BY_FUNCTION = """
+def package_files(data_files, folders):
+    found = {}
+    for folder in folders:
+        for (path, _, names) in os.walk(folder):
+            for name in names:
+                place = f'share/{package_name}/{path}'
+                found.setdefault(place, [])
+                found[place].append(os.path.join(path, name))
+    for place in found.keys():
+        data_files.append((place, found[place]))
+    return data_files
+
+setup(data_files=package_files([], ['launch/', 'urdf']))
+"""
+BY_PATH = """
+here = Path(__file__).parent
+rows = [(f'share/{package_name}/{one.parent}', [str(one)]) for one in Path('.').rglob('*.*')
+        if one.suffix in ('.py', '.urdf') and str(one.parent) in ['launch', 'urdf']]
+setup(**{'data_files': rows})
+"""
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        ROWS.format(
+            "('share/' + package_name + '/launch', glob('launch/*')),"
+            "(os.path.join('share', package_name, 'urdf'), glob(os.path.join('urdf', '*.*')))"
+        ),
+        ROWS.format(
+            "(f'share/{package_name}/launch', ['launch/a.launch.py']),"
+            "('share/%s/urdf' % package_name, ['urdf/' + name for name in os.listdir('urdf')])"
+        ),
+        ROWS.format(
+            "*[('share/{}/{}'.format('bot', d), glob(d + '/*')) for d in ('launch', 'urdf')]"
+        ),
+        HEAD + BY_LOOP,
+        HEAD + BY_FUNCTION,
+        HEAD + BY_PATH,
+    ],
+)  # fmt: skip
+def test_data_files(tmp_path: Path, text: str) -> None:
+    facts = read(tmp_path, text)
+    assert shared(facts) == ["launch/a.launch.py", "urdf/b.urdf"]
+    assert facts.is_whole
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "setup(data_files=find_them())",
+        "setup(data_files=[('share/bot', ['package.xml'])] + elsewhere.rows)",
+        "setup(**generate_distutils_setup(packages=['bot']))",
+        "setup(data_files=[(place(), ['package.xml'])])",
+        "def f(): return f()\nsetup(data_files=f())",
+        "while True: pass",
+        "this is no Python",
+        "return",
+    ],
+)
+def test_what_cannot_be_known_is_not_whole(tmp_path: Path, text: str) -> None:
+    assert not read(tmp_path, HEAD + text).is_whole
+
+
+def test_scripts_and_lines(tmp_path: Path) -> None:
+    text = ROWS.format("('share/bot/urdf',\n  ['urdf/b.urdf'])").removesuffix(")")
+    text += ", entry_points={\n'console_scripts': [\n'go = bot.node:main',\n],\n})"
+    facts = read(tmp_path, text)
+    (script,) = facts.executables
+    assert (script.name, script.entry_point, script.line) == ("go", "bot.node:main", 13)
+    assert facts.shared("bot")["urdf/b.urdf"].line == 10
+    assert [one.name for one in facts.python_packages] == ["bot"]
+    assert read(tmp_path, text, "").executables == ()
+
+
+def test_setup_cfg(tmp_path: Path) -> None:
+    configuration = CONFIGURATION + (
+        "[metadata]\nname = bot\n[options]\npackages = find:\n"
+        "[options.data_files]\nshare/bot/urdf =\n    urdf/b.urdf\n"
+        "[options.entry_points]\nconsole_scripts =\n    go = bot.node:main\n"
+    )
+    facts = read(tmp_path, "from setuptools import setup\nsetup()\n", configuration)
+    assert shared(facts) == ["urdf/b.urdf"]
+    assert [(one.name, one.line) for one in facts.executables] == [("go", 14)]
+    assert [one.name for one in facts.python_packages] == ["bot"]
