@@ -9,13 +9,15 @@ from __future__ import annotations
 
 import os
 import re
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
 
 
+INSTALLED = "WSGEN_INSTALLED_PREFIX"  # in the environment: a prefix of serve_installed()
 VARIABLE = "WSGEN_SOURCE_PREFIXES"  # in the environment: the folder of these prefixes
 SEPARATOR = r"[/\\]"  # of folders; Windows has both
 INDEX = Path("share", "ament_index", "resource_index", "packages")  # below a prefix
@@ -47,10 +49,72 @@ def _link(place: Path, folder: Path) -> None:
         CreateJunction(str(folder), str(place))
 
 
-def is_source(share: str) -> bool:
-    """Whether a share folder is the source of a package that is not built."""
+def serve_installed(  # noqa: PLR0913  what a package installs
+    prefix: Path,
+    package: str,
+    source: Path,
+    *,
+    files: Iterable[tuple[str, Path | None]],
+    programs: Iterable[tuple[str, Path | None]],
+    modules: Iterable[tuple[str, Path]],
+    is_whole: bool,
+) -> None:
+    """Lay a package out in a prefix as its build would install it, with links to its files.
+
+    Args:
+        prefix: a folder, which may hold other packages.
+        package: its name.
+        source: its folder.
+        files: paths below the prefix, and the file at each; None of one that the build makes,
+            which is left out.
+        programs: names in lib/PACKAGE, and their source; None of those that are compiled.
+        modules: Python modules by their path below the prefix, and their source.
+        is_whole: whether these are all. If not, the source serves as share folder.
+    """
+    marker = prefix / INDEX / package
+    marker.parent.mkdir(parents=True, exist_ok=True)
+    marker.write_text("" if is_whole else str(source), encoding="utf-8")
+    share = f"share/{package}/"
+    known: set[str] = set()
+    if is_whole:
+        os.makedirs(prefix / share, exist_ok=True)  # noqa: PTH103  of many files
+    else:
+        _link(prefix / "share" / package, source)
+    runnable = prefix / ".program"  # stands for what is compiled
+    if not runnable.exists():
+        runnable.touch(mode=0o755)
+    places: list[tuple[str, Path]] = [
+        *((path, file) for path, file in files if file is not None and path.startswith(share)),
+        *(
+            (f"lib/{package}/{name}", file if file and os.access(file, os.X_OK) else runnable)
+            for name, file in programs
+        ),
+        *modules,
+    ]
+    for path, file in places:
+        if not is_whole and path.startswith(share):
+            continue
+        folder = os.path.dirname(path)  # noqa: PTH120  of many files
+        if folder not in known:
+            os.makedirs(prefix / folder, exist_ok=True)  # noqa: PTH103
+            known.add(folder)
+        with suppress(FileExistsError):  # installed twice
+            os.symlink(file, f"{prefix}/{path}")  # noqa: PTH211
+
+
+def is_source(path: str) -> bool:
+    """Whether a path is in the share folder of a package that is not built: in its source."""
     folder = os.environ.get(VARIABLE)
-    return folder is not None and Path(folder) in Path(share).parents
+    if folder is not None and Path(folder) in Path(path).parents:
+        return True
+    prefix = os.environ.get(INSTALLED)
+    if prefix is None or not path.startswith(f"{prefix}/"):
+        return False
+    package = path[len(prefix) + 1 :].split("/")[1:2]
+    try:
+        return bool(package) and bool(Path(prefix, INDEX, package[0]).read_text(encoding="utf-8"))
+    except OSError:
+        return False
 
 
 def name_sources(answer: Any, environment: Mapping[str, str]) -> Any:

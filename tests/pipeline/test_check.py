@@ -25,7 +25,7 @@ CMAKE = """\
 cmake_minimum_required(VERSION 3.16)
 project(@PKG@ NONE)
 find_package(ament_cmake REQUIRED)
-install(DIRECTORY launch urdf DESTINATION share/${PROJECT_NAME})
+install(DIRECTORY launch urdf DESTINATION share/NAME)
 ament_package()
 """
 LAUNCH = """\
@@ -167,3 +167,48 @@ def test_what_does_not_exist(tmp_path: Path) -> None:
         run(tmp_path / "nothing")
     with pytest.raises(NotFoundError, match="no ROS package"):
         run(tmp_path)
+
+
+def test_a_folder_that_is_not_installed(tmp_path: Path) -> None:
+    package = write_package(tmp_path, CMake="launch urdf DESTINATION -> launch DESTINATION")
+    outcome = run(tmp_path)
+    assert ("file-not-installed", "cart.launch.py", 11) in reported(outcome)
+    (found,) = (one for one in outcome.diagnostics if one.name == "file-not-installed")
+    assert found.file == package / "launch" / "cart.launch.py"
+    assert f"{tmp_path}/install/cart/share/cart/urdf/cart.urdf" in found.message
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "install(CODE [[file(COPY urdf DESTINATION share/cart)]])",
+        "install(DIRECTORY ${MORE} DESTINATION share/cart)",
+        "if(SOMETHING)\n install(DIRECTORY urdf DESTINATION share/cart)\nendif()",
+        (
+            "configure_file(urdf/in cart.urdf)\n"
+            "install(FILES ${CMAKE_CURRENT_BINARY_DIR}/cart.urdf DESTINATION share/cart/urdf)"
+        ),
+    ],
+)
+def test_what_the_build_may_install_is_not_reported(tmp_path: Path, text: str) -> None:
+    write_package(tmp_path, CMake="launch urdf DESTINATION -> launch DESTINATION")
+    file = tmp_path / "src" / "cart" / "CMakeLists.txt"
+    file.write_text(file.read_text().replace("ament_package()", f"{text}\nament_package()"))
+    assert [one for one in reported(run(tmp_path)) if one[0] != "folder-not-installed"] == []
+
+
+def test_programs_and_modules_of_a_package(tmp_path: Path) -> None:
+    package = write_package(
+        tmp_path,
+        CMake="ament_package() -> install(PROGRAMS go.py DESTINATION lib/NAME)\n"
+        "ament_python_install_package(cart_tools)\nament_package()",
+        launch="return LaunchDescription([ -> from cart_tools.names import GO\n"
+        "    return LaunchDescription([Node(package='NAME', executable=GO),",
+    )
+    (package / "go.py").write_text("#!/usr/bin/env python3\n")
+    (package / "cart_tools").mkdir()
+    (package / "cart_tools" / "__init__.py").touch()
+    (package / "cart_tools" / "names.py").write_text("GO = 'go.py'\n")
+    assert reported(run(tmp_path)) == []
+    (package / "cart_tools" / "names.py").write_text("GO = 'gone.py'\n")
+    assert [name for name, _, _ in reported(run(tmp_path))] == ["executable-not-found"]

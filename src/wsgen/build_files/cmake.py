@@ -65,6 +65,7 @@ class Reader:
         self.targets: dict[str, Target] = {}
         self.outputs: dict[str, str] = {}  # target -> the name of its file
         self.exported: list[str] = []
+        self.environment: list[tuple[str, str]] = []  # of the hooks: variable, path
         self.produced: set[str] = set()  # paths that commands write
         self.components: list[tuple[str, Mention]] = []  # programs of rclcpp_components
         self.mistake: tuple[Path, SyntaxMistake] | None = None
@@ -114,7 +115,7 @@ class Reader:
         found = self.variables.get(name)
         if found is not None:
             return found
-        if name in NEVER_DEFINED:
+        if name in NEVER_DEFINED or (name.startswith("PROJECT_") and name not in OF_PROJECT):
             return None
         if name.startswith("CMAKE_") and name not in USUALLY_UNDEFINED:
             return UNKNOWN
@@ -400,6 +401,8 @@ LIST_VARIABLES = ("CMAKE_CURRENT_LIST_FILE", "CMAKE_CURRENT_LIST_DIR")
 TEST_VARIABLES = frozenset({"BUILD_TESTING", "CATKIN_ENABLE_TESTING", "${BUILD_TESTING}"})
 # What CMake defines on other systems alone.
 NEVER_DEFINED = frozenset({"WIN32", "APPLE", "MSVC", "ANDROID", "MINGW", "CYGWIN", "IOS", "MSYS"})
+# What project() defines, of which not all has a value here.
+OF_PROJECT = frozenset({"PROJECT_DESCRIPTION", "PROJECT_HOMEPAGE_URL", "PROJECT_IS_TOP_LEVEL"})
 # What a build by colcon does not define, if the user does not.
 USUALLY_UNDEFINED = frozenset(
     {

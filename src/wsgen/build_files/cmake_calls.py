@@ -28,6 +28,8 @@ class InstallRule(NamedTuple):
     # PATTERN or REGEX, its text, and whether it excludes.
     patterns: tuple[tuple[str, str, bool], ...] = ()
     matching_only: bool = False  # FILES_MATCHING
+    # Which files can be run: "all", "none", or those that can in the source: "source".
+    runnable: str = "none"
 
 
 class Mention(NamedTuple):

@@ -5,14 +5,15 @@ from __future__ import annotations
 import os
 import re
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.build_files.cmake_calls import InstallRule, sections
-from wsgen.build_files.cmake_text import UNQUOTED, Argument
+from wsgen.build_files.cmake_text import UNQUOTED, Argument, read_text
 from wsgen.build_files.cmake_values import BUILD, PREFIX, UNKNOWN, is_known
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from wsgen.build_files.cmake import Reader
     from wsgen.build_files.cmake_calls import Mention
@@ -107,8 +108,18 @@ def _install_files(reader: Reader, mention: Mention, kind: str, words: Sequence[
             rename=rename[0].text if rename else "",
             patterns=tuple(patterns),
             matching_only="FILES_MATCHING" in given,
+            runnable=_runnable(kind, given),
         )
     )
+
+
+def _runnable(kind: str, given: Mapping[str, list[Argument]]) -> str:
+    permissions = [*given.get("PERMISSIONS", ()), *given.get("FILE_PERMISSIONS", ())]
+    if any(word.text.endswith("_EXECUTE") for word in permissions):
+        return "all"
+    if "USE_SOURCE_PERMISSIONS" in given:
+        return "source"
+    return "all" if kind == "PROGRAMS" and not permissions else "none"
 
 
 def _folder_of_type(reader: Reader, name: str) -> str:
@@ -165,6 +176,7 @@ def _install_targets(reader: Reader, mention: Mention) -> None:
                 is_certain=mention.is_certain and target is not None,
                 in_tests=mention.in_tests,
                 rename=kind,
+                runnable="all",
             )
         )
 
@@ -200,6 +212,7 @@ def _add_rule(  # noqa: PLR0913  an install rule of a command of ament
             in_tests=mention.in_tests,
             rename=rename,
             is_optional=is_optional,
+            runnable="all" if kind == "TARGETS" else "none",
         )
     )
 
@@ -251,6 +264,27 @@ def _plugin_description(reader: Reader, mention: Mention) -> None:
         folder = os.path.dirname(name.text)
         place = f"share/{project}/{folder}" if folder and folder[:1] != "/" else f"share/{project}"
         _add_rule(reader, mention, "FILES", [(name, reader.path_of(name.text))], place)
+
+
+def _environment_hooks(reader: Reader, mention: Mention) -> None:
+    """ament_environment_hooks(): what .dsv and .sh files put in front of paths."""
+    project = reader.look_up("", "PROJECT_NAME")
+    for word in mention.arguments:
+        text = read_text(Path(reader.path_of(word.text))) if is_known(word.text) else None
+        for variable, path in _HOOK.findall(text or ""):
+            place = path.removeprefix("$AMENT_CURRENT_PREFIX/").removeprefix(
+                "$COLCON_CURRENT_PREFIX/"
+            )
+            place = place.replace("@PROJECT_NAME@", project)
+            if not re.search(r"[$@]|^/", place):
+                reader.environment.append((variable, place))
+
+
+# A line of a .dsv file, or one of a .sh file that calls a function of ament.
+_HOOK = re.compile(
+    r"""(?mx)^\s*(?:prepend-non-duplicate(?:-if-exists)?;|ament_\w+_unique_value\s+)
+    (\w+)(?:;|\s+)["']?([^"'\n;]*?)["']?\s*$"""
+)
 
 
 def _interfaces(reader: Reader, mention: Mention) -> None:
@@ -309,6 +343,7 @@ COMMANDS: dict[str, Callable[[Reader, Mention], None]] = {
     "ament_python_install_package": _python_package,
     "ament_python_install_module": _python_module,
     "pluginlib_export_plugin_description_file": _plugin_description,
+    "ament_environment_hooks": _environment_hooks,
     "rosidl_generate_interfaces": _interfaces,
     "catkin_install_python": _catkin_python,
     "xacro_add_files": _xacro_files,

@@ -71,6 +71,7 @@ def _cmake_facts(reader: Reader) -> BuildFacts:
         python_packages=tuple(found.python_packages),
         folders=found.folders,
         exported_packages=tuple(reader.exported),
+        environment=tuple(reader.environment),
         is_whole=reader.is_whole and found.is_whole and reader.build_file.is_file(),
     )
 
@@ -118,6 +119,8 @@ def _python_facts(setup: Setup, source: Path, name: str) -> BuildFacts:
         )
         for one in installed.values()
         if os.path.dirname(one.destination) == f"lib/{name}"
+        and one.source is not None
+        and os.access(one.source, os.X_OK)
     ]
     return BuildFacts(
         build_file=setup.file,

@@ -67,7 +67,7 @@ class Installed:
             InstalledFile(source=path, destination=destination, file=rule.file, line=line)
         )
         folder, _, name = destination.rpartition("/")
-        if folder == f"lib/{self.name}" and (rule.kind != "DIRECTORY" or _is_executable(path)):
+        if folder == f"lib/{self.name}" and _can_run(rule, path):
             self.executables.append(Executable(name=name, file=rule.file, line=line, source=path))
 
     def _add_target(self, rule: InstallRule, place: str) -> None:
@@ -167,5 +167,10 @@ def _base(path: str) -> str:
     return os.path.basename(path.rstrip("/"))
 
 
-def _is_executable(path: Path | None) -> bool:
-    return path is None or os.access(path, os.X_OK)
+def _can_run(rule: InstallRule, path: Path | None) -> bool:
+    """Whether the installed file can be run; a library cannot."""
+    if rule.kind == "TARGETS":
+        return rule.rename in {"executable", ""}
+    if rule.runnable == "source":
+        return path is not None and os.access(path, os.X_OK)
+    return rule.runnable == "all"

@@ -77,6 +77,8 @@ class BuildFacts:
     targets: tuple[Target, ...] = ()
     required_packages: tuple[RequiredPackage, ...] = ()
     python_packages: tuple[PythonPackage, ...] = ()
+    # What the package adds to paths in the environment: variable, and path below the prefix.
+    environment: tuple[tuple[str, str], ...] = ()
     # Folders that are installed as they are: below the prefix -> the source folder.
     folders: Mapping[str, Path] = field(default_factory=dict)
     # What CMake needs of ROS's packages at the run time of others: ament_export_dependencies().

@@ -103,7 +103,7 @@ class PackageCheck:
         yield from self.diagnostics_of_settings
         if self.package.diagnostics:
             return
-        yield from self.installed.reported.get(self.package.name, ())
+        yield from self.installed.problems.get(self.package.name, ())
         candidates = self._evaluate()
         yield from self._check_launched(candidates, folder)
         yield from self._check_files(folder)

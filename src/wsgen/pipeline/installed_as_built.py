@@ -13,21 +13,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.build_files.facts import read_build_facts
-from wsgen.source_shares import INDEX
+from wsgen.source_shares import INSTALLED, serve_installed
 from wsgen.values import dataclass
 from wsgen.workspace.layout import find_packages
 from wsgen.workspace.overlay import Overlay, overlay_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.build_facts import BuildFacts
     from wsgen.pipeline.check_targets import Targets
     from wsgen.workspace.layout import PackageFolder
-
-OF_BUILDS = frozenset({"__pycache__", "build", "install", "log"})  # folders
-PYTHON = Path("lib", "python3", "site-packages")  # below the prefix
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,17 +35,18 @@ class InstalledAsBuilt:
     folder: Path  # of the install space, scratch
     shown_as: Path  # the install space that it stands for
     sources: Mapping[str, PackageFolder]  # by name, all packages of the workspaces
-    facts: Mapping[str, BuildFacts]  # of them, by name
-    reported: Mapping[str, tuple[Diagnostic, ...]]  # about their build files, by name
+    facts: Mapping[str, BuildFacts]  # by name of the package
+    problems: Mapping[str, tuple[Diagnostic, ...]]  # of the build files, by name of the package
+    made: frozenset[str] = frozenset()  # paths in `folder` that only a build makes
 
     def named(self, diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
         """The diagnostics with the files and paths of the user."""
         for found in diagnostics:
+            if any(path in found.message for path in self.made):
+                continue  # it is there after a build
             file = found.file
             if file is not None and file.is_relative_to(self.folder):
                 file = Path(os.path.realpath(file))
-                if file.is_relative_to(self.folder):
-                    continue  # the build makes it
             yield replace(
                 found,
                 file=file,
@@ -79,65 +77,65 @@ def lay_out(targets: Targets, scratch: Path, environment: Mapping[str, str]) -> 
                 packages.setdefault(package.name, package)
     # Merged: where each package has a prefix, what looks one up passes over all others.
     folder = Path(os.path.realpath(scratch)) / "install"
-    (folder / INDEX).mkdir(parents=True)
-    facts, reported = {}, {}
-    for package in packages.values():
-        facts[package.name], reported[package.name] = read_build_facts(
-            package.path, package.name, package.build_type
-        )
-        _lay_out_package(package, facts[package.name], folder)
-    variables = {
-        **environment,
-        "AMENT_PREFIX_PATH": _joined((*targets.prefixes, folder), environment, "AMENT_PREFIX_PATH"),
-        "PYTHONPATH": _joined((folder / PYTHON,), environment, "PYTHONPATH"),
+    read = {
+        package.name: read_build_facts(package.path, package.name, package.build_type)
+        for package in packages.values()
     }
+    facts = {name: found for name, (found, _) in read.items()}
+    for name, found in facts.items():
+        serve_installed(
+            folder,
+            name,
+            packages[name].path,
+            files=((one.destination, one.source) for one in found.installed),
+            programs=((one.name, one.source) for one in found.executables),
+            modules=_modules(found),
+            is_whole=found.is_whole,
+        )
+    variables = _with_paths(environment, (folder, *targets.prefixes), facts.values())
+    overlay = overlay_of({**variables, INSTALLED: str(folder)})
     root = targets.workspaces[0].root if targets.workspaces else Path.cwd()
     return InstalledAsBuilt(
-        overlay=replace(overlay_of(variables), install=folder),
+        overlay=replace(overlay, install=folder),
         folder=folder,
         shown_as=root / "install",
         sources=packages,
         facts=facts,
-        reported=reported,
+        problems={name: problems for name, (_, problems) in read.items()},
+        made=frozenset(
+            f"{folder}/{one.destination}"
+            for found in facts.values()
+            for one in found.installed
+            if one.source is None and one.destination.startswith("share/")
+        ),
     )
 
 
-def _joined(places: Iterable[Path], environment: Mapping[str, str], name: str) -> str:
-    """A search path with the places before those of the environment."""
-    return os.pathsep.join(filter(None, (*map(str, places), environment.get(name, ""))))
+MODULES = "python"  # folder for the Python modules of all packages, below the prefix
 
 
-def _lay_out_package(package: PackageFolder, facts: BuildFacts, folder: Path) -> None:
-    """Link what the package installs; where that is not known, its whole source folder, too."""
-    (folder / INDEX / package.name).touch()
-    share = folder / "share" / package.name
-    share.mkdir(parents=True)
-    for file in facts.installed:
-        _link(folder / file.destination, file.source)
-    for module in facts.python_packages:
-        _link(folder / PYTHON / module.source.name, module.source)
-    _link(share / "package.xml", package.path / "package.xml")
-    for executable in facts.executables:
-        _link(folder / "lib" / package.name / executable.name, executable.source)
-    if not facts.is_whole:
-        _link_below(share, package.path)
+def _modules(facts: BuildFacts) -> Iterator[tuple[str, Path]]:
+    for package in facts.python_packages:
+        if "." not in package.name:
+            yield f"{MODULES}/{package.name}{package.source.suffix}", package.source
 
 
-def _link(place: Path, source: Path | None) -> None:
-    """Link a place to what is installed there; what the build makes is an empty file."""
-    if os.path.lexists(place):
-        return
-    place.parent.mkdir(parents=True, exist_ok=True)
-    if source is None:
-        place.touch(mode=0o755)
-    else:
-        place.symlink_to(source, target_is_directory=source.is_dir())
-
-
-def _link_below(place: Path, source: Path) -> None:
-    """Link the files in a folder that are not in the place; hidden ones are not looked up."""
-    for folder, names, files in os.walk(source):
-        names[:] = [name for name in names if not name.startswith(".") and name not in OF_BUILDS]
-        beside = place / os.path.relpath(folder, source)
-        for file in files:
-            _link(beside / file, Path(folder, file))
+def _with_paths(
+    environment: Mapping[str, str], prefixes: Sequence[Path], facts: Iterable[BuildFacts]
+) -> dict[str, str]:
+    """The environment with the prefixes in front, and what setup files would add."""
+    folder = prefixes[0]
+    paths = {
+        "AMENT_PREFIX_PATH": [*map(str, (*prefixes[1:], folder))],
+        "PYTHONPATH": [f"{folder}/{MODULES}"],
+    }
+    for one in facts:
+        for variable, path in one.environment:
+            paths.setdefault(variable, []).append(f"{folder}/{path}" if path else str(folder))
+    return {
+        **environment,
+        **{
+            variable: os.pathsep.join(filter(None, (*added, environment.get(variable, ""))))
+            for variable, added in paths.items()
+        },
+    }
