@@ -41,6 +41,7 @@ COMMANDS = {
     "new": "Create a package with a robot, and a workspace if none exists.",
     "templates": "List the templates and their variables, or check your own template.",
     "build": "Build the workspace with colcon and explain build errors.",
+    "check": "Check packages and files without building or simulating them.",
     "validate": "Simulate the robots that launch files spawn.",
     "launch": "Show what a launch file would start, without ROS and without starting it.",
     "rule": "List all rules, or show the documentation of one.",

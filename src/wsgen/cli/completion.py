@@ -80,10 +80,17 @@ def _templates(_ctx: click.Context) -> Iterable[str]:
     return template_names()
 
 
+def _rules(_ctx: click.Context) -> Iterable[str]:
+    from wsgen.rules.catalogue import FAMILIES, all_rules
+
+    return [*FAMILIES, *(name for rule in all_rules() for name in (rule.code, rule.name))]
+
+
 complete_packages = _completer(_packages)
 complete_packages_and_files = _completer(_packages, also="file")
 complete_launch_files = _completer(_launch_files)
 complete_templates = _completer(_templates, also="dir")
+complete_rules = _completer(_rules)
 
 
 def complete_launch_words(

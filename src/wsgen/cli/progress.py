@@ -33,8 +33,9 @@ class LineProgress:
 class TerminalProgress(LineProgress):
     """The running steps with a spinner, below the lines of those that ended."""
 
-    def __init__(self, *, verbose: bool) -> None:
+    def __init__(self, *, verbose: bool, keeps_lines: bool = True) -> None:
         super().__init__(verbose=verbose)
+        self.keeps_lines = keeps_lines  # of steps that ended
         from wsgen.cli.terminal import StatusLine
 
         self.status = StatusLine()
@@ -47,18 +48,22 @@ class TerminalProgress(LineProgress):
         if isinstance(event, StepEnded):
             self.running.pop(event.step, None)
             self.status.hide()
-        super().__call__(event)
+        if self.keeps_lines or not isinstance(event, StepEnded):
+            super().__call__(event)
         if self.running:
             self.status.show("  ".join(self.running.values()))
 
 
 @contextmanager
-def listening(*, quiet: bool, verbose: bool) -> Iterator[Listener | None]:
-    """The listener for standard error; None for `quiet`."""
+def listening(*, quiet: bool, verbose: bool, is_short: bool = False) -> Iterator[Listener | None]:
+    """The listener for standard error; None for `quiet`.
+
+    With `is_short`, no line stays for a step that ended, unless `verbose`.
+    """
     if quiet:
         yield None
     elif sys.stderr is not None and sys.stderr.isatty():
-        progress = TerminalProgress(verbose=verbose)
+        progress = TerminalProgress(verbose=verbose, keeps_lines=verbose or not is_short)
         try:
             yield progress
         finally:

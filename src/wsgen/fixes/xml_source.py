@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -52,7 +53,8 @@ _STEP = re.compile(r"[^/\[]+(?:\[@[\w:]+='[^']*'\])*")
 _NAMED = re.compile(r"\[@([\w:]+)='([^']*)'\]")
 
 
-def read_tags(text: str) -> list[Tag]:
+@functools.lru_cache(maxsize=4)
+def read_tags(text: str) -> tuple[Tag, ...]:
     """All elements, in the order of their start tags; what is in comments is none."""
     found: list[Tag] = []
     opened: list[int] = []  # indices in `found`
@@ -77,7 +79,7 @@ def read_tags(text: str) -> list[Tag]:
         elif token["end"] is not None and opened and found[opened[-1]].name == token["end"]:
             index = opened.pop()
             found[index] = found[index]._replace(end=Span(*token.span()))
-    return found
+    return tuple(found)
 
 
 def steps(element: str) -> list[str]:

@@ -12,7 +12,6 @@ from contextlib import ExitStack
 from dataclasses import field
 from typing import TYPE_CHECKING
 
-from wsgen.alike import summed_up
 from wsgen.diagnostics import has_errors
 from wsgen.events import OneAtATime
 from wsgen.isolation.parent import make_scratch
@@ -49,6 +48,7 @@ class CheckOutcome:
     packages: tuple[str, ...] = ()  # names
     folders: Mapping[str, Path] = field(default_factory=dict)  # of the packages
     files: tuple[Path, ...] = ()  # that belong to no package
+    only: tuple[Path, ...] = ()  # files and folders in packages that were asked for; none: all
     seconds: float = 0.0  # wall-clock
 
     @property
@@ -90,19 +90,19 @@ def check(
         packages=tuple(one.name for one in (*targets.packages, *targets.installed)),
         folders={one.name: one.path for one in (*targets.packages, *targets.installed)},
         files=targets.files,
+        only=targets.only,
         seconds=time.perf_counter() - before,
     )
 
 
 def _wanted(diagnostics: Sequence[Diagnostic], targets: Targets) -> tuple[Diagnostic, ...]:
     """What is reported about the files and folders that were named."""
-    summed = summed_up(diagnostics)
     if not targets.only:
-        return summed
+        return tuple(dict.fromkeys(diagnostics))
     places = (*targets.only, *targets.files, *(one.path for one in targets.installed))
     return tuple(
         found
-        for found in summed
+        for found in dict.fromkeys(diagnostics)
         if found.file is not None and any(found.file.is_relative_to(place) for place in places)
     )
 

@@ -66,6 +66,7 @@ MODULES = (
     "wsgen.rules.robots",
     "wsgen.rules.runs",
     "wsgen.rules.worlds",
+    "wsgen.rules.suppressions",
     "wsgen.sdf.assembly",
     "wsgen.sdf.bodies",
     "wsgen.sdf.frames",

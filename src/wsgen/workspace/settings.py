@@ -10,6 +10,7 @@ from wsgen import tomlfile
 from wsgen.diagnostics import Rule, Severity
 from wsgen.suggestions import suggest
 from wsgen.values import dataclass
+from wsgen.workspace.allowances import Allowance, find_reason
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -23,7 +24,7 @@ INVALID_SETTINGS = Rule(
     code="PKG060",
     name="invalid-settings",
     severity=Severity.ERROR,
-    severity_varies="a warning for a mistake in `[validate]`",
+    severity_varies="a warning for a mistake in `[validate]` or `[check]`",
     summary="`wsgen.toml` is not TOML, or a key or value in it is invalid.",
     why="`wsgen` ignores an entry that it cannot use: a rule is not allowed, or a behavior is not "
     "checked.",
@@ -41,8 +42,19 @@ moved = { x = 1.0 }""",
 
 FILE = "wsgen.toml"
 ALLOW = ("validate", "allow")
+ALLOW_IN_CHECK = ("check", "allow")
 # What `wsgen new` records, and what a user may set.
-KNOWN_KEYS = ("schema", "wsgen", "template", "target", "package", "answers", "validate", "behavior")
+KNOWN_KEYS = (
+    "schema",
+    "wsgen",
+    "template",
+    "target",
+    "package",
+    "answers",
+    "validate",
+    "check",
+    "behavior",
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,6 +64,7 @@ class Settings:
     file: Path
     allow: tuple[str, ...] = ()  # names of rules that the package breaks on purpose
     allow_line: int | None = None  # of `allow`, 1-based
+    allowances: tuple[Allowance, ...] = ()  # of [check.allow], with reasons
     behaviors: tuple[Behavior, ...] = ()  # what its robot must do beyond standing
     distro: str | None = None  # target of the package, as `wsgen new` recorded it
 
@@ -89,7 +102,9 @@ def read_settings(package: Path) -> tuple[Settings, tuple[Diagnostic, ...]]:
         behaviors=behaviors,
         distro=_distro(document),
     )
-    found = (*_unknown_keys(document, file, text), *found)
+    allowances, of_check = _read_allowances(document, file, text)
+    settings = replace(settings, allowances=allowances)
+    found = (*_unknown_keys(document, file, text), *of_check, *found)
     allow = _allow(document)
     if allow is None:
         return settings, (
@@ -114,6 +129,56 @@ def read_settings(package: Path) -> tuple[Settings, tuple[Diagnostic, ...]]:
             )
             for key in sorted(set(document.get("validate", {})) - {"allow"})
         ),
+    )
+
+
+def _read_allowances(
+    document: dict[str, Any], file: Path, text: str
+) -> tuple[tuple[Allowance, ...], tuple[Diagnostic, ...]]:
+    """The rules in [check.allow], each with its reason, and for all or some files."""
+    section = document.get("check", {})
+    allow = section.get("allow", {}) if isinstance(section, dict) else None
+    found = [
+        INVALID_SETTINGS.at(
+            file,
+            tomlfile.find_line(text, ("check", key)),
+            message=f"[check] has no key `{key}`.",
+            hint="Its only key is `allow`.",
+            severity=Severity.WARNING,
+        )
+        for key in sorted(set(section if isinstance(section, dict) else ()) - {"allow"})
+    ]
+    if not isinstance(allow, dict):
+        how = "[check.allow] is no table of rules and reasons."
+        found.append(_invalid_allowance(file, tomlfile.find_line(text, ALLOW_IN_CHECK), how))
+        allow = {}
+    allowances = []
+    for name, value in allow.items():
+        line = tomlfile.find_line(text, (*ALLOW_IN_CHECK, name))
+        reason = find_reason(value)
+        files = value.get("files", []) if isinstance(value, dict) else []
+        if reason is None or not isinstance(files, list) or not all(map(_is_text, files)):
+            how = f"The value of `{name}` in [check.allow] is not a reason."
+            found.append(_invalid_allowance(file, line, how))
+            continue
+        allowances.append(
+            Allowance(rule=name, reason=reason, file=file, line=line, patterns=tuple(files))
+        )
+    return tuple(allowances), tuple(found)
+
+
+def _is_text(value: object) -> bool:
+    return isinstance(value, str)
+
+
+def _invalid_allowance(file: Path, line: int | None, message: str) -> Diagnostic:
+    return INVALID_SETTINGS.at(
+        file,
+        line,
+        message=message,
+        hint='Write for example: no-visual = "the sensors are drawn by another node", or '
+        'no-visual = { reason = "…", files = ["urdf/sensors.xacro"] }.',
+        severity=Severity.WARNING,
     )
 
 

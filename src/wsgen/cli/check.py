@@ -1,0 +1,278 @@
+"""`wsgen check`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from wsgen.cli.completion import complete_rules
+from wsgen.cli.options import ExampleCommand, output_options, workspace_option
+from wsgen.errors import EXIT_FAILED, EXIT_PASSED, RequestError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from contextlib import AbstractContextManager
+    from pathlib import Path
+
+    from wsgen.events import Listener
+    from wsgen.fixes.plan import FixPlan
+    from wsgen.pipeline.check import CheckOutcome, CheckRequest
+    from wsgen.pipeline.reported import Filters, Reported
+
+
+MOST_ROUNDS = 10  # of fixes: one may make room for another one
+FORMATS = ("text", "json", "github", "sarif", "junit")
+
+
+@click.command(
+    cls=ExampleCommand,
+    epilog="Errors make the exit code 1; with --strict, warnings too.",
+    examples=(
+        "wsgen check",
+        "wsgen check src/my_robot --fix",
+        "wsgen check --format github --changed-since origin/main",
+        "wsgen check robot.urdf.xacro --ignore no-visual,SPN",
+    ),
+)
+@click.argument("paths", nargs=-1, type=click.Path(), metavar="[PATH]...")
+@workspace_option
+@click.option(
+    "--distro",
+    metavar="NAME",
+    help="Target ROS 2 distribution of packages that do not say it.  [default: $ROS_DISTRO]",
+)
+@click.option(
+    "--select",
+    multiple=True,
+    metavar="RULE,...",
+    shell_complete=complete_rules,
+    help="Report only these rules: names, codes or families such as ROB.",
+)
+@click.option(
+    "--ignore",
+    multiple=True,
+    metavar="RULE,...",
+    shell_complete=complete_rules,
+    help="Do not report these rules.",
+)
+@click.option("--fix", is_flag=True, help="Apply the safe fixes, and check again.")
+@click.option("--diff", is_flag=True, help="Show what --fix would change; write nothing.")
+@click.option("--strict", is_flag=True, help="Fail on warnings too.")
+@click.option("--statistics", is_flag=True, help="Show the number of diagnostics of each rule.")
+@click.option(
+    "--baseline",
+    type=click.Path(),
+    metavar="FILE",
+    help="Report only what is not in this file, which --write-baseline wrote.",
+)
+@click.option(
+    "--write-baseline",
+    type=click.Path(),
+    metavar="FILE",
+    help="Write what is reported now to a file for --baseline.",
+)
+@click.option(
+    "--changed-since",
+    metavar="REF",
+    help="Report only files that changed since this git commit or branch, and errors in their "
+    "packages.",
+)
+@click.option(
+    "-j",
+    "--jobs",
+    type=click.IntRange(min=1, max=256),
+    default=1,
+    show_default=True,
+    metavar="N",
+    help="Number of packages to check in parallel.",
+)
+@click.option(
+    "--format",
+    "output_format",
+    type=click.Choice(FORMATS),
+    default="text",
+    show_default=True,
+    help="Format of the result on standard output.",
+)
+@output_options
+def command(
+    paths: tuple[str, ...],
+    *,
+    workspace: str | None,
+    distro: str | None,
+    select: tuple[str, ...],
+    ignore: tuple[str, ...],
+    fix: bool,
+    diff: bool,
+    strict: bool,
+    statistics: bool,
+    baseline: str | None,
+    write_baseline: str | None,
+    changed_since: str | None,
+    jobs: int,
+    output_format: str,
+    quiet: bool,
+    verbose: bool,
+) -> int:
+    """Check packages and files without building or simulating them.
+
+    PATH is a package, a workspace, an install space, or a file of any origin. Without PATH, check
+    the workspace around the current folder. `wsgen rule` explains each rule.
+    """
+    from functools import partial
+    from pathlib import Path
+
+    from wsgen.diagnostics import Severity
+    from wsgen.pipeline.check import CheckRequest
+    from wsgen.pipeline.reported import Filters
+
+    if fix and diff:
+        raise RequestError("--diff shows what --fix would do.", hint="Give one of the two.")
+    if diff and output_format != "text":
+        raise RequestError(
+            f"--diff cannot be combined with --format {output_format}.",
+            hint="Leave one of the two out.",
+        )
+    filters = Filters(
+        select=select,
+        ignore=ignore,
+        baseline=Path(baseline) if baseline else None,
+        changed_since=changed_since,
+    )
+    filters.check()
+    request = CheckRequest(
+        paths=[Path(path) for path in paths], workspace=workspace, distro=distro, jobs=jobs
+    )
+    run = partial(_run, request, filters, quiet=quiet, verbose=verbose)
+    outcome, reported = run()
+    fixed, plan = 0, None
+    if fix:
+        outcome, reported, fixed = _fix_all(outcome, reported, run)
+    elif diff or (output_format == "text" and not quiet):
+        plan = _plan(outcome, reported)
+    if diff and plan is not None:
+        _print_diff(plan)
+    elif write_baseline is not None:
+        _write_baseline(reported, Path(write_baseline))
+        return EXIT_PASSED
+    else:
+        _print(outcome, reported, output_format, strict=strict, quiet=quiet, verbose=verbose)
+        if output_format == "text":
+            from wsgen.cli.check_output import render_statistics, render_summary
+
+            lines = render_statistics(reported, quiet=quiet) if statistics else []
+            if not quiet:
+                fixable = len(plan.fixed) if plan else 0
+                lines += render_summary(outcome, reported, fixed=fixed, fixable=fixable)
+            for line in lines:
+                click.echo(line)
+    failing = {Severity.ERROR, *([Severity.WARNING] if strict else [])}
+    is_failed = any(found.severity in failing for found in reported.diagnostics)
+    return EXIT_FAILED if is_failed else EXIT_PASSED
+
+
+def _run(
+    request: CheckRequest, filters: Filters, *, quiet: bool, verbose: bool
+) -> tuple[CheckOutcome, Reported]:
+    import os
+
+    from wsgen.pipeline.check import check
+    from wsgen.pipeline.reported import filter_outcome
+
+    with _listening(quiet=quiet, verbose=verbose) as listener:
+        outcome = check(request, environment=os.environ, listener=listener)
+    return outcome, filter_outcome(outcome, filters)
+
+
+def _listening(*, quiet: bool, verbose: bool) -> AbstractContextManager[Listener | None]:
+    """What shows progress: on a terminal, or with `verbose`. A log has the result alone."""
+    import sys
+
+    from wsgen.cli.progress import listening
+
+    is_terminal = sys.stderr is not None and sys.stderr.isatty()
+    return listening(quiet=quiet or not (is_terminal or verbose), verbose=verbose, is_short=True)
+
+
+def _plan(outcome: CheckOutcome, reported: Reported) -> FixPlan:
+    from wsgen.fixes.plan import plan_fixes
+
+    roots = outcome.only or (*outcome.folders.values(), *outcome.files)
+    return plan_fixes(reported.diagnostics, roots)
+
+
+def _fix_all(
+    outcome: CheckOutcome, reported: Reported, again: Callable[[], tuple[CheckOutcome, Reported]]
+) -> tuple[CheckOutcome, Reported, int]:
+    """Apply fixes and check again until there are no more; the number of fixes."""
+    from wsgen.cli.words import short_name
+    from wsgen.fixes.plan import write_fixes
+
+    fixed = 0
+    for _ in range(MOST_ROUNDS):
+        plan = _plan(outcome, reported)
+        if not plan.files:
+            break
+        for file in write_fixes(plan):
+            click.echo(f"Fixed {short_name(file)}", err=True)
+        fixed += len(plan.fixed)
+        outcome, reported = again()
+    return outcome, reported, fixed
+
+
+def _print_diff(plan: FixPlan) -> None:
+    from wsgen.cli.words import short_path
+    from wsgen.fixes.plan import unified_diff
+
+    colors = {"+": "green", "-": "red", "@": "cyan"}
+    for fix in plan.files:
+        for line in unified_diff(fix, short_path(fix.file)):
+            color = colors.get(line[:1])
+            click.echo(click.style(line, fg=color) if color else line)
+
+
+def _write_baseline(reported: Reported, file: Path) -> None:
+    from wsgen.cli.words import short_name
+    from wsgen.files import write_file
+    from wsgen.pipeline.baseline import render_baseline
+
+    found = (*reported.diagnostics, *reported.known)
+    write_file(file, render_baseline(found, file.absolute().parent))
+    click.echo(f"Wrote {short_name(file)}", err=True)
+
+
+def _print(
+    outcome: CheckOutcome,
+    reported: Reported,
+    output_format: str,
+    *,
+    strict: bool,
+    quiet: bool,
+    verbose: bool,
+) -> None:
+    from pathlib import Path
+
+    from wsgen.report import check_formats
+    from wsgen.report.places import Places
+
+    places, folder, found = Places(), Path.cwd(), reported.diagnostics
+    if output_format == "text":
+        from wsgen.cli.check_output import render_report
+
+        for line in render_report(reported, places, quiet=quiet, verbose=verbose):
+            click.echo(line)
+    elif output_format == "github":
+        for line in check_formats.render_github(found, places, folder, verbose=verbose):
+            click.echo(line)
+    else:
+        if output_format == "json":
+            text = check_formats.render_json(outcome, reported, places)
+        elif output_format == "sarif":
+            text = check_formats.render_sarif(found, places, folder)
+        else:
+            names = (*outcome.packages, *(file.name for file in outcome.files))
+            text = check_formats.render_junit(
+                found, names, folder, seconds=outcome.seconds, is_strict=strict
+            )
+        click.echo(text, nl=False)

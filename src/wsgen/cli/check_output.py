@@ -1,0 +1,125 @@
+"""What `wsgen check` reports -> the lines that a person reads, in the manner of compilers."""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from typing import TYPE_CHECKING
+
+import click
+
+from wsgen.alike import summed_up
+from wsgen.cli.output import COLORS, ORDER
+from wsgen.cli.terminal import draw_table
+from wsgen.cli.words import short_name
+from wsgen.diagnostics import Severity
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.pipeline.check import CheckOutcome
+    from wsgen.pipeline.reported import Reported
+    from wsgen.report.places import Place, Places
+
+
+WIDEST = 120  # columns of a source line that is shown; of a longer one, the part around the place
+NAMES = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.INFO: "information"}
+
+
+def render_report(
+    reported: Reported, places: Places, *, quiet: bool = False, verbose: bool = False
+) -> Iterator[str]:
+    """For each diagnostic `FILE:LINE:COLUMN: SEVERITY[CODE] NAME: MESSAGE`, and what to do.
+
+    On a terminal, the line of the file is shown, with the place marked. Those that differ only in
+    what they name are summed up, and informations left out, unless `verbose`.
+    """
+    shown = _shown(reported.diagnostics, verbose=verbose)
+    is_terminal = sys.stdout is not None and sys.stdout.isatty()
+    for found in shown:
+        place = places.find(found)
+        where = _where(found, place)
+        kind = click.style(f"{found.severity.value}[{found.code}]", fg=COLORS[found.severity])
+        yield f"{where}{kind} {found.name}: {found.message}"
+        if quiet:
+            continue
+        if is_terminal and place is not None and found.line is not None:
+            yield from _excerpt(place, found)
+        if found.hint:
+            yield f"   try: {found.hint}"
+
+
+def _shown(diagnostics: Sequence[Diagnostic], *, verbose: bool) -> Sequence[Diagnostic]:
+    if verbose:
+        return diagnostics
+    return [one for one in summed_up(diagnostics) if one.severity is not Severity.INFO]
+
+
+def _where(found: Diagnostic, place: Place | None) -> str:
+    if found.file is None:
+        return ""
+    numbers = [str(number) for number in (found.line, place and place.column) if number]
+    return f"{click.style(':'.join([short_name(found.file), *numbers]), bold=True)}: "
+
+
+def _excerpt(place: Place, found: Diagnostic) -> Iterator[str]:
+    """The line, and carets below the place; tabs become blanks, which carets can stand below."""
+    number = f"{found.line:>5} | "
+    start, end = place.column - 1, max(place.end_column - 1, place.column)
+    text = "".join(one if one.isprintable() else " " for one in place.text)
+    if len(text) > WIDEST:
+        first = max(0, min(start - WIDEST // 4, len(text) - WIDEST))
+        text = text[first : first + WIDEST]
+        start, end = start - first, min(end - first, len(text))
+    indent = len(text) - len(text.lstrip())
+    carets = " " * (start - indent) + "^" * max(end - start, 1)
+    yield f"{click.style(number, dim=True)}{text[indent:]}"
+    yield f"{' ' * len(number)}{click.style(carets, fg=COLORS[found.severity])}"
+
+
+def render_statistics(reported: Reported, *, quiet: bool = False) -> list[str]:
+    """A table of the rules and how often each is reported, the most frequent first."""
+    counted = Counter(
+        (ORDER.index(found.severity), found.code, found.name) for found in reported.diagnostics
+    )
+    rows = [
+        (str(count), ORDER[severity].value, code, name)
+        for (severity, code, name), count in sorted(
+            counted.items(), key=lambda one: (-one[1], one[0])
+        )
+    ]
+    return draw_table(rows, headings=("number", "severity", "code", "name"), quiet=quiet)
+
+
+def render_summary(
+    outcome: CheckOutcome, reported: Reported, *, fixed: int = 0, fixable: int = 0
+) -> list[str]:
+    """How much was checked and reported, and what to do next."""
+    counted = Counter(found.severity for found in reported.diagnostics)
+    numbers = [_count(counted[severity], name) for severity, name in NAMES.items()]
+    lines = []
+    if fixed:
+        lines.append(f"Fixed {_count(fixed, 'diagnostic')}.")
+    subjects = [
+        _count(number, what)
+        for number, what in ((len(outcome.packages), "package"), (len(outcome.files), "file"))
+        if number
+    ]
+    hidden = [
+        f"{len(those)} {what}"
+        for those, what in ((reported.allowed, "allowed"), (reported.known, "in the baseline"))
+        if those
+    ]
+    what = ", ".join(number for number in numbers if not number.startswith("0 ")) or "no errors"
+    more = f" ({', '.join(hidden)})" if hidden else ""
+    lines.append(f"{' and '.join(subjects)} checked: {what}{more}.")
+    if fixable:
+        lines.append(f"{_count(fixable, 'diagnostic')} can be fixed: add --fix, or --diff first.")
+    elif counted[Severity.INFO] and len(counted) == 1:
+        lines.append("-v shows informations.")
+    return lines
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}{'' if number == 1 else 's'}"

@@ -1,0 +1,173 @@
+"""From everything that `wsgen check` finds to what it reports: allowed, selected, new."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from wsgen.diagnostics import has_errors
+from wsgen.errors import RequestError
+from wsgen.pipeline.baseline import divide_known, load_baseline
+from wsgen.pipeline.changed_files import about_changes, changed_since
+from wsgen.rules.catalogue import FAMILIES, all_rules, find_rule, without_allowed
+from wsgen.rules.suppressions import suppress
+from wsgen.suggestions import ask_for_nearest
+from wsgen.values import dataclass
+from wsgen.workspace.allowances import find_comments, read_comments
+from wsgen.workspace.settings import read_settings
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterable, Sequence
+    from pathlib import Path
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.pipeline.check import CheckOutcome
+    from wsgen.workspace.allowances import Allowance
+
+
+ALL = "ALL"  # every family
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reported:
+    """What is reported, and how much is not."""
+
+    diagnostics: tuple[Diagnostic, ...]
+    allowed: tuple[Diagnostic, ...] = ()  # by the packages, with a reason
+    known: tuple[Diagnostic, ...] = ()  # from the baseline
+
+    @property
+    def passed(self) -> bool:
+        """Whether no error is reported."""
+        return not has_errors(self.diagnostics)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Filters:
+    """What is left out of everything that is found."""
+
+    select: Sequence[str] = ()  # names, codes and families of rules; none: all
+    ignore: Sequence[str] = ()
+    baseline: Path | None = None  # a file with what was there before
+    changed_since: str | None = None  # a commit
+
+    def check(self) -> None:
+        """Refuse what cannot be used, before anything is read.
+
+        Raises:
+            NotFoundError: the file of the baseline does not exist.
+            RequestError: it is no baseline, or no rule has a name.
+        """
+        find_codes((*self.select, *self.ignore))
+        if self.baseline is not None:
+            load_baseline(self.baseline)
+
+
+def filter_outcome(outcome: CheckOutcome, filters: Filters) -> Reported:
+    """What is reported of everything that was found.
+
+    Raises:
+        NotFoundError: git is not installed.
+        RequestError: there is no such commit.
+    """
+    folders = tuple(outcome.folders.values())
+    found, allowed = leave_out_allowed(
+        outcome.diagnostics, folders, outcome.files, only=outcome.only
+    )
+    found = choose(found, select=filters.select, ignore=filters.ignore)
+    known: tuple[Diagnostic, ...] = ()
+    if filters.baseline is not None:
+        file = filters.baseline.absolute()
+        found, known = divide_known(found, load_baseline(file), file.parent)
+    if filters.changed_since is not None:
+        places = {*folders, *(file.parent for file in outcome.files)}
+        changed = [changed_since(filters.changed_since, place) for place in sorted(places)]
+        found = about_changes(found, frozenset().union(*changed), folders)
+    return Reported(diagnostics=found, allowed=allowed, known=known)
+
+
+def leave_out_allowed(
+    diagnostics: Iterable[Diagnostic],
+    packages: Sequence[Path],
+    files: Sequence[Path],
+    *,
+    only: Collection[Path] = (),
+) -> tuple[tuple[Diagnostic, ...], tuple[Diagnostic, ...]]:
+    """Divide diagnostics into those that count and those that packages and files allow.
+
+    Args:
+        diagnostics: of all files
+        packages: the folders of the packages that were checked
+        files: that were checked and belong to no package
+        only: the files and folders of packages that were asked for; none: all of them
+
+    Returns:
+        Those that count, with those about the allowances themselves; and the allowed ones.
+    """
+    allowances: list[Allowance] = [one for file in files for one in read_comments(file)]
+    kept = tuple(diagnostics)
+    silent: tuple[Diagnostic, ...] = ()
+    for folder in packages:
+        settings, _ = read_settings(folder)
+        allowances += [*settings.allowances, *find_comments(folder)]
+        if settings.allow:
+            left = _without_warnings(kept, settings.allow, folder)
+            silent += tuple(found for found in kept if found not in left)
+            kept = left
+    if not allowances:
+        return kept, silent
+    found = suppress(kept, allowances, read=[*only, *files] if only else None)
+    return found.reported, (*silent, *found.allowed)
+
+
+def _without_warnings(
+    diagnostics: Iterable[Diagnostic], allow: Sequence[str], folder: Path
+) -> tuple[Diagnostic, ...]:
+    """Leave out the warnings in a package that its settings allow in `wsgen validate`."""
+    return tuple(
+        found
+        for found in diagnostics
+        if found.file is None
+        or not found.file.is_relative_to(folder)
+        or without_allowed([found], allow)
+    )
+
+
+def find_codes(names: Iterable[str]) -> frozenset[str]:
+    """The codes, and beginnings of codes, that rules and families are named by.
+
+    Raises:
+        RequestError: A name is neither a code nor a name nor a family.
+    """
+    codes = set()
+    for name in (word.strip() for words in names for word in words.split(",")):
+        if name.upper() in FAMILIES:
+            codes.add(name.upper())
+        elif name.upper() == ALL:
+            codes |= FAMILIES.keys()
+        elif name:
+            rule = find_rule(name)
+            if rule is None:
+                known = [word for one in all_rules() for word in (one.code, one.name)]
+                raise RequestError(
+                    f"No rule or family has the name or code {name!r}.",
+                    hint=f"{ask_for_nearest(name, [*known, *FAMILIES])}"
+                    "`wsgen rule` lists all rules; families are " + ", ".join(FAMILIES) + ".",
+                )
+            codes.add(rule.code)
+    return frozenset(codes)
+
+
+def choose(
+    diagnostics: Iterable[Diagnostic], *, select: Sequence[str] = (), ignore: Sequence[str] = ()
+) -> tuple[Diagnostic, ...]:
+    """The diagnostics of selected rules, without the ignored ones.
+
+    Raises:
+        RequestError: A name is neither a code nor a name nor a family.
+    """
+    wanted, unwanted = tuple(find_codes(select)), tuple(find_codes(ignore))
+    return tuple(
+        found
+        for found in diagnostics
+        if (not wanted or found.code.startswith(wanted)) and not found.code.startswith(unwanted)
+    )
