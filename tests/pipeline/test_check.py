@@ -25,7 +25,7 @@ CMAKE = """\
 cmake_minimum_required(VERSION 3.16)
 project(@PKG@ NONE)
 find_package(ament_cmake REQUIRED)
-install(DIRECTORY launch urdf DESTINATION share/NAME)
+install(DIRECTORY launch urdf DESTINATION share/@PKG@)
 ament_package()
 """
 LAUNCH = """\
@@ -200,10 +200,10 @@ def test_what_the_build_may_install_is_not_reported(tmp_path: Path, text: str) -
 def test_programs_and_modules_of_a_package(tmp_path: Path) -> None:
     package = write_package(
         tmp_path,
-        CMake="ament_package() -> install(PROGRAMS go.py DESTINATION lib/NAME)\n"
+        CMake="ament_package() -> install(PROGRAMS go.py DESTINATION lib/@PKG@)\n"
         "ament_python_install_package(cart_tools)\nament_package()",
         launch="return LaunchDescription([ -> from cart_tools.names import GO\n"
-        "    return LaunchDescription([Node(package='NAME', executable=GO),",
+        "    return LaunchDescription([Node(package='@PKG@', executable=GO),",
     )
     (package / "go.py").write_text("#!/usr/bin/env python3\n")
     (package / "cart_tools").mkdir()
