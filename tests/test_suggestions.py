@@ -23,3 +23,20 @@ def test_advice_asks_first_and_says_what_to_do_otherwise() -> None:
 def test_only_a_few_of_many_names_are_listed() -> None:
     names = [f"robot_{number:02}" for number in range(10)]
     assert suggestions.suggest("x", names).endswith("robot_07 and 2 more.")
+
+
+def test_a_typing_mistake_is_told_from_another_name() -> None:
+    known = ["robot_state_publisher", "xacro", "marti_can_msgs", "ros_gz_sim", "gz_sim8_vendor"]
+    assert suggestions.misspelled_as("robot_state_publiser", known) == "robot_state_publisher"
+    assert suggestions.misspelled_as("xarco", known) == "xacro"
+    assert suggestions.misspelled_as("ros-gz-sim", known) == "ros_gz_sim"
+    assert suggestions.misspelled_as("smart_can_msgs", known) is None
+    assert suggestions.misspelled_as("ros_ign_sim", known) is None
+    assert suggestions.misspelled_as("gz_sim9_vendor", known) is None
+
+
+def test_mistakes_between_words() -> None:
+    assert suggestions.mistakes_between("xacro", "xacro") == 0
+    assert suggestions.mistakes_between("xarco", "xacro") == 1
+    assert suggestions.mistakes_between("xacr", "xacro") == 1
+    assert suggestions.mistakes_between("", "xacro") == 5

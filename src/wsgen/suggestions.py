@@ -19,6 +19,56 @@ def nearest(name: str, known: Iterable[str], *, cutoff: float = SIMILAR) -> str 
     return near[0] if near else None
 
 
+def misspelled_as(name: str, known: Iterable[str]) -> str | None:
+    """The known name of which this one surely is a misspelling; None if it may be another name.
+
+    Words are what `_` and `-` separate. The names differ in that alone, or in one letter of a word,
+    two of a long one; digits are no typing mistakes, and short words mean something else.
+    """
+    near = _similar(name, set(known) - {name}, 5, 0.78)
+    return next((other for other in near if _is_misspelled(name, other)), None)
+
+
+LONG_ENOUGH = 4  # letters of a word that a typing mistake leaves recognizable
+LONG = 9
+
+
+def _is_misspelled(name: str, other: str) -> bool:
+    words, others = _words(name), _words(other)
+    if "".join(words) == "".join(others):
+        return True
+    if len(words) != len(others):
+        return False
+    differing = [pair for pair in zip(words, others, strict=True) if pair[0] != pair[1]]
+    return len(differing) <= 2 and all(  # noqa: PLR2004  two mistakes in one name
+        min(len(word), len(meant)) >= LONG_ENOUGH
+        and word.strip("abcdefghijklmnopqrstuvwxyz") == meant.strip("abcdefghijklmnopqrstuvwxyz")
+        and mistakes_between(word, meant) <= (2 if len(meant) >= LONG else 1)
+        for word, meant in differing
+    )
+
+
+def _words(name: str) -> list[str]:
+    return name.lower().replace("-", "_").split("_")
+
+
+def mistakes_between(word: str, other: str) -> int:
+    """The number of letters that are missing, added, wrong, or swapped with the next one.
+
+    It is the optimal string alignment distance.
+    """
+    rows: list[list[int]] = [[*range(len(other) + 1)]]
+    for i, letter in enumerate(word, start=1):
+        row = [i]
+        for j, wanted in enumerate(other, start=1):
+            cost = min(rows[-1][j] + 1, row[-1] + 1, rows[-1][j - 1] + (letter != wanted))
+            if i > 1 and j > 1 and letter == other[j - 2] and word[i - 2] == wanted:
+                cost = min(cost, rows[-2][j - 2] + 1)
+            row.append(cost)
+        rows.append(row)
+    return rows[-1][-1]
+
+
 def did_you_mean(*names: str) -> str:
     """Ask whether one of the names was meant."""
     return f"Did you mean {' or '.join(f'`{name}`' for name in names)}?"

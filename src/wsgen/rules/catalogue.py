@@ -63,6 +63,7 @@ MODULES = (
     "wsgen.rules.behaviors",
     "wsgen.rules.catalogue",
     "wsgen.rules.joint_limits",
+    "wsgen.rules.dependencies",
     "wsgen.rules.robots",
     "wsgen.rules.runs",
     "wsgen.rules.worlds",
