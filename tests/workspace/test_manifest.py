@@ -9,7 +9,7 @@ import pytest
 from build.building import PACKAGE_XML
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.workspace.manifest import RUN_TAGS, Dependency, Manifest, read_manifest
-from wsgen.workspace.package_xml import check_package_xml
+from wsgen.workspace.package_xml import check_package_xml, is_plain
 
 
 def write(folder: Path, text: str | bytes) -> Path:
@@ -196,3 +196,75 @@ def test_what_it_dislikes(tmp_path: Path) -> None:
 def test_listing_packages_does_not_load_catkin_pkg() -> None:
     code = "import sys, wsgen.build.run; sys.exit('catkin_pkg' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("", ""),
+        ('format="3"', 'format="2"'),
+        ("Somebody", ""),
+        ("<license>", '<license file="LICENSE">'),
+        ("</maintainer>", '</maintainer><author>A</author><url type="website">x</url>'),
+        ("<export>", '<depend condition="$ROS_VERSION == 2">rclcpp</depend><export>'),
+        ("<export>", "<member_of_group>rosidl_interface_packages</member_of_group><export>"),
+        ("<export>", "<build_depend>rclcpp</build_depend><exec_depend>xacro</exec_depend><export>"),
+        ("A robot for tests.", "A <b>robot</b> for tests."),
+    ],
+)
+def test_what_is_accepted_without_catkin_pkg(
+    old: str, new: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = write(tmp_path, PACKAGE_XML.replace(old, new, 1))
+    manifest = read_manifest(file)
+    assert isinstance(manifest, Manifest)
+    assert is_plain(manifest)
+    monkeypatch.setattr("wsgen.workspace.package_xml.is_plain", lambda _: False)
+    assert check_package_xml(file) == ()
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("somebody@example.com", "nobody"),
+        (' email="somebody@example.com"', ""),
+        ("0.0.0", "1.0"),
+        ("0.0.0", "01.0.0"),
+        (">demo<", ">Demo<"),
+        (">demo<", ">de mo<"),
+        ("A robot for tests.", ""),
+        ("Apache-2.0", ""),
+        ("<license>Apache-2.0</license>", ""),
+        ("<version>", '<version compatibility="x">'),
+        ("<license>", '<license since="2026">'),
+        ("<export>", "<depend>demo</depend><export>"),
+        ("<export>", "<run_depend>rviz2</run_depend><export>"),
+        ("<export>", "<depend>a</depend><exec_depend>a</exec_depend><export>"),
+        ("<export>", "<depend><b/>a</depend><export>"),
+        ("<export>", "<license/><export>"),
+        ("<export>", "<name>demo</name><export>"),
+        ("<export>", "<export/><export>"),
+        ("<export>", "<export><metapackage/>"),
+        ('format="3"', 'format="1"'),
+        ('format="3"', 'format="2" id="x"'),
+        ('format="3"', 'format="x"'),
+        ('format="3">', 'format="2"><member_of_group>a</member_of_group>'),
+        ('format="3">', 'format="2"><depend condition="$A == 1">a</depend>'),
+    ],
+)
+def test_what_catkin_pkg_looks_at(old: str, new: str, tmp_path: Path) -> None:
+    manifest = read_manifest(write(tmp_path, PACKAGE_XML.replace(old, new, 1)))
+    assert isinstance(manifest, Manifest)
+    assert not is_plain(manifest)
+    if "license since" not in new and "format=" not in new and "metapackage" not in new:
+        assert check_package_xml(tmp_path / "package.xml")
+
+
+def test_a_plain_manifest_is_checked_without_catkin_pkg(tmp_path: Path) -> None:
+    code = (
+        "import sys; from pathlib import Path\n"
+        "from wsgen.workspace.package_xml import check_package_xml\n"
+        "assert check_package_xml(Path(sys.argv[1])) == ()\n"
+        "assert not any(name.startswith('catkin_pkg') for name in sys.modules)"
+    )
+    subprocess.run([sys.executable, "-c", code, str(write(tmp_path, PACKAGE_XML))], check=True)

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 from wsgen.build_files.cmake_text import read_calls
 from wsgen.diagnostics import Diagnostic, Rule, Severity
-from wsgen.suggestions import some_of, suggest
+from wsgen.suggestions import some_of
+from wsgen.workspace.build_types import missing_build_type, unknown_build_type
 from wsgen.workspace.manifest import DEFAULT_BUILD_TYPE, read_manifest
 
 if TYPE_CHECKING:
@@ -15,7 +16,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.workspace.layout import PackageFolder
-    from wsgen.workspace.manifest import Manifest
 
 
 # `ros2 pkg create` writes `find_package(ament_lint_auto REQUIRED)` into every package.
@@ -32,28 +32,6 @@ TESTS_LEFT_OUT = Rule(
   find_package(ament_lint_auto REQUIRED)
 endif()""",
     instead="sudo apt install ros-humble-ament-lint-auto",
-)
-UNKNOWN_BUILD_TYPE = Rule(
-    code="PKG008",
-    name="unknown-build-type",
-    severity=Severity.ERROR,
-    summary="`colcon` does not know the build type of a package.",
-    why="`colcon` does not build the package, and does not name it in its message.",
-    example="<build_type>ament_cmke</build_type>",
-    instead="<build_type>ament_cmake</build_type>",
-)
-MISSING_BUILD_TYPE = Rule(
-    code="PKG009",
-    name="missing-build-type",
-    severity=Severity.ERROR,
-    summary="The package.xml of an ament package has no build type.",
-    what="Looks at packages whose CMakeLists.txt calls ament_package().",
-    why="`colcon` then takes the package for one of ROS 1 (catkin). It builds it, but the setup "
-    "files do not bring it into the environment of ROS 2.",
-    example="<export/>",
-    instead="""<export>
-  <build_type>ament_cmake</build_type>
-</export>""",
 )
 SKIPPED_PACKAGE = Rule(
     code="BLD023",
@@ -139,14 +117,9 @@ def unknown_build_types(packages: Iterable[PackageFolder], output: str) -> Itera
     refused = set(re.findall(rf"No task extension to 'build' a '{ROS_PREFIX}(.+?)' pack", output))
     for package in packages:
         if not package.diagnostics and package.build_type in refused:
-            yield _report(
-                UNKNOWN_BUILD_TYPE,
-                package,
-                f"colcon did not build {package.name}: it does not know the build type "
-                f"{package.build_type}.",
-                element="build_type",
-                hint=suggest(package.build_type, _known_build_types()),
-            )
+            manifest = read_manifest(package.path / "package.xml")
+            if not isinstance(manifest, Diagnostic):
+                yield unknown_build_type(manifest, _known_build_types())
 
 
 def missing_build_types(packages: Iterable[PackageFolder]) -> Iterator[Diagnostic]:
@@ -160,15 +133,7 @@ def missing_build_types(packages: Iterable[PackageFolder]) -> Iterator[Diagnosti
         if any(
             call.command == "ament_package" for call in read_calls(package.path / "CMakeLists.txt")
         ):
-            yield _report(
-                MISSING_BUILD_TYPE,
-                package,
-                f"package.xml of {package.name} has no build type, so colcon takes it for a "
-                f"{DEFAULT_BUILD_TYPE} package of ROS 1, and ROS 2 will not find it.",
-                element="export",
-                hint=f"{_where_to_add(manifest)}<build_type>ament_cmake</build_type>"
-                f"{'' if manifest.line_of('export') else '</export>'}",
-            )
+            yield missing_build_type(manifest, "ament_cmake")
 
 
 def skipped_packages(
@@ -192,10 +157,6 @@ def _known_build_types() -> set[str]:
 
     names = {extension.name for extension in entry_points(group=BUILD_TASKS)}
     return {name.removeprefix(ROS_PREFIX) for name in names if name.startswith(ROS_PREFIX)}
-
-
-def _where_to_add(manifest: Manifest) -> str:
-    return "Add below <export>: " if manifest.line_of("export") else "Add: <export>"
 
 
 def _report(

@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.suggestions import did_you_mean, nearest
-from wsgen.workspace.manifest import read_manifest
+from wsgen.workspace.manifest import DEPENDENCY_TAGS, read_manifest
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
+
+    from wsgen.workspace.manifest import Entry, Manifest
 
 
 EXAMPLES = {
@@ -110,13 +112,86 @@ QUESTIONABLE_MANIFEST = Rule(
 ELEMENTS = ("maintainer", "author", "description", "license", "version", "name", "format")
 
 
+_NAME = re.compile(r"[a-z][a-z0-9_-]*")
+_VERSION = re.compile(r"(?:(?:0|[1-9][0-9]*)\.){2}(?:0|[1-9][0-9]*)")
+_WORD = r"[-a-zA-Z0-9_%+]+"
+_ADDRESS = re.compile(rf"{_WORD}(?:\.{_WORD})*@[a-zA-Z0-9-]+(?:\.[a-zA-Z0-9-]+)*\.[a-zA-Z]{{2,}}")
+FORMAT = 3  # the newest
+# The attributes that elements may have: in format 2 and 3, and in format 3 alone.
+_OF_PEOPLE = {"maintainer": ("email",), "author": ("email",), "url": ("type",)}
+_OF_FORMAT_3: dict[str, tuple[str, ...]] = {
+    "license": ("file",),
+    "group_depend": ("condition",),
+    "member_of_group": ("condition",),
+    **dict.fromkeys(DEPENDENCY_TAGS, ("condition",)),
+}
+_OF_FORMAT_2 = frozenset(TAGS) - {"group_depend", "member_of_group"}
+_WITH_CHILDREN = ("export", "description")
+_INCLUDED = ("build_depend", "build_export_depend", "exec_depend")  # in <depend>
+
+
+def is_plain(manifest: Manifest) -> bool:
+    """Whether catkin_pkg surely accepts the manifest without a warning: most are of this kind.
+
+    It follows catkin_pkg's `parse_package_string` and `Package.validate`.
+    """
+    entries = manifest.entries
+    counts = {path[0]: len(found) for path, found in entries.items() if len(path) == 1}
+    tags = {2: _OF_FORMAT_2, FORMAT: frozenset(TAGS)}.get(manifest.format or 0, frozenset())
+    return (
+        counts.keys() <= tags
+        and all(counts.get(tag) == 1 for tag in ("name", "version", "description"))
+        and counts.get("export", 1) == 1
+        and {"maintainer", "license"} <= counts.keys()
+        and not entries[()][0].attributes.keys() - {"format"}
+        and all(len(path) < 2 or path[0] in _WITH_CHILDREN for path in entries)  # noqa: PLR2004  below a child of <package>
+        and ("export", "metapackage") not in entries
+        and all(
+            _is_plain_entry(path[0], entry, manifest)
+            for path, found in entries.items()
+            if len(path) == 1
+            for entry in found
+        )
+        and not _is_redundant(manifest)
+    )
+
+
+def _is_plain_entry(tag: str, entry: Entry, manifest: Manifest) -> bool:
+    known = _OF_PEOPLE.get(tag) or (_OF_FORMAT_3.get(tag, ()) if manifest.format == FORMAT else ())
+    address = entry.attributes.get("email")
+    if entry.attributes.keys() - known or (address is None and tag == "maintainer"):
+        return False
+    if address is not None and not _ADDRESS.fullmatch(address):
+        return False
+    pattern = {"name": _NAME, "version": _VERSION}.get(tag)
+    if pattern is not None:
+        return pattern.fullmatch(entry.text) is not None
+    if tag in DEPENDENCY_TAGS and entry.text == manifest.name:
+        return False
+    return bool(entry.text) or tag in {"export", "maintainer", "author", "url"}
+
+
+def _is_redundant(manifest: Manifest) -> bool:
+    """Whether a dependency is declared for everything and for one purpose."""
+    if {entry.text for entry in manifest.entries.get(("group_depend",), ())}:
+        return True  # not looked at
+    general = {(one.name, one.condition) for one in manifest.dependencies if one.tag == "depend"}
+    return any(
+        (one.name, one.condition) in general
+        for one in manifest.dependencies
+        if one.tag in _INCLUDED
+    )
+
+
 def check_package_xml(file: Path) -> tuple[Diagnostic, ...]:
     """List what catkin_pkg refuses (errors) and what it warns about (warnings)."""
-    from catkin_pkg.package import InvalidPackage, parse_package_string  # noqa: PLC0415  25 ms that only a failed build and checks pay
-
     manifest = read_manifest(file)
     if isinstance(manifest, Diagnostic):
         return (manifest,)
+    if is_plain(manifest):
+        return ()
+    from catkin_pkg.package import InvalidPackage, parse_package_string  # noqa: PLC0415  25 ms that only questionable manifests pay
+
     text = file.read_text(encoding="utf-8", errors="replace")
     warnings: list[str] = []
     refusal = ""
