@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from wsgen.model.kinematics import split_trees
-from wsgen.model.robot import Box, Inertial, JointType
+from wsgen.model.robot import Box, Inertial, JointType, Plugin, Sensor
 from wsgen.model.transform import IDENTITY, Pose
 
 if TYPE_CHECKING:
@@ -194,8 +194,13 @@ def test_flags_and_tags(read: Read) -> None:
     a, b = robot.links
     assert (a.gravity, a.self_collide, a.velocity_decay) == (False, False, 0.1)
     assert (b.gravity, b.self_collide, b.velocity_decay) == (True, True, 0.0)
-    assert [tag.plugins for tag in robot.gazebo] == [(("libdrive.so", {"left": ("l",)}),), ()]
-    assert [(tag.reference, tag.sensors) for tag in robot.gazebo[1:]] == [("a", ("eye",))]
+    assert [tag.plugins[:1] for tag in robot.gazebo] == [
+        (Plugin("libdrive.so", {"left": ("l",)}, "p", 2),),
+        (),
+    ]
+    assert [(tag.reference, tag.sensors) for tag in robot.gazebo[1:]] == [
+        ("a", (Sensor("eye", "camera", line=2),))
+    ]
 
 
 def test_a_world_with_models(read: Read) -> None:

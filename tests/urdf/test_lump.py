@@ -16,6 +16,7 @@ from wsgen.model.robot import (
     JointType,
     Link,
     Robot,
+    Sensor,
     Sphere,
     Surface,
     Visual,
@@ -306,7 +307,7 @@ def test_tags_follow_their_links() -> None:
         robot(
             [body("a"), body("b"), body("c")],
             [fixed("a", "b"), fixed("b", "c")],
-            gazebo=(GazeboTag(reference="c", sensors=("eye",)),),
+            gazebo=(GazeboTag(reference="c", sensors=(Sensor("eye"),)),),
         )
     )
     assert lumped.gazebo[0].reference == "a"

@@ -9,7 +9,7 @@ import pytest
 
 from urdf_texts import ERRORS, MASS, SPHERE, TWO, WARNINGS, joint, link, robot, shape
 from wsgen.diagnostics import Severity
-from wsgen.model.robot import Box, Cylinder, JointType, Mesh, Sphere
+from wsgen.model.robot import Box, Cylinder, JointType, Mesh, Plugin, Sensor, Sphere
 from wsgen.model.transform import Pose
 from wsgen.urdf.lumping import lump
 from wsgen.urdf.reader import TEXT_LIMIT, read_urdf
@@ -213,9 +213,12 @@ def test_gazebo_tags() -> None:
     assert (values["mu1"], values["mu2"]) == ("0.2", "0.3")
     assert values["collision/surface/friction/ode/mu"] == "0.7"
     assert "sensor" not in values
+    eye = Plugin("libeye.so", {}, "p", 3)
+    drive = Plugin("libdrive.so", {"joint": ("l", "r"), "rate": ("30",)}, "q", 4)
+    camera = Sensor("eye", "camera", {"plugin": ("",)}, (eye,), 3)
     assert [(tag.reference, tag.plugins, tag.sensors) for tag in model.gazebo] == [
-        ("a", (("libeye.so", {}),), ("eye",)),
-        (None, (("libdrive.so", {"joint": ("l", "r"), "rate": ("30",)}),), ()),
+        ("a", (eye,), (camera,)),
+        (None, (drive,), ()),
         (None, (), ()),
     ]
 

@@ -127,3 +127,34 @@ def test_a_misspelled_child_of_gazebo_is_found_by_its_reference(tmp_path: Path) 
     (placed,) = place_in_source(wrong, text=text, file=file, share_of=lambda _: None)
     assert placed.element == "gazebo[@reference='a']/selfColide"
     assert (placed.file, placed.line) == (file, 8)
+
+
+CONTROLLED = """<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="r">
+  <ros2_control name="${prefix}arm" type="system">
+    <joint name="elbow"/>
+    <xacro:if value="true">
+      <joint name="${prefix}wrist">
+        <command_interface name="position"/>
+      </joint>
+    </xacro:if>
+  </ros2_control>
+  <joint name="elbow"/>
+</robot>
+"""
+
+
+@pytest.mark.parametrize(
+    ("element", "line"),
+    [
+        ("ros2_control[@name='left_arm']", 2),
+        ("ros2_control[@name='left_arm']/joint[@name='elbow']", 3),
+        ("ros2_control[@name='left_arm']/joint[@name='left_wrist']", 5),
+        ("joint[@name='elbow']", 10),
+    ],
+)
+def test_a_joint_in_another_element_is_another_one(element: str, line: int, tmp_path: Path) -> None:
+    file = tmp_path / "robot.xacro"
+    file.write_text(CONTROLLED)
+    text = CONTROLLED.replace("${prefix}", "left_")
+    text = text.replace('<xacro:if value="true">', "").replace("</xacro:if>", "")
+    assert place(element, file, text).line == line

@@ -10,6 +10,7 @@ from dataclasses import field
 from enum import Enum
 from typing import TYPE_CHECKING, NamedTuple
 
+from wsgen.model.control import ControlSystem, Transmission  # noqa: TC001  as `Pose`
 from wsgen.model.transform import IDENTITY, Pose
 from wsgen.values import dataclass
 
@@ -233,6 +234,18 @@ class Plugin(NamedTuple):
 
     filename: str
     values: Mapping[str, tuple[str, ...]]  # child element -> its texts, one for each such child
+    name: str = ""  # in Gazebo Sim the class that is loaded
+    line: int | None = None  # of the element in the URDF text, 1-based
+
+
+class Sensor(NamedTuple):
+    """A `<sensor>` of SDF, as it is written."""
+
+    name: str
+    kind: str = ""  # its attribute `type`
+    values: Mapping[str, tuple[str, ...]] = {}  # child element -> its texts
+    plugins: tuple[Plugin, ...] = ()
+    line: int | None = None
 
 
 class SdfJoint(NamedTuple):
@@ -251,7 +264,7 @@ class GazeboTag:
     reference: str | None  # link or joint; None: the whole robot
     values: Mapping[str, str] = field(default_factory=dict)  # child element -> its text
     plugins: tuple[Plugin, ...] = ()
-    sensors: tuple[str, ...] = ()  # names of the sensors
+    sensors: tuple[Sensor, ...] = ()
     joints: tuple[SdfJoint, ...] = ()  # of the robot as a whole
     frames: tuple[str, ...] = ()  # links and frames of SDF that it adds to the robot
     is_open: bool = False  # it includes models, whose links are not known
@@ -271,6 +284,8 @@ class Robot:
     links: tuple[Link, ...]
     joints: tuple[Joint, ...] = ()
     gazebo: tuple[GazeboTag, ...] = ()
+    controls: tuple[ControlSystem, ...] = ()
+    transmissions: tuple[Transmission, ...] = ()
     loose: tuple[Joint, ...] = ()  # of a lumped robot: parent and child are links of two trees
     fixed_to_world: bool = False  # the root is a link named `world`
     is_static: bool = False  # <gazebo><static>: nothing of it moves

@@ -66,6 +66,7 @@ MODULES = (
     "wsgen.rules.dependencies",
     "wsgen.rules.manifests",
     "wsgen.rules.robots",
+    "wsgen.rules.ros2_control",
     "wsgen.rules.runs",
     "wsgen.rules.worlds",
     "wsgen.rules.suppressions",

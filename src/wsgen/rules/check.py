@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from wsgen.diagnostics import Severity, has_errors
 from wsgen.model.kinematics import unactuated_joints
 from wsgen.model.robot import JointType
-from wsgen.rules import joint_limits, robots, runs
+from wsgen.rules import joint_limits, robots, ros2_control, runs
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -34,13 +34,24 @@ ON_THE_GROUND = 0.02  # m
 
 
 def check_robot(
-    written: Robot, file: Path | None, *, simulator: str | None = None
+    written: Robot,
+    file: Path | None,
+    *,
+    simulator: str | None = None,
+    distro: str | None = None,
 ) -> tuple[Diagnostic, ...]:
     """Check a robot as its description gives it.
 
     `file` is what the diagnostics name, `simulator` what the robot is for: "classic", "gz", or None
-    for either.
+    for either; `distro` is the ROS 2 distribution, if that is known.
     """
+    control = ros2_control.ControlFacts(
+        controls=written.controls,
+        joints=written.joints,
+        plugins=ros2_control.control_plugins(written.gazebo),
+        simulator=simulator,
+        distro=distro,
+    )
     return (
         *robots.number_beyond_engines(written.links, written.joints, file),
         *robots.implausible_size(written.links, written.joints, file),
@@ -48,7 +59,7 @@ def check_robot(
         *robots.implausible_inertia(written.links, file, written.joints),
         *robots.massless_root(written.link(written.root), written.joints, written.mass, file),
         *robots.ros_1_plugin(written.gazebo, file),
-        *robots.no_collision(written.links, file),
+        *robots.no_collision(written.links, file, fixed_to_world=written.fixed_to_world),
         *robots.no_visual(written.links, file),
         *robots.loose_joint(written.joints, written.gazebo, file, simulator),
         *robots.starts_outside_limits(written.joints, file),
@@ -56,6 +67,8 @@ def check_robot(
         *joint_limits.zero_limits(written.joints, file),
         *joint_limits.no_range(written.joints, file),
         *joint_limits.useless_mimics(written.joints, file),
+        *ros2_control.check_control(control, file),
+        *ros2_control.transmissions(written.transmissions, written.joints, written.controls, file),
     )
 
 

@@ -242,6 +242,7 @@ def _attached_to_mass(links: Iterable[Link], joints: Iterable[Joint]) -> set[str
     """The links that fixed joints attach to a link with mass, of which they are only a part."""
     above = {joint.child: joint.parent for joint in joints if joint.type is JointType.FIXED}
     with_mass = {link.name for link in links if link.inertial and link.inertial.mass > 0}
+    with_mass.add("world")  # what is fixed to it never moves
     attached = set()
     for name in [*above]:
         seen, link = {name}, above[name]
@@ -344,9 +345,11 @@ NO_COLLISION = Rule(
 )
 
 
-def no_collision(links: Iterable[Link], file: Path | None) -> Iterator[Diagnostic]:
-    """Report a robot without any collision shape."""
-    links = list(links)
+def no_collision(
+    links: Iterable[Link], file: Path | None, *, fixed_to_world: bool = False
+) -> Iterator[Diagnostic]:
+    """Report a robot without any collision shape, which falls unless it is fixed to the world."""
+    links = [] if fixed_to_world else list(links)
     is_as_meant = all(link.is_as_meant for link in links)
     if links and is_as_meant and not any(link.collisions for link in links):
         yield NO_COLLISION.at(

@@ -420,7 +420,12 @@ def _plugins(model: Scope) -> list[GazeboTag]:
     tags = []
     for scope in model.below():
         plugins = tuple(
-            Plugin(plugin.get("filename") or "", child_texts(plugin))
+            Plugin(
+                filename=plugin.get("filename") or "",
+                values=child_texts(plugin),
+                name=plugin.get("name") or "",
+                line=line_of(plugin),
+            )
             for plugin in children(scope.element, "plugin")
         )
         if plugins:

@@ -23,13 +23,14 @@ from wsgen.model.robot import (
     Inertial,
     Link,
     Mesh,
+    Sensor,
     Sphere,
 )
 from wsgen.model.transform import Pose
 from wsgen.sdf.shapes import FRAME_IGNORED, ShapeReader
 from wsgen.sdf.source import line_of
 from wsgen.sdf.values import first, number, optional_number, read_pose, truth
-from wsgen.xmltree import children
+from wsgen.xmltree import child_texts, children
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -184,7 +185,15 @@ def read_body(includes: Includes, node: Node, name: str) -> Body:
     source, element = node.source, node.element
     shapes = ShapeReader(source, includes, name)
     collisions = shapes.collisions(element)
-    sensors = tuple(sensor.get("name") or "" for sensor in children(element, "sensor"))
+    sensors = tuple(
+        Sensor(
+            name=sensor.get("name") or "",
+            kind=sensor.get("type") or "",
+            values=child_texts(sensor),
+            line=line_of(sensor),
+        )
+        for sensor in children(element, "sensor")
+    )
     link = Link(
         name=name,
         inertial=_read_inertial(node, name, collisions),

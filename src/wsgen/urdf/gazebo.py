@@ -17,7 +17,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity
-from wsgen.model.robot import GAZEBO_COLORS, GazeboTag, Plugin, SdfJoint, Surface
+from wsgen.model.robot import GAZEBO_COLORS, GazeboTag, Plugin, SdfJoint, Sensor, Surface
 from wsgen.suggestions import did_you_mean, nearest
 from wsgen.urdf.unknown_elements import nearest_element
 from wsgen.urdf.values import LEFT_OVER, NUMBER, leading_float, leading_integer, line_of
@@ -232,11 +232,17 @@ def _read_tag(
     return GazeboTag(
         reference=reference,
         values=values,
-        plugins=tuple(
-            Plugin(plugin.get("filename") or "", child_texts(plugin))
-            for plugin in _descendants(element, "plugin")
+        plugins=_read_plugins(element),
+        sensors=tuple(
+            Sensor(
+                name=sensor.get("name") or "",
+                kind=sensor.get("type") or "",
+                values=child_texts(sensor),
+                plugins=_read_plugins(sensor),
+                line=line_of(sensor),
+            )
+            for sensor in _descendants(element, "sensor")
         ),
-        sensors=tuple(sensor.get("name") or "" for sensor in _descendants(element, "sensor")),
         frames=tuple(
             part.get("name") or "" for tag in ("link", "frame") for part in children(element, tag)
         ),
@@ -245,6 +251,19 @@ def _read_tag(
         if reference is None
         else (),
         line=line_of(element),
+    )
+
+
+def _read_plugins(element: Element) -> tuple[Plugin, ...]:
+    """The plugins in the element and below it."""
+    return tuple(
+        Plugin(
+            filename=plugin.get("filename") or "",
+            values=child_texts(plugin),
+            name=plugin.get("name") or "",
+            line=line_of(plugin),
+        )
+        for plugin in _descendants(element, "plugin")
     )
 
 

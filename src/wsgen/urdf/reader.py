@@ -25,6 +25,7 @@ from wsgen.diagnostics import Rule, Severity
 from wsgen.files import save_as_utf8, wide_encoding
 from wsgen.markup import without_comments
 from wsgen.model.robot import Robot
+from wsgen.urdf.control import read_controls, read_transmissions
 from wsgen.urdf.gazebo import read_tags
 from wsgen.urdf.joints import read_joint
 from wsgen.urdf.links import read_link, read_materials
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
+    from wsgen.model.control import ControlSystem
     from wsgen.model.robot import GazeboTag
     from wsgen.xmltree import Element
 
@@ -210,7 +212,8 @@ def _read_robot(collector: Collector, root: Element) -> Robot:
     root_link = find_root(collector, root, links, joints) if links and complete else None
     materials = read_materials(collector, root)
     tags = read_tags(collector, root, set(links), set(joint_elements), is_complete=has_all_names)
-    held = _held_joints(root, tags)
+    controls = read_controls(root)
+    held = _held_joints(controls, tags)
     return Robot(
         name=root.get("name") or "",
         root=root_link or "",
@@ -219,11 +222,13 @@ def _read_robot(collector: Collector, root: Element) -> Robot:
         ),
         joints=tuple(replace(joint, is_held=joint.name in held) for joint, _ in joints),
         gazebo=tags,
+        controls=controls,
+        transmissions=read_transmissions(root),
         fixed_to_world=root_link == WORLD,
     )
 
 
-def _held_joints(root: Element, tags: Iterable[GazeboTag]) -> set[str]:
+def _held_joints(controls: Iterable[ControlSystem], tags: Iterable[GazeboTag]) -> set[str]:
     """The joints whose position ros2_control commands in Gazebo.
 
     Its plugin holds them from the start, also where no controller is active (`hold_joints`).
@@ -231,12 +236,8 @@ def _held_joints(root: Element, tags: Iterable[GazeboTag]) -> set[str]:
     plugins = (plugin.filename for tag in tags for plugin in tag.plugins)
     if not any("ros2_control" in filename for filename in plugins):
         return set()
-    return {
-        joint.get("name") or ""
-        for control in children(root, "ros2_control")
-        for joint in children(control, "joint")
-        if any(one.get("name") == "position" for one in children(joint, "command_interface"))
-    }
+    joints = (joint for control in controls for joint in control.joints)
+    return {joint.name for joint in joints if "position" in joint.commands}
 
 
 def _unique_names(

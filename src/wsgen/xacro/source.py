@@ -27,7 +27,9 @@ FIND = re.compile(r"\$\(find\s+([\w-]+)\s*\)")
 COMPUTED = re.compile(r"\$\{[^}]*\}|\$\([^)]*\)")  # by xacro
 NAMED = re.compile(r"(\w+)\[@(\w+)='([^']*)'\]")  # link[@name='base_link']
 ONE_NAME = re.compile(r"\s*\$\{\s*(\w+)\s*\}\s*")  # the value of a property, and nothing else
+STEP = re.compile(r"(?:[^/'\[]|\[@\w+='[^']*'\])+")
 PROPERTY = "xacro:property"
+OTHERS = frozenset(("ros2_control", "transmission", "gazebo"))  # have parts of the same names
 MOST_FILES = 100  # a description in more files than this includes itself
 
 
@@ -62,12 +64,14 @@ def _placed(diagnostic: Diagnostic, written: list[Written], expanded: list[Writt
     path = diagnostic.element or ""
     for named in NAMED.finditer(path):
         tag, attribute, value = named.groups()
-        element = _most_like(
-            value, attribute, [element for element in written if element.tag == tag]
-        )
+        # A joint in <ros2_control> has the name of one outside.
+        candidates = [
+            element for element in written if element.tag == tag and not _is_in_another(element)
+        ]
+        element = _most_like(value, attribute, candidates)
         if element is None:
             continue
-        tags = path[named.end() :].strip("/").split("/") if path[named.end() :] else []
+        tags = _steps(path[named.end() :])
         last = tags.pop()[1:] if tags and tags[-1].startswith("@") else ""
         alike = _alike(tag, attribute, element.attributes.get(attribute), written)
         owns = _alike(tag, attribute, value, expanded)
@@ -91,17 +95,35 @@ def _alike(tag: str, attribute: str, value: str | None, document: list[Written])
     return [one for one in document if one.tag == tag and one.attributes.get(attribute) == value]
 
 
-def _inside(element: Written, tags: list[str], document: list[Written]) -> list[Written]:
-    """The elements that a path of tags leads to from an element; itself if there are no tags."""
+def _is_in_another(element: Written) -> bool:
+    return any(tag in OTHERS for tag in element.path[:-1])
+
+
+def _steps(path: str) -> list[str]:
+    """The steps of a path, of which those with names may have slashes in them."""
+    return STEP.findall(path)
+
+
+def _inside(element: Written, steps: list[str], document: list[Written]) -> list[Written]:
+    """The elements that a path leads to from an element; itself if there are no steps.
+
+    A name in the last step tells elements apart.
+    """
     depth = len(element.path)
+    tags = [step.partition("[")[0] for step in steps]
+    named = NAMED.fullmatch(steps[-1]) if steps else None
     found = []
     start = next(place for place, one in enumerate(document) if one is element)
     for one in document[start:]:
         if one is not element and (len(one.path) <= depth or one.file != element.file):
             break
-        if list(one.path[depth:]) == tags:
+        if [tag for tag in one.path[depth:] if not tag.startswith("xacro:")] == tags:
             found.append(one)
-    return found
+    if named is None:
+        return found
+    _, attribute, value = named.groups()
+    meant = _most_like(value, attribute, found)
+    return [] if meant is None else [meant]
 
 
 def _at_attribute(
