@@ -27,6 +27,10 @@ def shape(tag: str, geometry: str) -> str:
     return f"<{tag}><geometry>{geometry}</geometry></{tag}>"
 
 
+def sensor(body: str) -> str:
+    return f'<gazebo reference="a"><sensor name="s" type="camera">{body}</sensor></gazebo>'
+
+
 TWO = link("a") + link("b")
 SPHERE = '<sphere radius="1"/>'
 LIMIT = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
@@ -191,9 +195,44 @@ ERRORS = {
     ),
     "processing instruction": ("ROB001", robot("<?php echo ?>" + link("a"))),
     "impossible inertia": ("ROB037", robot(link("a", MASS.replace('izz="1"', 'izz="9"')))),
+    "sensor without type": (
+        "ROB097",
+        robot(link("a") + '<gazebo reference="a"><sensor name="s"/></gazebo>'),
+    ),
+    "sensor without name": (
+        "ROB097",
+        robot(link("a") + '<gazebo reference="a"><sensor type="imu"/></gazebo>'),
+    ),
+    "unknown sensor": (
+        "ROB097",
+        robot(link("a") + '<gazebo reference="a"><sensor name="s" type="camra"/></gazebo>'),
+    ),
+    "plugin without name": (
+        "ROB098",
+        robot(link("a") + '<gazebo><plugin filename="f"/></gazebo>'),
+    ),
+    "plugin of a sensor without file": (
+        "ROB098",
+        robot(link("a") + sensor('<plugin name="p"/>')),
+    ),
+    "rate in words": ("ROB099", robot(link("a") + sensor("<update_rate>fast</update_rate>"))),
+    "flag of a sensor": ("ROB099", robot(link("a") + sensor("<always_on>yes</always_on>"))),
+    "pose of three numbers": ("ROB099", robot(link("a") + sensor("<pose>0 0 1</pose>"))),
+    "view in degrees": (
+        "ROB099",
+        robot(link("a") + sensor("<camera><horizontal_fov>90</horizontal_fov></camera>")),
+    ),
+    "noise in words": (
+        "ROB099",
+        robot(link("a") + sensor("<camera><noise><mean>low</mean></noise></camera>")),
+    ),
 }
 
 WARNINGS = {
+    "rate with its unit": (
+        "ROB099",
+        robot(link("a") + sensor("<update_rate>30 Hz</update_rate>")),
+    ),
     "long axis": (
         "ROB019",
         robot(TWO + joint("j", "a", "b", '<axis xyz="0 0 2"/>', "continuous")),

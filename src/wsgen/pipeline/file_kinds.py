@@ -34,7 +34,8 @@ def kind_of(file: Path) -> Kind | None:
     of_suffix = OF_SUFFIX.get(file.suffix.lower())
     text = read(file)
     root = ROOT.match(text)
-    if of_suffix == "xacro" or ((root or of_suffix) and XACRO.search(text)):
+    is_named_so = any(suffix.lower() == ".xacro" for suffix in file.suffixes)  # robot.xacro.urdf
+    if is_named_so or ((root or of_suffix) and XACRO.search(text)):
         return "xacro"
     if of_suffix is not None or root is None:
         return of_suffix

@@ -88,6 +88,7 @@ MODULES = (
     "wsgen.urdf.links",
     "wsgen.urdf.lumping",
     "wsgen.urdf.reader",
+    "wsgen.urdf.sensors",
     "wsgen.urdf.structure",
     "wsgen.workspace.build_types",
     "wsgen.workspace.manifest",

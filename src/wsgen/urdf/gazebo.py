@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING
 from wsgen.diagnostics import Rule, Severity
 from wsgen.model.robot import GAZEBO_COLORS, GazeboTag, Plugin, SdfJoint, Sensor, Surface
 from wsgen.suggestions import did_you_mean, nearest
+from wsgen.urdf.sensors import check_plugins, check_sensors
 from wsgen.urdf.unknown_elements import nearest_element
 from wsgen.urdf.values import LEFT_OVER, NUMBER, leading_float, leading_integer, line_of
 from wsgen.xmltree import child_text, child_texts, children
@@ -211,6 +212,10 @@ def _read_tag(
     is_known = reference is None or reference in link_names or reference in joint_names
     if reference is not None and not is_known and is_complete:
         _report_unknown(collector, element, path, reference, link_names | joint_names)
+    if reference in link_names:
+        check_sensors(collector, element, path)
+    elif reference is None:
+        check_plugins(collector, element, path)
     values: dict[str, str] = {}
     for child in element:
         if not isinstance(child.tag, str):

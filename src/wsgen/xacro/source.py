@@ -29,6 +29,7 @@ NAMED = re.compile(r"(\w+)\[@(\w+)='([^']*)'\]")  # link[@name='base_link']
 ONE_NAME = re.compile(r"\s*\$\{\s*(\w+)\s*\}\s*")  # the value of a property, and nothing else
 STEP = re.compile(r"(?:[^/'\[]|\[@\w+='[^']*'\])+")
 PROPERTY = "xacro:property"
+PARTS = frozenset(("link", "joint"))
 OTHERS = frozenset(("ros2_control", "transmission", "gazebo"))  # have parts of the same names
 MOST_FILES = 100  # a description in more files than this includes itself
 
@@ -96,7 +97,7 @@ def _alike(tag: str, attribute: str, value: str | None, document: list[Written])
 
 
 def _is_in_another(element: Written) -> bool:
-    return any(tag in OTHERS for tag in element.path[:-1])
+    return element.tag in PARTS and any(tag in OTHERS for tag in element.path[:-1])
 
 
 def _steps(path: str) -> list[str]:
