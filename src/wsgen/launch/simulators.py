@@ -99,6 +99,11 @@ def find_simulator(plan: LaunchPlan) -> tuple[Simulator | None, tuple[Diagnostic
     return None, (*commands, unused)
 
 
+def simulator_kinds(plan: LaunchPlan) -> frozenset[str]:
+    """The simulators that the plan starts, "classic" or "gz"."""
+    return frozenset(simulator.kind for simulator in _simulators(plan))
+
+
 def kind_of_project(plan: LaunchPlan) -> str | None:
     """The simulator that the packages belong to which the plan uses."""
     packages = [include.package or "" for include in plan.includes]

@@ -68,6 +68,7 @@ MODULES = (
     "wsgen.rules.robots",
     "wsgen.rules.ros2_control",
     "wsgen.rules.runs",
+    "wsgen.rules.simulators",
     "wsgen.rules.worlds",
     "wsgen.rules.suppressions",
     "wsgen.sdf.assembly",
