@@ -17,6 +17,7 @@ from wsgen.launch.explain import (
 from wsgen.launch.explain_names import UNSUPPORTED_API
 from wsgen.launch.simulators import NO_SIMULATOR
 from wsgen.pipeline.candidates import Candidate, LaunchFile, simulation_of, with_descriptions
+from wsgen.pipeline.check_launched import check_launched
 from wsgen.pipeline.clock import Clock
 from wsgen.pipeline.file_validation import NO_MODEL, PART_OF_ROBOT, FileValidation
 from wsgen.pipeline.package_validation import Validation
@@ -146,6 +147,7 @@ class PackageCheck:
         for one in candidates:
             started = one.started
             yield from _of_launch(one, candidates)
+            yield from check_launched(started, self.overlay.environment)
             same = simulation_of(one)
             if not started.is_evaluated or not started.has_spawner or same in known:
                 continue
@@ -224,7 +226,10 @@ class FileCheck:
         overlay = self.installed.overlay
         if self.file.name.endswith(("launch.py", "launch.xml", "launch.yaml", "launch.yml")):
             started = start(self.file, None, overlay, NOTHING, self.run_task)
-            return tuple(_of_launch(Candidate(LaunchFile("", self.file), started), ()))
+            return (
+                *_of_launch(Candidate(LaunchFile("", self.file), started), ()),
+                *check_launched(started, overlay.environment),
+            )
         validation = FileValidation(
             self.file, overlay, NOTHING, None, self.run_task, name=self.file.name
         )

@@ -61,6 +61,7 @@ MODULES = (
     "wsgen.pipeline.started",
     "wsgen.pipeline.template_check",
     "wsgen.rules.behaviors",
+    "wsgen.rules.bridges",
     "wsgen.rules.catalogue",
     "wsgen.rules.joint_limits",
     "wsgen.rules.dependencies",
