@@ -41,7 +41,7 @@ def check_launched(started: Started, environment: Mapping[str, str]) -> Iterator
     yield from simulators.wall_clocks(plan, kinds)
     yield from simulators.other_worlds(plan, world.name if world and kinds == {"gz"} else None)
     yield from simulators.glued_arguments(plan)
-    yield from simulators.starts_paused(plan, kinds)
+    yield from simulators.starts_paused(plan, kinds, world.element if world else None)
     found = bridges.find_bridges(plan)
     yield from found.diagnostics
     yield from simulators.no_clock(plan, kinds, found.published)

@@ -139,6 +139,7 @@ _KEYS = frozenset(
 _GZ_PREFIXES = ("gz.msgs.", "ignition.msgs.")
 _PROGRAMS = frozenset(("parameter_bridge", "bridge_node", "ros_gz_bridge::RosGzBridge"))
 _MISTYPED = re.compile(r"(?:gz|ign|ignition)(?:\.|::|/)(?:msgs?)(?:\.|::|/)(\w+)")
+ALIKE = 0.65  # as below, where a topic of the same model has no other name that is near
 SURELY = 0.8  # so alike two names are, as difflib counts, that one is the other misspelled
 
 
@@ -357,17 +358,20 @@ def unknown_topic(
 
 
 def _near_topic(topic: str, known: Collection[str]) -> str | None:
-    """The topic that is meant by one that nothing has."""
+    """The topic that is meant by one that nothing has: the same but for one name."""
     parts = topic.split("/")
+    is_default = topic.startswith(("/world/", "/model/"))
     for other in sorted(known):
         others = other.split("/")
-        differing = [(one, two) for one, two in zip(parts, others, strict=False) if one != two]
-        if len(parts) != len(others) or len(differing) != 1:
+        if len(parts) != len(others):
             continue
-        # One name of a default topic is another one; or a short topic has a letter too few.
-        if topic.startswith(("/world/", "/model/")) or nearest(
-            differing[0][0], [differing[0][1]], cutoff=SURELY
-        ):
+        differing = [index for index, part in enumerate(parts) if part != others[index]]
+        if len(differing) != 1:
+            continue
+        (index,) = differing
+        is_name = is_default and parts[index - 1] in {"world", "model", "link", "sensor"}
+        cutoff = ALIKE if is_default else SURELY
+        if is_name or nearest(parts[index], [others[index]], cutoff=cutoff):
             return other
     return None
 

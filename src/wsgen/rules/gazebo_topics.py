@@ -26,7 +26,7 @@ class GazeboTopic(NamedTuple):
 
 
 class _OfSystem(NamedTuple):
-    tag: str  # the child of <plugin> that names the topic
+    tag: str  # the child of <plugin> that names the topic; empty: nothing does
     default: str  # with {model} and {world}
     type: str
     is_published: bool = True
@@ -50,6 +50,10 @@ _SYSTEMS = {
             "OdometryWithCovariance",
         ),
         _OfSystem("tf_topic", "/model/{model}/pose", "Pose_V"),
+    ),
+    "PosePublisher": (
+        _OfSystem("", "/model/{model}/pose", "Pose_V"),
+        _OfSystem("", "/model/{model}/pose_static", "Pose_V"),
     ),
     "JointStatePublisher": (
         _OfSystem("topic", "/world/{world}/model/{model}/joint_state", "Model"),

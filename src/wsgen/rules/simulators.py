@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.plan import LaunchPlan, Process
+    from wsgen.xmltree import Element
 
 
 SPAWNER_OF_OTHER_SIMULATOR = Rule(
@@ -49,6 +50,8 @@ WALL_CLOCK = Rule(
     code="LCH069",
     name="wall-clock-beside-simulator",
     severity=Severity.WARNING,
+    severity_varies="information about `robot_state_publisher`, whose transforms have the time of "
+    "the joint states",
     summary="A node that works with time stamps does not use the time of the simulator.",
     what="Looks, beside a simulator, for `use_sim_time` of `robot_state_publisher`, "
     "`joint_state_publisher`, robot_localization, slam_toolbox and Nav2.",
@@ -92,8 +95,7 @@ PAUSED = Rule(
     name="starts-paused",
     severity=Severity.INFO,
     summary="Gazebo starts paused.",
-    what="Looks for `-r` among the arguments of Gazebo Sim, and for `--pause` among those of "
-    "Gazebo Classic.",
+    what="Looks for `-r` in `gz_args`, unless the world or a `--gui-config` configures the window.",
     why="Until somebody presses the button, time stands still: robots hang where they are spawned, "
     "and controllers do not start.",
     example="launch_arguments={'gz_args': 'empty.sdf'}.items()",
@@ -215,6 +217,7 @@ def wall_clocks(plan: LaunchPlan, kinds: Collection[str]) -> Iterator[Diagnostic
                 message=f"`{program.name or program.executable}` does not use the time of the "
                 "simulator that the launch file starts.",
                 hint="Add 'use_sim_time': True to its parameters.",
+                severity=Severity.INFO if program.package == "robot_state_publisher" else None,
             )
 
 
@@ -322,14 +325,21 @@ def glued_arguments(plan: LaunchPlan) -> Iterator[Diagnostic]:
                 )
 
 
-def starts_paused(plan: LaunchPlan, kinds: Collection[str]) -> Iterator[Diagnostic]:
-    """Report a simulator that waits for its button."""
-    if len(kinds) != 1:
+def starts_paused(
+    plan: LaunchPlan, kinds: Collection[str], world: Element | None = None
+) -> Iterator[Diagnostic]:
+    """Report a simulator that waits for its button; its window may be told not to."""
+    if len(kinds) != 1 or (
+        world is not None and next(world.iter("start_paused"), None) is not None
+    ):
         return
     for words in _gz_arguments(plan):
         runs = any(re.fullmatch(r"-[a-z]*r[a-z]*\d?", word) for word in words)
         is_window = any(re.fullmatch(r"-[a-z]*g[a-z]*", word) for word in words)
-        is_known = not any(plan.is_unknown(word) or _GLUED.fullmatch(word) for word in words)
+        is_known = not any(
+            plan.is_unknown(word) or _GLUED.fullmatch(word) or word.startswith("--gui-config")
+            for word in words
+        )
         if words and is_known and not runs and not is_window:
             yield PAUSED.at(
                 *_where(plan, "gz_args"),
