@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
+from wsgen import yamlfile
+from wsgen.launch.descriptions import Description, published_descriptions, read_published
 from wsgen.launch.simulators import simulator_kinds
-from wsgen.rules import bridges, simulators
+from wsgen.rules import bridges, controllers, simulators
 from wsgen.rules.gazebo_topics import topics_of
 from wsgen.sdf.lookup import find_world
 from wsgen.sdf.source import load, read_document
@@ -13,6 +15,7 @@ from wsgen.xmltree import child_text, children
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
+    from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.pipeline.started import Started
@@ -45,6 +48,8 @@ def check_launched(started: Started, environment: Mapping[str, str]) -> Iterator
     found = bridges.find_bridges(plan)
     yield from found.diagnostics
     yield from simulators.no_clock(plan, kinds, found.published)
+    files = {file: _yaml(file) for file in controllers.parameter_files(_descriptions(started))}
+    yield from controllers.unknown_controllers(plan, controllers.find_configured(plan, files))
     if found.topics:
         yield from bridges.check_bridges(
             found.topics,
@@ -76,6 +81,26 @@ def _loaded_world(started: Started, environment: Mapping[str, str]) -> LoadedWor
         plugins=tuple(one.get("filename") or "" for one in world.iter("plugin")),
         models=None if None in includes else tuple(filter(None, (*includes, *models))),
     )
+
+
+def _descriptions(started: Started) -> Iterator[Element]:
+    """The robots that a plan spawns or publishes."""
+    plan = started.plan
+    published = (
+        one.text
+        for publisher in published_descriptions(plan).values()
+        if isinstance(one := read_published(plan, publisher), Description)
+    )
+    texts = (*(spawn.description for spawn in started.spawns), *published)
+    for text in dict.fromkeys(filter(None, texts)):
+        root, _ = read_document(text)
+        if root is not None:
+            yield root
+
+
+def _yaml(file: Path) -> yamlfile.Value | None:
+    content = yamlfile.load(file)
+    return content if isinstance(content, yamlfile.Value) else None
 
 
 def _topics(started: Started, world: LoadedWorld | None) -> Iterator[GazeboTopic]:

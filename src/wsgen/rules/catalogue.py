@@ -63,6 +63,7 @@ MODULES = (
     "wsgen.rules.behaviors",
     "wsgen.rules.bridges",
     "wsgen.rules.catalogue",
+    "wsgen.rules.controllers",
     "wsgen.rules.joint_limits",
     "wsgen.rules.dependencies",
     "wsgen.rules.manifests",
