@@ -5,19 +5,21 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen import yamlfile
+from wsgen.files import read_regular
 from wsgen.launch.descriptions import Description, published_descriptions, read_published
-from wsgen.launch.simulators import simulator_kinds
-from wsgen.rules import bridges, controllers, simulators
+from wsgen.launch.simulators import WORLD_SUFFIXES, simulator_kinds
+from wsgen.rules import bridges, controllers, simulators, worlds
 from wsgen.rules.gazebo_topics import topics_of
-from wsgen.sdf.lookup import find_world
-from wsgen.sdf.source import load, read_document
+from wsgen.sdf.lookup import find_world, model_finder
+from wsgen.sdf.source import SIZE_LIMIT, load, read_document
 from wsgen.xmltree import child_text, children
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
+    from wsgen.model.plan import LaunchPlan
     from wsgen.pipeline.started import Started
     from wsgen.rules.gazebo_topics import GazeboTopic
     from wsgen.xmltree import Element
@@ -32,31 +34,129 @@ class LoadedWorld(NamedTuple):
     models: tuple[str, ...] | None  # names; None where not all are known
 
 
-def check_launched(started: Started, environment: Mapping[str, str]) -> Iterator[Diagnostic]:
-    """Check what a launch file starts together; `environment` is that of the launch."""
+def check_launched(
+    started: Started,
+    environment: Mapping[str, str],
+    beside: Sequence[LaunchPlan] = (),
+    *,
+    is_included: bool = False,
+) -> Iterator[Diagnostic]:
+    """Check what a launch file starts together.
+
+    Args:
+        started: What it starts.
+        environment: That of the launch.
+        beside: The plans of the other launch files of the package, which may be started from
+            another terminal.
+        is_included: One of these includes it: what it lacks may be there.
+    """
     plan = started.plan
     kinds = simulator_kinds(plan)
     world = _loaded_world(started, environment)
+    name = world.name if world and kinds == {"gz"} else None
     yield from simulators.spawners_of_other_simulator(plan, kinds)
     yield from simulators.no_factory(
         plan, kinds, world.plugins if world else None if _names_world(started) else ()
     )
     yield from simulators.wall_clocks(plan, kinds)
-    yield from simulators.other_worlds(plan, world.name if world and kinds == {"gz"} else None)
+    yield from simulators.other_worlds(plan, name)
     yield from simulators.glued_arguments(plan)
     yield from simulators.starts_paused(plan, kinds, world.element if world else None)
     found = bridges.find_bridges(plan)
     yield from found.diagnostics
-    yield from simulators.no_clock(plan, kinds, found.published)
+    if not is_included and not any(
+        bridges.may_bring_clock(bridges.find_bridges(other)) for other in beside
+    ):
+        yield from simulators.no_clock(plan, kinds, found.published)
     files = {file: _yaml(file) for file in controllers.parameter_files(_descriptions(started))}
     yield from controllers.unknown_controllers(plan, controllers.find_configured(plan, files))
     if found.topics:
         yield from bridges.check_bridges(
             found.topics,
             tuple(_topics(started, world)),
-            world=world.name if world and kinds == {"gz"} else None,
+            world=name,
             models=_models(started, world),
         )
+
+
+def check_worlds(
+    files: Iterable[Path],
+    loaded: Mapping[Path, Loaded],
+    environment: Mapping[str, str],
+    *,
+    simulator: str | None,
+    distro: str | None,
+) -> Iterator[Diagnostic]:
+    """Check the worlds of a package for the simulators that load them.
+
+    Args:
+        files: Robots, models and worlds.
+        loaded: How launch files load a world, by its real path.
+        environment: That of a world which no launch file loads.
+        simulator: That of the other launch files.
+        distro: The target.
+    """
+    for file in files:
+        if file.suffix not in WORLD_SUFFIXES or b"<world" not in _bytes(file):
+            continue
+        source = load(file, [])
+        if source is None:
+            continue
+        here = loaded.get(file.resolve())
+        has_model = _has_model(file, here.environment if here else environment)
+        yield from worlds.check_world(
+            source.root,
+            file,
+            simulator=here.kind if here else simulator,
+            distro=distro,
+            has_model=has_model,
+        )
+
+
+def _has_model(file: Path, environment: Mapping[str, str]) -> Callable[[str], bool]:
+    find = model_finder(file, environment)
+    return lambda uri: find(uri) is not None
+
+
+class Loaded(NamedTuple):
+    """How a launch file loads a world."""
+
+    kind: str | None  # of the simulator; None: of both
+    environment: Mapping[str, str]
+
+
+def loaded_worlds(
+    all_started: Iterable[Started], environment: Mapping[str, str]
+) -> dict[Path, Loaded]:
+    """How launch files load worlds, by real path."""
+    loaded: dict[Path, Loaded] = {}
+    for started in all_started:
+        simulator = started.simulator
+        variables = {**environment, **started.plan.environment}
+        file = find_world(simulator.world, variables) if simulator and simulator.world else None
+        if file is not None and simulator is not None:
+            real = file.resolve()
+            other = loaded.get(real)
+            is_same = other is None or other.kind == simulator.kind
+            loaded[real] = Loaded(simulator.kind if is_same else None, variables)
+    return loaded
+
+
+def check_parameters(folder: Path) -> Iterator[Diagnostic]:
+    """Check the YAML files of a package that configure controllers."""
+    for suffix in (".yaml", ".yml"):
+        for file in sorted(folder.rglob(f"*{suffix}")):
+            if b"controller_manager" in _bytes(file):
+                content = _yaml(file)
+                if content is not None:
+                    yield from controllers.unknown_types(file, content)
+
+
+def _bytes(file: Path) -> bytes:
+    try:
+        return read_regular(file, SIZE_LIMIT)
+    except OSError:
+        return b""
 
 
 def _names_world(started: Started) -> bool:

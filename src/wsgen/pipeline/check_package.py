@@ -17,7 +17,12 @@ from wsgen.launch.explain import (
 from wsgen.launch.explain_names import UNSUPPORTED_API
 from wsgen.launch.simulators import NO_SIMULATOR
 from wsgen.pipeline.candidates import Candidate, LaunchFile, simulation_of, with_descriptions
-from wsgen.pipeline.check_launched import check_launched
+from wsgen.pipeline.check_launched import (
+    check_launched,
+    check_parameters,
+    check_worlds,
+    loaded_worlds,
+)
 from wsgen.pipeline.clock import Clock
 from wsgen.pipeline.file_validation import NO_MODEL, PART_OF_ROBOT, FileValidation
 from wsgen.pipeline.package_validation import Validation
@@ -90,6 +95,7 @@ class PackageCheck:
         self.robots: list[DescribedRobot] = []
         self.worlds: list[World] = []
         self.simulators: list[str] = []
+        self.descriptions: tuple[Path, ...] = ()  # robots, models and worlds of the package
         self.read: set[Path] = set()  # files of robots and worlds, as sources
 
     def run(self) -> tuple[Diagnostic, ...]:
@@ -107,7 +113,16 @@ class PackageCheck:
         yield from self.installed.problems.get(self.package.name, ())
         candidates = self._evaluate()
         yield from self._check_launched(candidates, folder)
+        self.descriptions = tuple(find_descriptions(self.package.path))
         yield from self._check_files(folder)
+        yield from check_worlds(
+            self.descriptions,
+            loaded_worlds((one.started for one in candidates), self.overlay.environment),
+            self.overlay.environment,
+            simulator=self.simulators[0] if len(set(self.simulators)) == 1 else None,
+            distro=self.distro,
+        )
+        yield from check_parameters(self.package.path)
         yield from self._check_together(
             Facts(
                 package=self.package,
@@ -147,7 +162,12 @@ class PackageCheck:
         for one in candidates:
             started = one.started
             yield from _of_launch(one, candidates)
-            yield from check_launched(started, self.overlay.environment)
+            yield from check_launched(
+                started,
+                self.overlay.environment,
+                [other.started.plan for other in candidates if other is not one],
+                is_included=_is_included(one, candidates),
+            )
             same = simulation_of(one)
             if not started.is_evaluated or not started.has_spawner or same in known:
                 continue
@@ -192,7 +212,7 @@ class PackageCheck:
 
     def _check_files(self, folder: Path) -> Iterator[Diagnostic]:
         """The robots and worlds of the package that no launch file starts."""
-        for file in find_descriptions(self.package.path):
+        for file in self.descriptions:
             if file.resolve() in self.read:
                 continue
             validation = FileValidation(
@@ -254,9 +274,7 @@ GIVEN_FROM_OUTSIDE = frozenset(
 def _of_launch(one: Candidate, beside: Iterable[Candidate]) -> Iterator[Diagnostic]:
     """What is wrong with a launch file, whatever it is started with."""
     started = one.started
-    is_included = any(
-        os.path.realpath(one.file) in other.included for other in beside if other is not one
-    )
+    is_included = _is_included(one, beside)
     for found in started.diagnostics if started.has_spawner else started.plan.diagnostics:
         if found.code in GIVEN_FROM_OUTSIDE:
             if not is_included:
@@ -265,6 +283,11 @@ def _of_launch(one: Candidate, beside: Iterable[Candidate]) -> Iterator[Diagnost
             yield replace(found, severity=Severity.INFO)
         else:
             yield found
+
+
+def _is_included(one: Candidate, beside: Iterable[Candidate]) -> bool:
+    file = os.path.realpath(one.file)
+    return any(file in other.included for other in beside if other is not one)
 
 
 def _of_file_alone(diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]:

@@ -206,6 +206,12 @@ def find_bridges(plan: LaunchPlan) -> Bridges:
 _COMPUTED = frozenset(("bridge_names", "expand_gz_topic_names"))
 
 
+def may_bring_clock(bridges: Bridges) -> bool:
+    """Whether one of the bridges may publish the time of Gazebo in ROS."""
+    published = bridges.published
+    return published is None or any(topic.rstrip("/").endswith("clock") for topic in published)
+
+
 def check_bridges(
     bridges: Sequence[Bridge],
     known: Collection[GazeboTopic],
