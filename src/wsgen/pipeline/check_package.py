@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -14,8 +15,10 @@ from wsgen.launch.explain import (
     NEEDS_UNKNOWN,
     VARIABLE_NOT_SET,
 )
+from wsgen.launch.explain_missing import PACKAGE_NOT_FOUND
 from wsgen.launch.explain_names import UNSUPPORTED_API
 from wsgen.launch.simulators import NO_SIMULATOR
+from wsgen.launch.spawner_options import INVALID_SPAWNER_OPTION
 from wsgen.pipeline.candidates import Candidate, LaunchFile, simulation_of, with_descriptions
 from wsgen.pipeline.check_launched import (
     check_launched,
@@ -33,6 +36,7 @@ from wsgen.workspace.layout import find_launch_files
 from wsgen.workspace.package_xml import check_package_xml
 from wsgen.workspace.robot_files import find_descriptions
 from wsgen.workspace.settings import read_settings
+from wsgen.xacro.reader import XACRO_FILE_FAILS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -50,6 +54,7 @@ if TYPE_CHECKING:
     from wsgen.workspace.layout import PackageFolder
 
 
+OF_TESTS = frozenset({"test", "tests"})  # folders; their launch files are for launch_testing
 NOTHING = ValidateRequest()  # launch files and xacro are given no arguments
 
 
@@ -144,7 +149,12 @@ class PackageCheck:
     def _evaluate(self) -> list[Candidate]:
         """The launch files of the package, evaluated with their defaults."""
         share = self.overlay.share(self.package.name)
-        files = find_launch_files(share or self.package.path)
+        folder = share or self.package.path
+        files = [
+            file
+            for file in find_launch_files(folder)
+            if OF_TESTS.isdisjoint(file.relative_to(folder).parts)
+        ]
         found = [
             Candidate(
                 LaunchFile(self.package.name, file),
@@ -281,8 +291,18 @@ def _of_launch(one: Candidate, beside: Iterable[Candidate]) -> Iterator[Diagnost
                 yield replace(found, severity=Severity.INFO)
         elif found.code == NO_SIMULATOR.code:  # somebody may start it in another terminal
             yield replace(found, severity=Severity.INFO)
+        elif found.code == PACKAGE_NOT_FOUND.code and not _is_misspelled(found):
+            yield replace(found, severity=Severity.WARNING)  # it may be in another workspace
+        elif found.code == INVALID_SPAWNER_OPTION.code and any(
+            argument.default == "" for argument in started.plan.arguments
+        ):
+            yield replace(found, severity=Severity.INFO)  # as above, with a default
         else:
             yield found
+
+
+def _is_misspelled(found: Diagnostic) -> bool:
+    return (found.hint or "").startswith("Did you mean")
 
 
 def _is_included(one: Candidate, beside: Iterable[Candidate]) -> bool:
@@ -290,12 +310,20 @@ def _is_included(one: Candidate, beside: Iterable[Candidate]) -> bool:
     return any(file in other.included for other in beside if other is not one)
 
 
+# Of xacro, where a launch file or another xacro file gives what the file needs.
+UNDEFINED_ARGUMENT = "Undefined substitution argument"
+NOT_FOUND = re.compile(r"the package '[^']+' is not found")
+
+
 def _of_file_alone(diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
     """What is wrong with a file; that it holds only a part of a robot or world is not."""
     for found in diagnostics:
         if found.code == NO_MODEL.code:
             continue
-        if found.code == PART_OF_ROBOT.code:
+        if found.code == PART_OF_ROBOT.code or UNDEFINED_ARGUMENT in found.message:
             yield replace(found, severity=Severity.INFO)
+        elif found.code == XACRO_FILE_FAILS.code and NOT_FOUND.search(found.message):
+            is_known = not _is_misspelled(found)  # see `_of_launch`
+            yield replace(found, severity=Severity.WARNING) if is_known else found
         else:
             yield found

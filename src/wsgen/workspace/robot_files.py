@@ -33,7 +33,10 @@ def find_robot_files(folder: Path) -> tuple[Path, ...]:
     texts = {
         file: without_comments(read_text(file) or "")
         for file in sorted(folder.rglob("*"))
-        if file.suffix in SUFFIXES and irregular_kind(file) is None and file.is_file()
+        if file.suffix in SUFFIXES
+        and ".srdf" not in file.suffixes
+        and irregular_kind(file) is None
+        and file.is_file()
     }
     included = {
         name.rpartition("/")[2] for text in texts.values() for name in INCLUDED.findall(text)
