@@ -10,6 +10,7 @@ ROS_NAMES = Path(__file__).with_name("ros-names.txt")
 CMAKE_NAMES = Path(__file__).with_name("cmake-names.txt")
 
 
+@cache
 def released_packages() -> dict[str, tuple[str, ...]]:
     """The distributions that a package is released for, by its name; oldest first.
 
@@ -23,11 +24,13 @@ def released_packages() -> dict[str, tuple[str, ...]]:
     }
 
 
+@cache
 def rosdep_keys() -> frozenset[str]:
     """The system dependencies that package.xml may name. Source: ros/rosdistro."""
     return frozenset(_blocks()[ROSDEP])
 
 
+@cache
 def cmake_packages() -> frozenset[str]:
     """Other names that find_package() of a ROS package may ask for: Gazebo's, and libraries."""
     lines = CMAKE_NAMES.read_text(encoding="utf-8").splitlines()

@@ -25,12 +25,19 @@ def misspelled_as(name: str, known: Iterable[str]) -> str | None:
     Words are what `_` and `-` separate. The names differ in that alone, or in one letter of a word,
     two of a long one; digits are no typing mistakes, and short words mean something else.
     """
-    near = _similar(name, set(known) - {name}, 5, 0.78)
-    return next((other for other in near if _is_misspelled(name, other)), None)
+    near = {
+        other
+        for other in known
+        if abs(len(other) - len(name)) <= MOST_MISTAKES
+        and other != name
+        and _is_misspelled(name, other)
+    }
+    return min(near, key=lambda other: (mistakes_between(name, other), other), default=None)
 
 
 LONG_ENOUGH = 4  # letters of a word that a typing mistake leaves recognizable
 LONG = 9
+MOST_MISTAKES = 2  # words with a mistake, or letters of a long word
 
 
 def _is_misspelled(name: str, other: str) -> bool:
@@ -40,10 +47,10 @@ def _is_misspelled(name: str, other: str) -> bool:
     if len(words) != len(others):
         return False
     differing = [pair for pair in zip(words, others, strict=True) if pair[0] != pair[1]]
-    return len(differing) <= 2 and all(  # noqa: PLR2004  two mistakes in one name
+    return len(differing) <= MOST_MISTAKES and all(
         min(len(word), len(meant)) >= LONG_ENOUGH
         and word.strip("abcdefghijklmnopqrstuvwxyz") == meant.strip("abcdefghijklmnopqrstuvwxyz")
-        and mistakes_between(word, meant) <= (2 if len(meant) >= LONG else 1)
+        and mistakes_between(word, meant) <= (MOST_MISTAKES if len(meant) >= LONG else 1)
         for word, meant in differing
     )
 

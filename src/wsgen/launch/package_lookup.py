@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 from wsgen.diagnostics import Rule, Severity
 from wsgen.launch import known_packages
 from wsgen.launch.record import RECORD, caller, callers
+from wsgen.launch.undeclared import UNDECLARED_PACKAGE, is_brought, listed, undeclared
 from wsgen.markup import read_text, without_comments
 from wsgen.source_shares import is_source
 
@@ -26,17 +27,6 @@ if TYPE_CHECKING:
     from wsgen.launch.record import Location
 
 
-UNDECLARED_PACKAGE = Rule(
-    code="LCH045",
-    name="undeclared-package",
-    severity=Severity.WARNING,
-    summary="The launch file uses packages that `package.xml` does not declare.",
-    what="Compares the packages of which the launch files of a package look up a folder or a "
-    "program with the dependencies in `package.xml`.",
-    why="`rosdep install` does not install them, so that the launch fails on another machine.",
-    example="Node(package='slam_toolbox', executable='sync_slam_toolbox_node')",
-    instead="<!-- package.xml -->\n<exec_depend>slam_toolbox</exec_depend>",
-)
 NOT_HERE = Rule(
     code="LCH046",
     name="not-installed-here",
@@ -50,17 +40,9 @@ NOT_HERE = Rule(
     "'/launch/navigation_launch.py'])",
     instead="source /opt/ros/iron/setup.bash",
 )
-# A metapackage -> packages that depending on it brings.
-_METAPACKAGES = {
-    "gazebo_ros_pkgs": ("gazebo_ros", "gazebo_plugins"),
-    "ros_gz": ("ros_gz_sim", "ros_gz_bridge", "ros_gz_image"),
-    "ros_ign": ("ros_ign_gazebo", "ros_ign_bridge"),
-    "navigation2": ("nav2_amcl", "nav2_bt_navigator", "nav2_map_server", "nav2_planner"),
-}
 _DEPENDENCY = re.compile(r"<(\w*depend)\b[^>]*>\s*([\w.-]+)\s*</")
 LEFT_OUT = "wsgen_left_out.txt"  # left_out.cmake of wsgen.build writes it
 _FOR_BUILD = ("depend", "build_depend")
-_MOST_NAMED = 12  # packages in a message
 
 
 def find_prefix(package: str, prefix: str | None) -> str | None:
@@ -187,7 +169,7 @@ def report(launch_file: str) -> None:
             NOT_HERE.at(
                 Path(file),
                 line,
-                message=f"Not on this machine, and left out: {_some(list(dict.fromkeys(names)))}.",
+                message=f"Not on this machine, and left out: {listed(list(dict.fromkeys(names)))}.",
                 hint="Build them in this workspace, or source an installation of ROS that has "
                 "them, if the robot needs them.",
             )
@@ -196,32 +178,21 @@ def report(launch_file: str) -> None:
 
 def _report_undeclared(manifest: Path) -> None:
     declared = {name for _, name in _dependencies(manifest)}
-    for metapackage in _METAPACKAGES.keys() & declared:
-        declared.update(_METAPACKAGES[metapackage])
-    undeclared = {
+    found = {
         package: location
         for package, location in sorted(RECORD.lookups.items())
         if package not in declared | {RECORD.package, manifest.parent.name}
+        and not is_brought(package, declared)
         and location is not None
         and (where := manifest_of(location[0]))
         and where.samefile(manifest)
         and not any(one.element == package for one in RECORD.diagnostics)
     }
-    if not undeclared:
+    if not found:
         return
-    lines = [f"<exec_depend>{package}</exec_depend>" for package in undeclared]
-    file, line = min(undeclared.values())
-    RECORD.report(
-        UNDECLARED_PACKAGE.at(
-            Path(file),
-            line,
-            message=f"package.xml does not declare {_some(list(undeclared))}, which the launch "
-            f"file{'s use' if len(RECORD.launch_files) > 1 else ' uses'}.",
-            hint=f"Add to package.xml: {' '.join(lines)}",
-        )
+    file, line = min(found.values())
+    message, hint = undeclared(
+        list(found),
+        f"the launch file{'s use' if len(RECORD.launch_files) > 1 else ' uses'}",
     )
-
-
-def _some(names: list[str]) -> str:
-    more = len(names) - _MOST_NAMED
-    return ", ".join(names[:_MOST_NAMED]) + (f" and {more} more" if more > 0 else "")
+    RECORD.report(UNDECLARED_PACKAGE.at(Path(file), line, message=message, hint=hint))

@@ -1,0 +1,209 @@
+"""Compare the packages that the files of a package use with those that package.xml declares."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from wsgen.diagnostics import Rule, Severity
+from wsgen.launch.undeclared import UNDECLARED_PACKAGE, is_brought, listed, undeclared
+from wsgen.ros_names import released_packages
+from wsgen.suggestions import misspelled_as
+from wsgen.workspace.manifest import BUILD_TAGS, DEPENDENCY_TAGS, RUN_TAGS, TEST_TAGS
+from wsgen.workspace.package_uses import LAUNCH
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+    from pathlib import Path
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.model.build_facts import RequiredPackage
+    from wsgen.workspace.manifest import Dependency, Manifest
+    from wsgen.workspace.package_uses import PackageUse
+
+
+NOT_FOR_RUN_TIME = Rule(
+    code="PKG084",
+    name="not-for-run-time",
+    severity=Severity.WARNING,
+    summary="A package that is needed at run time is declared for the build alone.",
+    what="Looks for packages that launch files, robots or Python nodes use, and that only "
+    "`<build_depend>`, `<buildtool_depend>` or `<build_export_depend>` declares.",
+    why="Who installs the package as a binary, or with `rosdep install --dependency-types=exec`, "
+    "lacks it.",
+    example="<build_depend>xacro</build_depend>",
+    instead="<exec_depend>xacro</exec_depend>",
+)
+UNDECLARED_DEPENDENCY = Rule(
+    code="PKG085",
+    name="undeclared-dependency",
+    severity=Severity.WARNING,
+    summary="A robot or a Python node uses packages that `package.xml` does not declare.",
+    what="Looks for `package://` and `$(find ...)` in robots and worlds that are installed, and "
+    "for the modules of ROS that Python nodes import. Skips what another declared package brings.",
+    why="`rosdep install` does not install them, so that the robot or the node fails on another "
+    "machine.",
+    example="from geometry_msgs.msg import Twist",
+    instead="<!-- package.xml -->\n<exec_depend>geometry_msgs</exec_depend>",
+)
+UNDECLARED_BUILD_DEPENDENCY = Rule(
+    code="PKG087",
+    name="undeclared-build-dependency",
+    severity=Severity.WARNING,
+    summary="CMakeLists.txt requires packages that `package.xml` does not declare for the build.",
+    what="Compares `find_package(NAME REQUIRED)` of packages of ROS and of the workspace with "
+    "`<depend>`, `<build_depend>` and `<buildtool_depend>`.",
+    why="`rosdep install` does not install them. Of packages of the workspace, `colcon` does not "
+    "know the order, and may build them too late.",
+    example="find_package(sensor_msgs REQUIRED)",
+    instead="<!-- package.xml -->\n<depend>sensor_msgs</depend>",
+)
+
+
+def declared_by(
+    manifests: Mapping[str, Manifest],
+    name: str,
+    tags: Collection[str],
+    distro: str | None,
+    further: Collection[str] = RUN_TAGS,
+) -> frozenset[str]:
+    """What a package declares, and, with other tags, the packages of the workspace among that."""
+    found = set(manifests[name].names(tags, distro))
+    left = found & manifests.keys()
+    seen = {name}
+    while left:
+        one = left.pop()
+        if one not in seen:
+            seen.add(one)
+            those = manifests[one].names(further, distro)
+            found |= those
+            left |= those & manifests.keys()
+    return frozenset(found)
+
+
+def check_uses(
+    manifest: Manifest,
+    uses: Iterable[PackageUse],
+    *,
+    manifests: Mapping[str, Manifest],
+    distro: str | None,
+) -> Iterator[Diagnostic]:
+    """Report what is used at run time and not declared for it, once, where it is used first.
+
+    Args:
+        manifest: of the package.
+        uses: what its files use, in the order of the files.
+        manifests: of all packages of the workspace, by name; this one included.
+        distro: the distribution that the package is for; None where it is not known.
+    """
+    for_run = declared_by(manifests, manifest.name, RUN_TAGS, distro)
+    any_tag = manifest.names(DEPENDENCY_TAGS, distro)
+    known = released_packages()
+    misspelled = {
+        other
+        for one in any_tag
+        if one not in known and one not in manifests
+        if (other := misspelled_as(one, (*manifests, *known))) is not None
+    }
+    tested = manifest.test_dependencies
+    missing: dict[Path, list[PackageUse]] = {}
+    first: dict[str, PackageUse] = {}
+    for use in uses:
+        package = use.package
+        if (
+            package in {manifest.name, *first}
+            or package in for_run
+            or package in misspelled | tested  # that is reported, or left out on purpose
+            or (package not in known and package not in manifests)
+            or is_brought(package, for_run)
+            or _needs(package, manifest.name, manifests)
+        ):
+            continue
+        first[package] = use
+        if package in any_tag:
+            yield _not_for_run_time(manifest, use)
+        else:
+            missing.setdefault(use.file, []).append(use)
+    for file, those in missing.items():
+        yield _undeclared(file, those)
+
+
+def _needs(package: str, name: str, manifests: Mapping[str, Manifest]) -> bool:
+    """Whether a package of the workspace needs the one with a name, which cannot need it, too."""
+    if package not in manifests:
+        return False
+    tags = DEPENDENCY_TAGS - TEST_TAGS
+    return name in declared_by(manifests, package, tags, None, further=tags)
+
+
+def _undeclared(file: Path, uses: Sequence[PackageUse]) -> Diagnostic:
+    is_launch = any(use.kind == LAUNCH for use in uses)
+    rule = UNDECLARED_PACKAGE if is_launch else UNDECLARED_DEPENDENCY
+    message, hint = undeclared(
+        sorted(use.package for use in uses),
+        "the launch file uses" if is_launch else f"{file.name} uses",
+    )
+    return rule.at(file, min(use.line for use in uses), message=message, hint=hint)
+
+
+def _not_for_run_time(manifest: Manifest, use: PackageUse) -> Diagnostic:
+    one = next(one for one in manifest.dependencies if one.name == use.package)
+    return NOT_FOR_RUN_TIME.at(
+        manifest.file,
+        one.line,
+        one.name,
+        message=f"<{one.tag}> alone declares {one.name}, but {use.file.name} (line {use.line}) "
+        "needs it at run time.",
+        hint=_for_run_time(one),
+    )
+
+
+def _for_run_time(one: Dependency) -> str:
+    if one.tag == "build_depend":
+        return f"Write <depend>{one.name}</depend>."
+    return f"Add <exec_depend>{one.name}</exec_depend>."
+
+
+def check_required(
+    manifest: Manifest,
+    required: Iterable[RequiredPackage],
+    *,
+    manifests: Mapping[str, Manifest],
+    distro: str | None,
+) -> Iterator[Diagnostic]:
+    """Report what find_package() requires and package.xml does not declare for the build.
+
+    Args:
+        manifest: of the package.
+        required: what its CMakeLists.txt looks for.
+        manifests: of all packages of the workspace, by name.
+        distro: the distribution that the package is for; None where it is not known.
+    """
+    declared = declared_by(manifests, manifest.name, BUILD_TAGS, distro)
+    any_tag = manifest.names(DEPENDENCY_TAGS, distro)
+    known = released_packages()
+    missing: dict[str, RequiredPackage] = {}
+    for one in required:
+        if (
+            one.required
+            and not one.in_tests
+            and one.name != manifest.name
+            and not one.name.startswith("ament_")
+            and (one.name in known or one.name in manifests)
+            and one.name not in declared
+            and not is_brought(one.name, declared)
+            and not _needs(one.name, manifest.name, manifests)
+        ):
+            missing.setdefault(one.name, one)
+    if not missing:
+        return
+    first = min(missing.values(), key=lambda one: one.line)
+    names = sorted(missing)
+    tags = {name: "build_depend" if name in any_tag else "depend" for name in names}
+    lines = " ".join(f"<{tags[name]}>{name}</{tags[name]}>" for name in names)
+    yield UNDECLARED_BUILD_DEPENDENCY.at(
+        first.file,
+        first.line,
+        message=f"package.xml does not declare {listed(names)} for the build, which "
+        f"{first.file.name} requires.",
+        hint=f"Add to package.xml: {lines}",
+    )

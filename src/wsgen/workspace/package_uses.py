@@ -1,0 +1,347 @@
+"""Which packages the files of a package use at run time, and where: launch files, robots, nodes.
+
+Files are read and not run. What is computed, what is tried and may fail, and what depends on the
+distribution is left out.
+"""
+
+from __future__ import annotations
+
+import ast
+import os
+import re
+from functools import cached_property
+from typing import TYPE_CHECKING, NamedTuple
+
+from wsgen.files import irregular_kind
+from wsgen.markup import read_text, without_comments
+from wsgen.ros_names import released_packages
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterable, Iterator
+    from pathlib import Path
+
+    from wsgen.model.build_facts import BuildFacts
+
+
+LAUNCH = "launch"  # a launch file looks it up or starts a program of it
+DESCRIPTION = "description"  # a robot or a world has files of it
+NODE = "node"  # a Python file imports it
+
+
+class PackageUse(NamedTuple):
+    """A place where a package is needed."""
+
+    package: str
+    file: Path
+    line: int  # 1-based
+    kind: str  # LAUNCH, DESCRIPTION or NODE
+
+
+# Folders whose files nobody needs at run time.
+NOT_RUN = frozenset(
+    ("test", "tests", "doc", "docs", "build", "install", "log", "__pycache__", "node_modules")
+)
+DESCRIPTIONS = (".urdf", ".xacro", ".sdf", ".world", ".rviz")
+LAUNCH_MARKUP = ("launch.xml", "launch.yaml", "launch.yml")
+NOT_NODES = frozenset(("setup.py", "conf.py", "conftest.py", "noxfile.py"))
+SIZE_LIMIT = 2**20  # bytes of a file; worlds may be large, and name no package then
+
+
+def find_files(folder: Path) -> Iterator[Path]:
+    """The files of a package that may use another one, by path; not those of packages in it."""
+    for name, folders, files in os.walk(folder):
+        here = type(folder)(name)
+        if here != folder and ("package.xml" in files or "COLCON_IGNORE" in files):
+            folders.clear()
+            continue
+        folders[:] = sorted(
+            one for one in folders if not one.startswith(".") and one.lower() not in NOT_RUN
+        )
+        for base in sorted(files):
+            if base.endswith((".py", *DESCRIPTIONS, *LAUNCH_MARKUP)) and base not in NOT_NODES:
+                file = here / base
+                if irregular_kind(file) is None:
+                    yield file
+
+
+def read_uses(
+    files: Iterable[Path], *, workspace: Collection[str], installed: Collection[Path] | None = None
+) -> tuple[PackageUse, ...]:
+    """The first use of each package in each file, in the order of the files.
+
+    Args:
+        files: of a package.
+        workspace: the names of all packages of the workspace.
+        installed: the files and folders that are installed, without links; None where that is not
+            known. Others are not read.
+    """
+    return tuple(
+        use
+        for file in files
+        if installed is None or _is_in(file, installed)
+        for use in _first_uses(_uses_in(file, workspace))
+    )
+
+
+def _first_uses(uses: Iterable[PackageUse]) -> Iterable[PackageUse]:
+    first: dict[str, PackageUse] = {}
+    for use in uses:
+        first.setdefault(use.package, use)
+    return first.values()
+
+
+def _uses_in(file: Path, workspace: Collection[str]) -> Iterator[PackageUse]:
+    text = read_text(file)
+    if text is None or len(text) > SIZE_LIMIT:
+        return
+    if file.name.endswith(".py"):
+        yield from _uses_of_python(file, text, workspace, is_launch=is_launch_file(file))
+    elif file.name.endswith(LAUNCH_MARKUP):
+        for package, line in looked_up_in_markup(without_comments(text)):
+            yield PackageUse(package, file, line, LAUNCH)
+    else:
+        for package, line in named_in_description(without_comments(text)):
+            yield PackageUse(package, file, line, DESCRIPTION)
+
+
+def is_launch_file(file: Path) -> bool:
+    """Whether a Python file is a launch file, or a part of one."""
+    return file.name.endswith("launch.py") or "launch" in file.parts[-3:-1]
+
+
+def _uses_of_python(
+    file: Path, text: str, workspace: Collection[str], *, is_launch: bool
+) -> Iterator[PackageUse]:
+    if "import" not in text:
+        return
+    try:
+        reader = _PythonReader(ast.parse(text))
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return
+    if is_launch:
+        for package, line in reader.looked_up():
+            yield PackageUse(package, file, line, LAUNCH)
+    for module, line in reader.imported():
+        owner = package_of_module(module, workspace)
+        if owner is None or (is_launch and owner in OF_LAUNCH) or _is_beside(module, file):
+            continue
+        yield PackageUse(owner, file, line, LAUNCH if is_launch else NODE)
+
+
+def _is_beside(module: str, file: Path) -> bool:
+    place = file.parent / module
+    return place.is_dir() or place.with_suffix(".py").is_file()
+
+
+def _is_in(file: Path, places: Collection[Path]) -> bool:
+    real = type(file)(os.path.realpath(file))
+    return real in places or any(folder in places for folder in real.parents)
+
+
+# Python.
+
+_LOOK_UPS = frozenset(
+    (
+        *("get_package_share_directory", "get_package_share_path", "get_package_prefix"),
+        *("FindPackageShare", "FindPackagePrefix", "FindPackage"),
+    )
+)
+_STARTERS = frozenset(
+    (
+        *("Node", "LifecycleNode", "ComposableNode", "ComposableNodeContainer"),
+        *("ExecutableInPackage", "MoveItConfigsBuilder"),
+    )
+)
+_XACRO = re.compile(r"xacro(?:\s|$)")
+# Modules that ros2launch brings: who reads a launch file has them.
+OF_LAUNCH = frozenset(
+    (
+        "ament_index_python",
+        "launch",
+        "launch_ros",
+        "launch_xml",
+        "launch_yaml",
+        "rclpy",
+        "osrf_pycommon",
+    )
+)
+_UNKNOWN_TEST = re.compile(r"distro|environ|getenv|version|exists|isfile|isdir", re.IGNORECASE)
+
+# Python packages of ROS whose modules have the name of the package; those of messages come by
+# their endings, as many other names are those of modules on PyPI, too.
+MODULES = frozenset(
+    (
+        *("ament_index_python", "controller_manager", "cv_bridge", "diagnostic_updater"),
+        *("image_geometry", "launch", "launch_param_builder", "launch_ros", "launch_testing"),
+        *("launch_testing_ros", "laser_geometry", "message_filters", "moveit_configs_utils"),
+        *("nav2_common", "nav2_simple_commander", "py_trees_ros", "python_qt_binding"),
+        *("qt_gui", "rclpy", "rosbag2_py", "rosidl_runtime_py", "rqt_gui", "rqt_gui_py"),
+        *("sensor_msgs_py", "tf2_py", "tf2_ros", "tf_transformations", "xacro"),
+    )
+)
+OTHER_MODULES = {"moveit": "moveit_py", "urdf_parser_py": "urdfdom_py"}
+MESSAGES = ("_msgs", "_interfaces", "_srvs", "_msg", "_actions")
+
+
+def package_of_module(module: str, workspace: Collection[str]) -> str | None:
+    """The package that surely has a Python module; None for modules of Python, PyPI and others."""
+    if module in workspace:
+        return module
+    package = OTHER_MODULES.get(module, module)
+    if module in MODULES or module in OTHER_MODULES or module.endswith(MESSAGES):
+        return package if package in released_packages() else None
+    return None
+
+
+class _PythonReader:
+    """What surely happens when a Python file is run, as far as it is about packages."""
+
+    def __init__(self, tree: ast.Module) -> None:
+        self.tree = tree
+        self.nodes = [*_certain(tree)]
+
+    @cached_property
+    def constants(self) -> dict[str, str]:
+        """The texts of names that are assigned once."""
+        return _constants(self.tree)
+
+    def looked_up(self) -> Iterator[tuple[str, int]]:
+        """The packages whose folders or programs a launch file needs."""
+        for node in self.nodes:
+            if not isinstance(node, ast.Call):
+                continue
+            name = _name(node.func)
+            if name in _LOOK_UPS or name in _STARTERS:
+                for value in _packages_of(node, name):
+                    package = self._text(value)
+                    if package and re.fullmatch(r"[\w-]+", package):
+                        yield package, value.lineno
+            elif name in {"Command", "FindExecutable", "ExecuteProcess"}:
+                first = _first_word(node)
+                if first is not None and self._is_xacro(first):
+                    yield "xacro", first.lineno
+
+    def _is_xacro(self, first: ast.expr) -> bool:
+        return _XACRO.match(self._text(first) or "") is not None
+
+    def _text(self, value: ast.expr) -> str | None:
+        if isinstance(value, ast.Name):
+            return self.constants.get(value.id)
+        if isinstance(value, ast.Constant) and isinstance(value.value, str):
+            return value.value
+        return None
+
+    def imported(self) -> Iterator[tuple[str, int]]:
+        """The names of top-level modules."""
+        for node in self.nodes:
+            if isinstance(node, ast.Import):
+                for alias in node.names:
+                    yield alias.name.partition(".")[0], node.lineno
+            elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+                yield node.module.partition(".")[0], node.lineno
+
+
+def _certain(tree: ast.AST) -> Iterator[ast.AST]:
+    """The nodes in the order of the text, but those that are tried, or under a condition."""
+    for child in ast.iter_child_nodes(tree):
+        if isinstance(child, ast.Try) and child.handlers:
+            continue
+        if isinstance(child, ast.If) and _UNKNOWN_TEST.search(ast.unparse(child.test)):
+            continue
+        if isinstance(child, ast.If) and _name(child.test) == "TYPE_CHECKING":
+            continue
+        yield child
+        yield from _certain(child)
+
+
+def _constants(tree: ast.Module) -> dict[str, str]:
+    values: dict[str, set[str | None]] = {}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Assign):
+            is_text = isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
+            for target in node.targets:
+                for name in ast.walk(target):
+                    if isinstance(name, ast.Name):
+                        text = node.value.value if is_text and name is target else None  # type: ignore[attr-defined]
+                        values.setdefault(name.id, set()).add(text)
+        elif isinstance(node, (ast.For, ast.AugAssign, ast.AnnAssign, ast.comprehension)):
+            for name in ast.walk(node.target):
+                if isinstance(name, ast.Name):
+                    values.setdefault(name.id, set()).add(None)
+        elif isinstance(node, ast.arg):
+            values.setdefault(node.arg, set()).add(None)
+    return {
+        name: text
+        for name, texts in values.items()
+        if len(texts) == 1 and (text := next(iter(texts))) is not None
+    }
+
+
+def _name(node: ast.AST) -> str:
+    if isinstance(node, ast.Attribute):
+        return node.attr
+    return node.id if isinstance(node, ast.Name) else ""
+
+
+def _packages_of(call: ast.Call, name: str) -> Iterator[ast.expr]:
+    """The arguments that name packages."""
+    keyword = "package_name" if name == "MoveItConfigsBuilder" else "package"
+    for one in call.keywords:
+        if one.arg in {keyword, "package_name"}:
+            yield one.value
+    if name in _LOOK_UPS:
+        yield from call.args[:1]
+
+
+def _first_word(call: ast.Call) -> ast.expr | None:
+    """What a command line begins with."""
+    values = [
+        *call.args,
+        *(one.value for one in call.keywords if one.arg in {"cmd", "name", "command"}),
+    ]
+    value = values[0] if values else None
+    while isinstance(value, (ast.List, ast.Tuple)) and value.elts:
+        value = value.elts[0]
+    return value
+
+
+# Markup.
+
+_IN_LAUNCH = re.compile(
+    r"\$\(find-pkg-(?:share|prefix)\s+([\w-]+)\s*\)|\$\(exec-in-package\s+\S+\s+([\w-]+)\s*\)"
+    r"|\bpkg\s*=\s*[\"']([\w-]+)[\"']|^\s*-?\s*pkg:\s*[\"']?([\w-]+)[\"']?\s*$",
+    re.MULTILINE,
+)
+_COMMAND = re.compile(r"\$\(command\s+[\"']?(?:\$\(find-exec\s+)?xacro\b")
+_IN_DESCRIPTION = re.compile(r"\$\(find\s+([\w-]+)\s*\)|\bpackage://([\w-]+)/")
+
+
+def looked_up_in_markup(text: str) -> Iterator[tuple[str, int]]:
+    """The packages that a launch file of XML or YAML needs, by line."""
+    yield from _matches(_IN_LAUNCH, text)
+    found = _COMMAND.search(text)
+    if found:
+        yield "xacro", text.count("\n", 0, found.start()) + 1
+
+
+def named_in_description(text: str) -> Iterator[tuple[str, int]]:
+    """The packages of which a robot or a world uses files, by line."""
+    yield from _matches(_IN_DESCRIPTION, text)
+
+
+def _matches(pattern: re.Pattern[str], text: str) -> Iterator[tuple[str, int]]:
+    for found in pattern.finditer(text):
+        package = next(filter(None, found.groups()))
+        yield package, text.count("\n", 0, found.start(found.lastindex or 0)) + 1
+
+
+def installed_places(build: BuildFacts | None) -> frozenset[Path] | None:
+    """The files and folders that a package installs, without links; None if some are unknown."""
+    if build is None or not build.is_whole:
+        return None
+    sources = (
+        *(one.source for one in build.installed),
+        *(one.source for one in build.executables),
+        *(one.source for one in build.python_packages),
+    )
+    return frozenset(type(one)(os.path.realpath(one)) for one in sources if one is not None)

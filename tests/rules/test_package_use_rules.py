@@ -1,0 +1,145 @@
+"""What is used and what is declared, with facts alone."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from wsgen.model.build_facts import RequiredPackage
+from wsgen.rules.package_uses import check_required, check_uses, declared_by
+from wsgen.workspace.manifest import Dependency, Manifest
+from wsgen.workspace.package_uses import DESCRIPTION, LAUNCH, NODE, PackageUse
+
+if TYPE_CHECKING:
+    from wsgen.diagnostics import Diagnostic
+
+FILE = Path("src/my_robot/package.xml")
+LAUNCH_FILE = Path("src/my_robot/launch/robot.launch.py")
+CMAKE = Path("src/my_robot/CMakeLists.txt")
+NODE_FILE = Path("src/my_robot/my_robot/driver.py")
+
+
+def manifest(name: str, **dependencies: str) -> Manifest:
+    """A manifest with dependencies: by tag, the names; the first one is in line 10."""
+    return Manifest(
+        name=name,
+        build_type="ament_cmake",
+        file=FILE,
+        dependencies=tuple(
+            Dependency(tag=tag, name=one, line=line)
+            for line, (tag, one) in enumerate(
+                ((tag, one) for tag, names in dependencies.items() for one in names.split()),
+                start=10,
+            )
+        ),
+    )
+
+
+def launch(*packages: str) -> list[PackageUse]:
+    return [
+        PackageUse(package, LAUNCH_FILE, line, LAUNCH)
+        for line, package in enumerate(packages, start=5)
+    ]
+
+
+def check(uses: list[PackageUse], *others: Manifest, **dependencies: str) -> list[Diagnostic]:
+    checked = manifest("my_robot", **dependencies)
+    manifests = {one.name: one for one in (checked, *others)}
+    return [*check_uses(checked, uses, manifests=manifests, distro=None)]
+
+
+def test_a_launch_file_with_undeclared_packages() -> None:
+    (found,) = check(launch("rviz2", "my_robot", "joy", "xacro", "rviz2"), exec_depend="xacro")
+    assert (found.code, found.file, found.line) == ("LCH045", LAUNCH_FILE, 5)
+    assert found.message == "package.xml does not declare joy, rviz2, which the launch file uses."
+    assert found.hint == (
+        "Add to package.xml: <exec_depend>joy</exec_depend> <exec_depend>rviz2</exec_depend>"
+    )
+
+
+@pytest.mark.parametrize("kind", [NODE, DESCRIPTION])
+def test_a_node_or_robot_with_an_undeclared_package(kind: str) -> None:
+    (found,) = check([PackageUse("nav_msgs", NODE_FILE, 3, kind)])
+    assert (found.code, found.file, found.line) == ("PKG085", NODE_FILE, 3)
+    assert found.message == "package.xml does not declare nav_msgs, which driver.py uses."
+
+
+@pytest.mark.parametrize(
+    "dependencies",
+    [
+        {"exec_depend": "rviz2"},
+        {"depend": "rviz2"},
+        {"run_depend": "rviz2"},
+        {"test_depend": "rviz2"},
+        {"exec_depend": "desktop"},
+        {"exec_depend": "rvzi2"},  # reported as misspelled
+        {"exec_depend": "arm_bringup"},
+    ],
+)
+def test_what_is_declared_or_brought(dependencies: dict[str, str]) -> None:
+    assert check(launch("rviz2"), manifest("arm_bringup", depend="rviz2"), **dependencies) == []
+
+
+def test_a_package_of_the_workspace() -> None:
+    (found,) = check(launch("arm_tools"), manifest("arm_tools"))
+    assert found.code == "LCH045"
+    # It needs this one: declared, both would need each other.
+    assert check(launch("arm_tools"), manifest("arm_tools", build_depend="my_robot")) == []
+
+
+def test_a_package_that_nobody_knows_is_not_reported_here() -> None:
+    assert check(launch("my_lost_package")) == []
+
+
+def test_declared_for_the_build_alone() -> None:
+    (found,) = check(launch("xacro"), build_depend="rclcpp xacro")
+    assert (found.code, found.file, found.line) == ("PKG084", FILE, 11)
+    assert found.hint == "Write <depend>xacro</depend>."
+    (found,) = check(launch("xacro"), build_export_depend="xacro")
+    assert found.hint == "Add <exec_depend>xacro</exec_depend>."
+
+
+def test_declared_by_packages_of_the_workspace() -> None:
+    manifests = {
+        one.name: one
+        for one in (
+            manifest("a", build_depend="b", test_depend="t"),
+            manifest("b", exec_depend="c", build_depend="x"),
+            manifest("c", depend="a rviz2"),
+        )
+    }
+    assert declared_by(manifests, "a", {"build_depend"}, None) == {"b", "c", "a", "rviz2"}
+
+
+def required(name: str, *, required: bool = True, in_tests: bool = False) -> RequiredPackage:
+    return RequiredPackage(name=name, file=CMAKE, line=7, required=required, in_tests=in_tests)
+
+
+def check_build(one: RequiredPackage, **dependencies: str) -> list[Diagnostic]:
+    checked = manifest("my_robot", **dependencies)
+    return [*check_required(checked, [one], manifests={"my_robot": checked}, distro=None)]
+
+
+def test_an_undeclared_package_of_the_build() -> None:
+    (found,) = check_build(required("sensor_msgs"))
+    assert (found.code, found.file, found.line) == ("PKG087", CMAKE, 7)
+    assert found.hint == "Add to package.xml: <depend>sensor_msgs</depend>"
+    (found,) = check_build(required("sensor_msgs"), exec_depend="sensor_msgs")
+    assert found.hint == "Add to package.xml: <build_depend>sensor_msgs</build_depend>"
+
+
+@pytest.mark.parametrize(
+    "one",
+    [
+        required("sensor_msgs", required=False),
+        required("sensor_msgs", in_tests=True),
+        required("ament_cmake_python"),
+        required("Eigen3"),
+        required("rcutils"),  # rclcpp brings it
+        required("pluginlib"),
+    ],
+)
+def test_what_the_build_may_require(one: RequiredPackage) -> None:
+    assert check_build(one, depend="rclcpp", build_depend="pluginlib") == []
