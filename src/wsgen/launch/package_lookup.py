@@ -19,6 +19,7 @@ from wsgen.launch import known_packages
 from wsgen.launch.record import RECORD, caller, callers
 from wsgen.launch.undeclared import UNDECLARED_PACKAGE, is_brought, listed, undeclared
 from wsgen.markup import read_text, without_comments
+from wsgen.model.plan import Lookup
 from wsgen.source_shares import is_source
 
 if TYPE_CHECKING:
@@ -174,6 +175,15 @@ def report(launch_file: str) -> None:
                 "them, if the robot needs them.",
             )
         )
+
+
+def lookups() -> tuple[Lookup, ...]:
+    """The packages that launch files of the user look up."""
+    return tuple(
+        Lookup(package=package, file=Path(location[0]), line=location[1])
+        for package, location in RECORD.lookups.items()
+        if location is not None
+    )
 
 
 def _report_undeclared(manifest: Path) -> None:

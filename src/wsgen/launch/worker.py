@@ -85,6 +85,7 @@ def evaluate(
         arguments=tuple(RECORD.arguments.values()),
         processes=tuple(RECORD.processes),
         includes=tuple(RECORD.includes),
+        lookups=package_lookup.lookups(),
         environment=RECORD.changed_environment(),
         written=RECORD.written,
         written_from=RECORD.written_from,

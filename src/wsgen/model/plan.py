@@ -70,6 +70,15 @@ class Include:
     configurations: Mapping[str, str] = field(default_factory=dict)
 
 
+@dataclass(frozen=True, kw_only=True)
+class Lookup:
+    """A package of which a launch file looks up a folder or starts a program."""
+
+    package: str
+    file: Path  # the launch file
+    line: int  # 1-based
+
+
 STARTS_UNKNOWN = "what it starts comes from a Python module that is not installed"
 
 
@@ -92,6 +101,7 @@ class LaunchPlan:
     arguments: tuple[LaunchArgument, ...] = ()
     processes: tuple[Process, ...] = ()
     includes: tuple[Include, ...] = ()
+    lookups: tuple[Lookup, ...] = ()  # the first of each package by files of the user
     environment: Mapping[str, str] = field(default_factory=dict)  # what the launch file sets
     # What processes would write that expand a xacro file: absolute path -> text, and -> xacro file.
     written: Mapping[str, str] = field(default_factory=dict)

@@ -19,6 +19,7 @@ from wsgen.launch.explain_missing import PACKAGE_NOT_FOUND
 from wsgen.launch.explain_names import UNSUPPORTED_API
 from wsgen.launch.simulators import NO_SIMULATOR
 from wsgen.launch.spawner_options import INVALID_SPAWNER_OPTION
+from wsgen.launch.undeclared import UNDECLARED_PACKAGE
 from wsgen.pipeline.candidates import Candidate, LaunchFile, simulation_of, with_descriptions
 from wsgen.pipeline.check_launched import (
     check_launched,
@@ -26,12 +27,14 @@ from wsgen.pipeline.check_launched import (
     check_worlds,
     loaded_worlds,
 )
+from wsgen.pipeline.check_manifest import check_package_manifest
 from wsgen.pipeline.clock import Clock
 from wsgen.pipeline.file_validation import NO_MODEL, PART_OF_ROBOT, FileValidation
 from wsgen.pipeline.package_validation import Validation
 from wsgen.pipeline.prepare import PrepareContext
 from wsgen.pipeline.selection import SelectedPackage, ValidateRequest
 from wsgen.pipeline.started import start
+from wsgen.rules.target import target_of
 from wsgen.workspace.layout import find_launch_files
 from wsgen.workspace.package_xml import check_package_xml
 from wsgen.workspace.robot_files import find_descriptions
@@ -96,7 +99,13 @@ class PackageCheck:
         self.listener = listener
         self.clock = Clock(package.name, listener)
         self.settings, self.diagnostics_of_settings = read_settings(package.path)
-        self.distro = self.settings.distro or distro or self.overlay.environment.get("ROS_DISTRO")
+        self.distro = target_of(
+            package.manifest,
+            given=distro,
+            recorded=self.settings.distro,
+            sourced=self.overlay.environment.get("ROS_DISTRO"),
+            workspace=installed.sources.keys(),
+        ).distro
         self.robots: list[DescribedRobot] = []
         self.worlds: list[World] = []
         self.simulators: list[str] = []
@@ -143,8 +152,13 @@ class PackageCheck:
     def _check_together(self, facts: Facts) -> Iterator[Diagnostic]:
         """The checks between files."""
         # One call of a rule a line: `yield from topic.rule(facts...)`.
-        del facts
-        yield from ()
+        yield from check_package_manifest(
+            facts.package,
+            build=facts.build,
+            plans=facts.plans,
+            packages=self.installed.sources,
+            distro=facts.distro,
+        )
 
     def _evaluate(self) -> list[Candidate]:
         """The launch files of the package, evaluated with their defaults."""
@@ -286,6 +300,8 @@ def _of_launch(one: Candidate, beside: Iterable[Candidate]) -> Iterator[Diagnost
     started = one.started
     is_included = _is_included(one, beside)
     for found in started.diagnostics if started.has_spawner else started.plan.diagnostics:
+        if found.code == UNDECLARED_PACKAGE.code and one.launch_file.package:
+            continue  # reported once for all files of the package
         if found.code in GIVEN_FROM_OUTSIDE:
             if not is_included:
                 yield replace(found, severity=Severity.INFO)

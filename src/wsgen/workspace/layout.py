@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import shlex
+from dataclasses import field
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,6 +17,8 @@ from wsgen.workspace.manifest import FOREIGN_MANIFEST, read_manifest
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
+
+    from wsgen.workspace.manifest import Manifest
 
 
 # Files and folders that mark a package without package.xml.
@@ -100,6 +103,7 @@ class PackageFolder:
     build_type: str  # empty where the manifest cannot be read
     test_dependencies: frozenset[str] = frozenset()
     diagnostics: tuple[Diagnostic, ...] = ()  # of the manifest
+    manifest: Manifest | None = field(default=None, compare=False, repr=False)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -265,6 +269,7 @@ def read_package(folder: Path) -> PackageFolder | None:
             name=manifest.name,
             build_type=manifest.build_type,
             test_dependencies=manifest.test_dependencies,
+            manifest=manifest,
         )
     if manifest.code == FOREIGN_MANIFEST.code:
         return None

@@ -1,0 +1,96 @@
+"""Check package.xml in `wsgen check`: alone, and against what the files of the package use."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from wsgen.rules.dependencies import check_dependencies
+from wsgen.rules.manifests import check_manifest, generated_interfaces
+from wsgen.rules.package_uses import check_required, check_uses
+from wsgen.source_shares import INDEX
+from wsgen.workspace.build_types import check_build_type
+from wsgen.workspace.package_uses import (
+    LAUNCH,
+    PackageUse,
+    find_files,
+    installed_places,
+    read_uses,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.model.build_facts import BuildFacts
+    from wsgen.model.plan import LaunchPlan
+    from wsgen.workspace.layout import PackageFolder
+    from wsgen.workspace.manifest import Manifest
+
+
+def check_package_manifest(
+    package: PackageFolder,
+    *,
+    build: BuildFacts | None,
+    plans: Iterable[LaunchPlan],
+    packages: Mapping[str, PackageFolder],
+    distro: str | None,
+) -> Iterator[Diagnostic]:
+    """Report what is wrong with package.xml, and what it does not declare.
+
+    Args:
+        package: that is checked; nothing is reported where its package.xml cannot be read.
+        build: what its build files say; None of a package in an install space.
+        plans: of its launch files.
+        packages: of the workspace, by name.
+        distro: the distribution that the package is for; None where it is not known.
+    """
+    manifest = package.manifest
+    if manifest is None:
+        return
+    folder = package.path
+    if build is not None:
+        destinations = {one.destination for one in build.installed}
+        yield from check_build_type(
+            manifest,
+            calls_ament_package=f"{INDEX.as_posix()}/{package.name}" in destinations
+            and (folder / "CMakeLists.txt").is_file(),
+            is_python=(folder / "setup.py").is_file() and not (folder / "CMakeLists.txt").is_file(),
+        )
+        interfaces = generated_interfaces(package.name, build)
+        yield from check_manifest(manifest, folder, interfaces=interfaces)
+    if manifest.build_type == "catkin":
+        return  # of ROS 1, or without build type: that is reported
+    manifests = {
+        name: one.manifest for name, one in packages.items() if one.manifest is not None
+    } | {package.name: manifest}
+    yield from check_dependencies(manifest, workspace=manifests.keys(), distro=distro)
+    uses = (
+        *_in_order(folder, manifests, build),
+        *(use for plan in plans for use in _looked_up(plan, folder)),
+    )
+    yield from check_uses(manifest, uses, manifests=manifests, distro=distro)
+    if build is not None:
+        yield from check_required(
+            manifest, build.required_packages, manifests=manifests, distro=distro
+        )
+
+
+def _in_order(
+    folder: Path, manifests: Mapping[str, Manifest], build: BuildFacts | None
+) -> Iterable[PackageUse]:
+    """What files use, those of launch files first."""
+    uses = read_uses(
+        find_files(folder), workspace=manifests.keys(), installed=installed_places(build)
+    )
+    return sorted(uses, key=lambda use: use.kind != LAUNCH)
+
+
+def _looked_up(plan: LaunchPlan, folder: Path) -> Iterator[PackageUse]:
+    """The packages that a launch file of this package looks up when it is evaluated."""
+    inside = Path(os.path.realpath(folder))
+    for lookup in plan.lookups:
+        file = Path(os.path.realpath(lookup.file))
+        if file.is_relative_to(inside):
+            yield PackageUse(lookup.package, file, lookup.line, LAUNCH)

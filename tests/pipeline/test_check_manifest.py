@@ -1,0 +1,131 @@
+"""package.xml in `wsgen check`, with what the files of the package use."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from wsgen.pipeline.check import CheckRequest, check
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+MANIFEST = """\
+<package format="3">
+  <name>demo</name>
+  <version>0.0.1</version>
+  <description>A demo.</description>
+  <maintainer email="ada@example.org">Ada</maintainer>
+  <license>Apache-2.0</license>
+  <buildtool_depend>ament_cmake</buildtool_depend>
+  <exec_depend>rclpy</exec_depend>
+  <export><build_type>ament_cmake</build_type></export>
+</package>
+"""
+CMAKE = """\
+cmake_minimum_required(VERSION 3.16)
+project(demo NONE)
+find_package(ament_cmake REQUIRED)
+install(DIRECTORY launch DESTINATION share/${PROJECT_NAME})
+install(PROGRAMS scripts/driver.py DESTINATION lib/${PROJECT_NAME})
+ament_package()
+"""
+LAUNCH = """\
+from launch import LaunchDescription
+from launch_ros.actions import Node
+
+
+def generate_launch_description():
+    package = ''.join(['jo', 'y'])
+    return LaunchDescription([
+        Node(package='rviz2', executable='rviz2'),
+        Node(package=package, executable='joy_node'),
+    ])
+"""
+NODE = "#!/usr/bin/env python3\nimport rclpy\n"
+
+
+def codes(folder: Path, **changes: tuple[str, str]) -> dict[str, tuple[str, int | None]]:
+    """By code, the file and line of what is reported of a package with changes by file."""
+    package = folder / "src" / "demo"
+    files = {
+        "package.xml": MANIFEST,
+        "CMakeLists.txt": CMAKE,
+        "launch/demo.launch.py": LAUNCH,
+        "scripts/driver.py": NODE,
+    }
+    for name, text in files.items():
+        old, new = changes.get(name.rpartition("/")[2].partition(".")[0], ("", ""))
+        file = package / name
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text.replace(old, new, 1))
+        file.chmod(0o755)
+    outcome = check(CheckRequest(paths=(package,)), environment={})
+    return {one.code: (one.file.name if one.file else "", one.line) for one in outcome.diagnostics}
+
+
+DECLARED = (
+    "<exec_depend>rclpy</exec_depend>",
+    (
+        "<exec_depend>rclpy</exec_depend><exec_depend>rviz2</exec_depend><exec_depend>joy"
+        "</exec_depend>"
+    ),
+)
+
+
+def test_a_sound_package(tmp_path: Path) -> None:
+    assert codes(tmp_path, package=DECLARED).keys() <= {"LCH046"}
+
+
+def test_what_launch_files_look_up_is_reported_once(tmp_path: Path) -> None:
+    found = codes(tmp_path)
+    assert found["LCH045"] == ("demo.launch.py", 8)
+    outcome = check(CheckRequest(paths=(tmp_path / "src" / "demo",)), environment={})
+    (one,) = [one for one in outcome.diagnostics if one.code == "LCH045"]
+    assert one.hint == (
+        "Add to package.xml: <exec_depend>joy</exec_depend> <exec_depend>rviz2</exec_depend>"
+    )
+
+
+@pytest.mark.parametrize(
+    ("file", "change", "code", "place"),
+    [
+        ("driver", ("rclpy", "nav_msgs.msg"), "PKG085", ("driver.py", 2)),
+        (
+            "CMakeLists",
+            ("REQUIRED)", "REQUIRED)\nfind_package(rclcpp REQUIRED)"),
+            "PKG087",
+            ("CMakeLists.txt", 4),
+        ),
+        ("package", (">rclpy<", ">rclpyy<"), "PKG068", ("package.xml", 8)),
+        (
+            "package",
+            ("<export><build_type>ament_cmake</build_type></export>", ""),
+            "PKG009",
+            ("package.xml", None),
+        ),
+        (
+            "package",
+            ("ament_cmake</build_type>", "ament_cmke</build_type>"),
+            "PKG008",
+            ("package.xml", 9),
+        ),
+        (
+            "package",
+            ("<buildtool_depend>ament_cmake</buildtool_depend>", ""),
+            "PKG078",
+            ("package.xml", 9),
+        ),
+        (
+            "package",
+            ("exec_depend>rclpy</exec", "build_depend>rclpy</build"),
+            "PKG084",
+            ("package.xml", 8),
+        ),
+    ],
+)
+def test_mistakes(
+    file: str, change: tuple[str, str], code: str, place: tuple[str, int | None], tmp_path: Path
+) -> None:
+    assert codes(tmp_path, **{file: change})[code] == place
