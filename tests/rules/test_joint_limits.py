@@ -91,6 +91,7 @@ def test_a_joint_that_mimics_a_fixed_one() -> None:
     fixed = joint(name="right", mimic=Mimic(joint="left"), kind=JointType.FIXED)
     (found,) = useless_mimics([joint(name="left"), fixed], FILE)
     assert "is itself fixed" in found.message
+    assert found.severity is Severity.INFO
 
 
 def test_a_joint_that_cannot_follow() -> None:

@@ -14,10 +14,12 @@ from wsgen.suggestions import nearest
 # follows the name after a colon.
 _SYSTEMS = """
 ackermann-steering acoustic-comms advanced-lift-drag air-pressure air-speed altimeter
-apply-joint-force apply-link-wrench breadcrumbs buoyancy buoyancy-engine camera-video-recorder
+apply-joint-force apply-link-wrench breadcrumbs buoyancy buoyancy-engine
+buoyancy-engine:BuoyancyEnginePlugin camera-video-recorder
 collada-world-exporter comms-endpoint contact cpu-lidar detachable-joint diff-drive
 drive-to-pose-controller dvl:DopplerVelocityLogSystem elevator entity-semantics environment-preload
-environmental-sensor:EnvironmentalSystem follow-actor forcetorque:ForceTorque free-space-explorer
+environmental-sensor:EnvironmentalSystem environmental-sensor:EnvironmentalSensorSystem
+follow-actor forcetorque:ForceTorque free-space-explorer
 hydrodynamics imu joint-controller joint-position-controller joint-state-publisher
 joint-trajectory-controller kinetic-energy-monitor label led-plugin lens-flare lift-drag
 lighter_than_air_dynamics:LighterThanAirDynamics linearbatteryplugin:LinearBatteryPlugin
@@ -39,6 +41,7 @@ _MARKERS = (
     *("gz-sim", "gz::sim", "ignition-gazebo", "ignition::gazebo"),
     *("gz_ros2_control", "ign_ros2_control"),
 )
+MOST_LETTERS = 2  # more or fewer of a misspelled name
 SURELY = 0.8  # so alike two names are, as difflib counts, that one is the other misspelled
 
 
@@ -89,7 +92,9 @@ def remark_on(filename: str, name: str) -> Remark | None:
         stem = re.sub(r"^(?:gz-sim|ignition-gazebo)\d*-", "", nearly[1]) if nearly else ""
         meant = f"{nearly[1]}-system" if nearly and stem in known else None
     else:
-        near = None if found[3] in known else nearest(found[3], known, cutoff=SURELY)
+        # Libraries of others have a word more: `gz-sim-yarp-forcetorque-system`.
+        alike = [one for one in known if abs(len(one) - len(found[3])) <= MOST_LETTERS]
+        near = None if found[3] in known else nearest(found[3], alike, cutoff=SURELY)
         meant = f"{found[1]}-{near}-system" if near else None
     if meant is not None:
         return Remark(f"Gazebo has no system `{filename}`.", meant, is_filename=True)

@@ -69,6 +69,7 @@ MODULES = (
     "wsgen.rules.dependencies",
     "wsgen.rules.manifests",
     "wsgen.rules.package_uses",
+    "wsgen.rules.plugins",
     "wsgen.rules.robots",
     "wsgen.rules.ros2_control",
     "wsgen.rules.runs",

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 from wsgen.diagnostics import Severity, has_errors
 from wsgen.model.kinematics import unactuated_joints
 from wsgen.model.robot import JointType
-from wsgen.rules import joint_limits, robots, ros2_control, runs
+from wsgen.rules import joint_limits, plugins, robots, ros2_control, runs
+from wsgen.urdf.lumping import joints_that_say
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -52,6 +53,18 @@ def check_robot(
         simulator=simulator,
         distro=distro,
     )
+    plugin_facts = plugins.PluginFacts(
+        tags=written.gazebo,
+        joints=written.joints,
+        links={
+            *(link.name for link in written.links),
+            *(frame for tag in written.gazebo for frame in tag.frames),
+        },
+        simulator=simulator,
+        distro=distro,
+        preserved=joints_that_say(written, "preserveFixedJoint")
+        | joints_that_say(written, "disableFixedJointLumping"),
+    )
     return (
         *robots.number_beyond_engines(written.links, written.joints, file),
         *robots.implausible_size(written.links, written.joints, file),
@@ -67,6 +80,7 @@ def check_robot(
         *joint_limits.zero_limits(written.joints, file),
         *joint_limits.no_range(written.joints, file),
         *joint_limits.useless_mimics(written.joints, file),
+        *plugins.check_plugins(plugin_facts, file),
         *ros2_control.check_control(control, file),
         *ros2_control.transmissions(written.transmissions, written.joints, written.controls, file),
     )

@@ -178,6 +178,8 @@ MIMICS_FIXED_JOINT = Rule(
     code="ROB085",
     name="mimics-fixed-joint",
     severity=Severity.WARNING,
+    severity_varies="an information where the joint itself is fixed, as it is where somebody froze "
+    "it",
     summary="A joint mimics a fixed joint, or is a fixed joint itself.",
     what="Compares the types of the joint with `<mimic>` and of the joint that it names.",
     why="A fixed joint has no position: one that mimics it never moves, and a `<mimic>` in a fixed "
@@ -242,6 +244,7 @@ def useless_mimics(joints: Iterable[Joint], file: Path | None) -> Iterator[Diagn
                 message=f"The joint `{joint.name}` mimics `{leader.name}`, but "
                 + ("is itself fixed." if fixed is joint else "that joint is fixed."),
                 hint=f"Make `{fixed.name}` revolute, continuous or prismatic, or remove <mimic>.",
+                severity=Severity.INFO if fixed is joint else Severity.WARNING,
             )
             continue
         if (reach := _reach(joint, leader)) is not None and joint.limit is not None:

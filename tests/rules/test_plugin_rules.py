@@ -1,0 +1,183 @@
+"""The rules over plugins and sensors of a robot, each with its facts and no files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from wsgen.diagnostics import Severity
+from wsgen.model.gazebo_plugins import OF_CLASSIC, PARAMETERS, PARTS, simulator_of, stem
+from wsgen.model.gazebo_systems import systems
+from wsgen.model.robot import GazeboTag, Joint, JointType, Plugin, Sensor
+from wsgen.rules.plugins import PluginFacts, check_plugins
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from wsgen.diagnostics import Diagnostic
+
+FILE = Path("rover.urdf")
+JOINTS = tuple(
+    Joint(name=name, type=kind, parent="base_link", child=child)
+    for name, kind, child in (
+        ("left_wheel_joint", JointType.CONTINUOUS, "left_wheel"),
+        ("right_wheel_joint", JointType.CONTINUOUS, "right_wheel"),
+        ("laser_joint", JointType.FIXED, "laser"),
+    )
+)
+WHEELS = {"left_joint": ("left_wheel_joint",), "right_joint": ("right_wheel_joint",)}
+LINKS = ("base_link", "left_wheel", "right_wheel", "laser")
+DRIVE = "gz-sim-diff-drive-system"
+CLASSIC_DRIVE = "libgazebo_ros_diff_drive.so"
+
+
+def plugin(
+    filename: str = DRIVE, values: Mapping[str, tuple[str, ...]] | None = None, name: str = ""
+) -> Plugin:
+    return Plugin(filename, WHEELS if values is None else values, name, 30)
+
+
+def check(
+    *plugins: Plugin,
+    tags: tuple[GazeboTag, ...] = (),
+    simulator: str | None = None,
+    distro: str | None = None,
+) -> list[Diagnostic]:
+    whole = GazeboTag(reference=None, plugins=plugins)
+    facts = PluginFacts(
+        tags=(whole, *tags), joints=JOINTS, links=LINKS, simulator=simulator, distro=distro
+    )
+    return list(check_plugins(facts, FILE))
+
+
+def laser(*sensors: Sensor, reference: str | None = "laser") -> GazeboTag:
+    return GazeboTag(reference=reference, sensors=sensors)
+
+
+def test_the_tables_agree() -> None:
+    known = {*systems(), *OF_CLASSIC}
+    assert {*PARTS, *PARAMETERS} <= known
+    assert stem("libignition-gazebo-diff-drive-system.so") == "diff-drive"
+    assert simulator_of("/opt/lib/libgazebo_ros_camera.so") == "classic"
+    assert simulator_of("libmaker_plugin.so") is None
+
+
+@pytest.mark.parametrize(
+    "sound",
+    [
+        plugin(name="gz::sim::systems::DiffDrive"),
+        plugin("ignition-gazebo-diff-drive-system", name="ignition::gazebo::systems::DiffDrive"),
+        plugin("libgz-sim-diff-drive-system.so", name="gz::sim::systems::DiffDrive"),
+        plugin(CLASSIC_DRIVE, name="anything"),
+        plugin("gz-sim-yarp-forcetorque-system", {}, "gzyarp::ForceTorqueDriver"),
+        plugin("libgazebo_ros_link_attacher.so", {}),
+        plugin("gz_ros2_control-system", {}, "gz_ros2_control::GazeboSimROS2ControlPlugin"),
+    ],
+)
+def test_sound_plugins_are_silent(sound: Plugin) -> None:
+    assert not check(sound)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "hint"),
+    [
+        (plugin("gz-sim-diff-drive"), 'filename="gz-sim-diff-drive-system"'),
+        (plugin("ignition-gazebo-diffdrive-system"), '"ignition-gazebo-diff-drive-system"'),
+        (plugin("libgazebo_ros_difdrive.so"), 'filename="libgazebo_ros_diff_drive.so"'),
+        (plugin(name="gz::sim::systems::DiffDriv"), 'name="gz::sim::systems::DiffDrive"'),
+        (plugin(name="diff_drive"), 'name="gz::sim::systems::DiffDrive"'),
+    ],
+)
+def test_misspelled_plugins(wrong: Plugin, hint: str) -> None:
+    (found,) = check(wrong)
+    assert (found.code, found.line) == ("ROB100", 30)
+    assert hint in (found.hint or "")
+
+
+def test_plugins_of_the_other_simulator() -> None:
+    (found,) = check(plugin(CLASSIC_DRIVE), simulator="gz")
+    assert (found.code, found.severity) == ("ROB101", Severity.WARNING)
+    assert found.hint == "Use gz-sim-diff-drive-system for Gazebo Sim."
+    (found,) = check(plugin(), simulator="classic")
+    assert found.hint == "Use libgazebo_ros_diff_drive.so for Gazebo Classic."
+    (found,) = check(plugin(CLASSIC_DRIVE), distro="jazzy")
+    assert found.code == "ROB101"
+    (found,) = check(plugin(CLASSIC_DRIVE), plugin(), simulator="gz")
+    assert found.severity is Severity.INFO
+    assert not check(plugin(CLASSIC_DRIVE), plugin())
+    assert not check(plugin(CLASSIC_DRIVE), distro="humble")
+
+
+@pytest.mark.parametrize(
+    ("left", "words"),
+    [
+        ("wheel_left_joint", "Did you mean"),
+        ("laser_joint", "Name a joint of this robot that moves."),
+    ],
+)
+def test_joints_that_a_plugin_does_not_find(left: str, words: str) -> None:
+    for filename in (DRIVE, CLASSIC_DRIVE):
+        (found,) = check(plugin(filename, {**WHEELS, "left_joint": (left,)}))
+        assert (found.code, found.severity, found.line) == ("ROB102", Severity.ERROR, 30)
+        assert words in (found.hint or "")
+
+
+def test_a_drive_without_joint() -> None:
+    (found,) = check(plugin(values={"left_joint": ("left_wheel_joint",)}))
+    assert (found.code, found.hint) == ("ROB102", "Add <right_joint>JOINT</right_joint>.")
+    assert not check(plugin(values={**WHEELS, "left_joint": ("${prefix}left::joint",)}))
+
+
+@pytest.mark.parametrize(
+    ("filename", "parameter", "hint"),
+    [
+        (DRIVE, "wheel_seperation", "Write <wheel_separation>."),
+        (DRIVE, "wheel_diameter", "Write <wheel_radius> with half the value."),
+        (CLASSIC_DRIVE, "wheel_radius", "Write <wheel_diameter> with twice the value."),
+        (CLASSIC_DRIVE, "wheelSeparation", "Write <wheel_separation>."),
+        (CLASSIC_DRIVE, "robotNamespace", "Write <ros><namespace>."),
+    ],
+)
+def test_parameters_that_are_not_read(filename: str, parameter: str, hint: str) -> None:
+    (found,) = check(plugin(filename, {**WHEELS, parameter: ("1",)}))
+    assert (found.code, found.hint) == ("ROB103", hint)
+    assert not check(plugin(filename, {**WHEELS, "other": ("1",)}))
+
+
+def test_a_plugin_of_ros_1_is_one_diagnostic() -> None:
+    old = {"leftJoint": ("left_wheel_joint",), "rightJoint": ("right_wheel_joint",)}
+    (found,) = check(plugin(CLASSIC_DRIVE, old))
+    assert found.code == "ROB103"
+
+
+def test_sensors() -> None:
+    (found,) = check(tags=(laser(Sensor("s", "imu", line=4), reference=None),))
+    assert (found.code, found.line) == ("ROB104", 4)
+    scan = Sensor("s", "ray", {"gz_frame_id": ("laser",)}, line=4)
+    (found,) = check(tags=(laser(scan),), simulator="gz")
+    assert found.code == "ROB105"
+    assert not check(tags=(laser(scan),))
+    elsewhere = Sensor("s", "gpu_lidar", {"gz_frame_id": ("lasr",)}, line=4)
+    (found,) = check(tags=(laser(elsewhere),))
+    assert (found.code, found.hint) == ("ROB106", "Did you mean `laser`?")
+    of_plugin = Sensor("s", "camera", {}, (plugin("libx.so", {"frame_name": ("eye",)}),), 4)
+    (found,) = check(tags=(laser(of_plugin),))
+    assert found.code == "ROB106"
+    unset = laser(Sensor("s", "gpu_lidar", line=4))
+    (found,) = check(tags=(unset,), simulator="gz")
+    assert (found.code, found.severity) == ("ROB107", Severity.INFO)
+    assert not check(tags=(unset,))
+    assert not check(tags=(unset,), simulator="classic")
+
+
+def test_two_sensors_of_one_name() -> None:
+    first, second = laser(Sensor("s", "imu")), laser(Sensor("s", "imu", line=9))
+    (found,) = check(tags=(first, second))
+    assert (found.code, found.severity, found.line) == ("ROB108", Severity.ERROR, 9)
+    of_body = laser(Sensor("s", "imu", line=12), reference="base_link")  # laser is fixed to it
+    (found,) = check(tags=(first, of_body))
+    assert found.line == 12
+    of_wheel = laser(Sensor("s", "imu"), reference="left_wheel")
+    assert not check(tags=(first, of_wheel))
