@@ -121,6 +121,19 @@ NOT_MARKUP = Rule(
     example='<launch>\n  <node pkg="rviz2" exec="rviz2">\n</launch>',
     instead='<launch>\n  <node pkg="rviz2" exec="rviz2"/>\n</launch>',
 )
+ROS_1_LAUNCH_FILE = Rule(
+    code="LCH082",
+    name="ros-1-launch-file",
+    severity=Severity.ERROR,
+    severity_varies="a warning about a file that `ros2 launch` does not list",
+    summary="A launch file is written for ROS 1.",
+    what="Looks in launch files of XML for `$(find PACKAGE)`, `$(arg NAME)`, `$(optenv NAME)` and "
+    "the attribute `type` of a node.",
+    why="`ros2 launch` does not know these, and starts nothing.",
+    example='<node pkg="rviz2" type="rviz2" args="-d $(find my_robot)/rviz/robot.rviz"/>',
+    instead='<node pkg="rviz2" exec="rviz2"\n'
+    '      args="-d $(find-pkg-share my_robot)/rviz/robot.rviz"/>',
+)
 NEEDS_UNKNOWN = Rule(
     code="LCH024",
     name="launch-needs-unknown",
@@ -275,6 +288,30 @@ def _markup_error(error: BaseException) -> Explanation | None:
         f"The launch file is {error}.",
         getattr(error, "wsgen_hint", None) or "Look at this line and the one before it.",
     )
+
+
+# What ROS 1 calls it -> what ROS 2 does.
+_OF_ROS_1 = {"find": "$(find-pkg-share PACKAGE)", "arg": "$(var NAME)", "optenv": "$(env NAME '')"}
+_ATTRIBUTE = re.compile(r"Attribute 'exec' of .* not found in Entity 'node'")
+
+
+def _of_ros_1(error: BaseException) -> Explanation | None:
+    name = str(error).removeprefix("Unknown substitution: ")
+    if isinstance(error, RuntimeError) and name in _OF_ROS_1:
+        return Explanation(
+            ROS_1_LAUNCH_FILE,
+            f"`$({name} ...)` is a substitution of ROS 1.",
+            f"Write {_OF_ROS_1[name]}.",
+            element=name,
+        )
+    if isinstance(error, AttributeError) and _ATTRIBUTE.match(str(error)):
+        return Explanation(
+            ROS_1_LAUNCH_FILE,
+            "The node has no attribute `exec`.",
+            'Write exec="PROGRAM"; ROS 1 called it `type`.',
+            element="exec",
+        )
+    return None
 
 
 def _needs_unknown(error: BaseException) -> Explanation | None:
@@ -554,6 +591,7 @@ _EXPLAINERS: tuple[Callable[[BaseException], Explanation | None], ...] = (
     explain_names.of_returned,
     explain_names.of_launch_function,
     _markup_error,
+    _of_ros_1,
     _missing_argument,
     explain_missing.package_error,
     explain_missing.file_error,

@@ -166,6 +166,15 @@ EXECUTABLE_NOT_FOUND = Rule(
     example="Node(package='robot_state_publisher', executable='robot_state_publiser')",
     instead="Node(package='robot_state_publisher', executable='robot_state_publisher')",
 )
+GLUED_COMMAND = Rule(
+    code="LCH083",
+    name="glued-command",
+    severity=Severity.ERROR,
+    summary="`Command` joins `xacro` and the path of its file to one word.",
+    why="`Command` joins its parts without blanks. No program has that name, and the launch stops.",
+    example="Command(['xacro', path])",
+    instead="Command(['xacro ', path])",
+)
 
 
 class Explanation(NamedTuple):
@@ -186,6 +195,14 @@ def of_xacro(error: BaseException, xacro_error: dict[str, Any] | None) -> Explan
     found = xacro_error or (outcome.error if outcome is not None else None)
     if found is None:
         return None
+    if found.get("glued"):
+        return Explanation(
+            GLUED_COMMAND,
+            f"The command has no blank between xacro and its file: '{found['glued']}'.",
+            "Write Command(['xacro ', path]), with a blank at the end of 'xacro '.",
+            element="xacro",
+            written="xacro",
+        )
     if found.get("missing"):
         missing = _missing_file(found["missing"])
         # A line of a xacro file, where one includes what is missing.

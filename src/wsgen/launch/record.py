@@ -287,6 +287,10 @@ def _is_unknown(value: Any) -> bool:
     return is_text or hasattr(type(value), "wsgen_is_unknown")
 
 
+# The blank is missing between xacro and the file.
+_GLUED = re.compile(r"xacro\S+\.(?:xacro|urdf|xml)")
+
+
 def run_command(words: Sequence[str], location: Location | None) -> CommandOutcome:
     """What a command line prints; a placeholder where that cannot be known."""
     if not words:
@@ -296,6 +300,9 @@ def run_command(words: Sequence[str], location: Location | None) -> CommandOutco
         outcome = RECORD.run_xacro(xacro)
         RECORD.note_unused_xacro_arguments(outcome.unused, location)
         return outcome
+    if _GLUED.fullmatch(words[0]):
+        why = f"no program is named '{words[0]}'"
+        return CommandOutcome("", stderr=why, code=127, error={"glued": words[0]})
     program = os.path.basename(words[0])
     if program == "cat":
         return _cat(words[1:])

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import os
+from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen import yamlfile
 from wsgen.files import read_regular
 from wsgen.launch.descriptions import Description, published_descriptions, read_published
 from wsgen.launch.simulators import WORLD_SUFFIXES, simulator_kinds
-from wsgen.rules import bridges, controllers, simulators, worlds
+from wsgen.rules import bridges, controllers, launch_files, simulators, worlds
 from wsgen.rules.gazebo_topics import topics_of
 from wsgen.sdf.lookup import find_world, model_finder
 from wsgen.sdf.source import SIZE_LIMIT, load, read_document
@@ -16,7 +18,6 @@ from wsgen.xmltree import child_text, children
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-    from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.plan import LaunchPlan
@@ -40,6 +41,7 @@ def check_launched(
     beside: Sequence[LaunchPlan] = (),
     *,
     is_included: bool = False,
+    is_known: Callable[[str], bool] = lambda _package: False,
 ) -> Iterator[Diagnostic]:
     """Check what a launch file starts together.
 
@@ -49,6 +51,7 @@ def check_launched(
         beside: The plans of the other launch files of the package, which may be started from
             another terminal.
         is_included: One of these includes it: what it lacks may be there.
+        is_known: Whether all that a package installs is known.
     """
     plan = started.plan
     kinds = simulator_kinds(plan)
@@ -61,6 +64,8 @@ def check_launched(
     yield from simulators.wall_clocks(plan, kinds)
     yield from simulators.other_worlds(plan, name)
     yield from simulators.glued_arguments(plan)
+    yield from launch_files.missing_argument_files(plan, is_known)
+    yield from launch_files.unused_declared_arguments(plan)
     yield from simulators.starts_paused(plan, kinds, world.element if world else None)
     found = bridges.find_bridges(plan)
     yield from found.diagnostics
@@ -142,14 +147,27 @@ def loaded_worlds(
     return loaded
 
 
-def check_parameters(folder: Path) -> Iterator[Diagnostic]:
-    """Check the YAML files of a package that configure controllers."""
-    for suffix in (".yaml", ".yml"):
-        for file in sorted(folder.rglob(f"*{suffix}")):
-            if b"controller_manager" in _bytes(file):
-                content = _yaml(file)
-                if content is not None:
-                    yield from controllers.unknown_types(file, content)
+def check_texts(package: Path) -> Iterator[Diagnostic]:
+    """Check what the launch files and parameter files of a package write."""
+    for folder, names, files in os.walk(package):
+        names[:] = [name for name in names if not name.startswith(".") and name not in OF_BUILDS]
+        for file in (Path(folder, name) for name in sorted(files)):
+            is_launch_file = file.name.endswith(LAUNCH_FILES)
+            if file.suffix == ".launch":
+                yield from launch_files.ros_1_launch_files([file])
+            elif is_launch_file or file.suffix in {".yaml", ".yml"}:
+                content = _bytes(file)
+                if b"/home/" in content or b"/Users/" in content:
+                    yield from launch_files.home_paths(file)
+                if b"controller_manager" in content and not is_launch_file:
+                    parameters = _yaml(file)
+                    if parameters is not None:
+                        yield from controllers.unknown_types(file, parameters)
+
+
+# What starts and ends the names of launch files.
+LAUNCH_FILES = tuple(f"launch.{suffix}" for suffix in ("py", "xml", "yaml", "yml"))
+OF_BUILDS = frozenset({"build", "install", "log"})  # folders
 
 
 def _bytes(file: Path) -> bytes:

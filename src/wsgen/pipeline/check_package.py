@@ -23,7 +23,7 @@ from wsgen.launch.undeclared import UNDECLARED_PACKAGE
 from wsgen.pipeline.candidates import Candidate, LaunchFile, simulation_of, with_descriptions
 from wsgen.pipeline.check_launched import (
     check_launched,
-    check_parameters,
+    check_texts,
     check_worlds,
     loaded_worlds,
 )
@@ -136,7 +136,7 @@ class PackageCheck:
             simulator=self.simulators[0] if len(set(self.simulators)) == 1 else None,
             distro=self.distro,
         )
-        yield from check_parameters(self.package.path)
+        yield from check_texts(self.package.path)
         yield from self._check_together(
             Facts(
                 package=self.package,
@@ -191,6 +191,7 @@ class PackageCheck:
                 self.overlay.environment,
                 [other.started.plan for other in candidates if other is not one],
                 is_included=_is_included(one, candidates),
+                is_known=self.installed.is_known,
             )
             same = simulation_of(one)
             if not started.is_evaluated or not started.has_spawner or same in known:

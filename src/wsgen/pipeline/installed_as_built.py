@@ -39,6 +39,11 @@ class InstalledAsBuilt:
     problems: Mapping[str, tuple[Diagnostic, ...]]  # of the build files, by name of the package
     made: frozenset[str] = frozenset()  # paths in `folder` that only a build makes
 
+    def is_known(self, package: str) -> bool:
+        """Whether all that a package of the workspaces installs is known."""
+        facts = self.facts.get(package)
+        return facts is not None and facts.is_whole
+
     def named(self, diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
         """The diagnostics with the files and paths of the user."""
         for found in diagnostics:
