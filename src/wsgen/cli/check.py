@@ -29,13 +29,11 @@ FORMATS = ("text", "json", "github", "sarif", "junit")
     cls=ExampleCommand,
     epilog="Errors make the exit code 1; with --strict, warnings too.",
     examples=(
-        "wsgen check",
         "wsgen check src/my_robot --fix",
         "wsgen check --format github --changed-since origin/main",
-        "wsgen check robot.urdf.xacro --ignore no-visual,SPN",
     ),
 )
-@click.argument("paths", nargs=-1, type=click.Path(), metavar="[PATH]...")
+@click.argument("paths", nargs=-1, type=click.Path(readable=False), metavar="[PATH]...")
 @workspace_option
 @click.option(
     "--distro",

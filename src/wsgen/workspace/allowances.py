@@ -94,6 +94,9 @@ def _lines_of(text: str, comment: re.Match[str], line: int) -> tuple[int, int]:
         first = text.count("\n", 0, tag) + 1 if tag >= 0 else line
         return first, line
     stop = text.find("\n", comment.end())
+    after = text[comment.end() : stop if stop >= 0 else len(text)].partition("-->")[2]
+    if after.strip():
+        return line, line
     rest = text[stop + 1 :] if stop >= 0 else ""
     following = re.match(r"(?:[ \t]*(?:#|<!--)[ \t]*wsgen:[^\n]*\n|[ \t\r]*\n)*", rest)
     skipped = following[0].count("\n") if following else 0
