@@ -14,11 +14,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Iterator, Mapping
 
 
 INSTALLED = "WSGEN_INSTALLED_PREFIX"  # in the environment: a prefix of serve_installed()
 VARIABLE = "WSGEN_SOURCE_PREFIXES"  # in the environment: the folder of these prefixes
+OF_BUILDS = frozenset({"__pycache__", "build", "install", "log"})  # folders
 SEPARATOR = r"[/\\]"  # of folders; Windows has both
 INDEX = Path("share", "ament_index", "resource_index", "packages")  # below a prefix
 
@@ -69,17 +70,14 @@ def serve_installed(  # noqa: PLR0913  what a package installs
             which is left out.
         programs: names in lib/PACKAGE, and their source; None of those that are compiled.
         modules: Python modules by their path below the prefix, and their source.
-        is_whole: whether these are all. If not, the source serves as share folder.
+        is_whole: whether these are all. If not, what else the source has is there, too.
     """
     marker = prefix / INDEX / package
     marker.parent.mkdir(parents=True, exist_ok=True)
     marker.write_text("" if is_whole else str(source), encoding="utf-8")
     share = f"share/{package}/"
     known: set[str] = set()
-    if is_whole:
-        os.makedirs(prefix / share, exist_ok=True)  # noqa: PTH103  of many files
-    else:
-        _link(prefix / "share" / package, source)
+    os.makedirs(prefix / share, exist_ok=True)  # noqa: PTH103  of many files
     runnable = prefix / ".program"  # stands for what is compiled
     if not runnable.exists():
         runnable.touch(mode=0o755)
@@ -90,16 +88,24 @@ def serve_installed(  # noqa: PLR0913  what a package installs
             for name, file in programs
         ),
         *modules,
+        *(() if is_whole else _files_below(source, share)),
     ]
     for path, file in places:
-        if not is_whole and path.startswith(share):
-            continue
         folder = os.path.dirname(path)  # noqa: PTH120  of many files
         if folder not in known:
             os.makedirs(prefix / folder, exist_ok=True)  # noqa: PTH103
             known.add(folder)
         with suppress(FileExistsError):  # installed twice
             os.symlink(file, f"{prefix}/{path}")  # noqa: PTH211
+
+
+def _files_below(source: Path, share: str) -> Iterator[tuple[str, Path]]:
+    """The files of a source folder, by their paths in the share folder; not those of builds."""
+    for folder, names, files in os.walk(source):
+        names[:] = [name for name in names if not name.startswith(".") and name not in OF_BUILDS]
+        below = os.path.relpath(folder, source)
+        for file in files:
+            yield os.path.normpath(f"{share}{below}/{file}"), Path(folder, file)
 
 
 def is_source(path: str) -> bool:

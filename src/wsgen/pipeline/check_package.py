@@ -17,6 +17,7 @@ from wsgen.launch.explain import (
 )
 from wsgen.launch.explain_missing import PACKAGE_NOT_FOUND
 from wsgen.launch.explain_names import UNSUPPORTED_API
+from wsgen.launch.known_packages import SURELY
 from wsgen.launch.simulators import NO_SIMULATOR
 from wsgen.launch.spawner_options import INVALID_SPAWNER_OPTION
 from wsgen.launch.undeclared import UNDECLARED_PACKAGE
@@ -35,6 +36,7 @@ from wsgen.pipeline.prepare import PrepareContext
 from wsgen.pipeline.selection import SelectedPackage, ValidateRequest
 from wsgen.pipeline.started import start
 from wsgen.rules.target import target_of
+from wsgen.suggestions import nearest
 from wsgen.workspace.layout import find_launch_files
 from wsgen.workspace.package_xml import check_package_xml
 from wsgen.workspace.robot_files import find_descriptions
@@ -127,7 +129,11 @@ class PackageCheck:
         yield from self.installed.problems.get(self.package.name, ())
         candidates = self._evaluate()
         yield from self._check_launched(candidates, folder)
-        self.descriptions = tuple(find_descriptions(self.package.path))
+        self.descriptions = tuple(
+            file
+            for file in find_descriptions(self.package.path)
+            if OF_TESTS.isdisjoint(file.relative_to(self.package.path).parts)
+        )
         yield from self._check_files(folder)
         yield from check_worlds(
             self.descriptions,
@@ -300,6 +306,8 @@ def _of_launch(one: Candidate, beside: Iterable[Candidate]) -> Iterator[Diagnost
     """What is wrong with a launch file, whatever it is started with."""
     started = one.started
     is_included = _is_included(one, beside)
+    # With an empty default, somebody is meant to give it, too.
+    has_gaps = any(argument.default == "" for argument in started.plan.arguments)
     for found in started.diagnostics if started.has_spawner else started.plan.diagnostics:
         if found.code == UNDECLARED_PACKAGE.code and one.launch_file.package:
             continue  # reported once for all files of the package
@@ -308,18 +316,19 @@ def _of_launch(one: Candidate, beside: Iterable[Candidate]) -> Iterator[Diagnost
                 yield replace(found, severity=Severity.INFO)
         elif found.code == NO_SIMULATOR.code:  # somebody may start it in another terminal
             yield replace(found, severity=Severity.INFO)
-        elif found.code == PACKAGE_NOT_FOUND.code and not _is_misspelled(found):
+        elif found.code == PACKAGE_NOT_FOUND.code and (has_gaps or not _is_misspelled(found)):
             yield replace(found, severity=Severity.WARNING)  # it may be in another workspace
-        elif found.code == INVALID_SPAWNER_OPTION.code and any(
-            argument.default == "" for argument in started.plan.arguments
-        ):
-            yield replace(found, severity=Severity.INFO)  # as above, with a default
+        elif found.code == INVALID_SPAWNER_OPTION.code and has_gaps:
+            yield replace(found, severity=Severity.INFO)
         else:
             yield found
 
 
 def _is_misspelled(found: Diagnostic) -> bool:
-    return (found.hint or "").startswith("Did you mean")
+    """Whether a package that is not found is surely one whose name is nearly the same."""
+    meant = MEANT.match(found.hint or "")
+    name = QUOTED.search(found.message)
+    return bool(meant and name and nearest(name[1], [meant[1]], cutoff=SURELY))
 
 
 def _is_included(one: Candidate, beside: Iterable[Candidate]) -> bool:
@@ -327,6 +336,8 @@ def _is_included(one: Candidate, beside: Iterable[Candidate]) -> bool:
     return any(file in other.included for other in beside if other is not one)
 
 
+MEANT = re.compile(r"Did you mean `([^`]+)`")
+QUOTED = re.compile(r"'([^']+)'")
 # Of xacro, where a launch file or another xacro file gives what the file needs.
 UNDEFINED_ARGUMENT = "Undefined substitution argument"
 NOT_FOUND = re.compile(r"the package '[^']+' is not found")
