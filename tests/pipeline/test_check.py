@@ -206,6 +206,7 @@ def test_programs_and_modules_of_a_package(tmp_path: Path) -> None:
         "    return LaunchDescription([Node(package='@PKG@', executable=GO),",
     )
     (package / "go.py").write_text("#!/usr/bin/env python3\n")
+    (package / "go.py").chmod(0o755)
     (package / "cart_tools").mkdir()
     (package / "cart_tools" / "__init__.py").touch()
     (package / "cart_tools" / "names.py").write_text("GO = 'go.py'\n")

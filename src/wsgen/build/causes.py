@@ -10,7 +10,23 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from wsgen.build_files.cmake_checks import (
+    CMAKE_SYNTAX,
+    COMMANDS,
+    DIFFERENT_NAMES,
+    MISSING_BUILD_FILE,
+    MISSING_CMAKE_MINIMUM,
+    MISSING_DESTINATION,
+    MISSING_PROJECT,
+    MISSING_SOURCE,
+    OLD_CMAKE_MINIMUM,
+    REPEATED_AMENT_PACKAGE,
+    SOURCES,
+    UNKNOWN_COMMAND,
+    word_block,
+)
 from wsgen.build_files.cmake_text import find_open_block, find_open_quote, read_calls
+from wsgen.build_files.install_checks import word_missing_path
 from wsgen.diagnostics import Diagnostic, Rule, Severity, has_errors
 from wsgen.ros_names import cmake_packages, released_packages
 from wsgen.suggestions import ask_for_nearest, did_you_mean, nearest
@@ -24,52 +40,6 @@ if TYPE_CHECKING:
     from wsgen.build.failure import Failure
 
 
-CMAKE_SYNTAX = Rule(
-    code="BLD011",
-    name="cmake-syntax",
-    severity=Severity.ERROR,
-    summary="CMake cannot parse CMakeLists.txt.",
-    what="Names the line that opens a quotation mark or a block, which CMake reads to the end of "
-    "the file.",
-    why="CMake stops, and the package is not built.",
-    example="""if(BUILD_TESTING)
-  find_package(ament_lint_auto REQUIRED)
-ament_package()""",
-    instead="""if(BUILD_TESTING)
-  find_package(ament_lint_auto REQUIRED)
-endif()
-ament_package()""",
-)
-UNKNOWN_COMMAND = Rule(
-    code="BLD027",
-    name="unknown-command",
-    severity=Severity.ERROR,
-    summary="CMakeLists.txt calls a command that CMake does not know.",
-    why="CMake stops at the call. The name is misspelled, or find_package() of the package that "
-    "defines the command is missing or comes later.",
-    example="""find_package(ament_cmake REQUIRED)
-ament_pakage()""",
-    instead="""find_package(ament_cmake REQUIRED)
-ament_package()""",
-)
-MISSING_DESTINATION = Rule(
-    code="BLD028",
-    name="missing-destination",
-    severity=Severity.ERROR,
-    summary="`install()` has no DESTINATION.",
-    why="CMake does not know where to install the files, and stops.",
-    example="install(DIRECTORY launch)",
-    instead="install(DIRECTORY launch DESTINATION share/${PROJECT_NAME})",
-)
-DIFFERENT_NAMES = Rule(
-    code="BLD029",
-    name="different-names",
-    severity=Severity.ERROR,
-    summary="`package.xml` and project() name the package differently.",
-    why="`ament_package()` requires both names to be equal, and stops.",
-    example="project(my_robots)  # package.xml: <name>my_robot</name>",
-    instead="project(my_robot)",
-)
 WRONG_PYTHON = Rule(
     code="BLD004",
     name="wrong-python",
@@ -108,15 +78,6 @@ MISSING_CMAKE = Rule(
     example="CMAKE_COMMAND=/opt/cmake/bin/cmake wsgen build  # a path that does not exist",
     instead="python3 -m pip install cmake",
 )
-OLD_CMAKE_MINIMUM = Rule(
-    code="BLD012",
-    name="old-cmake-minimum",
-    severity=Severity.ERROR,
-    summary="`cmake_minimum_required()` names a version that this CMake no longer supports.",
-    why="CMake 4 has removed compatibility with versions before 3.5, and stops.",
-    example="cmake_minimum_required(VERSION 2.8)",
-    instead="cmake_minimum_required(VERSION 3.20)",
-)
 OLD_CMAKE = Rule(
     code="BLD013",
     name="old-cmake",
@@ -153,16 +114,6 @@ MISSING_AMENT_CMAKE = Rule(
     example="colcon build  # in a shell without a sourced ROS",
     instead="source /opt/ros/humble/setup.bash; colcon build",
 )
-MISSING_INSTALLED_PATH = Rule(
-    code="BLD003",
-    name="missing-installed-path",
-    severity=Severity.ERROR,
-    summary="`install()` names a file or folder that does not exist.",
-    why="CMake stops while it installs the package. Git does not keep empty folders, so one may "
-    "be missing only from a clone.",
-    example="install(DIRECTORY launch meshes DESTINATION share/${PROJECT_NAME})",
-    instead="install(DIRECTORY launch DESTINATION share/${PROJECT_NAME})",
-)
 MISSING_DEPENDENCY = Rule(
     code="BLD008",
     name="missing-dependency",
@@ -173,67 +124,8 @@ MISSING_DEPENDENCY = Rule(
     example="find_package(my_robot_msgs REQUIRED)",
     instead="<depend>my_robot_msgs</depend>",
 )
-REPEATED_AMENT_PACKAGE = Rule(
-    code="BLD009",
-    name="repeated-ament-package",
-    severity=Severity.ERROR,
-    summary="CMakeLists.txt calls ament_package() more than once.",
-    why="Each call defines the same CMake targets and installs the same files; the second one "
-    "fails.",
-    example="""ament_package()
-ament_package()""",
-    instead="ament_package()  # once, at the end",
-)
-MISSING_BUILD_FILE = Rule(
-    code="BLD021",
-    name="missing-build-file",
-    severity=Severity.ERROR,
-    summary="A package has no CMakeLists.txt; one of the build type ament_python has no setup.py.",
-    why="CMake or setuptools builds and installs the package from this file.",
-    example="src/my_robot/package.xml  # without src/my_robot/CMakeLists.txt",
-    instead="git checkout CMakeLists.txt",
-)
 
-MISSING_CMAKE_MINIMUM = Rule(
-    code="BLD031",
-    name="missing-cmake-minimum",
-    severity=Severity.ERROR,
-    summary="CMakeLists.txt does not call cmake_minimum_required().",
-    why="CMake 4 stops without the call; earlier versions only warn. The version in it also "
-    "chooses how later commands behave, so the call comes before project().",
-    example="""project(my_robot)
-find_package(ament_cmake REQUIRED)
-ament_package()""",
-    instead="""cmake_minimum_required(VERSION 3.8...3.31)
-project(my_robot)
-find_package(ament_cmake REQUIRED)
-ament_package()""",
-)
 
-MISSING_PROJECT = Rule(
-    code="BLD045",
-    name="missing-project",
-    severity=Severity.ERROR,
-    summary="CMakeLists.txt does not call project().",
-    why="`ament_package()` takes the name of the package from project(), and stops without it.",
-    example="""cmake_minimum_required(VERSION 3.8...3.31)
-find_package(ament_cmake REQUIRED)
-ament_package()""",
-    instead="""cmake_minimum_required(VERSION 3.8...3.31)
-project(my_robot)
-find_package(ament_cmake REQUIRED)
-ament_package()""",
-)
-MISSING_SOURCE = Rule(
-    code="BLD046",
-    name="missing-source",
-    severity=Severity.ERROR,
-    summary="A target names a source file that does not exist.",
-    why="CMake stops, as it cannot compile the target. The name is misspelled, or lacks its "
-    "folder: it begins at the folder of CMakeLists.txt.",
-    example="add_executable(my_node my_node.cpp)  # the file is src/my_node.cpp",
-    instead="add_executable(my_node src/my_node.cpp)",
-)
 UNKNOWN_LANGUAGE = Rule(
     code="BLD047",
     name="unknown-language",
@@ -254,35 +146,6 @@ FAILED_DOWNLOAD = Rule(
     instead="Check the address and the network; or install the library, and find_package() it.",
 )
 
-# Commands that packages of robots call -> the package that defines them; empty for CMake's own.
-COMMANDS = {
-    "ament_auto_find_build_dependencies": "ament_cmake_auto",
-    "ament_auto_package": "ament_cmake_auto",
-    "ament_environment_hooks": "ament_cmake",
-    "ament_export_dependencies": "ament_cmake",
-    "ament_export_include_directories": "ament_cmake",
-    "ament_export_libraries": "ament_cmake",
-    "ament_export_targets": "ament_cmake",
-    "ament_lint_auto_find_test_dependencies": "ament_lint_auto",
-    "ament_package": "ament_cmake",
-    "ament_python_install_package": "ament_cmake_python",
-    "ament_target_dependencies": "ament_cmake",
-    "rosidl_generate_interfaces": "rosidl_default_generators",
-    "xacro_add_files": "xacro",
-    **dict.fromkeys(
-        (
-            *("add_compile_options", "add_custom_command", "add_custom_target"),
-            *("add_executable", "add_library", "add_subdirectory", "cmake_minimum_required"),
-            *("configure_file", "else", "elseif", "endif", "endforeach", "endfunction"),
-            *("execute_process", "file", "find_package", "foreach", "function", "if", "include"),
-            *("include_directories", "install", "list", "message", "option", "project", "set"),
-            *("string", "target_compile_features", "target_include_directories"),
-            *("target_link_libraries",),
-        ),
-        "",
-    ),
-}
-
 
 def unclosed_quote(failure: Failure) -> Iterator[Diagnostic]:
     """Name the line on which a quotation mark opens what CMake reads to the end of the file."""
@@ -302,22 +165,10 @@ def unclosed_block(failure: Failure) -> Iterator[Diagnostic]:
     if not any("not properly nested" in error.message for error in failure.errors):
         return
     opened, closing = find_open_block(failure.cmake_file)
-    if opened is not None:
-        end = f"end{opened.command}()"
-        where = f" before {closing.command}() in line {closing.line}" if closing else ""
-        yield failure.report(
-            CMAKE_SYNTAX,
-            f"{opened.command}() in line {opened.line} has no {end}{where}.",
-            line=opened.line,
-            hint=f"Add {end} where the block ends.",
-        )
-    elif closing is not None:
-        yield failure.report(
-            CMAKE_SYNTAX,
-            f"{closing.command}() in line {closing.line} ends no {closing.command[3:]}().",
-            line=closing.line,
-            hint=f"Remove {closing.command}(), or add {closing.command[3:]}() before the block.",
-        )
+    first = opened or closing
+    if first is not None:
+        message, hint = word_block(opened, closing)
+        yield failure.report(CMAKE_SYNTAX, message, line=first.line, hint=hint)
 
 
 def syntax(failure: Failure) -> Iterator[Diagnostic]:
@@ -618,9 +469,6 @@ USUAL_PACKAGES = (
     *("tf2_ros", "trajectory_msgs", "urdf", "visualization_msgs", "xacro"),
 )
 
-SOURCES = frozenset((".c", ".cc", ".cpp", ".cxx"))
-GIT_KEEPS_NO_EMPTY_FOLDERS = " Git does not keep empty folders: they are missing from a clone."
-
 
 def refused_manifest(failure: Failure) -> Iterator[Diagnostic]:
     """Report the mistakes in package.xml.
@@ -744,14 +592,8 @@ def _missing_installed_path(failure: Failure) -> Iterator[Diagnostic]:
             continue
         name = str(path.relative_to(failure.folder))
         line, kind = _find_install(failure, name)
-        beside = [entry.name for entry in path.parent.iterdir()] if path.parent.is_dir() else []
-        yield failure.report(
-            MISSING_INSTALLED_PATH,
-            f"install() names the {kind} {name}, which does not exist.",
-            line=line,
-            hint=f"{ask_for_nearest(path.name, beside)}Create it, or remove it from install()."
-            f"{GIT_KEEPS_NO_EMPTY_FOLDERS if kind == 'folder' else ''}",
-        )
+        file = failure.cmake_file
+        yield word_missing_path(name, kind, failure.folder, file, line, failure.package)
 
 
 def _find_install(failure: Failure, name: str) -> tuple[int | None, str]:

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.build.toolchain import INDEX
+from wsgen.build_files.cmake_checks import missing_ament_package
 from wsgen.build_files.cmake_text import read_calls
 from wsgen.diagnostics import Rule, Severity
 
@@ -23,20 +24,6 @@ if TYPE_CHECKING:
     from wsgen.workspace.layout import PackageFolder, Workspace
 
 
-MISSING_AMENT_PACKAGE = Rule(
-    code="BLD010",
-    name="missing-ament-package",
-    severity=Severity.ERROR,
-    summary="CMakeLists.txt of an ament_cmake package does not call ament_package().",
-    what="Looks for the package in the ament index of the install space, after the build.",
-    why="`ament_package()` registers the package in the ament index. Without it `ros2 launch` and "
-    "`$(find ...)` do not find the package.",
-    example="""find_package(ament_cmake REQUIRED)
-install(DIRECTORY launch DESTINATION share/${PROJECT_NAME})""",
-    instead="""find_package(ament_cmake REQUIRED)
-install(DIRECTORY launch DESTINATION share/${PROJECT_NAME})
-ament_package()""",
-)
 STALE_FILES = Rule(
     code="BLD024",
     name="stale-files",
@@ -103,7 +90,9 @@ def check_installed(
             manifest = workspace.build / package.name / MANIFESTS[package.build_type]
             written = _read_install_manifest(manifest, prefix)
             if package.build_type == "ament_cmake" and not _is_registered(package, prefix, written):
-                yield _missing_ament_package(package)
+                file = package.path / "CMakeLists.txt"
+                line = max((call.line for call in read_calls(file)), default=None)
+                yield missing_ament_package(package.name, file, line)
             elif written:
                 yield from _stale_files(package, workspace, prefix, written)
 
@@ -128,18 +117,6 @@ def _is_registered(package: PackageFolder, prefix: Path, written: frozenset[str]
     """Whether ROS finds the package, and not only by a marker of an earlier build."""
     marker = f"{INDEX}/{package.name}"
     return marker in written if written else (prefix / marker).exists()
-
-
-def _missing_ament_package(package: PackageFolder) -> Diagnostic:
-    file = package.path / "CMakeLists.txt"
-    return MISSING_AMENT_PACKAGE.at(
-        file,
-        max((call.line for call in read_calls(file)), default=None),
-        package.name,
-        message=f"{package.name} was built, but ROS will not find it: its CMakeLists.txt "
-        "does not call ament_package().",
-        hint="Call ament_package() at the end of CMakeLists.txt.",
-    )
 
 
 def _stale_files(

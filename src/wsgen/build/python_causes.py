@@ -8,54 +8,23 @@ import subprocess
 import sys
 from typing import TYPE_CHECKING
 
-from wsgen.build.causes import MISSING_BUILD_FILE
-from wsgen.diagnostics import Diagnostic, Rule, Severity
+from wsgen.build_files.cmake_checks import MISSING_BUILD_FILE
+from wsgen.build_files.python_checks import (
+    MISSING_DATA_FILE,
+    SETUP_FAILURE,
+    word_data_file,
+    word_module,
+    word_package,
+)
 from wsgen.ros_names import released_packages
-from wsgen.suggestions import ask_for_nearest
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from pathlib import Path
 
     from wsgen.build.failure import Failure
+    from wsgen.diagnostics import Diagnostic
 
-
-SETUP_FAILURE = Rule(
-    code="BLD040",
-    name="setup-failure",
-    severity=Severity.ERROR,
-    summary="`setup.py` or `setup.cfg` of a Python package stops with an error.",
-    what="Runs setup.py once more where `colcon` does not pass on what it printed.",
-    why="`colcon` runs setup.py to learn what to install, and does not build the package.",
-    example="""setup(
-    name=package_name
-    version='0.1.0',
-)""",
-    instead="""setup(
-    name=package_name,
-    version='0.1.0',
-)""",
-)
-MISSING_DATA_FILE = Rule(
-    code="BLD041",
-    name="missing-data-file",
-    severity=Severity.ERROR,
-    summary="`data_files` in setup.py names a file that cannot be installed.",
-    why="The build stops where a file does not exist or is a folder, which `glob('urdf/*')` also "
-    "returns, and where its path is absolute. Git does not keep empty folders, but "
-    "it keeps the empty file `resource/PACKAGE`, if it was added.",
-    example="('share/' + package_name + '/urdf', glob('urdf/*')),  # urdf/parts is a folder",
-    instead="('share/' + package_name + '/urdf', glob('urdf/*.*')),",
-)
-MISSING_PYTHON_PACKAGE = Rule(
-    code="BLD042",
-    name="missing-python-package",
-    severity=Severity.ERROR,
-    summary="`setup.py` names a Python package or module that does not exist.",
-    why="The build stops where the folder of `packages` or the file of `py_modules` is missing.",
-    example="packages=['my_robot'],  # without my_robot/__init__.py",
-    instead="mkdir my_robot; touch my_robot/__init__.py",
-)
 
 SECONDS_FOR_SETUP = 60.0  # wall-clock; colcon has just run the same file
 # Names that setup.py uses and their import.
@@ -127,28 +96,8 @@ def _missing_data_file(failure: Failure) -> Iterator[Diagnostic]:
         return
     # With --symlink-install it is a link in the build folder.
     name = missing[1].removeprefix(f"{failure.build_folder}/")
-    path = failure.folder / name
-    folder, _, base = name.rpartition("/")
-    beside = [entry.name for entry in path.parent.iterdir()] if path.parent.is_dir() else []
-    if path.is_dir():
-        message = f"data_files names {name}, which is a folder; it takes files."
-        hint = f"Give it a pattern that files alone match, and {name} an entry of its own."
-    else:
-        message = f"data_files names {name}, which does not exist."
-        hint = f"{ask_for_nearest(base, beside)}Create it, or remove it from data_files."
-        if folder == "resource":
-            hint = (
-                f"Create the empty file: mkdir -p {folder}; touch {name}"
-                if base == failure.package
-                else f"Use the name in package.xml, {failure.package}."
-            )
-    yield failure.report(
-        MISSING_DATA_FILE,
-        message,
-        file=failure.setup_file,
-        line=_find_path(failure.setup_file, name),
-        hint=hint,
-    )
+    setup = failure.setup_file
+    yield word_data_file(name, failure.folder, setup, _find_path(setup, name), failure.package)
 
 
 def _find_path(setup: Path, name: str) -> int | None:
@@ -172,24 +121,11 @@ def _missing_python_package(failure: Failure) -> Iterator[Diagnostic]:
     module = re.search(r"Provided py_modules '(.+?)' does not exist", failure.output)
     if package:
         name = package[1].removeprefix(f"{failure.build_folder}/")
-        known = [entry.parent.name for entry in failure.folder.glob("*/__init__.py")]
-        yield failure.report(
-            MISSING_PYTHON_PACKAGE,
-            f"packages names {name}, but the package has no folder of that name.",
-            file=failure.setup_file,
-            line=find_keyword(failure.setup_file, "packages"),
-            hint=f"{ask_for_nearest(name, known)}Create it with an empty file __init__.py, or "
-            "write packages=[] if the package has no Python modules.",
-        )
+        line = find_keyword(failure.setup_file, "packages")
+        yield word_package(name, failure.folder, failure.setup_file, line, failure.package)
     elif module:
-        known = [entry.name for entry in failure.folder.glob("*.py")]
-        yield failure.report(
-            MISSING_PYTHON_PACKAGE,
-            f"py_modules names a module without a file: {module[1]}.",
-            file=failure.setup_file,
-            line=find_keyword(failure.setup_file, "py_modules"),
-            hint=f"{ask_for_nearest(module[1], known)}Create it, or remove it from py_modules.",
-        )
+        line = find_keyword(failure.setup_file, "py_modules")
+        yield word_module(module[1], failure.folder, failure.setup_file, line, failure.package)
 
 
 def _setup_failure(failure: Failure) -> Iterator[Diagnostic]:

@@ -7,8 +7,17 @@ from configparser import ConfigParser, Error
 from typing import TYPE_CHECKING
 
 from wsgen.build.python_causes import find_keyword, find_string
-from wsgen.diagnostics import Diagnostic, Rule, Severity
-from wsgen.suggestions import ask_for_nearest, did_you_mean, nearest
+from wsgen.build_files.python_checks import (
+    FORMER_KEYWORDS,
+    SETUP_KEYWORDS,
+    UNKNOWN_SETUP_OPTION,
+    word_keyword,
+    word_script,
+    word_script_folder,
+)
+from wsgen.build_files.python_setup import Configuration
+from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.suggestions import ask_for_nearest, nearest
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -16,44 +25,6 @@ if TYPE_CHECKING:
 
     from wsgen.workspace.layout import PackageFolder, Workspace
 
-
-BROKEN_SCRIPT = Rule(
-    code="BLD043",
-    name="broken-console-script",
-    severity=Severity.WARNING,
-    summary="`ros2 run` and launch files do not find a console script, or it cannot start.",
-    what="Looks for the scripts of `entry_points` in `lib/PACKAGE` of the install space, and for "
-    "their modules and functions in what was installed.",
-    why="ROS looks for executables in `lib/PACKAGE`; setuptools writes them to `bin`, where "
-    "`setup.cfg` does not say otherwise. A script without its function ends with an ImportError.",
-    example="[develop]\nscript_dir=$base/lib/my_robot  # setup.cfg without [install]",
-    instead="""[develop]
-script_dir=$base/lib/my_robot
-[install]
-install_scripts=$base/lib/my_robot""",
-)
-UNKNOWN_SETUP_OPTION = Rule(
-    code="BLD044",
-    name="unknown-setup-option",
-    severity=Severity.WARNING,
-    severity_varies="information where only a later setuptools will not know it",
-    summary="The build ignores, or will ignore, an unknown option in `setup.py` or `setup.cfg`.",
-    what="Reads the warnings of setuptools, of which nothing else is shown.",
-    why="The option has no effect, and nothing of what it lists is installed.",
-    example="setup(data_file=[('share/' + package_name, ['package.xml'])])",
-    instead="setup(data_files=[('share/' + package_name, ['package.xml'])])",
-)
-
-SETUP_KEYWORDS = frozenset(
-    (
-        *("author", "author_email", "classifiers", "cmdclass", "data_files", "description"),
-        *("entry_points", "extras_require", "include_package_data", "install_requires"),
-        *("keywords", "license", "long_description", "maintainer", "maintainer_email", "name"),
-        *("package_data", "package_dir", "packages", "py_modules", "python_requires", "scripts"),
-        *("url", "version", "zip_safe"),
-    )
-)
-FORMER_KEYWORDS = frozenset({"setup_requires", "test_suite", "tests_require", "use_2to3"})
 
 _WARNING = re.compile(r"^\S*/(?:setuptools|pkg_resources|distutils)/\S*:\d+: \w+Warning: ")
 _NO_BYTECODE = re.compile(r"^warning: \w+: byte-compiling is disabled")
@@ -78,14 +49,8 @@ def check_python_packages(
             meant = nearest(name, SETUP_KEYWORDS)
             if meant and name not in FORMER_KEYWORDS:
                 setup = package.path / "setup.py"
-                yield UNKNOWN_SETUP_OPTION.at(
-                    setup,
-                    find_keyword(setup, name),
-                    package.name,
-                    message=f"{package.name}: setuptools does not know the argument {name} of "
-                    "setup(), and ignores it.",
-                    hint=did_you_mean(meant),
-                )
+                line = find_keyword(setup, name)
+                yield word_keyword(name, meant, setup, line, package.name)
     yield from _dashes(python, error_output)
 
 
@@ -131,28 +96,16 @@ def _check_scripts(package: PackageFolder, workspace: Workspace) -> Iterator[Dia
     ]
     if elsewhere:
         cfg = package.path / "setup.cfg"
-        place = f"$base/lib/{package.name}"
-        yield BROKEN_SCRIPT.at(
-            cfg if cfg.exists() else package.path / "setup.py",
-            _line_with(cfg, "scripts") if cfg.exists() else None,
-            package.name,
-            message=f"{package.name}: ROS does not find {', '.join(elsewhere)}, which setuptools "
-            f"installed into bin, not lib/{package.name}.",
-            hint=f"Write in setup.cfg: [install] install_scripts={place}, and [develop] "
-            f"script_dir={place}.",
+        yield word_script_folder(
+            elsewhere, Configuration(cfg), package.path / "setup.py", package.name
         )
     roots = [*prefix.glob("lib/python3*/site-packages"), workspace.build / package.name]
     for name, target in scripts.items():
         problem = _find_problem(package, roots, target)
         if problem:
             setup = package.path / "setup.py"
-            yield BROKEN_SCRIPT.at(
-                setup,
-                _line_of_script(setup, name),
-                package.name,
-                message=f"{package.name}: the console script {name} cannot start: {problem[0]}.",
-                hint=problem[1],
-            )
+            line = _line_of_script(setup, name)
+            yield word_script(name, problem, setup, line, package.name)
 
 
 def _line_of_script(setup: Path, name: str) -> int | None:

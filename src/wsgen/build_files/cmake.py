@@ -55,8 +55,9 @@ Body = tuple["Call | Block", ...]
 class Reader:
     """Evaluates the files of one package."""
 
-    def __init__(self, source: Path, name: str) -> None:
+    def __init__(self, source: Path, name: str, manifest_line: int | None = None) -> None:
         self.source = source
+        self.manifest_line = manifest_line  # 1-based, of the name in package.xml
         self.name = name  # of the package, as package.xml has it
         self.build_file = source / "CMakeLists.txt"
         self.rules: list[InstallRule] = []
@@ -71,6 +72,8 @@ class Reader:
         self.mistake: tuple[Path, SyntaxMistake] | None = None
         self.open_block: tuple[Path, Call | None, Call | None] | None = None
         self.is_whole = True
+        self.knows_commands = True  # False: a command or an included file is not known
+        self.last_line: int | None = None  # of the last call in CMakeLists.txt
         self.has_foreign = False  # commands of other packages may set any variable
         self.functions: dict[str, tuple[Call, Body, Path]] = {}
         self.variables: dict[str, str] = {}
@@ -146,6 +149,15 @@ class Reader:
     def _is_target(self, name: str) -> bool | None:
         return True if name in self.targets else None
 
+    def line_of_last(self, command: str) -> int | None:
+        """The line of the last call of a command in CMakeLists.txt, or of its last call at all."""
+        lines = [
+            one.call.line
+            for one in self.mentions.get(command, ())
+            if one.file == self.build_file and one.call.command == command
+        ]
+        return lines[-1] if lines else self.last_line
+
     # Files, blocks and calls.
 
     def run_file(self, file: Path) -> bool:
@@ -163,6 +175,8 @@ class Reader:
             self.is_whole = False
         before, self.file = self.file, file
         here = {name: self.variables.get(name) for name in LIST_VARIABLES}
+        if calls and file == self.build_file:
+            self.last_line = calls[-1].line
         self.variables["CMAKE_CURRENT_LIST_FILE"] = str(file)
         self.variables["CMAKE_CURRENT_LIST_DIR"] = str(file.parent)
         self.depth += 1
@@ -309,14 +323,23 @@ class Reader:
             return
         name = call.command
         if name in {"return", "break", "continue"}:
-            self._stop = name if self.is_certain or name != "return" else "return"
+            self._stop = name
+            if name == "return" and self.file == self.build_file and not self._parents:
+                # The rest may be read in another run, as that of a superbuild is.
+                self.is_whole = self.knows_commands = False
             return
         arguments = self.expand(call.written)
         if name in self.functions:
             self._run_function(call, arguments)
             return
         mention = Mention(
-            call, tuple(arguments), self.file, self.is_certain, self.in_tests, self.depth
+            call,
+            tuple(arguments),
+            self.file,
+            self.is_certain,
+            self.in_tests,
+            self.folder,
+            self._steps,
         )
         self.mentions.setdefault(name, []).append(mention)
         handler: Callable[[Reader, Mention], None] | None = cmake_commands.COMMANDS.get(name)
@@ -324,7 +347,7 @@ class Reader:
             handler(self, mention)
         elif not cmake_commands.is_harmless(name):
             self.has_foreign = True
-            self.is_whole = False
+            self.is_whole = self.knows_commands = False
 
     def _run_function(self, call: Call, arguments: list[Argument]) -> None:
         head, body, file = self.functions[call.command]

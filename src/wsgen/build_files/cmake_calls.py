@@ -40,7 +40,8 @@ class Mention(NamedTuple):
     file: Path
     is_certain: bool
     in_tests: bool
-    depth: int  # files and functions around it
+    folder: Path  # that paths are relative to
+    order: int  # grows from call to call
 
 
 def texts(mention: Mention) -> list[str]:

@@ -330,8 +330,8 @@ def _include(reader: Reader, mention: Mention) -> None:
         reader.has_foreign = True
         if not (is_known(path) and reader.is_inside(path) and reader.run_file(Path(path))):
             own = reader.source / "cmake" / f"{words[0]}.cmake"
-            if not reader.run_file(own):
-                reader.is_whole = reader.is_whole and words[0] in HARMLESS_MODULES
+            if not reader.run_file(own) and words[0] not in HARMLESS_MODULES:
+                reader.is_whole = reader.knows_commands = False
 
 
 HARMLESS_MODULES = frozenset(
@@ -340,6 +340,7 @@ HARMLESS_MODULES = frozenset(
         *("CheckSymbolExists", "CMakeDependentOption", "CMakeParseArguments", "ExternalProject"),
         *("FeatureSummary", "FetchContent", "FindPkgConfig", "GenerateExportHeader", "CPack"),
         *("CheckCXXSourceCompiles", "CheckFunctionExists", "FindPackageHandleStandardArgs"),
+        *("CheckIncludeFiles", "ConfigExtras.cmake"),
     }
 )
 
@@ -535,15 +536,18 @@ HARMLESS = frozenset(
         *("add_action_files", "generate_messages", "generate_dynamic_reconfigure_options"),
         *("rosidl_target_interfaces", "protobuf_generate_cpp", "qt_wrap_cpp"),
         *("generate_parameter_module", "rclcpp_components_register_nodes"),
+        # Of packages that many others use.
+        *("export_windows_symbols", "moveit_package", "nav2_package", "set_compiler_options"),
     }
 )
 # Commands of these only compile, link, check, test, lint or export.
 HARMLESS_STARTS = (
-    *("ament_", "qt5_", "qt6_", "qt4_", "check_", "fetchcontent_", "catkin_add_", "gtest_"),
+    *("ament_", "qt_", "qt5_", "qt6_", "qt4_", "check_", "fetchcontent_", "catkin_add_", "gtest_"),
     *("catkin_lint", "roslint", "roslaunch_add", "cuda_", "pybind11_", "nanobind_", "eigen"),
 )
 
 
 def is_harmless(command: str) -> bool:
     """Whether a command is known to install nothing that a launch file needs."""
-    return command in HARMLESS or command.startswith(HARMLESS_STARTS)
+    is_of_tests = "add_" in command and "test" in command
+    return command in HARMLESS or command.startswith(HARMLESS_STARTS) or is_of_tests

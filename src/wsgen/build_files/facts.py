@@ -7,7 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.build_files.cmake import Reader
+from wsgen.build_files.cmake_checks import MISSING_BUILD_FILE, check_commands
+from wsgen.build_files.install_checks import check_installed
 from wsgen.build_files.installed import Installed
+from wsgen.build_files.python_checks import check_setup
 from wsgen.build_files.python_setup import Setup, read_setup
 from wsgen.model.build_facts import BuildFacts, Executable, InstalledFile, PythonPackage
 
@@ -17,11 +20,12 @@ if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
 
 
+DATED = ("ament_target_dependencies",)  # what not every distribution has
 MARKER = "share/ament_index/resource_index/packages"  # below the prefix
 
 
 def read_build_facts(
-    source: Path, name: str, build_type: str
+    source: Path, name: str, build_type: str, manifest_line: int | None = None
 ) -> tuple[BuildFacts, tuple[Diagnostic, ...]]:
     """Read the build files of a package, and report what is wrong with them.
 
@@ -30,13 +34,38 @@ def read_build_facts(
         name: of the package, as package.xml has it.
         build_type: as package.xml has it; ament_python is read from setup.py, others from
             CMakeLists.txt.
+        manifest_line: of the name in package.xml, 1-based.
     """
+    missing = tuple(_missing_build_file(source, name, build_type))
     if build_type == "ament_python":
-        setup, _configuration = read_setup(source)
-        return _python_facts(setup, source, name), ()
-    reader = Reader(source, name)
+        setup, configuration = read_setup(source)
+        facts = _python_facts(setup, source, name)
+        return facts, missing or tuple(check_setup(setup, configuration, facts, source, name))
+    reader = Reader(source, name, manifest_line)
     reader.read()
-    return _cmake_facts(reader), ()
+    facts = _cmake_facts(reader)
+    if missing:
+        return facts, missing
+    return facts, (*check_commands(reader, build_type), *check_installed(reader, facts))
+
+
+def _missing_build_file(source: Path, name: str, build_type: str) -> Iterator[Diagnostic]:
+    cmake, setup = source / "CMakeLists.txt", source / "setup.py"
+    wanted, other, other_type = {
+        "ament_python": (setup, cmake, "ament_cmake"),
+        "ament_cmake": (cmake, setup, "ament_python"),
+    }.get(build_type, (source, source, ""))
+    if not wanted.exists():
+        tool = "CMake" if wanted is cmake else "setuptools"
+        yield MISSING_BUILD_FILE.at(
+            source / "package.xml",
+            element=name,
+            message=f"{name}: {wanted.name} is missing; {tool} builds and installs the package "
+            "with it.",
+            hint=f"Write <build_type>{other_type}</build_type> in package.xml: {other.name} exists."
+            if other.exists()
+            else f"Restore it (git checkout {wanted.name}), or write one.",
+        )
 
 
 def _cmake_facts(reader: Reader) -> BuildFacts:
@@ -72,6 +101,11 @@ def _cmake_facts(reader: Reader) -> BuildFacts:
         folders=found.folders,
         exported_packages=tuple(reader.exported),
         environment=tuple(reader.environment),
+        dated_calls={
+            command: tuple((one.file, one.call.line) for one in reader.mentions[command])
+            for command in DATED
+            if command in reader.mentions
+        },
         is_whole=reader.is_whole and found.is_whole and reader.build_file.is_file(),
     )
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.build.request import refuse_empty
 from wsgen.build_files.cmake_text import read_calls
+from wsgen.build_files.install_checks import UNINSTALLED_LAUNCH_FILE
 from wsgen.diagnostics import Rule, Severity
 from wsgen.errors import RequestError
 from wsgen.model.outcome import NotValidated
@@ -46,15 +47,6 @@ LAUNCH_FUNCTION = b"def generate_launch_description("
 TEST_FUNCTION = b"def generate_test_description("
 TEST_FOLDERS = frozenset(("test", "tests"))
 
-UNINSTALLED_LAUNCH_FILE = Rule(
-    code="PKG050",
-    name="uninstalled-launch-file",
-    severity=Severity.ERROR,
-    summary="The package does not install its launch file where `ros2 launch` looks for it.",
-    why="`ros2 launch` finds launch files only in `share/PACKAGE` of the install space.",
-    example="install(DIRECTORY model DESTINATION share/${PROJECT_NAME})",
-    instead="install(DIRECTORY launch model DESTINATION share/${PROJECT_NAME})",
-)
 MISNAMED_LAUNCH_FILE = Rule(
     code="PKG051",
     name="misnamed-launch-file",
