@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.build_files.cmake import Reader
-from wsgen.build_files.cmake_checks import MISSING_BUILD_FILE, check_commands
+from wsgen.build_files.cmake_checks import (
+    CMAKE_SYNTAX,
+    DIFFERENT_NAMES,
+    MISSING_BUILD_FILE,
+    MISSING_PROJECT,
+    check_commands,
+)
 from wsgen.build_files.install_checks import check_installed
 from wsgen.build_files.installed import Installed
 from wsgen.build_files.python_checks import check_setup
@@ -20,6 +27,7 @@ if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
 
 
+STOPPING = frozenset({CMAKE_SYNTAX.code, MISSING_PROJECT.code, DIFFERENT_NAMES.code})
 DATED = ("ament_target_dependencies",)  # what not every distribution has
 MARKER = "share/ament_index/resource_index/packages"  # below the prefix
 
@@ -46,7 +54,10 @@ def read_build_facts(
     facts = _cmake_facts(reader)
     if missing:
         return facts, missing
-    return facts, (*check_commands(reader, build_type), *check_installed(reader, facts))
+    found = tuple(check_commands(reader, build_type))
+    if any(one.code in STOPPING for one in found):  # what is installed where follows from that
+        return replace(facts, is_whole=False), found
+    return facts, (*found, *check_installed(reader, facts))
 
 
 def _missing_build_file(source: Path, name: str, build_type: str) -> Iterator[Diagnostic]:

@@ -217,6 +217,8 @@ def check_installed(reader: Reader, facts: BuildFacts) -> Iterator[Diagnostic]:
             yield from slashes(rule, reader.name)
     misplaced: set[str] = set()
     for rule in reader.rules:
+        if rule.destination is None:
+            misplaced.update(_tops(rule, reader.source))
         for found in destination(rule, reader):
             misplaced.update(_tops(rule, reader.source))
             yield found
@@ -521,7 +523,8 @@ def programs(
         if any(target.name in word for word in used if "$<" in word):
             continue
         if not target.is_installed:
-            if not _NO_PROGRAM.search(f"{target.name} {target.file.parent.name}"):
+            below = os.path.relpath(target.file.parent, reader.source)
+            if not _NO_PROGRAM.search(f"{target.name} {below}"):
                 yield PROGRAM_NOT_INSTALLED.at(
                     target.file,
                     target.line,

@@ -7,6 +7,7 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
+from wsgen.build_files.cmake_checks import check_for_distro
 from wsgen.diagnostics import Severity, has_errors
 from wsgen.isolation.parent import make_scratch
 from wsgen.launch.explain import (
@@ -158,6 +159,8 @@ class PackageCheck:
     def _check_together(self, facts: Facts) -> Iterator[Diagnostic]:
         """The checks between files."""
         # One call of a rule a line: `yield from topic.rule(facts...)`.
+        if facts.build is not None:
+            yield from check_for_distro(facts.build.dated_calls, facts.distro)
         yield from check_package_manifest(
             facts.package,
             build=facts.build,
