@@ -23,12 +23,14 @@ def misspelled_as(name: str, known: Iterable[str]) -> str | None:
     """The known name of which this one surely is a misspelling; None if it may be another name.
 
     Words are what `_` and `-` separate. The names differ in that alone, or in one letter of a word,
-    two of a long one; digits are no typing mistakes, and short words mean something else.
+    two of a long one, but never in the first; digits are no typing mistakes, and short words mean
+    something else.
     """
     near = {
         other
         for other in known
-        if abs(len(other) - len(name)) <= MOST_MISTAKES
+        if other[:1] == name[:1]
+        and abs(len(other) - len(name)) <= MOST_MISTAKES
         and other != name
         and _is_misspelled(name, other)
     }

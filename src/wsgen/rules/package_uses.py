@@ -98,12 +98,6 @@ def check_uses(
     for_run = declared_by(manifests, manifest.name, RUN_TAGS, distro)
     any_tag = manifest.names(DEPENDENCY_TAGS, distro)
     known = released_packages()
-    misspelled = {
-        other
-        for one in any_tag
-        if one not in known and one not in manifests
-        if (other := misspelled_as(one, (*manifests, *known))) is not None
-    }
     tested = manifest.test_dependencies
     missing: dict[Path, list[PackageUse]] = {}
     first: dict[str, PackageUse] = {}
@@ -112,10 +106,11 @@ def check_uses(
         if (
             package in {manifest.name, *first}
             or package in for_run
-            or package in misspelled | tested  # that is reported, or left out on purpose
+            or package in tested  # left out on purpose
             or (package not in known and package not in manifests)
             or is_brought(package, for_run)
             or _needs(package, manifest.name, manifests)
+            or _is_misspelled_in(package, any_tag)
         ):
             continue
         first[package] = use
@@ -125,6 +120,12 @@ def check_uses(
             missing.setdefault(use.file, []).append(use)
     for file, those in missing.items():
         yield _undeclared(file, those)
+
+
+def _is_misspelled_in(package: str, declared: Iterable[str]) -> bool:
+    """Whether it is declared with a typing mistake, which is reported."""
+    known = released_packages()
+    return any(one not in known and misspelled_as(one, (package,)) for one in declared)
 
 
 def _needs(package: str, name: str, manifests: Mapping[str, Manifest]) -> bool:
