@@ -7,10 +7,23 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.model.build_facts import RequiredPackage
-from wsgen.rules.package_uses import check_required, check_uses, declared_by
+from wsgen.model.build_facts import BuildFacts, InstalledFile, RequiredPackage
+from wsgen.rules.package_uses import (
+    check_required,
+    check_uses,
+    declared_by,
+    may_be_unused,
+    unused_dependencies,
+)
 from wsgen.workspace.manifest import Dependency, Manifest
-from wsgen.workspace.package_uses import DESCRIPTION, LAUNCH, NODE, PackageUse
+from wsgen.workspace.package_uses import (
+    CONTROLLER,
+    DESCRIPTION,
+    LAUNCH,
+    NODE,
+    PLUGIN,
+    PackageUse,
+)
 
 if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
@@ -143,3 +156,75 @@ def test_an_undeclared_package_of_the_build() -> None:
 )
 def test_what_the_build_may_require(one: RequiredPackage) -> None:
     assert check_build(one, depend="rclcpp", build_depend="pluginlib") == []
+
+
+ROBOT_FILE = Path("src/my_robot/urdf/robot.xacro")
+
+
+@pytest.mark.parametrize(
+    ("kind", "package", "started"),
+    [
+        (PLUGIN, "gazebo_ros2_control", "gazebo_ros"),
+        (PLUGIN, "gz_ros2_control", "ros_gz_sim"),
+        (PLUGIN, "gazebo_plugins", "gazebo_ros"),
+        (CONTROLLER, "diff_drive_controller", "controller_manager"),
+    ],
+)
+def test_plugins_and_controllers_of_what_is_started(kind: str, package: str, started: str) -> None:
+    used = PackageUse(package, ROBOT_FILE, 9, kind)
+    (found,) = check([*launch(started), used], depend=started.replace("ros_gz_sim", "ros_gz"))
+    assert (found.code, found.file, found.line) == ("PKG085", ROBOT_FILE, 9)
+    assert check([used]) == []  # another package starts it
+
+
+@pytest.mark.parametrize(
+    ("package", "declared"),
+    [
+        ("gazebo_ros2_control", "gz_ros2_control"),
+        ("gazebo_plugins", "gazebo_ros_pkgs"),
+        ("gazebo_plugins", "ros_gz_sim"),
+    ],
+)
+def test_robots_with_plugins_for_several_simulators(package: str, declared: str) -> None:
+    uses = [*launch("gazebo_ros"), PackageUse(package, ROBOT_FILE, 9, PLUGIN)]
+    assert check(uses, exec_depend=f"gazebo_ros {declared}") == []
+
+
+def test_all_controllers_come_together() -> None:
+    used = PackageUse("diff_drive_controller", ROBOT_FILE, 9, CONTROLLER)
+    assert (
+        check([*launch("controller_manager"), used], exec_depend="ros2_controllers ros2_control")
+        == []
+    )
+
+
+INSTALLED = InstalledFile(
+    source=LAUNCH_FILE, destination="share/my_robot/launch/robot.launch.py", file=CMAKE, line=5
+)
+
+
+def test_what_may_be_unused() -> None:
+    checked = manifest(
+        "my_robot",
+        depend="rclcpp std_msgs nav_msgs pluginlib",
+        exec_depend="sensor_msgs rviz2",
+        test_depend="geometry_msgs",
+    )
+    build = BuildFacts(
+        build_file=CMAKE, installed=(INSTALLED,), required_packages=(required("rclcpp"),)
+    )
+    uses = [PackageUse("nav_msgs", NODE_FILE, 3, NODE)]
+    assert may_be_unused(checked, build, uses) == {"std_msgs", "sensor_msgs"}
+    assert may_be_unused(checked, BuildFacts(build_file=CMAKE), uses) == set()
+
+
+def test_unused_dependencies_are_one_diagnostic() -> None:
+    checked = manifest("my_robot", build_depend="std_msgs", exec_depend="std_msgs nav_msgs xacro")
+    (found,) = unused_dependencies(checked, {"std_msgs", "nav_msgs"})
+    assert (found.code, found.line, found.element) == ("PKG086", 10, "nav_msgs")
+    assert "mentions nav_msgs, std_msgs, which" in found.message
+    assert (found.hint or "").endswith(
+        "<build_depend>std_msgs</build_depend> <exec_depend>std_msgs</exec_depend> "
+        "<exec_depend>nav_msgs</exec_depend>"
+    )
+    assert [*unused_dependencies(checked, ())] == []

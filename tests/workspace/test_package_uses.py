@@ -8,13 +8,17 @@ import pytest
 
 from wsgen.model.build_facts import BuildFacts, InstalledFile
 from wsgen.workspace.package_uses import (
+    CONTROLLER,
     DESCRIPTION,
     LAUNCH,
     NODE,
+    PLUGIN,
     PackageUse,
     find_files,
     installed_places,
+    is_for_code,
     read_uses,
+    unmentioned,
 )
 
 if TYPE_CHECKING:
@@ -170,3 +174,60 @@ def test_only_what_is_installed_counts(tmp_path: Path) -> None:
     assert found == (PackageUse("rviz2", file, 4, LAUNCH),)
     assert installed_places(None) is None
     assert installed_places(BuildFacts(build_file=file, is_whole=False)) is None
+
+
+@pytest.mark.parametrize(
+    ("line", "package"),
+    [
+        ('<plugin filename="libgazebo_ros_diff_drive.so" name="a"/>', "gazebo_plugins"),
+        ('<plugin filename="libgazebo_ros_init.so" name="a"/>', "gazebo_ros"),
+        ('<plugin filename="libgazebo_ros2_control.so" name="a"/>', "gazebo_ros2_control"),
+        ('<plugin filename="gz_ros2_control-system" name="a"/>', "gz_ros2_control"),
+        ('<plugin filename="libgz_ros2_control-system.so" name="a"/>', "gz_ros2_control"),
+        ("<plugin>ign_ros2_control/IgnitionSystem</plugin>", "ign_ros2_control"),
+        ('<plugin filename="gz-sim-imu-system" name="gz::sim::systems::Imu"/>', None),
+        ('<!-- <plugin filename="libgazebo_ros_diff_drive.so" name="a"/> -->', None),
+    ],
+)
+def test_plugins_of_gazebo(line: str, package: str | None, tmp_path: Path) -> None:
+    found = uses(tmp_path, "urdf/robot.urdf", f"<robot>\n{line}\n</robot>")
+    assert found == ({package: (2, PLUGIN)} if package else {})
+
+
+def test_controllers(tmp_path: Path) -> None:
+    text = (
+        "controller_manager:\n  ros__parameters:\n    a:\n"
+        "      type: diff_drive_controller/DiffDriveController\n    b:\n"
+        "      type: 'joint_state_broadcaster/JointStateBroadcaster'\n"
+        "    # type: effort_controllers/JointGroupEffortController\n"
+        "    c:\n      type: nav2_map_server/Other\n"
+    )
+    assert uses(tmp_path, "config/controllers.yaml", text) == {
+        "diff_drive_controller": (4, CONTROLLER),
+        "joint_state_broadcaster": (6, CONTROLLER),
+    }
+
+
+def test_what_no_file_mentions(tmp_path: Path) -> None:
+    (tmp_path / "src").mkdir()
+    (tmp_path / "src" / "node.cpp").write_text('#include "std_msgs/msg/string.hpp"')
+    (tmp_path / "package.xml").write_text("<depend>nav_msgs</depend>")
+    (tmp_path / "README.md").write_text("nav_msgs")
+    assert unmentioned(tmp_path, {"std_msgs", "nav_msgs"}) == {"nav_msgs"}
+    (tmp_path / "broken.py").write_bytes(b"\xff")
+    assert unmentioned(tmp_path, {"std_msgs", "nav_msgs"}) == frozenset()
+
+
+@pytest.mark.parametrize(
+    ("package", "expected"),
+    [
+        ("std_msgs", True),
+        ("rclpy", True),
+        ("my_interfaces", True),
+        ("action_msgs", False),
+        ("my_hardware_interfaces", False),
+        ("xacro", False),
+    ],
+)
+def test_packages_for_code(package: str, expected: bool) -> None:
+    assert is_for_code(package) is expected

@@ -35,6 +35,7 @@ BROUGHT = {
     "cv_bridge": "sensor_msgs|std_msgs|geometry_msgs|builtin_interfaces",
     "desktop": r"\w+",  # too much to say what it lacks
     "desktop_full": r"\w+",
+    "effort_controllers": "forward_command_controller",
     "gazebo_ros2_control": "controller_manager|hardware_interface|gazebo_ros",
     "gazebo_ros_pkgs": "gazebo_(?:ros|plugins|msgs|dev)",
     "geometry_msgs": "std_msgs|builtin_interfaces",
@@ -49,6 +50,7 @@ BROUGHT = {
     "nav_msgs": _CORE_MESSAGES,
     "navigation2": r"nav2_\w+",
     "perception": r"\w+",
+    "position_controllers": "forward_command_controller",
     "rclcpp": "builtin_interfaces|rcl_interfaces|rosgraph_msgs|statistics_msgs|rcl|rcl_yaml_param_"
     "parser|rcpputils|rcutils|rmw|ament_index_cpp|libstatistics_collector|rosidl_\\w+",
     "controller_interface": "hardware_interface|rclcpp|rclcpp_lifecycle",
@@ -87,6 +89,7 @@ BROUGHT = {
     "tf2_ros_py": "tf2_ros|tf2_msgs|tf2_py|geometry_msgs|std_msgs|sensor_msgs|builtin_interfaces",
     "trajectory_msgs": _CORE_MESSAGES,
     "turtlebot3_gazebo": "gazebo_ros_pkgs|gazebo_ros",
+    "velocity_controllers": "forward_command_controller",
     "visualization_msgs": f"{_CORE_MESSAGES}|sensor_msgs",
 }
 

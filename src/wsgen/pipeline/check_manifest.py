@@ -8,7 +8,12 @@ from typing import TYPE_CHECKING
 
 from wsgen.rules.dependencies import check_dependencies
 from wsgen.rules.manifests import check_manifest, generated_interfaces
-from wsgen.rules.package_uses import check_required, check_uses
+from wsgen.rules.package_uses import (
+    check_required,
+    check_uses,
+    may_be_unused,
+    unused_dependencies,
+)
 from wsgen.source_shares import INDEX
 from wsgen.workspace.build_types import check_build_type
 from wsgen.workspace.package_uses import (
@@ -17,6 +22,7 @@ from wsgen.workspace.package_uses import (
     find_files,
     installed_places,
     read_uses,
+    unmentioned,
 )
 
 if TYPE_CHECKING:
@@ -75,6 +81,9 @@ def check_package_manifest(
         yield from check_required(
             manifest, build.required_packages, manifests=manifests, distro=distro
         )
+        candidates = may_be_unused(manifest, build, uses)
+        if candidates:
+            yield from unused_dependencies(manifest, unmentioned(folder, candidates))
 
 
 def _in_order(

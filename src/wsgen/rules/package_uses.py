@@ -9,14 +9,14 @@ from wsgen.launch.undeclared import UNDECLARED_PACKAGE, is_brought, listed, unde
 from wsgen.ros_names import released_packages
 from wsgen.suggestions import misspelled_as
 from wsgen.workspace.manifest import BUILD_TAGS, DEPENDENCY_TAGS, RUN_TAGS, TEST_TAGS
-from wsgen.workspace.package_uses import LAUNCH
+from wsgen.workspace.package_uses import CONTROLLER, LAUNCH, PLUGIN, is_for_code
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
-    from wsgen.model.build_facts import RequiredPackage
+    from wsgen.model.build_facts import BuildFacts, RequiredPackage
     from wsgen.workspace.manifest import Dependency, Manifest
     from wsgen.workspace.package_uses import PackageUse
 
@@ -37,9 +37,12 @@ UNDECLARED_DEPENDENCY = Rule(
     code="PKG085",
     name="undeclared-dependency",
     severity=Severity.WARNING,
-    summary="A robot or a Python node uses packages that `package.xml` does not declare.",
-    what="Looks for `package://` and `$(find ...)` in robots and worlds that are installed, and "
-    "for the modules of ROS that Python nodes import. Skips what another declared package brings.",
+    summary="A robot, a Python node or a file of parameters uses packages that `package.xml` does "
+    "not declare.",
+    what="Looks for `package://` and `$(find ...)` in robots and worlds that are installed, for "
+    "the modules of ROS that Python nodes import, and, where launch files of the package start "
+    "Gazebo or controllers, for Gazebo's plugins and the types of controllers. Skips what another "
+    "declared package brings.",
     why="`rosdep install` does not install them, so that the robot or the node fails on another "
     "machine.",
     example="from geometry_msgs.msg import Twist",
@@ -56,6 +59,28 @@ UNDECLARED_BUILD_DEPENDENCY = Rule(
     "know the order, and may build them too late.",
     example="find_package(sensor_msgs REQUIRED)",
     instead="<!-- package.xml -->\n<depend>sensor_msgs</depend>",
+)
+
+
+UNUSED_DEPENDENCY = Rule(
+    code="PKG086",
+    name="unused-dependency",
+    severity=Severity.INFO,
+    summary="No file of the package mentions a package that `package.xml` declares.",
+    what="Looks for the names of message packages and libraries of nodes in all files of a package "
+    "that installs more than its manifest.",
+    why="`rosdep install` installs it for nothing, and the reader looks for its use in vain. "
+    "Nothing fails.",
+    example="<depend>std_msgs</depend>  <!-- no file has std_msgs -->",
+    instead="Remove the element.",
+)
+
+# What starts Gazebo, in launch files.
+_SIMULATORS = frozenset(("gazebo_ros", "ros_gz_sim", "ros_ign_gazebo"))
+# One of these is enough: a robot often has plugins for several simulators.
+_ALTERNATIVES = (
+    frozenset(("gazebo_ros2_control", "gz_ros2_control", "ign_ros2_control")),
+    frozenset(("gazebo_plugins", "gazebo_ros_pkgs", "ros_gz_sim", "ros_gz", "ros_ign_gazebo")),
 )
 
 
@@ -82,7 +107,7 @@ def declared_by(
 
 def check_uses(
     manifest: Manifest,
-    uses: Iterable[PackageUse],
+    uses: Sequence[PackageUse],
     *,
     manifests: Mapping[str, Manifest],
     distro: str | None,
@@ -101,7 +126,7 @@ def check_uses(
     tested = manifest.test_dependencies
     missing: dict[Path, list[PackageUse]] = {}
     first: dict[str, PackageUse] = {}
-    for use in uses:
+    for use in _needed(uses, for_run):
         package = use.package
         if (
             package in {manifest.name, *first}
@@ -134,6 +159,56 @@ def _needs(package: str, name: str, manifests: Mapping[str, Manifest]) -> bool:
         return False
     tags = DEPENDENCY_TAGS - TEST_TAGS
     return name in declared_by(manifests, package, tags, None, further=tags)
+
+
+def _needed(uses: Sequence[PackageUse], declared: Collection[str]) -> Iterator[PackageUse]:
+    """The uses of what is surely needed.
+
+    Who starts Gazebo or the controllers from another package declares there what they load.
+    """
+    started = {use.package for use in uses if use.kind == LAUNCH}
+    for use in uses:
+        is_plugin, is_controller = use.kind == PLUGIN, use.kind == CONTROLLER
+        if is_plugin and (
+            not started & _SIMULATORS
+            or any(use.package in group and group & {*declared} for group in _ALTERNATIVES)
+        ):
+            continue
+        if is_controller and "controller_manager" not in started:
+            continue
+        yield use
+
+
+def may_be_unused(manifest: Manifest, build: BuildFacts, uses: Iterable[PackageUse]) -> set[str]:
+    """The packages that are declared and may be used by no file."""
+    found = {
+        one.name
+        for one in manifest.dependencies
+        if one.tag in {"depend", "build_depend", "exec_depend"}
+        and one.condition is None
+        and is_for_code(one.name)
+    }
+    found -= {use.package for use in uses}
+    found -= {one.name for one in build.required_packages}
+    has_more = any(
+        one.source is not None and one.source.name != "package.xml" for one in build.installed
+    )
+    return found if has_more or build.targets or build.python_packages else set()
+
+
+def unused_dependencies(manifest: Manifest, unmentioned: Collection[str]) -> Iterator[Diagnostic]:
+    """Report what no file mentions, together."""
+    those = [one for one in manifest.dependencies if one.name in unmentioned]
+    names = sorted({one.name for one in those})
+    if those:
+        yield UNUSED_DEPENDENCY.at(
+            manifest.file,
+            those[0].line,
+            names[0],
+            message=f"No file of the package mentions {listed(names)}, which package.xml declares.",
+            hint="Remove what is not needed: "
+            + " ".join(f"<{one.tag}>{one.name}</{one.tag}>" for one in those),
+        )
 
 
 def _undeclared(file: Path, uses: Sequence[PackageUse]) -> Diagnostic:

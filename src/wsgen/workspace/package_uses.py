@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 LAUNCH = "launch"  # a launch file looks it up or starts a program of it
 DESCRIPTION = "description"  # a robot or a world has files of it
 NODE = "node"  # a Python file imports it
+PLUGIN = "plugin"  # a robot or a world loads a plugin of it into Gazebo
+CONTROLLER = "controller"  # a file of parameters names a controller of it
 
 
 class PackageUse(NamedTuple):
@@ -34,7 +36,7 @@ class PackageUse(NamedTuple):
     package: str
     file: Path
     line: int  # 1-based
-    kind: str  # LAUNCH, DESCRIPTION or NODE
+    kind: str  # LAUNCH, DESCRIPTION, NODE, PLUGIN or CONTROLLER
 
 
 # Folders whose files nobody needs at run time.
@@ -43,7 +45,9 @@ NOT_RUN = frozenset(
 )
 DESCRIPTIONS = (".urdf", ".xacro", ".sdf", ".world", ".rviz")
 LAUNCH_MARKUP = ("launch.xml", "launch.yaml", "launch.yml")
+PARAMETERS = (".yaml", ".yml")
 NOT_NODES = frozenset(("setup.py", "conf.py", "conftest.py", "noxfile.py"))
+_READ = (".py", *DESCRIPTIONS, *LAUNCH_MARKUP, *PARAMETERS)
 SIZE_LIMIT = 2**20  # bytes of a file; worlds may be large, and name no package then
 
 
@@ -58,7 +62,7 @@ def find_files(folder: Path) -> Iterator[Path]:
             one for one in folders if not one.startswith(".") and one.lower() not in NOT_RUN
         )
         for base in sorted(files):
-            if base.endswith((".py", *DESCRIPTIONS, *LAUNCH_MARKUP)) and base not in NOT_NODES:
+            if base.endswith(_READ) and base not in NOT_NODES:
                 file = here / base
                 if irregular_kind(file) is None:
                     yield file
@@ -99,9 +103,15 @@ def _uses_in(file: Path, workspace: Collection[str]) -> Iterator[PackageUse]:
     elif file.name.endswith(LAUNCH_MARKUP):
         for package, line in looked_up_in_markup(without_comments(text)):
             yield PackageUse(package, file, line, LAUNCH)
+    elif file.name.endswith(PARAMETERS):
+        for package, line in _matches(_CONTROLLER_TYPE, text):
+            yield PackageUse(package, file, line, CONTROLLER)
     else:
-        for package, line in named_in_description(without_comments(text)):
+        text = without_comments(text)
+        for package, line in _matches(_IN_DESCRIPTION, text):
             yield PackageUse(package, file, line, DESCRIPTION)
+        for package, line in _plugins(text):
+            yield PackageUse(package, file, line, PLUGIN)
 
 
 def is_launch_file(file: Path) -> bool:
@@ -324,9 +334,24 @@ def looked_up_in_markup(text: str) -> Iterator[tuple[str, int]]:
         yield "xacro", text.count("\n", 0, found.start()) + 1
 
 
-def named_in_description(text: str) -> Iterator[tuple[str, int]]:
-    """The packages of which a robot or a world uses files, by line."""
-    yield from _matches(_IN_DESCRIPTION, text)
+# Controllers of ros2_control: `type: diff_drive_controller/DiffDriveController`.
+_CONTROLLER_TYPE = re.compile(
+    r"^[ \t]*type:[ \t]*[\"']?(\w+_(?:controllers?|broadcaster))/\w+", re.MULTILINE
+)
+_CONTROL_PLUGIN = re.compile(
+    r"\blib((?:gazebo|gz|ign)_ros2_control)(?:-system)?\.so\b"
+    r"|\b((?:gz|ign)_ros2_control)-system\b|>\s*((?:gazebo|gz|ign)_ros2_control)/\w+\s*<"
+)
+_CLASSIC_PLUGIN = re.compile(r"\blibgazebo_ros_(\w+)\.so\b")
+# Of gazebo_ros itself.
+_OF_GAZEBO_ROS = frozenset(("init", "factory", "force_system", "state", "properties", "node"))
+
+
+def _plugins(text: str) -> Iterator[tuple[str, int]]:
+    """The packages of which Gazebo loads plugins."""
+    yield from _matches(_CONTROL_PLUGIN, text)
+    for name, line in _matches(_CLASSIC_PLUGIN, text):
+        yield "gazebo_ros" if name in _OF_GAZEBO_ROS else "gazebo_plugins", line
 
 
 def _matches(pattern: re.Pattern[str], text: str) -> Iterator[tuple[str, int]]:
@@ -345,3 +370,49 @@ def installed_places(build: BuildFacts | None) -> frozenset[Path] | None:
         *(one.source for one in build.python_packages),
     )
     return frozenset(type(one)(os.path.realpath(one)) for one in sources if one is not None)
+
+
+# Packages that nothing but code uses; others may be declared for who starts something by hand.
+_CLIENTS = frozenset(("cv_bridge", "image_transport", "pcl_conversions", "rclcpp", "rclpy"))
+# What generates messages and actions needs them, and names them nowhere.
+_OF_ACTIONS = frozenset(
+    ("action_msgs", "builtin_interfaces", "service_msgs", "unique_identifier_msgs")
+)
+_TEXTS = frozenset(
+    (
+        *(".c", ".cc", ".cfg", ".cmake", ".cpp", ".cxx", ".em", ".h", ".hh", ".hpp", ".hxx"),
+        *(".action", ".idl", ".in", ".ipp", ".json", ".launch", ".msg", ".py", ".rs", ".rviz"),
+        *(".sdf", ".sh", ".srv", ".toml", ".tpp", ".txt", ".urdf", ".world", ".xacro", ".xml"),
+        *(".yaml", ".yml"),
+    )
+)
+_MOST_FILES = 200  # to read for what may be unused
+
+
+def is_for_code(package: str) -> bool:
+    """Whether only code uses a package: messages and libraries of nodes."""
+    return package in _CLIENTS or (
+        package.endswith(MESSAGES)
+        and package not in _OF_ACTIONS
+        and not package.endswith("hardware_interfaces")
+    )
+
+
+def unmentioned(folder: Path, names: Collection[str]) -> frozenset[str]:
+    """The names that no file of a package has, package.xml aside; none where that is not sure."""
+    left = set(names)
+    count = 0
+    for place, folders, files in os.walk(folder):
+        folders[:] = [one for one in folders if not one.startswith(".")]
+        for base in files:
+            file = type(folder)(place, base)
+            if not left or (base == "package.xml" and file.parent == folder):
+                continue
+            if file.suffix and file.suffix not in _TEXTS:
+                continue
+            count += 1
+            text = read_text(file) if count <= _MOST_FILES else None
+            if text is None:
+                return frozenset()
+            left = {name for name in left if name not in text}
+    return frozenset(left)
