@@ -50,6 +50,7 @@ def check(
         ("depend", "nodelet", "PKG071", "Write <depend>rclcpp_components</depend>."),
         ("depend", "dynamic_reconfigure", "PKG071", "Remove <depend>dynamic_reconfigure</depend>"),
         ("exec_depend", "numpy", "PKG072", "Write <exec_depend>python3-numpy</exec_depend>."),
+        ("depend", "rclpy_action", "PKG072", "Write <depend>rclpy</depend>."),
         ("exec_depend", "cv2", "PKG072", "Write <exec_depend>python3-opencv</exec_depend>."),
         ("exec_depend", "python-numpy", "PKG072", "Write <exec_depend>python3-numpy<"),
         ("buildtool_depend", "ament_python", "PKG073", "Remove <buildtool_depend>ament_python<"),
@@ -125,6 +126,10 @@ def test_conditions_resolve_a_conflict() -> None:
         )
         == []
     )
+
+
+def test_old_packages_may_be_cloned() -> None:
+    assert check(("depend", "moveit_py"), ("depend", "dsr_msgs2")) == []
 
 
 def test_common_distros() -> None:

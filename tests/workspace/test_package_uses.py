@@ -24,7 +24,7 @@ from wsgen.workspace.package_uses import (
 if TYPE_CHECKING:
     from pathlib import Path
 
-WORKSPACE = frozenset({"my_robot", "arm_tools"})
+WORKSPACE = frozenset({"my_robot", "arm_tools", "arm"})
 IMPORTS = """\
 from ament_index_python.packages import get_package_share_directory
 from launch.substitutions import Command, FindExecutable
@@ -120,6 +120,7 @@ def test_robots_and_worlds(tmp_path: Path) -> None:
         ("import my_own_msgs", None),
         ("from . import geometry_msgs", None),
         ("from beside_msgs import words", None),
+        ("from arm.geometry import Pose", None),
         ("try:\n    import rclpy\nexcept ImportError:\n    rclpy = None", None),
         ("if TYPE_CHECKING:\n    import rclpy", None),
     ],

@@ -89,9 +89,9 @@ CONFLICTING_DEPENDENCIES = Rule(
     name="conflicting-dependencies",
     severity=Severity.WARNING,
     summary="No ROS distribution has all dependencies of the package.",
-    what="Compares the distributions that dependencies without a condition are released for.",
-    why="`rosdep install` fails on every distribution. Often one of them belongs to Gazebo "
-    "Classic, and another one to a later distribution.",
+    what="Looks for a package of Gazebo Classic or Ignition beside one that only other "
+    "distributions have, both without a condition.",
+    why="`rosdep install` fails on every distribution.",
     example="<exec_depend>gazebo_ros</exec_depend>\n<exec_depend>gz_sim_vendor</exec_depend>",
     instead="<exec_depend>ros_gz_sim</exec_depend>\n<exec_depend>gz_sim_vendor</exec_depend>",
 )
@@ -167,6 +167,8 @@ KEYS = {
     "pyserial": "python3-serial",
     "pyyaml": "python3-yaml",
     "qt5": "qtbase5-dev",
+    "rclpy_action": "rclpy",
+    "rclpy_lifecycle": "rclpy",
     "scikit-learn": "python3-sklearn",
     "yaml_cpp": "yaml-cpp",
 }
@@ -353,7 +355,12 @@ def _conflicting(manifest: Manifest, counting: Iterable[Dependency]) -> Iterator
         if common_distros(other.name for other in needed[: place + 1]):
             continue
         other = next(
-            (other for other in needed[:place] if not common_distros((other.name, one.name))),
+            (
+                other
+                for other in needed[:place]
+                if {other.name, one.name} & FOR_GAZEBO_SIM.keys()
+                and not common_distros((other.name, one.name))
+            ),
             None,
         )
         if other is None:

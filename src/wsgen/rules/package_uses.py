@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.launch.undeclared import UNDECLARED_PACKAGE, is_brought, listed, undeclared
-from wsgen.ros_names import released_packages
+from wsgen.ros_names import cmake_packages, released_packages
+from wsgen.rules.manifests import GENERATORS
 from wsgen.suggestions import misspelled_as
 from wsgen.workspace.manifest import BUILD_TAGS, DEPENDENCY_TAGS, RUN_TAGS, TEST_TAGS
 from wsgen.workspace.package_uses import CONTROLLER, LAUNCH, PLUGIN, is_for_code
@@ -52,9 +53,9 @@ UNDECLARED_BUILD_DEPENDENCY = Rule(
     code="PKG087",
     name="undeclared-build-dependency",
     severity=Severity.WARNING,
-    summary="CMakeLists.txt requires packages that `package.xml` does not declare for the build.",
-    what="Compares `find_package(NAME REQUIRED)` of packages of ROS and of the workspace with "
-    "`<depend>`, `<build_depend>` and `<buildtool_depend>`.",
+    summary="CMakeLists.txt requires packages that `package.xml` does not declare.",
+    what="Compares `find_package(NAME REQUIRED)` of packages of ROS and of the workspace with all "
+    "dependencies. Skips what another declared package brings.",
     why="`rosdep install` does not install them. Of packages of the workspace, `colcon` does not "
     "know the order, and may build them too late.",
     example="find_package(sensor_msgs REQUIRED)",
@@ -257,6 +258,8 @@ def check_required(
     declared = declared_by(manifests, manifest.name, BUILD_TAGS, distro)
     any_tag = manifest.names(DEPENDENCY_TAGS, distro)
     known = released_packages()
+    # Libraries that other dependencies may bring, and what a package of messages must declare.
+    libraries = {*cmake_packages(), *GENERATORS}
     missing: dict[str, RequiredPackage] = {}
     for one in required:
         if (
@@ -265,7 +268,8 @@ def check_required(
             and one.name != manifest.name
             and not one.name.startswith("ament_")
             and (one.name in known or one.name in manifests)
-            and one.name not in declared
+            and one.name not in libraries
+            and one.name not in declared | any_tag
             and not is_brought(one.name, declared)
             and not _needs(one.name, manifest.name, manifests)
         ):
@@ -274,12 +278,10 @@ def check_required(
         return
     first = min(missing.values(), key=lambda one: one.line)
     names = sorted(missing)
-    tags = {name: "build_depend" if name in any_tag else "depend" for name in names}
-    lines = " ".join(f"<{tags[name]}>{name}</{tags[name]}>" for name in names)
+    lines = " ".join(f"<depend>{name}</depend>" for name in names)
     yield UNDECLARED_BUILD_DEPENDENCY.at(
         first.file,
         first.line,
-        message=f"package.xml does not declare {listed(names)} for the build, which "
-        f"{first.file.name} requires.",
+        message=f"package.xml does not declare {listed(names)}, which {first.file.name} requires.",
         hint=f"Add to package.xml: {lines}",
     )

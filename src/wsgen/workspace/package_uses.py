@@ -139,8 +139,9 @@ def _uses_of_python(
 
 
 def _is_beside(module: str, file: Path) -> bool:
+    """Whether a module is one of the package itself."""
     place = file.parent / module
-    return place.is_dir() or place.with_suffix(".py").is_file()
+    return module in file.parts[:-1] or place.is_dir() or place.with_suffix(".py").is_file()
 
 
 def _is_in(file: Path, places: Collection[Path]) -> bool:
@@ -195,7 +196,7 @@ MESSAGES = ("_msgs", "_interfaces", "_srvs", "_msg", "_actions")
 
 def package_of_module(module: str, workspace: Collection[str]) -> str | None:
     """The package that surely has a Python module; None for modules of Python, PyPI and others."""
-    if module in workspace:
+    if module in workspace and module not in OTHER_MODULES:
         return module
     package = OTHER_MODULES.get(module, module)
     if module in MODULES or module in OTHER_MODULES or module.endswith(MESSAGES):
