@@ -23,8 +23,8 @@ def misspelled_as(name: str, known: Iterable[str]) -> str | None:
     """The known name of which this one surely is a misspelling; None if it may be another name.
 
     Words are what `_` and `-` separate. The names differ in that alone, or in one letter of a word,
-    two of a long one, but never in the first; digits are no typing mistakes, and short words mean
-    something else.
+    two of a long one, but never in the first of all; digits are no typing mistakes, and short words
+    with other letters mean something else.
     """
     near = {
         other
@@ -39,6 +39,7 @@ def misspelled_as(name: str, known: Iterable[str]) -> str | None:
 
 LONG_ENOUGH = 4  # letters of a word that a typing mistake leaves recognizable
 LONG = 9
+SHORT = 3
 MOST_MISTAKES = 2  # words with a mistake, or letters of a long word
 
 
@@ -50,11 +51,16 @@ def _is_misspelled(name: str, other: str) -> bool:
         return False
     differing = [pair for pair in zip(words, others, strict=True) if pair[0] != pair[1]]
     return len(differing) <= MOST_MISTAKES and all(
-        min(len(word), len(meant)) >= LONG_ENOUGH
+        (min(len(word), len(meant)) >= LONG_ENOUGH or _is_swapped(word, meant))
         and word.strip("abcdefghijklmnopqrstuvwxyz") == meant.strip("abcdefghijklmnopqrstuvwxyz")
         and mistakes_between(word, meant) <= (MOST_MISTAKES if len(meant) >= LONG else 1)
         for word, meant in differing
     )
+
+
+def _is_swapped(word: str, meant: str) -> bool:
+    """Whether a short word has the letters of another one: `ors` for `ros`."""
+    return len(meant) == SHORT and sorted(word) == sorted(meant)
 
 
 def _words(name: str) -> list[str]:

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import re
+import shutil
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
 
+from wsgen.build_files.facts import read_build_facts
 from wsgen.pipeline.check import CheckRequest, check
+from wsgen.pipeline.check_manifest import check_package_manifest
+from wsgen.workspace.layout import read_package
 
 if TYPE_CHECKING:
-    from pathlib import Path
+    from wsgen.diagnostics import Diagnostic
 
 MANIFEST = """\
 <package format="3">
@@ -129,3 +135,46 @@ def test_mistakes(
     file: str, change: tuple[str, str], code: str, place: tuple[str, int | None], tmp_path: Path
 ) -> None:
     assert codes(tmp_path, **{file: change})[code] == place
+
+
+GOLDEN = Path(__file__).parents[1] / "golden"
+# What brings them: ros2 launch, gz_ros2_control, ros2_controllers, joint_state_publisher_gui.
+BROUGHT = {"launch", "launch_ros", "ros2launch", "controller_manager", "joint_state_publisher"}
+INSTEAD = {"ros2_controllers": "joint_trajectory_controller"}
+
+
+def check_text(package: Path, folder: Path, text: str) -> list[Diagnostic]:
+    """What is reported of a package with another package.xml, without evaluating launch files."""
+    copy = folder / "copy" / package.name
+    shutil.copytree(package, copy)
+    (copy / "package.xml").write_text(text)
+    read = read_package(copy)
+    assert read is not None
+    build, _ = read_build_facts(copy, read.name, read.build_type)
+    found = check_package_manifest(
+        read, build=build, plans=(), packages={read.name: read}, distro=None
+    )
+    reported = [*found]
+    shutil.rmtree(copy)
+    return reported
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "golden", ["simple-iron-classic", "simple-jazzy-gz", "diff_drive-jazzy-gz", "arm-jazzy-gz"]
+)
+def test_each_dependency_of_a_generated_package(golden: str, tmp_path: Path) -> None:
+    (file,) = (GOLDEN / golden).rglob("package.xml")
+    text = file.read_text()
+    assert check_text(file.parent, tmp_path, text) == []
+    for element in re.finditer(r"\n *<exec_depend>([\w-]+)</exec_depend>", text):
+        name = element[1]
+        missing = check_text(file.parent, tmp_path, text.replace(element[0], ""))
+        hints = " ".join(one.hint or "" for one in missing)
+        assert name in BROUGHT or f"<exec_depend>{INSTEAD.get(name, name)}</exec" in hints, name
+        letters = [*name]
+        letters[-2:-4:-1] = letters[-3:-1]  # two letters swapped
+        misspelled = "".join(letters) if letters != [*name] else f"{name[:-1]}"
+        line = text.count("\n", 0, element.end()) + 1
+        found = check_text(file.parent, tmp_path, text.replace(f">{name}<", f">{misspelled}<", 1))
+        assert [one for one in found if one.line == line and one.code in {"PKG068", "PKG069"}]

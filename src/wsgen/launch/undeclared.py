@@ -40,7 +40,7 @@ BROUGHT = {
     "gazebo_ros2_control": "controller_manager|hardware_interface|gazebo_ros",
     "gazebo_ros_pkgs": "gazebo_(?:ros|plugins|msgs|dev)",
     "geometry_msgs": "std_msgs|builtin_interfaces",
-    "gz_ros2_control": "controller_manager|hardware_interface|ros_gz_sim",
+    "gz_ros2_control": "controller_manager|hardware_interface",
     "hardware_interface": "pluginlib|rclcpp|rclcpp_lifecycle|control_msgs|lifecycle_msgs",
     "ign_ros2_control": "controller_manager|hardware_interface|gz_ros2_control",
     "image_transport": "sensor_msgs|message_filters|rclcpp|pluginlib",

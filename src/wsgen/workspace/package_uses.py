@@ -43,7 +43,7 @@ class PackageUse(NamedTuple):
 NOT_RUN = frozenset(
     ("test", "tests", "doc", "docs", "build", "install", "log", "__pycache__", "node_modules")
 )
-DESCRIPTIONS = (".urdf", ".xacro", ".sdf", ".world", ".rviz")
+DESCRIPTIONS = (".urdf", ".xacro", ".gazebo", ".ros2_control", ".sdf", ".world", ".rviz")
 LAUNCH_MARKUP = ("launch.xml", "launch.yaml", "launch.yml")
 PARAMETERS = (".yaml", ".yml")
 NOT_NODES = frozenset(("setup.py", "conf.py", "conftest.py", "noxfile.py"))
