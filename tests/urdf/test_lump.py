@@ -159,6 +159,13 @@ def test_massless_scenery_of_an_arm_is_dropped_with_a_warning() -> None:
     assert [(one.code, one.severity) for one in found] == [("ROB040", Severity.WARNING)]
 
 
+def test_massless_scenery_that_is_all_there_is_is_refused() -> None:
+    links = [body("world", None), body("plate", None)]
+    _, found = lump(robot(links, [fixed("world", "plate")], fixed_to_world=True))
+    assert [(one.code, one.severity) for one in found] == [("ROB040", Severity.ERROR)]
+    assert found[0].message.endswith("No link is left, and Gazebo refuses the robot.")
+
+
 @pytest.mark.parametrize("mass", [None, 0.0])
 def test_root_without_mass_is_refused(mass: float | None) -> None:
     lumped, found = lump(robot([body("a", mass), body("b")], [turning("a", "b")]))

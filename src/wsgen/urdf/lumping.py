@@ -633,9 +633,12 @@ def _report_dropped(
     robot: Robot, bodies: Mapping[str, Body], names: Sequence[str], file: Path | None
 ) -> Iterator[Diagnostic]:
     """What Gazebo drops; blamed is the link that was surely meant to have mass."""
+    is_all = set(names) >= bodies.keys() - {WORLD}
     for name in names:
         blamed = _lacks_mass(bodies[name])
         message = _dropped_message(robot, bodies, name, blamed)
+        if is_all and name != robot.root:
+            message += " No link is left, and Gazebo refuses the robot."
         yield DROPPED_LINK.at(
             file,
             blamed.line,
@@ -647,7 +650,7 @@ def _report_dropped(
                 if blamed.name == name
                 else "."
             ),
-            severity=Severity.WARNING if _is_scenery(bodies, name) else None,
+            severity=Severity.WARNING if _is_scenery(bodies, name) and not is_all else None,
         )
 
 
