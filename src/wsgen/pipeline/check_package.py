@@ -23,6 +23,7 @@ from wsgen.launch.simulators import NO_SIMULATOR
 from wsgen.launch.spawner_options import INVALID_SPAWNER_OPTION
 from wsgen.launch.undeclared import UNDECLARED_PACKAGE
 from wsgen.pipeline.candidates import Candidate, LaunchFile, simulation_of, with_descriptions
+from wsgen.pipeline.check_controllers import check_controlled
 from wsgen.pipeline.check_launched import (
     check_launched,
     check_texts,
@@ -168,6 +169,7 @@ class PackageCheck:
             packages=self.installed.sources,
             distro=facts.distro,
         )
+        yield from check_controlled(((one.written, one.file) for one in facts.robots), facts.plans)
 
     def _evaluate(self) -> list[Candidate]:
         """The launch files of the package, evaluated with their defaults."""

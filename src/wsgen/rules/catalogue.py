@@ -65,6 +65,7 @@ MODULES = (
     "wsgen.rules.behaviors",
     "wsgen.rules.bridges",
     "wsgen.rules.catalogue",
+    "wsgen.rules.controller_joints",
     "wsgen.rules.controllers",
     "wsgen.rules.dependencies",
     "wsgen.rules.joint_limits",

@@ -202,6 +202,11 @@ def unknown_controllers(plan: LaunchPlan, configured: Configured | None) -> Iter
             )
 
 
+def started_controllers(plan: LaunchPlan) -> Iterator[str]:
+    """The names of the controllers that a plan starts."""
+    yield from (name for _, name in _started(plan))
+
+
 def _started(plan: LaunchPlan) -> Iterator[tuple[Process, str]]:
     """The controllers that spawners and commands start, without those that bring their type."""
     for program in started_programs(plan):

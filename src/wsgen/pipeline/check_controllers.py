@@ -1,0 +1,50 @@
+"""Compare the robots of a package with the parameters that Gazebo's plugin gives to controllers."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from wsgen import yamlfile
+from wsgen.rules.controller_joints import Controlled, check_controllers, missing_controller_file
+from wsgen.rules.controllers import started_controllers
+from wsgen.rules.ros2_control import control_plugins
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.model.plan import LaunchPlan
+    from wsgen.model.robot import Robot
+
+
+def check_controlled(
+    robots: Iterable[tuple[Robot, Path | None]], plans: Iterable[LaunchPlan]
+) -> Iterator[Diagnostic]:
+    """Check the files of parameters that the plugins of the robots name.
+
+    `robots` are those of a package, as written, with the files that describe them.
+    """
+    started = {name for plan in plans for name in started_controllers(plan)}
+    # A robot may have parts that only some launch files give it.
+    of_file: dict[Path, list[Robot]] = {}
+    for robot, file in robots:
+        for plugin in control_plugins(robot.gazebo):
+            for text in plugin.values.get("parameters", ()):
+                path = Path(text)
+                if not path.is_absolute() or "$" in text:
+                    continue
+                if path not in of_file and not path.is_file():
+                    folder = path.parent
+                    beside = [one.name for one in folder.iterdir()] if folder.is_dir() else []
+                    yield missing_controller_file(plugin, path, beside, file)
+                of_file.setdefault(path, []).append(robot)
+    for path, users in of_file.items():
+        content = yamlfile.load(path)
+        if isinstance(content, yamlfile.Value):
+            controlled = Controlled(
+                joints=[joint for robot in users for joint in robot.joints],
+                controls=[system for robot in users for system in robot.controls],
+                started=started,
+            )
+            yield from check_controllers(content, controlled, path)

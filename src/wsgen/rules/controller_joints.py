@@ -1,0 +1,282 @@
+"""Rules about the parameters of controllers, compared with the robot that they control.
+
+The parameters of a check are facts; a check yields what it reports. What a controller claims is in
+the parameter files of ros2_controllers.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, NamedTuple
+
+from wsgen.diagnostics import Rule, Severity
+from wsgen.suggestions import did_you_mean, nearest, some_of
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterator, Sequence
+    from pathlib import Path
+
+    from wsgen import yamlfile
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.model.control import ControlSystem
+    from wsgen.model.robot import Joint, Plugin
+
+
+MANAGER = "controller_manager"
+MOST_LEVELS = 8  # of namespaces
+NAME = re.compile(r"[\w.-]+")  # of a joint; not of an interface of another controller
+
+
+class Claim(NamedTuple):
+    """What a type of controllers takes of the joints that one of its parameters names."""
+
+    parameter: str
+    command: str | None = None  # an interface; None: what `interfaces` lists, or none
+    interfaces: str = ""  # the parameter that lists them
+    states: str = ""  # likewise, of state interfaces
+
+
+WHEELS = (Claim("left_wheel_names", "velocity"), Claim("right_wheel_names", "velocity"))
+CLAIMS: dict[str, tuple[Claim, ...]] = {
+    "joint_trajectory_controller/JointTrajectoryController": (
+        Claim("joints", interfaces="command_interfaces", states="state_interfaces"),
+    ),
+    "forward_command_controller/ForwardCommandController": (
+        Claim("joints", interfaces="interface_name"),
+    ),
+    "position_controllers/JointGroupPositionController": (Claim("joints", "position"),),
+    "velocity_controllers/JointGroupVelocityController": (Claim("joints", "velocity"),),
+    "effort_controllers/JointGroupEffortController": (Claim("joints", "effort"),),
+    "position_controllers/GripperActionController": (Claim("joint", "position"),),
+    "effort_controllers/GripperActionController": (Claim("joint", "effort"),),
+    "parallel_gripper_action_controller/GripperActionController": (Claim("joint", "position"),),
+    "diff_drive_controller/DiffDriveController": WHEELS,
+    "tricycle_controller/TricycleController": (
+        Claim("traction_joint_name", "velocity"),
+        Claim("steering_joint_name", "position"),
+    ),
+    "joint_state_broadcaster/JointStateBroadcaster": (Claim("joints"),),
+}
+# Without these the controller cannot be configured.
+NEEDED = {
+    "joint_trajectory_controller/JointTrajectoryController": ("joints", "command_joints"),
+    "forward_command_controller/ForwardCommandController": ("joints",),
+    "position_controllers/JointGroupPositionController": ("joints",),
+    "velocity_controllers/JointGroupVelocityController": ("joints",),
+    "effort_controllers/JointGroupEffortController": ("joints",),
+    "diff_drive_controller/DiffDriveController": ("left_wheel_names",),
+}
+
+
+class Controlled(NamedTuple):
+    """A robot, as far as controllers see it."""
+
+    joints: Sequence[Joint]
+    controls: Sequence[ControlSystem]
+    started: Collection[str]  # names of the controllers that a launch file starts
+
+
+MISSING_CONTROLLER_FILE = Rule(
+    code="ROB110",
+    name="missing-controller-file",
+    severity=Severity.ERROR,
+    summary="Gazebo's plugin for ros2_control names a file of parameters that does not exist.",
+    what="Looks the path in `<parameters>` up in what is installed.",
+    why="The controller manager does not start: Gazebo's plugin cannot read its parameters, and "
+    "spawners wait without end.",
+    example="<parameters>$(find my_robot)/config/controler.yaml</parameters>",
+    instead="<parameters>$(find my_robot)/config/controllers.yaml</parameters>",
+)
+
+
+def missing_controller_file(
+    plugin: Plugin, path: Path, beside: Collection[str], file: Path | None
+) -> Diagnostic:
+    """Report a file of parameters that is not there; `beside` are the names in its folder."""
+    near = nearest(path.name, beside)
+    return MISSING_CONTROLLER_FILE.at(
+        file,
+        plugin.line,
+        f"gazebo/plugin[@filename='{plugin.filename}']/parameters",
+        message=f"The file of parameters `{path}` does not exist.",
+        hint=did_you_mean(near)
+        if near
+        else f"Create it, and install the folder `{path.parent.name}` in CMakeLists.txt or "
+        "setup.py.",
+    )
+
+
+UNKNOWN_CONTROLLER_JOINT = Rule(
+    code="ROB111",
+    name="unknown-controller-joint",
+    severity=Severity.ERROR,
+    severity_varies="a warning about a controller that no launch file of the package starts",
+    summary="The parameters of a controller name a joint that the robot does not have.",
+    what="Reads the file that Gazebo's plugin for ros2_control names in `<parameters>`.",
+    why="The controller cannot claim the interfaces of the joint, and does not start.",
+    example="""
+diff_drive_controller:
+  ros__parameters:
+    left_wheel_names: [wheel_left_joint]  # the robot has left_wheel_joint
+""",
+    instead="""
+diff_drive_controller:
+  ros__parameters:
+    left_wheel_names: [left_wheel_joint]
+""",
+)
+
+UNAVAILABLE_INTERFACE = Rule(
+    code="ROB112",
+    name="unavailable-interface",
+    severity=Severity.ERROR,
+    severity_varies="a warning about a controller that no launch file of the package starts",
+    summary="A controller claims an interface that `<ros2_control>` does not have.",
+    what="Compares the joints and interfaces of the controllers of ros2_controllers with the "
+    "`<joint>` elements of `<ros2_control>`.",
+    why="The controller manager refuses to activate the controller.",
+    example="""
+<joint name="left_wheel_joint"><command_interface name="position"/></joint>
+# and a diff_drive_controller, which commands velocities
+""",
+    instead="""
+<joint name="left_wheel_joint"><command_interface name="velocity"/></joint>
+# and a diff_drive_controller, which commands velocities
+""",
+)
+
+CONTROLLER_WITHOUT_PARAMETERS = Rule(
+    code="ROB113",
+    name="controller-without-parameters",
+    severity=Severity.WARNING,
+    summary="A controller has a type but not the parameters that it needs.",
+    what="Looks for controllers of types that need joints, and for which the file of parameters "
+    "that gives the type has none.",
+    why="The controller cannot be configured: the spawner ends with an error.",
+    example="""
+controller_manager:
+  ros__parameters:
+    arm_controller:
+      type: joint_trajectory_controller/JointTrajectoryController
+""",
+    instead="""
+controller_manager:
+  ros__parameters:
+    arm_controller:
+      type: joint_trajectory_controller/JointTrajectoryController
+arm_controller:
+  ros__parameters:
+    joints: [shoulder, elbow]
+    command_interfaces: [position]
+    state_interfaces: [position, velocity]
+""",
+)
+
+
+def check_controllers(
+    content: yamlfile.Value, robot: Controlled, file: Path
+) -> Iterator[Diagnostic]:
+    """Check a file of parameters against the robot of which Gazebo's plugin reads it."""
+    sections = list(_sections(content))
+    types = dict(_types(sections))
+    for name, (kind, line) in types.items():
+        own = [values for full, values in sections if full.rpartition("/")[2] == name]
+        needed = NEEDED.get(kind, ())
+        if needed and not any(values.get(key) for values in own for key in needed):
+            yield CONTROLLER_WITHOUT_PARAMETERS.at(
+                file,
+                line,
+                name,
+                message=f"The controller `{name}` has the type `{kind}`, but no parameter "
+                f"`{needed[0]}`.",
+                hint=f"Add `{name}: ros__parameters: {needed[0]}:` with the names of its joints.",
+            )
+        severity = None if name in robot.started else Severity.WARNING
+        for values in own:
+            for claim in CLAIMS.get(kind, ()):
+                yield from _claimed(name, claim, values, robot, file, severity)
+
+
+def _claimed(  # noqa: PLR0913, PLR0917  a controller, and what it is compared with
+    name: str,
+    claim: Claim,
+    values: yamlfile.Value,
+    robot: Controlled,
+    file: Path,
+    severity: Severity | None,
+) -> Iterator[Diagnostic]:
+    names = list(dict.fromkeys(joint.name for joint in robot.joints))
+    listed = values.get(claim.parameter)
+    commands = [claim.command] if claim.command else _words(values.get(claim.interfaces))
+    states = _words(values.get(claim.states))
+    own_commands = _words(values.get("command_joints"))
+    for value in () if listed is None else (listed.elements() or (listed,)):
+        joint = value.text
+        if not joint or not NAME.fullmatch(joint):
+            continue
+        place = f"{name}.{claim.parameter}"
+        if joint not in names:
+            near = nearest(joint, names)
+            yield UNKNOWN_CONTROLLER_JOINT.at(
+                file,
+                value.line,
+                place,
+                message=f"The controller `{name}` names the joint `{joint}`, which the robot does "
+                "not have.",
+                hint=did_you_mean(near) if near else f"Joints: {some_of(names)}.",
+                severity=severity,
+            )
+            continue
+        parts = [part for one in robot.controls for part in one.joints if part.name == joint]
+        claimed = (
+            (
+                "command",
+                [] if own_commands else commands,
+                [one for p in parts for one in p.commands],
+            ),
+            ("state", states, [one for part in parts for one in part.states]),
+        )
+        for kind, wanted, offered in claimed:
+            lacking = [one for one in wanted if one not in offered]
+            if not lacking or not robot.controls:
+                continue
+            what = f"no {kind} interface `{lacking[0]}`" if parts else "no <joint>"
+            yield UNAVAILABLE_INTERFACE.at(
+                file,
+                value.line,
+                place,
+                message=f"The controller `{name}` claims `{joint}/{lacking[0]}`, but "
+                f"<ros2_control> has {what}" + ("." if parts else f" `{joint}`."),
+                hint=f'Add <{kind}_interface name="{lacking[0]}"/> to <joint name="{joint}"> in '
+                "<ros2_control>, or correct the parameters of the controller.",
+                severity=severity,
+            )
+            break
+
+
+def _words(value: yamlfile.Value | None) -> list[str]:
+    if value is None:
+        return []
+    return [one.text for one in value.elements() or (value,) if one.text]
+
+
+def _sections(
+    value: yamlfile.Value, name: str = "", level: int = 0
+) -> Iterator[tuple[str, yamlfile.Value]]:
+    """The parameters of nodes, by their full names."""
+    for key, inner in value.items():
+        if key == "ros__parameters":
+            yield name, inner
+        elif level < MOST_LEVELS:
+            yield from _sections(inner, f"{name}/{key.strip('/')}", level + 1)
+
+
+def _types(
+    sections: Sequence[tuple[str, yamlfile.Value]],
+) -> Iterator[tuple[str, tuple[str, int]]]:
+    for full, values in sections:
+        if full.rpartition("/")[2] == MANAGER:
+            for name, value in values.items():
+                kind = value.get("type")
+                if kind is not None and kind.text:
+                    yield name, (kind.text, kind.line)

@@ -1,0 +1,108 @@
+"""The rules over the parameters of controllers, each with its facts and no files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from wsgen import yamlfile
+from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.model.control import ControlledPart, ControlSystem
+from wsgen.model.robot import Joint, JointType, Plugin
+from wsgen.rules.controller_joints import Controlled, check_controllers, missing_controller_file
+
+FILE = Path("controllers.yaml")
+MANAGER = """\
+controller_manager:
+  ros__parameters:
+    update_rate: 100
+    arm:
+      type: joint_trajectory_controller/JointTrajectoryController
+    states:
+      type: joint_state_broadcaster/JointStateBroadcaster
+    drive: {type: diff_drive_controller/DiffDriveController}
+"""
+SOUND = f"""{MANAGER}
+arm:
+  ros__parameters:
+    joints:
+      - shoulder
+      - elbow
+    command_interfaces: [position]
+    state_interfaces: [position, velocity]
+/ns/drive:
+  ros__parameters:
+    left_wheel_names: [left]
+    right_wheel_names: ["right"]
+"""
+PARTS = (
+    ControlledPart(
+        kind="joint", name="shoulder", commands=("position",), states=("position", "velocity")
+    ),
+    ControlledPart(
+        kind="joint", name="elbow", commands=("position",), states=("position", "velocity")
+    ),
+    ControlledPart(kind="joint", name="left", commands=("velocity",)),
+    ControlledPart(kind="joint", name="right", commands=("velocity",)),
+)
+JOINTS = tuple(
+    Joint(name=name, type=JointType.CONTINUOUS, parent="a", child="b")
+    for name in ("shoulder", "elbow", "left", "right", "free")
+)
+ROBOT = Controlled(
+    joints=JOINTS,
+    controls=(ControlSystem(name="all", kind="system", hardware="x/Y", parts=PARTS),),
+    started=("arm", "drive"),
+)
+
+
+def check(text: str, robot: Controlled = ROBOT) -> list[Diagnostic]:
+    content = yamlfile.parse(text)
+    assert isinstance(content, yamlfile.Value)
+    return list(check_controllers(content, robot, FILE))
+
+
+def test_sound_parameters_are_silent() -> None:
+    assert not check(SOUND)
+    assert not check(SOUND, ROBOT._replace(controls=()))
+    assert not check(SOUND.replace("- elbow", "- pid_controller/elbow"))
+    own = SOUND.replace("state_interfaces:", "command_joints: [pid/elbow]\n    state_interfaces:")
+    assert not check(own.replace("command_interfaces: [position]", "command_interfaces: [x]"))
+    assert not check("a: [1, 2]")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "code", "line"),
+    [
+        ("- elbow", "- elbwo", "ROB111", 14),
+        ("[left]", "[left_wheel]", "ROB111", 19),
+        ("- elbow", "- free", "ROB112", 14),
+        ("command_interfaces: [position]", "command_interfaces: [effort]", "ROB112", 13),
+        ("[position, velocity]", "[position, effort]", "ROB112", 13),
+        ('["right"]', "[shoulder]", "ROB112", 20),
+        ("left_wheel_names", "left_wheels", "ROB113", 8),
+    ],
+)
+def test_a_mistake(old: str, new: str, code: str, line: int) -> None:
+    assert old in SOUND
+    found = check(SOUND.replace(old, new))
+    assert (found[0].code, found[0].line) == (code, line)
+    expected = Severity.WARNING if code == "ROB113" else Severity.ERROR
+    assert found[0].severity is expected
+    assert found[0].hint
+
+
+def test_what_no_launch_file_starts_may_be_for_another_robot() -> None:
+    wrong = SOUND.replace("- elbow", "- elbwo")
+    (found,) = check(wrong, ROBOT._replace(started=()))
+    assert (found.code, found.severity) == ("ROB111", Severity.WARNING)
+
+
+def test_a_file_that_is_missing() -> None:
+    plugin = Plugin("gz_ros2_control-system", {}, "x", 5)
+    path = Path("/share/arm/config/controler.yaml")
+    found = missing_controller_file(plugin, path, ["controllers.yaml"], Path("arm.urdf"))
+    assert (found.code, found.line, found.hint) == ("ROB110", 5, "Did you mean `controllers.yaml`?")
+    found = missing_controller_file(plugin, path, [], Path("arm.urdf"))
+    assert "`config`" in (found.hint or "")
