@@ -79,6 +79,7 @@ def test_sound_parameters_are_silent() -> None:
         ("[left]", "[left_wheel]", "ROB111", 19),
         ("- elbow", "- free", "ROB112", 14),
         ("command_interfaces: [position]", "command_interfaces: [effort]", "ROB112", 13),
+        ("joints:\n      - shoulder", "joints:\n      - right", "ROB112", 13),
         ("[position, velocity]", "[position, effort]", "ROB112", 13),
         ('["right"]', "[shoulder]", "ROB112", 20),
         ("left_wheel_names", "left_wheels", "ROB113", 8),
@@ -91,6 +92,17 @@ def test_a_mistake(old: str, new: str, code: str, line: int) -> None:
     expected = Severity.WARNING if code == "ROB113" else Severity.ERROR
     assert found[0].severity is expected
     assert found[0].hint
+
+
+def test_joints_and_interfaces_that_ros2_control_misspells_are_reported_there() -> None:
+    def with_part(name: str, command: str) -> Controlled:
+        part = ControlledPart(kind="joint", name=name, commands=(command,), states=PARTS[0].states)
+        system = ControlSystem(name="a", kind="system", hardware="x/Y", parts=(part, *PARTS[1:]))
+        return ROBOT._replace(controls=(system,))
+
+    assert not check(SOUND, with_part("shoulder", "position"))
+    assert not check(SOUND, with_part("sholder", "position"))
+    assert not check(SOUND, with_part("shoulder", "positon"))
 
 
 def test_what_no_launch_file_starts_may_be_for_another_robot() -> None:

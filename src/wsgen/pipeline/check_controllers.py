@@ -9,21 +9,24 @@ from wsgen import yamlfile
 from wsgen.rules.controller_joints import Controlled, check_controllers, missing_controller_file
 from wsgen.rules.controllers import started_controllers
 from wsgen.rules.ros2_control import control_plugins
+from wsgen.xacro.source import place_in_source
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from wsgen.diagnostics import Diagnostic
+    from wsgen.model.package import ShareOf
     from wsgen.model.plan import LaunchPlan
     from wsgen.model.robot import Robot
 
 
 def check_controlled(
-    robots: Iterable[tuple[Robot, Path | None]], plans: Iterable[LaunchPlan]
+    robots: Iterable[tuple[Robot, Path | None]], plans: Iterable[LaunchPlan], share_of: ShareOf
 ) -> Iterator[Diagnostic]:
     """Check the files of parameters that the plugins of the robots name.
 
-    `robots` are those of a package, as written, with the files that describe them.
+    `robots` are those of a package, as written, with the files that describe them, which may
+    include others.
     """
     started = {name for plan in plans for name in started_controllers(plan)}
     # A robot may have parts that only some launch files give it.
@@ -37,7 +40,8 @@ def check_controlled(
                 if path not in of_file and not path.is_file():
                     folder = path.parent
                     beside = [one.name for one in folder.iterdir()] if folder.is_dir() else []
-                    yield missing_controller_file(plugin, path, beside, file)
+                    missing = missing_controller_file(plugin, path, beside, file)
+                    yield from place_in_source([missing], text="", file=file, share_of=share_of)
                 of_file.setdefault(path, []).append(robot)
     for path, users in of_file.items():
         content = yamlfile.load(path)

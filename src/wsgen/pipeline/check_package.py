@@ -169,7 +169,9 @@ class PackageCheck:
             packages=self.installed.sources,
             distro=facts.distro,
         )
-        yield from check_controlled(((one.written, one.file) for one in facts.robots), facts.plans)
+        yield from check_controlled(
+            ((one.written, one.file) for one in facts.robots), facts.plans, self.overlay.share
+        )
 
     def _evaluate(self) -> list[Candidate]:
         """The launch files of the package, evaluated with their defaults."""

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 MANAGER = "controller_manager"
 MOST_LEVELS = 8  # of namespaces
+MISSPELLED = 0.8  # so alike two names are, as difflib counts
 NAME = re.compile(r"[\w.-]+")  # of a joint; not of an interface of another controller
 
 
@@ -206,58 +207,63 @@ def _claimed(  # noqa: PLR0913, PLR0917  a controller, and what it is compared w
     severity: Severity | None,
 ) -> Iterator[Diagnostic]:
     names = list(dict.fromkeys(joint.name for joint in robot.joints))
-    listed = values.get(claim.parameter)
-    commands = [claim.command] if claim.command else _words(values.get(claim.interfaces))
-    states = _words(values.get(claim.states))
-    own_commands = _words(values.get("command_joints"))
-    for value in () if listed is None else (listed.elements() or (listed,)):
-        joint = value.text
-        if not joint or not NAME.fullmatch(joint):
-            continue
-        place = f"{name}.{claim.parameter}"
-        if joint not in names:
-            near = nearest(joint, names)
+    place = f"{name}.{claim.parameter}"
+    found: list[yamlfile.Value] = []
+    for value in _listed(values.get(claim.parameter)):
+        if value.text in names:
+            found.append(value)
+        elif value.text and NAME.fullmatch(value.text):
+            near = nearest(value.text, names)
             yield UNKNOWN_CONTROLLER_JOINT.at(
                 file,
                 value.line,
                 place,
-                message=f"The controller `{name}` names the joint `{joint}`, which the robot does "
-                "not have.",
+                message=f"The controller `{name}` names the joint `{value.text}`, which the robot "
+                "does not have.",
                 hint=did_you_mean(near) if near else f"Joints: {some_of(names)}.",
                 severity=severity,
             )
-            continue
-        parts = [part for one in robot.controls for part in one.joints if part.name == joint]
-        claimed = (
-            (
-                "command",
-                [] if own_commands else commands,
-                [one for p in parts for one in p.commands],
-            ),
-            ("state", states, [one for part in parts for one in part.states]),
-        )
-        for kind, wanted, offered in claimed:
-            lacking = [one for one in wanted if one not in offered]
-            if not lacking or not robot.controls:
+    commands = [claim.command] if claim.command else _words(values.get(claim.interfaces))
+    if values.get("command_joints") is not None:
+        commands = []
+    states = _words(values.get(claim.states))
+    for kind, wanted in (("command", commands), ("state", states)):
+        for interface in wanted:
+            lacking = [one for one in found if _lacks(robot, one.text or "", kind, interface)]
+            if not lacking:
                 continue
-            what = f"no {kind} interface `{lacking[0]}`" if parts else "no <joint>"
+            joints = [f"`{one.text}`" for one in lacking]
             yield UNAVAILABLE_INTERFACE.at(
                 file,
-                value.line,
+                lacking[0].line,
                 place,
-                message=f"The controller `{name}` claims `{joint}/{lacking[0]}`, but "
-                f"<ros2_control> has {what}" + ("." if parts else f" `{joint}`."),
-                hint=f'Add <{kind}_interface name="{lacking[0]}"/> to <joint name="{joint}"> in '
-                "<ros2_control>, or correct the parameters of the controller.",
+                message=f"The controller `{name}` claims the {kind} interface `{interface}` of "
+                f"{some_of(joints)}, which <ros2_control> does not have.",
+                hint=f'Add <{kind}_interface name="{interface}"/> to '
+                f'<joint name="{lacking[0].text}"> in <ros2_control>, or correct the parameters of '
+                "the controller.",
                 severity=severity,
             )
-            break
+
+
+def _lacks(robot: Controlled, joint: str, kind: str, interface: str) -> bool:
+    """Whether no hardware has the interface; not where it is misspelled, which is reported."""
+    parts = [part for one in robot.controls for part in one.joints]
+    known = {one.name for one in robot.joints}
+    others = {part.name for part in parts} - known
+    own = [part for part in parts if part.name == joint]
+    if not robot.controls or (not own and nearest(joint, others, cutoff=MISSPELLED)):
+        return False
+    there = [one for part in own for one in (part.commands if kind == "command" else part.states)]
+    return interface not in there and not nearest(interface, there, cutoff=MISSPELLED)
+
+
+def _listed(value: yamlfile.Value | None) -> tuple[yamlfile.Value, ...]:
+    return () if value is None else value.elements() or (value,)
 
 
 def _words(value: yamlfile.Value | None) -> list[str]:
-    if value is None:
-        return []
-    return [one.text for one in value.elements() or (value,) if one.text]
+    return [one.text for one in _listed(value) if one.text]
 
 
 def _sections(
