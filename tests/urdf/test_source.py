@@ -158,3 +158,42 @@ def test_a_joint_in_another_element_is_another_one(element: str, line: int, tmp_
     text = CONTROLLED.replace("${prefix}", "left_")
     text = text.replace('<xacro:if value="true">', "").replace("</xacro:if>", "")
     assert place(element, file, text).line == line
+
+
+CALLED = """<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="r">
+  <xacro:macro name="wheel" params="prefix reflect:=1">
+    <link name="${prefix}_wheel"/>
+    <link name="hub"/>
+  </xacro:macro>
+  <xacro:wheel prefix="left"/>
+  <xacro:wheel prefix="right" reflect="-1"/>
+  <xacro:wheel prefix="$(arg third)"/>
+</robot>
+"""
+
+
+@pytest.mark.parametrize(
+    ("link", "words"),
+    [
+        ("left_wheel", "m"),  # the third call may give it, too
+        ("hub", "m"),
+    ],
+)
+def test_calls_that_may_be_meant_are_not_named(link: str, words: str, tmp_path: Path) -> None:
+    file = tmp_path / "robot.xacro"
+    file.write_text(CALLED)
+    assert place(f"link[@name='{link}']", file).message == words
+
+
+def test_the_call_of_a_macro_is_named(tmp_path: Path) -> None:
+    file = tmp_path / "robot.xacro"
+    file.write_text(CALLED.replace("$(arg third)", "third"))
+    found = place("link[@name='right_wheel']/inertial", file)
+    assert found.message == "m The macro `wheel` is called in line 7."
+    assert found.line == 3
+    main = tmp_path / "main.xacro"
+    include = '<xacro:include filename="robot.xacro"/>'
+    main.write_text(f"<robot>{include}\n<xacro:wheel prefix='front'/></robot>")
+    found = place("link[@name='front_wheel']", main)
+    assert found.message == "m The macro `wheel` is called in line 2 of main.xacro."
+    assert (found.file, found.line) == (file, 3)

@@ -9,15 +9,21 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from wsgen.description_rules import IMPOSSIBLE_INERTIA, ONE_NAME_FOR_LINK_AND_JOINT
+from wsgen.description_rules import (
+    IMPOSSIBLE_INERTIA,
+    MISSING_COLLISION_MESH,
+    MISSING_VISUAL_MESH,
+    ONE_NAME_FOR_LINK_AND_JOINT,
+)
 from wsgen.diagnostics import Rule, Severity, has_errors
 from wsgen.meshes.inspection import inspect_meshes
 from wsgen.meshes.lookup import find_meshes
 from wsgen.meshes.shape_meshes import build_shapes
 from wsgen.model.outcome import name_engines
-from wsgen.model.robot import Robot
+from wsgen.model.robot import Mesh, Robot
 from wsgen.model.transform import IDENTITY, Pose
 from wsgen.rules.check import check_robot
+from wsgen.rules.robot_files import path_of_one_machine, uncalled_macros, unprefixed_xacro
 from wsgen.sdf.includes import DATABASE_MODELS
 from wsgen.sdf.lookup import is_folder, model_finder, model_folders
 from wsgen.sdf.models import read_model, read_sdf
@@ -30,7 +36,7 @@ from wsgen.urdf.lumping import (
 from wsgen.urdf.reader import MISSPELLED, read_urdf
 from wsgen.urdf.unknown_elements import meant_element
 from wsgen.values import dataclass
-from wsgen.xacro.source import place_in_source
+from wsgen.xacro.source import place_in_source, written_elements
 from wsgen.xmltree import Malformed, child_text, parse
 
 if TYPE_CHECKING:
@@ -39,6 +45,7 @@ if TYPE_CHECKING:
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.isolation.parent import Run
+    from wsgen.markup import Written
     from wsgen.model.package import ShareOf
     from wsgen.model.world import Spawn, SpawnHeight
     from wsgen.sdf.models import SdfFile, SdfModel
@@ -122,9 +129,36 @@ def prepare_robot(  # noqa: PLR0913  most have defaults
             spawn_pose=spawn_pose,
             on_the_ground=on_the_ground,
         )
+    sources = [] if file is None else written_elements(file, context.share_of)
     if not isinstance(text, bytes):  # those are of the file itself, where every line is its own
-        found = place_in_source(found, text=text, file=file, share_of=context.share_of)
+        found = place_in_source(
+            found, text=text, file=file, share_of=context.share_of, written=sources
+        )
+    if written is not None and file is not None:
+        found += _of_files(sources, written, file, found)
     return prepared and replace(prepared, diagnostics=found), found
+
+
+def _of_files(
+    sources: Sequence[Written], robot: Robot, file: Path, found: Iterable[Diagnostic]
+) -> tuple[Diagnostic, ...]:
+    """What is wrong with the files that a robot is written in."""
+    missing = {MISSING_COLLISION_MESH.code, MISSING_VISUAL_MESH.code}
+    messages = "".join(one.message for one in found if one.code in missing)
+    addresses = {
+        shape.uri
+        for link in robot.links
+        for shape in (
+            *(visual.geometry for visual in link.visuals),
+            *(collision.geometry for collision in link.collisions),
+        )
+        if isinstance(shape, Mesh)
+    }
+    return (
+        *path_of_one_machine(sources, (one for one in addresses if f"`{one}`" in messages)),
+        *unprefixed_xacro(sources),
+        *uncalled_macros(sources, file),
+    )
 
 
 def _at_the_misspelling(

@@ -73,6 +73,7 @@ MODULES = (
     "wsgen.rules.manifests",
     "wsgen.rules.package_uses",
     "wsgen.rules.plugins",
+    "wsgen.rules.robot_files",
     "wsgen.rules.robots",
     "wsgen.rules.ros2_control",
     "wsgen.rules.runs",

@@ -15,7 +15,7 @@ from wsgen.description_rules import NOT_A_NUMBER
 from wsgen.markup import elements, read_text
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
@@ -29,25 +29,32 @@ NAMED = re.compile(r"(\w+)\[@(\w+)='([^']*)'\]")  # link[@name='base_link']
 ONE_NAME = re.compile(r"\s*\$\{\s*(\w+)\s*\}\s*")  # the value of a property, and nothing else
 STEP = re.compile(r"(?:[^/'\[]|\[@\w+='[^']*'\])+")
 PROPERTY = "xacro:property"
+MACRO = "xacro:macro "  # before its name, in a path
 PARTS = frozenset(("link", "joint"))
 OTHERS = frozenset(("ros2_control", "transmission", "gazebo"))  # have parts of the same names
 MOST_FILES = 100  # a description in more files than this includes itself
 
 
 def place_in_source(
-    diagnostics: Iterable[Diagnostic], *, text: str, file: Path | None, share_of: ShareOf
+    diagnostics: Iterable[Diagnostic],
+    *,
+    text: str,
+    file: Path | None,
+    share_of: ShareOf,
+    written: list[Written] | None = None,
 ) -> tuple[Diagnostic, ...]:
     """Give diagnostics about `text`, which `file` expanded to, their places in the edited files.
 
     A file that holds the text itself keeps the lines. Where an element is not found by its name,
-    or several could be meant, the diagnostic names the file only.
+    or several could be meant, the diagnostic names the file only. `written` are the elements of
+    the file and of what it includes, if they are known.
     """
     found = tuple(diagnostics)
     if not found or file is None:
         return tuple(replace(diagnostic, line=None) for diagnostic in found)
     if read_text(file) == text:
         return found
-    written = _written(file, share_of)
+    written = written_elements(file, share_of) if written is None else written
     expanded = elements(file, text)
     placed = (_placed(diagnostic, written, expanded) for diagnostic in found)
     # A mistake in a property is found wherever the property is used.
@@ -85,10 +92,51 @@ def _placed(diagnostic: Diagnostic, written: list[Written], expanded: list[Writt
         for at, one in enumerate(origins):
             if (one.line == diagnostic.line or len(origins) == 1) and len(inner) == len(origins):
                 place, origin = inner[at], one
+        called = _with_call(diagnostic, element, attribute, value, written)
         if last and origin is not None:
-            return _at_attribute(diagnostic, last, place, origin, written)
-        return replace(diagnostic, file=place.file, line=place.line)
+            return _at_attribute(called, last, place, origin, written)
+        return replace(called, file=place.file, line=place.line)
     return replace(diagnostic, line=None)
+
+
+def _with_call(
+    diagnostic: Diagnostic, element: Written, attribute: str, value: str, written: list[Written]
+) -> Diagnostic:
+    """The diagnostic with the call of the macro that the element is in, if one call gives it."""
+    macros = [step for step in element.path[:-1] if step.startswith(MACRO)]
+    if not macros:
+        return diagnostic
+    macro = macros[-1].removeprefix(MACRO)
+    pattern = element.attributes.get(attribute, "")
+    calls = [
+        one
+        for one in written
+        if one.tag.startswith("xacro:")
+        and one.tag.rpartition(":")[2].rpartition(".")[2] == macro
+        and _gives(pattern, one.attributes, value)
+    ]
+    if len(calls) != 1:
+        return diagnostic
+    (call,) = calls
+    where = "" if call.file == element.file else f" of {call.file.name}"
+    return replace(
+        diagnostic,
+        message=f"{diagnostic.message} The macro `{macro}` is called in line {call.line}{where}.",
+    )
+
+
+def _gives(pattern: str, arguments: Mapping[str, str], value: str) -> bool:
+    """Whether a name in a macro can become the value with these arguments of its call."""
+    pieces, end = [], 0
+    for computed in COMPUTED.finditer(pattern):
+        pieces.append(re.escape(pattern[end : computed.start()]))
+        used = ONE_NAME.fullmatch(computed[0])
+        argument = arguments.get(used[1]) if used else None
+        is_known = argument is not None and "$" not in argument
+        pieces.append(re.escape(argument or "") if is_known else ".*")
+        end = computed.end()
+    pieces.append(re.escape(pattern[end:]))
+    return re.fullmatch("".join(pieces), value, re.DOTALL) is not None
 
 
 def _alike(tag: str, attribute: str, value: str | None, document: list[Written]) -> list[Written]:
@@ -169,7 +217,7 @@ def _most_like(value: str, attribute: str, candidates: list[Written]) -> Written
     return best[0] if len(best) == 1 else None
 
 
-def _written(main: Path, share_of: ShareOf) -> list[Written]:
+def written_elements(main: Path, share_of: ShareOf) -> list[Written]:
     """The elements of the file and of what it includes, as far as the addresses are known."""
     written: list[Written] = []
     waiting = [main]
