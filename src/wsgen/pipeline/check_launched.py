@@ -10,17 +10,18 @@ from wsgen import yamlfile
 from wsgen.files import read_regular
 from wsgen.launch.descriptions import Description, published_descriptions, read_published
 from wsgen.launch.simulators import WORLD_SUFFIXES, simulator_kinds
-from wsgen.rules import bridges, controllers, launch_files, simulators, worlds
+from wsgen.rules import bridges, controllers, frames, launch_files, simulators, worlds
 from wsgen.rules.gazebo_topics import topics_of
 from wsgen.sdf.lookup import find_world, model_finder
 from wsgen.sdf.source import SIZE_LIMIT, load, read_document
 from wsgen.xmltree import child_text, children
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.plan import LaunchPlan
+    from wsgen.model.robot import Robot
     from wsgen.pipeline.started import Started
     from wsgen.rules.gazebo_topics import GazeboTopic
     from wsgen.xmltree import Element
@@ -147,25 +148,43 @@ def loaded_worlds(
     return loaded
 
 
-def check_texts(package: Path) -> Iterator[Diagnostic]:
-    """Check what the launch files and parameter files of a package write."""
+def check_texts(
+    package: Path, robots: Collection[Robot], plans: Collection[LaunchPlan]
+) -> Iterator[Diagnostic]:
+    """Check what the launch files and parameter files of a package write.
+
+    `robots` and `plans` are those of the package, for the frames that exist.
+    """
+    links, known = frames.links_of(robots), frames.known_frames(robots, plans)
     for folder, names, files in os.walk(package):
         names[:] = [name for name in names if not name.startswith(".") and name not in OF_BUILDS]
         for file in (Path(folder, name) for name in sorted(files)):
             is_launch_file = file.name.endswith(LAUNCH_FILES)
             if file.suffix == ".launch":
                 yield from launch_files.ros_1_launch_files([file])
+            elif file.suffix == ".rviz":
+                yield from _check_frames(file, _bytes(file), links, known)
             elif is_launch_file or file.suffix in {".yaml", ".yml"}:
                 content = _bytes(file)
                 if b"/home/" in content or b"/Users/" in content:
                     yield from launch_files.home_paths(file)
+                if not is_launch_file:
+                    yield from _check_frames(file, content, links, known)
                 if b"controller_manager" in content and not is_launch_file:
                     parameters = _yaml(file)
                     if parameters is not None:
                         yield from controllers.unknown_types(file, parameters)
 
 
-# What starts and ends the names of launch files.
+def _check_frames(
+    file: Path, content: bytes, links: Collection[str], known: Collection[str] | None
+) -> Iterator[Diagnostic]:
+    if known is not None:
+        text = content.decode(errors="replace")
+        yield from frames.frames_without_links(file, text, links, known)
+
+
+# What ends the names of launch files.
 LAUNCH_FILES = tuple(f"launch.{suffix}" for suffix in ("py", "xml", "yaml", "yml"))
 OF_BUILDS = frozenset({"build", "install", "log"})  # folders
 

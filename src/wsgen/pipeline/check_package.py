@@ -144,7 +144,11 @@ class PackageCheck:
             simulator=self.simulators[0] if len(set(self.simulators)) == 1 else None,
             distro=self.distro,
         )
-        yield from check_texts(self.package.path)
+        yield from check_texts(
+            self.package.path,
+            [one.written for one in self.robots],
+            [one.started.plan for one in candidates],
+        )
         yield from self._check_together(
             Facts(
                 package=self.package,

@@ -79,8 +79,6 @@ def missing_argument_files(
             if is_known(package) and not Path(path).exists() and not plan.is_unknown(path):
                 missing, beside = first_missing(path)
                 inside = path.partition(f"/share/{package}/")[2]
-                folder, is_deeper, _ = inside.partition("/")
-                what = f"DIRECTORY {folder}" if is_deeper else f"FILES {inside}"
                 yield MISSING_ARGUMENT_FILE.at(
                     program.file,
                     program.line,
@@ -90,11 +88,21 @@ def missing_argument_files(
                     hint=advice(
                         missing,
                         beside,
-                        f"Install it: install({what} DESTINATION share/${{PROJECT_NAME}}) in the "
-                        f"CMakeLists.txt of {package}; in setup.py, add it to data_files.",
+                        _how_to_install(Path(path), inside, package),
                         cutoff=_NEAR,
                     ),
                 )
+
+
+def _how_to_install(path: Path, inside: str, package: str) -> str:
+    folder, is_deeper, _ = inside.partition("/")
+    if is_deeper and path.parent.is_dir():
+        return f"Correct the path, or put the file into the folder: '{path.parent}' is installed."
+    what = f"DIRECTORY {folder}" if is_deeper else f"FILES {inside}"
+    return (
+        f"Install it: install({what} DESTINATION share/${{PROJECT_NAME}}) in the CMakeLists.txt of "
+        f"{package}; in setup.py, add it to data_files."
+    )
 
 
 _NEAR = 0.75  # so alike, as difflib counts, that the file beside it is meant
