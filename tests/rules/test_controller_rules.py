@@ -146,7 +146,14 @@ def test_types_that_do_not_exist(written: str, severity: Severity) -> None:
     assert (found.line, found.element, found.severity) == (5, "diff_cont", severity)
 
 
-@pytest.mark.parametrize("written", ["own/Controller", "diff_drive_controller/OwnController"])
+@pytest.mark.parametrize(
+    "written",
+    [
+        "own/Controller",
+        "diff_drive_controller/OwnController",
+        "own_diff_drive_controller/DiffDriveController",
+    ],
+)
 def test_types_that_may_exist(written: str) -> None:
     text = TEXT.replace("diff_drive_controller/DiffDriveController", written)
     assert list(unknown_types(FILE, read(text))) == []

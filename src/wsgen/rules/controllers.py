@@ -94,6 +94,7 @@ _FORMER = {
     "JointGroupVelocityController",
     "velocity_controllers/JointPositionController": "pid_controller/PidController",
 }
+SURELY_PACKAGE = 0.96  # as below, for two packages with a class of the same name
 SURELY = 0.9  # so alike two types are, as difflib counts, that one is the other misspelled
 MANAGER = "controller_manager"
 _WITH_VALUE = frozenset(
@@ -247,11 +248,14 @@ def unknown_types(file: Path, content: yamlfile.Value) -> Iterator[Diagnostic]:
     known = _TYPES.split()
     for name, value in managed_types(content):
         written = value.text or ""
-        package = written.partition("/")[0]
         meant = _FORMER.get(written)
         if meant is None and written not in known:
-            of_package = [one for one in known if one.startswith(f"{package}/")]
-            meant = nearest(written, of_package or known, cutoff=SURELY)
+            package, _, name_of_class = written.partition("/")
+            # Another package may well have a class of the same name.
+            is_other = not any(one.startswith(f"{package}/") for one in known)
+            alike = f"/{name_of_class}" if is_other else f"{package}/"
+            near = [one for one in known if alike in one]
+            meant = nearest(written, near, cutoff=SURELY_PACKAGE if is_other else SURELY)
         if meant is not None:
             yield UNKNOWN_CONTROLLER_TYPE.at(
                 file,
