@@ -180,10 +180,7 @@ def test_what_is_right_is_silent(tmp_path: Path) -> None:
         ),
         (
             "worlds/office.sdf",
-            (
-                '<plugin filename="gz-sim-user-commands-system" name="gz::sim::systems::UserCommands"/>',
-                "",
-            ),
+            (USER_COMMANDS, ""),
             ("missing-system-plugin", "worlds/office.sdf", 3),
         ),
         (
