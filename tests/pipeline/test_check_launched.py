@@ -226,6 +226,11 @@ def test_what_is_right_is_silent(tmp_path: Path) -> None:
         ),
         (
             "launch/cart.launch.py",
+            ("'0.1'", "'0.0'"),
+            ("spawned-in-ground", "launch/cart.launch.py", 24),
+        ),
+        (
+            "launch/cart.launch.py",
             ("'-r '", "'-r'"),
             ("glued-arguments", "launch/cart.launch.py", 21),
         ),

@@ -43,6 +43,12 @@ def split_trees(robot: Robot) -> list[tuple[Robot, Pose]]:
     return trees
 
 
+def link_poses(robot: Robot, root_pose: Pose) -> dict[str, Pose]:
+    """The pose of every link with all joints at zero, by name; that of the root is given."""
+    poses, _ = _places(robot)
+    return {name: compose(root_pose, pose) for name, pose in poses.items()}
+
+
 def _places(robot: Robot) -> tuple[dict[str, Pose], dict[str, str]]:
     """The pose of every link in the frame of the robot's root, and the root of its tree."""
     below: dict[str, list[tuple[str, Pose, bool]]] = {}

@@ -12,6 +12,8 @@ from wsgen.launch.descriptions import Description, published_descriptions, read_
 from wsgen.launch.simulators import WORLD_SUFFIXES, simulator_kinds
 from wsgen.rules import bridges, controllers, frames, launch_files, simulators, worlds
 from wsgen.rules.gazebo_topics import topics_of
+from wsgen.rules.spawn_heights import check_spawn_height
+from wsgen.sdf.includes import DATABASE_MODELS, MODEL_LEFT_OUT
 from wsgen.sdf.lookup import find_world, model_finder
 from wsgen.sdf.source import SIZE_LIMIT, load, read_document
 from wsgen.xmltree import child_text, children
@@ -22,6 +24,8 @@ if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.plan import LaunchPlan
     from wsgen.model.robot import Robot
+    from wsgen.model.world import World
+    from wsgen.pipeline.prepare import PreparedRobot
     from wsgen.pipeline.started import Started
     from wsgen.rules.gazebo_topics import GazeboTopic
     from wsgen.xmltree import Element
@@ -83,6 +87,33 @@ def check_launched(
             world=name,
             models=_models(started, world),
         )
+
+
+def check_heights(
+    started: Started,
+    world: World | None,
+    scene: Sequence[PreparedRobot],
+    found: Iterable[Diagnostic],
+) -> Iterator[Diagnostic]:
+    """Check how high robots are spawned, where all that is in the world is known.
+
+    `found` is what is reported of the world and the robots.
+    """
+    simulator = started.simulator
+    if world is None or simulator is None or not world.has_ground_plane:
+        return
+    is_here = world.file is not None or not simulator.world
+    if not is_here or any(one.code in _LEFT_OUT for one in found):
+        return
+    is_bare = not any(one.is_static_model or one.may_move for one in scene)
+    for one in scene:
+        if one.can_run and not (one.is_static_model or one.may_move or one.on_the_ground):
+            yield from check_spawn_height(
+                one.lumped, one.spawn_pose, one.height, entity=one.entity, is_bare=is_bare
+            )
+
+
+_LEFT_OUT = frozenset((MODEL_LEFT_OUT.code, DATABASE_MODELS.code))
 
 
 def check_worlds(

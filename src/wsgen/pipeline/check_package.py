@@ -25,6 +25,7 @@ from wsgen.launch.undeclared import UNDECLARED_PACKAGE
 from wsgen.pipeline.candidates import Candidate, LaunchFile, simulation_of, with_descriptions
 from wsgen.pipeline.check_controllers import check_controlled
 from wsgen.pipeline.check_launched import (
+    check_heights,
     check_launched,
     check_texts,
     check_worlds,
@@ -224,6 +225,7 @@ class PackageCheck:
             validation = Validation(selected, self.overlay, NOTHING, None, self.run_task)
             world, scene = validation.read(folder)
             yield from (one for one in validation.diagnostics if one not in started.diagnostics)
+            yield from check_heights(started, world, scene, validation.diagnostics)
             files = {spawn.entity: spawn.description_file for spawn in started.spawns}
             self._note(world, scene, files, one.file)
             if validation.simulator_kind is not None:
