@@ -222,7 +222,7 @@ def test_what_is_right_is_silent(tmp_path: Path) -> None:
         (
             "config/cart.rviz",
             ("base_link", "base_lnk"),
-            ("frame-without-link", "config/cart.rviz", 3),
+            ("unpublished-frame", "config/cart.rviz", 3),
         ),
         (
             "launch/cart.launch.py",

@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from wsgen.model.robot import Robot
 
 
-FRAME_WITHOUT_LINK = Rule(
+UNPUBLISHED_FRAME = Rule(
     code="LCH085",
-    name="frame-without-link",
+    name="unpublished-frame",
     severity=Severity.WARNING,
     summary="A configuration names a frame that is nearly a link of the robot, and is none.",
     what="Compares the fixed frame of RViz, and the base frames of Nav2, localization, SLAM and "
@@ -96,7 +96,7 @@ def frames_without_links(
         if near is None and is_rviz and frame in _CONVENTIONAL:
             near = next(iter(sorted(_CONVENTIONAL & set(links))), None)
         if near is not None:
-            yield FRAME_WITHOUT_LINK.at(
+            yield UNPUBLISHED_FRAME.at(
                 file,
                 text.count("\n", 0, found.start(3)) + 1,
                 found[1],
