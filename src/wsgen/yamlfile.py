@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import yaml
-
 from wsgen.files import read_regular
 
 if TYPE_CHECKING:
@@ -15,7 +13,6 @@ if TYPE_CHECKING:
 
 SIZE_LIMIT = 2**20  # bytes; parameters are written by hand
 MOST_VALUES = 100_000  # aliases count each time
-_Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 class Value(NamedTuple):
@@ -65,8 +62,10 @@ def load(file: Path) -> Value | NotYaml | None:
 
 def parse(text: str) -> Value | NotYaml | None:
     """The first document of a text; None where it has none, or more than anybody writes."""
-    loader = _Loader(text)
+    import yaml  # noqa: PLC0415  20 ms that only a package with such files pays
+
     try:
+        loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)(text)
         node = loader.get_node() if loader.check_node() else None
         return None if node is None else _value(loader, node, [0])
     except yaml.MarkedYAMLError as error:
@@ -76,8 +75,6 @@ def parse(text: str) -> Value | NotYaml | None:
         return NotYaml(str(error).partition("\n")[0], 1)
     except (RecursionError, OverflowError):
         return None
-    finally:
-        loader.dispose()
 
 
 def _value(loader: Any, node: Any, count: list[int]) -> Value:
@@ -85,10 +82,10 @@ def _value(loader: Any, node: Any, count: list[int]) -> Value:
     if count[0] > MOST_VALUES:
         raise OverflowError
     line = node.start_mark.line + 1
-    if isinstance(node, yaml.MappingNode):
+    if node.id == "mapping":
         loader.flatten_mapping(node)
         return Value({_key(key): _value(loader, value, count) for key, value in node.value}, line)
-    if isinstance(node, yaml.SequenceNode):
+    if node.id == "sequence":
         return Value([_value(loader, value, count) for value in node.value], line)
     content = loader.construct_object(node)
     is_plain = isinstance(content, (str, int, float, bool, type(None)))
@@ -96,4 +93,4 @@ def _value(loader: Any, node: Any, count: list[int]) -> Value:
 
 
 def _key(node: Any) -> str:
-    return str(node.value) if isinstance(node, yaml.ScalarNode) else ""
+    return str(node.value) if node.id == "scalar" else ""

@@ -6,6 +6,7 @@ Source: gazebosim/gz-sim, src/systems, of all releases from Fortress to Jetty.
 from __future__ import annotations
 
 import re
+from functools import cache
 from typing import NamedTuple
 
 from wsgen.suggestions import nearest
@@ -53,6 +54,7 @@ class Remark(NamedTuple):
     is_filename: bool  # it stands in `filename`; else in `name`
 
 
+@cache
 def systems() -> dict[str, tuple[str, ...]]:
     """The classes of each system, by its name between `gz-sim-` and `-system`."""
     found: dict[str, tuple[str, ...]] = {}

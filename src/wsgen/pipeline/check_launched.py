@@ -74,10 +74,11 @@ def check_launched(
     yield from simulators.starts_paused(plan, kinds, world.element if world else None)
     found = bridges.find_bridges(plan)
     yield from found.diagnostics
-    if not is_included and not any(
-        bridges.may_bring_clock(bridges.find_bridges(other)) for other in beside
+    lacks_clock = tuple(simulators.no_clock(plan, kinds, found.published))
+    if lacks_clock and not (
+        is_included or any(bridges.may_bring_clock(bridges.find_bridges(other)) for other in beside)
     ):
-        yield from simulators.no_clock(plan, kinds, found.published)
+        yield from lacks_clock
     files = {file: _yaml(file) for file in controllers.parameter_files(_descriptions(started))}
     yield from controllers.unknown_controllers(plan, controllers.find_configured(plan, files))
     if found.topics:

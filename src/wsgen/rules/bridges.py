@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -511,7 +512,8 @@ def _why_invalid(texts: dict[str, str]) -> tuple[str, str] | None:
     return None
 
 
-def _pairs() -> set[tuple[str, str]]:
+@cache
+def _pairs() -> frozenset[tuple[str, str]]:
     """The types that are converted to each other: of ROS, and of Gazebo without `gz.msgs.`."""
     found = set()
     for line in _CONVERTED.strip().splitlines():
@@ -519,4 +521,4 @@ def _pairs() -> set[tuple[str, str]]:
         for pair in rest.split(", "):
             ros, gz = pair.split()
             found.add((f"{package}/msg/{ros}", gz))
-    return found
+    return frozenset(found)
