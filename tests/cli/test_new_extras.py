@@ -98,12 +98,13 @@ class TestEveryWorkflow:
     def test_wsgen_knows_its_commands(self, service: str, target: Target) -> None:
         """click takes every word of them; nothing is run."""
         called = [words[1:] for words in commands(service, target) if words[0] == "wsgen"]
-        assert [words[0] for words in called] == ["build", "validate"]
+        assert [words[0] for words in called] == ["check", "build", "validate"]
         assert isinstance(group, CommandTable)
         for name, *arguments in called:
             command = group.get_command(click.Context(group), name)
             assert command is not None
-            given = command.make_context(name, list(arguments)).params
+            given = command.make_context(name, _before_redirection(arguments)).params
+            assert name != "check" or given["output_format"] in {"github", "junit"}
             assert name != "validate" or given["json_file"].startswith(f"{given['picture']}/")
 
     def test_only_programs_that_are_there(self, service: str, target: Target) -> None:
@@ -133,6 +134,10 @@ class TestEveryWorkflow:
         assert versions == sorted(versions)
 
 
+def _before_redirection(words: list[str]) -> list[str]:
+    return words[: words.index(">")] if ">" in words else words
+
+
 def test_the_keys_of_github() -> None:
     document = workflow("github", choose_target("iron"))
     assert set(document) == {"name", "on", "permissions", "jobs"}
@@ -156,7 +161,11 @@ def test_the_keys_of_gitlab() -> None:
     for job in document.values():
         assert set(job) <= GITLAB_JOB
         assert all(isinstance(line, str) for line in job["script"])
-    assert document["wsgen"]["artifacts"] == {"when": "always", "paths": ["wsgen-results/"]}
+    assert document["wsgen"]["artifacts"] == {
+        "when": "always",
+        "paths": ["wsgen-results/"],
+        "reports": {"junit": "wsgen-results/check.xml"},
+    }
 
 
 def test_every_service_has_a_source() -> None:

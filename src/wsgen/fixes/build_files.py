@@ -210,9 +210,9 @@ def fix_installed_path(diagnostic: Diagnostic, source: SourceText) -> Sequence[E
         return []
     one, meant = written[0], suggested(diagnostic.hint)
     if meant is not None:
-        if not is_surely(named[1].rpartition("/")[2], meant):
+        folder, _, last = named[1].rstrip("/").rpartition("/")
+        if not is_surely(last, meant):
             return []
-        folder = named[1].rpartition("/")[0]
         slash = "/" if one.text.endswith("/") else ""
         text = f"{folder}/{meant}{slash}" if folder else f"{meant}{slash}"
         return [Edit(start=one.start, end=one.end, text=text)]

@@ -272,10 +272,161 @@ def add_blank_after_xacro(_: Diagnostic, source: SourceText) -> Sequence[Edit]:
         if _name_of(call) != "Command" or not isinstance(first, ast.List):
             continue
         words = first.elts
-        has_more = len(words) > 1 and not (
-            isinstance(words[1], ast.Constant) and str(words[1].value).startswith(" ")
-        )
-        if has_more and isinstance(words[0], ast.Constant) and words[0].value in XACRO_WORDS:
-            place = tree.end(words[0]) - 1
-            edits.append(Edit(start=place, end=place, text=" "))
+        if len(words) < len(("xacro", "path")) or _begins_with_blank(words[1]):
+            continue
+        place = tree.end(words[0])
+        if isinstance(words[0], ast.Constant) and words[0].value in XACRO_WORDS:
+            edits.append(Edit(start=place - 1, end=place - 1, text=" "))
+        elif isinstance(words[0], ast.Call) and _finds_xacro(words[0]):
+            edits.append(Edit(start=place, end=place, text=", ' '"))
     return edits
+
+
+def _begins_with_blank(word: ast.expr) -> bool:
+    return isinstance(word, ast.Constant) and str(word.value)[:1].isspace()
+
+
+def _finds_xacro(call: ast.Call) -> bool:
+    inside = (one for one in ast.walk(call) if isinstance(one, ast.Call))
+    return any(_name_of(one) == "FindExecutable" for one in inside)
+
+
+_BETWEEN = re.compile(r"no blank between `([^`]+)` and")
+
+
+def add_blank_after_option(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Put a blank between an option and the path behind it in a list of words that are joined."""
+    tree, option = _tree(source), _BETWEEN.search(diagnostic.message)
+    if tree is None or option is None:
+        return []
+    found = [
+        word
+        for node in tree.all(ast.List)
+        for word, following in zip(node.elts, node.elts[1:], strict=False)
+        if isinstance(word, ast.Constant) and str(word.value).endswith(option[1])
+        if not isinstance(following, ast.Constant)
+    ]
+    if len(found) != 1:
+        return []
+    place = tree.end(found[0]) - 1
+    return [Edit(start=place, end=place, text=" ")]
+
+
+def use_time_of_simulator(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Set `use_sim_time` of the node on the line."""
+    tree = _tree(source)
+    node = _call_at(tree, diagnostic.line, "Node", "ComposableNode") if tree else None
+    if tree is None or node is None or "use_sim_time" in _dump(node):
+        return []
+    given = [keyword.value for keyword in node.keywords if keyword.arg == "parameters"]
+    if not given and node.keywords:
+        place = tree.end(node.keywords[-1])
+        return [Edit(start=place, end=place, text=", parameters=[{'use_sim_time': True}]")]
+    return _with_parameter(tree, given[0]) if given and isinstance(given[0], ast.List) else []
+
+
+def _with_parameter(tree: Tree, parameters: ast.List) -> list[Edit]:
+    """Add it to the first dictionary of a list of parameters, else as a dictionary of its own."""
+    text = "'use_sim_time': True"
+    for one in parameters.elts:
+        if isinstance(one, ast.Dict) and one.values and None not in one.keys:
+            place = tree.end(one.values[-1])
+            return [Edit(start=place, end=place, text=f", {text}")]
+    if not parameters.elts:
+        place = tree.start(parameters) + 1
+        return [Edit(start=place, end=place, text=f"{{{text}}}")]
+    place = tree.end(parameters.elts[-1])
+    return [Edit(start=place, end=place, text=f", {{{text}}}")]
+
+
+def _call_at(tree: Tree, line: int | None, *names: str) -> ast.Call | None:
+    """The call of one of these names that a line is in; None where several are."""
+    found = [
+        call
+        for call in tree.all(ast.Call)
+        if _name_of(call) in names
+        and call.lineno <= (line or 0) <= (call.end_lineno or call.lineno)
+    ]
+    return found[0] if len(found) == 1 else None
+
+
+def _dump(node: ast.AST) -> str:
+    return ast.dump(node)
+
+
+_QUOTED_WORDS = re.compile(r"'(-s|lib[\w.]+\.so)'")
+
+
+def add_factory_plugin(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Load the plugin that spawns in the command that starts Gazebo Classic."""
+    tree = _tree(source)
+    call = _call_at(tree, diagnostic.line, "ExecuteProcess") if tree else None
+    words = _QUOTED_WORDS.findall(diagnostic.hint or "")
+    commands = [one.value for one in call.keywords if one.arg == "cmd"] if call else []
+    if tree is None or not words or not commands or not isinstance(commands[0], ast.List):
+        return []
+    known = {one.value for one in commands[0].elts if isinstance(one, ast.Constant)}
+    added = [f"'-s', '{library}'" for library in words if library != "-s" and library not in known]
+    place = tree.end(commands[0].elts[-1])
+    return [Edit(start=place, end=place, text=", " + ", ".join(added))] if added else []
+
+
+def fix_world_name(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Give the spawner the name of the world that Gazebo loads."""
+    tree, meant = _tree(source), suggested(diagnostic.hint)
+    if tree is None or meant is None or not diagnostic.element:
+        return []
+    found = [
+        value
+        for node in tree.all(ast.List)
+        for option, value in zip(node.elts, node.elts[1:], strict=False)
+        if isinstance(option, ast.Constant) and option.value in {"-world", "--world"}
+        if isinstance(value, ast.Constant) and value.value == diagnostic.element
+    ]
+    return _within(tree, found, diagnostic.element, meant)
+
+
+_BETWEEN_TYPES = re.compile(r"Write `([@\[\]])` between the types")
+
+
+def fix_bridge_direction(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Turn the direction of a bridge that is given as TOPIC@ROS_TYPE[GZ_TYPE."""
+    wanted = _BETWEEN_TYPES.search(diagnostic.hint or "")
+    if wanted is None or not diagnostic.element:
+        return []
+    topic = re.escape(diagnostic.element)
+    places = list(re.finditer(rf"(?<=['\"\s]){topic}@[\w/]+([@\[\]])(?=[\w.]+)", source.text))
+    if len(places) != 1 or places[0][1] == wanted[1]:
+        return []
+    return [Edit(start=places[0].start(1), end=places[0].end(1), text=wanted[1])]
+
+
+_WRITE_SUBSTITUTION = re.compile(r"Write \$\(([\w-]+) ")
+
+
+def fix_ros_1_markup(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Write the substitutions and attributes of ROS 2 in a launch file in XML."""
+    if source.file.suffix not in {".xml", ".launch"}:
+        return []
+    meant = _WRITE_SUBSTITUTION.search(diagnostic.hint or "")
+    tags = read_tags(source.text)
+    if diagnostic.element == "exec":
+        return [
+            Edit(start=written.name.start, end=written.name.end, text="exec")
+            for tag in tags
+            if tag.name == "node" and "exec" not in tag.attributes
+            if (written := tag.attributes.get("type")) is not None
+        ]
+    if meant is None or not diagnostic.element:
+        return []
+    used = re.compile(rf"\$\(({re.escape(diagnostic.element)})(?=\s)")
+    return [
+        Edit(
+            start=attribute.value.start + found.start(1),
+            end=attribute.value.start + found.end(1),
+            text=meant[1],
+        )
+        for tag in tags
+        for attribute in tag.attributes.values()
+        for found in used.finditer(attribute.text)
+    ]

@@ -17,13 +17,13 @@ if TYPE_CHECKING:
     from wsgen.fixes.xml_source import Tag
 
 
-DEPENDENCY = re.compile(r"<(\w*depend)>([\w-]+)</\1>")
+DEPENDENCY = re.compile(r"<(\w*depend|member_of_group)>([\w-]+)</\1>")
 # The order of elements in package.xml; a dependency goes behind the last of its kind, else behind
 # the last of those before it.
 ORDER = (
     *("name", "version", "description", "maintainer", "license", "url", "author"),
     *("buildtool_depend", "buildtool_export_depend", "build_depend", "build_export_depend"),
-    *("depend", "exec_depend", "doc_depend", "test_depend"),
+    *("depend", "exec_depend", "doc_depend", "test_depend", "group_depend", "member_of_group"),
 )
 VERSION = re.compile(r"\d+(?:\.\d+)?")
 FULL_VERSION = 3  # numbers
@@ -41,9 +41,7 @@ def add_dependencies(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edi
     root, top = _top(source)
     if root is None or root.end is None:
         return []
-    declared = {
-        (tag.name, _text(source, tag)) for tag in top if tag.name.endswith("depend") and tag.end
-    }
+    declared = {(tag.name, _text(source, tag)) for tag in top if tag.name in ORDER and tag.end}
     edits = []
     for tag, name in dict.fromkeys(DEPENDENCY.findall(diagnostic.hint or "")):
         if tag not in ORDER or {(tag, name), ("depend", name)} & declared:
@@ -113,6 +111,32 @@ def rename_dependency(diagnostic: Diagnostic, source: SourceText) -> Sequence[Ed
     content = on_line[0].content()
     start = source.text.index(written, content.start)
     return [Edit(start=start, end=start + len(written), text=meant)]
+
+
+def remove_build_type_as_dependency(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Remove a dependency on a build type that is exported as such."""
+    if "<build_type" not in _uncommented(source):
+        return []
+    return remove_dependency(diagnostic, source)
+
+
+def write_format_3(_: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Take format 1, that of ROS 1, to format 3."""
+    root, top = _top(source)
+    if root is None:
+        return []
+    written = root.attributes.get("format")
+    place = root.start.start + len("<package")
+    edits = [
+        Edit(start=written.value.start, end=written.value.end, text="3")
+        if written
+        else Edit(start=place, end=place, text=' format="3"')
+    ]
+    for tag in top:
+        if tag.name == "run_depend" and tag.end is not None:
+            starts = (tag.start.start + len("<"), tag.end.start + len("</"))
+            edits += [Edit(start=start, end=start + len("run"), text="exec") for start in starts]
+    return edits
 
 
 def add_build_type(_: Diagnostic, source: SourceText) -> Sequence[Edit]:

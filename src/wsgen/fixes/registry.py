@@ -24,7 +24,21 @@ FIXERS: Mapping[str, Fixer] = {
     "invalid-manifest": manifests.fix_version,
     "invalid-settings": manifests.fix_settings_key,
     "unknown-rule-allowed": manifests.fix_allowed_rule,
-    "undeclared-package": manifests.add_dependencies,
+    **dict.fromkeys(
+        (
+            "undeclared-package",
+            "undeclared-dependency",
+            "undeclared-build-dependency",
+            "missing-buildtool-dependency",
+            "missing-interface-dependency",
+            "missing-interface-group",
+        ),
+        manifests.add_dependencies,
+    ),
+    "misspelled-dependency": manifests.rename_dependency,
+    "duplicate-dependency": manifests.remove_dependency,
+    "build-type-as-dependency": manifests.remove_build_type_as_dependency,
+    "old-manifest-format": manifests.write_format_3,
     # CMakeLists.txt, setup.py, setup.cfg
     "missing-installed-path": build_files.fix_installed_path,
     "repeated-ament-package": build_files.remove_repeated_ament_package,
@@ -41,6 +55,8 @@ FIXERS: Mapping[str, Fixer] = {
     "broken-console-script": build_files.fix_script_folder,
     # URDF, xacro, SDF
     "malformed-xml": robots.fix_xml,
+    "xacro-fails": robots.fix_xml,
+    "xacro-file-fails": robots.fix_xml,
     "unnamed-robot": robots.fix_robot_name,
     "unknown-urdf-version": robots.fix_urdf_version,
     "no-sdf-version": robots.fix_sdf_version,
@@ -57,7 +73,21 @@ FIXERS: Mapping[str, Fixer] = {
     "unknown-reference": robots.rename_value("reference"),
     "misspelled-element": robots.fix_element_name,
     "misspelled-attribute": robots.fix_attribute_name,
+    "unknown-controlled-joint": robots.fix_joint,
+    "unknown-transmission-joint": robots.fix_joint,
+    "unknown-interface": robots.fix_interface,
+    "unknown-hardware": robots.fix_inner_text("plugin"),
+    "not-in-real-time": robots.fix_inner_text("real_time_update_rate"),
+    "missing-system-plugin": robots.add_system_plugins,
     # launch files
+    "glued-command": launch_files.add_blank_after_xacro,
+    "glued-arguments": launch_files.add_blank_after_option,
+    "ros-1-launch-file": launch_files.fix_ros_1_markup,
+    "wall-clock-beside-simulator": launch_files.use_time_of_simulator,
+    "no-factory-plugin": launch_files.add_factory_plugin,
+    "other-world-name": launch_files.fix_world_name,
+    "unknown-controller": launch_files.fix_text(),
+    "wrong-bridge-direction": launch_files.fix_bridge_direction,
     "description-not-yaml": launch_files.keep_description_as_text,
     "description-as-yaml": launch_files.keep_description_as_text,
     "old-keyword": launch_files.rename_old_keywords,
@@ -77,7 +107,7 @@ def _manifest_around(diagnostic: Diagnostic) -> Path | None:
 
 # Rules whose fix is in another file than the one that they name.
 ELSEWHERE: Mapping[str, Callable[[Diagnostic], Path | None]] = {
-    "undeclared-package": _manifest_around,
+    name: _manifest_around for name, fixer in FIXERS.items() if fixer is manifests.add_dependencies
 }
 
 

@@ -168,6 +168,85 @@ def fix_link(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
     return []
 
 
+_NAMED_JOINT = re.compile(r"names the joint `([^`]+)`")
+_INTERFACE = re.compile(r"has the (\w+) interface `([^`]+)`")
+_WRITE_NAME = re.compile(r'Write <\w+ name="([^"]+)"/>')
+_WRITE_TEXT = re.compile(r"Write <(\w+)>([^<]+)</\1>")
+
+
+def fix_joint(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Write the suggested joint in <ros2_control> and <transmission>."""
+    named, meant = _NAMED_JOINT.search(diagnostic.message), suggested(diagnostic.hint)
+    if named is None or meant is None or not is_surely(named[1], meant):
+        return []
+    found = [
+        written
+        for tag in read_tags(source.text)
+        if tag.name == "joint" and {"ros2_control", "transmission"} & {one.name for one in tag.path}
+        if (written := tag.attributes.get("name")) is not None and written.text == named[1]
+    ]
+    return _replace(found[0].value, meant) if len(found) == 1 else []
+
+
+def fix_interface(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Write the interface that the hint names, for the joint of <ros2_control> on the line."""
+    named, meant = _INTERFACE.search(diagnostic.message), _WRITE_NAME.search(diagnostic.hint or "")
+    if named is None or meant is None or not is_surely(named[2], meant[1]):
+        return []
+    tags = read_tags(source.text)
+    found = [
+        written
+        for tag in tags
+        if tag.name == f"{named[1]}_interface" and tag.path
+        if source.line_at(tag.path[-1].start.start) <= (diagnostic.line or 0)
+        if source.line_at((tag.end or tag.start).end) >= (diagnostic.line or 0)
+        or source.line_at(tag.path[-1].start.end) >= (diagnostic.line or 0)
+        if (written := tag.attributes.get("name")) is not None and written.text == named[2]
+    ]
+    return _replace(found[0].value, meant[1]) if len(found) == 1 else []
+
+
+def fix_inner_text(tag_name: str) -> Callable[[Diagnostic, SourceText], Sequence[Edit]]:
+    """The fix that writes what the hint says as the text of an element inside of that meant."""
+
+    def fix(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+        found = find_tag(source, diagnostic.line, diagnostic.element)
+        meant = _WRITE_TEXT.search(diagnostic.hint or "")
+        if found is None or meant is None or meant[1] != tag_name:
+            return []
+        inner = [
+            tag for tag in read_tags(source.text) if tag.name == tag_name and found[0] in tag.path
+        ]
+        if len(inner) != 1 or inner[0].end is None:
+            return []
+        span = inner[0].content()
+        text = source.text[span.start : span.end]
+        is_plain = not COMPUTED.search(text) and "<" not in text
+        return _replace(_stripped(span, text), meant[2]) if is_plain else []
+
+    return fix
+
+
+_PLUGINS = re.compile(r"<plugin [^<>]*/>")
+
+
+def add_system_plugins(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Add the plugins that the hint writes out in front of the first one of the world."""
+    plugins = _PLUGINS.findall(diagnostic.hint or "")
+    line = diagnostic.line or 0
+    first = [
+        tag
+        for tag in read_tags(source.text)
+        if tag.name == "plugin" and tag.path and tag.path[-1].name == "world"
+        if source.line_at(tag.start.start) <= line <= source.line_at(tag.start.end)
+    ]
+    if not plugins or not first or "world" not in {tag.name for tag in first[0].path}:
+        return []
+    place = first[0].start.start
+    between = source.newline + source.indent_at(place)
+    return [Edit(start=place, end=place, text="".join(one + between for one in plugins))]
+
+
 def fix_element_name(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
     """Rename an element, its end tag too."""
     found = find_tag(source, diagnostic.line, diagnostic.element)

@@ -1,0 +1,279 @@
+"""Fixes in whole packages: what `wsgen check` reports is gone after the fix, and nothing is new."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING
+
+import pytest
+
+from wsgen.fixes.plan import plan_fixes, write_fixes
+from wsgen.pipeline.check import CheckRequest, check
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from wsgen.diagnostics import Diagnostic
+
+PACKAGE = """<?xml version="1.0"?>
+<package format="3">
+  <name>my_robot</name>
+  <version>0.1.0</version>
+  <description>A robot.</description>
+  <maintainer email="a@b.cd">A</maintainer>
+  <license>MIT</license>
+
+  <buildtool_depend>ament_cmake</buildtool_depend>
+
+  <exec_depend>robot_state_publisher</exec_depend>
+  <exec_depend>ros_gz_bridge</exec_depend>
+  <exec_depend>ros_gz_sim</exec_depend>
+  <exec_depend>xacro</exec_depend>  <!-- expands the robot -->
+
+  <export>
+    <build_type>ament_cmake</build_type>
+  </export>
+</package>
+"""
+CMAKE = """cmake_minimum_required(VERSION 3.8...3.31)
+project(my_robot)
+
+find_package(ament_cmake REQUIRED)
+
+# What launch files look up.
+install(
+  DIRECTORY launch urdf worlds
+  DESTINATION share/${PROJECT_NAME}
+)
+
+ament_package()
+"""
+XACRO = """<?xml version="1.0"?>
+<robot name="my_robot" xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <xacro:arg name="length" default="1"/>
+  <link name="base_link">
+    <inertial>
+      <mass value="1"/>
+      <inertia ixx="0.17" ixy="0" ixz="0" iyy="0.17" iyz="0" izz="0.17"/>
+    </inertial>
+    <visual>
+      <geometry><box size="1 1 $(arg length)"/></geometry>
+    </visual>
+    <collision>
+      <geometry><box size="1 1 1"/></geometry>
+    </collision>
+  </link>
+</robot>
+"""
+WORLD = """<?xml version="1.0"?>
+<sdf version="1.9">
+  <world name="office">
+    <physics name="default" type="ode">
+      <max_step_size>0.001</max_step_size>
+      <real_time_factor>1</real_time_factor>
+      <real_time_update_rate>1000</real_time_update_rate>
+    </physics>
+    <plugin filename="gz-sim-physics-system" name="gz::sim::systems::Physics"/>
+    <plugin filename="gz-sim-user-commands-system" name="gz::sim::systems::UserCommands"/>
+    <plugin filename="gz-sim-scene-broadcaster-system"
+      name="gz::sim::systems::SceneBroadcaster"/>
+    <light name="sun" type="directional">
+      <pose>0 0 10 0 0 0</pose>
+      <direction>-0.5 0.1 -0.9</direction>
+    </light>
+    <model name="ground">
+      <static>true</static>
+      <link name="link">
+        <collision name="collision">
+          <geometry><plane><normal>0 0 1</normal><size>9 9</size></plane></geometry>
+        </collision>
+      </link>
+    </model>
+  </world>
+</sdf>
+"""
+LAUNCH = """import os
+
+from ament_index_python.packages import get_package_share_directory
+from launch import LaunchDescription
+from launch.actions import IncludeLaunchDescription
+from launch.launch_description_sources import PythonLaunchDescriptionSource
+from launch.substitutions import Command
+from launch_ros.actions import Node
+from launch_ros.parameter_descriptions import ParameterValue
+
+
+def generate_launch_description():
+    share = get_package_share_directory('my_robot')
+    robot = os.path.join(share, 'urdf', 'my_robot.xacro')
+    world = os.path.join(share, 'worlds', 'office.sdf')
+    gazebo = os.path.join(get_package_share_directory('ros_gz_sim'), 'launch')
+    return LaunchDescription([
+        IncludeLaunchDescription(
+            PythonLaunchDescriptionSource(os.path.join(gazebo, 'gz_sim.launch.py')),
+            launch_arguments={'gz_args': ['-r ', world]}.items(),
+        ),
+        Node(
+            package='robot_state_publisher',
+            executable='robot_state_publisher',
+            parameters=[{
+                'robot_description': ParameterValue(
+                    Command(['xacro ', robot, ' length:=1']), value_type=str
+                ),
+                'use_sim_time': True,  # as Gazebo counts
+            }],
+        ),
+        Node(
+            package='ros_gz_sim',
+            executable='create',
+            arguments=['-world', 'office', '-topic', 'robot_description', '-name', 'my_robot'],
+        ),
+        Node(
+            package='ros_gz_bridge',
+            executable='parameter_bridge',
+            arguments=['/clock@rosgraph_msgs/msg/Clock[gz.msgs.Clock'],
+        ),
+    ])
+"""
+FILES = {
+    "package.xml": PACKAGE,
+    "CMakeLists.txt": CMAKE,
+    "urdf/my_robot.xacro": XACRO,
+    "worlds/office.sdf": WORLD,
+    "launch/spawn.launch.py": LAUNCH,
+}
+USER_COMMANDS = (
+    '<plugin filename="gz-sim-user-commands-system" name="gz::sim::systems::UserCommands"/>'
+)
+LAUNCH_FILE = "launch/spawn.launch.py"
+
+# The rule, the file, what is written there, and what takes its place: the mistake. The fix writes
+# it back, or what is given as the fifth.
+CASES: list[tuple[str, ...]] = [
+    # package.xml
+    ("undeclared-package", "package.xml", "  <exec_depend>ros_gz_sim</exec_depend>\n", ""),
+    ("misspelled-dependency", "package.xml", ">ros_gz_sim<", ">ros_gz_smi<"),
+    (
+        "duplicate-dependency",
+        "package.xml",
+        "  <!-- expands the robot -->\n",
+        "  <!-- expands the robot -->\n  <exec_depend>xacro</exec_depend>\n",
+    ),
+    (
+        "missing-buildtool-dependency",
+        "package.xml",
+        "  <buildtool_depend>ament_cmake</buildtool_depend>\n",
+        "",
+    ),
+    (
+        "missing-build-type",
+        "package.xml",
+        "\n    <build_type>ament_cmake</build_type>\n  ",
+        "",
+    ),
+    ("invalid-manifest", "package.xml", "0.1.0", "0.1", "0.1.0"),
+    # CMakeLists.txt
+    ("missing-installed-path", "CMakeLists.txt", "launch urdf worlds", "launch urdf wrlds worlds"),
+    ("repeated-ament-package", "CMakeLists.txt", "# What", "ament_package()\n# What"),
+    ("missing-ament-package", "CMakeLists.txt", "ament_package()\n", ""),
+    ("old-cmake-minimum", "CMakeLists.txt", "3.8...3.31", "2.8.3"),
+    ("deprecated-cmake-minimum", "CMakeLists.txt", "3.8...3.31", "3.8"),
+    (
+        "missing-cmake-minimum",
+        "CMakeLists.txt",
+        "cmake_minimum_required(VERSION 3.8...3.31)\n",
+        "",
+    ),
+    ("missing-project", "CMakeLists.txt", "\nproject(my_robot)", ""),
+    ("different-names", "CMakeLists.txt", "project(my_robot)", "project(my_robots)"),
+    ("unknown-language", "CMakeLists.txt", "(my_robot)", "(my_robot CPP)", "(my_robot CXX)"),
+    ("unknown-command", "CMakeLists.txt", "ament_package()", "ament_pakage()"),
+    ("missing-destination", "CMakeLists.txt", "\n  DESTINATION share/${PROJECT_NAME}", ""),
+    # xacro
+    ("xacro-fails", "urdf/my_robot.xacro", "</visual>", "</visaul>"),
+    (
+        "misspelled-element",
+        "urdf/my_robot.xacro",
+        '<collision>\n      <geometry><box size="1 1 1"/></geometry>\n    </collision>',
+        '<colision>\n      <geometry><box size="1 1 1"/></geometry>\n    </colision>',
+    ),
+    ("misspelled-attribute", "urdf/my_robot.xacro", "<mass value", "<mass vlaue"),
+    ("not-a-number", "urdf/my_robot.xacro", '"1 1 1"', '"1, 1, 1"'),
+    ("unused-xacro-argument", LAUNCH_FILE, "length:=", "lenght:="),
+    # worlds
+    ("no-sdf-version", "worlds/office.sdf", '<sdf version="1.9">', "<sdf>", '<sdf version="1.6">'),
+    ("not-in-real-time", "worlds/office.sdf", ">1000<", ">100<"),
+    (
+        "missing-system-plugin",
+        "worlds/office.sdf",
+        f"    {USER_COMMANDS}\n",
+        "",
+    ),
+    # launch files
+    ("glued-command", LAUNCH_FILE, "['xacro ', robot", "['xacro', robot"),
+    ("glued-arguments", LAUNCH_FILE, "['-r ', world]", "['-r', world]"),
+    (
+        "description-as-yaml",
+        LAUNCH_FILE,
+        (
+            "ParameterValue(\n"
+            "                    Command(['xacro ', robot, ' length:=1']), value_type=str\n"
+            "                )"
+        ),
+        "Command(['xacro ', robot, ' length:=1'])",
+        "ParameterValue(Command(['xacro ', robot, ' length:=1']), value_type=str)",
+    ),
+    (
+        "wall-clock-beside-simulator",
+        LAUNCH_FILE,
+        ",\n                'use_sim_time': True,  # as Gazebo counts\n",
+        "\n",
+        ", 'use_sim_time': True\n",
+    ),
+    ("old-keyword", LAUNCH_FILE, " executable='create'", " node_executable='create'"),
+    ("invalid-keyword", LAUNCH_FILE, "arguments=['-world", "argumnets=['-world"),
+    ("undefined-name", LAUNCH_FILE, "from launch_ros.actions import Node\n", ""),
+    ("undefined-name", LAUNCH_FILE, "join(share, 'urdf'", "join(shrae, 'urdf'"),
+    ("other-world-name", LAUNCH_FILE, "'-world', 'office'", "'-world', 'offices'"),
+    ("executable-not-found", LAUNCH_FILE, "'create'", "'creat'"),
+]
+
+
+def write(folder: Path) -> None:
+    for name, text in FILES.items():
+        file = folder / name
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text, encoding="utf-8")
+
+
+def diagnostics(folder: Path) -> tuple[Diagnostic, ...]:
+    environment = {"PATH": os.environ["PATH"], "ROS_DISTRO": "jazzy"}
+    return check(CheckRequest(paths=[folder]), environment=environment).diagnostics
+
+
+def test_the_package_is_sound(tmp_path: Path) -> None:
+    write(tmp_path / "my_robot")
+    assert diagnostics(tmp_path / "my_robot") == ()
+
+
+@pytest.mark.parametrize("case", CASES, ids=[f"{case[0]}-{case[1]}" for case in CASES])
+def test_a_mistake_is_fixed(tmp_path: Path, case: tuple[str, ...]) -> None:
+    name, changed, good, bad = case[:4]
+    folder = tmp_path / "my_robot"
+    write(folder)
+    file, text = folder / changed, FILES[changed]
+    assert good in text
+    file.write_text(text.replace(good, bad, 1), encoding="utf-8")
+    found = [one for one in diagnostics(folder) if one.name == name]
+    assert found, [(one.code, one.name, one.message) for one in diagnostics(folder)]
+    plan = plan_fixes(found, [folder])
+    assert not plan.refused, plan.refused
+    assert len([*write_fixes(plan)]) == 1
+    left = diagnostics(folder)
+    assert not left, [(one.code, one.name, one.message, one.hint) for one in left]
+    if plan.files[0].file == file:
+        fixed = case[4] if len(case) > 4 else good
+        assert sorted(file.read_text().split()) == sorted(text.replace(good, fixed, 1).split())
+    assert {path.name for path in folder.rglob("*") if path.is_file()} == {
+        name.rpartition("/")[2] for name in FILES
+    }
