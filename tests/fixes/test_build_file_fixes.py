@@ -6,34 +6,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.fixes.plan import plan_fixes, write_fixes
-from wsgen.rules.catalogue import find_rule
+from fixes.crafted import fixed
 
 if TYPE_CHECKING:
     from pathlib import Path
-
-
-def report(file: Path, name: str, line: int | None, message: str, hint: str) -> Diagnostic:
-    rule = find_rule(name)
-    assert rule is not None
-    return Diagnostic(
-        code=rule.code,
-        name=rule.name,
-        severity=Severity.ERROR,
-        message=message,
-        file=file,
-        line=line,
-        hint=hint,
-    )
-
-
-def fixed(file: Path, name: str, line: int | None, message: str = "", hint: str = "") -> str | None:
-    """The text after the fix; None if there is none."""
-    plan = plan_fixes([report(file, name, line, message, hint)], [file.parent])
-    for _ in write_fixes(plan):
-        return file.read_bytes().decode()
-    return None
 
 
 HEAD = "cmake_minimum_required(VERSION 3.8)\nproject(r)\nfind_package(ament_cmake REQUIRED)\n"

@@ -91,6 +91,26 @@ def remove_dependency(diagnostic: Diagnostic, source: SourceText) -> Sequence[Ed
     return [Edit(start=start, end=end, text="")]
 
 
+def write_dependency(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Declare the dependency on the line with the tag that the hint writes out, or with it too."""
+    if (diagnostic.hint or "").startswith("Add"):
+        return add_dependencies(diagnostic, source)
+    _, top = _top(source)
+    meant = DEPENDENCY.search(diagnostic.hint or "")
+    on_line = [
+        tag
+        for tag in top
+        if tag.name.endswith("depend") and source.line_at(tag.start.start) == diagnostic.line
+    ]
+    if meant is None or len(on_line) != 1 or on_line[0].end is None:
+        return []
+    tag, end = on_line[0], on_line[0].end
+    if _text(source, tag) != meant[2] or tag.name == meant[1]:
+        return []
+    starts = (tag.start.start + len("<"), end.start + len("</"))
+    return [Edit(start=start, end=start + len(tag.name), text=meant[1]) for start in starts]
+
+
 def rename_dependency(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
     """Write the suggested name of a dependency."""
     _, top = _top(source)

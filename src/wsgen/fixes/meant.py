@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import re
 
-SHORT = 4  # letters; of words up to this length, only capitals and the order of letters may differ
+SHORT = 4  # letters; in shorter words only the order of letters may differ: `xzy`, not `fl` or `x`
 LONG = 8  # letters; from here on two letters may differ
 
 _SUGGESTED = re.compile(r"Did you mean (?:`([^`]+)`|<([^>]+)>)\?")
+_WORDS = re.compile(r"[A-Z]?[a-z]+|[A-Z]+|\d+|[^\W\d_]+")
 
 
 def suggested(hint: str | None) -> str | None:
@@ -17,17 +18,38 @@ def suggested(hint: str | None) -> str | None:
 
 
 def is_surely(written: str, meant: str) -> bool:
-    """Whether a word is another one with a slip of the hand: `Revolute`, `inertail`, `bas_link`."""
-    one, other = _plain(written), _plain(meant)
-    if one == other or (sorted(one) == sorted(other) and len(one) > 1):
+    """Whether a name is another one with a slip of the hand: `Revolute`, `inertail`, `base_lnk`.
+
+    Names that count or place things differ as little: `arm_1` and `arm_2`, `l_wheel` and `r_wheel`
+    are others. One word may differ, not in a number and not in its first or last letter alone.
+    """
+    if _plain(written) == _plain(meant):
         return True
-    length = min(len(one), len(other))
+    words, others = _WORDS.findall(written), _WORDS.findall(meant)
+    if len(words) != len(others):
+        return False
+    differing = [
+        (one.casefold(), other.casefold())
+        for one, other in zip(words, others, strict=True)
+        if one.casefold() != other.casefold()
+    ]
+    return len(differing) == 1 and _is_slip(*differing[0])
+
+
+def _plain(name: str) -> str:
+    return re.sub(r"[\s_-]", "", name).casefold()
+
+
+def _is_slip(one: str, other: str) -> bool:
+    if one[0] != other[0] or one.isdigit() or other.isdigit():
+        return False
+    if sorted(one) == sorted(other):
+        return True
+    if len(one) == len(other) and one[:-1] == other[:-1]:
+        return False
+    length = max(len(one), len(other))
     allowed = 0 if length < SHORT else 1 if length < LONG else 2
     return _distance(one, other, allowed) <= allowed
-
-
-def _plain(word: str) -> str:
-    return re.sub(r"[\s_-]", "", word).casefold()
 
 
 def _distance(one: str, other: str, most: int) -> int:

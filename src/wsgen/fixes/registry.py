@@ -35,6 +35,7 @@ FIXERS: Mapping[str, Fixer] = {
         ),
         manifests.add_dependencies,
     ),
+    "not-for-run-time": manifests.write_dependency,
     "misspelled-dependency": manifests.rename_dependency,
     "duplicate-dependency": manifests.remove_dependency,
     "build-type-as-dependency": manifests.remove_build_type_as_dependency,

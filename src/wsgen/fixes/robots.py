@@ -193,14 +193,12 @@ def fix_interface(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
     named, meant = _INTERFACE.search(diagnostic.message), _WRITE_NAME.search(diagnostic.hint or "")
     if named is None or meant is None or not is_surely(named[2], meant[1]):
         return []
-    tags = read_tags(source.text)
     found = [
         written
-        for tag in tags
+        for tag in read_tags(source.text)
         if tag.name == f"{named[1]}_interface" and tag.path
         if source.line_at(tag.path[-1].start.start) <= (diagnostic.line or 0)
-        if source.line_at((tag.end or tag.start).end) >= (diagnostic.line or 0)
-        or source.line_at(tag.path[-1].start.end) >= (diagnostic.line or 0)
+        if source.line_at(tag.start.end) >= (diagnostic.line or 0)
         if (written := tag.attributes.get("name")) is not None and written.text == named[2]
     ]
     return _replace(found[0].value, meant[1]) if len(found) == 1 else []
@@ -215,7 +213,9 @@ def fix_inner_text(tag_name: str) -> Callable[[Diagnostic, SourceText], Sequence
         if found is None or meant is None or meant[1] != tag_name:
             return []
         inner = [
-            tag for tag in read_tags(source.text) if tag.name == tag_name and found[0] in tag.path
+            tag
+            for tag in read_tags(source.text)
+            if tag.name == tag_name and any(one.start == found[0].start for one in tag.path)
         ]
         if len(inner) != 1 or inner[0].end is None:
             return []

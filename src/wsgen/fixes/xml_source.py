@@ -35,7 +35,7 @@ class Tag(NamedTuple):
     attributes: dict[str, Attribute]
     is_empty: bool  # <tag/>
     end: Span | None  # its end tag; None if it has none
-    path: tuple[Tag, ...]  # the elements around it, the root first
+    path: tuple[Tag, ...]  # the elements around it, the root first; without their ends
 
     def content(self) -> Span:
         """What is between its start and its end tag."""
