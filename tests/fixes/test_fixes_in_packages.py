@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+import wsgen.cli
 from wsgen.fixes.plan import plan_fixes, write_fixes
 from wsgen.pipeline.check import CheckRequest, check
 
@@ -215,9 +216,9 @@ CASES: list[tuple[str, ...]] = [
     (
         "wall-clock-beside-simulator",
         LAUNCH_FILE,
-        ",\n                'use_sim_time': True,  # as Gazebo counts\n",
-        "\n",
-        ", 'use_sim_time': True\n",
+        "                'use_sim_time': True,  # as Gazebo counts\n",
+        "",
+        "                'use_sim_time': True,\n",
     ),
     ("old-keyword", LAUNCH_FILE, " executable='create'", " node_executable='create'"),
     ("invalid-keyword", LAUNCH_FILE, "arguments=['-world", "argumnets=['-world"),
@@ -266,3 +267,26 @@ def test_a_mistake_is_fixed(tmp_path: Path, case: tuple[str, ...]) -> None:
     assert {path.name for path in folder.rglob("*") if path.is_file()} == {
         name.rpartition("/")[2] for name in FILES
     }
+
+
+def test_many_mistakes_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = tmp_path / "my_robot"
+    write(folder)
+    apart = {"xacro-fails", "description-as-yaml", "glued-command", "undeclared-package"}
+    texts = dict(FILES)
+    for name, changed, good, bad, *_ in CASES:
+        if name not in apart and texts[changed].count(good) == 1:
+            texts[changed] = texts[changed].replace(good, bad)
+    for name, text in texts.items():
+        (folder / name).write_bytes(text.replace("\n", "\r\n").encode("utf-8-sig"))
+    monkeypatch.setenv("ROS_DISTRO", "jazzy")
+    assert wsgen.cli.run(["check", str(folder), "-q"]) == 1
+    assert wsgen.cli.run(["check", str(folder), "--fix", "--strict", "-v"]) == 0
+    assert diagnostics(folder) == ()
+    after = {file: file.read_bytes() for file in folder.rglob("*") if file.is_file()}
+    assert len(after) == len(FILES)
+    for file, data in after.items():
+        assert data.startswith(b"\xef\xbb\xbf"), file
+        assert data.count(b"\n") == data.count(b"\r\n"), file
+    assert wsgen.cli.run(["check", str(folder), "--fix", "-v"]) == 0
+    assert after == {file: file.read_bytes() for file in after}

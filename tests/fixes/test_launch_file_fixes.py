@@ -73,6 +73,11 @@ NODE = "Node(\n    package='a', executable='b',{}\n)\n"
         ("", None),
         (" parameters=[{'a': 1}],", " parameters=[{'a': 1, 'use_sim_time': True}],"),
         (" parameters=[{'a': 1,}]", " parameters=[{'a': 1, 'use_sim_time': True,}]"),
+        (
+            " parameters=[{\n        'a': 1,\n    }]",
+            " parameters=[{\n        'a': 1,\n        'use_sim_time': True,\n    }]",
+        ),
+        (" name='ros_gz_bridge'", ""),
         (" parameters=[f]", " parameters=[f, {'use_sim_time': True}]"),
         (" parameters=[]", " parameters=[{'use_sim_time': True}]"),
         (" parameters=[{**a}]", " parameters=[{**a}, {'use_sim_time': True}]"),

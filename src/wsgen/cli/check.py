@@ -143,12 +143,13 @@ def command(
         paths=[Path(path) for path in paths], workspace=workspace, distro=distro, jobs=jobs
     )
     run = partial(_run, request, filters, quiet=quiet, verbose=verbose)
+    make_plan = partial(_plan, with_informations=verbose or bool(select))
     outcome, reported = run()
     fixed, plan = 0, None
     if fix:
-        outcome, reported, fixed = _fix_all(outcome, reported, run)
+        outcome, reported, fixed = _fix_all(outcome, reported, run, make_plan)
     elif diff or (output_format == "text" and not quiet):
-        plan = _plan(outcome, reported)
+        plan = make_plan(outcome, reported)
     if diff and plan is not None:
         _print_diff(plan)
     elif write_baseline is not None:
@@ -193,27 +194,42 @@ def _listening(*, quiet: bool, verbose: bool) -> AbstractContextManager[Listener
     return listening(quiet=quiet or not (is_terminal or verbose), verbose=verbose, is_short=True)
 
 
-def _plan(outcome: CheckOutcome, reported: Reported) -> FixPlan:
+def _plan(outcome: CheckOutcome, reported: Reported, *, with_informations: bool) -> FixPlan:
+    """The fixes of what is reported; informations are fixed if they are shown or selected."""
+    from wsgen.diagnostics import Severity
     from wsgen.fixes.plan import plan_fixes
 
-    roots = outcome.only or (*outcome.folders.values(), *outcome.files)
-    return plan_fixes(reported.diagnostics, roots)
+    roots = (*outcome.only, *outcome.files) if outcome.only else ()
+    roots = roots or (*outcome.folders.values(), *outcome.files)
+    wanted = [
+        found
+        for found in reported.diagnostics
+        if with_informations or found.severity is not Severity.INFO
+    ]
+    return plan_fixes(wanted, roots)
 
 
 def _fix_all(
-    outcome: CheckOutcome, reported: Reported, again: Callable[[], tuple[CheckOutcome, Reported]]
+    outcome: CheckOutcome,
+    reported: Reported,
+    again: Callable[[], tuple[CheckOutcome, Reported]],
+    make_plan: Callable[[CheckOutcome, Reported], FixPlan],
 ) -> tuple[CheckOutcome, Reported, int]:
     """Apply fixes and check again until there are no more; the number of fixes."""
+    from pathlib import Path
+
     from wsgen.cli.words import short_name
     from wsgen.fixes.plan import write_fixes
 
-    fixed = 0
+    fixed, written = 0, set[Path]()
     for _ in range(MOST_ROUNDS):
-        plan = _plan(outcome, reported)
+        plan = make_plan(outcome, reported)
         if not plan.files:
             break
         for file in write_fixes(plan):
-            click.echo(f"Fixed {short_name(file)}", err=True)
+            if file not in written:
+                click.echo(f"Fixed {short_name(file)}", err=True)
+            written.add(file)
         fixed += len(plan.fixed)
         outcome, reported = again()
     return outcome, reported, fixed

@@ -28,6 +28,8 @@ AS_TEXT_IMPORT = "from launch_ros.parameter_descriptions import ParameterValue"
 # What Node took before Galactic -> what it takes.
 RENAMED = {"node_executable": "executable", "node_name": "name", "node_namespace": "namespace"}
 STATEMENT = re.compile(r"Add `((?:from [\w.]+ )?import \w+)` at the top")
+OF_GAZEBO_SIM = re.compile(r"\bros_(?:gz|ign)")
+CLOCK = "/clock"
 XACRO_WORDS = frozenset(("xacro", "ros2 run xacro xacro"))
 
 
@@ -316,8 +318,10 @@ def use_time_of_simulator(diagnostic: Diagnostic, source: SourceText) -> Sequenc
     """Set `use_sim_time` of the node on the line."""
     tree = _tree(source)
     node = _call_at(tree, diagnostic.line, "Node", "ComposableNode") if tree else None
-    if tree is None or node is None or "use_sim_time" in _dump(node):
+    if tree is None or node is None or "use_sim_time" in ast.dump(node):
         return []
+    if OF_GAZEBO_SIM.search(source.text) and CLOCK not in source.text:
+        return []  # without a bridge for the clock, the node would wait for it
     given = [keyword.value for keyword in node.keywords if keyword.arg == "parameters"]
     if not given and node.keywords:
         place = tree.end(node.keywords[-1])
@@ -331,12 +335,21 @@ def _with_parameter(tree: Tree, parameters: ast.List) -> list[Edit]:
     for one in parameters.elts:
         if isinstance(one, ast.Dict) and one.values and None not in one.keys:
             place = tree.end(one.values[-1])
-            return [Edit(start=place, end=place, text=f", {text}")]
+            return [Edit(start=place, end=place, text=f",{_gap(tree, one)}{text}")]
     if not parameters.elts:
         place = tree.start(parameters) + 1
         return [Edit(start=place, end=place, text=f"{{{text}}}")]
     place = tree.end(parameters.elts[-1])
     return [Edit(start=place, end=place, text=f", {{{text}}}")]
+
+
+def _gap(tree: Tree, written: ast.Dict) -> str:
+    """What comes in front of one more entry: a line of its own where the others have theirs."""
+    last, key = written.values[-1], written.keys[-1]
+    is_on_lines = (written.end_lineno or 0) > (last.end_lineno or 0)
+    if not is_on_lines or key is None:
+        return " "
+    return tree.source.newline + tree.source.indent_at(tree.start(key))
 
 
 def _call_at(tree: Tree, line: int | None, *names: str) -> ast.Call | None:
@@ -348,10 +361,6 @@ def _call_at(tree: Tree, line: int | None, *names: str) -> ast.Call | None:
         and call.lineno <= (line or 0) <= (call.end_lineno or call.lineno)
     ]
     return found[0] if len(found) == 1 else None
-
-
-def _dump(node: ast.AST) -> str:
-    return ast.dump(node)
 
 
 _QUOTED_WORDS = re.compile(r"'(-s|lib[\w.]+\.so)'")
