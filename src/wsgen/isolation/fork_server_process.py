@@ -30,8 +30,8 @@ def serve(orders: dict[str, Any]) -> dict[str, Any]:
     """Import the module, then serve until the fork server closes.
 
     Args:
-        orders: `module` of the tasks; `control`, the descriptor of the socket for requests;
-            `parent_death_pipe`, for `end_with_parent`.
+        orders: `module` of the tasks, whose `warm_up()` is called if it has one; `control`, the
+            descriptor of the socket for requests; `parent_death_pipe`, for `end_with_parent`.
 
     Returns:
         In each forked child, its request. In the server it does not return.
@@ -40,7 +40,8 @@ def serve(orders: dict[str, Any]) -> dict[str, Any]:
     adopt_orphans()
     # Each child imports the module again, and reports if that fails.
     with suppress(Exception, SystemExit):
-        importlib.import_module(orders["module"])
+        module = importlib.import_module(orders["module"])
+        getattr(module, "warm_up", lambda: None)()
     sys.stdout.flush()
     sys.path_importer_cache.clear()  # otherwise a child does not see newer folders
     gc.freeze()  # otherwise a child's collector writes to every object, which copies its page

@@ -10,6 +10,7 @@ stays an ImportError.
 from __future__ import annotations
 
 import builtins
+import importlib
 import io
 import os
 import sys
@@ -36,6 +37,12 @@ if TYPE_CHECKING:
 _SHIM = os.path.join(os.path.dirname(os.path.dirname(__file__)), "launch_shim")
 _ROS_PACKAGES = os.path.join(os.path.dirname(__file__), "ros_packages")
 _DESCRIPTIONS = (".urdf", ".xacro", ".sdf", ".xml")
+_OFTEN_IMPORTED = (
+    *("ament_index_python.packages", "launch", "launch.actions", "launch.conditions"),
+    *("launch.event_handlers", "launch.launch_description_sources", "launch.substitutions"),
+    *("launch_ros.actions", "launch_ros.parameter_descriptions", "launch_ros.substitutions"),
+    *("xacro.substitution_args", "xml.dom.expatbuilder", "yaml"),
+)
 _SHIM_PACKAGES = ("launch", "launch_ros", "launch_xml", "launch_yaml", "ament_index_python")
 _OS = ("<frozen os>", os.__file__)  # in which os.getenv() is
 MESSAGES = ("_msgs", "_interfaces", "_srvs")
@@ -98,8 +105,9 @@ def evaluate(
 
 def _install() -> None:
     """Put the shim before all other modules, here and in what the launch file starts."""
-    for name in [name for name in sys.modules if name.partition(".")[0] in _SHIM_PACKAGES]:
-        del sys.modules[name]
+    if not _is_shim_loaded():
+        for name in [name for name in sys.modules if name.partition(".")[0] in _SHIM_PACKAGES]:
+            del sys.modules[name]
     sys.path.insert(0, _SHIM)
     sys.path.append(_ROS_PACKAGES)
     sys.meta_path.append(_MissingModules())
@@ -111,6 +119,19 @@ def _install() -> None:
     from ament_index_python import packages
 
     packages.find_prefix = package_lookup.find_prefix
+
+
+def load_shim() -> None:
+    """Import what nearly every launch file does, ahead of the processes that evaluate one each."""
+    sys.path.insert(0, _SHIM)
+    for name in _OFTEN_IMPORTED:
+        importlib.import_module(name)
+    sys.path.remove(_SHIM)
+
+
+def _is_shim_loaded() -> bool:
+    launch = sys.modules.get("launch")
+    return launch is not None and (launch.__file__ or "").startswith(_SHIM)
 
 
 def _note_unset_variables() -> None:

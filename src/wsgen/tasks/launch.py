@@ -15,6 +15,11 @@ if TYPE_CHECKING:
     from wsgen.model.plan import LaunchPlan, LaunchRequest
 
 
+def warm_up() -> None:
+    """Import what tasks would import one by one; a fork server calls it before it forks."""
+    worker.load_shim()
+
+
 def evaluate_launch(request: LaunchRequest) -> LaunchPlan:
     """Evaluate a launch file, with the real xacro for its xacro commands."""
     watch = expansion.Watch(RECORD.note_text, RECORD.note_unused_xacro_arguments)
