@@ -20,7 +20,7 @@ from wsgen.model.world import World
 from wsgen.pipeline import run_robots as robot_runs
 from wsgen.pipeline.behavior_plan import plan_behaviors
 from wsgen.pipeline.prepare import PreparedRobot
-from wsgen.pipeline.run_robots import SimulationResult, simulate_robots
+from wsgen.pipeline.run_robots import simulate_robots
 from wsgen.pipeline.selection import ValidateRequest
 from wsgen.simulation.contact_shapes import MOST_LINKS
 from wsgen.simulation.engine import HullGap
@@ -38,6 +38,8 @@ from wsgen.workspace.settings import Settings
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
+
+    from wsgen.pipeline.simulation_result import SimulationResult
 
 BODY = Inertial(mass=1.0, inertia=(0.1, 0.0, 0.0, 0.1, 0.0, 0.1))
 WORLD = World(name="w", has_ground_plane=True)

@@ -12,7 +12,8 @@ from wsgen.diagnostics import Severity
 from wsgen.model.robot import Inertial, Joint, JointLimit, JointType, Link, Robot
 from wsgen.model.transform import Pose
 from wsgen.model.world import World
-from wsgen.rules.check import check_robot, check_run, passive_joints
+from wsgen.rules.check import check_robot
+from wsgen.rules.check_run import check_run, passive_joints
 from wsgen.simulation.scene import Overlapping, RobotRun
 
 WORLD = World(name="w", has_ground_plane=True)

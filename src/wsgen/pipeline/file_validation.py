@@ -23,7 +23,7 @@ from wsgen.pipeline.prepare import (
     share_around,
     share_on_model_path,
 )
-from wsgen.pipeline.run_robots import SimulationResult, simulate_robots
+from wsgen.pipeline.simulation_result import SimulationResult
 from wsgen.sdf.source import is_sdf
 from wsgen.sdf.worlds import DEFAULT_WORLD
 from wsgen.urdf.reader import TEXT_LIMIT, UNNAMED_ROBOT
@@ -126,6 +126,9 @@ class FileValidation:
             step.succeeded = not has_errors(self.diagnostics)
         simulated = SimulationResult()
         if prepared and world:
+            # See `Validation._simulate`.
+            from wsgen.pipeline.run_robots import simulate_robots  # noqa: PLC0415
+
             with self.clock.step("simulate", name_some(prepared, self.request.engines)) as step:
                 simulated = simulate_robots(
                     world, prepared, self.request, self.name, run=self.run_task

@@ -27,10 +27,10 @@ from wsgen.pipeline.prepare import (
     share_on_model_path,
     without_taken,
 )
-from wsgen.pipeline.run_robots import SimulationResult, simulate_robots
+from wsgen.pipeline.simulation_result import SimulationResult
 from wsgen.pipeline.started import start
 from wsgen.rules.catalogue import unknown_rule_allowed, without_allowed
-from wsgen.rules.runs import spawned_twice
+from wsgen.rules.entities import spawned_twice
 from wsgen.sdf.lookup import (
     EMPTY_WORLDS,
     find_world,
@@ -508,6 +508,9 @@ class Validation:
     def _simulate(
         self, world: World, prepared: list[PreparedRobot], folder: Path
     ) -> SimulationResult:
+        # What simulates takes long to import, and `wsgen check` does not need it.
+        from wsgen.pipeline.run_robots import simulate_robots  # noqa: PLC0415
+
         progress = folder / "progress" if self.request.video else None
         with (
             self.clock.step("simulate", name_some(prepared, self.request.engines)) as step,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import field, replace
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -17,9 +17,9 @@ from wsgen.model.outcome import (
     Simulated,
     name_engines,
 )
-from wsgen.pipeline.clock import DRAW
 from wsgen.pipeline.parallel import run_parallel
-from wsgen.rules.check import check_run
+from wsgen.pipeline.simulation_result import SimulationResult
+from wsgen.rules.check_run import check_run
 from wsgen.rules.consequences import fold_consequences, joints_beyond_limits
 from wsgen.rules.runs import (
     KEEPS_MOVING,
@@ -33,7 +33,6 @@ from wsgen.rules.runs import (
 from wsgen.simulation.contact_shapes import MOST_LINKS, most_parts
 from wsgen.simulation.run import installed_engines, run_simulation
 from wsgen.simulation.scene import Scene, SpawnedRobot
-from wsgen.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -43,7 +42,6 @@ if TYPE_CHECKING:
     from wsgen.isolation.parent import Run
     from wsgen.model.world import World
     from wsgen.pipeline.behavior_plan import BehaviorPlan
-    from wsgen.pipeline.clock import Step
     from wsgen.pipeline.prepare import PreparedRobot
     from wsgen.pipeline.selection import ValidateRequest
     from wsgen.simulation.scene import RobotRun, SimulationOutcome
@@ -54,34 +52,6 @@ MOVES = {
     rule.code
     for rule in (KEEPS_MOVING, TIPS_OVER, STUCK_IN_GROUND, SPAWNED_IN_GROUND, OVERLAPPING_ROBOTS)
 }
-
-
-@dataclass(frozen=True, kw_only=True)
-class SimulationResult:
-    """What a simulation measured, and what is reported about it."""
-
-    robots: tuple[RobotOutcome, ...] = ()
-    diagnostics: tuple[Diagnostic, ...] = ()  # of the run alone
-    causes: Mapping[Diagnostic, Diagnostic] = field(default_factory=dict)  # about descriptions:
-    # as reported before, and with what followed from it in the run
-    picture: Path | None = None
-    picture_tile: float | None = None  # m, edge of a square of the ground in the picture
-    world_picture: Path | None = None
-    video: Path | None = None
-    seconds: Mapping[str, float] | None = None  # wall-clock: load, simulate, draw
-
-    def diagnostics_after(self, before: Iterable[Diagnostic]) -> list[Diagnostic]:
-        """What was reported before the run, and what the run adds to it."""
-        return [*(self.causes.get(one, one) for one in before), *self.diagnostics]
-
-    def report_drawing(self, step: Step, request: ValidateRequest) -> None:
-        """Note in the step of the simulation what was drawn in it, and how long that took."""
-        wanted = [request.video] if request.video else []
-        if request.picture_folder is not None:
-            wanted += [file for file in (self.picture, self.world_picture) if file]
-        step.drawing = (self.seconds or {}).get(DRAW, 0.0) if wanted else 0.0
-        step.drawn = ", ".join(file.name for file in wanted) if step.drawing else ""
-        step.is_drawn = self.video is not None or request.video is None
 
 
 class _EngineResult(NamedTuple):

@@ -68,6 +68,7 @@ MODULES = (
     "wsgen.rules.controller_joints",
     "wsgen.rules.controllers",
     "wsgen.rules.dependencies",
+    "wsgen.rules.entities",
     "wsgen.rules.frames",
     "wsgen.rules.joint_limits",
     "wsgen.rules.launch_files",
