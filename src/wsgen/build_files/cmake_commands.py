@@ -54,15 +54,12 @@ def _set(reader: Reader, mention: Mention) -> None:
         if name in reader.variables and not is_forced:
             return
         values = values[:position]
-    if not values and not in_parent:
-        reader.variables.pop(name, None)
-    else:
-        reader.set(name, ";".join(values), in_parent=in_parent)
+    reader.set(name, ";".join(values), in_parent=in_parent)
 
 
 def _unset(reader: Reader, mention: Mention) -> None:
     for name in texts(mention)[:1]:
-        reader.variables.pop(name, None)
+        reader.variables[name] = ""
 
 
 def _option(reader: Reader, mention: Mention) -> None:
@@ -254,7 +251,7 @@ def _cmake_parse_arguments(reader: Reader, mention: Mention) -> None:
             if current is not rest and any(current is lists.get(one) for one in singles):
                 current = rest
     for name in (*singles, *multiples):
-        reader.variables.pop(f"{prefix}_{name}", None)
+        reader.variables[f"{prefix}_{name}"] = ""
     for name, text in values.items():
         reader.variables[f"{prefix}_{name}"] = text
     for name, listed in lists.items():

@@ -195,7 +195,8 @@ class Conditions:
         if name.startswith(("ENV{", "CACHE{")):
             return None
         text = self._variable(name)
-        return False if text is None else None if text == UNKNOWN else True
+        # An empty one may be one that was unset.
+        return False if text is None else None if text in {"", UNKNOWN} else True
 
     def _folder(self, path: str) -> bool | None:
         found = self._exists(path)

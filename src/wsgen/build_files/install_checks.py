@@ -271,6 +271,7 @@ def paths(rule: InstallRule, reader: Reader) -> Iterator[Diagnostic]:
                     rule.file,
                     argument.line,
                     reader.name,
+                    rule.call.command,
                 )
         elif os.path.isdir(place) is not is_folder and os.path.exists(place):
             kind, other = ("FILES", "DIRECTORY") if not is_folder else ("DIRECTORY", "FILES")
@@ -301,17 +302,23 @@ def _empty(place: str, name: str, rule: InstallRule, line: int) -> Iterator[Diag
 
 
 def word_missing_path(  # noqa: PLR0913, PLR0917  the name, and where it is written
-    name: str, kind: str, source: Path, file: Path, line: int | None, package: str
+    name: str,
+    kind: str,
+    source: Path,
+    file: Path,
+    line: int | None,
+    package: str,
+    command: str = "install",
 ) -> Diagnostic:
-    """Report a path of install() that does not exist."""
+    """Report a path that install(), or a command that calls it, names and that does not exist."""
     path = source / name
     beside = os.listdir(path.parent) if path.parent.is_dir() else []
     return MISSING_INSTALLED_PATH.at(
         file,
         line,
         package,
-        message=f"{package}: install() names the {kind} {name}, which does not exist.",
-        hint=f"{ask_for_nearest(path.name, beside)}Create it, or remove it from install()."
+        message=f"{package}: {command}() names the {kind} {name}, which does not exist.",
+        hint=f"{ask_for_nearest(path.name, beside)}Create it, or remove it from {command}()."
         f"{GIT_KEEPS_NO_EMPTY_FOLDERS if kind == 'folder' else ''}",
     )
 
