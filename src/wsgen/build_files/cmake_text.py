@@ -77,7 +77,7 @@ def read_text(file: Path) -> str | None:
     """The text of a file of CMake; None if it cannot be read."""
     try:
         return file.read_text(encoding="utf-8-sig", errors="replace")
-    except OSError:
+    except (OSError, ValueError):  # a name with a null byte
         return None
 
 

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from wsgen.build_files.cmake_calls import InstallRule
 
 
+MARKER = "share/ament_index/resource_index/packages"  # below the prefix
 MOST_FILES = 20_000
 # Folders that are installed by accident, with install(DIRECTORY .), and that nobody looks up.
 UNSEEN_FOLDERS = frozenset({".git", "__pycache__", "build", "install", "log"})
@@ -115,7 +116,7 @@ def list_files(
     try:
         with os.scandir(folder) as entries:
             listed = sorted(entries, key=lambda entry: entry.name)
-    except OSError:
+    except (OSError, ValueError):  # a name with a null byte
         return
     for entry in listed:
         is_folder = entry.is_dir(follow_symlinks=False)

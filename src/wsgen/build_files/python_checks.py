@@ -14,6 +14,7 @@ from wsgen.build_files.install_checks import (
     is_misplaced,
     uninstalled_folders,
 )
+from wsgen.build_files.python_setup import folder_of, parse
 from wsgen.diagnostics import Rule, Severity
 from wsgen.suggestions import ask_for_nearest, did_you_mean, nearest
 
@@ -339,8 +340,6 @@ def globs(found: Iterable[Glob], file: Path, source: Path) -> Iterator[Diagnosti
 
 def python_packages(setup: Setup, source: Path, package: str) -> Iterator[Diagnostic]:
     """Report packages and modules that do not exist."""
-    from wsgen.build_files.facts import folder_of  # noqa: PLC0415  it calls this module
-
     for module, line in setup.packages or ():
         if not (source / folder_of(module, setup)).is_dir():
             yield word_package(module, source, setup.file, line, package)
@@ -482,7 +481,7 @@ def _problem_of(  # noqa: PLR0911  one for each problem
 
 def _function_missing(file: Path, module: str, function: str) -> tuple[str, str] | None:
     try:
-        tree = ast.parse(file.read_bytes())
+        tree = parse(file)
     except (OSError, SyntaxError, ValueError, RecursionError):
         return None
     wanted = function.partition(".")[0]

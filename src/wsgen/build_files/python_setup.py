@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import os
 import re
+import warnings
 from configparser import ConfigParser, Error
 from dataclasses import field
 from pathlib import Path, PurePath
@@ -113,12 +114,24 @@ class Configuration:
         )
 
 
+def parse(file: Path) -> ast.Module:
+    """The syntax tree of a file of Python; warnings are for who runs it.
+
+    Raises:
+        SyntaxError: It is not Python.
+        OSError, ValueError, RecursionError, MemoryError: It cannot be read.
+    """
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return ast.parse(file.read_bytes())
+
+
 def read_setup(folder: Path) -> tuple[Setup, Configuration]:
     """Read setup.py and setup.cfg of a folder."""
     file = folder / "setup.py"
     configuration = Configuration(folder / "setup.cfg")
     try:
-        tree = ast.parse(file.read_bytes())
+        tree = parse(file)
     except SyntaxError as error:
         line = error.lineno or 1
         return Setup(file=file, syntax_error=(line, error.msg), is_whole=False), configuration
@@ -296,3 +309,13 @@ def _read_texts(arguments: Arguments, name: str) -> tuple[tuple[str, int], ...] 
     return tuple(
         (str(one), line_of(one, line)) for one in values if isinstance(one, (str, PurePath))
     )
+
+
+def folder_of(package: str, setup: Setup) -> str:
+    """The folder of a Python package, as package_dir of setuptools says it."""
+    parts = package.split(".")
+    for length in range(len(parts), -1, -1):
+        folder = setup.package_folders.get(".".join(parts[:length]))
+        if folder is not None:
+            return os.path.join(folder, *parts[length:])
+    return os.path.join(*parts)
