@@ -125,6 +125,13 @@ def test_files_that_are_missing(tmp_path: Path, name: str) -> None:
     assert found[0] == ("missing-data-file" if "resource" in name else "broken-console-script")
 
 
+def test_a_launch_file_that_the_pattern_leaves_out(tmp_path: Path) -> None:
+    (tmp_path / "launch").mkdir()
+    (tmp_path / "launch" / "b_launch.py").touch()
+    found = report(tmp_path, SETUP)
+    assert found == [("uninstalled-launch-file", "setup.py", 11, "warning")]
+
+
 def test_a_script_in_a_folder_without_init(tmp_path: Path) -> None:
     text = SETUP.replace("packages=[package_name]", "packages=find_packages()")
     (found,) = report(tmp_path, text, without="bot/__init__.py")

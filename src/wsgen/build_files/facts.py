@@ -54,7 +54,7 @@ def read_build_facts(
     found = tuple(check_commands(reader, build_type))
     if any(one.code in STOPPING for one in found):  # what is installed where follows from that
         return replace(facts, is_whole=False), found
-    return facts, (*found, *check_installed(reader, facts))
+    return facts, (*found, *check_installed(reader, facts, build_type))
 
 
 def _missing_build_file(source: Path, name: str, build_type: str) -> Iterator[Diagnostic]:

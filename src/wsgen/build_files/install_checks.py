@@ -30,6 +30,7 @@ UNINSTALLED_LAUNCH_FILE = Rule(
     code="PKG050",
     name="uninstalled-launch-file",
     severity=Severity.ERROR,
+    severity_varies="a warning where the package installs other launch files of the folder",
     summary="The package does not install its launch file where `ros2 launch` looks for it.",
     why="`ros2 launch` finds launch files only in `share/PACKAGE` of the install space.",
     example="install(DIRECTORY model DESTINATION share/${PROJECT_NAME})",
@@ -208,12 +209,16 @@ def _files_below(folder: str, below: str) -> Iterator[str]:
                 return
 
 
-def check_installed(reader: Reader, facts: BuildFacts) -> Iterator[Diagnostic]:
+def check_installed(reader: Reader, facts: BuildFacts, build_type: str) -> Iterator[Diagnostic]:
     """Check what a CMakeLists.txt installs."""
     for rule in reader.rules:
         yield from destinations_missing(rule, reader.name)
         if rule.is_certain:
             yield from paths(rule, reader)
+    if build_type == "catkin":  # ROS 1 finds in the source folder what is not installed
+        return
+    for rule in reader.rules:
+        if rule.is_certain:
             yield from slashes(rule, reader.name)
     misplaced: set[str] = set()
     for rule in reader.rules:
@@ -450,7 +455,8 @@ def uninstalled_folders(  # noqa: PLR0913  the folders, what is installed, and w
     line: int | None,
     how: Callable[[str], str],
 ) -> Iterator[Diagnostic]:
-    """Report folders of resources of which nothing is installed."""
+    """Report folders of resources of which nothing is installed, and launch files left out."""
+    folders = tuple(folders)
     source = facts.build_file.parent
     installed = {os.fspath(one.source) for one in facts.installed if one.source is not None}
     modules = [f"{one.source}/" for one in facts.python_packages]
@@ -461,6 +467,9 @@ def uninstalled_folders(  # noqa: PLR0913  the folders, what is installed, and w
         and not any(os.path.join(source, file) in installed for file in folder.files)
         and not any(f"{source}/{folder.name}/".startswith(module) for module in modules)
     ]
+    for folder in folders if facts.is_whole else ():
+        if folder not in missing and folder.name not in misplaced:
+            yield from _uninstalled_launch_files(folder, installed, facts, package, line)
     made = any(one.source is None and one.is_of_share(package) for one in facts.installed)
     if made:  # the build may make what it installs of them
         return
@@ -475,6 +484,27 @@ def uninstalled_folders(  # noqa: PLR0913  the folders, what is installed, and w
             message=f"{package} does not install its folder {folder.name}.",
             hint=how(folder.name),
             severity=Severity.WARNING if is_surely else Severity.INFO,
+        )
+
+
+def _uninstalled_launch_files(
+    folder: Folder, installed: Collection[str], facts: BuildFacts, package: str, line: int | None
+) -> Iterator[Diagnostic]:
+    """Report launch files in a folder of which others are installed."""
+    source = facts.build_file.parent
+    for file in folder.files:
+        path = os.path.join(source, file)
+        if not _LAUNCH_FILE.search(file) or "test" in file or path in installed:
+            continue
+        if os.path.islink(path):
+            continue
+        yield UNINSTALLED_LAUNCH_FILE.at(
+            facts.build_file,
+            line,
+            file,
+            message=f"{package} does not install its launch file {file}, but others of the folder.",
+            hint=f"Extend the pattern or the list that installs {folder.name}.",
+            severity=Severity.WARNING,
         )
 
 
