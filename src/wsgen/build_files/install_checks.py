@@ -215,18 +215,20 @@ def check_installed(reader: Reader, facts: BuildFacts, build_type: str) -> Itera
         yield from destinations_missing(rule, reader.name)
         if rule.is_certain:
             yield from paths(rule, reader)
-    if build_type == "catkin":  # ROS 1 finds in the source folder what is not installed
-        return
+    if build_type != "catkin":  # ROS 1 finds in the source folder what is not installed
+        yield from _check_places(reader, facts)
+
+
+def _check_places(reader: Reader, facts: BuildFacts) -> Iterator[Diagnostic]:
+    """Check where things are installed, and what is not."""
+    misplaced: set[str] = set()
     for rule in reader.rules:
         if rule.is_certain:
             yield from slashes(rule, reader.name)
-    misplaced: set[str] = set()
-    for rule in reader.rules:
-        if rule.destination is None:
+        wrong = tuple(destination(rule, reader))
+        yield from wrong
+        if wrong or rule.destination is None:
             misplaced.update(_tops(rule, reader.source))
-        for found in destination(rule, reader):
-            misplaced.update(_tops(rule, reader.source))
-            yield found
     if facts.is_whole:
         yield from uninstalled_folders(
             find_resources(reader.source),
@@ -236,9 +238,7 @@ def check_installed(reader: Reader, facts: BuildFacts, build_type: str) -> Itera
             line=reader.line_of_last("install"),
             how=word_install,
         )
-    used = _used_by_build(reader)
-    if facts.is_whole:
-        yield from programs(facts.targets, used, reader)
+        yield from programs(facts.targets, _used_by_build(reader), reader)
     yield from scripts(facts.executables, reader.name)
     yield from not_executable(reader.rules, reader.name)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from wsgen.fixes import build_files, launch_files, manifests, robots
+from wsgen.fixes import build_files, install_rules, launch_files, manifests, robots
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -54,6 +54,12 @@ FIXERS: Mapping[str, Fixer] = {
     "missing-destination": build_files.add_destination,
     "unknown-setup-option": build_files.fix_setup_option,
     "broken-console-script": build_files.fix_script_folder,
+    "command-after-ament-package": build_files.move_ament_package,
+    "contents-installed": install_rules.remove_last_slashes,
+    "repeated-folder": install_rules.shorten_destination,
+    "wrong-destination": install_rules.fix_destination,
+    "folder-not-installed": install_rules.install_folder,
+    "broken-shebang": install_rules.fix_shebang,
     # URDF, xacro, SDF
     "malformed-xml": robots.fix_xml,
     "xacro-fails": robots.fix_xml,

@@ -1,0 +1,158 @@
+"""Fixes of what CMakeLists.txt installs, and of the scripts that it installs."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from wsgen.fixes.cmake_source import command_at, read_commands
+from wsgen.fixes.source import Edit
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.fixes.cmake_source import Argument, Command
+    from wsgen.fixes.source import SourceText
+
+
+SHARE = "share/${PROJECT_NAME}"
+# After these an install() is about more than its folders and their destination.
+OPTIONS = frozenset({"PATTERN", "REGEX", "FILES_MATCHING", "OPTIONAL", "COMPONENT", "RENAME"})
+
+
+def _destination(command: Command) -> Argument | None:
+    """The argument of DESTINATION, if the call has one."""
+    for keyword, argument in zip(command.arguments, command.arguments[1:], strict=False):
+        if keyword.text == "DESTINATION":
+            return argument
+    return None
+
+
+def _folders(command: Command) -> list[Argument]:
+    """The folders of install(DIRECTORY ...)."""
+    words = command.arguments
+    if not words or words[0].text != "DIRECTORY":
+        return []
+    end = next(
+        (n for n, one in enumerate(words) if one.text in {"DESTINATION", "TYPE"}), len(words)
+    )
+    return list(words[1:end])
+
+
+def remove_last_slashes(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Install folders, and not what is in them."""
+    command = command_at(source, diagnostic.line, "install")
+    if command is None:
+        return []
+    return [
+        Edit(start=one.start, end=one.end, text=source.text[one.start : one.end].replace("/", ""))
+        for one in _folders(command)
+        if re.fullmatch(r"\w+/", one.text)
+    ]
+
+
+def shorten_destination(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Install a folder beside the others, and not into one of its own name."""
+    command = command_at(source, diagnostic.line, "install")
+    place = command and _destination(command)
+    if command is None or place is None or len(_folders(command)) != 1:
+        return []
+    name = _folders(command)[0].text
+    parent, _, last = place.text.rstrip("/").rpartition("/")
+    if last != name or not parent:
+        return []
+    written = source.text[place.start : place.end]
+    return [Edit(start=place.start, end=place.end, text=written.replace(place.text, parent))]
+
+
+_NO_DOLLAR = re.compile(r"(?<!\$)\{PROJECT_NAME\}|\$?\(PROJECT_NAME\)|\$PROJECT_NAME\b")
+_NOT_SET = re.compile(r"whose variable (\w+) is not set")
+
+
+def fix_destination(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Install into the share folder of the package."""
+    command = command_at(source, diagnostic.line, "install")
+    if command is None:
+        return []
+    place = _destination(command)
+    if place is None:
+        return _replace_type(command)
+    written = source.text[place.start : place.end]
+    unset = _NOT_SET.search(diagnostic.message)
+    if unset is not None:
+        text = written.replace(f"${{{unset[1]}}}", "${PROJECT_NAME}")
+    elif _NO_DOLLAR.search(written):
+        text = _NO_DOLLAR.sub("${PROJECT_NAME}", written)
+    elif place.text.rstrip("/") == "share":
+        text = written.replace(place.text, SHARE)
+    elif place.text.startswith("${PROJECT_NAME}"):
+        text = written.replace("${PROJECT_NAME}", SHARE, 1)
+    else:
+        return []
+    return [Edit(start=place.start, end=place.end, text=text)] if text != written else []
+
+
+def _replace_type(command: Command) -> Sequence[Edit]:
+    for keyword, argument in zip(command.arguments, command.arguments[1:], strict=False):
+        if keyword.text == "TYPE" and argument.text == "DATA":
+            return [Edit(start=keyword.start, end=argument.end, text=f"DESTINATION {SHARE}")]
+    return []
+
+
+_FOLDER = re.compile(r"does not install its folder (\w+)\.")
+
+
+def install_folder(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Install a folder with others, or by a call before ament_package()."""
+    named = _FOLDER.search(diagnostic.message)
+    if named is None or source.file.name != "CMakeLists.txt":
+        return []
+    commands = read_commands(source)
+    for command in commands:
+        place = _destination(command)
+        folders = _folders(command)
+        words = {one.text for one in command.arguments}
+        if (
+            command.name == "install"
+            and place is not None
+            and folders
+            and place.text.rstrip("/") in {SHARE, SHARE.replace("{", "").replace("}", "")}
+            and not words & OPTIONS
+            and all(re.fullmatch(r"\w+", one.text) for one in folders)
+        ):
+            last = folders[-1]
+            is_alone = source.line_at(last.start) != source.line_at(command.start)
+            on_own_line = (
+                is_alone
+                and not source.text[
+                    source.start_of(source.line_at(last.start)) : last.start
+                ].strip()
+            )
+            between = source.newline + source.indent_at(last.start) if on_own_line else " "
+            return [Edit(start=last.end, end=last.end, text=f"{between}{named[1]}")]
+    calls = [one for one in commands if one.name in {"ament_package", "ament_auto_package"}]
+    if len(calls) != 1 or source.indent_at(calls[0].start):
+        return []
+    text = f"install(DIRECTORY {named[1]} DESTINATION {SHARE}){source.newline}"
+    return [Edit(start=calls[0].start, end=calls[0].start, text=text)]
+
+
+SHEBANG = "#!/usr/bin/env python3"
+
+
+def fix_shebang(_: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Name the interpreter in the first line, with a line end of Linux."""
+    if source.mark:
+        return []
+    first, line_break, _rest = source.text.partition("\n")
+    if not first.startswith("#!"):
+        return [Edit(start=0, end=0, text=f"{SHEBANG}{source.newline}")]
+    if first.endswith("\r"):
+        return [
+            Edit(start=found.start(), end=found.end(), text="\n")
+            for found in re.finditer(r"\r\n", source.text)
+        ]
+    if re.fullmatch(r"#!\s*/usr/bin/(?:env\s+)?python\s*", first) and line_break:
+        return [Edit(start=0, end=len(first), text=SHEBANG)]
+    return []
