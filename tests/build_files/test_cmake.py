@@ -176,3 +176,32 @@ def test_mistakes_of_syntax(text: str, line: int, words: str) -> None:
 def test_an_endless_loop_ends(tmp_path: Path) -> None:
     facts = read(tmp_path, "macro(again)\n  again()\nendmacro()\nagain()")
     assert not facts.is_whole
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        "xacro_add_files(TARGET b urdf/b.urdf.xacro INSTALL DESTINATION urdf)",
+        "xacro_add_files(urdf/b.urdf.xacro INORDER INSTALL DESTINATION urdf TARGET b)",
+        "xacro_add_files(urdf/a.xacro REMAP x:=y OUTPUT b.urdf INSTALL DESTINATION urdf TARGET b)",
+    ],
+)
+def test_what_the_build_makes(tmp_path: Path, call: str) -> None:
+    facts = read(tmp_path, call)
+    found = facts.shared("bot")["urdf/b.urdf"]
+    assert found.source is None
+
+
+def test_hooks(tmp_path: Path) -> None:
+    (tmp_path / "env").mkdir()
+    (tmp_path / "env/bot.dsv.in").write_text(
+        "prepend-non-duplicate;GZ_SIM_RESOURCE_PATH;share/@PROJECT_NAME@/models\n"
+    )
+    (tmp_path / "env/bot.sh").write_text(
+        'ament_prepend_unique_value GAZEBO_MODEL_PATH "$AMENT_CURRENT_PREFIX/share/bot"\n'
+    )
+    facts = read(tmp_path, "ament_environment_hooks(env/bot.dsv.in env/bot.sh)")
+    assert facts.environment == (
+        ("GZ_SIM_RESOURCE_PATH", "share/bot/models"),
+        ("GAZEBO_MODEL_PATH", "share/bot"),
+    )

@@ -304,20 +304,25 @@ def _catkin_python(reader: Reader, mention: Mention) -> None:
 
 
 def _xacro_files(reader: Reader, mention: Mention) -> None:
-    """xacro_add_files(): FILE... [INSTALL [DESTINATION]] TARGET NAME; without .xacro."""
+    """xacro_add_files(): FILE... [INSTALL] [DESTINATION FOLDER] TARGET NAME; without .xacro."""
     project = reader.look_up("", "PROJECT_NAME")
-    first, found = sections(
-        mention.arguments,
-        {"INSTALL", "DESTINATION", "TARGET", "OUTPUT", "REMAP", "INORDER", "DEPENDS"},
-    )
-    if "INSTALL" not in found:
-        return
-    folder = next(iter(found.get("DESTINATION") or found["INSTALL"]), None)
-    for name in (*first, *found.get("INORDER", ())):
-        base = os.path.basename(name.text)
-        made = found["OUTPUT"][0].text if found.get("OUTPUT") else base.removesuffix(".xacro")
-        place = f"share/{project}/{folder.text}" if folder else f"share/{project}"
-        _add_rule(reader, mention, "FILES", [(name, f"{BUILD}/{made}")], place)
+    files: list[Argument] = []
+    given: dict[str, str] = {}
+    keyword = ""
+    for word in mention.arguments:
+        if word.text in {"INORDER", "INSTALL", "OUTPUT", "TARGET", "DESTINATION", "REMAP"}:
+            keyword = word.text
+            given.setdefault(keyword, "")
+        elif keyword == "REMAP":
+            continue
+        elif keyword in {"OUTPUT", "TARGET", "DESTINATION"}:
+            given[keyword], keyword = word.text, ""
+        else:
+            files.append(word)
+    for file in files if "INSTALL" in given else ():
+        made = given.get("OUTPUT") or os.path.basename(file.text).removesuffix(".xacro")
+        place = f"share/{project}/{given.get('DESTINATION', '')}".rstrip("/")
+        _add_rule(reader, mention, "FILES", [(file, f"{BUILD}/{made}")], place)
 
 
 def mark_installed(reader: Reader, name: str) -> None:
