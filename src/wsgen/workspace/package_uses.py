@@ -106,7 +106,7 @@ def _uses_in(file: Path, workspace: Collection[str]) -> Iterator[PackageUse]:
     elif file.name.endswith(PARAMETERS):
         for package, line in _matches(_CONTROLLER_TYPE, text):
             yield PackageUse(package, file, line, CONTROLLER)
-    else:
+    elif any(sign in text for sign in _SIGNS):  # worlds may be large
         text = without_comments(text)
         for package, line in _matches(_IN_DESCRIPTION, text):
             yield PackageUse(package, file, line, DESCRIPTION)
@@ -324,6 +324,7 @@ _IN_LAUNCH = re.compile(
     re.MULTILINE,
 )
 _COMMAND = re.compile(r"\$\(command\s+[\"']?(?:\$\(find-exec\s+)?xacro\b")
+_SIGNS = ("package://", "$(find ", "_ros2_control", "libgazebo_ros_")
 _IN_DESCRIPTION = re.compile(r"\$\(find\s+([\w-]+)\s*\)|\bpackage://([\w-]+)/")
 
 
@@ -350,7 +351,8 @@ _OF_GAZEBO_ROS = frozenset(("init", "factory", "force_system", "state", "propert
 
 def _plugins(text: str) -> Iterator[tuple[str, int]]:
     """The packages of which Gazebo loads plugins."""
-    yield from _matches(_CONTROL_PLUGIN, text)
+    if "_ros2_control" in text:
+        yield from _matches(_CONTROL_PLUGIN, text)
     for name, line in _matches(_CLASSIC_PLUGIN, text):
         yield "gazebo_ros" if name in _OF_GAZEBO_ROS else "gazebo_plugins", line
 
