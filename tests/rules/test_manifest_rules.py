@@ -146,3 +146,28 @@ def test_messages_are_told_by_what_is_installed(tmp_path: Path) -> None:
     assert generated_interfaces("demo", BuildFacts(build_file=CMAKE, installed=(message,))) is None
     without = BuildFacts(build_file=CMAKE, required_packages=(required,))
     assert generated_interfaces("demo", without) is None
+
+
+@pytest.mark.parametrize("option", ["SKIP_GROUP_MEMBERSHIP_CHECK", "SKIP_INSTALL"])
+def test_messages_that_need_no_group(option: str, tmp_path: Path) -> None:
+    file = tmp_path / "CMakeLists.txt"
+    file.write_text(f"rosidl_generate_interfaces(demo msg/Reach.msg {option})")
+    message = InstalledFile(source=file, destination="share/demo/msg/Reach.msg", file=file, line=1)
+    required = RequiredPackage(
+        name="rosidl_default_generators", file=file, line=1, required=True, in_tests=False
+    )
+    facts = BuildFacts(build_file=file, installed=(message,), required_packages=(required,))
+    assert generated_interfaces("demo", facts) is None
+
+
+def test_the_group_is_in_the_wrong_place() -> None:
+    wrong = manifest(BUILDTOOL, GENERATORS, RUNTIME)
+    wrong = Manifest(
+        name="demo",
+        build_type="ament_cmake",
+        dependencies=wrong.dependencies,
+        file=FILE,
+        entries={**wrong.entries, ("export", "member_of_group"): (MEMBER,)},
+    )
+    (found,) = check_interfaces(wrong, INTERFACES)
+    assert (found.hint or "").startswith("Move <member_of_group>")

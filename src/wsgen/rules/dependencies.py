@@ -174,6 +174,7 @@ KEYS = {
 }
 # Package of Gazebo Classic -> what does its work in Gazebo Sim.
 FOR_GAZEBO_SIM = {
+    "gazebo_dev": "gz_sim_vendor",
     "gazebo_ros": "ros_gz_sim",
     "gazebo_ros_pkgs": "ros_gz",
     "gazebo_plugins": "ros_gz_sim",

@@ -6,6 +6,7 @@ import re
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Rule, Severity
+from wsgen.markup import read_text
 from wsgen.workspace.manifest import BUILD_TAGS, EXPORT_TAGS, RUN_TAGS
 
 if TYPE_CHECKING:
@@ -105,6 +106,8 @@ GENERATORS = (
 )
 RUNTIMES = ("rosidl_default_runtime", "rosidl_core_runtime")
 _TODO = re.compile(r"\btodo\b", re.IGNORECASE)
+# Options of rosidl_generate_interfaces() with which it does not ask for the group.
+_WITHOUT_GROUP = re.compile(r"\bSKIP_(?:GROUP_MEMBERSHIP_CHECK|INSTALL)\b")
 _INTERFACE = re.compile(r"(?:msg|srv|action)/[^/]+\.(?:msg|srv|action)$")
 
 
@@ -124,7 +127,8 @@ def generated_interfaces(name: str, facts: BuildFacts) -> Interfaces | None:
         return None
     for path, one in facts.shared(name).items():
         if _INTERFACE.match(path) and one.source is not None and one.source.is_file():
-            return Interfaces(one.file, one.line)
+            text = read_text(one.file) or ""
+            return None if _WITHOUT_GROUP.search(text) else Interfaces(one.file, one.line)
     return None
 
 
@@ -222,7 +226,9 @@ def check_interfaces(manifest: Manifest, interfaces: Interfaces) -> Iterator[Dia
             GROUP,
             message=f"{manifest.name} generates messages ({interfaces.file.name}, line "
             f"{interfaces.line}), but package.xml does not say so, and the build stops.",
-            hint=f"Add <member_of_group>{GROUP}</member_of_group> to package.xml, above <export>.",
+            hint=f"Move <member_of_group>{GROUP}</member_of_group> out of <export>, above it."
+            if ("export", "member_of_group") in manifest.entries
+            else f"Add <member_of_group>{GROUP}</member_of_group> to package.xml, above <export>.",
         )
     for names, tags, tag in (
         (GENERATORS, BUILD_TAGS, "buildtool_depend"),
