@@ -109,6 +109,8 @@ def test_what_no_launch_file_starts_may_be_for_another_robot() -> None:
     wrong = SOUND.replace("- elbow", "- elbwo")
     (found,) = check(wrong, ROBOT._replace(started=()))
     assert (found.code, found.severity) == ("ROB111", Severity.WARNING)
+    other = wrong.replace("- shoulder", "- right_shoulder")
+    assert not check(other, ROBOT._replace(started=()))
 
 
 def test_a_file_that_is_missing() -> None:

@@ -6,7 +6,7 @@ import pytest
 
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.urdf.reader import read_urdf
-from wsgen.xacro.source import place_in_source
+from wsgen.xacro.source import place_in_source, without_call
 
 MAIN = """<?xml version="1.0"?>
 <robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="r">
@@ -197,3 +197,4 @@ def test_the_call_of_a_macro_is_named(tmp_path: Path) -> None:
     found = place("link[@name='front_wheel']", main)
     assert found.message == "m The macro `wheel` is called in line 2 of main.xacro."
     assert (found.file, found.line) == (file, 3)
+    assert without_call(found).message == "m"

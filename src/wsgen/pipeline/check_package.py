@@ -45,6 +45,7 @@ from wsgen.workspace.package_xml import check_package_xml
 from wsgen.workspace.robot_files import find_descriptions
 from wsgen.workspace.settings import read_settings
 from wsgen.xacro.reader import XACRO_FILE_FAILS
+from wsgen.xacro.source import without_call
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -120,7 +121,10 @@ class PackageCheck:
     def run(self) -> tuple[Diagnostic, ...]:
         """Run all checks."""
         with self.clock.step("check", self.package.path.name) as step, make_scratch() as folder:
-            found = tuple(dict.fromkeys(self.installed.named(self._run(folder))))
+            unique: dict[Diagnostic, Diagnostic] = {}
+            for one in self.installed.named(self._run(folder)):
+                unique.setdefault(without_call(one), one)
+            found = tuple(unique.values())
             step.succeeded = not has_errors(found)
         return found
 

@@ -194,8 +194,16 @@ def check_controllers(
             )
         severity = None if name in robot.started else Severity.WARNING
         for values in own:
+            if severity is not None and not _names_any(values, robot):
+                continue  # of another robot
             for claim in CLAIMS.get(kind, ()):
                 yield from _claimed(name, claim, values, robot, file, severity)
+
+
+def _names_any(values: yamlfile.Value, robot: Controlled) -> bool:
+    """Whether any parameter names a joint of the robot."""
+    names = {joint.name for joint in robot.joints}
+    return any(one.text in names for _, value in values.items() for one in _listed(value))
 
 
 def _claimed(  # noqa: PLR0913, PLR0917  a controller, and what it is compared with

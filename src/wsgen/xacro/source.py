@@ -31,6 +31,7 @@ STEP = re.compile(r"(?:[^/'\[]|\[@\w+='[^']*'\])+")
 PROPERTY = "xacro:property"
 MACRO = "xacro:macro "  # before its name, in a path
 PARTS = frozenset(("link", "joint"))
+CALLED = re.compile(r" The macro `[^`]*` is called in line \d+(?: of \S+)?\.$")
 OTHERS = frozenset(("ros2_control", "transmission", "gazebo"))  # have parts of the same names
 MOST_FILES = 100  # a description in more files than this includes itself
 
@@ -97,6 +98,11 @@ def _placed(diagnostic: Diagnostic, written: list[Written], expanded: list[Writt
             return _at_attribute(called, last, place, origin, written)
         return replace(called, file=place.file, line=place.line)
     return replace(diagnostic, line=None)
+
+
+def without_call(diagnostic: Diagnostic) -> Diagnostic:
+    """The diagnostic without the call of a macro, of which several robots may have one each."""
+    return replace(diagnostic, message=CALLED.sub("", diagnostic.message))
 
 
 def _with_call(
