@@ -116,9 +116,9 @@ def prepare_robot(  # noqa: PLR0913  most have defaults
     written, found = read_urdf(text, file=file)
     prepared = None
     if written is not None:
-        lumped, more = _as_in_gazebo(written, file, context)
+        readable, lumped, more = _as_in_gazebo(written, file, context)
         found, more = _at_the_misspelling(found, more)
-        checked = check_robot(written, file, simulator=simulator, distro=distro)
+        checked = check_robot(readable, file, simulator=simulator, distro=distro)
         found = _first_of_each_inertial((*found, *more, *checked))
         found = tuple(for_simulator(found, simulator, distro))
         prepared = PreparedRobot(
@@ -218,14 +218,14 @@ def _first_of_each_inertial(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnost
 
 def _as_in_gazebo(
     written: Robot, file: Path | None, context: PrepareContext
-) -> tuple[Robot, tuple[Diagnostic, ...]]:
-    """The robot with its meshes, as Gazebo has it."""
+) -> tuple[Robot, Robot, tuple[Diagnostic, ...]]:
+    """The robot with its meshes, as it is written and as Gazebo has it."""
     located, missing = find_meshes(
         written, share_of=context.share_of, folder=file.parent if file else None, file=file
     )
     readable, broken = complete_meshes(located, file, context)
     lumped, dropped = lump(readable, file=file)
-    return lumped, (*missing, *broken, *dropped)
+    return readable, lumped, (*missing, *broken, *dropped)
 
 
 def name_some(prepared: Sequence[PreparedRobot], engines: Sequence[str]) -> str:

@@ -63,6 +63,7 @@ MODULES = (
     "wsgen.pipeline.started",
     "wsgen.pipeline.template_check",
     "wsgen.rules.behaviors",
+    "wsgen.rules.bodies",
     "wsgen.rules.bridges",
     "wsgen.rules.catalogue",
     "wsgen.rules.controller_joints",

@@ -5,6 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wsgen.rules import joint_limits, plugins, robots, ros2_control
+from wsgen.diagnostics import Severity, has_errors
+from wsgen.model.kinematics import unactuated_joints
+from wsgen.model.robot import JointType
+from wsgen.rules import bodies, joint_limits, plugins, robots, ros2_control, runs
 from wsgen.urdf.lumping import joints_that_say
 
 if TYPE_CHECKING:
@@ -60,6 +64,12 @@ def check_robot(
         *joint_limits.zero_limits(written.joints, file),
         *joint_limits.no_range(written.joints, file),
         *joint_limits.useless_mimics(written.joints, file),
+        *bodies.check_bodies(written.links, written.joints, file),
+        *bodies.wheel_without_collision(written.links, written.joints, file),
+        *bodies.preserved_movable_joint(written.joints, written.gazebo, file),
+        *bodies.slippery_wheels(
+            plugins.driven_joints(written.gazebo), written.joints, written.gazebo, file
+        ),
         *plugins.check_plugins(plugin_facts, file),
         *ros2_control.check_control(control, file),
         *ros2_control.transmissions(written.transmissions, written.joints, written.controls, file),

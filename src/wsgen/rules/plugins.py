@@ -19,6 +19,7 @@ from wsgen.model.gazebo_plugins import (
     PARTS,
     SIM,
     SIMULATOR_NAMES,
+    Parts,
     simulator_of,
     stem,
 )
@@ -78,6 +79,19 @@ def check_plugins(facts: PluginFacts, file: Path | None) -> Iterator[Diagnostic]
     yield from plugin_of_other_simulator(plugins, facts, file)
     yield from sensors(facts, file)
     yield from duplicate_sensors(facts, file)
+
+
+def driven_joints(tags: Iterable[GazeboTag]) -> set[str]:
+    """The joints that the drives of a robot turn."""
+    return {
+        name
+        for tag in tags
+        for plugin in tag.plugins
+        if "driv" in stem(plugin.filename)
+        for key in PARTS.get(stem(plugin.filename), Parts()).joints
+        if "steer" not in key
+        for name in plugin.values.get(key, ())
+    }
 
 
 UNKNOWN_PLUGIN = Rule(

@@ -183,7 +183,9 @@ IMPLAUSIBLE_INERTIA = Rule(
     "sum counts",
     summary="The inertia of a link does not fit its mass and shape.",
     what="For a link with one primitive shape, compares the largest principal moment with that of "
-    "a homogeneous body of this shape and the link's mass. The two may differ by a factor of 30.",
+    "a homogeneous body of this shape and the link's mass. The two may differ by a factor of 30. "
+    "Of a mesh and of several shapes it is that of the box around them, of which the inertia may "
+    "be a thousandth.",
     why="With too large an inertia the link hardly turns; with too small a one joints shake or the "
     "simulation explodes. Such values are usually copied from another robot.",
     example="""
@@ -232,7 +234,7 @@ def implausible_inertia(
             link.line,
             f"link[@name='{link.name}']/inertial/inertia",
             message=f"The inertia of the link `{link.name}` ({largest:.4g} kg m²) is "
-            f"{_ratio(times)} that of {_described(shape)} of {link.inertial.mass:g} kg.",
+            f"{ratio(times)} that of {_described(shape)} of {link.inertial.mass:g} kg.",
             hint=f"For a homogeneous body: {as_attributes(solid)} (kg m², the products 0).",
             severity=Severity.INFO if link.name in attached else None,
         )
@@ -478,7 +480,8 @@ def starts_outside_limits(joints: Iterable[Joint], file: Path | None) -> Iterato
         )
 
 
-def _ratio(times: float) -> str:
+def ratio(times: float) -> str:
+    """How many times, as the beginning of a phrase."""
     if not times:
         return "zero, not"
     return f"{_rounded(times)} times" if times > 1 else f"only 1/{_rounded(1 / times)} of"

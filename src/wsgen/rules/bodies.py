@@ -1,0 +1,421 @@
+"""Rules about the masses and shapes of single links, with what is known of their mesh files.
+
+The parameters of a check are facts in SI units; a check yields what it reports. A link that fixed
+joints attach to others is only a part of a body, and is left alone.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import re
+from typing import TYPE_CHECKING, NamedTuple
+
+from wsgen.diagnostics import Rule, Severity
+from wsgen.model.inertia import as_attributes, of_solid, principal_moments
+from wsgen.model.robot import Box, Capsule, Cylinder, JointType, Mesh, Sphere
+from wsgen.model.transform import Pose, compose
+from wsgen.rules.robots import IMPLAUSIBLE_INERTIA, ratio
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterable, Iterator, Sequence
+    from pathlib import Path
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.model.robot import GazeboTag, Geometry, Joint, Link
+
+    Vector = tuple[float, float, float]
+
+
+# A hollow part, or one whose mass is at an end, has more inertia than a filled box around it; a
+# thin one in a large box has less.
+# Times that of the filled box; beyond the first, people also add some against shaking.
+MOST_INERTIA = (100.0, 1000.0)
+LEAST_INERTIA = 1 / 1000
+FARTHEST_CENTER = 2.0  # diagonals of the box, beyond it
+SMALLEST_BOX = 0.02  # m, diagonal; below it nothing can be said
+HIGHEST_DENSITY = 25_000.0  # kg/m³; gold and tungsten have 19,300
+LOWEST_DENSITY = 0.5  # of a shape without holes; aerogel has more than 1
+UNLIKE = (500.0, 2000.0)  # how many times larger a mesh in millimeters is, give or take
+WHEELS = re.compile(r"wheel|tyre|tire|caster|castor", re.IGNORECASE)
+SLIPPERY = 1e-3  # friction coefficient
+
+
+class Extent(NamedTuple):
+    """A box along the axes of a link, around its shapes."""
+
+    low: Vector  # m
+    high: Vector
+
+    @property
+    def size(self) -> Vector:
+        """The edges, m."""
+        x, y, z = (high - low for low, high in zip(self.low, self.high, strict=True))
+        return (x, y, z)
+
+    @property
+    def diagonal(self) -> float:
+        """The distance between opposite corners, m."""
+        return math.hypot(*self.size)
+
+
+def check_bodies(
+    links: Sequence[Link], joints: Sequence[Joint], file: Path | None
+) -> Iterator[Diagnostic]:
+    """Everything about single links."""
+    attached = {
+        end
+        for joint in joints
+        if joint.type is JointType.FIXED
+        for end in (joint.parent, joint.child)
+    }
+    for link in links:
+        yield from unlike_shapes(link, file)
+        if link.name not in attached and link.is_as_meant:
+            yield from body_in_its_shapes(link, file)
+
+
+CENTER_OF_MASS_OUTSIDE = Rule(
+    code="ROB117",
+    name="center-of-mass-outside",
+    severity=Severity.WARNING,
+    summary="The center of mass of a link is far from its shapes.",
+    what="Compares `<origin>` of `<inertial>` with the box around the shapes of the link; reports "
+    "centers that are farther away than twice the diagonal of the box. Links that fixed joints "
+    "attach to others are left alone.",
+    why="The robot tips over, or its joints swing. Usually the origin is in millimeters, or in "
+    "another frame than that of the link.",
+    example="""
+<inertial>
+  <origin xyz="12 0 35"/>
+  <mass value="0.4"/>
+  …
+""",
+    instead="""
+<inertial>
+  <origin xyz="0.012 0 0.035"/>
+  <mass value="0.4"/>
+  …
+""",
+)
+
+IMPLAUSIBLE_DENSITY = Rule(
+    code="ROB118",
+    name="implausible-density",
+    severity=Severity.WARNING,
+    severity_varies="an information of a body lighter than air",
+    summary="A link is denser than any material, or lighter than air.",
+    what="Divides the mass by the volume of the primitive shapes, or of the box around all shapes; "
+    "reports more than 25,000 and less than 0.5 kg/m³.",
+    why="The mass is probably in grams, or a shape in millimeters. Joints between very light and "
+    "very heavy parts shake.",
+    example="""
+<inertial><mass value="500"/>…</inertial>
+<collision><geometry><sphere radius="0.05"/></geometry></collision>
+""",
+    instead="""
+<inertial><mass value="0.5"/>…</inertial>
+<collision><geometry><sphere radius="0.05"/></geometry></collision>
+""",
+)
+
+
+def body_in_its_shapes(link: Link, file: Path | None) -> Iterator[Diagnostic]:
+    """Report an inertia, a center of mass and a mass that do not fit the shapes of a link."""
+    inertial = link.inertial
+    extent = extent_of(link)
+    if inertial is None or inertial.mass <= 0 or extent is None or extent.diagonal < SMALLEST_BOX:
+        return
+    place = f"link[@name='{link.name}']/inertial"
+    away = math.dist(
+        inertial.pose_in_link.xyz,
+        [
+            min(max(center, low), high)
+            for center, low, high in zip(
+                inertial.pose_in_link.xyz, extent.low, extent.high, strict=True
+            )
+        ],
+    )
+    if away > FARTHEST_CENTER * extent.diagonal:
+        yield CENTER_OF_MASS_OUTSIDE.at(
+            file,
+            link.line,
+            f"{place}/origin",
+            message=f"The center of mass of the link `{link.name}` is {away:.3g} m away from its "
+            f"shapes, which measure {extent.diagonal:.3g} m.",
+            hint="Write <origin> of <inertial> in meters, in the frame of the link.",
+        )
+        return
+    yield from _density(link, file)
+    yield from _inertia_of_several(link, extent, file)
+
+
+def _inertia_of_several(link: Link, extent: Extent, file: Path | None) -> Iterator[Diagnostic]:
+    """As IMPLAUSIBLE_INERTIA of one primitive: of a mesh, or of several shapes."""
+    shapes = [one.geometry for one in link.collisions] or [one.geometry for one in link.visuals]
+    inertial = link.inertial
+    if inertial is None or (len(shapes) == 1 and not isinstance(shapes[0], Mesh)):
+        return
+    solid = of_solid(Box(size=extent.size), inertial.mass)
+    if solid is None or max(solid) <= 0:
+        return
+    largest = principal_moments(inertial.inertia)[2]
+    times = largest / max(solid)
+    if largest > 0 and not LEAST_INERTIA <= times <= MOST_INERTIA[0]:
+        edges = " x ".join(f"{edge:.3g}" for edge in extent.size)
+        yield IMPLAUSIBLE_INERTIA.at(
+            file,
+            link.line,
+            f"link[@name='{link.name}']/inertial/inertia",
+            message=f"The inertia of the link `{link.name}` ({largest:.4g} kg m²) is "
+            f"{ratio(times)} that of a box of {edges} m around its shapes of {inertial.mass:g} kg.",
+            hint=f"For a homogeneous box: {as_attributes(solid)} (kg m², the products 0).",
+            severity=Severity.INFO if 1 < times <= MOST_INERTIA[1] else Severity.WARNING,
+        )
+
+
+def _density(link: Link, file: Path | None) -> Iterator[Diagnostic]:
+    mass = link.inertial.mass if link.inertial is not None else 0.0
+    collisions = [(one.geometry, one.pose_in_link) for one in link.collisions]
+    visuals = [(one.geometry, one.pose_in_link) for one in link.visuals]
+    # Either may leave parts out; the larger is nearer to what is weighed.
+    boxes = [_around(shapes) for shapes in (collisions, visuals) if shapes]
+    volumes = [_volume(geometry) for geometry, _ in collisions or visuals]
+    filled = sum(volume for volume in volumes if volume is not None)
+    largest = max(filled, *(math.prod(box.size) for box in boxes if box is not None))
+    is_heavy = None not in boxes and mass > HIGHEST_DENSITY * largest > 0
+    is_light = None not in volumes and mass < LOWEST_DENSITY * filled
+    if is_heavy or is_light:
+        volume = largest if is_heavy else filled
+        yield IMPLAUSIBLE_DENSITY.at(
+            file,
+            link.line,
+            f"link[@name='{link.name}']/inertial/mass",
+            message=f"The link `{link.name}` weighs {mass:g} kg in {volume * 1000:.3g} liters: "
+            + ("no material is so heavy." if is_heavy else "it is lighter than air."),
+            hint="Masses are in kilograms, and sizes in meters.",
+            severity=Severity.WARNING if is_heavy else Severity.INFO,
+        )
+
+
+def _volume(shape: Geometry) -> float | None:
+    if isinstance(shape, Box):
+        return math.prod(shape.size)
+    if isinstance(shape, Sphere):
+        return 4 / 3 * math.pi * shape.radius**3
+    if isinstance(shape, Cylinder):
+        return math.pi * shape.radius**2 * shape.length
+    if isinstance(shape, Capsule):
+        return math.pi * shape.radius**2 * (shape.length + 4 / 3 * shape.radius)
+    return None
+
+
+UNLIKE_SHAPES = Rule(
+    code="ROB119",
+    name="unlike-shapes",
+    severity=Severity.WARNING,
+    summary="The visual and the collision of a link differ in size like meters and millimeters.",
+    what="Compares the boxes around the visuals and around the collisions of a link; reports those "
+    "of which one is 500 to 2000 times as large as the other.",
+    why="One of the two is in another unit: in RViz the robot looks right, and in Gazebo it "
+    "collides with everything, or falls through the ground.",
+    example="""
+<visual><geometry><mesh filename="…/base.stl" scale="0.001 0.001 0.001"/></geometry></visual>
+<collision><geometry><mesh filename="…/base.stl"/></geometry></collision>
+""",
+    instead="""
+<visual><geometry><mesh filename="…/base.stl" scale="0.001 0.001 0.001"/></geometry></visual>
+<collision><geometry><mesh filename="…/base.stl" scale="0.001 0.001 0.001"/></geometry></collision>
+""",
+)
+
+
+def unlike_shapes(link: Link, file: Path | None) -> Iterator[Diagnostic]:
+    """Report a link whose visuals and collisions are in different units."""
+    visual = _around((one.geometry, one.pose_in_link) for one in link.visuals)
+    collision = _around((one.geometry, one.pose_in_link) for one in link.collisions)
+    if visual is None or collision is None:
+        return
+    small, large = sorted((visual.diagonal, collision.diagonal))
+    if small <= 0 or not UNLIKE[0] <= large / small <= UNLIKE[1]:
+        return
+    kind, other = "visual", "collision"
+    if collision.diagonal > visual.diagonal:
+        kind, other = other, kind
+    yield UNLIKE_SHAPES.at(
+        file,
+        link.line,
+        f"link[@name='{link.name}']/{kind}",
+        message=f"The {kind} of the link `{link.name}` measures {large:.3g} m, its {other} "
+        f"{small:.3g} m.",
+        hint="Sizes are in meters: of a mesh in millimeters write "
+        '<mesh … scale="0.001 0.001 0.001"/>.',
+    )
+
+
+def extent_of(link: Link) -> Extent | None:
+    """The box around the collisions of a link, or around its visuals; None where it is unknown."""
+    collisions = [(one.geometry, one.pose_in_link) for one in link.collisions]
+    return _around(collisions or [(one.geometry, one.pose_in_link) for one in link.visuals])
+
+
+def _around(shapes: Iterable[tuple[Geometry, Pose]]) -> Extent | None:
+    points: list[Vector] = []
+    for geometry, pose in shapes:
+        corners = _corners(geometry)
+        if corners is None:
+            return None
+        points += (
+            compose(pose, Pose(xyz=(x, y, z))).xyz
+            for x, y, z in itertools.product(*zip(*corners, strict=True))
+        )
+    if not points:
+        return None
+    (low_x, high_x), (low_y, high_y), (low_z, high_z) = (
+        (min(axis), max(axis)) for axis in zip(*points, strict=True)
+    )
+    return Extent((low_x, low_y, low_z), (high_x, high_y, high_z))
+
+
+def _corners(geometry: Geometry) -> tuple[Vector, Vector] | None:
+    """Two opposite corners of the box around a shape, along its axes."""
+    if isinstance(geometry, Mesh):
+        if geometry.bounds is None:
+            return None
+        low, high = (
+            (corner[0] * scale[0], corner[1] * scale[1], corner[2] * scale[2])
+            for scale in (geometry.scale,)
+            for corner in geometry.bounds
+        )
+        return low, high
+    if isinstance(geometry, Box):
+        x, y, z = (edge / 2 for edge in geometry.size)
+    elif isinstance(geometry, Sphere):
+        x = y = z = geometry.radius
+    elif isinstance(geometry, Cylinder | Capsule):
+        x = y = geometry.radius
+        z = geometry.length / 2 + (geometry.radius if isinstance(geometry, Capsule) else 0.0)
+    else:
+        return None
+    return (-x, -y, -z), (x, y, z)
+
+
+WHEEL_WITHOUT_COLLISION = Rule(
+    code="ROB120",
+    name="wheel-without-collision",
+    severity=Severity.WARNING,
+    summary="A wheel has no `<collision>`.",
+    what="Looks for links with a `<visual>` and without `<collision>` that turn about a continuous "
+    "joint and have `wheel`, `tire` or `caster` in a name, where other links have a collision.",
+    why="The wheel sinks into the ground and drives nothing: the robot stands on its body.",
+    example="""
+<link name="left_wheel">
+  <visual><geometry><cylinder radius="0.1" length="0.04"/></geometry></visual>
+</link>
+""",
+    instead="""
+<link name="left_wheel">
+  <visual><geometry><cylinder radius="0.1" length="0.04"/></geometry></visual>
+  <collision><geometry><cylinder radius="0.1" length="0.04"/></geometry></collision>
+</link>
+""",
+)
+
+
+def wheel_without_collision(
+    links: Sequence[Link], joints: Iterable[Joint], file: Path | None
+) -> Iterator[Diagnostic]:
+    """Report wheels that touch nothing."""
+    if not any(link.collisions for link in links):
+        return  # reported of the whole robot
+    # A collision may be that of a link that is fixed to the wheel; a caster carries another wheel.
+    joints = tuple(joints)
+    carrying = {joint.parent for joint in joints}
+    turned = {joint.child: joint for joint in joints if joint.type is JointType.CONTINUOUS}
+    for link in links:
+        joint = turned.get(link.name)
+        is_bare = bool(link.visuals) and not link.collisions and link.name not in carrying
+        if joint is None or not is_bare or not link.is_as_meant:
+            continue
+        if WHEELS.search(link.name) or WHEELS.search(joint.name):
+            yield WHEEL_WITHOUT_COLLISION.at(
+                file,
+                link.line,
+                f"link[@name='{link.name}']",
+                message=f"The wheel `{link.name}` has a <visual> but no <collision>: it does not "
+                "touch the ground.",
+                hint="Copy <geometry> and <origin> of its <visual> into a <collision>.",
+            )
+
+
+PRESERVED_MOVABLE_JOINT = Rule(
+    code="ROB121",
+    name="preserved-movable-joint",
+    severity=Severity.INFO,
+    summary="`<preserveFixedJoint>` is set for a joint that is not fixed.",
+    why="Gazebo lumps fixed joints only: on any other joint the setting has no effect. Usually the "
+    "wrong joint is named.",
+    example='<joint name="wheel_joint" type="continuous">…</joint>\n'
+    '<gazebo reference="wheel_joint"><preserveFixedJoint>true</preserveFixedJoint></gazebo>',
+    instead='<joint name="camera_joint" type="fixed">…</joint>\n'
+    '<gazebo reference="camera_joint"><preserveFixedJoint>true</preserveFixedJoint></gazebo>',
+)
+
+
+def preserved_movable_joint(
+    joints: Iterable[Joint], tags: Iterable[GazeboTag], file: Path | None
+) -> Iterator[Diagnostic]:
+    """Report settings against lumping on joints that are never lumped."""
+    movable = {joint.name for joint in joints if joint.type is not JointType.FIXED}
+    for tag in tags:
+        keys = [key for key in KEPT if key in tag.values]
+        if keys and tag.reference in movable:
+            yield PRESERVED_MOVABLE_JOINT.at(
+                file,
+                tag.line,
+                f"gazebo[@reference='{tag.reference}']/{keys[0]}",
+                message=f"<{keys[0]}> has no effect: the joint `{tag.reference}` is not fixed.",
+                hint="Name the fixed joint that Gazebo should keep, or remove it.",
+            )
+
+
+KEPT = ("preserveFixedJoint", "disableFixedJointLumping")
+
+SLIPPERY_WHEEL = Rule(
+    code="ROB122",
+    name="slippery-wheel",
+    severity=Severity.WARNING,
+    summary="A driven wheel has no friction.",
+    what="Looks for `<mu1>` or `<mu2>` below 0.001 on the links of the joints that a drive turns. "
+    "Casters may have none.",
+    why="The wheel spins and the robot stays where it is.",
+    example='<gazebo reference="left_wheel">\n  <mu1>0</mu1>\n  <mu2>0</mu2>\n</gazebo>',
+    instead='<gazebo reference="left_wheel">\n  <mu1>1.0</mu1>\n  <mu2>1.0</mu2>\n</gazebo>',
+)
+
+
+def slippery_wheels(
+    driven: Collection[str], joints: Iterable[Joint], tags: Iterable[GazeboTag], file: Path | None
+) -> Iterator[Diagnostic]:
+    """Report wheels that cannot push; `driven` are the joints that plugins turn."""
+    wheels = {joint.child for joint in joints if joint.name in driven}
+    for tag in tags:
+        for key in ("mu1", "mu2"):
+            text = tag.values.get(key, "")
+            if tag.reference in wheels and _is_below(text, SLIPPERY):
+                yield SLIPPERY_WHEEL.at(
+                    file,
+                    tag.line,
+                    f"gazebo[@reference='{tag.reference}']/{key}",
+                    message=f"The driven wheel `{tag.reference}` has no friction (<{key}> is "
+                    f"{text}): it spins.",
+                    hint=f"Write <{key}>1.0</{key}>.",
+                )
+                break
+
+
+def _is_below(text: str, bound: float) -> bool:
+    try:
+        return 0 <= float(text) < bound
+    except ValueError:
+        return False
