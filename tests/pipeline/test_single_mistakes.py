@@ -382,7 +382,7 @@ def test_what_stands(tmp_path: Path) -> None:
             Severity.WARNING,
             2,
         ),
-        ('effort="10"', 'effort="0"', "ROB082", Severity.WARNING, 67),
+        ('effort="10"', 'effort="0"', "ROB082", Severity.WARNING, 72),
     ],
 )
 def test_rover_in_its_run(  # noqa: PLR0917  the facts of a case

@@ -186,6 +186,7 @@ class JointLimit:
     upper: float = 0.0
     effort: float = 0.0  # below 0: without bound, as SDF has it
     velocity: float = 0.0  # likewise
+    line: int | None = field(default=None, compare=False)  # of the element, 1-based
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -195,6 +196,7 @@ class Mimic:
     joint: str
     multiplier: float = 1.0
     offset: float = 0.0  # rad or m
+    line: int | None = field(default=None, compare=False)  # of the element, 1-based
 
 
 @dataclass(frozen=True, kw_only=True)

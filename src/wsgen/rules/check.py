@@ -53,6 +53,7 @@ def check_robot(
         *robots.number_beyond_engines(written.links, written.joints, file),
         *robots.implausible_size(written.links, written.joints, file),
         *robots.implausible_mass(written.links, written.joints, file),
+        *bodies.check_bodies(written.links, written.joints, file),
         *robots.implausible_inertia(written.links, file, written.joints),
         *robots.massless_root(written.link(written.root), written.joints, written.mass, file),
         *robots.ros_1_plugin(written.gazebo, file),
@@ -64,7 +65,6 @@ def check_robot(
         *joint_limits.zero_limits(written.joints, file),
         *joint_limits.no_range(written.joints, file),
         *joint_limits.useless_mimics(written.joints, file),
-        *bodies.check_bodies(written.links, written.joints, file),
         *bodies.wheel_without_collision(written.links, written.joints, file),
         *bodies.preserved_movable_joint(written.joints, written.gazebo, file),
         *bodies.slippery_wheels(

@@ -62,7 +62,7 @@ def limits_in_degrees(joints: Iterable[Joint], file: Path | None) -> Iterator[Di
         lower, upper = math.radians(limit.lower), math.radians(limit.upper)
         yield LIMITS_IN_DEGREES.at(
             file,
-            joint.line,
+            limit.line or joint.line,
             f"joint[@name='{joint.name}']/limit",
             message=f"The limits {limit.lower:g} and {limit.upper:g} of the revolute joint "
             f"`{joint.name}` look like degrees, but URDF reads radians.",
@@ -116,7 +116,7 @@ def zero_limits(joints: Iterable[Joint], file: Path | None) -> Iterator[Diagnost
         if limit.effort == 0:
             yield ZERO_EFFORT.at(
                 file,
-                joint.line,
+                limit.line or joint.line,
                 f"joint[@name='{joint.name}']/limit",
                 message=f"The limit of the joint `{joint.name}` has an effort of 0: no motor can "
                 "move or hold it.",
@@ -126,7 +126,7 @@ def zero_limits(joints: Iterable[Joint], file: Path | None) -> Iterator[Diagnost
         if limit.velocity == 0:
             yield ZERO_VELOCITY.at(
                 file,
-                joint.line,
+                limit.line or joint.line,
                 f"joint[@name='{joint.name}']/limit",
                 message=f"The limit of the joint `{joint.name}` has a velocity of 0: controllers "
                 "do not move it.",
@@ -163,7 +163,7 @@ def no_range(joints: Iterable[Joint], file: Path | None) -> Iterator[Diagnostic]
             continue
         yield NO_RANGE.at(
             file,
-            joint.line,
+            limit.line or joint.line,
             f"joint[@name='{joint.name}']/limit",
             message=f"The lower and the upper limit of the joint `{joint.name}` are both "
             f"{limit.lower:g}: it cannot move.",
@@ -235,11 +235,12 @@ def useless_mimics(joints: Iterable[Joint], file: Path | None) -> Iterator[Diagn
         if leader is None:
             continue
         place = f"joint[@name='{joint.name}']/mimic"
+        line = (joint.mimic.line if joint.mimic else None) or joint.line
         fixed = next((one for one in (joint, leader) if one.type is JointType.FIXED), None)
         if fixed is not None:
             yield MIMICS_FIXED_JOINT.at(
                 file,
-                joint.line,
+                line,
                 place,
                 message=f"The joint `{joint.name}` mimics `{leader.name}`, but "
                 + ("is itself fixed." if fixed is joint else "that joint is fixed."),
@@ -250,7 +251,7 @@ def useless_mimics(joints: Iterable[Joint], file: Path | None) -> Iterator[Diagn
         if (reach := _reach(joint, leader)) is not None and joint.limit is not None:
             yield MIMIC_BEYOND_LIMITS.at(
                 file,
-                joint.line,
+                line,
                 place,
                 message=f"The joint `{joint.name}` should follow `{leader.name}` from "
                 f"{reach[0]:.4g} to {reach[1]:.4g}, but its limits are {joint.limit.lower:g} and "

@@ -190,7 +190,9 @@ def _read_limit(
                 path=path,
             )
             lower, upper = upper, lower
-        return JointLimit(lower=lower, upper=upper, effort=effort, velocity=velocity)
+        return JointLimit(
+            lower=lower, upper=upper, effort=effort, velocity=velocity, line=line_of(limit)
+        )
     if kind in NEED_LIMITS:
         collector.report_missing(
             MISSING_LIMIT,
@@ -241,6 +243,7 @@ def _read_mimic(collector: Collector, element: Element, path: str) -> Mimic | No
             joint=mimic.get("joint") or "",
             multiplier=1.0 if multiplier is None else multiplier,
             offset=read_number(collector, mimic, "offset", path, required=False) or 0.0,
+            line=line_of(mimic),
         )
     return None
 

@@ -81,14 +81,15 @@ def check_plugins(collector: Collector, element: Element, path: str) -> None:
     for plugin in children(element, "plugin"):
         lacking = [key for key in ("name", "filename") if not plugin.get(key)]
         if lacking:
-            named = plugin.get("name") or plugin.get("filename") or ""
+            there = next((key for key in ("name", "filename") if plugin.get(key)), "")
+            named = plugin.get(there) or ""
             collector.report(
                 INCOMPLETE_PLUGIN,
                 f"The plugin {f'`{named}` ' if named else ''}has no "
                 f"{' and no '.join(lacking)}: Gazebo refuses the robot.",
                 hint='Write <plugin name="NAME" filename="FILE">.',
                 at=plugin,
-                path=f"{path}/plugin",
+                path=f"{path}/plugin" + (f"[@{there}='{named}']" if there else ""),
             )
 
 
