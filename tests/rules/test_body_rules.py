@@ -115,12 +115,15 @@ def test_masses_that_do_not_fit_the_shapes(wrong: Link, code: str, severity: Sev
 
 
 def test_a_visual_in_another_unit() -> None:
-    large = Visual(geometry=replace(MESH, scale=(1000.0, 1000.0, 1000.0)))
-    (found,) = check_bodies([replace(SOUND, visuals=(large,))], [], FILE)
+    small = link(Box(size=(0.05, 0.05, 0.05)), mass=0.1, moment=4e-5)
+    large = Visual(geometry=replace(MESH, scale=(250.0, 250.0, 250.0)))
+    (found,) = check_bodies([replace(small, visuals=(large,))], [], FILE)
     assert (found.code, found.line) == ("ROB119", 5)
-    assert found.message.startswith("The visual of the link `a` measures 346 m")
+    assert found.message.startswith("The visual of the link `a` measures 86.6 m")
     marker = Visual(geometry=Sphere(radius=0.001))
     assert not codes(replace(SOUND, visuals=(marker,)))
+    enormous = Visual(geometry=replace(MESH, scale=(1000.0, 1000.0, 1000.0)))
+    assert not codes(replace(SOUND, visuals=(enormous,)))  # reported of the mesh
 
 
 WHEEL = Link(name="left_wheel", visuals=(Visual(geometry=CUBE),), line=8)

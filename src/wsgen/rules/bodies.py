@@ -15,7 +15,7 @@ from wsgen.diagnostics import Rule, Severity
 from wsgen.model.inertia import as_attributes, of_solid, principal_moments
 from wsgen.model.robot import Box, Capsule, Cylinder, JointType, Mesh, Sphere
 from wsgen.model.transform import Pose, compose
-from wsgen.rules.robots import IMPLAUSIBLE_INERTIA, ratio
+from wsgen.rules.robots import HEAVIEST, IMPLAUSIBLE_INERTIA, LARGEST, ratio
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Sequence
@@ -103,7 +103,7 @@ IMPLAUSIBLE_DENSITY = Rule(
     code="ROB118",
     name="implausible-density",
     severity=Severity.WARNING,
-    severity_varies="an information of a body lighter than air",
+    severity_varies="an information of a body lighter than air; an error where its run fails",
     summary="A link is denser than any material, or lighter than air.",
     what="Divides the mass by the volume of the primitive shapes, or of the box around all shapes; "
     "reports more than 25,000 and less than 0.5 kg/m³.",
@@ -124,7 +124,9 @@ def body_in_its_shapes(link: Link, file: Path | None) -> Iterator[Diagnostic]:
     """Report an inertia, a center of mass and a mass that do not fit the shapes of a link."""
     inertial = link.inertial
     extent = extent_of(link)
-    if inertial is None or inertial.mass <= 0 or extent is None or extent.diagonal < SMALLEST_BOX:
+    if inertial is None or not 0 < inertial.mass <= HEAVIEST or extent is None:
+        return
+    if extent.diagonal < SMALLEST_BOX or max(extent.size) > LARGEST:
         return
     place = f"link[@name='{link.name}']/inertial"
     away = math.dist(
@@ -237,7 +239,9 @@ def unlike_shapes(link: Link, file: Path | None) -> Iterator[Diagnostic]:
     if visual is None or collision is None:
         return
     small, large = sorted((visual.diagonal, collision.diagonal))
-    if small <= 0 or not UNLIKE[0] <= large / small <= UNLIKE[1]:
+    if small <= 0 or max(*visual.size, *collision.size) > LARGEST:
+        return  # reported as the size of the mesh or of the robot
+    if not UNLIKE[0] <= large / small <= UNLIKE[1]:
         return
     kind, other = "visual", "collision"
     if collision.diagonal > visual.diagonal:

@@ -14,6 +14,12 @@ from typing import TYPE_CHECKING, NamedTuple
 from wsgen.description_rules import IMPOSSIBLE_INERTIA, MISSPELLED_ATTRIBUTE, MISSPELLED_ELEMENT
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.meshes.inspection import IMPLAUSIBLE_MESH_SIZE
+from wsgen.rules.bodies import (
+    CENTER_OF_MASS_OUTSIDE,
+    IMPLAUSIBLE_DENSITY,
+    UNLIKE_SHAPES,
+    WHEEL_WITHOUT_COLLISION,
+)
 from wsgen.rules.robots import (
     IMPLAUSIBLE_INERTIA,
     IMPLAUSIBLE_MASS,
@@ -79,12 +85,17 @@ CONSEQUENCES = (
     # The simulated robot is not the one that was meant.
     Consequence(MISSPELLED_ELEMENT.code, ANY),
     Consequence(MISSPELLED_ATTRIBUTE.code, ANY),
+    # The weight is elsewhere, or what should carry it touches nothing.
+    Consequence(CENTER_OF_MASS_OUTSIDE.code, MOVES),
+    Consequence(UNLIKE_SHAPES.code, ANY),
+    Consequence(WHEEL_WITHOUT_COLLISION.code, _codes(TIPS_OVER, SPAWNED_IN_GROUND)),
     # A part falls off.
     Consequence(LOOSE_JOINT.code, (), errors=FALLS),
     Consequence(JOINT_LEFT_OUT.code, (), errors=FALLS),
     # Links with too little inertia shake.
     Consequence(IMPOSSIBLE_INERTIA.code, EXPLODES, errors=_codes(KEEPS_MOVING)),
     Consequence(IMPLAUSIBLE_INERTIA.code, EXPLODES, errors=_codes(KEEPS_MOVING)),
+    Consequence(IMPLAUSIBLE_DENSITY.code, EXPLODES, errors=_codes(KEEPS_MOVING)),
     Consequence(DEFAULT_INERTIA.code, EXPLODES, errors=_codes(KEEPS_MOVING)),
     Consequence(MASSLESS_MODEL_LINK.code, EXPLODES, errors=_codes(KEEPS_MOVING)),
     # The limit pushes the joint.
