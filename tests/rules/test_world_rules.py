@@ -40,7 +40,12 @@ def check(
     root, _ = read_document(text)
     assert root is not None
     found = check_world(
-        root, FILE, simulator=simulator, distro=distro, has_model=lambda uri: uri in models
+        root,
+        FILE,
+        simulator=simulator,
+        distro=distro,
+        is_loaded=True,
+        has_model=lambda uri: uri in models,
     )
     return [(one.name, one.line) for one in found]
 

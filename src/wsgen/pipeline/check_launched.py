@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from wsgen.pipeline.prepare import PreparedRobot
     from wsgen.pipeline.started import Started
     from wsgen.rules.gazebo_topics import GazeboTopic
+    from wsgen.workspace.layout import PackageFolder
     from wsgen.xmltree import Element
 
 
@@ -147,6 +148,7 @@ def check_worlds(
             file,
             simulator=here.kind if here else simulator,
             distro=distro,
+            is_loaded=here is not None,
             has_model=has_model,
         )
 
@@ -181,31 +183,44 @@ def loaded_worlds(
 
 
 def check_texts(
-    package: Path, robots: Collection[Robot], plans: Collection[LaunchPlan]
+    package: PackageFolder, robots: Collection[Robot], plans: Collection[LaunchPlan]
 ) -> Iterator[Diagnostic]:
     """Check what the launch files and parameter files of a package write.
 
     `robots` and `plans` are those of the package, for the frames that exist.
     """
     links, known = frames.links_of(robots), frames.known_frames(robots, plans)
+    of_ros_1: list[Path] = []
+    for file in _files(package.path):
+        if file.suffix == ".launch":
+            of_ros_1.append(file)
+        elif file.name.endswith(LAUNCH_FILES):
+            yield from _check_paths(file, _bytes(file))
+        elif file.suffix in {".rviz", ".yaml", ".yml"}:
+            content = _bytes(file)
+            yield from _check_frames(file, content, links, known)
+            if file.suffix != ".rviz":
+                yield from _check_paths(file, content)
+                yield from _check_controllers(file, content)
+    if package.build_type != "catkin":
+        yield from launch_files.ros_1_launch_files(of_ros_1)
+
+
+def _files(package: Path) -> Iterator[Path]:
     for folder, names, files in os.walk(package):
         names[:] = [name for name in names if not name.startswith(".") and name not in OF_BUILDS]
-        for file in (Path(folder, name) for name in sorted(files)):
-            is_launch_file = file.name.endswith(LAUNCH_FILES)
-            if file.suffix == ".launch":
-                yield from launch_files.ros_1_launch_files([file])
-            elif file.suffix == ".rviz":
-                yield from _check_frames(file, _bytes(file), links, known)
-            elif is_launch_file or file.suffix in {".yaml", ".yml"}:
-                content = _bytes(file)
-                if b"/home/" in content or b"/Users/" in content:
-                    yield from launch_files.home_paths(file)
-                if not is_launch_file:
-                    yield from _check_frames(file, content, links, known)
-                if b"controller_manager" in content and not is_launch_file:
-                    parameters = _yaml(file)
-                    if parameters is not None:
-                        yield from controllers.unknown_types(file, parameters)
+        yield from (Path(folder, name) for name in sorted(files))
+
+
+def _check_paths(file: Path, content: bytes) -> Iterator[Diagnostic]:
+    if b"/home/" in content or b"/Users/" in content:
+        yield from launch_files.home_paths(file)
+
+
+def _check_controllers(file: Path, content: bytes) -> Iterator[Diagnostic]:
+    parameters = _yaml(file) if b"controller_manager" in content else None
+    if parameters is not None:
+        yield from controllers.unknown_types(file, parameters)
 
 
 def _check_frames(

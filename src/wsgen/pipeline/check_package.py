@@ -150,7 +150,7 @@ class PackageCheck:
             distro=self.distro,
         )
         yield from check_texts(
-            self.package.path,
+            self.package,
             [one.written for one in self.robots],
             [one.started.plan for one in candidates],
         )

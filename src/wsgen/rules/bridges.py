@@ -228,11 +228,17 @@ def check_bridges(
         world: The name of the world, if it is known.
         models: The names of all models in the world; None where they are not known.
     """
+    bridged = {absolute(one.gz_topic) for one in bridges}
     for bridge in bridges:
         yield from unknown_types(bridge)
         yield from wrong_direction(bridge, known)
         yield from other_type(bridge, known)
-        yield from unknown_topic(bridge, known, world, models)
+        # What is meant may be bridged beside it, for another world or robot.
+        yield from (
+            found
+            for found in unknown_topic(bridge, known, world, models)
+            if not any(found.hint == did_you_mean(other) for other in bridged)
+        )
 
 
 def unknown_types(bridge: Bridge) -> Iterator[Diagnostic]:

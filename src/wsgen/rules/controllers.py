@@ -36,8 +36,7 @@ UNKNOWN_CONTROLLER = Rule(
 UNKNOWN_CONTROLLER_TYPE = Rule(
     code="LCH079",
     name="unknown-controller-type",
-    severity=Severity.ERROR,
-    severity_varies="a warning about `JointStateController`, which Foxy has",
+    severity=Severity.WARNING,
     summary="A controller has a type that `ros2_controllers` does not have.",
     what="Looks in the parameters of controller managers for types of older releases, and for "
     "nearly the names of those in `ros2_controllers`. Other types are assumed to be somebody's "
@@ -78,10 +77,9 @@ tricycle_steering_controller/TricycleSteeringController
 velocity_controllers/JointGroupVelocityController
 """
 _TRAJECTORIES = "joint_trajectory_controller/JointTrajectoryController"
-_OF_FOXY = "joint_state_controller/JointStateController"
 # Types of ROS 1 and Foxy -> what does the same today.
 _FORMER = {
-    _OF_FOXY: "joint_state_broadcaster/JointStateBroadcaster",
+    "joint_state_controller/JointStateController": "joint_state_broadcaster/JointStateBroadcaster",
     "effort_controllers/JointTrajectoryController": _TRAJECTORIES,
     "position_controllers/JointTrajectoryController": _TRAJECTORIES,
     "velocity_controllers/JointTrajectoryController": _TRAJECTORIES,
@@ -263,5 +261,4 @@ def unknown_types(file: Path, content: yamlfile.Value) -> Iterator[Diagnostic]:
                 name,
                 message=f"`{written}` is not a controller of ros2_controllers.",
                 hint=did_you_mean(meant),
-                severity=Severity.WARNING if written == _OF_FOXY else None,
             )

@@ -12,7 +12,7 @@ from wsgen.launch.commands import started_launch_files, started_programs
 from wsgen.launch.explain import ROS_1_LAUNCH_FILE
 from wsgen.launch.explain_missing import first_missing, nodes_of
 from wsgen.markup import read_text, without_comments
-from wsgen.suggestions import advice
+from wsgen.suggestions import advice, some_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -218,15 +218,22 @@ def _count(name: str, texts: Sequence[str]) -> int:
 
 
 def ros_1_launch_files(files: Iterable[Path]) -> Iterator[Diagnostic]:
-    """Report launch files of ROS 1 that `ros2 launch` does not list."""
+    """Report, in one diagnostic, launch files of ROS 1 that `ros2 launch` does not list."""
+    found = []
     for file in files:
         text = without_comments(read_text(file) or "")
-        found = _OF_ROS_1.search(text)
-        if found is not None and "<launch" in text:
-            yield ROS_1_LAUNCH_FILE.at(
-                file,
-                text.count("\n", 0, found.end()) + 1,
-                message="The launch file is written for ROS 1.",
-                hint="Rewrite it as NAME.launch.py or NAME.launch.xml, or remove it.",
-                severity=Severity.WARNING,
-            )
+        place = _OF_ROS_1.search(text)
+        if place is not None and "<launch" in text:
+            found.append((file, text.count("\n", 0, place.end()) + 1))
+    if found:
+        file, line = found[0]
+        names = [other.name for other, _ in found]
+        yield ROS_1_LAUNCH_FILE.at(
+            file,
+            line,
+            message=f"Launch files are written for ROS 1: {some_of(names)}."
+            if len(names) > 1
+            else "The launch file is written for ROS 1.",
+            hint="Rewrite it as NAME.launch.py or NAME.launch.xml, or remove it.",
+            severity=Severity.WARNING,
+        )

@@ -248,7 +248,8 @@ def no_clock(
     if any(topic.rstrip("/").endswith("clock") for topic in bridged) or _may_bring_clock(plan):
         return
     for program in started_programs(plan):
-        if program.package not in BRIDGES and uses_sim_time(plan, program):
+        is_spawner = (program.package or "", program.executable or "") in _SPAWNERS
+        if program.package not in BRIDGES and not is_spawner and uses_sim_time(plan, program):
             yield NO_CLOCK.at(
                 program.file,
                 program.line,

@@ -28,6 +28,8 @@ MISSING_SYSTEM = Rule(
     code="WLD063",
     name="missing-system-plugin",
     severity=Severity.WARNING,
+    severity_varies="information where the distribution is not known, or no launch file of the "
+    "package loads the world",
     summary="A world loads some systems of Gazebo Sim and lacks one that every simulation needs.",
     what="Looks for `Physics`, `UserCommands` and `SceneBroadcaster` in a world with a `<plugin>`. "
     "Nothing is reported for distributions from Kilted on, whose Gazebo adds them.",
@@ -165,12 +167,13 @@ CLOSE = 0.02  # of two rates, relative: steps are written with few digits
 FASTEST = 1e6  # times real time; what is written as more is no rate
 
 
-def check_world(
+def check_world(  # noqa: PLR0913  facts
     root: Element,
     file: Path,
     *,
     simulator: str | None,
     distro: str | None,
+    is_loaded: bool,
     has_model: Callable[[str], bool],
 ) -> Iterator[Diagnostic]:
     """Check the worlds of an SDF file for the simulator that loads them.
@@ -180,13 +183,14 @@ def check_world(
         file: What the diagnostics name.
         simulator: "classic", "gz", or None where that is not known.
         distro: The distribution that the package is for, if that is known.
+        is_loaded: Whether a launch file of the package loads the world.
         has_model: Whether the model of an address is on this machine.
     """
     for world in children(root, "world"):
         kind = simulator or simulator_of(world)
         yield from system_names(world, file)
         if kind == "gz":
-            yield from missing_systems(world, file, distro)
+            yield from missing_systems(world, file, distro, is_loaded=is_loaded)
             yield from plugins_of_other_simulator(world, file, kind)
             yield from models_of_classic(world, file, has_model)
             yield from no_light(world, file)
@@ -210,7 +214,9 @@ def simulator_of(world: Element) -> str | None:
     return "gz" if is_gz else "classic"
 
 
-def missing_systems(world: Element, file: Path, distro: str | None) -> Iterator[Diagnostic]:
+def missing_systems(
+    world: Element, file: Path, distro: str | None, *, is_loaded: bool
+) -> Iterator[Diagnostic]:
     """Report a world that loads systems and lacks one that every simulation needs."""
     loaded = [
         (plugin.get("filename") or "", plugin.get("name") or "")
@@ -238,6 +244,7 @@ def missing_systems(world: Element, file: Path, distro: str | None) -> Iterator[
                 for name in lacking
                 for library in (_LIBRARIES[name],)
             ),
+            severity=None if distro and is_loaded else Severity.INFO,
         )
 
 
