@@ -149,6 +149,19 @@ def test_launch_files_of_ros_1(tmp_path: Path) -> None:
         )
 
 
+def test_commands_of_ros_1() -> None:
+    wrong = Process(package=None, executable=None, command=("rosrun", "a", "b"), line=3)
+    (found,) = launch_files.ros_1_commands(plan(wrong))
+    assert (found.name, found.line, found.hint) == (
+        "ros-1-command",
+        3,
+        "Write 'ros2', 'run' instead.",
+    )
+    sound = Process(package=None, executable=None, command=("ros2", "run", "a", "rosrun"))
+    own = Process(package="own", executable="rosbag")
+    assert not list(launch_files.ros_1_commands(plan(sound, own)))
+
+
 def test_xacro_and_its_file_are_two_words(tmp_path: Path) -> None:
     space = InstallSpace(tmp_path / "install")
     text = HEAD + dedent("""

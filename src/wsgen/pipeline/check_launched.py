@@ -72,6 +72,7 @@ def check_launched(
     yield from simulators.glued_arguments(plan)
     yield from launch_files.missing_argument_files(plan, is_known)
     yield from launch_files.unused_declared_arguments(plan)
+    yield from launch_files.ros_1_commands(plan)
     yield from simulators.starts_paused(plan, kinds, world.element if world else None)
     found = bridges.find_bridges(plan)
     yield from found.diagnostics

@@ -303,7 +303,10 @@ class FileCheck:
         )
         context = PrepareContext(share_of=validation.share_of, folder=folder, run=self.run_task)
         validation.read(context)
-        return tuple(_of_file_alone(validation.diagnostics))
+        return (
+            *_of_file_alone(validation.diagnostics),
+            *check_worlds([self.file], {}, overlay.environment, simulator=None, distro=None),
+        )
 
 
 # What a launch file lacks here is given to it where it is started, or where it is included.

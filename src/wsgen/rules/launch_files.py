@@ -56,6 +56,15 @@ UNUSED_DECLARED_ARGUMENT = Rule(
     instead="DeclareLaunchArgument('gui', default_value='true'),\n"
     "IncludeLaunchDescription(source, condition=IfCondition(LaunchConfiguration('gui')))",
 )
+ROS_1_COMMAND = Rule(
+    code="LCH089",
+    name="ros-1-command",
+    severity=Severity.ERROR,
+    summary="A launch file runs a command of ROS 1.",
+    why="ROS 2 has no such program, and the launch stops.",
+    example="ExecuteProcess(cmd=['rosrun', 'my_robot', 'driver'])",
+    instead="ExecuteProcess(cmd=['ros2', 'run', 'my_robot', 'driver'])",
+)
 
 _SHARE = re.compile(r"(.*/share/([a-z][\w-]*))/.+\.\w+")
 _HOME = re.compile(r"(?:file://)?(?:/home|/Users)/[A-Za-z_][\w.-]*/[^\s\"'<>]+")
@@ -123,6 +132,32 @@ def _texts(values: Iterable[Any]) -> Iterator[str]:
             yield value
         elif isinstance(value, list):
             yield from _texts(value)
+
+
+# Commands of ROS 1 -> those of ROS 2.
+_COMMANDS_OF_ROS_1 = {
+    "rosrun": "ros2 run",
+    "roslaunch": "ros2 launch",
+    "rostopic": "ros2 topic",
+    "rosservice": "ros2 service",
+    "rosparam": "ros2 param",
+    "rosbag": "ros2 bag",
+    "rosnode": "ros2 node",
+}
+
+
+def ros_1_commands(plan: LaunchPlan) -> Iterator[Diagnostic]:
+    """Report commands of ROS 1."""
+    for program in started_programs(plan):
+        command = _COMMANDS_OF_ROS_1.get(program.executable or "")
+        if program.package is None and command is not None:
+            yield ROS_1_COMMAND.at(
+                program.file,
+                program.line,
+                program.executable,
+                message=f"`{program.executable}` is a command of ROS 1.",
+                hint=f"Write {', '.join(repr(word) for word in command.split())} instead.",
+            )
 
 
 def home_paths(file: Path) -> Iterator[Diagnostic]:
