@@ -221,3 +221,11 @@ def test_all_numbers_are_finite(read: Read) -> None:
     assert [found.code for found in file.diagnostics] == ["WLD028"]
     assert "inf" not in repr(file.models[0].robot)
     assert "nan" not in repr(file.models[0].robot)
+
+
+def test_how_to_get_a_ground_depends_on_the_simulator(read: Read) -> None:
+    plugin = '<plugin filename="gz-sim-physics-system" name="gz::sim::systems::Physics"/>'
+    for content, words in ((plugin, "<static>true</static>"), ("", "model://ground_plane")):
+        (found,) = read(f'<world name="w">{content}</world>').diagnostics
+        assert found.code == "WLD006"
+        assert words in (found.hint or "")

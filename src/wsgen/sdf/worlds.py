@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen import xmltree
 from wsgen.diagnostics import Rule, Severity
+from wsgen.model.gazebo_systems import is_of_gz
 from wsgen.model.transform import rotate, rotation_of_rpy
 from wsgen.model.world import SUN_COLOR, SUN_DIRECTION, PlacedModel, World
 from wsgen.sdf.includes import GROUND_PLANE, SUN, is_sun
@@ -151,8 +152,18 @@ def check_ground(source: Source, element: Element, world: World) -> None:
             NO_GROUND,
             "The world has no ground plane: robots that are spawned into it fall.",
             at=element,
-            hint="Add <include><uri>model://ground_plane</uri></include> to the world.",
+            hint=GROUND_OF_GZ
+            if any(map(is_of_gz, world.plugins))
+            else "Add <include><uri>model://ground_plane</uri></include> to the world.",
         )
+
+
+# Gazebo Sim brings no model of one along.
+GROUND_OF_GZ = (
+    'Add <model name="ground_plane"><static>true</static><link name="link">'
+    '<collision name="collision"><geometry><plane><normal>0 0 1</normal><size>100 100</size>'
+    "</plane></geometry></collision></link></model> to the world, with a <visual> like it."
+)
 
 
 def _gravity(source: Source, world: Element) -> tuple[float, float, float]:
