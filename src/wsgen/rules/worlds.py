@@ -256,22 +256,27 @@ _LIBRARIES = {
 
 
 def plugins_of_other_simulator(world: Element, file: Path, simulator: str) -> Iterator[Diagnostic]:
-    """Report plugins of Gazebo Classic in a world for Gazebo Sim, and the reverse."""
+    """Report, in one diagnostic, plugins of Gazebo Classic in a world for Gazebo Sim or reverse."""
+    others = []
     for plugin in world.iter("plugin"):
         filename, name = plugin.get("filename") or "", plugin.get("name") or ""
         is_in_window = any(one.tag == "gui" for one in plugin.iterancestors())
         is_other = is_of_classic(filename) if simulator == "gz" else is_of_gz(filename, name)
         if is_other and not is_in_window:
-            this, other = "Gazebo Sim", "Gazebo Classic"
-            if simulator == "classic":
-                this, other = other, this
-            yield PLUGIN_OF_OTHER_SIMULATOR.at(
-                file,
-                line_of(plugin),
-                path_of(plugin),
-                message=f"`{filename}` is a plugin of {other}, and {this} loads this world.",
-                hint=f"Remove the plugin, or use one of {this}.",
-            )
+            others.append(plugin)
+    if others:
+        this, other = "Gazebo Sim", "Gazebo Classic"
+        if simulator == "classic":
+            this, other = other, this
+        names = list(dict.fromkeys(f"`{one.get('filename')}`" for one in others))
+        are = "is a plugin" if len(names) == 1 else "are plugins"
+        yield PLUGIN_OF_OTHER_SIMULATOR.at(
+            file,
+            line_of(others[0]),
+            path_of(others[0]),
+            message=f"{some_of(names)} {are} of {other}, and {this} loads this world.",
+            hint=f"Remove {'it' if len(names) == 1 else 'them'}, or use plugins of {this}.",
+        )
 
 
 def system_names(world: Element, file: Path) -> Iterator[Diagnostic]:
