@@ -10,7 +10,15 @@ from wsgen import yamlfile
 from wsgen.files import read_regular
 from wsgen.launch.descriptions import Description, published_descriptions, read_published
 from wsgen.launch.simulators import WORLD_SUFFIXES, simulator_kinds
-from wsgen.rules import bridges, controllers, frames, launch_files, simulators, worlds
+from wsgen.rules import (
+    bridges,
+    controllers,
+    frames,
+    launch_files,
+    resource_paths,
+    simulators,
+    worlds,
+)
 from wsgen.rules.gazebo_topics import topics_of
 from wsgen.rules.spawn_heights import check_spawn_height
 from wsgen.sdf.includes import DATABASE_MODELS, MODEL_LEFT_OUT
@@ -41,13 +49,14 @@ class LoadedWorld(NamedTuple):
     models: tuple[str, ...] | None  # names; None where not all are known
 
 
-def check_launched(
+def check_launched(  # noqa: PLR0913  most have defaults
     started: Started,
     environment: Mapping[str, str],
     beside: Sequence[LaunchPlan] = (),
     *,
     is_included: bool = False,
     is_known: Callable[[str], bool] = lambda _package: False,
+    sets_path: Callable[[], bool] = lambda: True,
 ) -> Iterator[Diagnostic]:
     """Check what a launch file starts together.
 
@@ -58,6 +67,7 @@ def check_launched(
             another terminal.
         is_included: One of these includes it: what it lacks may be there.
         is_known: Whether all that a package installs is known.
+        sets_path: Whether a package of the workspace sets the search path of a simulator.
     """
     plan = started.plan
     kinds = simulator_kinds(plan)
@@ -74,6 +84,8 @@ def check_launched(
     yield from launch_files.unused_declared_arguments(plan)
     yield from launch_files.ros_1_commands(plan)
     yield from simulators.starts_paused(plan, kinds, world.element if world else None)
+    variables = {**environment, **plan.environment}
+    yield from resource_paths.no_resource_path(started.spawns, kinds, variables, sets_path)
     found = bridges.find_bridges(plan)
     yield from found.diagnostics
     lacks_clock = tuple(simulators.no_clock(plan, kinds, found.published))
@@ -222,6 +234,21 @@ def _check_controllers(file: Path, content: bytes) -> Iterator[Diagnostic]:
     parameters = _yaml(file) if b"controller_manager" in content else None
     if parameters is not None:
         yield from controllers.unknown_types(file, parameters)
+
+
+def sets_search_path(packages: Iterable[PackageFolder]) -> bool:
+    """Whether one of the packages sets the search path of a simulator."""
+    return any(
+        resource_paths.SETTING.search(_bytes(file))
+        for package in packages
+        for file in _files(package.path)
+        if file.suffix in _SETTING_SUFFIXES or file.name in _SETTING_FILES
+    )
+
+
+# Of files that may set the environment.
+_SETTING_SUFFIXES = frozenset({".bash", ".dsv", ".in", ".launch", ".py", ".sh", ".xml", ".yaml"})
+_SETTING_FILES = frozenset({"CMakeLists.txt", "Dockerfile"})
 
 
 def _check_frames(

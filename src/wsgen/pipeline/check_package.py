@@ -30,6 +30,7 @@ from wsgen.pipeline.check_launched import (
     check_texts,
     check_worlds,
     loaded_worlds,
+    sets_search_path,
 )
 from wsgen.pipeline.check_manifest import check_package_manifest
 from wsgen.pipeline.clock import Clock
@@ -115,6 +116,7 @@ class PackageCheck:
         self.robots: list[DescribedRobot] = []
         self.worlds: list[World] = []
         self.simulators: list[str] = []
+        self.sets_search_path: bool | None = None  # not known yet
         self.descriptions: tuple[Path, ...] = ()  # robots, models and worlds of the package
         self.read: set[Path] = set()  # files of robots and worlds, as sources
 
@@ -214,6 +216,7 @@ class PackageCheck:
                 [other.started.plan for other in candidates if other is not one],
                 is_included=_is_included(one, candidates),
                 is_known=self.installed.is_known,
+                sets_path=self._sets_search_path,
             )
             same = simulation_of(one)
             if not started.is_evaluated or not started.has_spawner or same in known:
@@ -242,6 +245,12 @@ class PackageCheck:
                 )
                 if file is not None
             }
+
+    def _sets_search_path(self) -> bool:
+        """Whether a package of the workspaces sets the search path of a simulator; asked once."""
+        if self.sets_search_path is None:
+            self.sets_search_path = sets_search_path(self.installed.sources.values())
+        return self.sets_search_path
 
     def _note(
         self,

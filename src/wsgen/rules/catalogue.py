@@ -77,6 +77,7 @@ MODULES = (
     "wsgen.rules.package_uses",
     "wsgen.rules.plugins",
     "wsgen.rules.robot_files",
+    "wsgen.rules.resource_paths",
     "wsgen.rules.robots",
     "wsgen.rules.ros2_control",
     "wsgen.rules.runs",
