@@ -148,7 +148,7 @@ def command(
     fixed, plan = 0, None
     if fix:
         outcome, reported, fixed = _fix_all(outcome, reported, run, make_plan)
-    elif diff or (output_format == "text" and not quiet):
+    elif diff or (output_format == "text" and not quiet and reported.diagnostics):
         plan = make_plan(outcome, reported)
     if diff and plan is not None:
         _print_diff(plan)
