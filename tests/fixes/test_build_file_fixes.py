@@ -54,6 +54,13 @@ DOES_NOT_EXIST = "install() names the folder {}, which does not exist."
             "",
             "# a\n# b\n",
         ),
+        (
+            "install(DIRECTORY lanch launch DESTINATION share/r)",
+            1,
+            DOES_NOT_EXIST.format("lanch"),
+            "Did you mean `launch`? Create it, or remove it from install().",
+            "install(DIRECTORY launch DESTINATION share/r)",
+        ),
         ("install(DIRECTORY ${dirs} DESTINATION s)", 1, DOES_NOT_EXIST.format("a"), "", None),
         (
             "install(DIRECTORY a PATTERN a EXCLUDE)",
@@ -249,3 +256,105 @@ def test_the_folder_of_scripts(tmp_path: Path, before: str, after: str) -> None:
     )
     assert fixed(file, "broken-console-script", 1, "", hint) == after
     assert fixed(file, "broken-console-script", 1, "", hint) is None
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        (
+            "install(DIRECTORY urdf DESTINATION share/${PROJECT_NAME})\nament_package()\n",
+            "install(DIRECTORY urdf meshes DESTINATION share/${PROJECT_NAME})\nament_package()\n",
+        ),
+        (
+            "install(\n  DIRECTORY\n    launch\n    urdf\n  DESTINATION share/r\n)\n",
+            "install(\n  DIRECTORY\n    launch\n    urdf\n    meshes\n  DESTINATION share/r\n)\n",
+        ),
+        (
+            "install(DIRECTORY urdf/ DESTINATION share/r)\n# end\nament_package()\n",
+            (
+                "install(DIRECTORY urdf/ DESTINATION share/r)\n# end\n"
+                "install(DIRECTORY meshes DESTINATION share/${PROJECT_NAME})\nament_package()\n"
+            ),
+        ),
+        (
+            "if(A)\ninstall(DIRECTORY urdf DESTINATION share/r)\nendif()\nament_package()\n",
+            (
+                "if(A)\ninstall(DIRECTORY urdf DESTINATION share/r)\nendif()\n"
+                "install(DIRECTORY meshes DESTINATION share/${PROJECT_NAME})\nament_package()\n"
+            ),
+        ),
+        ("install(DIRECTORY include DESTINATION include)\n", None),
+        ("if(A)\nament_package()\nendif()\n", None),
+    ],
+)
+def test_a_folder_that_is_not_installed(tmp_path: Path, before: str, after: str | None) -> None:
+    file = tmp_path / "CMakeLists.txt"
+    file.write_text(before)
+    message = "r does not install its folder meshes."
+    assert fixed(file, "folder-not-installed", 1, message) == after
+
+
+def test_a_program_that_is_not_installed(tmp_path: Path) -> None:
+    file = tmp_path / "CMakeLists.txt"
+    file.write_text("add_executable(n n.cpp)\nament_package()\n")
+    install = "install(TARGETS n DESTINATION lib/${PROJECT_NAME})"
+    assert fixed(file, "program-not-installed", 1, "", f"Add: {install}") == (
+        f"add_executable(n n.cpp)\n{install}\nament_package()\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("before", "kind", "after"),
+    [
+        (
+            "install(FILES launch DESTINATION s)",
+            "DIRECTORY",
+            "install(DIRECTORY launch DESTINATION s)",
+        ),
+        ("install(DIRECTORY a.yaml DESTINATION s)", "FILES", "install(FILES a.yaml DESTINATION s)"),
+        ("install(FILES launch a.py DESTINATION s)", "DIRECTORY", None),
+    ],
+)
+def test_the_kind_of_a_path(tmp_path: Path, before: str, kind: str, after: str | None) -> None:
+    file = tmp_path / "CMakeLists.txt"
+    file.write_text(before)
+    hint = f"Write: install({kind} launch DESTINATION ...)"
+    assert fixed(file, "wrong-kind-of-path", 1, "", hint) == after
+
+
+@pytest.mark.parametrize(
+    ("before", "message", "after"),
+    [
+        ("import rclpy\n", "no interpreter", "#!/usr/bin/env python3\nimport rclpy\n"),
+        ("#!/usr/bin/python\na\n", "`python`", "#!/usr/bin/env python3\na\n"),
+        ("#!/bin/a\r\nb\r\n", "n.py has line ends of Windows, so", "#!/bin/a\nb\n"),
+    ],
+)
+def test_the_first_line_of_a_program(tmp_path: Path, before: str, message: str, after: str) -> None:
+    file = tmp_path / "n.py"
+    file.write_bytes(before.encode())
+    hint = "Write as its first line: #!/usr/bin/env python3"
+    assert fixed(file, "broken-shebang", 1, message, hint) == after
+
+
+MARKER = "('share/ament_index/resource_index/packages', ['resource/r'])"
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        ("[('a', ['b'])]", f"[{MARKER}, ('a', ['b'])]"),
+        ("[\n    ('a', ['b']),\n]", f"[\n    {MARKER},\n    ('a', ['b']),\n]"),
+        ("[]", f"[{MARKER}]"),
+        ("files", None),
+    ],
+)
+def test_the_marker_of_a_package(tmp_path: Path, before: str, after: str | None) -> None:
+    file = tmp_path / "setup.py"
+    file.write_text(f"setup(data_files={before})\n")
+    hint = f"Create the empty file resource/r, and add to data_files: {MARKER}"
+    assert fixed(file, "missing-marker", 1, "", hint) is None
+    (tmp_path / "resource").mkdir()
+    (tmp_path / "resource" / "r").touch()
+    wanted = after and f"setup(data_files={after})\n"
+    assert fixed(file, "missing-marker", 1, "", hint) == wanted

@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING
 from xml.etree import ElementTree as ET
 
 import pytest
+import yaml
 
 from report.test_json_report import documented_keys, keys
+from wsgen.cli.check import command
 from wsgen.cli.check_output import render_report, render_statistics, render_summary
 from wsgen.model.robot import Robot
 from wsgen.pipeline.check import CheckOutcome
@@ -177,3 +179,14 @@ def test_statistics_and_summary(found: tuple[Diagnostic, ...]) -> None:
     assert lines[1] == "1 diagnostic can be fixed: add --fix, or --diff first."
     clean = render_summary(CheckOutcome(packages=("p",)), Reported(diagnostics=()), fixed=2)
     assert clean == ["Fixed 2 diagnostics.", "1 package checked: no errors."]
+
+
+def test_the_hooks_for_pre_commit() -> None:
+    hooks = yaml.safe_load((ROOT / ".pre-commit-hooks.yaml").read_text())
+    assert [hook["id"] for hook in hooks] == ["wsgen-check", "wsgen-fix"]
+    for hook in hooks:
+        program, name, *words = hook["entry"].split()
+        assert (program, name) == ("wsgen", "check")
+        assert command.make_context(name, words)
+        assert hook["pass_filenames"] is False
+        assert hook["id"] in (ROOT / "docs" / "check.md").read_text()

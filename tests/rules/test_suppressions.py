@@ -5,9 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from wsgen.diagnostics import has_errors
+from wsgen.rules.catalogue import find_rule
 from wsgen.rules.robots import MASSLESS_ROOT, NO_VISUAL
 from wsgen.rules.runs import FALLS_WITHOUT_END
-from wsgen.rules.suppressions import suppress
+from wsgen.rules.suppressions import OF_MACHINE, suppress
 from wsgen.urdf.reader import UNKNOWN_URDF_VERSION
 from wsgen.workspace.allowances import Allowance
 
@@ -69,4 +70,6 @@ def test_what_was_not_checked_may_be_unused() -> None:
 
 def test_a_rule_about_simulations_may_be_unused() -> None:
     assert suppress([], [in_settings(FALLS_WITHOUT_END.name)]).reported == ()
+    assert suppress([], [in_settings("package-not-found")]).reported == ()
+    assert all(find_rule(name) for name in OF_MACHINE)
     assert len(suppress([], [in_settings(MASSLESS_ROOT.name)]).reported) == 1

@@ -213,9 +213,10 @@ def fix_installed_path(diagnostic: Diagnostic, source: SourceText) -> Sequence[E
         folder, _, last = named[1].rstrip("/").rpartition("/")
         if not is_surely(last, meant):
             return []
-        slash = "/" if one.text.endswith("/") else ""
-        text = f"{folder}/{meant}{slash}" if folder else f"{meant}{slash}"
-        return [Edit(start=one.start, end=one.end, text=text)]
+        text = f"{folder}/{meant}" if folder else meant
+        if text not in {other.text.rstrip("/") for other in listed}:
+            slash = "/" if one.text.endswith("/") else ""
+            return [Edit(start=one.start, end=one.end, text=f"{text}{slash}")]
     if len(listed) == 1:
         return _remove(source, command.start, command.end)
     before = command.arguments[command.arguments.index(one) - 1]
@@ -276,3 +277,108 @@ def fix_script_folder(diagnostic: Diagnostic, source: SourceText) -> Sequence[Ed
         elif value[1] != place[1]:
             edits.append(Edit(start=value.start(1), end=value.end(1), text=place[1]))
     return [*edits, *(_append(source, source.newline.join(missing)) if missing else [])]
+
+
+PLACE = re.compile(r"share/(?:\$\{(?:PROJECT_NAME|CMAKE_PROJECT_NAME)\}|[\w-]+)")
+_FOLDER = re.compile(r"does not install its folder ([\w./-]+?)\.(?:\s|\Z)")
+_ADDED = re.compile(r"Add: (install\(TARGETS .+\))")
+
+
+def install_folder(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Install a folder with those that CMakeLists.txt installs into the share folder already."""
+    named = _FOLDER.search(diagnostic.message)
+    if named is None or source.file.name != "CMakeLists.txt":
+        return []
+    for command in read_commands(source):
+        words = _words(command)
+        if command.name != "install" or words[:1] != ("DIRECTORY",) or OPTIONS & {*words}:
+            continue
+        if "DESTINATION" not in words or _depth(source, command):
+            continue
+        place = words.index("DESTINATION")
+        plain = [word for word in words[1:place] if re.fullmatch(r"[\w./-]*[\w-]", word)]
+        if len(plain) != place - 1 or not plain or not PLACE.fullmatch(words[-1]):
+            continue
+        last = command.arguments[place - 1]
+        between = source.text[command.arguments[place - 2].end : last.start]
+        gap = between if between.strip() == "" else " "
+        return [Edit(start=last.end, end=last.end, text=f"{gap}{named[1]}")]
+    text = f"install(DIRECTORY {named[1]} DESTINATION share/${{PROJECT_NAME}})"
+    return _before_the_end(source, text)
+
+
+def install_program(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Install a program that is compiled and not installed, as the hint writes it out."""
+    added = _ADDED.search(diagnostic.hint or "")
+    return _before_the_end(source, added[1]) if added else []
+
+
+def _before_the_end(source: SourceText, text: str) -> list[Edit]:
+    """Add a command in front of ament_package(), which must be the last."""
+    calls = [one for one in read_commands(source) if one.name.startswith("ament_package")]
+    if len(calls) != 1 or _depth(source, calls[0]):
+        return []
+    place = source.start_of(source.line_at(calls[0].start))
+    if source.text[place : calls[0].start].strip():
+        return []
+    return [Edit(start=place, end=place, text=f"{text}{source.newline}")]
+
+
+_KIND = re.compile(r"Write: install\((DIRECTORY|FILES) ")
+
+
+def fix_kind_of_path(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Write DIRECTORY for a folder and FILES for a file, if install() names nothing else."""
+    meant = _KIND.search(diagnostic.hint or "")
+    command = command_at(source, diagnostic.line, "install")
+    if meant is None or command is None:
+        return []
+    words = _words(command)
+    if words[2:3] != ("DESTINATION",) or words[0] not in SHARED or OPTIONS & {*words}:
+        return []
+    kind = command.arguments[0]
+    return [Edit(start=kind.start, end=kind.end, text=meant[1])]
+
+
+SHEBANG = "#!/usr/bin/env python3"
+
+
+def fix_shebang(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Give a program in Python its first line, and the line ends that Linux needs there."""
+    first, _, _ = source.text.partition("\n")
+    if source.file.suffix != ".py" or source.mark:
+        return []
+    if "line ends of Windows" in diagnostic.message:
+        return [
+            Edit(start=found.start(), end=found.end(), text="")
+            for found in re.finditer(r"\r(?=\n)", source.text)
+        ]
+    if SHEBANG not in (diagnostic.hint or ""):
+        return []
+    if first.startswith("#!"):
+        return [Edit(start=0, end=len(first.rstrip("\r")), text=SHEBANG)]
+    return _first(source, SHEBANG)
+
+
+_DATA_FILES = re.compile(r"[Aa]dd to data_files: (\(.+\))\Z")
+_MARKER = re.compile(r"\['(resource/[\w-]+)'\]")
+
+
+def add_data_file(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Install what ROS looks for in every package, as the hint writes it out."""
+    added = _DATA_FILES.search(diagnostic.hint or "")
+    if added is None:
+        return []
+    marker = _MARKER.search(added[1])
+    if marker is not None and not (source.file.parent / marker[1]).is_file():
+        return []  # a file of its own would have to be created
+    found = list(re.finditer(r"\bdata_files\s*=\s*\[", source.text))
+    if len(found) != 1:
+        return []
+    place = found[0].end()
+    rest = re.compile(r"[ \t]*\r?\n([ \t]*)").match(source.text, place)
+    gap = f"{source.newline}{rest[1]}" if rest else ""
+    end = "," if rest else ", "
+    if source.text[place:].lstrip().startswith("]"):
+        gap, end = "", ""
+    return [Edit(start=place, end=place, text=f"{gap}{added[1]}{end}")]

@@ -439,3 +439,20 @@ def fix_ros_1_markup(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edi
         for attribute in tag.attributes.values()
         for found in used.finditer(attribute.text)
     ]
+
+
+_RAISED = re.compile(r"add '(-z)', '([\d.]+)' to the arguments of ([\w.]+)")
+
+
+def raise_spawned(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Give the spawner the height at which the robot stands on the ground."""
+    tree, added = _tree(source), _RAISED.search(diagnostic.hint or "")
+    node = _call_at(tree, diagnostic.line, "Node") if tree else None
+    given = [one.value for one in node.keywords if one.arg == "arguments"] if node else []
+    if tree is None or added is None or not given or not isinstance(given[0], ast.List):
+        return []
+    words = given[0].elts
+    if not words or any(isinstance(one, ast.Constant) and one.value == "-z" for one in words):
+        return []
+    place = tree.end(words[-1])
+    return [Edit(start=place, end=place, text=f", '{added[1]}', '{added[2]}'")]

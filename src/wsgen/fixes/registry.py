@@ -60,6 +60,11 @@ FIXERS: Mapping[str, Fixer] = {
     "wrong-destination": install_rules.fix_destination,
     "folder-not-installed": install_rules.install_folder,
     "broken-shebang": install_rules.fix_shebang,
+    "folder-not-installed": build_files.install_folder,
+    "program-not-installed": build_files.install_program,
+    "wrong-kind-of-path": build_files.fix_kind_of_path,
+    "broken-shebang": build_files.fix_shebang,
+    "missing-marker": build_files.add_data_file,
     # URDF, xacro, SDF
     "malformed-xml": robots.fix_xml,
     "xacro-fails": robots.fix_xml,
@@ -87,6 +92,7 @@ FIXERS: Mapping[str, Fixer] = {
     "not-in-real-time": robots.fix_inner_text("real_time_update_rate"),
     "missing-system-plugin": robots.add_system_plugins,
     # launch files
+    "spawned-in-ground": launch_files.raise_spawned,
     "glued-command": launch_files.add_blank_after_xacro,
     "glued-arguments": launch_files.add_blank_after_option,
     "ros-1-launch-file": launch_files.fix_ros_1_markup,

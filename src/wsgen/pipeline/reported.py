@@ -8,7 +8,13 @@ from wsgen.diagnostics import has_errors
 from wsgen.errors import RequestError
 from wsgen.pipeline.baseline import divide_known, load_baseline
 from wsgen.pipeline.changed_files import about_changes, changed_since
-from wsgen.rules.catalogue import FAMILIES, all_rules, find_rule, without_allowed
+from wsgen.rules.catalogue import (
+    FAMILIES,
+    all_rules,
+    find_rule,
+    unknown_rule_allowed,
+    without_allowed,
+)
 from wsgen.rules.suppressions import suppress
 from wsgen.suggestions import ask_for_nearest
 from wsgen.values import dataclass
@@ -110,6 +116,8 @@ def leave_out_allowed(
         settings, _ = read_settings(folder)
         allowances += [*settings.allowances, *find_comments(folder)]
         if settings.allow:
+            unknown = unknown_rule_allowed(settings.allow, settings.file, settings.allow_line)
+            kept = tuple(dict.fromkeys((*kept, *unknown)))
             left = _without_warnings(kept, settings.allow, folder)
             silent += tuple(found for found in kept if found not in left)
             kept = left
