@@ -267,16 +267,21 @@ def _print(
 ) -> None:
     from pathlib import Path
 
-    from wsgen.report import check_formats
+    folder, found = Path.cwd(), reported.diagnostics
+    if output_format == "text" and not found:
+        return
     from wsgen.report.places import Places
 
-    places, folder, found = Places(), Path.cwd(), reported.diagnostics
+    places = Places()
     if output_format == "text":
         from wsgen.cli.check_output import render_report
 
         for line in render_report(reported, places, quiet=quiet, verbose=verbose):
             click.echo(line)
-    elif output_format == "github":
+        return
+    from wsgen.report import check_formats
+
+    if output_format == "github":
         for line in check_formats.render_github(found, places, folder, verbose=verbose):
             click.echo(line)
     else:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import hashlib
+import html
 import json
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
-from xml.sax.saxutils import escape, quoteattr
 
 from wsgen import __version__
 from wsgen.diagnostics import Severity
@@ -206,7 +206,7 @@ def _junit_case(found: Diagnostic, folder: Path, failing: set[Severity]) -> Iter
     name = _quoted(f"{found.code} {found.name}" + (f" {place}" if place else ""))
     where = f" file={_quoted(file)}" * bool(file) + f' line="{found.line}"' * bool(found.line)
     yield f"    <testcase classname={_quoted(f'wsgen.{found.code[:3]}')} name={name}{where}>"
-    text = escape(_printable("\n".join(filter(None, (place, full_message(found))))))
+    text = html.escape(_printable("\n".join(filter(None, (place, full_message(found))))))
     if found.severity in failing:
         message, kind = _quoted(found.message), _quoted(found.code)
         yield f"      <failure message={message} type={kind}>{text}</failure>"
@@ -216,7 +216,8 @@ def _junit_case(found: Diagnostic, folder: Path, failing: set[Severity]) -> Iter
 
 
 def _quoted(text: str) -> str:
-    return quoteattr(_printable(text))
+    escaped = html.escape(_printable(text)).replace("\n", "&#10;").replace("\t", "&#9;")
+    return f'"{escaped}"'
 
 
 def _printable(text: str) -> str:
