@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from wsgen.diagnostics import Rule, Severity
+from wsgen.fixes.registry import FIXERS
 from wsgen.rules.catalogue import (
     FAMILIES,
     MODULES,
@@ -125,7 +126,7 @@ def test_the_documentation_is_written_from_the_rules(*, regenerate: bool) -> Non
         text += "\n".join(
             ["", f"# {title}", "", "| code | name | summary |", "|---|---|---|", *rows, ""]
         )
-        text += "".join(f"\n{to_markdown(rule)}" for rule in listed)
+        text += "".join(f"\n{to_markdown(rule, has_fix=rule.name in FIXERS)}" for rule in listed)
     text += CAUSES + "".join(
         f"| {row.cause} | {' '.join(sorted(row.follows))} | {' '.join(row.errors)} |\n"
         for row in CONSEQUENCES

@@ -35,7 +35,10 @@ def command(
         click.echo(render_rules(rules), nl=False)
         return EXIT_PASSED
     if name is not None:
-        lines = draw_markdown(to_markdown(rules[0]), quiet=quiet)
+        from wsgen.fixes.registry import FIXERS
+
+        text = to_markdown(rules[0], has_fix=rules[0].name in FIXERS)
+        lines = draw_markdown(text, quiet=quiet)
     else:
         rows = [(rule.code, rule.severity.value, rule.name, rule.summary) for rule in rules]
         lines = draw_table(rows, indent="", quiet=quiet)

@@ -12,7 +12,7 @@ from urllib.parse import quote
 
 from wsgen import __version__
 from wsgen.diagnostics import Severity
-from wsgen.fixes.registry import has_fix
+from wsgen.fixes.registry import FIXERS, has_fix
 from wsgen.report.json_report import VERSION, diagnostic_to_json
 from wsgen.rules.catalogue import find_rule, to_markdown
 
@@ -101,7 +101,10 @@ def _sarif_rule(code: str) -> dict[str, Any]:
         "name": rule.name,
         "shortDescription": {"text": rule.summary},
         "fullDescription": {"text": rule.why},
-        "help": {"text": f"{rule.summary} {rule.why}", "markdown": to_markdown(rule)},
+        "help": {
+            "text": f"{rule.summary} {rule.why}",
+            "markdown": to_markdown(rule, has_fix=rule.name in FIXERS),
+        },
         "defaultConfiguration": {"level": LEVELS[rule.severity]},
     }
 

@@ -163,12 +163,13 @@ def _select(wanted: str, rules: Iterable[Rule]) -> Rule | None:
     return None
 
 
-def to_markdown(rule: Rule) -> str:
+def to_markdown(rule: Rule, *, has_fix: bool = False) -> str:
     """The documentation of a rule: a section for docs/rules.md, and what `wsgen rule` shows."""
     severity = rule.severity.value
     if rule.severity_varies:
         severity = f"{severity}; {rule.severity_varies}"
-    parts = [f"## {rule.name} ({rule.code})", rule.summary, f"Severity: {severity}."]
+    fix = " `wsgen check --fix` fixes it where the text shows what is meant." if has_fix else ""
+    parts = [f"## {rule.name} ({rule.code})", rule.summary, f"Severity: {severity}.{fix}"]
     if rule.what:
         parts += ["**What it checks.** " + rule.what]
     parts += ["**Why is this bad?** " + rule.why]
