@@ -41,5 +41,5 @@ def fixed(  # noqa: PLR0917
     """The text after the fix; None if there is none."""
     plan = plan_fixes([report(file, name, line, message, hint, element)], [file.parent])
     for _ in write_fixes(plan):
-        return file.read_bytes().decode()
+        return plan.files[0].file.read_bytes().decode()
     return None

@@ -456,3 +456,27 @@ def raise_spawned(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
         return []
     place = tree.end(words[-1])
     return [Edit(start=place, end=place, text=f", '{added[1]}', '{added[2]}'")]
+
+
+_BRIDGED = re.compile(r"'(/clock@[^']+)'")
+
+
+def add_clock(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Bridge the clock of Gazebo with the only bridge that the launch file starts."""
+    tree, added = _tree(source), _BRIDGED.search(diagnostic.hint or "")
+    if tree is None or added is None or CLOCK in source.text:
+        return []
+    given = [
+        keyword.value
+        for call in tree.all(ast.Call)
+        if _name_of(call) == "Node" and "'parameter_bridge'" in ast.dump(call)
+        for keyword in call.keywords
+        if keyword.arg == "arguments"
+    ]
+    if len(given) != 1 or not isinstance(given[0], ast.List) or not given[0].elts:
+        return []
+    first = given[0].elts[0]
+    place = tree.start(first)
+    is_on_lines = first.lineno > given[0].lineno
+    gap = source.newline + source.indent_at(place) if is_on_lines else " "
+    return [Edit(start=place, end=place, text=f"'{added[1]}',{gap}")]

@@ -105,7 +105,11 @@ def write_dependency(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edi
     if meant is None or len(on_line) != 1 or on_line[0].end is None:
         return []
     tag, end = on_line[0], on_line[0].end
-    if _text(source, tag) != meant[2] or tag.name == meant[1]:
+    written = _text(source, tag)
+    if tag.name == meant[1] and written and len(DEPENDENCY.findall(diagnostic.hint or "")) == 1:
+        place = source.text.index(written, tag.start.end)
+        return [Edit(start=place, end=place + len(written), text=meant[2])]
+    if written != meant[2] or tag.name == meant[1]:
         return []
     starts = (tag.start.start + len("<"), end.start + len("</"))
     return [Edit(start=start, end=start + len(tag.name), text=meant[1]) for start in starts]
@@ -157,6 +161,31 @@ def write_format_3(_: Diagnostic, source: SourceText) -> Sequence[Edit]:
             starts = (tag.start.start + len("<"), tag.end.start + len("</"))
             edits += [Edit(start=start, end=start + len("run"), text="exec") for start in starts]
     return edits
+
+
+_NAME = re.compile(r"<name>[\w-]+</name>")
+_BUILD_TYPE = re.compile(r"<build_type>(\w+)</build_type>")
+
+
+def add_name(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Name the package as the hint writes it out."""
+    root, top = _top(source)
+    name = _NAME.search(diagnostic.hint or "")
+    if root is None or name is None or any(tag.name == "name" for tag in top):
+        return []
+    indent = source.indent_at(top[0].start.start) if top else "  "
+    text = f"{source.newline}{indent}{name[0]}"
+    return [Edit(start=root.start.end, end=root.start.end, text=text)]
+
+
+def fix_build_type(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Write the build type that the hint names, for which the package has the file."""
+    meant = _BUILD_TYPE.search(diagnostic.hint or "")
+    written = [tag for tag in read_tags(source.text) if tag.name == "build_type" and tag.end]
+    if meant is None or len(written) != 1:
+        return []
+    span = written[0].content()
+    return [Edit(start=span.start, end=span.end, text=meant[1])]
 
 
 def add_build_type(_: Diagnostic, source: SourceText) -> Sequence[Edit]:

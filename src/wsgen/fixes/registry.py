@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wsgen.fixes import build_files, install_rules, launch_files, manifests, robots
+from wsgen.fixes import build_files, launch_files, manifests, robots, words
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -24,6 +25,11 @@ FIXERS: Mapping[str, Fixer] = {
     "invalid-manifest": manifests.fix_version,
     "invalid-settings": manifests.fix_settings_key,
     "unknown-rule-allowed": manifests.fix_allowed_rule,
+    "unused-allowance": words.remove_allowance,
+    "unnamed-package": manifests.add_name,
+    "missing-build-file": manifests.fix_build_type,
+    "unknown-build-type": words.fix_word,
+    "not-a-rosdep-key": manifests.write_dependency,
     **dict.fromkeys(
         (
             "undeclared-package",
@@ -85,6 +91,11 @@ FIXERS: Mapping[str, Fixer] = {
     "unknown-reference": robots.rename_value("reference"),
     "misspelled-element": robots.fix_element_name,
     "misspelled-attribute": robots.fix_attribute_name,
+    "unprefixed-xacro": robots.add_prefix,
+    "unknown-plugin-part": words.fix_word,
+    "frame-without-link": words.fix_word,
+    "unknown-controller-joint": words.fix_word,
+    "unknown-system": robots.fix_attribute,
     "unknown-controlled-joint": robots.fix_joint,
     "unknown-transmission-joint": robots.fix_joint,
     "unknown-interface": robots.fix_interface,
@@ -92,6 +103,10 @@ FIXERS: Mapping[str, Fixer] = {
     "not-in-real-time": robots.fix_inner_text("real_time_update_rate"),
     "missing-system-plugin": robots.add_system_plugins,
     # launch files
+    "no-clock-bridge": launch_files.add_clock,
+    "invalid-bridge-entry": words.fix_word,
+    "unknown-controller-type": words.fix_word,
+    "unpublished-frame": words.fix_word,
     "spawned-in-ground": launch_files.raise_spawned,
     "glued-command": launch_files.add_blank_after_xacro,
     "glued-arguments": launch_files.add_blank_after_option,
@@ -120,7 +135,9 @@ def _manifest_around(diagnostic: Diagnostic) -> Path | None:
 
 # Rules whose fix is in another file than the one that they name.
 ELSEWHERE: Mapping[str, Callable[[Diagnostic], Path | None]] = {
-    name: _manifest_around for name, fixer in FIXERS.items() if fixer is manifests.add_dependencies
+    name: _manifest_around
+    for name, fixer in FIXERS.items()
+    if fixer in {manifests.add_dependencies, manifests.fix_build_type}
 }
 
 

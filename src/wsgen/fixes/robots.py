@@ -258,6 +258,35 @@ def fix_element_name(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edi
     return [Edit(start=place, end=place + len(tag.name), text=meant) for place in starts]
 
 
+_PREFIXED = re.compile(r"Write <(xacro:[\w.]+)>")
+
+
+def add_prefix(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Give an element of xacro the prefix without which it is none."""
+    found = find_tag(source, diagnostic.line, diagnostic.element)
+    meant = _PREFIXED.search(diagnostic.hint or "")
+    if found is None or meant is None or "xmlns:xacro" not in source.text:
+        return []
+    tag = found[0]
+    if f"xacro:{tag.name}" != meant[1]:
+        return []
+    starts = [tag.start.start + len("<"), *([tag.end.start + len("</")] if tag.end else [])]
+    return [Edit(start=place, end=place, text="xacro:") for place in starts]
+
+
+_WRITE_ATTRIBUTE = re.compile(r'Write (\w+)="([^"]+)"\.')
+
+
+def fix_attribute(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
+    """Write the attribute as the hint has it, if the value is misspelled."""
+    found = find_tag(source, diagnostic.line, diagnostic.element)
+    meant = _WRITE_ATTRIBUTE.search(diagnostic.hint or "")
+    written = found[0].attributes.get(meant[1]) if found and meant else None
+    if meant is None or written is None or not is_surely(written.text, meant[2]):
+        return []
+    return _replace(written.value, meant[2])
+
+
 def fix_attribute_name(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
     """Rename an attribute."""
     found = find_tag(source, diagnostic.line, diagnostic.element)
