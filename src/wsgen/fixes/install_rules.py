@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from wsgen.fixes.cmake_source import command_at, read_commands
+from wsgen.fixes.cmake_source import command_at
 from wsgen.fixes.source import Edit
 
 if TYPE_CHECKING:
@@ -97,62 +97,4 @@ def _replace_type(command: Command) -> Sequence[Edit]:
     for keyword, argument in zip(command.arguments, command.arguments[1:], strict=False):
         if keyword.text == "TYPE" and argument.text == "DATA":
             return [Edit(start=keyword.start, end=argument.end, text=f"DESTINATION {SHARE}")]
-    return []
-
-
-_FOLDER = re.compile(r"does not install its folder (\w+)\.")
-
-
-def install_folder(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
-    """Install a folder with others, or by a call before ament_package()."""
-    named = _FOLDER.search(diagnostic.message)
-    if named is None or source.file.name != "CMakeLists.txt":
-        return []
-    commands = read_commands(source)
-    for command in commands:
-        place = _destination(command)
-        folders = _folders(command)
-        words = {one.text for one in command.arguments}
-        if (
-            command.name == "install"
-            and place is not None
-            and folders
-            and place.text.rstrip("/") in {SHARE, SHARE.replace("{", "").replace("}", "")}
-            and not words & OPTIONS
-            and all(re.fullmatch(r"\w+", one.text) for one in folders)
-        ):
-            last = folders[-1]
-            is_alone = source.line_at(last.start) != source.line_at(command.start)
-            on_own_line = (
-                is_alone
-                and not source.text[
-                    source.start_of(source.line_at(last.start)) : last.start
-                ].strip()
-            )
-            between = source.newline + source.indent_at(last.start) if on_own_line else " "
-            return [Edit(start=last.end, end=last.end, text=f"{between}{named[1]}")]
-    calls = [one for one in commands if one.name in {"ament_package", "ament_auto_package"}]
-    if len(calls) != 1 or source.indent_at(calls[0].start):
-        return []
-    text = f"install(DIRECTORY {named[1]} DESTINATION {SHARE}){source.newline}"
-    return [Edit(start=calls[0].start, end=calls[0].start, text=text)]
-
-
-SHEBANG = "#!/usr/bin/env python3"
-
-
-def fix_shebang(_: Diagnostic, source: SourceText) -> Sequence[Edit]:
-    """Name the interpreter in the first line, with a line end of Linux."""
-    if source.mark:
-        return []
-    first, line_break, _rest = source.text.partition("\n")
-    if not first.startswith("#!"):
-        return [Edit(start=0, end=0, text=f"{SHEBANG}{source.newline}")]
-    if first.endswith("\r"):
-        return [
-            Edit(start=found.start(), end=found.end(), text="\n")
-            for found in re.finditer(r"\r\n", source.text)
-        ]
-    if re.fullmatch(r"#!\s*/usr/bin/(?:env\s+)?python\s*", first) and line_break:
-        return [Edit(start=0, end=len(first), text=SHEBANG)]
     return []

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from wsgen.fixes import build_files, install_rules, launch_files, manifests, robots
-from wsgen.fixes import build_files, launch_files, manifests, robots, words
+from wsgen.fixes import build_files, install_rules, launch_files, manifests, robots, words
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -64,12 +63,10 @@ FIXERS: Mapping[str, Fixer] = {
     "contents-installed": install_rules.remove_last_slashes,
     "repeated-folder": install_rules.shorten_destination,
     "wrong-destination": install_rules.fix_destination,
-    "folder-not-installed": install_rules.install_folder,
-    "broken-shebang": install_rules.fix_shebang,
     "folder-not-installed": build_files.install_folder,
+    "broken-shebang": build_files.fix_shebang,
     "program-not-installed": build_files.install_program,
     "wrong-kind-of-path": build_files.fix_kind_of_path,
-    "broken-shebang": build_files.fix_shebang,
     "missing-marker": build_files.add_data_file,
     # URDF, xacro, SDF
     "malformed-xml": robots.fix_xml,

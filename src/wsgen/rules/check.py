@@ -4,11 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from wsgen.rules import joint_limits, plugins, robots, ros2_control
-from wsgen.diagnostics import Severity, has_errors
-from wsgen.model.kinematics import unactuated_joints
-from wsgen.model.robot import JointType
-from wsgen.rules import bodies, joint_limits, plugins, robots, ros2_control, runs
+from wsgen.rules import bodies, joint_limits, plugins, robots, ros2_control
 from wsgen.urdf.lumping import joints_that_say
 
 if TYPE_CHECKING:
