@@ -165,6 +165,12 @@ def test_a_package_xml_of_another_world(root: Path) -> None:
     assert [package.name for package in find_packages(Workspace(root=root))] == ["demo"]
 
 
+def test_a_dead_link_is_no_package(root: Path) -> None:
+    (root / "src" / "copy").mkdir(parents=True)
+    (root / "src" / "copy" / "package.xml").symlink_to(root / "missing" / "package.xml")
+    assert [package.name for package in find_packages(Workspace(root=root))] == ["demo"]
+
+
 def test_a_python_package_is_noticed(root: Path) -> None:
     write_package(
         root, "scripts", package_xml=PACKAGE_XML.replace("ament_cmake</b", "ament_python</b")

@@ -261,7 +261,7 @@ def take_inventory(workspace: Workspace) -> Inventory:
 
 
 def read_package(folder: Path) -> PackageFolder | None:
-    """Read the package in a folder; None if its package.xml is not one of ROS."""
+    """Read the package in a folder; None if its package.xml is not one of ROS, or a dead link."""
     manifest = read_manifest(folder / "package.xml")
     if not isinstance(manifest, Diagnostic):
         return PackageFolder(
@@ -271,7 +271,8 @@ def read_package(folder: Path) -> PackageFolder | None:
             test_dependencies=manifest.test_dependencies,
             manifest=manifest,
         )
-    if manifest.code == FOREIGN_MANIFEST.code:
+    is_dead_link = manifest.line is None and not (folder / "package.xml").exists()
+    if manifest.code == FOREIGN_MANIFEST.code or is_dead_link:
         return None
     return PackageFolder(path=folder, name=folder.name, build_type="", diagnostics=(manifest,))
 
