@@ -178,3 +178,20 @@ def test_each_dependency_of_a_generated_package(golden: str, tmp_path: Path) -> 
         line = text.count("\n", 0, element.end()) + 1
         found = check_text(file.parent, tmp_path, text.replace(f">{name}<", f">{misspelled}<", 1))
         assert [one for one in found if one.line == line and one.code in {"PKG068", "PKG069"}]
+
+
+@pytest.mark.parametrize(
+    ("name", "severity"), [("demo_mission", "warning"), ("demo_visoin", "error")]
+)
+def test_a_package_of_another_workspace_is_none_that_is_misspelled(
+    name: str, severity: str, tmp_path: Path
+) -> None:
+    change = ("package='rviz2', executable='rviz2'", f"package='{name}', executable='x'")
+    other = tmp_path / "src" / "demo_vision"
+    other.mkdir(parents=True)
+    (other / "package.xml").write_text(MANIFEST.replace(">demo<", ">demo_vision<"))
+    (other / "CMakeLists.txt").write_text(CMAKE.replace("(demo", "(demo_vision"))
+    assert "LCH007" in codes(tmp_path, demo=change)
+    outcome = check(CheckRequest(paths=(tmp_path / "src" / "demo",)), environment={})
+    (found,) = [one for one in outcome.diagnostics if one.code == "LCH007"]
+    assert found.severity.value == severity

@@ -18,7 +18,6 @@ from wsgen.launch.explain import (
 )
 from wsgen.launch.explain_missing import PACKAGE_NOT_FOUND
 from wsgen.launch.explain_names import UNSUPPORTED_API
-from wsgen.launch.known_packages import SURELY
 from wsgen.launch.simulators import NO_SIMULATOR
 from wsgen.launch.spawner_options import INVALID_SPAWNER_OPTION
 from wsgen.launch.undeclared import UNDECLARED_PACKAGE
@@ -40,7 +39,7 @@ from wsgen.pipeline.prepare import PrepareContext
 from wsgen.pipeline.selection import SelectedPackage, ValidateRequest
 from wsgen.pipeline.started import start
 from wsgen.rules.target import target_of
-from wsgen.suggestions import nearest
+from wsgen.suggestions import misspelled_as
 from wsgen.workspace.layout import find_launch_files
 from wsgen.workspace.package_xml import check_package_xml
 from wsgen.workspace.robot_files import find_descriptions
@@ -357,7 +356,7 @@ def _is_misspelled(found: Diagnostic) -> bool:
     """Whether a package that is not found is surely one whose name is nearly the same."""
     meant = MEANT.match(found.hint or "")
     name = QUOTED.search(found.message)
-    return bool(meant and name and nearest(name[1], [meant[1]], cutoff=SURELY))
+    return bool(meant and name and misspelled_as(name[1], [meant[1]]))
 
 
 def _is_included(one: Candidate, beside: Iterable[Candidate]) -> bool:
