@@ -114,6 +114,7 @@ def test_a_package_that_the_launch_file_can_do_without(space: InstallSpace) -> N
         ("OpaqueFunction(function=lambda _: os.environ['NOT_SET'])", "LCH020"),
         ("SetEnvironmentVariable('X', EnvironmentVariable('NOT_SET'))", "LCH020"),
         ("OpaqueFunction(function=lambda _: open(str(rclpy.file)))", "LCH024"),
+        ("OpaqueFunction(function=lambda _: subprocess.run(['no_such_program']))", "LCH024"),
         (READ.format("rplidar_ros"), "LCH007"),
     ],
 )
@@ -121,7 +122,7 @@ def test_what_ends_one_branch(space: InstallSpace, entity: str, code: str) -> No
     space.add("other", {"launch/a.launch.py": "from launch.actions import NoSuchAction\n"})
     space.add("asking", {"launch/a.launch.py": "input('which? ')\n"})
     space.add("importing", {"launch/a.launch.py": "import no_such_module\n"})
-    plan = space.play(f"{entity}, {KNOWN}", before="import rclpy")
+    plan = space.play(f"{entity}, {KNOWN}", before="import rclpy, subprocess")
     assert_goes_on(plan, code)
 
 

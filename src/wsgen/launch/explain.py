@@ -140,7 +140,8 @@ NEEDS_UNKNOWN = Rule(
     severity=Severity.ERROR,
     summary="The launch file needs a value that is known only where ROS is installed.",
     what="Looks for exceptions about a placeholder `$(...)`: the output of a command, or a value "
-    "from a Python module that is not installed.",
+    "from a Python module that is not installed; and for programs that the launch file runs by "
+    "`subprocess` and that are not installed.",
     why="`wsgen` cannot evaluate the rest of the launch file. With ROS installed the launch may "
     "work.",
     example="path = find_model('arm')  # of a package that is not installed\nopen(path)",
@@ -312,6 +313,25 @@ def _of_ros_1(error: BaseException) -> Explanation | None:
             element="exec",
         )
     return None
+
+
+def _missing_program(error: BaseException) -> Explanation | None:
+    """A program that a launch file runs itself, and that this machine lacks."""
+    trace = error.__traceback__
+    while trace is not None and trace.tb_next is not None:
+        trace = trace.tb_next
+    is_run = trace is not None and trace.tb_frame.f_globals.get("__name__") == "subprocess"
+    name = getattr(error, "filename", None)
+    if not (is_run and isinstance(error, FileNotFoundError) and isinstance(name, str)):
+        return None
+    if os.path.basename(name) != name:
+        return None
+    return Explanation(
+        NEEDS_UNKNOWN,
+        f"The launch file runs the program `{name}`, which is not installed here.",
+        f"Install {name}, or check its spelling.",
+        element=name,
+    )
 
 
 def _needs_unknown(error: BaseException) -> Explanation | None:
@@ -594,6 +614,7 @@ _EXPLAINERS: tuple[Callable[[BaseException], Explanation | None], ...] = (
     _of_ros_1,
     _missing_argument,
     explain_missing.package_error,
+    _missing_program,
     explain_missing.file_error,
     explain_missing.executable_error,
     _environment,
