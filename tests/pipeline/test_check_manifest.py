@@ -195,3 +195,25 @@ def test_a_package_of_another_workspace_is_none_that_is_misspelled(
     outcome = check(CheckRequest(paths=(tmp_path / "src" / "demo",)), environment={})
     (found,) = [one for one in outcome.diagnostics if one.code == "LCH007"]
     assert found.severity.value == severity
+
+
+@pytest.mark.parametrize(("name", "severity"), [("arm", "warning"), ("wrold", "error")])
+def test_a_configuration_that_who_includes_the_launch_file_may_set(
+    name: str, severity: str, tmp_path: Path
+) -> None:
+    change = (
+        "        Node(package='rviz2', executable='rviz2'),\n",
+        (
+            "        DeclareLaunchArgument('world', default_value='x'),\n"
+            f"        LogInfo(msg=LaunchConfiguration('{name}')),\n"
+        ),
+    )
+    codes(tmp_path, demo=change)
+    file = tmp_path / "src" / "demo" / "launch" / "demo.launch.py"
+    file.write_text(
+        "from launch.actions import DeclareLaunchArgument, LogInfo\n"
+        f"from launch.substitutions import LaunchConfiguration\n{file.read_text()}"
+    )
+    outcome = check(CheckRequest(paths=(tmp_path / "src" / "demo",)), environment={})
+    (found,) = [one for one in outcome.diagnostics if one.code == "LCH009"]
+    assert found.severity.value == severity

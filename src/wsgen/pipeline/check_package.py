@@ -14,6 +14,7 @@ from wsgen.launch.explain import (
     ARGUMENT_WITHOUT_VALUE,
     INTERACTIVE_INPUT,
     NEEDS_UNKNOWN,
+    UNDEFINED_CONFIGURATION,
     VARIABLE_NOT_SET,
 )
 from wsgen.launch.explain_missing import PACKAGE_NOT_FOUND
@@ -346,6 +347,8 @@ def _of_launch(one: Candidate, beside: Iterable[Candidate]) -> Iterator[Diagnost
             yield replace(found, severity=Severity.INFO)
         elif found.code == PACKAGE_NOT_FOUND.code and (has_gaps or not _is_misspelled(found)):
             yield replace(found, severity=Severity.WARNING)  # it may be in another workspace
+        elif found.code == UNDEFINED_CONFIGURATION.code and not MEANT.match(found.hint or ""):
+            yield replace(found, severity=Severity.WARNING)  # who includes it may set it
         elif found.code == INVALID_SPAWNER_OPTION.code and has_gaps:
             yield replace(found, severity=Severity.INFO)
         else:
