@@ -50,12 +50,14 @@ def test_what_is_in_the_baseline_is_known(tmp_path: Path) -> None:
     here = [
         NO_VISUAL.at(file, 3, "link", message=f"{file} is invisible"),
         NO_VISUAL.at(file, 5, "link", message=f"{file} is invisible"),
-        MASSLESS_ROOT.at(None, message="massless"),
+        MASSLESS_ROOT.at(None, message="massless, as line 3 says"),
     ]
     baseline = tmp_path / "baseline.json"
     baseline.write_text(render_baseline(here, tmp_path))
     assert str(tmp_path) not in baseline.read_text()
     assert divide_known(here, load_baseline(baseline), tmp_path) == ((), tuple(here))
+    later = [*here[:2], MASSLESS_ROOT.at(None, message="massless, as line 4 says")]
+    assert divide_known(later, load_baseline(baseline), tmp_path) == ((), tuple(later))
     moved = NO_VISUAL.at(file, 30, "link", message=f"{file} is invisible")
     new, known = divide_known([*here, moved], load_baseline(baseline), tmp_path)
     assert (new, len(known)) == ((moved,), 3)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from collections import Counter
 from typing import TYPE_CHECKING
 
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 
 
 VERSION = 1
+LINES = re.compile(r"\b(lines?) \d+")
 FIELDS = ("code", "file", "element", "message")
 
 
@@ -97,9 +99,15 @@ def divide_known(
     return tuple(new), tuple(known)
 
 
+def without_lines(message: str) -> str:
+    """A message without the lines that it names: other changes of the file move them."""
+    return LINES.sub(r"\1 0", message)
+
+
 def _key(found: Diagnostic, folder: Path) -> Key:
     base = os.path.realpath(folder)
     file = os.path.relpath(os.path.realpath(found.file), base) if found.file else ""
     # Messages may have paths, which differ from machine to machine.
-    message = found.message.replace(f"{base}{os.sep}", "").replace(f"{folder}{os.sep}", "")
+    message = without_lines(found.message)
+    message = message.replace(f"{base}{os.sep}", "").replace(f"{folder}{os.sep}", "")
     return found.code, file.replace(os.sep, "/"), found.element or "", message

@@ -13,6 +13,7 @@ from urllib.parse import quote
 from wsgen import __version__
 from wsgen.diagnostics import Severity
 from wsgen.fixes.registry import FIXERS, has_fix
+from wsgen.pipeline.baseline import without_lines
 from wsgen.report.json_report import VERSION, diagnostic_to_json
 from wsgen.rules.catalogue import find_rule, to_markdown
 
@@ -141,7 +142,8 @@ def _sarif_result(
 
 def _fingerprint(found: Diagnostic, folder: Path) -> str:
     """The same for one diagnostic after other lines of the file have changed."""
-    parts = (found.code, relative_name(found.file, folder), found.element or "", found.message)
+    message = without_lines(found.message)
+    parts = (found.code, relative_name(found.file, folder), found.element or "", message)
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:32]
 
 
