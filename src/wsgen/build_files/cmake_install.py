@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import posixpath
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -336,7 +337,7 @@ def relative_destination(text: str) -> str | None:
     """A destination relative to the prefix; None if it is not known, or elsewhere."""
     if not is_known(text) or "$<" in text:
         return None
-    path = os.path.normpath(text) if text else "."
+    path = posixpath.normpath(text) if text else "."
     if path.startswith(PREFIX):
         path = path[len(PREFIX) :].lstrip("/") or "."
     return None if path.startswith(("/", "..")) else "" if path == "." else path

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import os
+import posixpath
 import re
 from typing import TYPE_CHECKING
 
@@ -306,7 +307,7 @@ def markers(setup: Setup, package: str) -> Iterator[Diagnostic]:
 
 
 def _place(one: DataFile) -> str:
-    return os.path.normpath(os.path.join(one.folder, os.path.basename(one.name)))
+    return posixpath.normpath(posixpath.join(one.folder, posixpath.basename(one.name)))
 
 
 def globs(found: Iterable[Glob], file: Path, source: Path) -> Iterator[Diagnostic]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import posixpath
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -40,7 +41,7 @@ def _python_facts(setup: Setup, source: Path, name: str) -> BuildFacts:
     }
     for one in setup.data_files:
         path = source / one.name
-        place = os.path.normpath(os.path.join(one.folder, path.name))
+        place = posixpath.normpath(posixpath.join(one.folder, path.name))
         if path.is_file() and not place.startswith(("/", "..")):
             installed[place] = InstalledFile(
                 source=Path(os.path.normpath(path)),
@@ -60,13 +61,13 @@ def _python_facts(setup: Setup, source: Path, name: str) -> BuildFacts:
         ]
     executables += [
         Executable(
-            name=os.path.basename(one.destination),
+            name=posixpath.basename(one.destination),
             file=one.file,
             line=one.line,
             source=one.source,
         )
         for one in installed.values()
-        if os.path.dirname(one.destination) == f"lib/{name}"
+        if posixpath.dirname(one.destination) == f"lib/{name}"
         and one.source is not None
         and os.access(one.source, os.X_OK)
     ]
