@@ -38,6 +38,10 @@ CMAKE_CASES = {
         CMAKE.replace("DIRECTORY launch model", "FILES\n    model/robot.urdf"),
         ("BLD003", 6, "the file model/robot.urdf", "Did you mean `robot.xacro`?"),
     ),
+    "exports what is not exported any more": (
+        CMAKE + "ament_export_dependencies(rclcpp)\n",
+        ("BLD049", 9, "ament_export_dependencies() is called after", "Move ament_package()"),
+    ),
     "needs a package that is not there": (
         CMAKE.replace("install(", "find_package(frobnicator REQUIRED)\ninstall("),
         ("BLD008", 4, "frobnicator", "No ROS distribution has a package of this name"),

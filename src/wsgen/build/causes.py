@@ -11,9 +11,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.build_files.cmake_checks import (
+    AT_THE_END,
     CMAKE_SYNTAX,
     COMMANDS,
     DIFFERENT_NAMES,
+    LATE_COMMAND,
     MISSING_BUILD_FILE,
     MISSING_CMAKE_MINIMUM,
     MISSING_DESTINATION,
@@ -343,6 +345,20 @@ def different_names(failure: Failure) -> Iterator[Diagnostic]:
         )
 
 
+def late_command(failure: Failure) -> Iterator[Diagnostic]:
+    """Say which command must come before ament_package()."""
+    for error in failure.errors:
+        match = re.match(r"(ament_\w+)\(\) must be called before ament_", error.message)
+        if match:
+            yield failure.report(
+                LATE_COMMAND,
+                f"{match[1]}() is called after ament_package(), and must come before it.",
+                error=error,
+                hint=AT_THE_END,
+            )
+            return
+
+
 CMAKE_CAUSES = (
     unclosed_quote,
     unclosed_block,
@@ -355,6 +371,7 @@ CMAKE_CAUSES = (
     failed_download,
     missing_destination,
     different_names,
+    late_command,
 )
 
 

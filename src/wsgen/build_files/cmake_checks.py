@@ -170,8 +170,8 @@ LATE_COMMAND = Rule(
     name="command-after-ament-package",
     severity=Severity.ERROR,
     summary="CMakeLists.txt calls a command after ament_package() that must come before it.",
-    why="`ament_package()` writes what the package exports, so that CMake stops at a later "
-    "`ament_export_...()`.",
+    why="`ament_package()` writes what the package exports and adds to the environment, so that "
+    "CMake stops at a later `ament_export_...()` or `ament_environment_hooks()`.",
     example="""ament_package()
 ament_export_dependencies(rclcpp)""",
     instead="""ament_export_dependencies(rclcpp)
@@ -245,8 +245,10 @@ EXPORTS = frozenset(
         *("ament_export_definitions", "ament_export_dependencies", "ament_export_libraries"),
         *("ament_export_include_directories", "ament_export_interfaces", "ament_export_targets"),
         *("ament_export_library_names", "ament_export_link_flags"),
+        *("ament_environment_hooks", "ament_python_install_package"),
     }
 )
+AT_THE_END = "Move ament_package() to the end of CMakeLists.txt."
 OF_TESTS = frozenset(
     {
         *("ament_lint_auto", "ament_lint_common", "ament_cmake_gtest", "ament_cmake_gmock"),
@@ -384,9 +386,9 @@ def ament_package(reader: Reader, build_type: str) -> Iterator[Diagnostic]:
                         mention.file,
                         mention.call.line,
                         reader.name,
-                        message=f"{command}() is called after ament_package() (line "
-                        f"{first.call.line}), and must come before it.",
-                        hint="Move ament_package() to the end of CMakeLists.txt.",
+                        message=f"{reader.name}: {command}() is called after ament_package(), and "
+                        "must come before it.",
+                        hint=AT_THE_END,
                     )
 
 

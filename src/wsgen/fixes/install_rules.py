@@ -1,4 +1,4 @@
-"""Fixes of what CMakeLists.txt installs, and of the scripts that it installs."""
+"""Fixes of where CMakeLists.txt installs folders."""
 
 from __future__ import annotations
 
@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
 
 SHARE = "share/${PROJECT_NAME}"
-# After these an install() is about more than its folders and their destination.
-OPTIONS = frozenset({"PATTERN", "REGEX", "FILES_MATCHING", "OPTIONAL", "COMPONENT", "RENAME"})
 
 
 def _destination(command: Command) -> Argument | None:
