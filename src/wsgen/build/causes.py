@@ -349,7 +349,8 @@ def late_command(failure: Failure) -> Iterator[Diagnostic]:
     """Say which command must come before ament_package()."""
     for error in failure.errors:
         match = re.match(r"(ament_\w+)\(\) must be called before ament_", error.message)
-        if match:
+        calls = [call.command for call in read_calls(failure.cmake_file)]
+        if match and calls.count("ament_package") == 1:
             yield failure.report(
                 LATE_COMMAND,
                 f"{match[1]}() is called after ament_package(), and must come before it.",
