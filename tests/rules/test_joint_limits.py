@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from wsgen.diagnostics import Severity
-from wsgen.model.robot import Joint, JointLimit, JointType, Mimic
+from wsgen.model.robot import GazeboTag, Joint, JointLimit, JointType, Mimic
 from wsgen.rules.joint_limits import limits_in_degrees, no_range, useless_mimics, zero_limits
 
 FILE = Path("robot.urdf")
@@ -75,6 +75,8 @@ def test_what_no_motor_moves_needs_no_effort() -> None:
     fixed = joint(effort=0.0, velocity=0.0, kind=JointType.FIXED)
     without_bound = joint(effort=-1.0, velocity=-1.0)  # of SDF
     assert not list(zero_limits([follower, fixed, without_bound, joint()], FILE))
+    spring = GazeboTag(reference="elbow", values={"springStiffness": "100"})
+    assert not list(zero_limits([joint(effort=0.0, velocity=0.0)], FILE, [spring]))
 
 
 def test_a_joint_without_range() -> None:

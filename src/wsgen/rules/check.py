@@ -58,7 +58,7 @@ def check_robot(
         *robots.loose_joint(written.joints, written.gazebo, file, simulator),
         *robots.starts_outside_limits(written.joints, file),
         *joint_limits.limits_in_degrees(written.joints, file),
-        *joint_limits.zero_limits(written.joints, file),
+        *joint_limits.zero_limits(written.joints, file, written.gazebo),
         *joint_limits.no_range(written.joints, file),
         *joint_limits.useless_mimics(written.joints, file),
         *bodies.wheel_without_collision(written.links, written.joints, file),

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
-    from wsgen.model.robot import Joint, JointLimit
+    from wsgen.model.robot import GazeboTag, Joint, JointLimit
 
 
 # rad; no joint of the published robots that is not free turns further, but for ±10 (solo, bolt).
@@ -106,11 +106,14 @@ ZERO_VELOCITY = Rule(
 )
 
 
-def zero_limits(joints: Iterable[Joint], file: Path | None) -> Iterator[Diagnostic]:
-    """Report movable joints that may have no force or no speed."""
+def zero_limits(
+    joints: Iterable[Joint], file: Path | None, tags: Iterable[GazeboTag] = ()
+) -> Iterator[Diagnostic]:
+    """Report movable joints that may have no force or no speed; springs need neither."""
+    with_spring = {tag.reference for tag in tags if "springStiffness" in tag.values}
     for joint in joints:
         limit = joint.limit
-        if limit is None or not _has_motor(joint):
+        if limit is None or not _has_motor(joint) or joint.name in with_spring:
             continue
         turns = joint.type is not JointType.PRISMATIC
         if limit.effort == 0:
