@@ -136,6 +136,10 @@ def test_a_wheel_that_touches_nothing() -> None:
     tire = Joint(name="k", type=JointType.FIXED, parent="left_wheel", child="tire")
     assert not list(wheel_without_collision([SOUND, WHEEL], [TURNS, tire], FILE))
     assert not list(wheel_without_collision([WHEEL], [TURNS], FILE))
+    caster = replace(WHEEL, name="caster")
+    ball = Joint(name="b", type=JointType.FIXED, parent="a", child="caster")
+    (found,) = wheel_without_collision([SOUND, caster], [ball], FILE)
+    assert found.element == "link[@name='caster']"
     radar = replace(WHEEL, name="radar")
     assert not list(wheel_without_collision([SOUND, radar], [replace(TURNS, child="radar")], FILE))
 
@@ -156,6 +160,10 @@ def test_a_driven_wheel_without_friction() -> None:
     )
     (found,) = slippery_wheels(driven_joints(tags), [TURNS], tags, FILE)
     assert (found.code, found.line) == ("ROB122", 9)
+    (found,) = slippery_wheels((), [TURNS], tags, FILE)  # ros2_control may drive it
+    assert (found.line, found.severity) == (9, Severity.INFO)
+    free = replace(TURNS, name="caster_wheel_joint")
+    assert not list(slippery_wheels((), [free], tags, FILE))
     for mu in ("1.0", "low"):
         tag = replace(tags[1], values={"mu1": mu})
         assert not list(slippery_wheels({"j"}, [TURNS], [tag], FILE))

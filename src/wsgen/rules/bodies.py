@@ -38,6 +38,7 @@ HIGHEST_DENSITY = 25_000.0  # kg/m³; gold and tungsten have 19,300
 LOWEST_DENSITY = 0.5  # of a shape without holes; aerogel has more than 1
 UNLIKE = (500.0, 2000.0)  # how many times larger a mesh in millimeters is, give or take
 WHEELS = re.compile(r"wheel|tyre|tire|caster|castor", re.IGNORECASE)
+ROLLS_FREELY = re.compile(r"cast[eo]r|omni|mecanum|roller|passive|free", re.IGNORECASE)
 SLIPPERY = 1e-3  # friction coefficient
 
 
@@ -309,8 +310,9 @@ WHEEL_WITHOUT_COLLISION = Rule(
     name="wheel-without-collision",
     severity=Severity.WARNING,
     summary="A wheel has no `<collision>`.",
-    what="Looks for links with a `<visual>` and without `<collision>` that turn about a continuous "
-    "joint and have `wheel`, `tire` or `caster` in a name, where other links have a collision.",
+    what="Looks for links with a `<visual>` and without `<collision>` at the end of a continuous "
+    "or fixed joint, with `wheel`, `tire` or `caster` in a name, where other links have a "
+    "collision.",
     why="The wheel sinks into the ground and drives nothing: the robot stands on its body.",
     example="""
 <link name="left_wheel">
@@ -335,9 +337,10 @@ def wheel_without_collision(
     # A collision may be that of a link that is fixed to the wheel; a caster carries another wheel.
     joints = tuple(joints)
     carrying = {joint.parent for joint in joints}
-    turned = {joint.child: joint for joint in joints if joint.type is JointType.CONTINUOUS}
+    kinds = (JointType.CONTINUOUS, JointType.FIXED)  # a caster may be a ball that only slides
+    above = {joint.child: joint for joint in joints if joint.type in kinds}
     for link in links:
-        joint = turned.get(link.name)
+        joint = above.get(link.name)
         is_bare = bool(link.visuals) and not link.collisions and link.name not in carrying
         if joint is None or not is_bare or not link.is_as_meant:
             continue
@@ -389,9 +392,10 @@ SLIPPERY_WHEEL = Rule(
     code="ROB122",
     name="slippery-wheel",
     severity=Severity.WARNING,
-    summary="A driven wheel has no friction.",
-    what="Looks for `<mu1>` or `<mu2>` below 0.001 on the links of the joints that a drive turns. "
-    "Casters may have none.",
+    severity_varies="an information of a wheel that no plugin drives",
+    summary="A wheel has no friction.",
+    what="Looks for `<mu1>` or `<mu2>` below 0.001 on the links of the joints that a drive turns, "
+    "and of continuous joints with `wheel` in a name. Casters may have none.",
     why="The wheel spins and the robot stays where it is.",
     example='<gazebo reference="left_wheel">\n  <mu1>0</mu1>\n  <mu2>0</mu2>\n</gazebo>',
     instead='<gazebo reference="left_wheel">\n  <mu1>1.0</mu1>\n  <mu2>1.0</mu2>\n</gazebo>',
@@ -402,20 +406,30 @@ def slippery_wheels(
     driven: Collection[str], joints: Iterable[Joint], tags: Iterable[GazeboTag], file: Path | None
 ) -> Iterator[Diagnostic]:
     """Report wheels that cannot push; `driven` are the joints that plugins turn."""
-    wheels = {joint.child for joint in joints if joint.name in driven}
+    wheels = {
+        joint.child: Severity.WARNING if joint.name in driven else Severity.INFO
+        for joint in joints
+        if joint.name in driven
+        or (joint.type is JointType.CONTINUOUS and _is_wheel(f"{joint.name} {joint.child}"))
+    }
     for tag in tags:
         for key in ("mu1", "mu2"):
             text = tag.values.get(key, "")
-            if tag.reference in wheels and _is_below(text, SLIPPERY):
+            if tag.reference is not None and tag.reference in wheels and _is_below(text, SLIPPERY):
                 yield SLIPPERY_WHEEL.at(
                     file,
                     tag.line,
                     f"gazebo[@reference='{tag.reference}']/{key}",
-                    message=f"The driven wheel `{tag.reference}` has no friction (<{key}> is "
-                    f"{text}): it spins.",
+                    message=f"The wheel `{tag.reference}` has no friction (<{key}> is {text}): it "
+                    "spins.",
                     hint=f"Write <{key}>1.0</{key}>.",
+                    severity=wheels[tag.reference],
                 )
                 break
+
+
+def _is_wheel(names: str) -> bool:
+    return "wheel" in names.lower() and not ROLLS_FREELY.search(names)
 
 
 def _is_below(text: str, bound: float) -> bool:
