@@ -45,8 +45,9 @@ FIRST_WITHOUT_CLASSIC = ("jazzy", "kilted", "lyrical", "rolling")
 OTHER_FRAMES = frozenset(("world", "map", "odom"))
 FRAMES_OF_SENSOR = ("gz_frame_id", "ignition_frame_id", "frame_id")
 FRAMES_OF_PLUGIN = ("frame_name", "frame_id")
-# What Gazebo Sim simulates only from Jetty on, or not at all.
+# What Gazebo Sim simulates only from Jetty on, and the distributions that have that.
 RAYS = ("ray", "lidar")
+WITH_RAYS = ("lyrical", "rolling")
 # Of these sensors a plugin sends messages with a frame.
 WITH_FRAMES = frozenset(
     (
@@ -417,7 +418,7 @@ def sensors(facts: PluginFacts, file: Path | None) -> Iterator[Diagnostic]:
                 continue
             if tag.reference not in facts.links:
                 continue
-            if facts.simulator == SIM and sensor.kind in RAYS:
+            if facts.simulator == SIM and sensor.kind in RAYS and facts.distro not in WITH_RAYS:
                 yield SENSOR_NOT_SIMULATED.at(
                     file,
                     sensor.line,
