@@ -213,3 +213,31 @@ def test_programs_and_modules_of_a_package(tmp_path: Path) -> None:
     assert reported(run(tmp_path)) == []
     (package / "cart_tools" / "names.py").write_text("GO = 'gone.py'\n")
     assert [name for name, _, _ in reported(run(tmp_path))] == ["executable-not-found"]
+
+
+def test_what_no_engine_simulates_is_an_information(tmp_path: Path) -> None:
+    (tmp_path / "gears.sdf").write_text(
+        '<sdf version="1.6"><model name="m">'
+        '<link name="a"/><link name="b"/><link name="c"/>'
+        '<joint name="one" type="fixed"><parent>a</parent><child>b</child></joint>'
+        '<joint name="two" type="fixed"><parent>b</parent><child>c</child></joint>'
+        '<joint name="three" type="fixed"><parent>a</parent><child>c</child></joint>'
+        "</model></sdf>"
+    )
+    outcome = run(tmp_path / "gears.sdf")
+    assert {one.severity.value for one in outcome.diagnostics if one.name == "closed-chain"} == {
+        "info"
+    }
+
+
+def test_a_file_that_another_program_writes_is_not_missing(tmp_path: Path) -> None:
+    package = write_package(tmp_path)
+    (package / "launch" / "made.launch.py").write_text(
+        "from launch import LaunchDescription\n"
+        "def generate_launch_description():\n"
+        "    with open('/var/lib/somewhere/robot.yaml') as stream:\n"
+        "        stream.read()\n"
+        "    return LaunchDescription([])\n"
+    )
+    found = [one for one in run(package).diagnostics if one.name == "file-not-installed"]
+    assert [(one.severity.value, one.line) for one in found] == [("warning", 3)]

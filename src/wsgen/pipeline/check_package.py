@@ -2,26 +2,11 @@
 
 from __future__ import annotations
 
-import os
-import re
-from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.build_files.cmake_checks import check_for_distro
-from wsgen.diagnostics import Severity, has_errors
+from wsgen.diagnostics import has_errors
 from wsgen.isolation.parent import make_scratch
-from wsgen.launch.explain import (
-    ARGUMENT_WITHOUT_VALUE,
-    INTERACTIVE_INPUT,
-    NEEDS_UNKNOWN,
-    UNDEFINED_CONFIGURATION,
-    VARIABLE_NOT_SET,
-)
-from wsgen.launch.explain_missing import PACKAGE_NOT_FOUND
-from wsgen.launch.explain_names import UNSUPPORTED_API
-from wsgen.launch.simulators import NO_SIMULATOR
-from wsgen.launch.spawner_options import INVALID_SPAWNER_OPTION
-from wsgen.launch.undeclared import UNDECLARED_PACKAGE
 from wsgen.pipeline.candidates import Candidate, LaunchFile, simulation_of, with_descriptions
 from wsgen.pipeline.check_controllers import check_controlled
 from wsgen.pipeline.check_launched import (
@@ -33,19 +18,23 @@ from wsgen.pipeline.check_launched import (
     sets_search_path,
 )
 from wsgen.pipeline.check_manifest import check_package_manifest
+from wsgen.pipeline.check_severities import (
+    is_included,
+    of_file_alone,
+    of_launch,
+    without_simulation,
+)
 from wsgen.pipeline.clock import Clock
-from wsgen.pipeline.file_validation import NO_MODEL, PART_OF_ROBOT, FileValidation
+from wsgen.pipeline.file_validation import FileValidation
 from wsgen.pipeline.package_validation import Validation
 from wsgen.pipeline.prepare import PrepareContext
 from wsgen.pipeline.selection import SelectedPackage, ValidateRequest
 from wsgen.pipeline.started import start
 from wsgen.rules.target import target_of
-from wsgen.suggestions import misspelled_as
 from wsgen.workspace.layout import find_launch_files
 from wsgen.workspace.package_xml import check_package_xml
 from wsgen.workspace.robot_files import find_descriptions
 from wsgen.workspace.settings import read_settings
-from wsgen.xacro.reader import XACRO_FILE_FAILS
 from wsgen.xacro.source import without_call
 
 if TYPE_CHECKING:
@@ -124,7 +113,7 @@ class PackageCheck:
         """Run all checks."""
         with self.clock.step("check", self.package.path.name) as step, make_scratch() as folder:
             unique: dict[Diagnostic, Diagnostic] = {}
-            for one in self.installed.named(self._run(folder)):
+            for one in self.installed.named(without_simulation(self._run(folder))):
                 unique.setdefault(without_call(one), one)
             found = tuple(unique.values())
             step.succeeded = not has_errors(found)
@@ -209,12 +198,12 @@ class PackageCheck:
         known = set()
         for one in candidates:
             started = one.started
-            yield from _of_launch(one, candidates)
+            yield from of_launch(one, candidates)
             yield from check_launched(
                 started,
                 self.overlay.environment,
                 [other.started.plan for other in candidates if other is not one],
-                is_included=_is_included(one, candidates),
+                is_included=is_included(one, candidates),
                 is_known=self.installed.is_known,
                 sets_path=self._sets_search_path,
             )
@@ -277,7 +266,7 @@ class PackageCheck:
             )
             context = PrepareContext(share_of=validation.share_of, folder=folder, run=self.run_task)
             world, prepared = validation.read(context)
-            yield from _of_file_alone(validation.diagnostics)
+            yield from of_file_alone(validation.diagnostics)
             self._note(world, prepared, dict.fromkeys((one.entity for one in prepared), file), None)
 
 
@@ -295,7 +284,7 @@ class FileCheck:
     def run(self) -> tuple[Diagnostic, ...]:
         """Read and check it."""
         with self.clock.step("check", self.file.name) as step, make_scratch() as folder:
-            found = tuple(self._run(folder))
+            found = tuple(without_simulation(self._run(folder)))
             step.succeeded = not has_errors(found)
         return found
 
@@ -304,7 +293,7 @@ class FileCheck:
         if self.file.name.endswith(("launch.py", "launch.xml", "launch.yaml", "launch.yml")):
             started = start(self.file, None, overlay, NOTHING, self.run_task)
             return (
-                *_of_launch(Candidate(LaunchFile("", self.file), started), ()),
+                *of_launch(Candidate(LaunchFile("", self.file), started), ()),
                 *check_launched(started, overlay.environment),
             )
         validation = FileValidation(
@@ -313,76 +302,6 @@ class FileCheck:
         context = PrepareContext(share_of=validation.share_of, folder=folder, run=self.run_task)
         validation.read(context)
         return (
-            *_of_file_alone(validation.diagnostics),
+            *of_file_alone(validation.diagnostics),
             *check_worlds([self.file], {}, overlay.environment, simulator=None, distro=None),
         )
-
-
-# What a launch file lacks here is given to it where it is started, or where it is included.
-GIVEN_FROM_OUTSIDE = frozenset(
-    rule.code
-    for rule in (
-        ARGUMENT_WITHOUT_VALUE,
-        INTERACTIVE_INPUT,
-        NEEDS_UNKNOWN,
-        UNSUPPORTED_API,
-        VARIABLE_NOT_SET,
-    )
-)
-
-
-def _of_launch(one: Candidate, beside: Iterable[Candidate]) -> Iterator[Diagnostic]:
-    """What is wrong with a launch file, whatever it is started with."""
-    started = one.started
-    is_included = _is_included(one, beside)
-    # With an empty default, somebody is meant to give it, too.
-    has_gaps = any(argument.default == "" for argument in started.plan.arguments)
-    for found in started.diagnostics if started.has_spawner else started.plan.diagnostics:
-        if found.code == UNDECLARED_PACKAGE.code and one.launch_file.package:
-            continue  # reported once for all files of the package
-        if found.code in GIVEN_FROM_OUTSIDE:
-            if not is_included:
-                yield replace(found, severity=Severity.INFO)
-        elif found.code == NO_SIMULATOR.code:  # somebody may start it in another terminal
-            yield replace(found, severity=Severity.INFO)
-        elif found.code == PACKAGE_NOT_FOUND.code and (has_gaps or not _is_misspelled(found)):
-            yield replace(found, severity=Severity.WARNING)  # it may be in another workspace
-        elif found.code == UNDEFINED_CONFIGURATION.code and not MEANT.match(found.hint or ""):
-            yield replace(found, severity=Severity.WARNING)  # who includes it may set it
-        elif found.code == INVALID_SPAWNER_OPTION.code and has_gaps:
-            yield replace(found, severity=Severity.INFO)
-        else:
-            yield found
-
-
-def _is_misspelled(found: Diagnostic) -> bool:
-    """Whether a package that is not found is surely one whose name is nearly the same."""
-    meant = MEANT.match(found.hint or "")
-    name = QUOTED.search(found.message)
-    return bool(meant and name and misspelled_as(name[1], [meant[1]]))
-
-
-def _is_included(one: Candidate, beside: Iterable[Candidate]) -> bool:
-    file = os.path.realpath(one.file)
-    return any(file in other.included for other in beside if other is not one)
-
-
-MEANT = re.compile(r"Did you mean `([^`]+)`")
-QUOTED = re.compile(r"'([^']+)'")
-# Of xacro, where a launch file or another xacro file gives what the file needs.
-UNDEFINED_ARGUMENT = "Undefined substitution argument"
-NOT_FOUND = re.compile(r"the package '[^']+' is not found")
-
-
-def _of_file_alone(diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
-    """What is wrong with a file; that it holds only a part of a robot or world is not."""
-    for found in diagnostics:
-        if found.code == NO_MODEL.code:
-            continue
-        if found.code == PART_OF_ROBOT.code or UNDEFINED_ARGUMENT in found.message:
-            yield replace(found, severity=Severity.INFO)
-        elif found.code == XACRO_FILE_FAILS.code and NOT_FOUND.search(found.message):
-            is_known = not _is_misspelled(found)  # see `_of_launch`
-            yield replace(found, severity=Severity.WARNING) if is_known else found
-        else:
-            yield found

@@ -1,0 +1,129 @@
+"""How bad it is what a launch file, a robot or a world shows that nobody starts.
+
+Read by itself, a file lacks what it is given where it is used; and that an engine of wsgen leaves
+something out does not matter where nothing is simulated.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from wsgen.diagnostics import Severity
+from wsgen.launch.explain import (
+    ARGUMENT_WITHOUT_VALUE,
+    INTERACTIVE_INPUT,
+    NEEDS_UNKNOWN,
+    UNDEFINED_CONFIGURATION,
+    VARIABLE_NOT_SET,
+)
+from wsgen.launch.explain_missing import FILE_NOT_INSTALLED, PACKAGE_NOT_FOUND
+from wsgen.launch.explain_names import UNSUPPORTED_API
+from wsgen.launch.simulators import NO_SIMULATOR
+from wsgen.launch.spawner_options import INVALID_SPAWNER_OPTION
+from wsgen.launch.undeclared import UNDECLARED_PACKAGE
+from wsgen.pipeline.file_validation import NO_MODEL, PART_OF_ROBOT
+from wsgen.sdf.assembly import CLOSED_CHAIN, JOINT_LEFT_OUT
+from wsgen.sdf.shapes import SHAPE_LEFT_OUT
+from wsgen.suggestions import misspelled_as
+from wsgen.urdf.gazebo import SDF_NOT_SIMULATED
+from wsgen.xacro.reader import XACRO_FILE_FAILS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.pipeline.candidates import Candidate
+
+
+# What Gazebo simulates, and no engine of wsgen.
+OF_SIMULATION = frozenset(
+    rule.code for rule in (CLOSED_CHAIN, JOINT_LEFT_OUT, SDF_NOT_SIMULATED, SHAPE_LEFT_OUT)
+)
+
+
+def without_simulation(diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
+    """What is left out of a simulation is an information."""
+    for found in diagnostics:
+        if found.code in OF_SIMULATION:
+            yield replace(found, severity=Severity.INFO)
+        else:
+            yield found
+
+
+# What a launch file lacks here is given to it where it is started, or where it is included.
+GIVEN_FROM_OUTSIDE = frozenset(
+    rule.code
+    for rule in (
+        ARGUMENT_WITHOUT_VALUE,
+        INTERACTIVE_INPUT,
+        NEEDS_UNKNOWN,
+        UNSUPPORTED_API,
+        VARIABLE_NOT_SET,
+    )
+)
+
+
+def of_launch(one: Candidate, beside: Iterable[Candidate]) -> Iterator[Diagnostic]:
+    """What is wrong with a launch file, whatever it is started with."""
+    started = one.started
+    is_inner = is_included(one, beside)
+    # With an empty default, somebody is meant to give it, too.
+    has_gaps = any(argument.default == "" for argument in started.plan.arguments)
+    for found in started.diagnostics if started.has_spawner else started.plan.diagnostics:
+        if found.code == UNDECLARED_PACKAGE.code and one.launch_file.package:
+            continue  # reported once for all files of the package
+        if found.code in GIVEN_FROM_OUTSIDE:
+            if not is_inner:
+                yield replace(found, severity=Severity.INFO)
+        elif found.code == NO_SIMULATOR.code:  # somebody may start it in another terminal
+            yield replace(found, severity=Severity.INFO)
+        elif found.code == PACKAGE_NOT_FOUND.code and (has_gaps or not _is_misspelled(found)):
+            yield replace(found, severity=Severity.WARNING)  # it may be in another workspace
+        elif found.code == UNDEFINED_CONFIGURATION.code and not MEANT.match(found.hint or ""):
+            yield replace(found, severity=Severity.WARNING)  # who includes it may set it
+        elif found.code == INVALID_SPAWNER_OPTION.code and has_gaps:
+            yield replace(found, severity=Severity.INFO)
+        elif found.code == FILE_NOT_INSTALLED.code and OF_NO_PACKAGE in (found.hint or ""):
+            yield replace(found, severity=Severity.WARNING)  # some program may write it before
+        else:
+            yield found
+
+
+OF_NO_PACKAGE = "Look it up in the share folder of a package"  # the hint for other paths
+
+
+def _is_misspelled(found: Diagnostic) -> bool:
+    """Whether a package that is not found is surely one whose name is nearly the same."""
+    meant = MEANT.match(found.hint or "")
+    name = QUOTED.search(found.message)
+    return bool(meant and name and misspelled_as(name[1], [meant[1]]))
+
+
+def is_included(one: Candidate, beside: Iterable[Candidate]) -> bool:
+    """Whether one of the other launch files includes this one."""
+    file = os.path.realpath(one.file)
+    return any(file in other.included for other in beside if other is not one)
+
+
+MEANT = re.compile(r"Did you mean `([^`]+)`")
+QUOTED = re.compile(r"'([^']+)'")
+# Of xacro, where a launch file or another xacro file gives what the file needs.
+UNDEFINED_ARGUMENT = "Undefined substitution argument"
+NOT_FOUND = re.compile(r"the package '[^']+' is not found")
+
+
+def of_file_alone(diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
+    """What is wrong with a file; that it holds only a part of a robot or world is not."""
+    for found in diagnostics:
+        if found.code == NO_MODEL.code:
+            continue
+        if found.code == PART_OF_ROBOT.code or UNDEFINED_ARGUMENT in found.message:
+            yield replace(found, severity=Severity.INFO)
+        elif found.code == XACRO_FILE_FAILS.code and NOT_FOUND.search(found.message):
+            is_known = not _is_misspelled(found)  # see `_of_launch`
+            yield replace(found, severity=Severity.WARNING) if is_known else found
+        else:
+            yield found
