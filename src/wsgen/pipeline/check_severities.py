@@ -27,6 +27,7 @@ from wsgen.launch.undeclared import UNDECLARED_PACKAGE
 from wsgen.pipeline.file_validation import NO_MODEL, PART_OF_ROBOT
 from wsgen.sdf.assembly import CLOSED_CHAIN, JOINT_LEFT_OUT
 from wsgen.sdf.shapes import SHAPE_LEFT_OUT
+from wsgen.sdf.worlds import NO_GROUND
 from wsgen.suggestions import misspelled_as
 from wsgen.urdf.gazebo import SDF_NOT_SIMULATED
 from wsgen.xacro.reader import XACRO_FILE_FAILS
@@ -120,7 +121,11 @@ def of_file_alone(diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
     for found in diagnostics:
         if found.code == NO_MODEL.code:
             continue
-        if found.code == PART_OF_ROBOT.code or UNDEFINED_ARGUMENT in found.message:
+        # What a world stands on may be spawned into it.
+        if (
+            found.code in {PART_OF_ROBOT.code, NO_GROUND.code}
+            or UNDEFINED_ARGUMENT in found.message
+        ):
             yield replace(found, severity=Severity.INFO)
         elif found.code == XACRO_FILE_FAILS.code and NOT_FOUND.search(found.message):
             is_known = not _is_misspelled(found)  # see `_of_launch`
