@@ -77,8 +77,8 @@ CONTENTS_INSTALLED = Rule(
     name="contents-installed",
     severity=Severity.WARNING,
     summary="A slash at the end of a folder installs what is in it, and not the folder.",
-    what="Looks for several folders with a slash at their end in one install() whose destination "
-    "is the share folder of the package.",
+    what="Looks at install() of several folders into the share folder of the package, of which one "
+    "has a slash at its end, or all have.",
     why="The files of all folders lie beside each other in `share/PACKAGE`, and "
     "`share/PACKAGE/launch` does not exist.",
     example="install(DIRECTORY launch/ urdf/ DESTINATION share/${PROJECT_NAME})",
@@ -344,15 +344,15 @@ def slashes(rule: InstallRule, package: str) -> Iterator[Diagnostic]:
     with_slash = [
         name for name, path in rule.names if path.endswith("/") and _base(path) in RESOURCES
     ]
-    if place == f"share/{package}" and len(with_slash) > 1:
+    if place == f"share/{package}" and with_slash and len(rule.names) > 1:
         names = [_base(one.text) for one in with_slash]
         yield CONTENTS_INSTALLED.at(
             rule.file,
             with_slash[0].line,
             names[0],
             message=f"install() copies what is in {some_of(names)} into share/{package}, and not "
-            "the folders.",
-            hint=f"Remove the slash at the end of each: {' '.join(names)}",
+            f"the folder{'s' if len(names) > 1 else ''}.",
+            hint=f"Remove the slash at the end: {' '.join(names)}",
         )
     for name, path in rule.names:
         base = _base(path)
