@@ -90,7 +90,8 @@ WAYS = {
             ROBOT,
             "<gazebo>\n",
             '<link name="arm"><visual name="v"><geometry><box size="1 1 1"/>'
-            '</geometry></visual></link><joint name="j" type="continuous"><parent link="base_link"/>'
+            '</geometry></visual></link><joint name="j" type="continuous">'
+            '<parent link="base_link"/>'
             '<child link="arm"/></joint><gazebo>\n',
         ),
         {("dropped-link", ROBOT)},
