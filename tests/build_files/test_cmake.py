@@ -173,6 +173,36 @@ def test_mistakes_of_syntax(text: str, line: int, words: str) -> None:
     assert words in mistake.message
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "if(A)\n" * 3000 + "endif()\n" * 3000,
+        "set(A " + "${" * 3000 + "}" * 3000 + ")",
+        "if(" + "(" * 3000 + "A" + ")" * 3000 + ")\nendif()",
+    ],
+    ids=["blocks", "references", "parentheses"],
+)
+def test_what_is_nested_too_deeply_is_not_known(tmp_path: Path, text: str) -> None:
+    (tmp_path / "CMakeLists.txt").write_text(f"project(arm)\n{text}\n")
+    facts, reported = read_build_facts(tmp_path, "arm", "ament_cmake")
+    assert not facts.is_whole
+    assert "BLD010" not in {found.code for found in reported}
+
+
+def test_a_variable_that_doubles_itself_is_not_known(tmp_path: Path) -> None:
+    text = "project(arm)\nset(A word)\n" + 'set(A "${A}${A}")\n' * 60
+    (tmp_path / "CMakeLists.txt").write_text(f"{text}install(FILES ${{A}} DESTINATION share/arm)")
+    facts, _ = read_build_facts(tmp_path, "arm", "ament_cmake")
+    assert not facts.is_whole
+
+
+def test_a_device_is_no_build_file(tmp_path: Path) -> None:
+    (tmp_path / "CMakeLists.txt").symlink_to("/dev/zero")
+    facts, reported = read_build_facts(tmp_path, "arm", "ament_cmake")
+    assert [found.code for found in reported] == ["BLD021"]
+    assert not facts.is_whole
+
+
 def test_an_endless_loop_ends(tmp_path: Path) -> None:
     facts = read(tmp_path, "macro(again)\n  again()\nendmacro()\nagain()")
     assert not facts.is_whole

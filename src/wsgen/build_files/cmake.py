@@ -40,6 +40,7 @@ if TYPE_CHECKING:
 
 MOST_STEPS = 20_000  # calls; more than that is an endless loop
 DEEPEST = 30  # functions, files and folders inside each other
+MOST_LETTERS = 2**17  # of an argument; a variable may double itself without end
 
 
 class Block(NamedTuple):
@@ -102,7 +103,11 @@ class Reader:
                 "BUILD_TESTING": "ON",
             }
         )
-        self.run_file(self.build_file)
+        try:
+            self.run_file(self.build_file)
+        except RecursionError:  # blocks, references or parentheses in each other
+            self.file, self.folder, self.is_certain = self.build_file, self.source, True
+            self.is_whole = self.knows_commands = False
 
     # What is known.
 
@@ -307,6 +312,8 @@ class Reader:
                 found.append(argument)
                 continue
             text = expand(argument.text, self.look_up)
+            if len(text) > MOST_LETTERS:
+                text = UNKNOWN
             if argument.kind == QUOTED:
                 found.append(argument._replace(text=text))
             else:

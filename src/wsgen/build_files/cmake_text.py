@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, NamedTuple
 
+from wsgen.files import read_regular
+
 if TYPE_CHECKING:
     from pathlib import Path
 
@@ -25,6 +27,7 @@ _TOKEN = re.compile(
     re.DOTALL | re.VERBOSE,
 )
 _NAME = re.compile(r"[A-Za-z_]\w*")
+SIZE_LIMIT = 2**20  # bytes; build files are written by hand
 
 BLOCKS = ("block", "foreach", "function", "if", "macro", "while")  # each ends with end...()
 QUOTED = "quoted"
@@ -76,9 +79,12 @@ def read_calls(file: Path) -> tuple[Call, ...]:
 def read_text(file: Path) -> str | None:
     """The text of a file of CMake; None if it cannot be read."""
     try:
-        return file.read_text(encoding="utf-8-sig", errors="replace")
+        data = read_regular(file, SIZE_LIMIT)
     except (OSError, ValueError):  # a name with a null byte
         return None
+    if len(data) > SIZE_LIMIT:
+        return None
+    return re.sub("\r\n?", "\n", data.decode("utf-8-sig", "replace"))
 
 
 def parse(text: str) -> tuple[tuple[Call, ...], SyntaxMistake | None]:

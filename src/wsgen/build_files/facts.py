@@ -63,7 +63,7 @@ def _missing_build_file(source: Path, name: str, build_type: str) -> Iterator[Di
         "ament_python": (setup, cmake, "ament_cmake"),
         "ament_cmake": (cmake, setup, "ament_python"),
     }.get(build_type, (source, source, ""))
-    if not wanted.exists():
+    if wanted is not source and not wanted.is_file():
         tool = "CMake" if wanted is cmake else "setuptools"
         yield MISSING_BUILD_FILE.at(
             source / "package.xml",
@@ -71,7 +71,7 @@ def _missing_build_file(source: Path, name: str, build_type: str) -> Iterator[Di
             message=f"{name}: {wanted.name} is missing; {tool} builds and installs the package "
             "with it.",
             hint=f"Write <build_type>{other_type}</build_type> in package.xml: {other.name} exists."
-            if other.exists()
+            if other.is_file()
             else f"Restore it (git checkout {wanted.name}), or write one.",
         )
 
