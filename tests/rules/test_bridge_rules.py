@@ -228,6 +228,8 @@ def test_files_of_bridges_are_read(tmp_path: Path) -> None:
     file.write_text(ENTRY + "- topic_name: clock\n  ros_type_name: a\n  gz_type_name: b\n")
     found = find_bridges(plan(bridge_of(config_file=str(file))))
     assert found.published == ("scan", "clock")
+    on_command_line = bridge_of("--ros-args", "-p", f"config_file:={file}")
+    assert find_bridges(plan(on_command_line)).topics == found.topics
     assert [(one.gz_topic, one.line, one.direction) for one in found.topics] == [
         ("/scan", 1, FROM_GZ),
         ("clock", 6, BOTH),

@@ -36,7 +36,12 @@ def test_files_that_are_not_installed(tmp_path: Path) -> None:
         (share / "a.yaml", "install(FILES a.yaml"),
         (share / "rviz" / "robt.rviz", "Did you mean `robot.rviz`?"),
     ):
-        for node in (rviz(str(path)), rviz("x", map=[str(path)]), rviz("x", map=f"file://{path}")):
+        for node in (
+            rviz(str(path)),
+            rviz("x", map=[str(path)]),
+            rviz("x", map=f"file://{path}"),
+            rviz(f"model:={path}"),
+        ):
             (found,) = launch_files.missing_argument_files(plan(node), lambda _: True)
             assert (found.name, found.line, found.element) == (
                 "missing-argument-file",
@@ -53,6 +58,7 @@ def test_files_that_are_installed_or_elsewhere(tmp_path: Path) -> None:
     missing = str(share / "b.yaml")
     for node in (
         rviz(str(share / "a.yaml")),
+        rviz(f"model:={share / 'a.yaml'}"),
         rviz("/tmp/record.bag"),
         rviz(str(share)),
         Process(package="gazebo_ros", executable="spawn_entity.py", arguments=(missing,)),

@@ -81,7 +81,7 @@ def programs(process: Process) -> list[Process]:
     `ros2 run` is the node that it starts; of other programs the name is the executable.
     """
     if process.command is None:
-        return [process]
+        return [_with_ros_arguments(process)]
     return [_program(process, words) for words in _command_lines(process)]
 
 
@@ -264,13 +264,13 @@ def _program(process: Process, words: Sequence[str]) -> Process:
 
 
 def _with_ros_arguments(node: Process) -> Process:
-    """The node of a command line: what follows `--ros-args` are parameters and remappings."""
+    """The node with what follows `--ros-args` as parameters and remappings."""
     if "--ros-args" not in node.arguments:
         return node
     place = node.arguments.index("--ros-args")
     parameters, remappings = dict(node.parameters), list(node.remappings)
     namespace = node.namespace
-    for option, word in zip(node.arguments[place:], node.arguments[place + 1 :], strict=False):
+    for option, word in itertools.pairwise(node.arguments[place:]):
         name, found, value = word.partition(":=")
         if not found:
             continue

@@ -66,7 +66,7 @@ ROS_1_COMMAND = Rule(
     instead="ExecuteProcess(cmd=['ros2', 'run', 'my_robot', 'driver'])",
 )
 
-_SHARE = re.compile(r"(.*/share/([a-z][\w-]*))/.+\.\w+")
+_SHARE = re.compile(r"(?:[\w./-]+:=)?(?:file://)?(/.*/share/([a-z][\w-]*)/.+\.\w+)")
 _HOME = re.compile(r"(?:file://)?(?:/home|/Users)/[A-Za-z_][\w.-]*/[^\s\"'<>]+")
 _HOME_IN_LINE = re.compile(rf"(?:^|[\s\"'=>])({_HOME.pattern})")
 _YAML_COMMENT = re.compile(r"(?:^|(?<=\s))#.*", re.MULTILINE)
@@ -121,9 +121,9 @@ def _shared(program: Process) -> Iterator[tuple[str, str]]:
     """The paths in share folders that a node is given, each with the package."""
     texts = (*program.arguments, *_texts(program.parameters.values()))
     for text in dict.fromkeys(texts):
-        found = _SHARE.fullmatch(text.removeprefix("file://"))
-        if found is not None and "\n" not in text:
-            yield found[0], found[2]
+        found = _SHARE.fullmatch(text)
+        if found is not None:
+            yield found[1], found[2]
 
 
 def _texts(values: Iterable[Any]) -> Iterator[str]:
