@@ -8,6 +8,7 @@ from wsgen.build_files.cmake_checks import check_for_distro
 from wsgen.diagnostics import has_errors
 from wsgen.isolation.parent import make_scratch
 from wsgen.pipeline.candidates import Candidate, LaunchFile, simulation_of, with_descriptions
+from wsgen.pipeline.check_absent import without_absent_packages
 from wsgen.pipeline.check_controllers import check_controlled
 from wsgen.pipeline.check_launched import (
     check_heights,
@@ -115,7 +116,9 @@ class PackageCheck:
             unique: dict[Diagnostic, Diagnostic] = {}
             for one in self.installed.named(without_simulation(self._run(folder))):
                 unique.setdefault(without_call(one), one)
-            found = tuple(unique.values())
+            manifest = self.package.manifest
+            declared = {one.name for one in manifest.dependencies} if manifest else ()
+            found = tuple(without_absent_packages(unique.values(), declared))
             step.succeeded = not has_errors(found)
         return found
 
@@ -285,6 +288,7 @@ class FileCheck:
         """Read and check it."""
         with self.clock.step("check", self.file.name) as step, make_scratch() as folder:
             found = tuple(without_simulation(self._run(folder)))
+            found = tuple(without_absent_packages(self._run(folder), ()))
             step.succeeded = not has_errors(found)
         return found
 
