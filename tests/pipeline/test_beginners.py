@@ -89,10 +89,12 @@ WAYS = {
         (
             ROBOT,
             "<gazebo>\n",
-            '<link name="arm"><visual name="v"><geometry><box size="1 1 1"/>'
-            '</geometry></visual></link><joint name="j" type="continuous">'
-            '<parent link="base_link"/>'
-            '<child link="arm"/></joint><gazebo>\n',
+            (
+                '<link name="arm"><visual name="v"><geometry><box size="1 1 1"/>'
+                '</geometry></visual></link><joint name="j" type="continuous">'
+                '<parent link="base_link"/>'
+                '<child link="arm"/></joint><gazebo>\n'
+            ),
         ),
         {("dropped-link", ROBOT)},
     ),
