@@ -6,6 +6,8 @@ import json
 import os
 import shutil
 import stat
+import subprocess
+import sys
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -121,6 +123,25 @@ def test_formats(robot: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run("r.urdf", "--format", "github") == 1
     assert capsys.readouterr().out.startswith("::error title=")
     assert run("r.urdf", "--format", "json", "--diff") == 2
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="others have no such names")
+@pytest.mark.parametrize("output_format", ["text", "json", "sarif", "junit", "github"])
+def test_a_file_name_that_is_not_utf_8(robot: Path, output_format: str) -> None:
+    robot.rename(os.fsdecode(b"\xff.urdf"))
+    words = ("check", ".", "--format", output_format, "--write-baseline", "baseline.json")
+    for environment in ({"LC_ALL": "C.UTF-8"}, {"LC_ALL": "C", "PYTHONUTF8": "0"}):
+        for options in (words[:4], words):
+            ended = subprocess.run(
+                [sys.executable, "-m", "wsgen", *options],
+                capture_output=True,
+                env={**os.environ, **environment},
+                check=False,
+            )
+            assert ended.returncode == (1 if options == words[:4] else 0), ended.stderr
+            ended.stdout.decode()
+    assert run(".", "--baseline", "baseline.json") == 0
 
 
 def test_statistics(robot: Path, capsys: pytest.CaptureFixture[str]) -> None:

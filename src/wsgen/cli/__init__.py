@@ -117,9 +117,15 @@ def main(arguments: Sequence[str] | None = None) -> None:
     sys.exit(code)
 
 
+ESCAPING = frozenset({"strict", "surrogateescape"})  # how a stream treats such characters
+
+
 def _print_what_is_encodable() -> None:
-    """Print `?` for what the encoding of the output does not have, as in pipes on Windows."""
-    if isinstance(sys.stdout, io.TextIOWrapper) and sys.stdout.errors == "strict":
+    """Print `?` for what the encoding of the output does not have, as in pipes on Windows.
+
+    In the C locale, Python would write the bytes of a file name as they are: that is no JSON.
+    """
+    if isinstance(sys.stdout, io.TextIOWrapper) and sys.stdout.errors in ESCAPING:
         sys.stdout.reconfigure(errors="replace")
 
 

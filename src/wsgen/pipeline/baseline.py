@@ -110,4 +110,9 @@ def _key(found: Diagnostic, folder: Path) -> Key:
     # Messages may have paths, which differ from machine to machine.
     message = without_lines(found.message)
     message = message.replace(f"{base}{os.sep}", "").replace(f"{folder}{os.sep}", "")
-    return found.code, file.replace(os.sep, "/"), found.element or "", message
+    # A file cannot have the halves of characters that stand for other bytes of a name.
+    name, element, message = (
+        text.encode(errors="replace").decode()
+        for text in (file.replace(os.sep, "/"), found.element or "", message)
+    )
+    return found.code, name, element, message

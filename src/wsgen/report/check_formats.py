@@ -126,7 +126,7 @@ def _sarif_result(
         artifact = (
             {"uri": Path(name).as_uri()}
             if Path(name).is_absolute()
-            else {"uri": quote(name), "uriBaseId": SOURCE_ROOT}
+            else {"uri": quote(os.fsencode(name)), "uriBaseId": SOURCE_ROOT}
         )
         physical: dict[str, Any] = {"artifactLocation": artifact}
         if found.line is not None:
@@ -144,7 +144,7 @@ def _fingerprint(found: Diagnostic, folder: Path) -> str:
     """The same for one diagnostic after other lines of the file have changed."""
     message = without_lines(found.message)
     parts = (found.code, relative_name(found.file, folder), found.element or "", message)
-    return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:32]
+    return hashlib.sha256("\0".join(parts).encode(errors="replace")).hexdigest()[:32]
 
 
 def render_github(

@@ -163,7 +163,8 @@ class _Handler:
         self.opened[-1][3].append(data)
 
     def end(self, tag: str) -> None:
-        path = tuple(entry[0] for entry in self.opened[1:])
+        # What lies deeper than any element of a manifest is not looked up by its path.
+        path = tuple(entry[0] for entry in self.opened[1:DEEPEST])
         _, line, attributes, texts = self.opened.pop()
         text = "".join(texts).strip()
         self.entries.setdefault(path, []).append(Entry(text, line, attributes))
@@ -182,7 +183,7 @@ def read_manifest(file: Path) -> Manifest | Diagnostic:
     parser.EntityDeclHandler = _refuse_entity  # no bombs: ROS manifests declare none
     data = b""
     try:
-        data = file.read_bytes()
+        data = read_regular(file, SIZE_LIMIT)
         parser.Parse(data, True)
         if handler.root == "package":
             data.decode("utf-8")  # as colcon and CMake read it, whatever encoding it declares
