@@ -7,6 +7,8 @@ import sys
 from collections import Counter
 from typing import TYPE_CHECKING, Any
 
+from wsgen.files import refuse_irregular
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
@@ -31,6 +33,8 @@ def load(file: Path) -> dict[str, Any]:
         OSError: the file cannot be read.
         ValueError: it is not TOML, or not UTF-8; the message says where.
     """
+    if file.exists():
+        refuse_irregular(file)
     document: dict[str, Any] = tomllib.loads(file.read_text(encoding="utf-8"))
     return document
 

@@ -15,6 +15,7 @@ from wsgen.build_files.cmake_checks import (
 from wsgen.build_files.cmake_install import relative_destination
 from wsgen.build_files.cmake_values import is_known
 from wsgen.diagnostics import Rule, Severity
+from wsgen.files import read_regular
 from wsgen.suggestions import ask_for_nearest, nearest, some_of
 
 if TYPE_CHECKING:
@@ -519,17 +520,16 @@ def _is_mentioned(name: str, source: Path) -> bool:
     word = re.compile(rf"""(?:^|["'/\s\]])/?{re.escape(name)}["'/]""".encode())
     number = 0
     for place, folders, files in os.walk(source):
-        folders[:] = [one for one in folders if not one.startswith((".", "__", "test"))]
-        for file in files:
+        folders[:] = sorted(one for one in folders if not one.startswith((".", "__", "test")))
+        for file in sorted(files):
             if not file.endswith(TEXTS) or file in {"package.xml", "setup.py"}:
                 continue
             number += 1
             if number > MOST_TEXTS:
                 return False
             try:
-                with open(os.path.join(place, file), "rb") as stream:
-                    text = stream.read(MOST_LETTERS)
-            except OSError:
+                text = read_regular(Path(place, file), MOST_LETTERS)
+            except (OSError, ValueError):
                 continue
             if word.search(text):
                 return True
@@ -672,11 +672,10 @@ def scripts(executables: Iterable[Executable], package: str) -> Iterator[Diagnos
 
 def _read(file: Path) -> bytes | None:
     try:
-        if file.stat().st_size > MOST_BYTES:
-            return None
-        return file.read_bytes()
-    except OSError:
+        data = read_regular(file, MOST_BYTES)
+    except (OSError, ValueError):
         return None
+    return data if len(data) <= MOST_BYTES else None
 
 
 def _below(file: Path, build_file: Path) -> str:
@@ -722,7 +721,6 @@ def not_executable(rules: Iterable[InstallRule], package: str) -> Iterator[Diagn
 
 def _is_program(file: Path) -> bool:
     try:
-        with file.open("rb") as stream:
-            return stream.read(2) == b"#!"
-    except OSError:
+        return read_regular(file, 1) == b"#!"
+    except (OSError, ValueError):
         return False

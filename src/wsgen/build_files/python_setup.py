@@ -20,10 +20,14 @@ from wsgen.build_files.python_values import (
     items_of,
     line_of,
 )
+from wsgen.files import read_regular
 from wsgen.values import dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+
+SIZE_LIMIT = 2**20  # bytes; build files are written by hand
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -123,7 +127,7 @@ def parse(file: Path) -> ast.Module:
     """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        return ast.parse(file.read_bytes())
+        return ast.parse(read_regular(file, SIZE_LIMIT))
 
 
 def read_setup(folder: Path) -> tuple[Setup, Configuration]:

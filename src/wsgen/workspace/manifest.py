@@ -6,11 +6,13 @@ packages of a workspace. `package_xml` checks with catkin_pkg whether ROS accept
 
 from __future__ import annotations
 
+import errno
 from dataclasses import field
 from typing import TYPE_CHECKING, Any, NamedTuple
 from xml.parsers import expat
 
 from wsgen.diagnostics import Diagnostic, Rule, Severity
+from wsgen.files import read_regular
 from wsgen.values import dataclass
 from wsgen.workspace.conditions import holds
 from wsgen.xmlsyntax import find_mistake
@@ -70,6 +72,8 @@ UNNAMED_PACKAGE = Rule(
 </package>""",
 )
 
+SIZE_LIMIT = 2**20  # bytes; manifests are written by hand
+DEEPEST = 8  # elements inside of each other; ROS knows four
 DEFAULT_BUILD_TYPE = "catkin"  # what colcon and catkin_pkg take where none is exported
 
 # What a dependency is for, by the element that declares it (REP 149; run_depend: REP 127).
@@ -183,7 +187,7 @@ def read_manifest(file: Path) -> Manifest | Diagnostic:
     parser.EntityDeclHandler = _refuse_entity  # no bombs: ROS manifests declare none
     data = b""
     try:
-        data = read_regular(file, SIZE_LIMIT)
+        data = _read(file)
         parser.Parse(data, True)
         if handler.root == "package":
             data.decode("utf-8")  # as colcon and CMake read it, whatever encoding it declares
@@ -216,6 +220,13 @@ def read_manifest(file: Path) -> Manifest | Diagnostic:
             hint="Replace the entity by its text.",
         )
     return _make_manifest(handler, file)
+
+
+def _read(file: Path) -> bytes:
+    data = read_regular(file, SIZE_LIMIT)
+    if len(data) > SIZE_LIMIT:
+        raise OSError(errno.EFBIG, "it is too large", str(file))
+    return data
 
 
 def _make_manifest(handler: _Handler, file: Path) -> Manifest | Diagnostic:
