@@ -69,6 +69,7 @@ BROKEN_SCRIPT = Rule(
     code="BLD043",
     name="broken-console-script",
     severity=Severity.WARNING,
+    severity_varies="an error where setuptools cannot read the script, and stops",
     summary="`ros2 run` and launch files do not find a console script, or it cannot start.",
     what="Looks for the scripts of `entry_points` in `lib/PACKAGE` of the install space, and for "
     "their modules and functions in what was installed.",
@@ -381,7 +382,7 @@ def word_module(
 
 def script_folder(setup: Setup, configuration: Configuration, package: str) -> Iterator[Diagnostic]:
     """Report that setuptools writes scripts where ROS does not look."""
-    names = [one.name for one in setup.scripts]
+    names = [one.name for one in setup.scripts if one.name]
     if not names or configuration.mistake is not None:
         return
     place = (setup.install_scripts or "").rstrip("/")
@@ -419,9 +420,35 @@ def entry_points(
     """Report console scripts whose module or function does not exist or is not installed."""
     packages = {one.name: one.source for one in installed}
     for one in scripts:
+        if not one.name or not _TARGET.fullmatch(one.target):
+            yield _unread_script(one, package)
+            continue
         problem = _problem_of(one.target, packages, setup, source, package)
         if problem is not None:
             yield word_script(one.name, problem, one.file, one.line, package)
+
+
+# Module and function, or the module alone, which has a diagnostic of its own.
+_TARGET = re.compile(r"(?:[\w.]+\s*(?::\s*[\w.]+)?)?\s*:?\s*")
+
+
+def _unread_script(script: Script, package: str) -> Diagnostic:
+    """Report a console script that setuptools refuses, so that the build stops."""
+    text = f"{script.name} = {script.target}" if script.name else script.target
+    if not script.name:
+        hint = f"Write '{text.replace(':', ' =', 1)}'."
+    elif "=" in script.target:
+        hint = "Write a comma between the scripts, each in quotes: 'NAME = MODULE:FUNCTION',"
+    else:
+        hint = "Write 'NAME = MODULE:FUNCTION', with dots in the name of the module."
+    return BROKEN_SCRIPT.at(
+        script.file,
+        script.line,
+        package,
+        severity=Severity.ERROR,
+        message=f"{package}: setuptools cannot read the console script '{text}', and stops.",
+        hint=hint,
+    )
 
 
 def word_script(

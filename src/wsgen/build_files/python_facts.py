@@ -54,6 +54,7 @@ def _python_facts(setup: Setup, source: Path, name: str) -> BuildFacts:
         executables += [
             Executable(name=one.name, file=one.file, line=one.line, entry_point=one.target)
             for one in setup.scripts
+            if one.name
         ]
         executables += [
             Executable(name=os.path.basename(file), file=setup.file, line=at, source=source / file)

@@ -43,7 +43,7 @@ class DataFile:
 class Script:
     """An entry point of console_scripts."""
 
-    name: str
+    name: str  # "" where setuptools cannot read it: `target` is the whole text
     target: str  # module:function
     file: Path
     line: int
@@ -265,6 +265,8 @@ def _read_scripts(
         if isinstance(text, str) and equals and name.strip():
             target = target.partition("[")[0].strip()
             yield Script(name=name.strip(), target=target, file=file, line=line_of(text, line))
+        elif isinstance(text, str) and ":" in text and not equals:
+            yield Script(name="", target=text.strip(), file=file, line=line_of(text, line))
     for text in (configuration.get("options.entry_points", "console_scripts") or "").splitlines():
         name, equals, target = text.partition("=")
         if equals:

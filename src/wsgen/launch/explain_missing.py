@@ -404,7 +404,12 @@ def executable_error(error: BaseException) -> Explanation | None:
             written=program,
         )
     if not known_packages.is_known(package):
-        hint = advice(program, known, "Let CMakeLists.txt install it to lib/${PROJECT_NAME}.")
+        hint = advice(
+            program,
+            known,
+            "Let CMakeLists.txt install it to lib/${PROJECT_NAME}; in setup.py, add it to "
+            "console_scripts, and let setup.cfg install it to lib/PACKAGE.",
+        )
     elif near is not None:
         hint = did_you_mean(near)
     else:
