@@ -190,6 +190,7 @@ CASES: list[tuple[str, ...]] = [
     ("invalid-settings", "wsgen.toml", "[validate]", "[valdiate]"),
     # CMakeLists.txt
     ("missing-installed-path", "CMakeLists.txt", "launch urdf worlds", "launch urdf wrlds worlds"),
+    ("missing-installed-path", "CMakeLists.txt", "launch urdf worlds", "launch urdf wolrds"),
     ("repeated-ament-package", "CMakeLists.txt", "# What", "ament_package()\n# What"),
     ("missing-ament-package", "CMakeLists.txt", "ament_package()\n", ""),
     ("old-cmake-minimum", "CMakeLists.txt", "3.8...3.31", "2.8.3"),

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.errors import NotFoundError
+from wsgen.errors import NotFoundError, RequestError
 from wsgen.pipeline.check import CheckOutcome, CheckRequest, check
 
 MANIFEST = """\
@@ -94,6 +94,32 @@ def test_a_sound_package(tmp_path: Path) -> None:
     assert outcome.diagnostics == ()
     assert outcome.packages == ("cart",)
     assert outcome.passed
+
+
+def test_a_misspelled_target_is_refused(tmp_path: Path) -> None:
+    request = CheckRequest(paths=[write_package(tmp_path)], distro="jazy")
+    with pytest.raises(RequestError) as refused:
+        check(request, environment={})
+    assert "Did you mean `jazzy`?" in (refused.value.hint or "")
+
+
+def test_the_description_may_come_from_a_launch_file_that_is_not_here(tmp_path: Path) -> None:
+    package = write_package(tmp_path)
+    (package / "launch" / "spawn.launch.py").write_text(
+        "from launch import LaunchDescription\n"
+        "from launch.actions import IncludeLaunchDescription as Include\n"
+        "from launch_ros.actions import Node\n"
+        "from launch_ros.substitutions import FindPackageShare\n"
+        "def generate_launch_description():\n"
+        "    return LaunchDescription([\n"
+        "        Include([FindPackageShare('ros_gz_sim'), '/launch/gz_sim.launch.py']),\n"
+        "        Include([FindPackageShare('robot_state_publisher'), '/launch/x.launch.py']),\n"
+        "        Node(package='ros_gz_sim', executable='create',\n"
+        "             arguments=['-topic', 'other', '-name', 'cart']),\n"
+        "    ])\n"
+    )
+    found = [one for one in run(package).diagnostics if one.name == "unpublished-description"]
+    assert [one.severity.value for one in found] == ["info"]
 
 
 def test_a_mistake_is_at_the_line_of_the_source(tmp_path: Path) -> None:

@@ -91,6 +91,13 @@ def test_no_buildtool() -> None:
     assert "<buildtool_depend>ament_cmake</buildtool_depend>" in (found.hint or "")
 
 
+def test_a_python_package_of_the_wrong_build_type_needs_no_buildtool(tmp_path: Path) -> None:
+    folder = tmp_path / "demo_package"
+    folder.mkdir()
+    folder.joinpath("setup.py").touch()
+    assert codes(manifest(), folder) == []
+
+
 def test_format_1() -> None:
     old = manifest(BUILDTOOL)
     old = Manifest(

@@ -299,6 +299,10 @@ def install_folder(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]
         plain = [word for word in words[1:place] if re.fullmatch(r"[\w./-]*[\w-]", word)]
         if len(plain) != place - 1 or not plain or not PLACE.fullmatch(words[-1]):
             continue
+        if any(
+            is_surely(word, named[1]) and not (source.file.parent / word).exists() for word in plain
+        ):
+            return []  # the folder is meant by a misspelled name, which has a fix of its own
         last = command.arguments[place - 1]
         between = source.text[command.arguments[place - 2].end : last.start]
         gap = between if between.strip() == "" else " "

@@ -13,12 +13,15 @@ from dataclasses import field
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import has_errors
+from wsgen.errors import RequestError
 from wsgen.events import OneAtATime
 from wsgen.isolation.parent import make_scratch
 from wsgen.pipeline.check_package import FileCheck, PackageCheck
 from wsgen.pipeline.check_targets import Targets, find_targets
 from wsgen.pipeline.installed_as_built import lay_out
 from wsgen.pipeline.parallel import run_parallel
+from wsgen.ros_names import released_packages
+from wsgen.suggestions import advice
 from wsgen.values import dataclass
 
 if TYPE_CHECKING:
@@ -57,6 +60,18 @@ class CheckOutcome:
         return not has_errors(self.diagnostics)
 
 
+_WITHOUT_DATA = ("dashing", "eloquent", "galactic")  # they are older than what is known of them
+
+
+def _refuse_unknown_distro(distro: str) -> None:
+    known = released_packages()["ament_cmake"]
+    if distro not in known and distro not in _WITHOUT_DATA:
+        raise RequestError(
+            f"'{distro}' is not a ROS 2 distribution that wsgen knows: {', '.join(known)}.",
+            hint=advice(distro.lower(), known, "For example: --distro jazzy"),
+        )
+
+
 def check(
     request: CheckRequest, *, environment: Mapping[str, str], listener: Listener | None = None
 ) -> CheckOutcome:
@@ -64,9 +79,11 @@ def check(
 
     Raises:
         NotFoundError: a path does not exist, or a folder has no package.
-        RequestError: the current folder has several workspaces.
+        RequestError: the current folder has several workspaces, or the target does not exist.
     """
     before = time.perf_counter()
+    if request.distro is not None:
+        _refuse_unknown_distro(request.distro)
     targets = find_targets(request.paths, request.workspace)
     serial = OneAtATime(listener)
     ended: list[tuple[Diagnostic, ...]] = []

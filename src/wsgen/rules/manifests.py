@@ -163,8 +163,11 @@ def check_manifest(
             message="package.xml has format 1, which is that of ROS 1.",
             hint='Write <package format="3">, and <exec_depend> for <run_depend>.',
         )
-    if manifest.build_type == "ament_cmake" and not any(
-        name.startswith("ament_cmake") for name in manifest.names(BUILD_TAGS)
+    if (
+        manifest.build_type == "ament_cmake"
+        and not any(name.startswith("ament_cmake") for name in manifest.names(BUILD_TAGS))
+        # With setup.py alone, the build type is what is wrong.
+        and (folder.joinpath("CMakeLists.txt").exists() or not folder.joinpath("setup.py").exists())
     ):
         yield MISSING_BUILDTOOL.at(
             manifest.file,
