@@ -121,3 +121,15 @@ def test_two_names_that_differ_in_capitals_alone_are_not_chosen_from(share: Path
     (share / "meshes" / "PART one.STL").write_bytes(b"")
     _, found = find_meshes(robot("package://arm/meshes/part one.stl"), share_of={"arm": share}.get)
     assert "Check its spelling" in (found[0].hint or "")
+
+
+@pytest.mark.parametrize(
+    "uri", ["meshes/part.stl", "package://meshes/part.stl", "package://arm/part.stl"]
+)
+def test_a_mesh_that_is_in_the_package_has_its_address_as_hint(tmp_path: Path, uri: str) -> None:
+    for folder in ("meshes", "urdf"):
+        (tmp_path / folder).mkdir()
+    (tmp_path / "meshes" / "part.stl").touch()
+    (tmp_path / "package.xml").write_text("<package><name>arm</name></package>")
+    _, found = find_meshes(robot(uri), share_of={"arm": tmp_path}.get, folder=tmp_path / "urdf")
+    assert {one.hint for one in found} == {"Write package://arm/meshes/part.stl"}

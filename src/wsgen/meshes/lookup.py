@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import re
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 from urllib.parse import unquote
 
 from wsgen.description_rules import MISSING_COLLISION_MESH, MISSING_VISUAL_MESH
 from wsgen.files import after_scheme, irregular_kind
+from wsgen.markup import read_text
 from wsgen.model.robot import Mesh, Robot
 
 if TYPE_CHECKING:
@@ -56,9 +59,12 @@ def locate(uri: str, share_of: ShareOf, folder: Path | None) -> Path | Missing:
         package, _, inside = rest.partition("/")
         share = share_of(package)
         if share is None:
+            own = _address_of(rest, folder) if folder is not None else None
             return Missing(
                 f"is in the package `{package}`, which was not found",
-                f"Build and source a workspace with `{package}`, and name it in package.xml.",
+                f"Write {own}"
+                if own
+                else f"Build and source a workspace with `{package}`, and name it in package.xml.",
             )
         path = share / inside
     if not os.path.isfile(path):  # noqa: PTH113  Path.is_file raises on names that are too long
@@ -116,9 +122,40 @@ def _explain(uri: str, path: Path) -> Missing:
         )
     if Path(uri.removeprefix("file://")).is_absolute() and not home.exists():
         return Missing(f"has a path of another machine ({path})", IN_PACKAGE)
+    own = _address_of(path.name, path.parent)
     return Missing(
         f"does not exist ({path})",
-        "Check its spelling, including capitals, and that CMakeLists.txt installs it.",
+        f"Write {own}"
+        if own
+        else "Check its spelling, including capitals, and that CMakeLists.txt installs it.",
+    )
+
+
+_LEVELS = 8  # of folders above a robot, among which its package is looked for
+_FOLDERS = 200  # of a package, among which a mesh is looked for
+_NAME = re.compile(r"<name>\s*([\w-]+)\s*</name>")
+
+
+def _address_of(name: str, folder: Path) -> str | None:
+    """The address of the only file of the package around `folder` whose path ends so."""
+    around = (folder, *folder.parents)[:_LEVELS]
+    package = next((one for one in around if (one / "package.xml").is_file()), None)
+    if package is None:
+        return None
+    found = [inside for inside in _files_of(package) if f"/{inside}".endswith(f"/{name}")]
+    named = _NAME.search(read_text(package / "package.xml") or "")
+    return f"package://{named[1]}/{found[0]}" if named and len(found) == 1 else None
+
+
+@lru_cache(maxsize=8)
+def _files_of(package: Path) -> tuple[str, ...]:
+    """The files in a package, seen from its folder."""
+    folders = itertools.islice(os.walk(package, followlinks=True), _FOLDERS)
+    return tuple(
+        (Path(place).relative_to(package) / file).as_posix()
+        for place, _, files in folders
+        for file in files
+        if Path(file).suffix.lower() in FORMATS
     )
 
 

@@ -45,7 +45,12 @@ def without_absent_packages(
             continue
         elif absent[1] in declared or absent[1] in released_packages():
             yield replace(one, severity=Severity.INFO)
-        elif one.code == MISSING_COLLISION_MESH.code:
+        elif one.code == MISSING_COLLISION_MESH.code and not _is_in_own_package(one):
             yield replace(one, severity=Severity.WARNING)  # it may be in another workspace
         else:
             yield one
+
+
+def _is_in_own_package(missing: Diagnostic) -> bool:
+    """Whether the mesh is in the robot's package: the address leaves out the name of that."""
+    return (missing.hint or "").startswith("Write package://")
