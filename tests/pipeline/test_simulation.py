@@ -14,7 +14,7 @@ from wsgen.isolation import parent
 from wsgen.isolation.codec import decode
 from wsgen.isolation.result import Answered, Died
 from wsgen.model.behavior import Behavior, Reach
-from wsgen.model.robot import Box, Collision, Inertial, Joint, JointType, Link, Robot
+from wsgen.model.robot import MOST_LINKS, Box, Collision, Inertial, Joint, JointType, Link, Robot
 from wsgen.model.transform import Pose
 from wsgen.model.world import World
 from wsgen.pipeline import run_robots as robot_runs
@@ -22,7 +22,6 @@ from wsgen.pipeline.behavior_plan import plan_behaviors
 from wsgen.pipeline.prepare import PreparedRobot
 from wsgen.pipeline.run_robots import simulate_robots
 from wsgen.pipeline.selection import ValidateRequest
-from wsgen.simulation.contact_shapes import MOST_LINKS
 from wsgen.simulation.engine import HullGap
 from wsgen.simulation.run import TASKS, missing_engines
 from wsgen.simulation.scene import (

@@ -24,9 +24,8 @@ from simulation.robots import (
     spawned,
     tree,
 )
-from wsgen.model.robot import Capsule, Cylinder, Geometry, JointType, Robot, Sphere
+from wsgen.model.robot import MOST_LINKS, Capsule, Cylinder, Geometry, JointType, Robot, Sphere
 from wsgen.model.transform import Pose
-from wsgen.simulation.contact_shapes import MOST_LINKS
 from wsgen.simulation.engine import Loaded, Refused
 from wsgen.simulation.scene import SpawnedRobot
 

@@ -18,6 +18,11 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 
+# Of a tree in PyBullet: MAX_DEGREE_OF_FREEDOM in its SharedMemoryCommands.h; with more, reading a
+# pose raises.
+MOST_LINKS = 128
+
+
 class JointType(str, Enum):
     """URDF's joint types, and SDF's ball."""
 

@@ -118,7 +118,7 @@ def prepare_robot(  # noqa: PLR0913  most have defaults
     if written is not None:
         readable, lumped, more = _as_in_gazebo(written, file, context)
         found, more = _at_the_misspelling(found, more)
-        checked = check_robot(readable, file, simulator=simulator, distro=distro)
+        checked = check_robot(readable, file, in_gazebo=lumped, simulator=simulator, distro=distro)
         found = _first_of_each_inertial((*found, *more, *checked))
         found = tuple(for_simulator(found, simulator, distro))
         prepared = PreparedRobot(

@@ -17,6 +17,7 @@ from wsgen.model.outcome import (
     Simulated,
     name_engines,
 )
+from wsgen.model.robot import MOST_LINKS
 from wsgen.pipeline.parallel import run_parallel
 from wsgen.pipeline.simulation_result import SimulationResult
 from wsgen.rules.check_run import check_run
@@ -30,7 +31,7 @@ from wsgen.rules.runs import (
     UNACTUATED_JOINTS_MOVE,
     engines_disagree,
 )
-from wsgen.simulation.contact_shapes import MOST_LINKS, most_parts
+from wsgen.simulation.contact_shapes import most_parts
 from wsgen.simulation.run import installed_engines, run_simulation
 from wsgen.simulation.scene import Scene, SpawnedRobot
 

@@ -73,6 +73,7 @@ MODULES = (
     "wsgen.rules.frames",
     "wsgen.rules.joint_limits",
     "wsgen.rules.launch_files",
+    "wsgen.rules.lumped",
     "wsgen.rules.manifests",
     "wsgen.rules.package_uses",
     "wsgen.rules.plugins",

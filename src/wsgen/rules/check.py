@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from wsgen.rules import bodies, joint_limits, plugins, robots, ros2_control
+from wsgen.rules import bodies, joint_limits, lumped, plugins, robots, ros2_control
 from wsgen.urdf.lumping import joints_that_say
 
 if TYPE_CHECKING:
@@ -18,11 +18,13 @@ def check_robot(
     written: Robot,
     file: Path | None,
     *,
+    in_gazebo: Robot | None = None,
     simulator: str | None = None,
     distro: str | None = None,
 ) -> tuple[Diagnostic, ...]:
     """Check a robot as its description gives it.
 
+    `in_gazebo` is the same robot with its fixed joints lumped; without it, nothing is said of that.
     `file` is what the diagnostics name, `simulator` what the robot is for: "classic", "gz", or None
     for either; `distro` is the ROS 2 distribution, if that is known.
     """
@@ -69,4 +71,5 @@ def check_robot(
         *plugins.check_plugins(plugin_facts, file),
         *ros2_control.check_control(control, file),
         *ros2_control.transmissions(written.transmissions, written.joints, written.controls, file),
+        *(() if in_gazebo is None else lumped.many_links(in_gazebo, file)),
     )

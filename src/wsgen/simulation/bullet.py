@@ -17,12 +17,12 @@ from typing import TYPE_CHECKING, Any
 import pybullet
 
 from wsgen.model.kinematics import split_trees
-from wsgen.model.robot import Box, Collision, Link, Mesh, Robot
+from wsgen.model.robot import MOST_LINKS, Box, Collision, Link, Mesh, Robot
 from wsgen.model.transform import Pose, Vector, compose, quaternion_of_rpy
 from wsgen.simulation import surfaces
 from wsgen.simulation.bullet_body import ROOT, BulletBody, PartBounds, load
 from wsgen.simulation.bullet_body import STRIDE as DAMPER_STRIDE
-from wsgen.simulation.contact_shapes import MOST_LINKS, most_parts
+from wsgen.simulation.contact_shapes import most_parts
 from wsgen.simulation.engine import (
     GROUND_FRICTION,
     HullGap,

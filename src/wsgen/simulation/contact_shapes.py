@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.model.kinematics import split_trees
 from wsgen.model.robot import (
+    MOST_LINKS,
     Box,
     Capsule,
     Cylinder,
@@ -206,9 +207,6 @@ def _cross(left: Vector, right: Vector) -> Vector:
     (a, b, c), (x, y, z) = left, right
     return (b * z - c * y, c * x - a * z, a * y - b * x)
 
-
-# MAX_DEGREE_OF_FREEDOM in PyBullet's SharedMemoryCommands.h; with more, reading a pose raises.
-MOST_LINKS = 128
 
 # Of one friction in one link; with more of them, those inside the convex hull do not touch the
 # ground. A thousand boxes flat on the ground are 4000 contacts, of which four hold them.
