@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Severity
 from wsgen.model.robot import MOST_LINKS, Inertial, Joint, JointType, Link, Robot
-from wsgen.rules.lumped import many_links
+from wsgen.rules.lumped import many_links, mass_ratio
 from wsgen.urdf.lumping import lump
+
+if TYPE_CHECKING:
+    from wsgen.diagnostics import Diagnostic
 
 FILE = Path("robot.urdf")
 
@@ -46,3 +51,64 @@ def test_links_that_an_engine_takes() -> None:
     assert not list(many_links(lump(star(MOST_LINKS, JointType.FIXED))[0], FILE))
     loose = (joint("root", "l0", JointType.FLOATING),)
     assert not list(many_links(replace(star(MOST_LINKS), loose=loose), FILE))
+
+
+def chain(*masses: float, held_by: JointType = JointType.CONTINUOUS) -> Robot:
+    """Links `l0`, `l1`, …, each on the one before, of which `l2` is held by a joint of a kind."""
+    names = [f"l{place}" for place in range(len(masses))]
+    return Robot(
+        name="r",
+        root="l0",
+        links=tuple(
+            link(name, mass, line)
+            for line, (name, mass) in enumerate(zip(names, masses, strict=True), 3)
+        ),
+        joints=tuple(
+            joint(parent, child, held_by if child == "l2" else JointType.CONTINUOUS)
+            for parent, child in itertools.pairwise(names)
+        ),
+    )
+
+
+def ratios(robot: Robot) -> list[Diagnostic]:
+    return list(mass_ratio(robot.links, lump(robot)[0], FILE))
+
+
+def test_a_light_link_that_carries_a_heavy_one() -> None:
+    (found,) = ratios(chain(5.0, 0.01, 2.0))
+    assert (found.code, found.severity, found.line) == ("ROB124", Severity.INFO, 4)
+    assert found.element == "link[@name='l1']/inertial/mass"
+    assert "`l1` (0.01 kg) carries `l2` (2 kg) by the joint `l1_l2`" in found.message
+    assert '<mass value="0.02"/>' in (found.hint or "")
+    (found,) = ratios(chain(5.0, 0.01, 2.0, 0.001, 0.2))
+    assert found.message.endswith("another link.")
+    (found,) = ratios(chain(5.0, 0.01, 2.0, 0.001, 0.2, 1e-4, 0.1))
+    assert found.line == 8
+    assert found.message.endswith("So do 2 other links.")
+
+
+def test_masses_that_engines_take() -> None:
+    assert not ratios(chain(5.0, 0.03, 2.0))
+    assert not ratios(chain(0.01, 5.0, 0.01))  # the root stands on something
+    # What is fixed to the light link belongs to it.
+    assert not ratios(chain(5.0, 0.001, 0.5, 2.0, held_by=JointType.FIXED))
+    static = replace(chain(5.0, 0.01, 2.0), is_static=True)
+    assert not list(mass_ratio(static.links, static, FILE))
+
+
+def test_masses_that_are_not_known() -> None:
+    robot = chain(5.0, 0.01, 2.0)
+    for place in (1, 2):
+        links = [*robot.links]
+        links[place] = replace(links[place], is_as_meant=False)
+        assert not ratios(replace(robot, links=tuple(links)))
+    one_massless = (robot.links[0], Link(name="l1"), robot.links[2])
+    assert not ratios(replace(robot, links=one_massless))
+
+
+def test_a_light_link_whose_mass_is_fixed_to_it() -> None:
+    frame = chain(5.0, 0.01, 0.01, 2.0, held_by=JointType.FIXED)
+    links = (frame.links[0], Link(name="l1", line=4), *frame.links[2:])
+    joints = (*frame.joints[:2], joint("l1", "l3"))
+    (found,) = ratios(replace(frame, links=links, joints=joints))
+    assert (found.line, found.element) == (4, "link[@name='l1']")

@@ -71,5 +71,5 @@ def check_robot(
         *plugins.check_plugins(plugin_facts, file),
         *ros2_control.check_control(control, file),
         *ros2_control.transmissions(written.transmissions, written.joints, written.controls, file),
-        *(() if in_gazebo is None else lumped.many_links(in_gazebo, file)),
+        *(() if in_gazebo is None else lumped.check_lumped(written.links, in_gazebo, file)),
     )
