@@ -7,19 +7,6 @@ from typing import TYPE_CHECKING, NamedTuple
 from wsgen.build_files.cmake_checks import check_for_distro
 from wsgen.diagnostics import has_errors
 from wsgen.isolation.parent import make_scratch
-from wsgen.launch.descriptions import UNPUBLISHED_DESCRIPTION
-from wsgen.launch.explain import (
-    ARGUMENT_WITHOUT_VALUE,
-    INTERACTIVE_INPUT,
-    NEEDS_UNKNOWN,
-    UNDEFINED_CONFIGURATION,
-    VARIABLE_NOT_SET,
-)
-from wsgen.launch.explain_missing import PACKAGE_NOT_FOUND
-from wsgen.launch.explain_names import UNSUPPORTED_API
-from wsgen.launch.simulators import NO_SIMULATOR
-from wsgen.launch.spawner_options import INVALID_SPAWNER_OPTION
-from wsgen.launch.undeclared import UNDECLARED_PACKAGE
 from wsgen.pipeline.candidates import Candidate, LaunchFile, simulation_of, with_descriptions
 from wsgen.pipeline.check_absent import without_absent_packages
 from wsgen.pipeline.check_controllers import check_controlled
@@ -321,75 +308,3 @@ class FileCheck:
             *of_file_alone(validation.diagnostics),
             *check_worlds([self.file], {}, overlay.environment, simulator=None, distro=None),
         )
-
-
-# What a launch file lacks here is given to it where it is started, or where it is included.
-GIVEN_FROM_OUTSIDE = frozenset(
-    rule.code
-    for rule in (
-        ARGUMENT_WITHOUT_VALUE,
-        INTERACTIVE_INPUT,
-        NEEDS_UNKNOWN,
-        UNSUPPORTED_API,
-        VARIABLE_NOT_SET,
-    )
-)
-
-
-def _of_launch(one: Candidate, beside: Iterable[Candidate]) -> Iterator[Diagnostic]:
-    """What is wrong with a launch file, whatever it is started with."""
-    started = one.started
-    is_included = _is_included(one, beside)
-    # With an empty default, somebody is meant to give it, too.
-    has_gaps = any(argument.default == "" for argument in started.plan.arguments)
-    for found in started.diagnostics if started.has_spawner else started.plan.diagnostics:
-        if found.code == UNDECLARED_PACKAGE.code and one.launch_file.package:
-            continue  # reported once for all files of the package
-        if found.code in GIVEN_FROM_OUTSIDE:
-            if not is_included:
-                yield replace(found, severity=Severity.INFO)
-        elif found.code == NO_SIMULATOR.code or (
-            found.code == UNPUBLISHED_DESCRIPTION.code and found.severity is Severity.WARNING
-        ):  # somebody may start it in another terminal, or a file that is not here does
-            yield replace(found, severity=Severity.INFO)
-        elif found.code == PACKAGE_NOT_FOUND.code and (has_gaps or not _is_misspelled(found)):
-            yield replace(found, severity=Severity.WARNING)  # it may be in another workspace
-        elif found.code == UNDEFINED_CONFIGURATION.code and not MEANT.match(found.hint or ""):
-            yield replace(found, severity=Severity.WARNING)  # who includes it may set it
-        elif found.code == INVALID_SPAWNER_OPTION.code and has_gaps:
-            yield replace(found, severity=Severity.INFO)
-        else:
-            yield found
-
-
-def _is_misspelled(found: Diagnostic) -> bool:
-    """Whether a package that is not found is surely one whose name is nearly the same."""
-    meant = MEANT.match(found.hint or "")
-    name = QUOTED.search(found.message)
-    return bool(meant and name and misspelled_as(name[1], [meant[1]]))
-
-
-def _is_included(one: Candidate, beside: Iterable[Candidate]) -> bool:
-    file = os.path.realpath(one.file)
-    return any(file in other.included for other in beside if other is not one)
-
-
-MEANT = re.compile(r"Did you mean `([^`]+)`")
-QUOTED = re.compile(r"'([^']+)'")
-# Of xacro, where a launch file or another xacro file gives what the file needs.
-UNDEFINED_ARGUMENT = "Undefined substitution argument"
-NOT_FOUND = re.compile(r"the package '[^']+' is not found")
-
-
-def _of_file_alone(diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
-    """What is wrong with a file; that it holds only a part of a robot or world is not."""
-    for found in diagnostics:
-        if found.code == NO_MODEL.code:
-            continue
-        if found.code == PART_OF_ROBOT.code or UNDEFINED_ARGUMENT in found.message:
-            yield replace(found, severity=Severity.INFO)
-        elif found.code == XACRO_FILE_FAILS.code and NOT_FOUND.search(found.message):
-            is_known = not _is_misspelled(found)  # see `_of_launch`
-            yield replace(found, severity=Severity.WARNING) if is_known else found
-        else:
-            yield found

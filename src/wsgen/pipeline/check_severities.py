@@ -12,6 +12,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Severity
+from wsgen.launch.descriptions import UNPUBLISHED_DESCRIPTION
 from wsgen.launch.explain import (
     ARGUMENT_WITHOUT_VALUE,
     INTERACTIVE_INPUT,
@@ -79,7 +80,9 @@ def of_launch(one: Candidate, beside: Iterable[Candidate]) -> Iterator[Diagnosti
         if found.code in GIVEN_FROM_OUTSIDE:
             if not is_inner:
                 yield replace(found, severity=Severity.INFO)
-        elif found.code == NO_SIMULATOR.code:  # somebody may start it in another terminal
+        elif found.code == NO_SIMULATOR.code or (
+            found.code == UNPUBLISHED_DESCRIPTION.code and found.severity is Severity.WARNING
+        ):  # somebody may start it in another terminal, or a file that is not here does
             yield replace(found, severity=Severity.INFO)
         elif found.code == PACKAGE_NOT_FOUND.code and (has_gaps or not _is_misspelled(found)):
             yield replace(found, severity=Severity.WARNING)  # it may be in another workspace
