@@ -135,6 +135,20 @@ def check_build(one: RequiredPackage, **dependencies: str) -> list[Diagnostic]:
     return [*check_required(checked, [one], manifests={"my_robot": checked}, distro=None)]
 
 
+@pytest.mark.parametrize(
+    ("name", "meant"),
+    [("rclcp", "rclcpp"), ("geometry_msg", "geometry_msgs"), ("tf2_rso", "tf2_ros")],
+)
+def test_a_misspelled_package_of_the_build(name: str, meant: str) -> None:
+    (found,) = check_build(required(name), depend="rclcpp tf2_ros")
+    assert (found.code, found.line, found.hint) == ("PKG088", 7, f"Did you mean `{meant}`?")
+
+
+@pytest.mark.parametrize("name", ["yaml-cpp", "Eigen3", "sophus", "urdfdom", "my_libs", "gz-sim8"])
+def test_packages_that_are_none_of_ros(name: str) -> None:
+    assert check_build(required(name), depend="rclcpp") == []
+
+
 def test_an_undeclared_package_of_the_build() -> None:
     (found,) = check_build(required("sensor_msgs"))
     assert (found.code, found.file, found.line) == ("PKG087", CMAKE, 7)

@@ -8,7 +8,7 @@ from wsgen.diagnostics import Rule, Severity
 from wsgen.launch.undeclared import UNDECLARED_PACKAGE, is_brought, listed, undeclared
 from wsgen.ros_names import cmake_packages, released_packages
 from wsgen.rules.manifests import GENERATORS
-from wsgen.suggestions import misspelled_as
+from wsgen.suggestions import did_you_mean, misspelled_as
 from wsgen.workspace.manifest import BUILD_TAGS, DEPENDENCY_TAGS, RUN_TAGS, TEST_TAGS
 from wsgen.workspace.package_uses import CONTROLLER, LAUNCH, PLUGIN, is_for_code
 
@@ -61,7 +61,17 @@ UNDECLARED_BUILD_DEPENDENCY = Rule(
     example="find_package(sensor_msgs REQUIRED)",
     instead="<!-- package.xml -->\n<depend>sensor_msgs</depend>",
 )
-
+MISSPELLED_REQUIREMENT = Rule(
+    code="PKG088",
+    name="misspelled-requirement",
+    severity=Severity.WARNING,
+    summary="`find_package()` requires a known package with a typing mistake.",
+    what="Compares names that neither ROS nor the workspace nor CMake has with those of packages "
+    "of ROS and of the workspace.",
+    why="CMake does not find it, and the build stops.",
+    example="find_package(rclcp REQUIRED)",
+    instead="find_package(rclcpp REQUIRED)",
+)
 
 UNUSED_DEPENDENCY = Rule(
     code="PKG086",
@@ -262,6 +272,8 @@ def check_required(
     libraries = {*cmake_packages(), *GENERATORS}
     missing: dict[str, RequiredPackage] = {}
     for one in required:
+        if one.required and not one.in_tests:
+            yield from _misspelled(one, {*known, *manifests}, {*libraries, *any_tag})
         if (
             one.required
             and not one.in_tests
@@ -285,3 +297,27 @@ def check_required(
         message=f"package.xml does not declare {listed(names)}, which {first.file.name} requires.",
         hint=f"Add to package.xml: {lines}",
     )
+
+
+def _misspelled(
+    one: RequiredPackage, packages: Collection[str], others: Collection[str]
+) -> Iterator[Diagnostic]:
+    """Report a name that is nearly one of `packages`; `others` may be written, too."""
+    if one.name in packages or one.name in others:
+        return
+    declared = [name for name in others if name in packages]
+    plural = f"{one.name}s"  # of std_msgs
+    meant = (
+        plural
+        if plural in packages
+        else misspelled_as(one.name, declared) or misspelled_as(one.name, packages)
+    )
+    if meant is not None:
+        yield MISSPELLED_REQUIREMENT.at(
+            one.file,
+            one.line,
+            one.name,
+            message=f"{one.file.name} requires {one.name}, which is not a package that ROS or the "
+            "workspace has.",
+            hint=did_you_mean(meant),
+        )
