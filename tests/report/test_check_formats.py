@@ -190,3 +190,13 @@ def test_the_hooks_for_pre_commit() -> None:
         assert command.make_context(name, words)
         assert hook["pass_filenames"] is False
         assert hook["id"] in (ROOT / "docs" / "check.md").read_text()
+
+
+def test_a_number_in_a_hint_is_not_what_is_meant(tmp_path: Path) -> None:
+    file = tmp_path / "r.urdf"
+    file.write_text('<robot name="r">\n  <axis xyz="0 0 1"/>\n</robot>\n')
+    place = Places().find(
+        NO_VISUAL.at(file, 2, "joint[@name='j']/limit", message="No limit.", hint='Add upper="1".')
+    )
+    assert place is not None
+    assert (place.column, place.end_column) == (3, 22)

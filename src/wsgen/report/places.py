@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 
 QUOTED = re.compile(r"`([^`\n]+)`|'([^'\n]+)'|\"([^\"\n]+)\"|<([\w:.-]+)>|\b(\w+)\(\)")
+_LETTER = re.compile(r"[^\W\d]")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,7 +74,7 @@ def _in_line(diagnostic: Diagnostic, text: str) -> tuple[int, int]:
         for text_of in (diagnostic.message, diagnostic.hint or "")
         for found in QUOTED.findall(text_of)
         for name in found
-        if name
+        if _LETTER.search(name)  # `1` is anywhere
     ]
     for name in (diagnostic.element or "", *names):
         place = re.search(rf"(?<!\w){re.escape(name)}(?!\w)", text) if name else None
