@@ -118,6 +118,21 @@ def test_massless_root() -> None:
     assert "emove" not in (found.hint or "")
 
 
+def test_all_that_is_lumped_into_a_massless_root() -> None:
+    others = [
+        replace(JOINT, name=f"{parent}_{child}", parent=parent, child=child)
+        for parent, child in (("base", "mast"), ("mast", "camera"), ("arm", "hand"))
+    ]
+    turning = Joint(name="t", type=JointType.CONTINUOUS, parent="base", child="arm")
+    (found,) = massless_root(Link(name="dummy"), [*others, turning, JOINT], 2.5, FILE)
+    assert "`base`, `mast`, `camera` into it and calls the body `dummy`" in found.message
+    assert "weighs 2.5 kg" in found.message
+    joints = [JOINT, *others]
+    (found,) = massless_root(Link(name="dummy"), joints, 2.5, FILE, {"mast_camera"})
+    assert "`base`, `mast` into it" in found.message
+    assert not list(massless_root(Link(name="dummy"), joints, 2.5, FILE, {"j"}))
+
+
 def test_roots_that_are_fine() -> None:
     assert list(massless_root(link(0.1), [replace(JOINT, parent="base")], 1.0, None)) == []
     assert (

@@ -35,6 +35,9 @@ def check_robot(
         simulator=simulator,
         distro=distro,
     )
+    preserved = joints_that_say(written, "preserveFixedJoint") | joints_that_say(
+        written, "disableFixedJointLumping"
+    )
     plugin_facts = plugins.PluginFacts(
         tags=written.gazebo,
         joints=written.joints,
@@ -44,8 +47,7 @@ def check_robot(
         },
         simulator=simulator,
         distro=distro,
-        preserved=joints_that_say(written, "preserveFixedJoint")
-        | joints_that_say(written, "disableFixedJointLumping"),
+        preserved=preserved,
     )
     return (
         *robots.number_beyond_engines(written.links, written.joints, file),
@@ -53,7 +55,9 @@ def check_robot(
         *robots.implausible_mass(written.links, written.joints, file),
         *bodies.check_bodies(written.links, written.joints, file),
         *robots.implausible_inertia(written.links, file, written.joints),
-        *robots.massless_root(written.link(written.root), written.joints, written.mass, file),
+        *robots.massless_root(
+            written.link(written.root), written.joints, written.mass, file, preserved
+        ),
         *robots.ros_1_plugin(written.gazebo, file),
         *robots.no_collision(written.links, file, fixed_to_world=written.fixed_to_world),
         *robots.no_visual(written.links, file),

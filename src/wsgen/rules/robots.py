@@ -12,9 +12,10 @@ from wsgen.diagnostics import Rule, Severity
 from wsgen.model.inertia import as_attributes, if_filled, principal_moments
 from wsgen.model.robot import Box, Cylinder, JointType, Mesh, Primitive, Sphere, Triangulated
 from wsgen.model.transform import IDENTITY, compose
+from wsgen.suggestions import some_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Collection, Iterable, Iterator, Sequence
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
@@ -261,7 +262,8 @@ MASSLESS_ROOT = Rule(
     name="massless-root",
     severity=Severity.INFO,
     summary="The root link has no mass.",
-    what="Looks for a root link without mass to which other links are fixed.",
+    what="Looks for a root link without mass to which other links are fixed; names those that "
+    "Gazebo lumps into it, directly or one by the other, and the mass of the robot.",
     why="Gazebo lumps fixed links into their parent and keeps the parent's name: the body of the "
     "robot is named after the empty root link, and `<gazebo reference>` and sensors move with it.",
     example="""
@@ -284,10 +286,24 @@ MASSLESS_ROOT = Rule(
 
 
 def massless_root(
-    root: Link, joints: Iterable[Joint], robot_mass: float, file: Path | None
+    root: Link,
+    joints: Iterable[Joint],
+    robot_mass: float,
+    file: Path | None,
+    preserved: Collection[str] = (),
 ) -> Iterator[Diagnostic]:
-    """Report a root link without mass to which links with mass are fixed."""
-    fixed = [joint for joint in joints if joint.parent == root.name and not joint.is_movable]
+    """Report a root link without mass to which links with mass are fixed.
+
+    `preserved` are the fixed joints that Gazebo keeps.
+    """
+    below: dict[str, list[Joint]] = {}
+    for joint in joints:
+        if not joint.is_movable and joint.name not in preserved:
+            below.setdefault(joint.parent, []).append(joint)
+    fixed = below.pop(root.name, [])
+    lumped = [joint.child for joint in fixed]
+    for name in lumped:  # it grows by what is fixed to these
+        lumped += (joint.child for joint in below.pop(name, ()))
     is_massless = root.inertial is None or root.inertial.mass == 0
     if is_massless and root.is_as_meant and root.name != "world" and fixed and robot_mass > 0:
         yield MASSLESS_ROOT.at(
@@ -295,7 +311,8 @@ def massless_root(
             root.line,
             f"link[@name='{root.name}']",
             message=f"The root link `{root.name}` has no mass: Gazebo lumps "
-            f"`{fixed[0].child}` into it and calls the body `{root.name}`.",
+            f"{some_of([f'`{name}`' for name in lumped])} into it and calls the body "
+            f"`{root.name}`. The robot weighs {robot_mass:.4g} kg.",
             hint=f"Keep `{root.name}`: Nav2 and robot_state_publisher expect such a link. Where a "
             f"plugin of Gazebo names a link, write `{root.name}` for `{fixed[0].child}`.",
         )
