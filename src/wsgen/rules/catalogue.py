@@ -75,6 +75,7 @@ MODULES = (
     "wsgen.rules.launch_files",
     "wsgen.rules.lumped",
     "wsgen.rules.manifests",
+    "wsgen.rules.materials",
     "wsgen.rules.package_uses",
     "wsgen.rules.plugins",
     "wsgen.rules.robot_files",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from wsgen.rules import bodies, joint_limits, lumped, plugins, robots, ros2_control
+from wsgen.rules import bodies, joint_limits, lumped, materials, plugins, robots, ros2_control
 from wsgen.urdf.lumping import joints_that_say
 
 if TYPE_CHECKING:
@@ -75,5 +75,8 @@ def check_robot(
         *plugins.check_plugins(plugin_facts, file),
         *ros2_control.check_control(control, file),
         *ros2_control.transmissions(written.transmissions, written.joints, written.controls, file),
+        *materials.ogre_materials(
+            written.links, written.gazebo, file, simulator=simulator, distro=distro
+        ),
         *(() if in_gazebo is None else lumped.check_lumped(written.links, in_gazebo, file)),
     )

@@ -11,6 +11,7 @@ from wsgen.diagnostics import Rule, Severity
 from wsgen.model.facts import DISTROS
 from wsgen.model.gazebo_systems import is_of_classic, is_of_gz, remark_on, system_of
 from wsgen.model.target import Target
+from wsgen.rules.materials import WITHOUT_COLOR_NAMES
 from wsgen.sdf.includes import is_ground_plane, is_sun
 from wsgen.sdf.source import line_of, path_of
 from wsgen.suggestions import some_of
@@ -162,7 +163,6 @@ _NEEDED = {
 _MERGING = ("kilted", "lyrical", "rolling")  # whose Gazebo adds the default systems
 # What another Gazebo than the usual one reads that is released for the distribution: Harmonic.
 _NEWEST_BESIDE = {"humble-gz": "1.11"}
-_WITHOUT_COLOR_NAMES = ("humble", "iron")  # whose Gazebo does not know Gazebo/Red
 CLOSE = 0.02  # of two rates, relative: steps are written with few digits
 FASTEST = 1e6  # times real time; what is written as more is no rate
 
@@ -362,7 +362,7 @@ def material_scripts(world: Element, file: Path, distro: str | None) -> Iterator
         ):
             continue
         name = child_text(script, "name") or ""
-        if distro in _WITHOUT_COLOR_NAMES or not name.startswith("Gazebo/"):
+        if distro in WITHOUT_COLOR_NAMES or not name.startswith("Gazebo/"):
             scripts.append((material, name))
     if scripts:
         names = list(dict.fromkeys(name for _, name in scripts if name))
