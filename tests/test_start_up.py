@@ -74,6 +74,7 @@ def test_new_loads_what_it_renders_with(tmp_path: Path) -> None:
         "cli",
         "diagnostics",
         "errors",
+        "files",
         "model",
         "pipeline",  # `create` alone
         "suggestions",
@@ -100,6 +101,7 @@ def test_doctor_loads_no_library_but_what_draws_its_table(tmp_path: Path) -> Non
         "diagnostics",
         "doctor",
         "errors",
+        "files",
         "files",
         "isolation",  # a child draws a picture
         "model",
