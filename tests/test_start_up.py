@@ -102,7 +102,6 @@ def test_doctor_loads_no_library_but_what_draws_its_table(tmp_path: Path) -> Non
         "doctor",
         "errors",
         "files",
-        "files",
         "isolation",  # a child draws a picture
         "model",
         "suggestions",
