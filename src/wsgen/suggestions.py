@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -123,3 +124,12 @@ def some_of(names: Sequence[str], most: int = 3) -> str:
     """The names on one line; of many, the first few and the number of the others."""
     listed = ", ".join(names[:most])
     return f"{listed} and {len(names) - most} more" if len(names) > most else listed
+
+
+_SUGGESTED = re.compile(r"Did you mean (?:`([^`]+)`|<([^>]+)>)\?")
+
+
+def suggested(hint: str | None) -> str | None:
+    """The one name that a hint asks for; None if it asks for none or several."""
+    found = _SUGGESTED.search(hint or "")
+    return None if found is None else found[1] or found[2]

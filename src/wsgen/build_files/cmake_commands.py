@@ -457,10 +457,6 @@ def _export_dependencies(reader: Reader, mention: Mention) -> None:
     reader.exported += [word for word in texts(mention) if is_known(word)]
 
 
-def _nothing(reader: Reader, mention: Mention) -> None:
-    """What neither installs files nor sets variables; `Reader.mentions` has the call."""
-
-
 def _foreign(reader: Reader, mention: Mention) -> None:
     """What may set any variable, and installs nothing that a launch file needs."""
     reader.has_foreign = True

@@ -6,8 +6,9 @@ import re
 from typing import TYPE_CHECKING
 
 from wsgen.fixes.cmake_source import command_at, read_commands
-from wsgen.fixes.meant import is_surely, suggested
+from wsgen.fixes.meant import is_surely
 from wsgen.fixes.source import Edit
+from wsgen.suggestions import suggested
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -7,9 +7,10 @@ import re
 import warnings
 from typing import TYPE_CHECKING, TypeVar
 
-from wsgen.fixes.meant import is_surely, suggested
+from wsgen.fixes.meant import is_surely
 from wsgen.fixes.source import Edit
 from wsgen.fixes.xml_source import read_tags
+from wsgen.suggestions import suggested
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence

@@ -5,9 +5,10 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from wsgen.fixes.meant import is_surely, suggested
+from wsgen.fixes.meant import is_surely
 from wsgen.fixes.source import Edit
 from wsgen.fixes.xml_source import read_tags
+from wsgen.suggestions import suggested
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""What a hint suggests, and whether a misspelled word is so near to it that it must be meant."""
+"""Whether a misspelled word is so near to another one that this must be meant."""
 
 from __future__ import annotations
 
@@ -7,14 +7,7 @@ import re
 SHORT = 4  # letters; in shorter words only the order of letters may differ: `xzy`, not `fl` or `x`
 LONG = 8  # letters; from here on two letters may differ
 
-_SUGGESTED = re.compile(r"Did you mean (?:`([^`]+)`|<([^>]+)>)\?")
 _WORDS = re.compile(r"[A-Z]?[a-z]+|[A-Z]+|\d+|[^\W\d_]+")
-
-
-def suggested(hint: str | None) -> str | None:
-    """The one name that a hint asks for; None if it asks for none or several."""
-    found = _SUGGESTED.search(hint or "")
-    return None if found is None else found[1] or found[2]
 
 
 def is_surely(written: str, meant: str) -> bool:

@@ -12,6 +12,7 @@ from wsgen.files import write_file
 from wsgen.fixes.registry import FIXERS, file_to_fix
 from wsgen.fixes.source import apply, overlap, read_source
 from wsgen.values import dataclass
+from wsgen.workspace.layout import INSTALL_LAYOUT
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -19,9 +20,6 @@ if TYPE_CHECKING:
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.fixes.source import Edit, SourceText
-
-
-INSTALL_SPACE = ".colcon_install_layout"  # in the folder that colcon installs into
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,7 +76,7 @@ def _reason_to_refuse(file: Path, roots: Sequence[Path]) -> str | None:
     """Why a file must not be changed."""
     if not any(file == root or root in file.parents for root in roots):
         return "the file is outside of what is checked"
-    if any((folder / INSTALL_SPACE).exists() for folder in file.parents):
+    if any((folder / INSTALL_LAYOUT).exists() for folder in file.parents):
         return "the file is in an install space: fix its source"
     if not file.is_file():
         return "the file does not exist"

@@ -8,7 +8,6 @@ from wsgen.build_files.cmake_checks import check_for_distro
 from wsgen.diagnostics import has_errors
 from wsgen.isolation.parent import make_scratch
 from wsgen.pipeline.candidates import Candidate, LaunchFile, simulation_of, with_descriptions
-from wsgen.pipeline.check_absent import without_absent_packages
 from wsgen.pipeline.check_controllers import check_controlled
 from wsgen.pipeline.check_launched import (
     check_heights,
@@ -23,6 +22,7 @@ from wsgen.pipeline.check_severities import (
     is_included,
     of_file_alone,
     of_launch,
+    without_absent_packages,
     without_simulation,
 )
 from wsgen.pipeline.clock import Clock

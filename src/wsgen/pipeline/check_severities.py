@@ -1,7 +1,8 @@
 """How bad it is what a launch file, a robot or a world shows that nobody starts.
 
 Read by itself, a file lacks what it is given where it is used; and that an engine of wsgen leaves
-something out does not matter where nothing is simulated.
+something out does not matter where nothing is simulated. What a package that is not on this machine
+has is unknown.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from wsgen.description_rules import MISSING_COLLISION_MESH, MISSING_VISUAL_MESH
 from wsgen.diagnostics import Severity
 from wsgen.launch.descriptions import UNPUBLISHED_DESCRIPTION
 from wsgen.launch.explain import (
@@ -26,15 +28,16 @@ from wsgen.launch.simulators import NO_SIMULATOR
 from wsgen.launch.spawner_options import INVALID_SPAWNER_OPTION
 from wsgen.launch.undeclared import UNDECLARED_PACKAGE
 from wsgen.pipeline.file_validation import NO_MODEL, PART_OF_ROBOT
+from wsgen.ros_names import released_packages
 from wsgen.sdf.assembly import CLOSED_CHAIN, JOINT_LEFT_OUT
 from wsgen.sdf.shapes import SHAPE_LEFT_OUT
 from wsgen.sdf.worlds import NO_GROUND
-from wsgen.suggestions import misspelled_as
+from wsgen.suggestions import misspelled_as, suggested
 from wsgen.urdf.gazebo import SDF_NOT_SIMULATED
 from wsgen.xacro.reader import XACRO_FILE_FAILS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Collection, Iterable, Iterator
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.pipeline.candidates import Candidate
@@ -86,7 +89,7 @@ def of_launch(one: Candidate, beside: Iterable[Candidate]) -> Iterator[Diagnosti
             yield replace(found, severity=Severity.INFO)
         elif found.code == PACKAGE_NOT_FOUND.code and (has_gaps or not _is_misspelled(found)):
             yield replace(found, severity=Severity.WARNING)  # it may be in another workspace
-        elif found.code == UNDEFINED_CONFIGURATION.code and not MEANT.match(found.hint or ""):
+        elif found.code == UNDEFINED_CONFIGURATION.code and not suggested(found.hint):
             yield replace(found, severity=Severity.WARNING)  # who includes it may set it
         elif found.code == INVALID_SPAWNER_OPTION.code and has_gaps:
             yield replace(found, severity=Severity.INFO)
@@ -101,9 +104,9 @@ OF_NO_PACKAGE = "Look it up in the share folder of a package"  # the hint for ot
 
 def _is_misspelled(found: Diagnostic) -> bool:
     """Whether a package that is not found is surely one whose name is nearly the same."""
-    meant = MEANT.match(found.hint or "")
+    meant = suggested(found.hint)
     name = QUOTED.search(found.message)
-    return bool(meant and name and misspelled_as(name[1], [meant[1]]))
+    return bool(meant and name and misspelled_as(name[1], [meant]))
 
 
 def is_included(one: Candidate, beside: Iterable[Candidate]) -> bool:
@@ -112,7 +115,6 @@ def is_included(one: Candidate, beside: Iterable[Candidate]) -> bool:
     return any(file in other.included for other in beside if other is not one)
 
 
-MEANT = re.compile(r"Did you mean `([^`]+)`")
 QUOTED = re.compile(r"'([^']+)'")
 # Of xacro, where a launch file or another xacro file gives what the file needs.
 UNDEFINED_ARGUMENT = "Undefined substitution argument"
@@ -135,3 +137,42 @@ def of_file_alone(diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
             yield replace(found, severity=Severity.WARNING) if is_known else found
         else:
             yield found
+
+
+_OF_PACKAGES = frozenset(
+    rule.code
+    for rule in (MISSING_COLLISION_MESH, MISSING_VISUAL_MESH, PACKAGE_NOT_FOUND, XACRO_FILE_FAILS)
+)
+_ABSENT = re.compile(
+    r"package ['`]([^'`]+)['`](?: is not found|, which was not found| is needed, and the package)"
+)
+
+
+def without_absent_packages(
+    diagnostics: Iterable[Diagnostic], declared: Collection[str]
+) -> Iterator[Diagnostic]:
+    """Take what a package that is not on this machine would have for what it is: unknown.
+
+    `package.xml` declares the packages of `declared`: the user has them where the package runs.
+    Neither is a package that is released an error of the user. Of an include that is not found,
+    only one diagnostic is left.
+    """
+    found = list(diagnostics)
+    looked_up = {(one.file, one.line) for one in found if one.code == PACKAGE_NOT_FOUND.code}
+    for one in found:
+        absent = _ABSENT.search(one.message) if one.code in _OF_PACKAGES else None
+        if absent is None:
+            yield one
+        elif one.code == XACRO_FILE_FAILS.code and (one.file, one.line) in looked_up:
+            continue
+        elif absent[1] in declared or absent[1] in released_packages():
+            yield replace(one, severity=Severity.INFO)
+        elif one.code == MISSING_COLLISION_MESH.code and not _is_in_own_package(one):
+            yield replace(one, severity=Severity.WARNING)  # it may be in another workspace
+        else:
+            yield one
+
+
+def _is_in_own_package(missing: Diagnostic) -> bool:
+    """Whether the mesh is in the robot's package: the address leaves out the name of that."""
+    return (missing.hint or "").startswith("Write package://")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from wsgen.errors import NotFoundError
 from wsgen.source_shares import INDEX
 from wsgen.workspace.layout import (
+    INSTALL_LAYOUT,
     PackageFolder,
     Workspace,
     find_packages,
@@ -20,9 +21,6 @@ from wsgen.workspace.robot_files import find_descriptions
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
-
-
-LAYOUT = ".colcon_install_layout"  # colcon writes it into an install space
 
 
 class Targets(NamedTuple):
@@ -129,7 +127,7 @@ def _package_around(path: Path) -> PackageFolder | None:
 
 
 def _is_install_space(folder: Path) -> bool:
-    return (folder / LAYOUT).is_file() or (folder / INDEX).is_dir()
+    return (folder / INSTALL_LAYOUT).is_file() or (folder / INDEX).is_dir()
 
 
 def _prefixes(install: Path) -> Iterator[Path]:

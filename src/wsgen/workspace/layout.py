@@ -53,6 +53,7 @@ def _without_manifest(source: Path) -> Iterator[Path]:
             yield folder
 
 
+INSTALL_LAYOUT = ".colcon_install_layout"  # colcon writes it into an install space
 IGNORE_MARKERS = frozenset({"COLCON_IGNORE", "AMENT_IGNORE", "CATKIN_IGNORE"})
 PYTHON_MARKERS = frozenset({"setup.py", "setup.cfg", "pyproject.toml"})
 # How `ros2 launch` recognizes launch files.
@@ -331,7 +332,7 @@ def _is_workspace(folder: Path) -> bool:
 def _is_marked(folder: Path) -> bool:
     """Whether colcon has built or installed here."""
     try:
-        return (folder / "install" / ".colcon_install_layout").is_file() or (
+        return (folder / "install" / INSTALL_LAYOUT).is_file() or (
             folder / "build" / ".built_by"
         ).read_text(encoding="utf-8").strip() == "colcon"
     except (OSError, ValueError):
