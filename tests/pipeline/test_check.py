@@ -267,3 +267,12 @@ def test_a_file_that_another_program_writes_is_not_missing(tmp_path: Path) -> No
     )
     found = [one for one in run(package).diagnostics if one.name == "file-not-installed"]
     assert [(one.severity.value, one.line) for one in found] == [("warning", 3)]
+
+
+def test_a_mistake_in_xacro_is_reported_once(tmp_path: Path) -> None:
+    package = write_package(tmp_path, launch="cart.urdf -> cart.urdf.xacro")
+    (package / "urdf" / "cart.urdf").rename(package / "urdf" / "cart.urdf.xacro")
+    file = package / "urdf" / "cart.urdf.xacro"
+    text = file.read_text().replace('name="cart"', 'name="cart" xmlns:xacro="http://ros.org/xacro"')
+    file.write_text(text.replace('value="2"', 'value="${mass"'))
+    assert [(name, line) for name, _, line in reported(run(package))] == [("xacro-fails", 4)]

@@ -22,7 +22,7 @@ from wsgen.launch.explain import (
     UNDEFINED_CONFIGURATION,
     VARIABLE_NOT_SET,
 )
-from wsgen.launch.explain_missing import FILE_NOT_INSTALLED, PACKAGE_NOT_FOUND
+from wsgen.launch.explain_missing import FILE_NOT_INSTALLED, PACKAGE_NOT_FOUND, XACRO_FAILS
 from wsgen.launch.explain_names import UNSUPPORTED_API
 from wsgen.launch.simulators import NO_SIMULATOR
 from wsgen.launch.spawner_options import INVALID_SPAWNER_OPTION
@@ -154,17 +154,18 @@ def without_absent_packages(
     """Take what a package that is not on this machine would have for what it is: unknown.
 
     `package.xml` declares the packages of `declared`: the user has them where the package runs.
-    Neither is a package that is released an error of the user. Of an include that is not found,
-    only one diagnostic is left.
+    Neither is a package that is released an error of the user. Where a launch
+    file fails at a place of a xacro file, that is not reported of the file, too.
     """
     found = list(diagnostics)
-    looked_up = {(one.file, one.line) for one in found if one.code == PACKAGE_NOT_FOUND.code}
+    of_launch_files = {PACKAGE_NOT_FOUND.code, XACRO_FAILS.code}
+    reported = {(one.file, one.line) for one in found if one.code in of_launch_files}
     for one in found:
         absent = _ABSENT.search(one.message) if one.code in _OF_PACKAGES else None
+        if one.code == XACRO_FILE_FAILS.code and (one.file, one.line) in reported:
+            continue
         if absent is None:
             yield one
-        elif one.code == XACRO_FILE_FAILS.code and (one.file, one.line) in looked_up:
-            continue
         elif absent[1] in declared or absent[1] in released_packages():
             yield replace(one, severity=Severity.INFO)
         elif one.code == MISSING_COLLISION_MESH.code and not _is_in_own_package(one):
