@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
+import pickle
 from dataclasses import FrozenInstanceError, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -69,3 +71,51 @@ def test_what_may_change_has_no_hash() -> None:
     assert counter == Counter(1)
     with pytest.raises(TypeError):
         hash(counter)
+
+
+def test_frozen_fields_can_be_neither_set_nor_deleted() -> None:
+    joint: Any = Joint(name="a")
+    with pytest.raises(FrozenInstanceError, match="cannot change 'name' of a Joint"):
+        joint.name = "b"
+    with pytest.raises(FrozenInstanceError, match="cannot change 'name' of a Joint"):
+        del joint.name
+
+
+@dataclass
+class Watch:
+    name: str
+    seen: list[int] = field(default_factory=list)
+    first: int = field(init=False)
+    counts: dict[str, int] = field(init=False, default_factory=dict)
+    limit: float = field(default=2.0, kw_only=True)
+
+    def __post_init__(self) -> None:
+        self.first = len(self.name)
+
+
+@dataclass
+class Longer(Watch):
+    more: int = 1
+
+
+def test_fields_are_filled_in_the_order_of_the_standard_library() -> None:
+    made: Any = Watch
+    watch, other = Watch("abc", limit=3.0), Longer("a", [1], 5)
+    assert (watch.seen, watch.first, watch.counts, watch.limit) == ([], 3, {}, 3.0)
+    assert (other.seen, other.first, other.limit, other.more) == ([1], 1, 2.0, 5)
+    assert watch.seen is not Watch("d").seen
+    assert Watch("d").counts is not watch.counts
+    for wrong in (made, lambda: made("a", [], 3.0), lambda: made("a", first=1)):
+        with pytest.raises(TypeError, match=r"Watch\.__init__\(\)"):
+            wrong()
+
+
+class Undecorated(Fixed):
+    """Has the `__init__` of its base."""
+
+
+def test_a_class_without_decorator_has_that_of_its_base() -> None:
+    assert Undecorated(name="a").name == "a"
+    assert Fixed(name="b", limit=2.0).limit == 2.0
+    assert copy.copy(Undecorated(name="a")).name == "a"
+    assert pickle.loads(pickle.dumps(Joint(name="a"))) == Joint(name="a")  # noqa: S301  its own
