@@ -22,7 +22,7 @@ from wsgen.workspace.allowances import find_comments, read_comments
 from wsgen.workspace.settings import read_settings
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Sequence
+    from collections.abc import Collection, Iterable, Mapping, Sequence
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
@@ -110,33 +110,28 @@ def leave_out_allowed(
         Those that count, with those about the allowances themselves; and the allowed ones.
     """
     allowances: list[Allowance] = [one for file in files for one in read_comments(file)]
-    kept = tuple(diagnostics)
-    silent: tuple[Diagnostic, ...] = ()
+    allowed_in: dict[Path, frozenset[str]] = {}
+    kept = list(diagnostics)
     for folder in packages:
         settings, _ = read_settings(folder)
         allowances += [*settings.allowances, *find_comments(folder)]
         if settings.allow:
-            unknown = unknown_rule_allowed(settings.allow, settings.file, settings.allow_line)
-            kept = tuple(dict.fromkeys((*kept, *unknown)))
-            left = _without_warnings(kept, settings.allow, folder)
-            silent += tuple(found for found in kept if found not in left)
-            kept = left
+            allowed_in[folder] = frozenset(settings.allow)
+            kept += unknown_rule_allowed(settings.allow, settings.file, settings.allow_line)
+    silent = tuple(found for found in kept if _is_allowed(found, allowed_in))
+    kept = [*dict.fromkeys(found for found in kept if not _is_allowed(found, allowed_in))]
     if not allowances:
-        return kept, silent
+        return tuple(kept), silent
     found = suppress(kept, allowances, read=[*only, *files] if only else None)
     return found.reported, (*silent, *found.allowed)
 
 
-def _without_warnings(
-    diagnostics: Iterable[Diagnostic], allow: Sequence[str], folder: Path
-) -> tuple[Diagnostic, ...]:
-    """Leave out the warnings in a package that its settings allow in `wsgen validate`."""
-    return tuple(
-        found
-        for found in diagnostics
-        if found.file is None
-        or not found.file.is_relative_to(folder)
-        or without_allowed([found], allow)
+def _is_allowed(found: Diagnostic, allowed_in: Mapping[Path, frozenset[str]]) -> bool:
+    """Whether the settings of its package allow it in `wsgen validate`; never an error."""
+    return found.file is not None and any(
+        not without_allowed([found], allowed_in[folder])
+        for folder in found.file.parents
+        if folder in allowed_in
     )
 
 

@@ -11,7 +11,7 @@ from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.suggestions import did_you_mean, nearest
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Collection, Iterable, Iterator
     from pathlib import Path
 
 
@@ -121,9 +121,10 @@ def all_rules() -> tuple[Rule, ...]:
     return collect(rule for module in MODULES for rule in _rules_in(module))
 
 
-def _rules_in(module: str) -> list[Rule]:
+@functools.cache
+def _rules_in(module: str) -> tuple[Rule, ...]:
     names = vars(importlib.import_module(module)).values()
-    return [value for value in names if isinstance(value, Rule)]
+    return tuple(value for value in names if isinstance(value, Rule))
 
 
 def collect(found: Iterable[Rule]) -> tuple[Rule, ...]:
@@ -201,13 +202,13 @@ UNKNOWN_RULE_ALLOWED = Rule(
 
 
 def without_allowed(
-    diagnostics: Iterable[Diagnostic], allow: Sequence[str]
+    diagnostics: Iterable[Diagnostic], allow: Collection[str]
 ) -> tuple[Diagnostic, ...]:
     """The diagnostics without those whose rule is allowed by name or code; errors always stay."""
     return tuple(
         found
         for found in diagnostics
-        if found.severity is Severity.ERROR or not {found.name, found.code} & set(allow)
+        if found.severity is Severity.ERROR or not (found.name in allow or found.code in allow)
     )
 
 
