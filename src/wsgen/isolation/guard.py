@@ -80,7 +80,7 @@ def kill_children(spared: Collection[int] = ()) -> None:
 
 def _watch(pid: int, cpu_seconds: float) -> int:
     """Wait for the child's end or a limit; end all; return its exit code, or minus the signal."""
-    code, next_check = None, 0.0
+    code, next_check = None, time.monotonic() + _least_wall_clock(cpu_seconds)
     while code is None and not _reap_orphans(pid):
         # Other signals must not delay the next check.
         event = signal.sigtimedwait(WATCHED, max(0.0, next_check - time.monotonic()))
@@ -89,13 +89,16 @@ def _watch(pid: int, cpu_seconds: float) -> int:
         elif time.monotonic() >= next_check:
             left = cpu_seconds - _descendants_cpu_seconds()
             code = -signal.SIGXCPU if left < 0.0 else None
-            # Even on all cores they cannot use up the rest in this time.
-            wait = max(SHORTEST_WAIT, left / (os.cpu_count() or 1))
-            next_check = time.monotonic() + wait
+            next_check = time.monotonic() + _least_wall_clock(left)
     with suppress(ProcessLookupError, PermissionError):
         os.killpg(pid, signal.SIGKILL)
     status = _end_children(pid)
     return os.waitstatus_to_exitcode(status) if code is None else code
+
+
+def _least_wall_clock(cpu_seconds: float) -> float:
+    """For how long nothing can use up so much CPU time, even on all cores; s, wall-clock."""
+    return max(SHORTEST_WAIT, cpu_seconds / (os.cpu_count() or 1))
 
 
 def _reap_orphans(pid: int) -> bool:
