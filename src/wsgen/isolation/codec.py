@@ -59,12 +59,20 @@ def decode(value: Any, kind: type[T]) -> T:
 
 
 def _decode(value: Any, kind: Any) -> Any:
-    origin, arguments = get_origin(kind), get_args(kind)
+    if type(value) is kind:
+        return value  # most are: plans have thousands of texts and numbers
+    origin, arguments = _parts(kind)
     if origin is not None:
         return _decode_generic(value, kind, origin, arguments)
     if hasattr(kind, "__dataclass_fields__"):
         return _decode_fields(value, kind)
     return value if kind is Any else _decode_plain(value, types.NoneType if kind is None else kind)
+
+
+@functools.cache
+def _parts(kind: Any) -> tuple[Any, tuple[Any, ...]]:
+    """What a type is generic in, and its arguments."""
+    return get_origin(kind), get_args(kind)
 
 
 def _decode_plain(value: Any, kind: type) -> Any:
@@ -97,6 +105,8 @@ def _decode_generic(value: Any, kind: Any, origin: Any, arguments: tuple[Any, ..
 
 
 def _decode_member(value: Any, kind: Any, members: tuple[Any, ...]) -> Any:
+    if type(value) in members:
+        return value
     if isinstance(value, dict) and NAME in value:
         for member in members:
             if getattr(member, "__name__", "") == value[NAME]:

@@ -209,7 +209,7 @@ class _PythonReader:
 
     def __init__(self, tree: ast.Module) -> None:
         self.tree = tree
-        self.nodes = [*_certain(tree)]
+        self.nodes = _certain(tree, [])
 
     @cached_property
     def constants(self) -> dict[str, str]:
@@ -252,17 +252,35 @@ class _PythonReader:
                 yield node.module.partition(".")[0], node.lineno
 
 
-def _certain(tree: ast.AST) -> Iterator[ast.AST]:
-    """The nodes in the order of the text, but those that are tried, or under a condition."""
-    for child in ast.iter_child_nodes(tree):
-        if isinstance(child, ast.Try) and child.handlers:
-            continue
-        if isinstance(child, ast.If) and _UNKNOWN_TEST.search(ast.unparse(child.test)):
-            continue
-        if isinstance(child, ast.If) and _name(child.test) == "TYPE_CHECKING":
-            continue
-        yield child
-        yield from _certain(child)
+def _certain(tree: ast.AST, found: list[ast.AST]) -> list[ast.AST]:
+    """Add calls and imports in the order of the text, but what is tried, or under a condition.
+
+    Most of what a check costs Python goes through here: no generators, nothing for names and texts.
+    """
+    for name in tree._fields:
+        value = getattr(tree, name, None)
+        for child in value if value.__class__ is list else (value,):
+            kind = child.__class__
+            if kind in _LEAVES or not isinstance(child, ast.AST) or _is_uncertain(child):
+                continue
+            if kind in _WANTED:
+                found.append(child)
+            _certain(child, found)
+    return found
+
+
+_WANTED = frozenset((ast.Call, ast.Import, ast.ImportFrom))
+_LEAVES = frozenset((ast.Constant, ast.Load, ast.Name, ast.Store, ast.alias, str, type(None)))
+
+
+def _is_uncertain(node: ast.AST) -> bool:
+    """Whether what is in it may fail, or depends on where it runs."""
+    if isinstance(node, ast.Try):
+        return bool(node.handlers)
+    return isinstance(node, ast.If) and (
+        _name(node.test) == "TYPE_CHECKING"
+        or _UNKNOWN_TEST.search(ast.unparse(node.test)) is not None
+    )
 
 
 def _constants(tree: ast.Module) -> dict[str, str]:
