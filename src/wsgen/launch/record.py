@@ -11,6 +11,7 @@ every other one is known only where ROS is.
 from __future__ import annotations
 
 import contextlib
+import functools
 import linecache
 import os
 import re
@@ -237,11 +238,16 @@ def callers() -> Iterator[Location]:
     """The lines of the user's files, and of libraries, that are being executed, innermost first."""
     frame: FrameType | None = sys._getframe(1)  # noqa: SLF001  no stack has to be built for it
     while frame is not None:
-        code = frame.f_code
-        is_start = frame.f_globals.get("__name__") == "__main__"  # the child's own first lines
-        if not is_start and not code.co_filename.startswith(_NOT_THE_USERS):
-            yield code.co_filename, frame.f_lineno
+        file = frame.f_code.co_filename
+        # The child's own first lines are a module that has no other name.
+        if not _is_machinery(file) and frame.f_globals.get("__name__") != "__main__":
+            yield file, frame.f_lineno
         frame = frame.f_back
+
+
+@functools.cache
+def _is_machinery(file: str) -> bool:
+    return file.startswith(_NOT_THE_USERS)
 
 
 def locate(error: BaseException, fallback: Location | None) -> None:

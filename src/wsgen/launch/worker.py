@@ -140,9 +140,10 @@ def _note_unset_variables() -> None:
 
     def note(name: str, default: Any = None) -> Any:
         value = get(name, default)
-        reader = next((place for place in callers() if place[0] not in _OS), None)
-        if value is None and reader is not None and reader[0] in RECORD.launch_files:
-            RECORD.unset[name] = reader
+        if value is None:
+            reader = next((place for place in callers() if place[0] not in _OS), None)
+            if reader is not None and reader[0] in RECORD.launch_files:
+                RECORD.unset[name] = reader
         return value
 
     os.environ.get = note  # type: ignore[assignment,method-assign]  # os.getenv() calls it, too
