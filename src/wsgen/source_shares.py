@@ -30,13 +30,17 @@ def serve_sources(
     """Write a prefix for each package into a folder; the environment with them on the path."""
     prefixes = [environment.get("AMENT_PREFIX_PATH", "")]
     for package, source in sources.items():
-        prefix = folder / package
-        (prefix / INDEX).mkdir(parents=True)
-        (prefix / INDEX / package).write_text(str(source), encoding="utf-8")
-        _link(prefix / "share" / package, source)
-        prefixes.append(str(prefix))
+        serve_source(folder / package, package, source)
+        prefixes.append(str(folder / package))
     path = os.pathsep.join(filter(None, prefixes))
     return {**environment, "AMENT_PREFIX_PATH": path, VARIABLE: str(folder)}
+
+
+def serve_source(prefix: Path, package: str, source: Path) -> None:
+    """Let a source folder serve as the share folder of a package in a prefix."""
+    (prefix / INDEX).mkdir(parents=True, exist_ok=True)
+    (prefix / INDEX / package).write_text(str(source), encoding="utf-8")
+    _link(prefix / "share" / package, source)
 
 
 def _link(place: Path, folder: Path) -> None:

@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.build_files.facts import read_build_facts
-from wsgen.source_shares import INSTALLED, serve_installed
+from wsgen.pipeline.reached_packages import find_reached
+from wsgen.source_shares import INSTALLED, serve_installed, serve_source
 from wsgen.values import dataclass
 from wsgen.workspace.layout import find_packages
 from wsgen.workspace.overlay import Overlay, overlay_of
@@ -35,7 +36,7 @@ class InstalledAsBuilt:
     folder: Path  # of the install space, scratch
     shown_as: Path  # the install space that it stands for
     sources: Mapping[str, PackageFolder]  # by name, all packages of the workspaces
-    facts: Mapping[str, BuildFacts]  # by name of the package
+    facts: Mapping[str, BuildFacts]  # by name, of packages that the checked ones may look up
     problems: Mapping[str, tuple[Diagnostic, ...]]  # of the build files, by name of the package
     made: frozenset[str] = frozenset()  # paths in `folder` that only a build makes
 
@@ -82,9 +83,16 @@ def lay_out(targets: Targets, scratch: Path, environment: Mapping[str, str]) -> 
                 packages.setdefault(package.name, package)
     # Merged: where each package has a prefix, what looks one up passes over all others.
     folder = Path(os.path.realpath(scratch)) / "install"
+    if targets.files or targets.installed:
+        reached = frozenset(packages)  # what they look up is known when they are evaluated
+    else:
+        reached = find_reached((one.name for one in targets.packages), packages)
+    for name in packages.keys() - reached:
+        serve_source(folder, name, packages[name].path)
     read = {
-        package.name: read_build_facts(package.path, package.name, package.build_type)
-        for package in packages.values()
+        name: read_build_facts(packages[name].path, name, packages[name].build_type)
+        for name in packages
+        if name in reached
     }
     facts = {name: found for name, (found, _) in read.items()}
     for name, found in facts.items():
