@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.build_files import cmake_commands
+from wsgen.build_files import cmake_commands, cmake_regex
 from wsgen.build_files.cmake_calls import InstallRule, Mention
 from wsgen.build_files.cmake_text import (
     BRACKET,
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
 
 MOST_STEPS = 20_000  # calls; more than that is an endless loop
 DEEPEST = 30  # functions, files and folders inside each other
+WORK_OF_A_STEP = 200  # what a regular expression may do in the time of a call
 MOST_LETTERS = 2**17  # of an argument; a variable may double itself without end
 
 
@@ -87,7 +88,7 @@ class Reader:
         self._stop: str = ""  # return, break or continue, while it is under way
         self._parents: list[dict[str, str]] = []  # the variables around a function or a folder
         self._conditions = Conditions(
-            self.look_up_name, self.exists, self._is_command, self._is_target
+            self.look_up_name, self.exists, self._is_command, self._is_target, self.matches
         )
 
     def read(self) -> None:
@@ -153,6 +154,20 @@ class Reader:
 
     def _is_target(self, name: str) -> bool | None:
         return True if name in self.targets else None
+
+    def matches(self, pattern: str, text: str) -> bool | None:
+        """Whether a regular expression matches in a text; None where that is not known."""
+        regex = cmake_regex.compiled(pattern) if self._steps <= MOST_STEPS else None
+        if regex is None:
+            return None
+        before = regex.work
+        found = regex.search(text)
+        self.count((regex.work - before) // WORK_OF_A_STEP)
+        return found
+
+    def count(self, steps: int) -> None:
+        """Count work that takes as long as that many calls."""
+        self._steps += steps
 
     def line_of_last(self, command: str) -> int | None:
         """The line of the last call of a command in CMakeLists.txt, or of its last call at all."""

@@ -8,7 +8,7 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wsgen.build_files import cmake_install
+from wsgen.build_files import cmake_install, cmake_regex
 from wsgen.build_files.cmake_calls import texts
 from wsgen.build_files.cmake_values import BUILD, UNKNOWN, is_known, split_list, version
 from wsgen.model.build_facts import RequiredPackage, Target
@@ -81,11 +81,9 @@ def _list(reader: Reader, mention: Mention) -> None:
         reader.variables[name] = ";".join(change(before, values))
     elif action == "FILTER" and len(values) > 2 and is_known("".join([*values, *before])):
         keeps = values[0] == "INCLUDE"
-        try:
-            kept = [one for one in before if bool(re.search(values[2], one)) is keeps]
-        except re.error:
-            kept = [UNKNOWN]
-        reader.variables[name] = ";".join(kept)
+        matches = [reader.matches(values[2], one) for one in before]
+        kept = [one for one, match in zip(before, matches, strict=True) if match is keeps]
+        reader.variables[name] = UNKNOWN if None in matches else ";".join(kept)
     elif action == "LENGTH" and values:
         is_sure = is_known("".join(before))
         reader.variables[values[0]] = str(len(before)) if is_sure else UNKNOWN
@@ -126,7 +124,9 @@ def _string(reader: Reader, mention: Mention) -> None:
         value = "".join(words[4:]).replace(words[1], words[2]) if is_known(text) else UNKNOWN
         reader.variables[words[3]] = value
     elif action == "REGEX" and len(words) > 5 and words[1] == "REPLACE":
-        reader.variables[words[4]] = _replace_regex(words[2], words[3], "".join(words[5:]))
+        text = "".join(words[5:])
+        reader.variables[words[4]] = _replace_regex(words[2], words[3], text)
+        reader.count(len(text) // 1000)
     elif action in {"APPEND", "PREPEND"} and len(words) > 1:
         before, more = reader.look_up("", words[1]), "".join(words[2:])
         reader.variables[words[1]] = before + more if action == "APPEND" else more + before
@@ -141,10 +141,8 @@ def _string(reader: Reader, mention: Mention) -> None:
 def _replace_regex(pattern: str, other: str, text: str) -> str:
     if not is_known(pattern + other + text):
         return UNKNOWN
-    try:
-        return re.sub(pattern, other, text)
-    except re.error:
-        return UNKNOWN
+    value = cmake_regex.replace(pattern, other, text)
+    return UNKNOWN if value is None else value
 
 
 def _get_filename_component(reader: Reader, mention: Mention) -> None:

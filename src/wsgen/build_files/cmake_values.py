@@ -91,11 +91,13 @@ class Conditions:
         exists: Callable[[str], bool | None],
         is_command: Callable[[str], bool | None],
         is_target: Callable[[str], bool | None],
+        matches: Callable[[str, str], bool | None],  # a pattern, in a text
     ) -> None:
         self._variable = variable
         self._exists = exists
         self._is_command = is_command
         self._is_target = is_target
+        self._matches = matches
         self._words: Sequence[Argument] = ()
         self._position = 0
 
@@ -104,7 +106,7 @@ class Conditions:
         self._words, self._position = words, 0
         try:
             value = self._or()
-        except (IndexError, ValueError, re.error):
+        except (IndexError, ValueError):
             return None
         return value if self._position == len(words) else None
 
@@ -189,6 +191,8 @@ class Conditions:
         other = right.text if operator == "MATCHES" else self._value(right)
         if UNKNOWN in one + other:
             return None
+        if operator == "MATCHES":
+            return self._matches(other, one)
         return _BINARY[operator](one, other)
 
     def _defined(self, name: str) -> bool | None:
@@ -238,7 +242,7 @@ _BINARY: dict[str, Callable[[str, str], bool]] = {
     **{f"VERSION_{name}": _versions(test) for name, test in _TESTS.items()},
     **{f"STR{name}": test for name, test in _TESTS.items()},
     "PATH_EQUAL": lambda one, other: os.path.normpath(one) == os.path.normpath(other),
-    "MATCHES": lambda one, other: re.search(other, one) is not None,
+    "MATCHES": _unknown,  # the reader looks for the pattern
     "IN_LIST": lambda one, other: one in other.split(";"),
     "IS_NEWER_THAN": _unknown,
 }

@@ -9,6 +9,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from wsgen.build_files import cmake_regex
 from wsgen.build_files.cmake_install import relative_destination
 from wsgen.build_files.cmake_values import BUILD, UNKNOWN, is_known
 from wsgen.model.build_facts import Executable, InstalledFile, PythonPackage
@@ -136,28 +137,28 @@ def _filter(rule: InstallRule) -> Callable[[str, bool], bool]:
     """
     if not rule.patterns:
         return lambda _path, _is_folder: True
-    tests = [(_pattern(kind, text), excludes) for kind, text, excludes in rule.patterns]
+    tests = [(_test(kind, text), excludes) for kind, text, excludes in rule.patterns]
 
     def accepts(path: str, is_folder: bool) -> bool:  # noqa: FBT001
-        matches = [excludes for pattern, excludes in tests if pattern.search(path)]
-        if True in matches:
+        # What is not known does not keep a file away.
+        found = [(matches(path), excludes) for matches, excludes in tests]
+        if (True, True) in found:
             return False
-        return bool(matches) or is_folder or not rule.matching_only
+        is_named = any(match is not False and not excludes for match, excludes in found)
+        return is_named or is_folder or not rule.matching_only
 
     return accepts
 
 
 @cache
-def _pattern(kind: str, text: str) -> re.Pattern[str]:
+def _test(kind: str, text: str) -> Callable[[str], bool | None]:
     if kind == "REGEX":
-        try:
-            return re.compile(text)
-        except re.error:
-            return re.compile("(?!)")
+        return lambda path: cmake_regex.search(text, path)
     # The pattern is that of the last parts of the path; * and ? do not match a slash.
     inner = fnmatch.translate(text).removesuffix(r"\Z").removeprefix("(?s:").removesuffix(")")
     inner = inner.replace(".*", "[^/]*") if "*" in text else inner
-    return re.compile(f"/{inner}$")
+    pattern = re.compile(f"/{inner}$")
+    return lambda path: pattern.search(path) is not None
 
 
 def _join(folder: str, name: str) -> str:
