@@ -144,6 +144,8 @@ def test_the_sound_package(tmp_path: Path, build_type: str) -> None:
         ("CMakeLists.txt", "install(PROGRAMS", "install(FILES", "program-not-executable",
          "install(PROGRAMS scripts/walk.py"),
         ("scripts/walk.py", "#!/usr/bin/env python3\n", "", "broken-shebang", "#!/usr/bin/env"),
+        ("scripts/walk.py", "def main():", "def main()", "python-syntax-error", "colon"),
+        ("crab/walk.py", "def main():", "def main()", "python-syntax-error", "colon"),
         ("setup.py", "crab.walk:main", "crab.walk:mian", "broken-console-script", "`main`"),
         # 16: an old CMake, a package of tests.
         ("CMakeLists.txt", "VERSION 3.8", "VERSION 2.8", "old-cmake-minimum", "VERSION 3.8...3.31"),
@@ -160,3 +162,5 @@ def test_ways_to_fail(  # noqa: PLR0917
     assert advice in (wanted.hint or "")
     assert wanted.file is not None
     assert wanted.line is not None or new == "GONE"
+    if name == "python-syntax-error":
+        assert [one.name for one in found] == [name]

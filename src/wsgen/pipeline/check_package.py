@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.build_files.cmake_checks import check_for_distro
+from wsgen.build_files.python_sources import check_python_syntax
 from wsgen.diagnostics import has_errors
 from wsgen.isolation.parent import make_scratch
 from wsgen.pipeline.candidates import Candidate, LaunchFile, simulation_of, with_descriptions
@@ -165,6 +166,8 @@ class PackageCheck:
         # One call of a rule a line: `yield from topic.rule(facts...)`.
         if facts.build is not None:
             yield from check_for_distro(facts.build.dated_calls, facts.distro)
+            if facts.package.build_type != "catkin":  # whose programs may be of Python 2
+                yield from check_python_syntax(facts.build, facts.distro)
         yield from check_package_manifest(
             facts.package,
             build=facts.build,

@@ -37,6 +37,7 @@ MODULES = (
     "wsgen.build_files.cmake_checks",
     "wsgen.build_files.install_checks",
     "wsgen.build_files.python_checks",
+    "wsgen.build_files.python_sources",
     "wsgen.description_rules",
     "wsgen.launch.commands",
     "wsgen.launch.descriptions",
