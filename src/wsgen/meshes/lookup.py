@@ -59,7 +59,7 @@ def locate(uri: str, share_of: ShareOf, folder: Path | None) -> Path | Missing:
         package, _, inside = rest.partition("/")
         share = share_of(package)
         if share is None:
-            own = _address_of(rest, folder) if folder is not None else None
+            own = address_in_package(rest, folder) if folder is not None else None
             return Missing(
                 f"is in the package `{package}`, which was not found",
                 f"Write {own}"
@@ -122,7 +122,7 @@ def _explain(uri: str, path: Path) -> Missing:
         )
     if Path(uri.removeprefix("file://")).is_absolute() and not home.exists():
         return Missing(f"has a path of another machine ({path})", IN_PACKAGE)
-    own = _address_of(path.name, path.parent)
+    own = address_in_package(path.name, path.parent)
     return Missing(
         f"does not exist ({path})",
         f"Write {own}"
@@ -136,7 +136,7 @@ _FOLDERS = 200  # of a package, among which a mesh is looked for
 _NAME = re.compile(r"<name>\s*([\w-]+)\s*</name>")
 
 
-def _address_of(name: str, folder: Path) -> str | None:
+def address_in_package(name: str, folder: Path) -> str | None:
     """The address of the only file of the package around `folder` whose path ends so."""
     around = (folder, *folder.parents)[:_LEVELS]
     package = next((one for one in around if (one / "package.xml").is_file()), None)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen import yamlfile
 from wsgen.files import read_regular
+from wsgen.launch.commands import started_programs
 from wsgen.launch.descriptions import Description, published_descriptions, read_published
 from wsgen.launch.simulators import WORLD_SUFFIXES, simulator_kinds
 from wsgen.rules import (
@@ -15,6 +16,7 @@ from wsgen.rules import (
     controllers,
     frames,
     launch_files,
+    mesh_addresses,
     resource_paths,
     simulators,
     worlds,
@@ -24,12 +26,14 @@ from wsgen.rules.spawn_heights import check_spawn_height
 from wsgen.sdf.includes import DATABASE_MODELS, MODEL_LEFT_OUT
 from wsgen.sdf.lookup import find_world, model_finder
 from wsgen.sdf.source import SIZE_LIMIT, load, read_document
+from wsgen.xacro.source import written_elements
 from wsgen.xmltree import child_text, children
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 
     from wsgen.diagnostics import Diagnostic
+    from wsgen.model.package import ShareOf
     from wsgen.model.plan import LaunchPlan
     from wsgen.model.robot import Robot
     from wsgen.model.world import World
@@ -102,6 +106,23 @@ def check_launched(  # noqa: PLR0913  most have defaults
             world=name,
             models=_models(started, world),
         )
+
+
+def check_addresses(started: Started, share_of: ShareOf) -> Iterator[Diagnostic]:
+    """Check the addresses of meshes in what a launch file publishes for RViz and Gazebo."""
+    plan = started.plan
+    shows = any(one.executable == mesh_addresses.RVIZ for one in started_programs(plan))
+    for publisher in published_descriptions(plan).values():
+        robot = read_published(plan, publisher)
+        if not isinstance(robot, Description) or robot.file is None:
+            continue
+        addresses = mesh_addresses.mesh_addresses(robot.text)
+        if all(one.startswith(("package://", "file://")) for one in addresses):
+            continue
+        written = written_elements(robot.file, share_of)
+        yield from mesh_addresses.relative_addresses(addresses, robot.file, written)
+        if shows:
+            yield from mesh_addresses.model_addresses(addresses, robot.file, written)
 
 
 def check_heights(

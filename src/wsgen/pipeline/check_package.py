@@ -11,6 +11,7 @@ from wsgen.isolation.parent import make_scratch
 from wsgen.pipeline.candidates import Candidate, LaunchFile, simulation_of, with_descriptions
 from wsgen.pipeline.check_controllers import check_controlled
 from wsgen.pipeline.check_launched import (
+    check_addresses,
     check_heights,
     check_launched,
     check_texts,
@@ -213,6 +214,7 @@ class PackageCheck:
                 is_known=self.installed.is_known,
                 sets_path=self._sets_search_path,
             )
+            yield from check_addresses(started, self.overlay.share)
             same = simulation_of(one)
             if not started.is_evaluated or not started.has_spawner or same in known:
                 continue

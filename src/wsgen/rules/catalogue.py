@@ -77,6 +77,7 @@ MODULES = (
     "wsgen.rules.lumped",
     "wsgen.rules.manifests",
     "wsgen.rules.materials",
+    "wsgen.rules.mesh_addresses",
     "wsgen.rules.package_uses",
     "wsgen.rules.plugins",
     "wsgen.rules.robot_files",
