@@ -31,6 +31,7 @@ PACKAGE = """<?xml version="1.0"?>
   <exec_depend>ros_gz_bridge</exec_depend>
   <exec_depend>ros_gz_sim</exec_depend>
   <exec_depend>xacro</exec_depend>  <!-- expands the robot -->
+  <test_depend>ament_lint_auto</test_depend>
 
   <export>
     <build_type>ament_cmake</build_type>
@@ -47,6 +48,10 @@ install(
   DIRECTORY launch urdf worlds
   DESTINATION share/${PROJECT_NAME}
 )
+
+if(BUILD_TESTING)
+  find_package(ament_lint_auto REQUIRED)
+endif()
 
 ament_package()
 """
@@ -176,6 +181,12 @@ CASES: list[tuple[str, ...]] = [
         "missing-buildtool-dependency",
         "package.xml",
         "  <buildtool_depend>ament_cmake</buildtool_depend>\n",
+        "",
+    ),
+    (
+        "undeclared-test-dependency",
+        "package.xml",
+        "  <test_depend>ament_lint_auto</test_depend>\n",
         "",
     ),
     (

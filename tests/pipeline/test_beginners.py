@@ -114,6 +114,14 @@ WAYS = {
         ),
         {("test-package-required", "CMakeLists.txt")},
     ),
+    "tests require what package.xml does not declare": (
+        (
+            "CMakeLists.txt",
+            "ament_package()",
+            "if(BUILD_TESTING)\n  find_package(ament_lint_auto REQUIRED)\nendif()\nament_package()",
+        ),
+        {("undeclared-test-dependency", "CMakeLists.txt")},
+    ),
 }
 
 

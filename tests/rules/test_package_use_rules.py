@@ -10,6 +10,7 @@ import pytest
 from wsgen.model.build_facts import BuildFacts, InstalledFile, RequiredPackage
 from wsgen.rules.package_uses import (
     check_required,
+    check_tests,
     check_uses,
     declared_by,
     may_be_unused,
@@ -172,6 +173,38 @@ def test_an_undeclared_package_of_the_build() -> None:
 def test_what_the_build_may_require(one: RequiredPackage) -> None:
     dependencies = {"depend": "rclcpp", "build_depend": "pluginlib", "exec_depend": "nav_msgs"}
     assert check_build(one, **dependencies) == []
+
+
+def check_of_tests(name: str, **dependencies: str) -> list[Diagnostic]:
+    checked = manifest("my_robot", **dependencies)
+    one = required(name, in_tests=True)
+    return [*check_tests(checked, [one], manifests={"my_robot": checked}, distro=None)]
+
+
+@pytest.mark.parametrize("name", ["ament_lint_auto", "ament_cmake_gtest", "ament_cmake_cpplint"])
+def test_an_undeclared_package_of_tests(name: str) -> None:
+    (found,) = check_of_tests(name, buildtool_depend="ament_cmake")
+    assert (found.code, found.file, found.line) == ("PKG089", CMAKE, 7)
+    assert found.hint == f"Add to package.xml: <test_depend>{name}</test_depend>"
+
+
+@pytest.mark.parametrize(
+    ("name", "declared"),
+    [
+        ("ament_lint_auto", "ament_lint_auto"),
+        ("ament_lint_auto", "amnet_lint_auto"),  # misspelled, and reported
+        ("ament_cmake_cpplint", "ament_lint_common"),
+        ("ament_cmake_gtest", "ament_cmake_ros"),
+        ("sensor_msgs", ""),  # not of tests alone: what is tested may bring it
+        ("ament_cmake_test", ""),  # ament_cmake brings it
+    ],
+)
+def test_what_tests_may_require(name: str, declared: str) -> None:
+    assert check_of_tests(name, test_depend=declared) == []
+    outside = manifest("my_robot")
+    assert not [
+        *check_tests(outside, [required(name)], manifests={"my_robot": outside}, distro=None)
+    ]
 
 
 ROBOT_FILE = Path("src/my_robot/urdf/robot.xacro")

@@ -69,7 +69,7 @@ def add_ament_package(_: Diagnostic, source: SourceText) -> Sequence[Edit]:
 def remove_repeated_ament_package(_: Diagnostic, source: SourceText) -> Sequence[Edit]:
     """Keep the last call of ament_package(), which must follow all others."""
     calls = [command for command in read_commands(source) if command.name == "ament_package"]
-    if len({_words(one) for one in calls}) > 1 or _has_blocks(source):
+    if len({_words(one) for one in calls}) > 1 or not _are_all_run(calls, source):
         return []
     return [edit for call in calls[:-1] for edit in _remove(source, call.start, call.end)]
 
@@ -78,10 +78,10 @@ def _words(command: Command) -> tuple[str, ...]:
     return tuple(argument.text for argument in command.arguments)
 
 
-def _has_blocks(source: SourceText) -> bool:
-    """Whether calls may be skipped: then only one of two could be meant to run."""
-    blocks = {"if", "foreach", "while", "function", "macro", "return"}
-    return any(command.name in blocks for command in read_commands(source))
+def _are_all_run(calls: Sequence[Command], source: SourceText) -> bool:
+    """Whether no call may be skipped: else only one of two could be meant to run."""
+    is_whole = all(command.name != "return" for command in read_commands(source))
+    return is_whole and not any(_depth(source, call) for call in calls)
 
 
 def move_ament_package(_: Diagnostic, source: SourceText) -> Sequence[Edit]:

@@ -34,6 +34,7 @@ FIXERS: Mapping[str, Fixer] = {
             "undeclared-package",
             "undeclared-dependency",
             "undeclared-build-dependency",
+            "undeclared-test-dependency",
             "missing-buildtool-dependency",
             "missing-interface-dependency",
             "missing-interface-group",

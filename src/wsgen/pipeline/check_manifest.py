@@ -10,6 +10,7 @@ from wsgen.rules.dependencies import check_dependencies
 from wsgen.rules.manifests import check_manifest, generated_interfaces
 from wsgen.rules.package_uses import (
     check_required,
+    check_tests,
     check_uses,
     may_be_unused,
     unused_dependencies,
@@ -79,6 +80,9 @@ def check_package_manifest(
     yield from check_uses(manifest, uses, manifests=manifests, distro=distro)
     if build is not None:
         yield from check_required(
+            manifest, build.required_packages, manifests=manifests, distro=distro
+        )
+        yield from check_tests(
             manifest, build.required_packages, manifests=manifests, distro=distro
         )
         candidates = may_be_unused(manifest, build, uses)

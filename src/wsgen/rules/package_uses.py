@@ -72,6 +72,18 @@ MISSPELLED_REQUIREMENT = Rule(
     example="find_package(rclcp REQUIRED)",
     instead="find_package(rclcpp REQUIRED)",
 )
+UNDECLARED_TEST_DEPENDENCY = Rule(
+    code="PKG089",
+    name="undeclared-test-dependency",
+    severity=Severity.WARNING,
+    summary="CMakeLists.txt requires packages for its tests that `package.xml` does not declare.",
+    what="Compares `find_package(NAME REQUIRED)` of test tools and linters in `if(BUILD_TESTING)` "
+    "with all dependencies. Skips what another declared package brings.",
+    why="`colcon build` builds the tests, too. `rosdep install` does not install the packages, and "
+    "CMake stops on a machine without them.",
+    example="if(BUILD_TESTING)\n  find_package(ament_lint_auto REQUIRED)\nendif()",
+    instead="<!-- package.xml -->\n<test_depend>ament_lint_auto</test_depend>",
+)
 
 UNUSED_DEPENDENCY = Rule(
     code="PKG086",
@@ -295,6 +307,63 @@ def check_required(
         first.file,
         first.line,
         message=f"package.xml does not declare {listed(names)}, which {first.file.name} requires.",
+        hint=f"Add to package.xml: {lines}",
+    )
+
+
+_LINTERS = frozenset(
+    f"ament_cmake_{name}"
+    for name in (
+        *("black", "clang_format", "clang_tidy", "copyright", "cppcheck", "cpplint", "flake8"),
+        *("lint_cmake", "mypy", "pep257", "pycodestyle", "pyflakes", "uncrustify", "xmllint"),
+    )
+)
+_RUNNERS = frozenset(("ament_cmake_gmock", "ament_cmake_gtest", "ament_cmake_pytest"))
+_OF_TESTS = frozenset(
+    (
+        *("ament_lint_auto", "ament_lint_common", "launch_testing_ament_cmake", "ros_testing"),
+        *("ament_cmake_google_benchmark", *_LINTERS, *_RUNNERS),
+    )
+)
+# What these export to who declares them.
+_BROUGHT_TO_TESTS = {
+    "ament_lint_common": _LINTERS,
+    "ament_cmake_gmock": frozenset(("ament_cmake_gtest",)),
+    "ament_cmake_ros": _RUNNERS,
+}
+
+
+def check_tests(
+    manifest: Manifest,
+    required: Iterable[RequiredPackage],
+    *,
+    manifests: Mapping[str, Manifest],
+    distro: str | None,
+) -> Iterator[Diagnostic]:
+    """Report what tests require and package.xml does not declare; arguments of `check_required`."""
+    declared = declared_by(manifests, manifest.name, DEPENDENCY_TAGS, distro)
+    brought = frozenset().union(
+        *(those for name, those in _BROUGHT_TO_TESTS.items() if name in declared)
+    )
+    missing: dict[str, RequiredPackage] = {}
+    for one in required:
+        if (
+            one.required
+            and one.in_tests
+            and one.name in _OF_TESTS - declared - brought
+            and not _is_misspelled_in(one.name, declared)
+        ):
+            missing.setdefault(one.name, one)
+    if not missing:
+        return
+    first = min(missing.values(), key=lambda one: one.line)
+    names = sorted(missing)
+    lines = " ".join(f"<test_depend>{name}</test_depend>" for name in names)
+    yield UNDECLARED_TEST_DEPENDENCY.at(
+        first.file,
+        first.line,
+        message=f"package.xml does not declare {listed(names)}, which the tests in "
+        f"{first.file.name} require.",
         hint=f"Add to package.xml: {lines}",
     )
 
