@@ -1,6 +1,7 @@
 """Every exception that wsgen raises on purpose, and the exit code each one ends with.
 
 WsgenError                          base; never raised itself
+├── SessionDiedError            1   a physics engine died while it did what it was told
 ├── RequestError                2   the request is wrong: name, option, template, target
 ├── WouldOverwriteError         3   something exists already; nothing was written
 ├── NotFoundError               4   a required tool or file is missing
@@ -45,6 +46,12 @@ class WsgenError(Exception):
     def __str__(self) -> str:
         """Message and hint on a line each."""
         return f"{self.message}\n{self.hint}"
+
+
+class SessionDiedError(WsgenError):
+    """A physics engine died while it did what it was told; the message names the step."""
+
+    exit_code = EXIT_FAILED
 
 
 class RequestError(WsgenError):

@@ -14,14 +14,14 @@ from simulation.robots import GROUND, joint, tree
 from wsgen.isolation.codec import decode, encode
 from wsgen.model.robot import JointLimit, JointType, Link, Robot
 from wsgen.model.transform import quaternion_of_rpy
-from wsgen.simulation.engine import Motor, State
-from wsgen.simulation.fake import FakeEngine
-from wsgen.simulation.run_behaviors import (
+from wsgen.simulation.controllers import (
     DiffDriveController,
     PositionController,
     controller_for,
-    run_behaviors,
 )
+from wsgen.simulation.engine import Motor, State
+from wsgen.simulation.fake import FakeEngine
+from wsgen.simulation.run_behaviors import run_behaviors
 from wsgen.simulation.scene import BehaviorMeasurement, RobotRun, Scene, SpawnedRobot
 from wsgen.simulation.simulate import run_scene
 

@@ -13,6 +13,11 @@ def has_guards() -> bool:
     return sys.platform == "linux"
 
 
+def can_inherit() -> bool:
+    """Whether a child gets open files of its parent: not on Windows."""
+    return os.name == "posix"
+
+
 def end_tree(pid: int, number: int | None = None) -> None:
     """End a process that leads its group, and what it has started.
 

@@ -36,6 +36,11 @@ def remember(engine: Engine, scene: Scene, refused: Container[str]) -> StandingP
     """Where everything is now, if a picture or a video is wanted."""
     if (scene.picture, scene.world_picture, scene.record) == (None, None, None):
         return None
+    return poses_now(engine, scene, refused)
+
+
+def poses_now(engine: Engine, scene: Scene, refused: Container[str]) -> StandingPoses:
+    """Where everything is now."""
     entities = [robot.entity for robot in scene.robots if robot.entity not in refused]
     poses: Poses = {entity: engine.link_poses(entity) for entity in entities}
     return StandingPoses(
@@ -109,13 +114,13 @@ def _draw_all(
     picture = world_picture = video = None
     if scene.picture is not None:
         file = scene.picture
-        picture = _drawn(lambda: Picture(tile=scene_renderer.draw(file)))
+        picture = drawn(lambda: Picture(tile=scene_renderer.draw(file)))
     if scene.world_picture is not None and has_static_models:
         world_file = scene.world_picture
-        world_picture = _drawn(lambda: Picture(tile=scene_renderer.draw_world(world_file)))
+        world_picture = drawn(lambda: Picture(tile=scene_renderer.draw_world(world_file)))
     if scene.record is not None and recorder is not None:
         video_file, progress = scene.record, scene.progress
-        video = _drawn(lambda: _video(scene_renderer, recorder, video_file, progress))
+        video = drawn(lambda: _video(scene_renderer, recorder, video_file, progress))
     return Drawings(picture=picture, world_picture=world_picture, video=video)
 
 
@@ -133,7 +138,7 @@ def _video(
     return draw_video(scene_renderer, recorder, file, report)
 
 
-def _drawn(task: Callable[[], T]) -> T | NotDrawn:
+def drawn(task: Callable[[], T]) -> T | NotDrawn:
     """What the task gives, or why it gives nothing."""
     try:
         return task()

@@ -25,11 +25,14 @@ from wsgen.simulation.bullet_body import STRIDE as DAMPER_STRIDE
 from wsgen.simulation.contact_shapes import most_parts
 from wsgen.simulation.engine import (
     GROUND_FRICTION,
+    TOUCHING,
+    Contact,
     HullGap,
     Loaded,
     Overlap,
     Refused,
     State,
+    contacts_of,
     deepest_overlaps,
     meeting,
 )
@@ -117,7 +120,9 @@ class BulletEngine:
         self._bodies: dict[str, list[tuple[BulletBody, Pose]]] = {}  # with its pose in the robot
         self._pulled: list[BulletBody] = []
         self._damped: list[BulletBody] = []
+        self._pushes: dict[tuple[str, str], Vector] = {}  # N, by entity and link
         self._triangles: set[int] = set()  # bodies that collide as the triangles of their meshes
+        self._has_stepped = False  # since something was placed
         self._ground: int | None = None
         self._plumb: int | None = None
         self._separating = True  # there may be overlaps: something is new where it is
@@ -200,7 +205,7 @@ class BulletEngine:
         """Put a robot elsewhere, as if it had been spawned there."""
         for body, pose_in_robot in self._bodies[entity]:
             body.place(compose(pose_in_world, pose_in_robot))
-        self._separating = True
+        self._separating, self._has_stepped = True, False
 
     def drive(self, entity: str, motors: Mapping[str, Motor]) -> None:
         """Put motors into joints of a robot; those that are not named keep theirs."""
@@ -234,6 +239,14 @@ class BulletEngine:
             name: position
             for body, _ in self._bodies[entity]
             for name, (position, _) in zip(body.movable, body.joint_states(), strict=True)
+        }
+
+    def joint_velocities(self, entity: str) -> dict[str, float]:
+        """The velocities of the movable joints by name, rad/s or m/s."""
+        return {
+            name: velocity
+            for body, _ in self._bodies[entity]
+            for name, (_, velocity) in zip(body.movable, body.joint_states(), strict=True)
         }
 
     def energy(self, entity: str) -> float:
@@ -326,8 +339,43 @@ class BulletEngine:
             for _ in range(now):
                 for body in self._pulled:
                     body.pull(self._gravity)
+                for (entity, link), force in self._pushes.items():
+                    for body, _ in self._bodies[entity]:
+                        body.push(link, force)
                 self.client.stepSimulation()
             steps -= now
+            self._has_stepped = True
+
+    def push(self, entity: str, link: str, force: Vector) -> None:
+        """From now on, have a force (N, in the world) act on a link at its center of mass."""
+        self._pushes.pop((entity, link), None)
+        if any(force):
+            self._pushes[entity, link] = force
+
+    def contacts(self, entity: str) -> list[Contact]:
+        """What a robot touched in the last step."""
+        if not self._has_stepped:
+            return []
+        places = {
+            (body.number, index): (other, link)
+            for other, bodies in self._bodies.items()
+            for body, _ in bodies
+            for link, index in body.part_indices()
+        }
+        return contacts_of(
+            entity,
+            (
+                (
+                    places.get((contact[1], contact[3])),
+                    places.get((contact[2], contact[4])),
+                    contact[5],
+                    max(0.0, contact[9]),
+                )
+                for contact in self.client.getContactPoints()
+                # PyBullet keeps points that are about to touch.
+                if contact[8] <= TOUCHING or contact[9] > 0
+            ),
+        )
 
     def _bound_separation(self) -> None:
         """Let the solver remove so much of the deepest overlap that the bound is kept.

@@ -364,6 +364,15 @@ class BulletBody:
             lift = tuple(-mass * part for part in gravity)
             client.applyExternalForce(self.number, index, lift, center.xyz, client.WORLD_FRAME)
 
+    def push(self, link: str, force: Vector) -> None:
+        """For the next step, apply a force (N, in the world) to a link, if it is in this tree."""
+        index = self.indices.get(link)
+        if index is not None:
+            center = self._center(index).xyz
+            self._client.applyExternalForce(
+                self.number, index, force, center, self._client.WORLD_FRAME
+            )
+
     def place(self, pose_in_world: Pose) -> None:
         """Put it somewhere, at rest, its joints at zero."""
         client = self._client
@@ -440,6 +449,10 @@ class BulletBody:
     def link_of(self, index: int) -> str:
         """The link of a part, by PyBullet's index."""
         return next(self._owner[name] for name, at in self._index_of.items() if at == index)
+
+    def part_indices(self) -> list[tuple[str, int]]:
+        """The links with PyBullet's indices of their parts."""
+        return [(self._owner[name], index) for name, index in self._index_of.items()]
 
     def boxes(self) -> list[PartBounds]:
         """The boxes along the world's axes around all that can touch something.

@@ -25,11 +25,13 @@ from wsgen.simulation import surfaces
 from wsgen.simulation.contact_shapes import inner_collisions
 from wsgen.simulation.engine import (
     GROUND_FRICTION,
+    Contact,
     HullGap,
     Loaded,
     Overlap,
     Refused,
     State,
+    contacts_of,
     deepest_overlaps,
     may_touch,
 )
@@ -52,6 +54,10 @@ MESH_ROBOT = (
     "<collision><geometry><mesh filename={file} scale={scale}/></geometry></collision>"
     "</link></robot>"
 )
+
+
+# Of the shapes that collide only where a robot is not alone, by that of the shape that is measured.
+TOUCHING_NAME = "{} touching"
 
 
 class DartBody:
@@ -166,7 +172,7 @@ class DartBody:
         if not self._touches_with_all:
             self._touches_with_all = True
             for link, collision, measured in self._inner:
-                name = f"{measured.getName()} touching"
+                name = TOUCHING_NAME.format(measured.getName())
                 shape, mu = measured.getShape(), collision.surface.mu1
                 frame = add_shape(self.nodes[link], shape, mu, name)
                 frame.setRelativeTransform(matrix_of(collision.pose_in_link))
@@ -220,6 +226,12 @@ def _position(joint: Any) -> float:
     """The position of a joint, rad or m; of a ball the angle by which it has turned."""
     positions = joint.getPositions().tolist()
     return float(positions[0]) if len(positions) == 1 else math.hypot(*positions)
+
+
+def _velocity(joint: Any) -> float:
+    """The velocity of a joint, rad/s or m/s; of a ball how fast it turns."""
+    velocities = joint.getVelocities().tolist()
+    return float(velocities[0]) if len(velocities) == 1 else math.hypot(*velocities)
 
 
 def add_shape(node: Any, shape: Any, friction: float, name: str) -> Any:
@@ -284,6 +296,8 @@ class DartEngine:
         self.step_seconds = world.step
         self._robots: dict[str, DartBody] = {}
         self._driven: dict[str, DartBody] = {}  # those with motors
+        self._pushes: dict[tuple[str, str], Vector] = {}  # N, by entity and link
+        self._has_stepped = False  # since something was placed
         self._world = simulation.World()
         self._world.setTimeStep(world.step)
         self._world.setGravity(world.gravity)
@@ -334,6 +348,7 @@ class DartEngine:
     def place(self, entity: str, pose_in_world: Pose) -> None:
         """Put a robot elsewhere, as if it had been spawned there."""
         self._robots[entity].place(pose_in_world)
+        self._has_stepped = False
 
     def drive(self, entity: str, motors: Mapping[str, Motor]) -> None:
         """Put motors into joints of a robot; those that are not named keep theirs."""
@@ -368,6 +383,10 @@ class DartEngine:
     def joint_positions(self, entity: str) -> dict[str, float]:
         """The positions of the movable joints by name, rad or m."""
         return {name: _position(joint) for name, joint in self._robots[entity].joints.items()}
+
+    def joint_velocities(self, entity: str) -> dict[str, float]:
+        """The velocities of the movable joints by name, rad/s or m/s."""
+        return {name: _velocity(joint) for name, joint in self._robots[entity].joints.items()}
 
     def energy(self, entity: str) -> float:
         """Kinetic energy, and potential energy above z = 0 in the world's gravity, J."""
@@ -422,7 +441,37 @@ class DartEngine:
         for _ in range(steps):
             for body in self._driven.values():
                 body.command()
+            self._has_stepped = True
+            for (entity, link), force in self._pushes.items():
+                node = self._robots[entity].nodes.get(link)
+                if node is not None:  # DART forgets forces, too
+                    node.addExtForce(force, node.getLocalCOM(), False, True)
             self._world.step()
+
+    def push(self, entity: str, link: str, force: Vector) -> None:
+        """From now on, have a force (N, in the world) act on a link at its center of mass."""
+        self._pushes.pop((entity, link), None)
+        if any(force):
+            self._pushes[entity, link] = force
+
+    def contacts(self, entity: str) -> list[Contact]:
+        """What a robot touched in the last step."""
+        if not self._has_stepped:
+            return []
+        places: dict[str, tuple[str, str]] = {}
+        for other, body in self._robots.items():
+            for link, frame in body.shapes:
+                for name in (frame.getName(), TOUCHING_NAME.format(frame.getName())):
+                    places[name] = other, link
+        found = []
+        for contact in self._world.getLastCollisionResult().getContacts():
+            one, met = (
+                places.get(touching.getShapeFrame().getName())
+                for touching in (contact.collisionObject1, contact.collisionObject2)
+            )
+            force = abs(float(contact.force @ contact.normal))
+            found.append((one, met, contact.point.tolist(), force))
+        return contacts_of(entity, found)
 
     def close(self) -> None:
         """Nothing: the world goes with its last reference."""

@@ -67,6 +67,17 @@ class HullGap:
     gap: float  # m, from where it touches to the nearest triangle
 
 
+@dataclass(frozen=True)
+class Contact:
+    """A point at which a link of a robot touches something."""
+
+    link: str
+    other_entity: str | None  # None: the ground; the same robot where it touches itself
+    other_link: str | None
+    point: tuple[float, float, float]  # m, in the world
+    force: float  # N, that presses the two against each other: along the normal, never negative
+
+
 class Motor(NamedTuple):
     """What turns or slides a joint."""
 
@@ -98,6 +109,12 @@ class Engine(Protocol):
         That of a ball joint is the angle by which it has turned, from 0 to pi.
         """
 
+    def joint_velocities(self, entity: str) -> dict[str, float]:
+        """The velocities of the movable joints by name, rad/s or m/s.
+
+        That of a ball joint is how fast it turns, whatever its axis; never negative.
+        """
+
     def energy(self, entity: str) -> float:
         """Kinetic energy, and potential energy above z = 0 in the world's gravity, J."""
 
@@ -118,6 +135,19 @@ class Engine(Protocol):
 
     def advance(self, steps: int) -> None:
         """Let time pass."""
+
+    def push(self, entity: str, link: str, force: Vector) -> None:
+        """From now on, have a force (N, in the world) act on a link at its center of mass.
+
+        It replaces the one before; that of zero ends it. Links that the engine does not move, as a
+        root that is the world, stay where they are.
+        """
+
+    def contacts(self, entity: str) -> list[Contact]:
+        """What a robot touched in the last step; nothing before the first one after it was placed.
+
+        Two links that touch each other are listed from either side.
+        """
 
     def drive(self, entity: str, motors: Mapping[str, Motor]) -> None:
         """Put motors into joints of a robot; those that are not named keep theirs."""
@@ -177,6 +207,22 @@ def deepest_overlaps(
         if depth > TOUCHING and not (is_one or is_joined):
             deepest[pair] = max(depth, deepest.get(pair, 0.0))
     return [Overlap(*one, *other, depth=depth) for (one, other), depth in deepest.items()]
+
+
+def contacts_of(
+    entity: str, found: Iterable[tuple[Place | None, Place | None, Sequence[float], float]]
+) -> list[Contact]:
+    """The contacts of a robot, of all that an engine has; two links of it are seen from either.
+
+    Each is two places, None for the ground, the point (m, in the world) and the force (N).
+    """
+    contacts = []
+    for one, other, (x, y, z), force in found:
+        for place, met in ((one, other), (other, one)):
+            if place is not None and place[0] == entity:
+                other_entity, other_link = met or (None, None)
+                contacts.append(Contact(place[1], other_entity, other_link, (x, y, z), force))
+    return contacts
 
 
 T = TypeVar("T")

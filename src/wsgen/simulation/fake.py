@@ -11,7 +11,8 @@ from wsgen.simulation.engine import Loaded, Refused, State
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from wsgen.simulation.engine import HullGap, Motor, Overlap
+    from wsgen.model.transform import Vector
+    from wsgen.simulation.engine import Contact, HullGap, Motor, Overlap
     from wsgen.simulation.scene import SpawnedRobot
 
 
@@ -20,7 +21,8 @@ class FakeEngine:
 
     So do `positions` (of joints) and `energy`. Robots whose names are in `refuses` are refused;
     what touches lies `reach` below the root. A robot that is placed somewhere moves as if the
-    script had begun there. `motors` are those that it has been given, by entity and joint.
+    script had begun there. `motors` are those that it has been given, by entity and joint, `pushes`
+    the forces, by entity and link.
     """
 
     def __init__(  # noqa: PLR0913  what a script can say
@@ -34,6 +36,7 @@ class FakeEngine:
         energy: Callable[[float], float] = lambda _: 0.0,
         overlapping: Sequence[Overlap] = (),
         gaps: Mapping[str, Sequence[HullGap]] | None = None,
+        touching: Mapping[str, Sequence[Contact]] | None = None,
     ) -> None:
         self.step_seconds = step_seconds
         self.motion = motion
@@ -43,9 +46,11 @@ class FakeEngine:
         self.energy_at = energy
         self.overlapping = overlapping
         self.gaps = gaps or {}
+        self.touching = touching or {}
         self.shift = 0.0
         self.steps = 0
         self.motors: dict[str, dict[str, Motor]] = {}
+        self.pushes: dict[tuple[str, str], Vector] = {}
         self.is_closed = False
 
     def spawn(self, robot: SpawnedRobot) -> Loaded | Refused:
@@ -87,6 +92,15 @@ class FakeEngine:
         """What the script says for now."""
         return dict(self.positions_at(self.steps * self.step_seconds))
 
+    def joint_velocities(self, entity: str) -> dict[str, float]:  # noqa: ARG002  as for `state`
+        """How fast the positions of the script change."""
+        now, soon = self.steps * self.step_seconds, (self.steps + 1) * self.step_seconds
+        after = self.positions_at(soon)
+        return {
+            name: (after[name] - position) / self.step_seconds
+            for name, position in self.positions_at(now).items()
+        }
+
     def energy(self, entity: str) -> float:  # noqa: ARG002  as for `state`
         """What the script says for now."""
         return self.energy_at(self.steps * self.step_seconds)
@@ -94,6 +108,16 @@ class FakeEngine:
     def overlaps(self) -> list[Overlap]:
         """What the script says."""
         return list(self.overlapping)
+
+    def push(self, entity: str, link: str, force: Vector) -> None:
+        """Remember it; what moves is up to the script."""
+        self.pushes.pop((entity, link), None)
+        if any(force):
+            self.pushes[entity, link] = force
+
+    def contacts(self, entity: str) -> list[Contact]:
+        """What the script says, once time has passed."""
+        return list(self.touching.get(entity, ())) if self.steps else []
 
     def hull_gaps(self, entity: str) -> list[HullGap]:
         """What the script says."""

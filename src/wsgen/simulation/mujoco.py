@@ -16,11 +16,13 @@ from wsgen.model.transform import quaternion_of_rpy
 from wsgen.simulation import surfaces
 from wsgen.simulation.engine import (
     GROUND_FRICTION,
+    Contact,
     HullGap,
     Loaded,
     Overlap,
     Refused,
     State,
+    contacts_of,
     deepest_overlaps,
     meeting,
 )
@@ -71,6 +73,8 @@ class MujocoEngine:
         self._robots: dict[str, MujocoBody] = {}
         self._triangles = StaticTriangles()
         self._speeds: NDArray[np.float64] = np.empty(0)  # of the joints with friction
+        self._pushes: dict[tuple[str, str], Vector] = {}  # N, by entity and link
+        self._has_stepped = False  # since contacts were looked for in another way
         self._separating = True  # there may be overlaps: something is new where it is
         self._is_current = False  # where everything is, as against how it moves
         self._spec = library.MjSpec()
@@ -143,6 +147,7 @@ class MujocoEngine:
     def _set_model(self) -> None:
         """Set what is not in the specification."""
         self._set_motors()
+        self._set_pushes()
         for body in self._robots.values():
             # MuJoCo's plane has all inside that is below it, however deep.
             highest = self._boxes_around(body)[:, 1, 2].max(initial=-math.inf)
@@ -159,6 +164,13 @@ class MujocoEngine:
                 losses[dof], speeds[dof] = strength, speed
         self._speeds = speeds[losses > 0]
 
+    def _set_pushes(self) -> None:
+        self._data.xfrc_applied[:] = 0.0
+        for (entity, link), force in self._pushes.items():
+            body = self._robots[entity].bodies.get(link)
+            if body is not None:
+                self._data.xfrc_applied[body.id, :3] = force
+
     def _boxes_around(self, body: MujocoBody) -> NDArray[np.float64]:
         """Two corners each of boxes around what moves of a robot and can touch something, m."""
         geoms = np.array([shape.geom.id for shape in body.shapes], dtype=int)
@@ -169,7 +181,7 @@ class MujocoEngine:
         """Put a robot elsewhere, as if it had been spawned there."""
         body = self._robots[entity]
         body.place(self._model, self._data, pose_in_world)
-        self._separating, self._is_current = True, False
+        self._separating, self._is_current, self._has_stepped = True, False, False
         self._set_model()
         if body.static_meshes:
             self._triangles.put(entity, body, self.link_poses(entity))
@@ -199,7 +211,36 @@ class MujocoEngine:
                 self._correct()
                 library.mj_step2(self._model, self._data)
             steps -= now
-            self._is_current = False
+            self._is_current, self._has_stepped = False, True
+
+    def push(self, entity: str, link: str, force: Vector) -> None:
+        """From now on, have a force (N, in the world) act on a link at its center of mass."""
+        self._pushes.pop((entity, link), None)
+        if any(force):
+            self._pushes[entity, link] = force
+        self._set_pushes()
+
+    def contacts(self, entity: str) -> list[Contact]:
+        """What a robot touched in the last step."""
+        if not self._has_stepped:
+            return []
+        places, owners = self._places(), self._triangles.owners
+        found, force = [], np.zeros(6)
+        for number, contact in enumerate(self._data.contact):
+            touching = [places.get(geom) for geom in contact.geom.tolist() if geom >= 0]
+            touching += [owners[flex] for flex in contact.flex.tolist() if flex >= 0]
+            one, other = touching
+            library.mj_contactForce(self._model, self._data, number, force)
+            found.append((one, other, contact.pos.tolist(), abs(float(force[0]))))
+        return contacts_of(entity, found)
+
+    def _places(self) -> dict[int, Place]:
+        """Which link of which robot a shape belongs to, by MuJoCo's number."""
+        return {
+            shape.geom.id: (entity, shape.link)
+            for entity, body in self._robots.items()
+            for shape in body.shapes
+        }
 
     def _correct(self) -> None:
         """Change the accelerations that the constraints of this step aim at.
@@ -292,6 +333,16 @@ class MujocoEngine:
             for name, joint in body.joints.items()
         }
 
+    def joint_velocities(self, entity: str) -> dict[str, float]:
+        """The velocities of the movable joints by name, rad/s or m/s."""
+        velocities = {
+            name: self._data.qvel[dofs_of(self._model, joint)].tolist()
+            for name, joint in self._robots[entity].joints.items()
+        }
+        return {
+            name: one[0] if len(one) == 1 else math.hypot(*one) for name, one in velocities.items()
+        }
+
     def energy(self, entity: str) -> float:
         """Kinetic energy, and potential energy above z = 0 in the world's gravity, J."""
         body, model, data = self._robots[entity], self._model, self._here()
@@ -356,11 +407,8 @@ class MujocoEngine:
 
     def _contacts(self) -> Iterator[tuple[Place, Place, float, Vector]]:
         """What touches now, with the depth of the overlap (m), and where; not the ground."""
-        places: dict[int, Place] = {
-            shape.geom.id: (entity, shape.link)
-            for entity, body in self._robots.items()
-            for shape in body.shapes
-        }
+        places = self._places()
+        self._has_stepped = False
         owners = self._triangles.owners
         library.mj_fwdPosition(self._model, self._data)
         for contact in self._data.contact:

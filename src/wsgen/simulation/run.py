@@ -185,14 +185,14 @@ def _blame(scene: Scene, death: Died) -> tuple[Diagnostic, Scene | None]:
         if death.step == RUNNING.format(entity=behavior_run.entity, name=name):
             others = tuple(other for other in scene.behavior_runs if other is not behavior_run)
             (robot,) = (one for one in scene.robots if one.entity == behavior_run.entity)
-            return _death(replace(scene, robots=(robot,)), death), replace(
+            return explain_death(replace(scene, robots=(robot,)), death), replace(
                 scene, behavior_runs=others
             )
     for robot in scene.robots:
         if death.step == LOADING.format(entity=robot.entity):
-            found = _death(replace(scene, robots=(robot,)), death)
+            found = explain_death(replace(scene, robots=(robot,)), death)
             return found, _without(scene, robot.entity)
-    return _death(scene, death), None
+    return explain_death(scene, death), None
 
 
 def _without(scene: Scene, entity: str) -> Scene | None:
@@ -203,7 +203,8 @@ def _without(scene: Scene, entity: str) -> Scene | None:
     return replace(scene, robots=robots, behavior_runs=behavior_runs) if robots else None
 
 
-def _death(scene: Scene, death: Died) -> Diagnostic:
+def explain_death(scene: Scene, death: Died) -> Diagnostic:
+    """Report that the engine died in the step that `death` names."""
     others = (name for name in MODULES if name != scene.engine and not missing_engines([name]))
     not_loaded = explain_not_loaded(scene.engine, death, others)
     if not_loaded is not None:

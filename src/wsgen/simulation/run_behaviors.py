@@ -1,151 +1,28 @@
 """Runs the behaviors of a robot, and measures; `wsgen.rules` checks.
 
-A robot is driven by its diff drive plugin or by ros2_control, as in Gazebo: a controller says once
-every `UPDATE` which motors the joints have until the next time.
+A robot is driven by its diff drive plugin or by ros2_control, as in Gazebo (`controllers`).
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
-from wsgen.model.behavior import Drive
-from wsgen.model.robot import JointType
 from wsgen.model.transform import rotation_of_quaternion
-from wsgen.simulation.engine import Motor
+from wsgen.simulation.controllers import UPDATE, controller_for
 from wsgen.simulation.scene import RUNNING, BehaviorMeasurement
 from wsgen.simulation.simulate import REST_HELD, is_finite, is_moving
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from wsgen.model.behavior import BehaviorRun, DiffDrive, Reach
-    from wsgen.model.robot import Joint, Robot
+    from wsgen.model.behavior import BehaviorRun
     from wsgen.model.transform import Pose
+    from wsgen.simulation.controllers import Controller
     from wsgen.simulation.engine import Engine, State
     from wsgen.simulation.scene import RobotRun, Scene
     from wsgen.simulation.simulate import Observer
-
-
-UPDATE = 0.01  # s; the usual rate of plugin and controllers is 100 Hz
-# gz_ros2_control's position interface: a speed of 0.1 (`position_proportional_gain`) of the error
-# for each of its updates.
-GAIN = 0.1 / UPDATE  # 1/s
-HELD = (JointType.REVOLUTE, JointType.PRISMATIC)
-
-
-class Controller(Protocol):
-    """What gives the commands of a behavior."""
-
-    has_begun: bool  # before, it keeps the robot as it was spawned
-
-    def motors(self, positions: Mapping[str, float]) -> dict[str, Motor]:
-        """The motors from now to the next update; `positions` are those of the joints now."""
-
-
-def controller_for(behavior_run: BehaviorRun, robot: Robot) -> Controller:
-    """The controller for a behavior."""
-    task = behavior_run.behavior.task
-    if isinstance(task, Drive):
-        assert behavior_run.drive is not None  # noqa: S101  else it is not run
-        return DiffDriveController(behavior_run.drive, task, robot)
-    return PositionController(task, robot)
-
-
-class DiffDriveController:
-    """A diff drive plugin: turns wheels; all other joints stay passive."""
-
-    def __init__(self, drive: DiffDrive, task: Drive, robot: Robot) -> None:
-        self.has_begun = False
-        self._drive = drive
-        self._task = task
-        self._joints = {joint.name: joint for joint in robot.movable_joints}
-        self._linear = self._angular = 0.0  # m/s, rad/s: what the plugin lets through
-        self._rims = dict.fromkeys(
-            (name for pair in drive.pairs for name in (pair.left, pair.right)), 0.0
-        )  # m/s
-
-    def motors(self, positions: Mapping[str, float]) -> dict[str, Motor]:  # noqa: ARG002  it controls speeds
-        """The wheels at the speeds that the plugin has reached."""
-        linear, angular = (self._task.linear, self._task.angular) if self.has_begun else (0.0, 0.0)
-        drive = self._drive
-        self._linear = drive.linear.next(self._linear, linear, UPDATE)
-        self._angular = drive.angular.next(self._angular, angular, UPDATE)
-        motors = {}
-        for pair in drive.pairs:
-            rims = pair.speeds(self._linear, self._angular)
-            for name, wanted in zip((pair.left, pair.right), rims, strict=True):
-                self._rims[name] = drive.rim.next(self._rims[name], wanted, UPDATE)
-                motors[name] = self._motor(name, self._rims[name] / pair.radius)
-        return motors
-
-    def _motor(self, name: str, speed: float) -> Motor:
-        """Gazebo Classic has no limits for a joint that has a motor, Gazebo Sim those of the joint.
-
-        The one sets ODE's `vel` and `fmax`, the other the command of a DART servo.
-        """
-        if self._drive.torque is not None:
-            return Motor(speed, self._drive.torque)
-        return _limited(self._joints[name], speed)
-
-
-class PositionController:
-    """Position commands: joints go to positions and hold them, at their limits of speed and effort.
-
-    Joints that are not named hold 0 if they have limits, or what is nearest to 0 within them;
-    wheels, casters and other joints without an end stay passive. Joints that mimic one that moves
-    follow it.
-    """
-
-    def __init__(self, task: Reach, robot: Robot) -> None:
-        self.has_begun = False
-        self._positions = task.positions
-        moves = {
-            joint.name: joint
-            for joint in robot.movable_joints
-            if joint.mimic is None and (joint.type in HELD or joint.name in task.positions)
-        }
-        self._joints = tuple(moves.values())
-        self._followers = tuple(
-            joint
-            for joint in robot.movable_joints
-            if joint.mimic is not None and joint.mimic.joint in moves
-        )
-
-    def motors(self, positions: Mapping[str, float]) -> dict[str, Motor]:
-        """Towards the commands, the faster the farther."""
-        motors = {}
-        for joint in self._joints:
-            target = self._positions.get(joint.name) if self.has_begun else None
-            motors[joint.name] = _towards(joint, positions, _rest(joint, target))
-        for joint in self._followers:
-            mimic = joint.mimic
-            if mimic is not None:
-                target = mimic.multiplier * positions[mimic.joint] + mimic.offset
-                motors[joint.name] = _towards(joint, positions, target)
-        return motors
-
-
-def _rest(joint: Joint, target: float | None) -> float:
-    if target is not None:
-        return target
-    limit = joint.limit if joint.type in HELD else None
-    return 0.0 if limit is None else min(limit.upper, max(limit.lower, 0.0))
-
-
-def _towards(joint: Joint, positions: Mapping[str, float], target: float) -> Motor:
-    return _limited(joint, GAIN * (target - positions[joint.name]))
-
-
-def _limited(joint: Joint, speed: float) -> Motor:
-    """A motor that keeps to the joint's limits; below 0 they are none."""
-    limit = joint.limit
-    fastest, effort = (
-        math.inf if bound is None or bound < 0 else bound
-        for bound in ((limit.velocity, limit.effort) if limit is not None else (None, None))
-    )
-    return Motor(min(fastest, max(-fastest, speed)), effort)
 
 
 def run_behaviors(  # noqa: PLR0913  as `run_scene`, and its outcome
@@ -165,18 +42,18 @@ def run_behaviors(  # noqa: PLR0913  as `run_scene`, and its outcome
     sees what it does from then on.
     """
     spawned = {robot_run.entity: robot_run.spawn_pose for robot_run in robot_runs}
-    session = _Session(engine, scene, spawned, observe, begun)
+    runs = _Runs(engine, scene, spawned, observe, begun)
     measured: dict[str, list[BehaviorMeasurement]] = {entity: [] for entity in spawned}
     for behavior_run in scene.behavior_runs:
         if behavior_run.entity in spawned:
             announce(RUNNING.format(entity=behavior_run.entity, name=behavior_run.behavior.name))
-            measured[behavior_run.entity].append(session.run(behavior_run))
+            measured[behavior_run.entity].append(runs.run(behavior_run))
     return [
         replace(robot_run, behaviors=tuple(measured[robot_run.entity])) for robot_run in robot_runs
     ]
 
 
-class _Session:
+class _Runs:
     """The scene after the robots have stood."""
 
     def __init__(

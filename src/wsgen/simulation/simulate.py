@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from wsgen.model.robot import Robot
+    from wsgen.model.transform import Matrix
     from wsgen.model.world import World
     from wsgen.simulation.engine import Engine, Loaded, Overlap, State
     from wsgen.simulation.scene import Scene, SpawnedRobot
@@ -140,7 +141,22 @@ def run_scene(
     it should, and some engines print a warning every step. `announce` gets what comes next;
     `observe` is called when all are there, and at every look from then on.
     """
-    spawned, refused = _spawn(engine, scene, announce)
+    spawned, refused = spawn_robots(engine, scene, announce)
+    announce(f"simulating {scene.seconds:g} s")
+    return watch_robots(engine, scene, spawned, engine.advance, observe), refused
+
+
+def watch_robots(
+    engine: Engine,
+    scene: Scene,
+    spawned: Sequence[tuple[SpawnedRobot, Loaded, Pose]],
+    advance: Callable[[int], None],
+    observe: Observer | None = None,
+) -> list[RobotRun]:
+    """Let the scene's seconds pass from now on, and measure what the spawned robots do.
+
+    `advance` lets so many steps pass in the engine; `observe` is that of `run_scene`.
+    """
     watches = [  # when all are there
         _Watch(
             spawned=robot,
@@ -157,13 +173,12 @@ def run_scene(
     entities = [watch.spawned.entity for watch in watches]
     if observe is not None:
         observe(0.0, entities)
-    announce(f"simulating {scene.seconds:g} s")
     steps = round(scene.seconds / engine.step_seconds)
     stride = max(1, round(LOOK_EVERY / engine.step_seconds))
     done = looks = 0
     while done < steps and all(watch.is_finite for watch in watches):
         now = min(stride, steps - done)
-        engine.advance(now)
+        advance(now)
         done += now
         looks += 1
         seconds = round(done * engine.step_seconds, 9)  # no more digits than it has
@@ -178,7 +193,7 @@ def run_scene(
     return [
         _measured(engine, scene, watch, overlaps, is_cut_short=is_cut_short and watch.is_finite)
         for watch in watches
-    ], refused
+    ]
 
 
 def _overlaps(engine: Engine, scene: Scene) -> list[Overlap]:
@@ -197,9 +212,14 @@ def _is_immobile(robot: Robot) -> bool:
     return robot.is_static or robot.fixed_to_world
 
 
-def _spawn(
+def spawn_robots(
     engine: Engine, scene: Scene, announce: Callable[[str], None]
 ) -> tuple[list[tuple[SpawnedRobot, Loaded, Pose]], dict[str, Refused]]:
+    """Spawn the robots of a scene.
+
+    Gives those that the engine accepted, with where they stand in the world, and why it refused the
+    others, by entity.
+    """
     spawned, refused = [], {}
     for robot in scene.robots:
         announce(LOADING.format(entity=robot.entity))
@@ -235,8 +255,6 @@ def _measured(
 ) -> RobotRun:
     last = watch.last
     rotation = rotation_of_quaternion(last.xyzw)
-    # Up in the world, in the robot's frame at the start, and back in the world at the end.
-    turned = multiply(rotation, transpose(rotation_of_rpy(watch.pose.rpy)))
     lowest = engine.lowest_point(watch.spawned.entity) if watch.is_finite else last.xyz[2]
     settled = watch.is_finite and watch.moving_until <= scene.seconds - REST_HELD
     return RobotRun(
@@ -259,13 +277,20 @@ def _measured(
         climb=watch.climb(),
         highest_speed=watch.highest_speed,
         highest_point=watch.highest_point,
-        tilt=math.acos(min(1.0, max(-1.0, turned[2][2]))),
+        tilt=tilt_of(rotation, watch.pose),
         energy_gain=watch.energy_gain,
         joint_positions=watch.last_joints,
         joint_travel=watch.travel,
         is_falling=_falls(watch.acceleration(), scene.world.gravity[2]),
         hull_gaps=tuple(engine.hull_gaps(watch.spawned.entity)) if watch.is_finite else (),
     )
+
+
+def tilt_of(rotation: Matrix, spawn_pose: Pose) -> float:
+    """How far from up is what was up in a robot when spawned, rad; `rotation` is its now."""
+    # Up in the world, in the robot's frame at the start, and back in the world at the end.
+    turned = multiply(rotation, transpose(rotation_of_rpy(spawn_pose.rpy)))
+    return math.acos(min(1.0, max(-1.0, turned[2][2])))
 
 
 def _falls(acceleration: float, gravity: float) -> bool:

@@ -5,12 +5,18 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wsgen.simulation.mujoco import MujocoEngine
-from wsgen.tasks import simulation
+from wsgen.tasks import session, simulation
 
 if TYPE_CHECKING:
+    from wsgen.isolation.channel import Endpoint
     from wsgen.simulation.scene import Scene, SceneResult
 
 
 def simulate(scene: Scene) -> SceneResult:
     """Simulate the scene in MuJoCo."""
     return simulation.simulate(scene, MujocoEngine)
+
+
+def serve(scene: Scene, remembered: float, endpoint: Endpoint) -> None:
+    """Do with the scene what commands say, in MuJoCo."""
+    session.serve(scene, remembered, endpoint, MujocoEngine)

@@ -27,7 +27,7 @@ UNBUFFERED = 2  # _IONBF of C's stdio, on Linux and macOS
 
 def simulate(scene: Scene, make_engine: Callable[[World], Engine]) -> SceneResult:
     """Simulate the scene in an engine."""
-    _unbuffer_output_of_c()
+    unbuffer_output_of_c()
     engine = make_engine(scene.world)
     recorder = recorder_for(engine, scene)
     started = time.perf_counter()
@@ -60,7 +60,7 @@ def _run_behaviors(
     )
 
 
-def _unbuffer_output_of_c() -> None:
+def unbuffer_output_of_c() -> None:
     """Take the buffer from C's standard output: what is in it when the engine crashes is lost."""
     name = "__stdoutp" if sys.platform == "darwin" else "stdout"
     with suppress(OSError, ValueError, AttributeError, TypeError):

@@ -1,0 +1,236 @@
+"""Sessions: scenes that live in a child process and do what they are told."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import pytest
+from PIL import Image
+
+from simulation.movers import AT, DRIVE, arm, two_wheeled
+from simulation.robots import GROUND, PLATE, body, single
+from wsgen.errors import RequestError, SessionDiedError
+from wsgen.model.transform import Pose
+from wsgen.simulation import run, session
+from wsgen.simulation.engine import Motor
+from wsgen.simulation.run import MODULES, missing_engines, run_simulation
+from wsgen.simulation.scene import NotDrawn, Picture, Scene, SpawnedRobot, Video
+from wsgen.simulation.session import Session
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from wsgen.model.robot import Robot
+
+pytestmark = pytest.mark.slow
+
+
+def scene_of(robot: Robot, pose: Pose = AT, *, engine: str = "fake", entity: str = "e") -> Scene:
+    robots = (SpawnedRobot(entity=entity, robot=robot, pose_in_world=pose),)
+    return Scene(world=GROUND, robots=robots, engine=engine)
+
+
+@pytest.fixture(params=MODULES)
+def engine(request: pytest.FixtureRequest) -> str:
+    name: str = request.param
+    if missing_engines([name]):
+        pytest.skip(f"{MODULES[name]} is not installed")
+    return name
+
+
+@pytest.fixture(autouse=True)
+def fake(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(session.TASKS, "fake", "simulation.session_tasks:serve")
+    monkeypatch.setitem(session.TASKS, "absent", "simulation.session_tasks:not_loaded")
+    monkeypatch.setitem(run.MODULES, "absent", "no_such_module")
+
+
+def test_it_does_what_it_is_told() -> None:
+    with Session(scene_of(two_wheeled())) as told:
+        assert told.loaded["e"].links == 3
+        assert told.spawn_poses == {"e": AT}
+        assert told.states["e"].pose_in_world.xyz == (0.0, 0.0, 0.0)
+        assert told.contacts("e") == ()
+        states = told.step(2.0)
+        assert states is told.states
+        assert told.seconds == 2.0
+        assert states["e"].pose_in_world.xyz == (0.0, 0.0, 2.0)
+        assert states["e"].joint_positions == {"left": 4.0, "right": 0.0}
+        assert states["e"].joint_velocities == {"left": pytest.approx(2.0), "right": 0.0}
+        (contact,) = told.contacts("e")
+        assert (contact.other_entity, contact.force) == (None, 9.8)
+        told.reset()
+        assert (told.seconds, told.states["e"].pose_in_world.xyz) == (0.0, (0.0, 0.0, 0.0))
+
+
+def test_what_cannot_be_done_is_refused_before_it_is_told() -> None:
+    with Session(scene_of(two_wheeled())) as told:
+        for refused, message in (
+            (lambda: told.hold("e", {"lft": 1.0}), r"no movable joint `lft`.*\n.*`left`"),
+            (lambda: told.set_motors("e", {"x": Motor(1.0, 1.0)}), "no movable joint `x`"),
+            (lambda: told.push("e", (1.0, 0.0, 0.0), 1.0, "bse"), r"no link `bse`.*\n.*`base`"),
+            (lambda: told.push("x", (1.0, 0.0, 0.0), 1.0), r"no robot `x`(?s:.*)Robots: e\."),
+            (lambda: told.step(-1.0), "-1.0 s of simulated time"),
+            (lambda: told.step(math.inf), "inf s of simulated time"),
+            (lambda: told.watch(math.nan), "nan s of simulated time"),
+        ):
+            with pytest.raises(RequestError, match=message):
+                refused()
+        assert told.step(0.0)["e"].is_finite
+
+
+def test_it_stops_where_a_state_is_lost() -> None:
+    with Session(scene_of(two_wheeled())) as told:
+        assert not told.step(20.0)["e"].is_finite
+        assert told.seconds == pytest.approx(9.01)
+
+
+def test_a_robot_that_the_engine_refuses_is_left_out() -> None:
+    with Session(scene_of(two_wheeled(), entity="refused")) as told:
+        assert told.refused["refused"].reason == "the script says so"
+        assert not told.loaded
+        assert not told.states
+        with pytest.raises(RequestError, match="no robot `refused`"):
+            told.release("refused")
+
+
+def test_an_engine_that_dies_is_an_error_that_names_the_step() -> None:
+    with Session(scene_of(two_wheeled())) as told:
+        told.step(5.5)
+        told.push("e", (1.0, 0.0, 0.0), 1.0, "left")
+        for _ in range(2):  # it stays dead
+            with pytest.raises(
+                SessionDiedError, match=r"crashed \(SIGABRT\) while simulating 2 s after 5.5 s"
+            ):
+                told.step(2.0)
+    with pytest.raises(ValueError, match="closed"):
+        told.step(1.0)
+
+
+def test_an_engine_that_hangs_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(session, "COMMAND_SECONDS", 1.0)
+    monkeypatch.setattr(session, "SECONDS_A_SECOND", 0.0)
+    with Session(scene_of(two_wheeled())) as told:
+        told.push("e", (1.0, 0.0, 0.0), 1.0, "right")
+        with pytest.raises(SessionDiedError, match="used more than 1 s of CPU time while simul"):
+            told.step(1.0)
+
+
+def test_an_engine_that_dies_of_a_robot_names_it() -> None:
+    with pytest.raises(
+        SessionDiedError, match=r"while loading the robot `deadly`\. Its last output: a bad mesh"
+    ):
+        Session(scene_of(two_wheeled(), entity="deadly"))
+
+
+def test_an_engine_that_is_not_loaded_says_what_to_install() -> None:
+    with pytest.raises(SessionDiedError, match="libgl1"):
+        Session(scene_of(two_wheeled(), engine="absent"))
+
+
+def states_of(told: Session) -> list[str]:
+    """All numbers, to the last bit."""
+    told.drive("e", DRIVE, linear=0.5)
+    seen = [repr(told.step(0.5))]
+    told.push("e", (0.0, 20.0, 0.0), 0.3)
+    seen.append(repr(told.step(0.5)))
+    told.drive("e", DRIVE, angular=1.0)
+    seen += [repr(told.step(0.25)), repr(told.contacts("e")), repr(told.watch(0.5))]
+    return seen
+
+
+def test_the_same_commands_give_the_same_states(engine: str) -> None:
+    with Session(scene_of(two_wheeled(), engine=engine)) as one:
+        first = states_of(one)
+        one.reset()
+        assert states_of(one) == first
+        one.reset()
+        one.step(1.0)
+        whole = one.states
+        one.reset()
+        one.step(0.5)
+        assert one.step(0.5) == whole
+    with Session(scene_of(two_wheeled(), engine=engine)) as other:
+        assert states_of(other) == first
+
+
+def test_it_measures_what_a_simulation_measures(engine: str) -> None:
+    scene = scene_of(two_wheeled(), engine=engine)
+    expected = run_simulation(scene).robot_runs
+    with Session(scene) as told:
+        assert told.watch(scene.seconds) == expected
+
+
+def test_a_robot_drives_and_is_released(engine: str) -> None:
+    with Session(scene_of(two_wheeled(), Pose((0.0, 0.0, 0.105)), engine=engine)) as told:
+        told.step(0.5)
+        told.drive("e", DRIVE, linear=0.5)
+        state = told.step(2.0)["e"]
+        assert state.pose_in_world.xyz[:2] == pytest.approx((1.0, 0.0), abs=0.05)
+        assert state.speed == pytest.approx(0.5, rel=0.05)
+        assert state.joint_velocities["left"] == pytest.approx(5.0, rel=0.05)
+        told.drive("e", DRIVE)
+        assert told.step(1.0)["e"].speed < 0.02
+        told.release("e")
+        told.push("e", (20.0, 0.0, 0.0), 0.5)
+        assert told.step(0.5)["e"].speed > 0.5  # its wheels roll
+
+
+def test_an_arm_holds_and_keeps_what_it_was_told_before(engine: str) -> None:
+    with Session(scene_of(arm(), Pose(), engine=engine)) as told:
+        told.hold("e", {"j1": -0.5})
+        told.step(2.0)
+        told.hold("e", {"j2": 0.8})
+        positions = told.step(2.0)["e"].joint_positions
+        assert positions == {
+            "j1": pytest.approx(-0.5, abs=0.03),
+            "j2": pytest.approx(0.8, abs=0.03),
+        }
+        told.set_motors("e", {"j2": Motor(-0.2, 20.0)})
+        velocities = told.step(1.0)["e"].joint_velocities
+        assert velocities["j2"] == pytest.approx(-0.2, abs=0.02)
+        told.release("e")
+        assert told.step(1.0)["e"].joint_positions["j1"] > 0.5  # it falls
+
+
+def test_pushes_end_and_add_up(engine: str) -> None:
+    """Sideways on ice: force times time is momentum."""
+    robot = single(body(PLATE, mass=2.0, mu=0.0))
+    with Session(scene_of(robot, Pose((0.0, 0.0, 0.05)), engine=engine)) as told:
+        told.push("e", (4.0, 0.0, 0.0), 0.5)
+        told.push("e", (0.0, 4.0, 0.0), 1.0)
+        told.step(0.505)
+        told.step(1.0)
+        x, y, _ = told.states["e"].pose_in_world.xyz
+        assert [x, y] == [pytest.approx(1.255, rel=0.02), pytest.approx(2.01, rel=0.02)]
+        assert told.states["e"].speed == pytest.approx(math.hypot(1.0, 2.0), rel=0.02)
+
+
+def test_a_picture_and_the_last_second(engine: str, tmp_path: Path) -> None:
+    with Session(scene_of(two_wheeled(), engine=engine)) as told:
+        told.drive("e", DRIVE, linear=0.5)
+        told.step(1.7)
+        picture, video = tmp_path / "now.png", tmp_path / "last.gif"
+        assert isinstance(told.picture(picture), Picture)
+        drawn = told.record(video)
+        assert isinstance(drawn, Video)
+        assert drawn.frames == 21
+        with Image.open(picture) as image:
+            assert image.size == (960, 720)
+        with Image.open(video) as image:
+            assert getattr(image, "n_frames", 0) > 10
+        told.step(0.1)  # and it goes on
+
+
+def test_what_cannot_be_drawn_says_why(tmp_path: Path) -> None:
+    with Session(scene_of(two_wheeled())) as told:
+        nowhere = tmp_path / "no" / "where.gif"
+        answer = told.record(nowhere)
+        assert isinstance(answer, NotDrawn)
+        assert "does not exist" in answer.problem
+        assert isinstance(told.picture(nowhere.with_suffix(".png")), NotDrawn)
+    with Session(scene_of(two_wheeled()), remembered=0.0) as told:
+        answer = told.record(tmp_path / "a.gif")
+        assert isinstance(answer, NotDrawn)
+        assert answer.problem == "nothing was recorded"
