@@ -11,7 +11,16 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wsgen.model.robot import JointType
-from wsgen.model.transform import IDENTITY, UNIT, Pose, compose, multiply, rotate, rotation_of_rpy
+from wsgen.model.transform import (
+    IDENTITY,
+    UNIT,
+    Pose,
+    compose,
+    invert,
+    multiply,
+    rotate,
+    rotation_of_rpy,
+)
 
 if TYPE_CHECKING:
     from wsgen.model.robot import Inertial, Joint, Robot
@@ -47,6 +56,27 @@ def link_poses(robot: Robot, root_pose: Pose) -> dict[str, Pose]:
     """The pose of every link with all joints at zero, by name; that of the root is given."""
     poses, _ = _places(robot)
     return {name: compose(root_pose, pose) for name, pose in poses.items()}
+
+
+def fixed_frames(written: Robot, lumped: Robot) -> dict[str, tuple[str, Pose]]:
+    """For each link as written that is left, the lumped link that carries it, and its pose in that.
+
+    Links that Gazebo drops have none.
+    """
+    beside: dict[str, list[tuple[str, Pose]]] = {}
+    for joint in written.joints:
+        if not joint.is_movable:
+            beside.setdefault(joint.parent, []).append((joint.child, joint.pose_in_parent))
+            beside.setdefault(joint.child, []).append((joint.parent, invert(joint.pose_in_parent)))
+    carriers = {link.name: (link.name, IDENTITY) for link in lumped.links}
+    queue = list(carriers)
+    for name in queue:
+        carrier, pose = carriers[name]
+        for other, pose_of_other in beside.get(name, ()):
+            if other not in carriers:
+                carriers[other] = carrier, compose(pose, pose_of_other)
+                queue.append(other)
+    return carriers
 
 
 def _places(robot: Robot) -> tuple[dict[str, Pose], dict[str, str]]:

@@ -284,7 +284,7 @@ class Validation:
             launch_file=self.selected.launch_file,
             world=world,
             robots=simulated.robots,
-            diagnostics=self._reported(),
+            diagnostics=self.reported(),
             picture=simulated.picture,
             picture_tile=simulated.picture_tile,
             world_picture=simulated.world_picture,
@@ -323,7 +323,7 @@ class Validation:
         prepared = self._describe(started, context, environment, in_world)
         return world, [*without_taken(models, [robot.entity for robot in prepared]), *prepared]
 
-    def _reported(self) -> tuple[Diagnostic, ...]:
+    def reported(self) -> tuple[Diagnostic, ...]:
         """The diagnostics with files of the source, without those that the package allows."""
         self.diagnostics = [
             replace(found, file=self.written[found.file], line=None)

@@ -133,7 +133,7 @@ def _choose(
                 f"{rest[0]!r} is not a launch argument, and {first!r} is not a package.",
                 hint="Give arguments after the path of a launch file: name:=value.",
             )
-        return _package_of(path), path, rest
+        return package_of(path), path, rest
     if not names_file and overlay.share(first) is not None:
         raise _no_file_named(first, require_share(overlay, workspace, first))
     if not names_file:
@@ -178,7 +178,7 @@ def _find_file(package: str, share: Path, name: str) -> Path:
     raise no_such_launch_file(package, name, find_launch_files(share))
 
 
-def _package_of(file: Path) -> str | None:
+def package_of(file: Path) -> str | None:
     """The package that a launch file belongs to, by the nearest package.xml above it."""
     for folder in file.absolute().parents:
         if (folder / "package.xml").is_file():

@@ -193,22 +193,9 @@ def _check(
     static_models = {robot.entity for robot in runnable if robot.is_static_model}
     found = [_soften(one) if one.element in static_models else one for one in outcome.diagnostics]
     measured = {robot_run.entity: robot_run for robot_run in outcome.robot_runs}
-    free = [robot for robot in runnable if not robot.lumped.is_static]
     for robot in runnable:
         robot_run = measured.get(robot.entity)
-        checked = (
-            ()
-            if robot_run is None
-            else check_run(
-                robot.lumped,
-                world,
-                robot_run,
-                height=robot.height,
-                is_alone=len(free) == 1,
-                static_models=static_models,
-                pushed=joints_beyond_limits(robot.diagnostics),
-            )
-        )
+        checked = () if robot_run is None else check_robot(world, runnable, robot, robot_run)
         if robot.is_static_model:
             checked = tuple(_about_model(one, robot.entity) for one in checked)
         elif robot.may_move:
@@ -221,6 +208,21 @@ def _check(
             failed.add(robot.entity)
         found += checked
     return _EngineResult(engine, measured, found, failed)
+
+
+def check_robot(
+    world: World, runnable: Sequence[PreparedRobot], robot: PreparedRobot, robot_run: RobotRun
+) -> tuple[Diagnostic, ...]:
+    """Check what was measured of one of the robots of a scene."""
+    return check_run(
+        robot.lumped,
+        world,
+        robot_run,
+        height=robot.height,
+        is_alone=sum(not one.lumped.is_static for one in runnable) == 1,
+        static_models={one.entity for one in runnable if one.is_static_model},
+        pushed=joints_beyond_limits(robot.diagnostics),
+    )
 
 
 def _fold(
@@ -308,22 +310,27 @@ def _scene(  # noqa: PLR0913  what is in it, and how it is played
     folder = request.picture_folder.absolute() if request.picture_folder and is_first else None
     return Scene(
         world=world,
-        robots=tuple(
-            SpawnedRobot(
-                entity=robot.entity,
-                robot=robot.lumped,
-                pose_in_world=robot.spawn_pose,
-                on_the_ground=robot.on_the_ground,
-                is_static_model=robot.is_static_model,
-            )
-            for robot in runnable
-        ),
+        robots=spawned_robots(runnable),
         seconds=request.seconds,
         behavior_runs=() if behavior_plan is None else behavior_plan.behavior_runs,
         engine=engine,
         picture=folder / f"{name}.png" if folder else None,
         world_picture=folder / f"{name}-world.png" if folder else None,
         record=request.video.absolute() if request.video and is_first else None,
+    )
+
+
+def spawned_robots(runnable: Iterable[PreparedRobot]) -> tuple[SpawnedRobot, ...]:
+    """What a scene has of robots that are ready for an engine."""
+    return tuple(
+        SpawnedRobot(
+            entity=robot.entity,
+            robot=robot.lumped,
+            pose_in_world=robot.spawn_pose,
+            on_the_ground=robot.on_the_ground,
+            is_static_model=robot.is_static_model,
+        )
+        for robot in runnable
     )
 
 

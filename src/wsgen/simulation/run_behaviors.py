@@ -9,8 +9,8 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from wsgen.model.transform import rotation_of_quaternion
 from wsgen.simulation.controllers import UPDATE, controller_for
+from wsgen.simulation.odometer import Odometer
 from wsgen.simulation.scene import RUNNING, BehaviorMeasurement
 from wsgen.simulation.simulate import REST_HELD, is_finite, is_moving
 
@@ -79,7 +79,7 @@ class _Runs:
         behavior = behavior_run.behavior
         controller = controller_for(behavior_run, self.robots[behavior_run.entity])
         self._settle(behavior_run.entity, controller)
-        odometer = _Odometer(self.engine.state(behavior_run.entity))
+        odometer = Odometer(self.engine.state(behavior_run.entity))
         controller.has_begun = True
         self.begun(behavior.name, self.seconds)
         self._show()
@@ -124,31 +124,3 @@ class _Runs:
     def _show(self) -> None:
         if self.observe is not None:
             self.observe(self.seconds, list(self.spawned))
-
-
-class _Odometer:
-    """How far a robot has come since it began."""
-
-    def __init__(self, start: State) -> None:
-        self.is_finite = is_finite(start)
-        self._xyz = start.xyz
-        self._heading = self._last = _heading(start) if self.is_finite else 0.0
-        self.moved = (0.0, 0.0, 0.0)  # m, m, rad
-
-    def go(self, state: State) -> None:
-        """Take in where it is an update later."""
-        self.is_finite = self.is_finite and is_finite(state)
-        if not self.is_finite:
-            return
-        heading = _heading(state)
-        turned = self.moved[2] + math.remainder(heading - self._last, math.tau)
-        self._last = heading
-        east, north = state.xyz[0] - self._xyz[0], state.xyz[1] - self._xyz[1]
-        sin, cos = math.sin(self._heading), math.cos(self._heading)
-        self.moved = (cos * east + sin * north, cos * north - sin * east, turned)
-
-
-def _heading(state: State) -> float:
-    """Of the root link's x axis on the ground, rad."""
-    rotation = rotation_of_quaternion(state.xyzw)
-    return math.atan2(rotation[1][0], rotation[0][0])

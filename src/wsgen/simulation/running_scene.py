@@ -15,6 +15,7 @@ from wsgen.model.behavior import Drive, Reach
 from wsgen.model.transform import Pose, rotation_of_quaternion, rpy_of_rotation
 from wsgen.simulation.controllers import UPDATE, DiffDriveController, PositionController
 from wsgen.simulation.engine import Motor
+from wsgen.simulation.odometer import Odometer
 from wsgen.simulation.session_state import Moment, Opened, RobotState, Watched
 from wsgen.simulation.simulate import is_finite, spawn_robots, tilt_of, watch_robots
 from wsgen.values import dataclass
@@ -96,6 +97,7 @@ class RunningScene:
         self._done = 0  # steps
         self._controls: dict[str, _Control] = {}
         self._pushes: list[_Push] = []
+        self._odometers: dict[str, Odometer] = {}
         self.frames: deque[tuple[float, Poses]] = deque(maxlen=self._frame_count)
         self._remember()
 
@@ -161,6 +163,8 @@ class RunningScene:
             self._done += now
             steps -= now
             self._end_pushes()
+            for entity, odometer in self._odometers.items():
+                odometer.go(self.engine.state(entity))
             self._remember()
 
     def _update(self) -> None:
@@ -240,6 +244,14 @@ class RunningScene:
         steps = max(1, round(seconds / self.engine.step_seconds))
         self._pushes.append(_Push(entity, link, force, self._done + steps))
         self._set_force(entity, link)
+
+    def measure(self, entity: str) -> None:
+        """From now on, measure how far a robot moves."""
+        self._odometers[entity] = Odometer(self.engine.state(entity))
+
+    def moved(self, entity: str) -> tuple[float, float, float]:
+        """How far a robot has moved since it is measured: ahead, to the left (m), turned (rad)."""
+        return self._odometers[entity].moved
 
     def _end_pushes(self) -> None:
         ended = [push for push in self._pushes if push.until <= self._done]

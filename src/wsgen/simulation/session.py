@@ -192,6 +192,25 @@ class Session(contextlib.AbstractContextManager["Session"]):
         _checked(seconds)
         self._tell("push", entity, link, tuple(force), seconds, doing=f"pushing `{entity}`")
 
+    def measure(self, entity: str) -> None:
+        """From now on, measure how far a robot moves."""
+        self._robot(entity)
+        self._measured.add(entity)
+        self._tell("measure", entity, doing=f"measuring where `{entity}` is")
+
+    def moved(self, entity: str) -> tuple[float, float, float]:
+        """How far a robot has moved since `measure`, as behaviors say it: m, m, rad.
+
+        It is that of the root link's frame, along its x and y axes on the ground as they were then,
+        and how far it has turned, whole turns included.
+        """
+        if entity not in self._measured:
+            raise RequestError(
+                f"The way of `{entity}` is not measured.", hint="Call `measure` first."
+            )
+        doing = f"measuring where `{entity}` is"
+        return self._call("moved", entity, doing=doing, kind=tuple[float, float, float])
+
     def contacts(self, entity: str) -> tuple[Contact, ...]:
         """What a robot touched in the last step; nothing before the first one."""
         self._robot(entity)
@@ -220,6 +239,7 @@ class Session(contextlib.AbstractContextManager["Session"]):
         self.loaded, self.refused = opened.loaded, opened.refused
         self.spawn_poses, self.step_seconds = opened.spawn_poses, opened.step_seconds
         self.seconds = 0.0
+        self._measured: set[str] = set()
         self.states = {state.entity: state for state in opened.states}
 
     def _go_on(self, moment: Moment) -> None:

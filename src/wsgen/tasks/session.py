@@ -55,6 +55,8 @@ class _Server:
             "set_motors": running.set_motors,
             "release": running.release,
             "push": running.push,
+            "measure": running.measure,
+            "moved": running.moved,
             "contacts": running.contacts,
             "lowest_point": running.lowest_point,
             "picture": lambda file: self._picture(running, file),
