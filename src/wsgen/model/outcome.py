@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.behavior import BehaviorOutcome
+    from wsgen.model.time_series import TimeSeries
     from wsgen.model.transform import Pose
     from wsgen.model.world import World
 
@@ -59,6 +60,7 @@ class EngineOutcome:
     behaviors: tuple[BehaviorOutcome, ...] = ()  # what it must do beyond standing
     passed: bool = False  # no error is reported about the robot in this engine
     codes: frozenset[str] = frozenset()  # of the rules that are reported about it in this engine
+    time_series: tuple[TimeSeries, ...] = ()  # standing, then its behaviors; if they are wanted
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -314,6 +314,7 @@ def _scene(  # noqa: PLR0913  what is in it, and how it is played
         seconds=request.seconds,
         behavior_runs=() if behavior_plan is None else behavior_plan.behavior_runs,
         engine=engine,
+        samples=request.samples,
         picture=folder / f"{name}.png" if folder else None,
         world_picture=folder / f"{name}-world.png" if folder else None,
         record=request.video.absolute() if request.video and is_first else None,
@@ -389,4 +390,5 @@ def _in_engine(
         behaviors=behaviors,
         passed=prepared.can_run and entity not in result.failed,
         codes=frozenset(one.code for one in result.diagnostics if one.element == entity),
+        time_series=robot_run.time_series,
     )

@@ -442,6 +442,7 @@ class ValidateRequest:
     jobs: int = 1  # number of packages or files to process in parallel; of one, its engines
     picture_folder: Path | None = None
     video: Path | None = None  # a .gif or .mp4 of the simulation of one launch file
+    samples: int = 0  # of how each robot moves, over the simulated time and in each behavior
 
     @property
     def is_drawn(self) -> bool:

@@ -7,6 +7,7 @@ from dataclasses import field
 from pathlib import Path  # noqa: TC003
 from typing import TYPE_CHECKING
 
+from wsgen.model.time_series import TimeSeries  # noqa: TC001
 from wsgen.model.transform import IDENTITY, Pose
 from wsgen.simulation.engine import HullGap, Refused  # noqa: TC001
 from wsgen.values import dataclass
@@ -46,6 +47,7 @@ class Scene:
     # Afterwards, one by one, from where all were spawned.
     behavior_runs: tuple[BehaviorRun, ...] = ()
     engine: str = "bullet"  # a key of `run.MODULES`
+    samples: int = 0  # of each robot over the simulated time, and of each of its behaviors
     picture: Path | None = None  # where to put a PNG of the end; its folder must exist
     world_picture: Path | None = None  # likewise of all around, if there are static models
     record: Path | None = None  # where to put a video of the simulation, .gif or .mp4; likewise
@@ -104,6 +106,8 @@ class RobotRun:
     is_falling: bool = False  # nothing holds it up: at the end it gets faster with gravity
     hull_gaps: tuple[HullGap, ...] = ()  # at the end
     behaviors: tuple[BehaviorMeasurement, ...] = ()  # that were run
+    # While it stood, then during each behavior; none where the scene wants no samples.
+    time_series: tuple[TimeSeries, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)

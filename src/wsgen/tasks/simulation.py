@@ -14,12 +14,14 @@ from wsgen.simulation.scene import SceneResult
 from wsgen.simulation.simulate import run_scene
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from wsgen.model.world import World
     from wsgen.rendering.recording import Recorder
     from wsgen.simulation.engine import Engine
+    from wsgen.simulation.sampling import Sampler
     from wsgen.simulation.scene import RobotRun, Scene
+    from wsgen.simulation.simulate import Observer
 
 
 UNBUFFERED = 2  # _IONBF of C's stdio, on Linux and macOS
@@ -30,11 +32,16 @@ def simulate(scene: Scene, make_engine: Callable[[World], Engine]) -> SceneResul
     unbuffer_output_of_c()
     engine = make_engine(scene.world)
     recorder = recorder_for(engine, scene)
+    sampler = _sampler(engine, scene)
+    observers = [observer for observer in (recorder, sampler) if observer is not None]
+    observe = _observe_all(observers)
     started = time.perf_counter()
-    robot_runs, refused = run_scene(engine, scene, announce, recorder)
+    robot_runs, refused = run_scene(engine, scene, announce, observe)
     standing = remember(engine, scene, refused)
     if scene.behavior_runs:
-        robot_runs = _run_behaviors(engine, scene, robot_runs, recorder)
+        robot_runs = _run_behaviors(engine, scene, robot_runs, observers)
+    if sampler is not None:
+        robot_runs = sampler.add_to(robot_runs)
     simulated = time.perf_counter()
     drawings = draw(scene, refused, recorder, standing) if robot_runs else Drawings()
     return SceneResult(
@@ -47,16 +54,42 @@ def simulate(scene: Scene, make_engine: Callable[[World], Engine]) -> SceneResul
     )
 
 
+def _sampler(engine: Engine, scene: Scene) -> Sampler | None:
+    """What takes samples, if they are wanted; most scenes load nothing for it."""
+    if not scene.samples:
+        return None
+    from wsgen.simulation.sampling import Sampler  # noqa: PLC0415
+
+    return Sampler(engine, scene)
+
+
+def _observe_all(observers: Sequence[Recorder | Sampler]) -> Observer | None:
+    """One observer for all, as `run_scene` takes it."""
+    if not observers:
+        return None
+
+    def observe(seconds: float, entities: Sequence[str]) -> None:
+        for observer in observers:
+            observer(seconds, entities)
+
+    return observe
+
+
 def _run_behaviors(
-    engine: Engine, scene: Scene, robot_runs: list[RobotRun], recorder: Recorder | None
+    engine: Engine,
+    scene: Scene,
+    robot_runs: list[RobotRun],
+    observers: Sequence[Recorder | Sampler],
 ) -> list[RobotRun]:
     """The runs with what the robots did beyond standing; most scenes load nothing for it."""
     from wsgen.simulation.run_behaviors import run_behaviors  # noqa: PLC0415
 
-    if recorder is None:
-        return run_behaviors(engine, scene, robot_runs, announce)
+    def begin(name: str, seconds: float) -> None:
+        for observer in observers:
+            observer.begin(name, seconds)
+
     return run_behaviors(
-        engine, scene, robot_runs, announce, observe=recorder, begun=recorder.begin
+        engine, scene, robot_runs, announce, observe=_observe_all(observers), begun=begin
     )
 
 
