@@ -14,6 +14,9 @@ if TYPE_CHECKING:
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.behavior import BehaviorOutcome
+    from wsgen.model.plan import LaunchPlan
+    from wsgen.model.robot import Robot
+    from wsgen.model.scene_view import SceneView
     from wsgen.model.time_series import TimeSeries
     from wsgen.model.transform import Pose
     from wsgen.model.world import World
@@ -76,6 +79,7 @@ class RobotOutcome:
     engines: tuple[EngineOutcome, ...] = ()  # all in which it was to be simulated
     behaviors: tuple[BehaviorOutcome, ...] = ()  # of the first engine; passed if in every engine
     passed: bool = False  # no error is reported about this robot
+    description: Robot | None = None  # as written
 
     @property
     def simulated(self) -> Simulated | None:
@@ -103,6 +107,8 @@ class PackageOutcome:
     picture_tile: float | None = None  # m, edge of a square of the ground in the picture
     world_picture: Path | None = None  # of all that is in the world, where that is more
     video: Path | None = None
+    plan: LaunchPlan | None = None  # of the launch file
+    view: SceneView | None = None  # for a page, if one is wanted
     seconds: Mapping[str, float] = field(default_factory=dict)  # wall-clock, by stage
 
     @property

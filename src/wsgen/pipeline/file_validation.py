@@ -148,6 +148,7 @@ class FileValidation:
             picture_tile=simulated.picture_tile,
             world_picture=simulated.world_picture,
             video=simulated.video,
+            view=simulated.view,
             seconds=self.clock.read(),
         )
 

@@ -289,6 +289,8 @@ class Validation:
             picture_tile=simulated.picture_tile,
             world_picture=simulated.world_picture,
             video=simulated.video,
+            plan=None if started is None else started.plan,
+            view=simulated.view,
             seconds=self.clock.read(),
         )
 

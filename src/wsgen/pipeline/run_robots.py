@@ -112,6 +112,7 @@ def simulate_robots(  # noqa: PLR0913  what is simulated, and how
         picture_tile=first.picture_tile,
         world_picture=first.world_picture,
         video=first.video.file if first.video else None,
+        view=first.view,
         seconds=first.seconds,
     )
 
@@ -318,6 +319,7 @@ def _scene(  # noqa: PLR0913  what is in it, and how it is played
         picture=folder / f"{name}.png" if folder else None,
         world_picture=folder / f"{name}-world.png" if folder else None,
         record=request.video.absolute() if request.video and is_first else None,
+        view_triangles=request.view_triangles if is_first else 0,
     )
 
 
@@ -357,6 +359,7 @@ def _outcome(
         passed=bool(results)
         and prepared.can_run
         and not any(entity in one.failed for one in results),
+        description=written,
     )
 
 

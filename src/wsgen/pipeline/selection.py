@@ -442,9 +442,12 @@ class ValidateRequest:
     jobs: int = 1  # number of packages or files to process in parallel; of one, its engines
     picture_folder: Path | None = None
     video: Path | None = None  # a .gif or .mp4 of the simulation of one launch file
+    # Of a 3D view of the end, for a page; packages and files share them.
+    view_triangles: int = 0
     samples: int = 0  # of how each robot moves, over the simulated time and in each behavior
 
     @property
     def is_drawn(self) -> bool:
         """Whether it matters what things look like."""
-        return self.picture_folder is not None or self.video is not None
+        is_view = self.view_triangles > 0
+        return self.picture_folder is not None or self.video is not None or is_view

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.outcome import RobotOutcome
+    from wsgen.model.scene_view import SceneView
     from wsgen.pipeline.clock import Step
     from wsgen.pipeline.selection import ValidateRequest
 
@@ -30,6 +31,7 @@ class SimulationResult:
     picture_tile: float | None = None  # m, edge of a square of the ground in the picture
     world_picture: Path | None = None
     video: Path | None = None
+    view: SceneView | None = None
     seconds: Mapping[str, float] | None = None  # wall-clock: load, simulate, draw
 
     def diagnostics_after(self, before: Iterable[Diagnostic]) -> list[Diagnostic]:

@@ -36,6 +36,9 @@ if TYPE_CHECKING:
     from wsgen.pipeline.selection import ValidateRequest
 
 
+# Of the view of a package or a file.
+LEAST_TRIANGLES, MOST_TRIANGLES = 1_000, 50_000
+
 UNUSED_ARGUMENTS = (UNUSED_ARGUMENT.code, UNUSED_XACRO_ARGUMENT.code)
 
 
@@ -73,6 +76,9 @@ def validate(
         overlays = _overlays_of_files(request.files, workspace, environment, stack)
         is_alone = len(packages) + len(request.files) == 1
         each = request if is_alone else replace(request, jobs=1)  # engines one after the other
+        share = request.view_triangles // max(1, len(packages) + len(request.files))
+        if request.view_triangles:
+            each = replace(each, view_triangles=min(MOST_TRIANGLES, max(LEAST_TRIANGLES, share)))
 
         def subjects(run: Run) -> list[Validation | FileValidation]:
             return [

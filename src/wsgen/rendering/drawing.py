@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 from wsgen.errors import WsgenError
 from wsgen.isolation.child import announce
+from wsgen.model.scene_view import SceneView
 from wsgen.rendering.recording import Recorder, why_no_video
 from wsgen.simulation.scene import DRAWING, RECORDING, NotDrawn, Picture
 from wsgen.values import dataclass
@@ -33,8 +34,9 @@ class StandingPoses(NamedTuple):
 
 
 def remember(engine: Engine, scene: Scene, refused: Container[str]) -> StandingPoses | None:
-    """Where everything is now, if a picture or a video is wanted."""
-    if (scene.picture, scene.world_picture, scene.record) == (None, None, None):
+    """Where everything is now, if a picture, a view or a video is wanted."""
+    files = (scene.picture, scene.world_picture, scene.record)
+    if files == (None, None, None) and not scene.view_triangles:
         return None
     return poses_now(engine, scene, refused)
 
@@ -68,6 +70,13 @@ class Drawings:
     picture: Picture | NotDrawn | None = None
     world_picture: Picture | NotDrawn | None = None
     video: Video | NotDrawn | None = None
+    view: SceneView | NotDrawn | None = None
+
+    def seen(self) -> SceneView | None:
+        """The view, which says itself why it is empty."""
+        if isinstance(self.view, NotDrawn):
+            return SceneView(problem=self.view.problem)
+        return self.view
 
 
 def draw(
@@ -85,6 +94,7 @@ def draw(
         "picture": scene.picture is not None,
         "world_picture": scene.world_picture is not None and has_static_models,
         "video": recorder is not None,
+        "view": bool(scene.view_triangles),
     }
     if standing is None or not any(wanted.values()):
         return drawings
@@ -121,7 +131,10 @@ def _draw_all(
     if scene.record is not None and recorder is not None:
         video_file, progress = scene.record, scene.progress
         video = drawn(lambda: _video(scene_renderer, recorder, video_file, progress))
-    return Drawings(picture=picture, world_picture=world_picture, video=video)
+    view = None
+    if scene.view_triangles:
+        view = drawn(lambda: scene_renderer.view(scene.view_triangles))
+    return Drawings(picture=picture, world_picture=world_picture, video=video, view=view)
 
 
 def _video(

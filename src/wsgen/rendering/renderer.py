@@ -21,7 +21,7 @@ from wsgen.rendering.render_items import RenderItem
 from wsgen.rendering.surfaces import Surface, is_closed, outline, surface_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Iterator
 
     from numpy.typing import NDArray
 
@@ -58,6 +58,16 @@ class _Part(NamedTuple):
     surface: Surface
     own: slice
     outline: Floats  # corners that it lies between, 3 by n
+
+
+class Placed(NamedTuple):
+    """A render item where it is in the world."""
+
+    item: RenderItem
+    surface: Surface
+    linear: Doubles  # 3 by 3, to the world
+    shift: Doubles  # m
+    texels: Floats | None  # of its texture in the middle of each triangle, 3 by n, 0 to 1
 
 
 class Seen(NamedTuple):
@@ -185,6 +195,16 @@ class Renderer:
             for number, part in enumerate(self._parts)
             if which(part.item) and (place := self._places[number]) and part.surface.corners.size
         }
+
+    def placed(self) -> Iterator[tuple[int, Placed]]:
+        """What is anywhere, with its number."""
+        for number, (part, place) in enumerate(zip(self._parts, self._places, strict=True)):
+            if place is not None:
+                texture, points = self._textures.get(number), part.surface.texture_points
+                texels = None
+                if texture is not None and points is not None:
+                    texels = _texels(texture, points.mean(axis=1))
+                yield number, Placed(part.item, part.surface, *place, texels)
 
     def remove(self, which: Callable[[RenderItem, Doubles], bool]) -> None:
         """Have no place from now on for what is such a render item and lies between such points."""

@@ -5,17 +5,20 @@ Import it only where a picture is wanted: loading NumPy and Pillow takes as long
 
 from __future__ import annotations
 
+import functools
 import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wsgen.model.scene_view import SceneView
 from wsgen.model.world import SUN_DIRECTION
 from wsgen.rendering.backdrop import Backdrop, tile_for
 from wsgen.rendering.camera import FROM, Size, extent, eye_camera, sun_view
 from wsgen.rendering.picture import image_of, write_caption, write_png
 from wsgen.rendering.render_items import list_render_items, subjects
 from wsgen.rendering.renderer import Light, Renderer, Shadow
+from wsgen.rendering.scene_view import as_webp, view_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Container, Iterator, Mapping, Sequence
@@ -187,29 +190,67 @@ class SceneRenderer:
 
     def draw(self, file: Path) -> float | None:
         """Write a PNG of the robots; gives the edge of the ground's squares, m, if any are seen."""
+        image, tile = self.picture
+        write_png(image, file)
+        return tile
+
+    @functools.cached_property
+    def picture(self) -> tuple[Image, float | None]:
+        """A picture of the robots, and the edge of the ground's squares, m, if any are seen."""
         points = self.subject_points()
         setup = CameraSetup(
             self.renderer, self.world, points, PICTURE, without_shadow=is_no_subject
         )
         image = setup.take(dither=True)
         write_caption(image, [*self._captions(points), *_legend(setup.backdrop.tile)])
-        write_png(image, file)
-        return setup.backdrop.tile
+        return image, setup.backdrop.tile
 
     def draw_world(self, file: Path) -> float | None:
         """Likewise a smaller one of the robots with what is around them."""
-        points = self.subject_points()
-        middle = (points.min(axis=0) + points.max(axis=0)) / 2
-        room = max(AROUND_LEAST, AROUND_SIZES * extent(points))
-        static_models = self.renderer.points(is_no_subject)
-        near = [of_it for of_it in static_models.values() if abs(of_it - middle).max() < room]
-        framed = np.vstack([points, *near])
+        image, tile = self.world_picture
+        write_png(image, file)
+        return tile
+
+    @functools.cached_property
+    def world_picture(self) -> tuple[Image, float | None]:
+        """As `picture`, of the robots with what is around them."""
+        framed = np.vstack([self.subject_points(), *self._near().values()])
         towards = self._best_view(framed)
         setup = CameraSetup(self.renderer, self.world, framed, WORLD_PICTURE, towards=towards)
         image = setup.take(dither=True)
         write_caption(image, [*_legend(setup.backdrop.tile)])
-        write_png(image, file)
-        return setup.backdrop.tile
+        return image, setup.backdrop.tile
+
+    def view(self, most: int) -> SceneView:
+        """What a page shows of it; the surfaces have at most so many triangles, or about that."""
+        image, tile = self.picture
+        near = self._near()
+        placed = [
+            one for number, one in self.renderer.placed() if one.item.is_subject or number in near
+        ]
+        view = view_of(placed, most)
+        has_others = any(not part.is_robot for part in view.parts)
+        return SceneView(
+            picture=as_webp(image),
+            picture_tile=tile,
+            world_picture=as_webp(self.world_picture[0]) if has_others else None,
+            parts=view.parts,
+            has_ground=self.world.has_ground_plane,
+            tile=tile_for(extent(self.subject_points())),
+            triangles=view.triangles,
+            triangles_before=view.triangles_before,
+        )
+
+    def _near(self) -> dict[int, Floats]:
+        """Points of the static models that are near the robots, by their number."""
+        points = self.subject_points()
+        middle = (points.min(axis=0) + points.max(axis=0)) / 2
+        room = max(AROUND_LEAST, AROUND_SIZES * extent(points))
+        return {
+            number: of_it
+            for number, of_it in self.renderer.points(is_no_subject).items()
+            if abs(of_it - middle).max() < room
+        }
 
     def _best_view(self, points: Floats) -> Vector:
         """From which corner the robots are seen best; from the usual one, if well enough."""

@@ -34,23 +34,25 @@ class Surface(NamedTuple):
 
 
 @functools.cache  # robots have many that are alike
-def surface_of(geometry: Primitive | str) -> Surface:
+def surface_of(geometry: Primitive | str, around: int = AROUND, up: int = UP) -> Surface:
     """The surface of a shape, or of a mesh by its path; not to be changed.
 
-    A mesh is an array that `wsgen.meshes.appearance` wrote, or a mesh file in any format.
+    A mesh is an array that `wsgen.meshes.appearance` wrote, or a mesh file in any format. A round
+    shape has so many faces `around`, and a sphere so many rings `up`.
     """
     if isinstance(geometry, str):
         return _load(Path(geometry))
     if isinstance(geometry, Box):
         return _box(geometry.size)
     if isinstance(geometry, Sphere):
-        return _turned(_arc(geometry.radius, -90, 90, 0.0))
+        return _turned(_arc(geometry.radius, -90, 90, 0.0, up), around)
     half, radius = geometry.length / 2, geometry.radius
     side = [[(radius, -half, 1.0, 0.0), (radius, half, 1.0, 0.0)]]
     if isinstance(geometry, Capsule):
-        return _turned([*_arc(radius, -90, 0, -half), *side, *_arc(radius, 0, 90, half)])
+        ends = _arc(radius, -90, 0, -half, up), _arc(radius, 0, 90, half, up)
+        return _turned([*ends[0], *side, *ends[1]], around)
     bottom, top = ([(0.0, z, 0.0, z), (radius, z, 0.0, z)] for z in (-half, half))
-    return _turned([bottom, *side, top[::-1]])
+    return _turned([bottom, *side, top[::-1]], around)
 
 
 OUTLINE = 5_000  # corners are enough to know where a surface is
@@ -125,8 +127,8 @@ QUADS = np.array([[0, 1, 2], [0, 2, 3]])  # two triangles
 End = tuple[float, float, float, float]  # radius, z, and the normal's part outwards, along z
 
 
-def _arc(radius: float, start: int, end: int, shift: float) -> list[list[End]]:
-    count = UP * (end - start) // 180
+def _arc(radius: float, start: int, end: int, shift: float, up: int) -> list[list[End]]:
+    count = up * (end - start) // 180
     angles = [math.radians(start + (end - start) * step / count) for step in range(count + 1)]
     ends = [
         (
@@ -140,10 +142,10 @@ def _arc(radius: float, start: int, end: int, shift: float) -> list[list[End]]:
     return [[low, high] for low, high in itertools.pairwise(ends)]
 
 
-def _turned(profile: list[list[End]]) -> Surface:
+def _turned(profile: list[list[End]], around: int) -> Surface:
     """Lines turned about z."""
     radius, z, outwards, along = np.array(profile, dtype=np.float64).transpose(2, 0, 1)[..., None]
-    angles = np.linspace(0, 2 * np.pi, AROUND + 1)
+    angles = np.linspace(0, 2 * np.pi, around + 1)
     cos, sin = np.cos(angles), np.sin(angles)
     cos[-1], sin[-1] = 1, 0  # the last are the first, to the bit
     radius[np.abs(radius) < np.abs(radius).max() * 1e-9] = 0

@@ -167,6 +167,7 @@ def run_simulation(
         picture_tile=picture.tile if isinstance(picture, Picture) else None,
         world_picture=scene.world_picture if isinstance(world_picture, Picture) else None,
         video=video if isinstance(video, Video) else None,
+        view=result.view,
         # Starting the child and the engine is what is left of the whole.
         seconds={**result.seconds, "load": seconds - sum(result.seconds.values())},
     )
@@ -176,7 +177,7 @@ def _blame(scene: Scene, death: Died) -> tuple[Diagnostic, Scene | None]:
     """What the engine died of, and the scene without it; None where that is not known."""
     if death.step == DRAWING:
         found = _no_picture("picture", f"the engine {death.reason} while it drew it")
-        return found, replace(scene, picture=None, world_picture=None)
+        return found, replace(scene, picture=None, world_picture=None, view_triangles=0)
     if death.step.startswith(RECORDING):
         found = _no_video(f"the engine {death.reason} while it was {death.step}")
         return found, replace(scene, record=None)
@@ -246,8 +247,8 @@ def _no_picture(what: str, problem: str) -> Diagnostic:
     return NO_PICTURE.at(
         None,
         message=f"Cannot draw the {what}: {problem}.",
-        hint="Check the visual meshes and that the directory is writable, or leave --picture out: "
-        "the simulation itself is not affected.",
+        hint="Check the visual meshes and that the directory is writable, or leave --picture "
+        "and --html out: the simulation itself is not affected.",
     )
 
 

@@ -7,6 +7,7 @@ from dataclasses import field
 from pathlib import Path  # noqa: TC003
 from typing import TYPE_CHECKING
 
+from wsgen.model.scene_view import SceneView  # noqa: TC001
 from wsgen.model.time_series import TimeSeries  # noqa: TC001
 from wsgen.model.transform import IDENTITY, Pose
 from wsgen.simulation.engine import HullGap, Refused  # noqa: TC001
@@ -51,6 +52,7 @@ class Scene:
     picture: Path | None = None  # where to put a PNG of the end; its folder must exist
     world_picture: Path | None = None  # likewise of all around, if there are static models
     record: Path | None = None  # where to put a video of the simulation, .gif or .mp4; likewise
+    view_triangles: int = 0  # of a view of the end, at most; 0: no view is wanted
     progress: Path | None = None  # where to write, now and then, how far the video is
 
 
@@ -147,6 +149,7 @@ class SceneResult:
     picture: Picture | NotDrawn | None = None
     world_picture: Picture | NotDrawn | None = None
     video: Video | NotDrawn | None = None
+    view: SceneView | None = None
     seconds: Mapping[str, float]  # wall-clock: simulate, draw
 
 
@@ -160,4 +163,5 @@ class SimulationOutcome:
     picture_tile: float | None = None  # m, edge of the ground's squares in it, if any are seen
     world_picture: Path | None = None
     video: Video | None = None
+    view: SceneView | None = None
     seconds: Mapping[str, float] = field(default_factory=dict)  # wall-clock: load, simulate, draw

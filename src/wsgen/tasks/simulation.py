@@ -50,6 +50,7 @@ def simulate(scene: Scene, make_engine: Callable[[World], Engine]) -> SceneResul
         picture=drawings.picture,
         world_picture=drawings.world_picture,
         video=drawings.video,
+        view=drawings.seen(),
         seconds={"simulate": simulated - started, "draw": time.perf_counter() - simulated},
     )
 
