@@ -15,7 +15,8 @@ from wsgen.cli.terminal import Branch, draw_table, draw_tree
 from wsgen.cli.words import short_path
 from wsgen.diagnostics import Severity
 from wsgen.model.outcome import ENGINE_NAMES
-from wsgen.rules.runs import TIPS_OVER, UNACTUATED_JOINTS_MOVE
+from wsgen.report.launch_tree import cause_of, start_tree
+from wsgen.report.words import result_of, what_it_did, write_xyz
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
         Simulated,
     )
     from wsgen.model.plan import Include, LaunchArgument, LaunchPlan, Process
+    from wsgen.report.launch_tree import Started
 
 
 COLORS = {Severity.ERROR: "red", Severity.WARNING: "yellow", Severity.INFO: "blue"}
@@ -209,20 +211,7 @@ def _behaviors(package: PackageOutcome) -> list[str]:
 
 def _behavior(name: str, one: BehaviorOutcome) -> str:
     mark = click.style("  ok  ", fg="green") if one.passed else click.style("failed", fg="red")
-    return f"  {mark}  {name}: {_did(one)}"
-
-
-def _did(behavior: BehaviorOutcome) -> str:
-    if behavior.moved is not None:
-        x, y, yaw = (_plain(value) for value in behavior.moved)
-        return f"{x} m ahead, {y} m to the left, turned by {yaw} rad"
-    if behavior.positions is not None:
-        return ", ".join(f"{name} {_plain(value)}" for name, value in behavior.positions.items())
-    return "not simulated"
-
-
-def _plain(value: float) -> str:
-    return f"{round(value, 2) + 0.0:.2f}" if math.isfinite(value) else str(value)
+    return f"  {mark}  {name}: {what_it_did(one)}"
 
 
 def _name(package: PackageOutcome) -> str:
@@ -245,9 +234,9 @@ def _robot(robot: RobotOutcome) -> tuple[str, ...]:
         robot.entity,
         _mass(robot.simulated),
         f"{robot.movable_joints} of {robot.joints}",
-        _xyz(robot.spawn_pose.xyz),
-        _xyz(rest.pose_in_world.xyz) if rest else "-",
-        _result(robot.engines[0]) if robot.engines else "not simulated",
+        write_xyz(robot.spawn_pose.xyz),
+        write_xyz(rest.pose_in_world.xyz) if rest else "-",
+        result_of(robot.engines[0]) if robot.engines else "not simulated",
     )
 
 
@@ -257,35 +246,15 @@ def _in_engine(robot: RobotOutcome, one: EngineOutcome) -> tuple[str, ...]:
         robot.entity,
         ENGINE_NAMES[one.engine],
         _mass(one.simulated),
-        _xyz(rest.pose_in_world.xyz) if rest else "-",
+        write_xyz(rest.pose_in_world.xyz) if rest else "-",
         f"{math.degrees(rest.tilt):.1f}" if rest else "-",
-        _result(one),
+        result_of(one),
     )
 
 
 def _mass(simulated: Simulated | None) -> str:
     """As simulated: what was read may have links that are refused."""
     return f"{simulated.mass:.3f}" if simulated else "-"
-
-
-def _result(one: EngineOutcome) -> str:
-    if one.rest is None or not one.passed:
-        return "fails" if one.rest else "not simulated"
-    if TIPS_OVER.code in one.codes:
-        return "tips over"
-    settled = one.rest.settled_after
-    if UNACTUATED_JOINTS_MOVE.code in one.codes:
-        end = "did not settle" if settled is None else f"settled after {settled:.1f} s"
-        return f"{end}, unactuated joints"
-    return "did not settle" if settled is None else f"stands after {settled:.1f} s"
-
-
-def _xyz(xyz: tuple[float, float, float]) -> str:
-    """Centimeters on the ground, millimeters above it; adding zero makes -0.00 plain."""
-    return " ".join(
-        f"{round(value, decimals) + 0.0:.{decimals}f}" if math.isfinite(value) else str(value)
-        for value, decimals in zip(xyz, (2, 2, 3), strict=True)
-    )
 
 
 MOST_CHARACTERS = 120  # of a value; a robot description has thousands
@@ -319,7 +288,8 @@ def render_tree(plan: LaunchPlan, *, quiet: bool = False) -> Iterator[str]:
     yield from _section("includes", [line for one in plan.includes for line in _include(one)])
     if plan.processes:
         yield ""
-        yield from draw_tree(_starts(plan.processes), quiet=quiet)
+        starts = Branch(click.style("starts", bold=True), _branches(start_tree(plan.processes)))
+        yield from draw_tree(starts, quiet=quiet)
     yield from _section(
         "not known without ROS",
         [
@@ -357,36 +327,18 @@ def _include(include: Include) -> Iterator[str]:
         yield f"    {argument}:={_clip(value)}"
 
 
-def _starts(processes: Sequence[Process]) -> Branch:
-    """Each process below the one whose start or exit causes it."""
-    followers: dict[int, list[Process]] = {}
-    first: dict[str, Process] = {}
-    roots: list[Process] = []
-    for process in processes:
-        _, _, name = process.starts.partition(" of ")
-        if name in first:
-            followers.setdefault(id(first[name]), []).append(process)
-        else:
-            roots.append(process)
-        first.setdefault(_process_name(process), process)
-    return Branch(click.style("starts", bold=True), _branches(roots, followers))
-
-
-def _branches(
-    processes: Sequence[Process], followers: dict[int, list[Process]]
-) -> tuple[Branch, ...]:
+def _branches(started: Sequence[Started]) -> tuple[Branch, ...]:
     return tuple(
         Branch(
-            "\n    ".join((_title(process), *_details(process))),
-            _branches(followers.get(id(process), ()), followers),
+            "\n    ".join((_title(one.process), *_details(one.process))), _branches(one.followers)
         )
-        for process in processes
+        for one in started
     )
 
 
 def _title(process: Process) -> str:
     what = click.style(_what(process), bold=True)
-    cause = "" if process.starts == "launch" else f"  {click.style(_cause(process), fg='cyan')}"
+    cause = f"  {click.style(cause_of(process), fg='cyan')}" if cause_of(process) else ""
     node = f"{process.namespace.rstrip('/')}/{process.name}" if process.name else process.namespace
     called = f"  {node}" if node and process.command is None else ""
     host = f"  in {process.container}" if process.container else ""
@@ -397,17 +349,6 @@ def _what(process: Process) -> str:
     if process.command is not None:
         return _clip(" ".join(process.command))
     return f"{process.package} {process.executable}" if process.package else str(process.executable)
-
-
-def _cause(process: Process) -> str:
-    kind, _, rest = process.starts.partition(" ")
-    return {"timer": f"after {rest} s", "shutdown": "on shutdown"}.get(kind, f"on {process.starts}")
-
-
-def _process_name(process: Process) -> str:
-    if process.command:
-        return process.name or process.command[0].rpartition("/")[2]
-    return process.name or process.executable or ""
 
 
 def _details(process: Process) -> Iterator[str]:

@@ -1,0 +1,76 @@
+"""What a person reads about a robot: how it ended, what it did, where it is."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from wsgen.model.behavior import Drive
+from wsgen.rules.runs import TIPS_OVER, UNACTUATED_JOINTS_MOVE
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from wsgen.model.behavior import BehaviorOutcome, Reach
+    from wsgen.model.outcome import EngineOutcome
+
+
+def result_of(one: EngineOutcome) -> str:
+    """How a robot ended in an engine."""
+    if one.rest is None or not one.passed:
+        return "fails" if one.rest else "not simulated"
+    if TIPS_OVER.code in one.codes:
+        return "tips over"
+    settled = one.rest.settled_after
+    if UNACTUATED_JOINTS_MOVE.code in one.codes:
+        end = "did not settle" if settled is None else f"settled after {settled:.1f} s"
+        return f"{end}, unactuated joints"
+    return "did not settle" if settled is None else f"stands after {settled:.1f} s"
+
+
+def write_xyz(xyz: tuple[float, float, float]) -> str:
+    """Centimeters on the ground, millimeters above it; adding zero makes -0.00 plain."""
+    return " ".join(
+        f"{round(value, decimals) + 0.0:.{decimals}f}" if math.isfinite(value) else str(value)
+        for value, decimals in zip(xyz, (2, 2, 3), strict=True)
+    )
+
+
+def what_it_did(behavior: BehaviorOutcome) -> str:
+    """What was measured at the end of a behavior."""
+    if behavior.moved is not None:
+        return _way(*behavior.moved)
+    if behavior.positions is not None:
+        return _positions(behavior.positions)
+    return "not simulated"
+
+
+def what_it_is_to_do(task: Drive | Reach) -> str:
+    """The commands of a behavior."""
+    if isinstance(task, Drive):
+        return f"drive at {_plain(task.linear)} m/s, {_plain(task.angular)} rad/s"
+    return f"move to {_positions(task.positions)}"
+
+
+def what_is_expected(task: Drive | Reach) -> str:
+    """Where a behavior is to end."""
+    if isinstance(task, Drive):
+        return _way(task.x, task.y, task.yaw) or "not checked"
+    return f"within {task.within:g} of these positions"
+
+
+def _way(x: float | None, y: float | None, yaw: float | None) -> str:
+    parts = (
+        (x, "{} m ahead"),
+        (y, "{} m to the left"),
+        (yaw, "turned by {} rad"),
+    )
+    return ", ".join(text.format(_plain(value)) for value, text in parts if value is not None)
+
+
+def _positions(positions: Mapping[str, float]) -> str:
+    return ", ".join(f"{name} {_plain(value)}" for name, value in positions.items())
+
+
+def _plain(value: float) -> str:
+    return f"{round(value, 2) + 0.0:.2f}" if math.isfinite(value) else str(value)
