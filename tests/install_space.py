@@ -65,6 +65,7 @@ class InstallSpace:
         environment: Mapping[str, str] | None = None,
         seconds: float = 20.0,
         wall_clock: float | None = None,
+        with_origins: bool = False,
     ) -> LaunchPlan:
         """The plan of a launch file, with this prefix sourced."""
         variables = {
@@ -79,6 +80,7 @@ class InstallSpace:
             environment=variables
             | {"AMENT_PREFIX_PATH": str(self.prefix)}
             | dict(environment or {}),
+            with_origins=with_origins,
             limits=Limits(seconds=seconds, wall_clock=wall_clock, memory=2**30),
         )
 

@@ -6,13 +6,31 @@ from pathlib import Path
 
 from report.test_json_report import documented_keys, keys
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.model.plan import Include, LaunchArgument, LaunchPlan, Process, Unresolved
+from wsgen.model.plan import (
+    FileRead,
+    Include,
+    LaunchArgument,
+    LaunchPlan,
+    Origin,
+    Process,
+    Unresolved,
+)
 from wsgen.report.json_report import render_plan
 
 FULL = LaunchPlan(
     package="my_robot",
     launch_file=Path("/w/r.launch.py"),
-    arguments=(LaunchArgument(name="z", default=None, value="1", description="height"),),
+    arguments=(
+        LaunchArgument(
+            name="z",
+            default=None,
+            value="1",
+            description="height",
+            origin=Origin(file=Path("/w/r.launch.py"), line=2),
+            set_by="include",
+            set_at=Origin(file=Path("/w/p.launch.py"), line=7),
+        ),
+    ),
     processes=(
         Process(
             package="p",
@@ -21,7 +39,10 @@ FULL = LaunchPlan(
             namespace="/a",
             parameters={"x": math.inf, "y": [1.0, math.nan], "z": -math.inf, "é": True},
             arguments=("-d",),
+            parameter_origins={"x": Origin(file=Path("/w/p.yaml"), line=3)},
+            argument_origins=(Origin(file=Path("/w/r.launch.py"), line=5),),
             remappings=(("a", "b"),),
+            remapping_origins=(Origin(file=Path("/w/r.launch.xml")),),
             starts="timer 3.0",
             start_time=3.0,
             file=Path("/w/r.launch.py"),
@@ -32,6 +53,7 @@ FULL = LaunchPlan(
     includes=(Include(package="q", file=Path("/q.launch.py"), arguments={"a": "b"}),),
     environment={"A": "1"},
     unresolved=(Unresolved(what="date", why="not executed", file=Path("/w/r.launch.py"), line=9),),
+    files=(FileRead(path=Path("/w/p.yaml"), use="parameters", sha256="5c"),),
     diagnostics=(
         Diagnostic(name="some-rule", code="LCH019", severity=Severity.WARNING, message="m"),
     ),
@@ -48,10 +70,26 @@ def test_every_key_of_the_contract() -> None:
         "launch_file": "/w/r.launch.py",
     }
     assert document["arguments"] == [
-        {"name": "z", "default": None, "value": "1", "description": "height"}
+        {
+            "name": "z",
+            "default": None,
+            "value": "1",
+            "description": "height",
+            "file": "/w/r.launch.py",
+            "line": 2,
+            "set_by": "include",
+            "set_at": {"file": "/w/p.launch.py", "line": 7},
+        }
     ]
     node, command = document["processes"]
     assert node["remappings"] == [["a", "b"]]
+    assert node["remapping_origins"] == [{"file": "/w/r.launch.xml", "line": None}]
+    assert node["argument_origins"] == [{"file": "/w/r.launch.py", "line": 5}]
+    assert node["parameter_origins"] == {
+        "x": {"file": "/w/p.yaml", "line": 3},
+        **dict.fromkeys("yzé"),
+    }
+    assert document["files"] == [{"path": "/w/p.yaml", "use": "parameters", "sha256": "5c"}]
     assert (node["starts"], node["start_time"], node["command"]) == ("timer 3.0", 3.0, None)
     assert (command["package"], command["command"]) == (None, ["gz", "sim"])
     assert document["includes"] == [
@@ -80,7 +118,7 @@ def test_the_documentation_lists_every_key() -> None:
     document = json.loads(render_plan(FULL))
     document["environment"] = None  # its keys are names
     for process in document["processes"]:
-        process["parameters"] = process["environment"] = None
+        process["parameters"] = process["environment"] = process["parameter_origins"] = None
     for include in document["includes"]:
         include["arguments"] = None
     assert documented_keys("wsgen launch") == keys(document)

@@ -123,6 +123,7 @@ def command(
             arguments,
             answers=chosen_answers(answers),
             only_arguments=show_arguments,
+            with_origins=output_format == "json",
             listener=listener,
         )
     _write(plan, output_format=output_format, show_arguments=show_arguments, quiet=quiet)

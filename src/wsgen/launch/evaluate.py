@@ -52,6 +52,7 @@ def evaluate(  # noqa: PLR0913  all but two have defaults
     environment: Mapping[str, str],
     answers: Callable[[], Sequence[str]] = tuple,
     only_arguments: bool = False,
+    with_origins: bool = False,
     limits: Limits = LIMITS,
     task: str = TASK,
     run: Run = parent.run,
@@ -61,7 +62,8 @@ def evaluate(  # noqa: PLR0913  all but two have defaults
     A launch file is a program, and evaluating it runs it: in a child process, with these limits,
     and nothing it describes is started. `environment` is that of the sourced workspace. With
     `only_arguments` it is loaded and not played, and the plan holds the arguments that it and
-    what it includes declare, their defaults in the words of `ros2 launch --show-args`. `answers` is
+    what it includes declare, their defaults in the words of `ros2 launch --show-args`. With
+    `with_origins` it says where everything is written, and which files were read. `answers` is
     called only if the launch file asks for input; it is then evaluated again, with them. `task`
     names the function that the child calls, and `run` starts it. Mistakes in the launch file, or
     in what it includes, are diagnostics of the plan; nothing is raised for them.
@@ -71,6 +73,7 @@ def evaluate(  # noqa: PLR0913  all but two have defaults
         package=package,
         arguments=dict(arguments),
         only_arguments=only_arguments,
+        with_origins=with_origins,
     )
 
     def play(request: LaunchRequest) -> LaunchPlan:
@@ -83,7 +86,10 @@ def evaluate(  # noqa: PLR0913  all but two have defaults
                 is_complete=False,
             )
         answer = name_sources(outcome.value, environment)
-        return replace(decode(answer, LaunchPlan), launch_file=launch_file)
+        decoded = decode(answer, LaunchPlan)
+        # The folder of the links to sources has another name each time.
+        files = tuple(sorted(decoded.files, key=lambda file: file.path))
+        return replace(decoded, launch_file=launch_file, files=files)
 
     plan = play(request)
     given = tuple(answers()) if plan.unanswered else ()

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 
 from wsgen.files import refuse_irregular
 from wsgen.launch.requests import requested_texts
-from wsgen.model.plan import Unresolved
+from wsgen.model.plan import Origin, Unresolved
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -126,6 +126,9 @@ class Record:
         self.unset: dict[str, Location] = {}  # variables that are None for the user's files
         self.unknown_texts: set[str] = set()  # what stands in texts for what is not known
         self.texts: dict[str, str] = {}  # what files became, see `_fold` -> the file
+        self.with_origins = False  # whether what follows is noted
+        self.read: dict[str, str] = {}  # absolute paths of files that were read, and their use
+        self.made: dict[str, str] = {}  # files that the evaluation writes -> what they are made of
         self.opened: list[str] = []  # robots and worlds that the launch file opened itself
         self.argument_use = ArgumentUse()
         self.unused_xacro_arguments: list[tuple[Mapping[str, str], Location | None]] = []
@@ -185,6 +188,12 @@ class Record:
     def source_of(self, text: str) -> str | None:
         """The file that a text was made from; None where that is not known."""
         return self.texts.get(_fold(text))
+
+    def origin(self, location: Location | None) -> Origin | None:
+        """A place, as plans have it; None where it is not known or nobody asked for it."""
+        if location is None or not self.with_origins:
+            return None
+        return Origin(file=Path(location[0]), line=location[1] or None)
 
     def find_description_files(self) -> None:
         """Note with each process which file the description is of that it is given."""

@@ -61,12 +61,15 @@ def evaluate(
     launch_file = str(request.launch_file)
     RECORD.package = request.package
     RECORD.run_xacro = run_xacro
+    RECORD.with_origins = request.with_origins
     _install()
     _take_answers(request.answers)
     RECORD.environment = dict(os.environ)
     _note_unset_variables()
     RECORD.ends_branch = lambda error: _ends_branch(error, launch_file, explain_xacro)
     is_complete = False
+    if request.with_origins:
+        from wsgen.launch.origins import files_read  # what it imports is not what is evaluated
     sys.addaudithook(_watch)
     try:
         if request.only_arguments:
@@ -85,6 +88,7 @@ def evaluate(
 
         report_unused_xacro_arguments(RECORD.unused_xacro_arguments)
     RECORD.find_description_files()
+    read = tuple(files_read()) if request.with_origins else ()
     written_files.remove_copies()
     return LaunchPlan(
         package=request.package,
@@ -98,6 +102,7 @@ def evaluate(
         written_from=RECORD.written_from,
         unresolved=tuple(RECORD.unresolved),
         diagnostics=tuple(RECORD.diagnostics),
+        files=read,
         unanswered=RECORD.unanswered,
         is_complete=is_complete,
     )
@@ -208,8 +213,13 @@ def _watch(event: str, arguments: tuple[Any, ...]) -> None:
         raise PermissionError("nothing is removed, because nothing runs")
     if event in ("os.fork", "os.forkpty"):
         raise ForkError
-    if event == "open" and str(arguments[0]).endswith(_DESCRIPTIONS):
-        RECORD.opened.append(os.path.abspath(str(arguments[0])))
+    if event == "open":
+        if str(arguments[0]).endswith(_DESCRIPTIONS):
+            RECORD.opened.append(os.path.abspath(str(arguments[0])))
+        if RECORD.with_origins:
+            from wsgen.launch.origins import note_opened
+
+            note_opened(*arguments[:3])
 
 
 class _MissingModule(ModuleType):
@@ -283,6 +293,7 @@ def _ask_for_arguments(launch_file: str) -> None:
             value=None,
             description=str(argument.description),
             is_conditional=bool(argument.conditionally_included),
+            origin=RECORD.origin(argument.wsgen_location),
         )
 
 

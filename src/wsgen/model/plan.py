@@ -20,6 +20,20 @@ class LaunchRequest:
     arguments: Mapping[str, str]
     answers: tuple[str, ...] = ()  # to what the launch file asks on standard input, in order
     only_arguments: bool = False  # ask for the declared arguments, as --show-args does
+    with_origins: bool = False  # note where everything is written, and which files are read
+
+
+@dataclass(frozen=True, kw_only=True)
+class Origin:
+    """Where something of a plan is written."""
+
+    file: Path
+    line: int | None = None  # 1-based; None where it is not known
+
+
+# Who gives a launch argument its value.
+COMMAND_LINE, INCLUDE, DEFAULT, LAUNCH_FILE = "command line", "include", "default", "launch file"
+SETTERS = (COMMAND_LINE, INCLUDE, DEFAULT, LAUNCH_FILE)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,6 +45,9 @@ class LaunchArgument:
     value: str | None  # what it has in this plan; None where it was only asked for
     description: str = ""
     is_conditional: bool = False  # declared only if some condition holds or some event happens
+    origin: Origin | None = None  # of its declaration
+    set_by: str | None = None  # a member of `SETTERS`; None where it was only asked for
+    set_at: Origin | None = None  # where that is written, unless it is the command line
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,6 +73,10 @@ class Process:
     line: int | None = None
     # The xacro, URDF or SDF file that the text of a parameter or an argument was made from.
     description_file: Path | None = None
+    # Where each parameter, argument and remapping is written, with `LaunchRequest.with_origins`.
+    parameter_origins: Mapping[str, Origin] = field(default_factory=dict)  # by name
+    argument_origins: tuple[Origin | None, ...] = ()  # of each of the arguments
+    remapping_origins: tuple[Origin | None, ...] = ()  # of each of the remappings
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,6 +98,15 @@ class Lookup:
     package: str
     file: Path  # the launch file
     line: int  # 1-based
+
+
+@dataclass(frozen=True, kw_only=True)
+class FileRead:
+    """A file that the evaluation read, or that a process which starts is given."""
+
+    path: Path  # absolute
+    use: str  # "launch file", "parameters", "module", "read" or "given"
+    sha256: str | None  # of the content, hexadecimal; None where the file cannot be read
 
 
 STARTS_UNKNOWN = "what it starts comes from a Python module that is not installed"
@@ -108,6 +138,7 @@ class LaunchPlan:
     written_from: Mapping[str, str] = field(default_factory=dict)
     unresolved: tuple[Unresolved, ...] = ()
     diagnostics: tuple[Diagnostic, ...] = ()
+    files: tuple[FileRead, ...] = ()  # by path, with `LaunchRequest.with_origins`
     unanswered: bool = False  # the launch file asks more than there are answers
     is_complete: bool = True  # False: an error ended the evaluation
     seconds_in_xacro: float = 0.0  # wall-clock, a part of the time that the evaluation took

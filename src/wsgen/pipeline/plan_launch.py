@@ -64,12 +64,13 @@ def select_launch_file(words: Sequence[str], workspace: str | None) -> Iterator[
         )
 
 
-def plan_launch(
+def plan_launch(  # noqa: PLR0913  all but two have defaults
     selected: SelectedLaunchFile,
     arguments: Mapping[str, str],
     *,
     answers: Callable[[], Sequence[str]] = tuple,
     only_arguments: bool = False,
+    with_origins: bool = False,
     listener: Listener | None = None,
 ) -> LaunchPlan:
     """Evaluate the launch file; its diagnostics name source files where they are known.
@@ -85,6 +86,7 @@ def plan_launch(
             environment=selected.overlay.environment,
             answers=answers,
             only_arguments=only_arguments,
+            with_origins=with_origins,
         )
         step.succeeded = not has_errors(plan.diagnostics)
     plan = replace(plan, diagnostics=(*plan.diagnostics, *selected.overlay.not_built()))

@@ -22,7 +22,14 @@ if TYPE_CHECKING:
     from wsgen.doctor.report import DoctorReport
     from wsgen.model.behavior import BehaviorOutcome
     from wsgen.model.outcome import NotValidated, Outcome, PackageOutcome, Rest, RobotOutcome
-    from wsgen.model.plan import Include, LaunchArgument, LaunchPlan, Process, Unresolved
+    from wsgen.model.plan import (
+        Include,
+        LaunchArgument,
+        LaunchPlan,
+        Origin,
+        Process,
+        Unresolved,
+    )
     from wsgen.model.transform import Pose
     from wsgen.pipeline.create import CreatedPackage
     from wsgen.templating.template import Template
@@ -218,6 +225,9 @@ def render_plan(plan: LaunchPlan) -> str:
         "includes": [_include(include) for include in plan.includes],
         "environment": dict(plan.environment),
         "unresolved": [_unresolved(entry) for entry in plan.unresolved],
+        "files": [
+            {"path": str(file.path), "use": file.use, "sha256": file.sha256} for file in plan.files
+        ],
         "diagnostics": [diagnostic_to_json(found) for found in plan.diagnostics],
     }
     return json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
@@ -229,6 +239,10 @@ def _argument(argument: LaunchArgument) -> dict[str, Any]:
         "default": argument.default,
         "value": argument.value,
         "description": argument.description,
+        "file": _path(argument.origin.file) if argument.origin else None,
+        "line": argument.origin.line if argument.origin else None,
+        "set_by": argument.set_by,
+        "set_at": _origin(argument.set_at),
     }
 
 
@@ -241,6 +255,11 @@ def _process(process: Process) -> dict[str, Any]:
         "parameters": {name: _value(value) for name, value in process.parameters.items()},
         "arguments": list(process.arguments),
         "remappings": [list(pair) for pair in process.remappings],
+        "parameter_origins": {
+            name: _origin(process.parameter_origins.get(name)) for name in process.parameters
+        },
+        "argument_origins": [_origin(one) for one in process.argument_origins],
+        "remapping_origins": [_origin(one) for one in process.remapping_origins],
         "command": None if process.command is None else list(process.command),
         "environment": dict(process.environment),
         "container": process.container,
@@ -249,6 +268,10 @@ def _process(process: Process) -> dict[str, Any]:
         "file": _path(process.file),
         "line": process.line,
     }
+
+
+def _origin(origin: Origin | None) -> dict[str, Any] | None:
+    return None if origin is None else {"file": str(origin.file), "line": origin.line}
 
 
 def _include(include: Include) -> dict[str, Any]:

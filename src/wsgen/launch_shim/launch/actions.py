@@ -27,12 +27,21 @@ from launch.launch_context import NEVER, PROCESS_TIME, LaunchContext
 from launch.launch_description import LaunchDescriptionSource
 from wsgen.launch import commands, known_packages, written_files
 from wsgen.launch.record import RECORD, split_location
-from wsgen.model.plan import Include, LaunchArgument, Process
+from wsgen.model.plan import (
+    COMMAND_LINE,
+    DEFAULT,
+    INCLUDE,
+    LAUNCH_FILE,
+    Include,
+    LaunchArgument,
+    Process,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterator, Sequence
 
     from launch.base import BaseEventHandler, LaunchDescriptionEntity, SomeSubstitutionsType
+    from launch.launch_context import _Configurations
     from launch.launch_description import LaunchDescription
 
 
@@ -137,9 +146,10 @@ class DeclareLaunchArgument(Action):
                     f"'{self.description}') was not provided"
                 )
             configurations[self.__name] = perform_substitutions(context, self.__default_value)
-            self._note(configurations[self.__name], configurations[self.__name])
+            configurations.setters[self.__name] = (DEFAULT, self.wsgen_location)
+            self._note(configurations[self.__name], configurations)
         else:
-            self._note(_words(self.__default_value), configurations[self.__name])
+            self._note(_words(self.__default_value), configurations)
         value = configurations[self.__name]
         if not self._allows(value):
             raise RuntimeError(
@@ -155,15 +165,19 @@ class DeclareLaunchArgument(Action):
         """Set the configuration to what is unknown."""
         _set_unknown(context, self.__name, self.wsgen_location)
 
-    def _note(self, default: str | None, value: str) -> None:
+    def _note(self, default: str | None, configurations: _Configurations) -> None:
         if self.wsgen_location is not None:  # not those of the ROS package shims
+            setter, place = configurations.setters.get(self.__name, (LAUNCH_FILE, None))
             RECORD.arguments.setdefault(
                 self.__name,
                 LaunchArgument(
                     name=str(self.__name),
                     default=default,
-                    value=str(value),
+                    value=str(configurations[self.__name]),
                     description="" if self.__description is None else str(self.__description),
+                    origin=RECORD.origin(self.wsgen_location),
+                    set_by=setter,
+                    set_at=RECORD.origin(place),
                 ),
             )
 
@@ -532,11 +546,13 @@ class SetLaunchConfiguration(Action):
         super().__init__(**kwargs)
         self.__name = normalize_to_list_of_substitutions(name)
         self.__value = normalize_to_list_of_substitutions(value)
+        self.wsgen_setter = (LAUNCH_FILE, self.wsgen_location)
 
     def execute(self, context: LaunchContext) -> None:
         """Set it."""
         name = perform_substitutions(context, self.__name)
         context.launch_configurations[name] = perform_substitutions(context, self.__value)
+        context.launch_configurations.setters[name] = self.wsgen_setter
 
     def wsgen_give_up(self, context: LaunchContext) -> None:
         """Set the configuration to what is unknown."""
@@ -659,8 +675,11 @@ class IncludeLaunchDescription(Action):
             is_shim = known_packages.shim_of(file) is not None
             RECORD.argument_use.given += [(name, location, is_shim) for name in names]
             _note_left_out(file, location)
+        given = [SetLaunchConfiguration(name, value) for name, value in self.__launch_arguments]
+        for argument in given:
+            argument.wsgen_setter = (INCLUDE if is_include else COMMAND_LINE, location)
         return [
-            *(SetLaunchConfiguration(name, value) for name, value in self.__launch_arguments),
+            *given,
             *([_Entrance(file, names)] if is_include else []),
             description,
             *([_Exit()] if is_include and known_packages.shim_of(file) else []),

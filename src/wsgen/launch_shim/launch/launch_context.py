@@ -6,15 +6,18 @@ import heapq
 import itertools
 import os
 from collections import deque
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from wsgen.launch.record import RECORD, locate
+from wsgen.launch.record import RECORD, caller, locate
+from wsgen.model.plan import LAUNCH_FILE
 
 if TYPE_CHECKING:
     from _collections_abc import dict_items
     from collections.abc import Iterable, Iterator, Mapping
 
     from launch.base import BaseEventHandler, Event, Substitution
+    from wsgen.launch.record import Location
 
 
 PROCESS_TIME = 0.001  # s
@@ -72,7 +75,21 @@ class _Locals:
 
 
 class _Configurations(dict[str, Any]):
-    """Launch configurations; notes which ones are read."""
+    """Launch configurations; notes which ones are read, and who has set each."""
+
+    def __init__(self, values: Mapping[str, Any] = MappingProxyType({})) -> None:
+        super().__init__(values)
+        self.setters: dict[str, tuple[str, Location | None]] = {}
+
+    def __setitem__(self, name: str, value: Any) -> None:
+        self.setters[name] = (LAUNCH_FILE, caller())
+        super().__setitem__(name, value)
+
+    def copy_unread(self) -> _Configurations:
+        """A copy, for a scope."""
+        copied = _Configurations(self.unread())
+        copied.setters = dict(self.setters)
+        return copied
 
     def __getitem__(self, name: str) -> Any:
         RECORD.argument_use.read.add(name)
@@ -206,7 +223,7 @@ class LaunchContext:
         self._locals = self._locals_stack.pop()
 
     def _push_launch_configurations(self) -> None:
-        self._configurations_stack.append(_Configurations(self._configurations.unread()))
+        self._configurations_stack.append(self._configurations.copy_unread())
 
     def _pop_launch_configurations(self) -> None:
         if not self._configurations_stack:

@@ -23,13 +23,17 @@ from launch_ros.utilities import (
     add_global_parameters,
     evaluate_parameters,
     global_parameters,
+    item_origins,
     join_namespaces,
     normalize_parameters,
     normalize_remap_rules,
     note_composable_node,
     perform_remap_rules,
+    placed,
+    places_of,
     validate_name,
     validate_namespace,
+    written_at,
 )
 from wsgen.launch.record import RECORD, locate
 
@@ -99,12 +103,12 @@ class Node(ExecuteProcess):
         if namespace is not None:
             validate_namespace(namespace)
         self.__full_name = f"{(namespace or '').rstrip('/')}/{name or UNSPECIFIED_NAME}"
-        parameters = {
-            **global_parameters(context, node=self.__full_name, location=self.wsgen_location),
-            **evaluate_parameters(
+        parameters = global_parameters(context, node=self.__full_name, location=self.wsgen_location)
+        parameters.add(
+            evaluate_parameters(
                 context, self.__parameters, node=self.__full_name, location=self.wsgen_location
-            ),
-        }
+            )
+        )
         remappings = perform_remap_rules(context, self.__remappings)
         for word in self.__ros_arguments:
             perform_substitutions(context, word)
@@ -127,9 +131,16 @@ class Node(ExecuteProcess):
             name=name,
             namespace=namespace or "",
             parameters=parameters,
+            parameter_origins=parameters.origins(),
             arguments=words[len(words) - len(self.cmd) :],
+            argument_origins=item_origins(
+                "arguments", list(map(written_at, self.cmd)), len(self.cmd), self.wsgen_location
+            ),
             configurations=tuple(_configuration(context, word) for word in self.cmd),
             remappings=tuple(remappings),
+            remapping_origins=item_origins(
+                "remappings", places_of(remappings), len(self.__remappings), self.wsgen_location
+            ),
             command=None,
         )
 
@@ -342,7 +353,8 @@ class SetParameter(Action):
         evaluated = evaluate_parameters(
             context, self.__parameters, node="", location=self.wsgen_location
         )
-        add_global_parameters(context, evaluated.items())
+        entries = (placed(pair, evaluated.places.get(pair[0])) for pair in evaluated.items())
+        add_global_parameters(context, entries)
 
 
 class SetParametersFromFile(Action):
@@ -370,9 +382,12 @@ class SetRemap(Action):
 
     def execute(self, context: LaunchContext) -> None:
         """Add it to those that are set."""
-        rule = (
-            perform_substitutions(context, self.__src),
-            perform_substitutions(context, self.__dst),
+        rule = placed(
+            (
+                perform_substitutions(context, self.__src),
+                perform_substitutions(context, self.__dst),
+            ),
+            self.wsgen_location,
         )
         earlier = context.launch_configurations.get("ros_remaps", [])
         context.launch_configurations["ros_remaps"] = [*earlier, rule]

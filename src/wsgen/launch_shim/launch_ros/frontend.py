@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from launch.frontend.actions import build_all, command_line, pairs, process, texts, values
+from launch.frontend.actions import build_all, command_line, pairs, process, reading, texts, values
 from launch.frontend.template import parse_if_substitutions, parse_substitution
 from launch_ros.parameter_descriptions import ParameterFile, ParameterValue
 
@@ -32,28 +32,35 @@ def _parameters(entity: Entity, name: str = "param") -> list[Any]:
     """One item for each element, as in the original."""
     found: list[Any] = []
     for parameter in entity.nested(name):
-        file = parameter.get("from", optional=True)
-        if file is None:
-            key, value = _parameter(parameter)
-            found.append({key: value})
-            continue
-        if parameter.get("name", optional=True) is not None:
-            raise RuntimeError("name and from attributes are mutually exclusive")
-        allow = parameter.get("allow_substs", bool, optional=True)
-        parameter.assert_entity_completely_parsed()
-        found.append(
-            ParameterFile(
-                parse_substitution(file),
-                allow_substs=parse_substitution(allow) if isinstance(allow, str) else bool(allow),
-            )
-        )
+        with reading(parameter):
+            found.append(_parameter_or_file(parameter))
     return found
+
+
+def _parameter_or_file(parameter: Entity) -> Any:
+    file = parameter.get("from", optional=True)
+    if file is None:
+        key, value = _parameter(parameter)
+        return {key: value}
+    if parameter.get("name", optional=True) is not None:
+        raise RuntimeError("name and from attributes are mutually exclusive")
+    allow = parameter.get("allow_substs", bool, optional=True)
+    parameter.assert_entity_completely_parsed()
+    return ParameterFile(
+        parse_substitution(file),
+        allow_substs=parse_substitution(allow) if isinstance(allow, str) else bool(allow),
+    )
 
 
 def _parameter(entity: Entity) -> tuple[tuple[Any, ...], Any]:
     name = entity.get("name", optional=True)
     if name is None:
         raise ValueError("param Entity should have name or from attribute")
+    with reading(entity):
+        return _parameter_in(entity, name)
+
+
+def _parameter_in(entity: Entity, name: str) -> tuple[tuple[Any, ...], Any]:
     kind = _kind(entity.get("type", optional=True))
     value = entity.get("value", kind, optional=True)
     nested = entity.nested("param")

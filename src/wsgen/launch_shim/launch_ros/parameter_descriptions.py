@@ -13,6 +13,7 @@ from launch._utilities import (
     perform_substitutions,
     perform_typed_substitution,
 )
+from wsgen.launch.record import caller
 
 if TYPE_CHECKING:
     from launch.base import SomeSubstitutionsType
@@ -23,6 +24,7 @@ class ParameterValue:
     """A value whose type is said."""
 
     def __init__(self, value: Any, *, value_type: Any = None) -> None:
+        self.wsgen_location = caller()
         self.__value = normalize_typed_substitution(value, value_type)
         self.__value_type = value_type
 
@@ -45,6 +47,7 @@ class Parameter:
     """A name and a value."""
 
     def __init__(self, name: SomeSubstitutionsType, value: Any, *, value_type: Any = None) -> None:
+        self.wsgen_location = caller()
         self.__name = normalize_to_list_of_substitutions(name)
         self.__value = ParameterValue(value, value_type=value_type)
 

@@ -6,18 +6,20 @@ import functools
 import os
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from launch._utilities import normalize_to_list_of_substitutions, perform_substitutions
-from launch.base import Substitution
+from launch.base import Substitution, TextSubstitution
 from launch_ros.parameter_descriptions import Parameter, ParameterFile, ParameterValue
 from wsgen.files import refuse_irregular
-from wsgen.launch.record import RECORD, split_location
+from wsgen.launch.record import RECORD, caller, split_location
 from wsgen.model.plan import Process
 
 if TYPE_CHECKING:
     from launch.base import Condition, SomeSubstitutionsType
     from launch.launch_context import LaunchContext
+    from wsgen.model.plan import Origin
 
     Pair = tuple[list[Substitution], Any]
     Normalized = list[list[Pair] | Parameter | ParameterFile]
@@ -157,6 +159,44 @@ def _as_yaml(value: Any) -> str:
     return str(yaml.dump(value))
 
 
+class Evaluated(dict[str, Any]):
+    """Parameters by name, as JSON values, in the order in which they are given."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.places: dict[str, Location] = {}  # where they are written, as far as that is known
+
+    def put(self, name: str, value: Any, place: Location | None) -> None:
+        """Set one, which comes after all that it has."""
+        self[name] = value
+        self.places.pop(name, None)
+        if place is not None:
+            self.places[name] = place
+
+    def add(self, others: Evaluated) -> None:
+        """Set all of others, which come after those that it has."""
+        for name, value in others.items():
+            self.put(name, value, others.places.get(name))
+
+    def origins(self) -> dict[str, Origin]:
+        """Where each is written, for the plan; nothing if nobody asked for it."""
+        found = {name: RECORD.origin(place) for name, place in self.places.items()}
+        return {name: origin for name, origin in found.items() if origin is not None}
+
+
+class Placed(tuple[Any, ...]):  # noqa: SLOT001  of a tuple, they cannot have names
+    """A pair, as in the original, that knows where it is written."""
+
+    wsgen_location: Location | None = None
+
+
+def placed(pair: Sequence[Any], location: Location | None) -> Placed:
+    """A pair that is written there."""
+    made = Placed(pair)
+    made.wsgen_location = location
+    return made
+
+
 def evaluate_parameters(
     context: LaunchContext,
     parameters: Normalized,
@@ -164,34 +204,60 @@ def evaluate_parameters(
     node: str,
     location: Location | None,
     in_container: bool = False,
-) -> dict[str, Any]:
-    """The parameters that the node has, in the order in which they are given, as JSON values."""
-    evaluated: dict[str, Any] = {}
+) -> Evaluated:
+    """The parameters that the node has; `location` is that of the action they are written in."""
+    evaluated = Evaluated()
     for parameter in parameters:
         if isinstance(parameter, Parameter):
             name, value = parameter.evaluate(context)
-            evaluated[name] = _as_json(value)
+            evaluated.put(name, _as_json(value), parameter.wsgen_location or location)
         elif isinstance(parameter, ParameterFile):
-            evaluated.update(
+            evaluated.add(
                 read(context, parameter, node=node, location=location, in_container=in_container)
             )
         else:
             for name_parts, value in parameter:
                 name = perform_substitutions(context, name_parts)
-                evaluated[name] = _as_json(_evaluate(context, name, value, location))
+                place = written_at(value) or written_at(name_parts)
+                evaluated.put(
+                    name,
+                    _as_json(_evaluate(context, name, value, location)),
+                    _literal_at(place or location, location, name),
+                )
     return evaluated
 
 
-def global_parameters(
-    context: LaunchContext, *, node: str, location: Location | None
-) -> dict[str, Any]:
+def written_at(value: Any) -> Location | None:
+    """Where a parameter's value, or the substitutions of a text, are written."""
+    if isinstance(value, _Texts):
+        value = [part for item in value.items for part in item]
+    if isinstance(value, (list, tuple)):
+        # A text was made into a substitution where the action was, which is known anyhow.
+        parts = [part for part in value if isinstance(part, Substitution)]
+        parts.sort(key=lambda part: isinstance(part, TextSubstitution))
+        value = parts[0] if parts else None
+    place: Location | None = getattr(value, "wsgen_location", None)
+    return place
+
+
+def _literal_at(place: Location | None, action: Location | None, name: str) -> Location | None:
+    """The line of a plain value, which knows but that of the action it is written in."""
+    if place is None or place != action or not RECORD.with_origins:
+        return place
+    from wsgen.launch.origins import line_of_parameter
+
+    return place[0], line_of_parameter(place[0], place[1], name)
+
+
+def global_parameters(context: LaunchContext, *, node: str, location: Location | None) -> Evaluated:
     """The parameters that were set for all nodes, as this node has them."""
-    found: dict[str, Any] = {}
+    found = Evaluated()
     for entry in context.launch_configurations.get("global_params", ()):
         if isinstance(entry, ParameterFile):
-            found.update(evaluate_parameters(context, [entry], node=node, location=location))
+            found.add(evaluate_parameters(context, [entry], node=node, location=location))
         else:
-            found.update([entry])
+            name, value = entry
+            found.put(name, value, getattr(entry, "wsgen_location", None))
     return found
 
 
@@ -308,10 +374,41 @@ def perform_remap_rules(context: LaunchContext, rules: Rules) -> list[tuple[str,
     return [
         *context.launch_configurations.get("ros_remaps", ()),
         *(
-            (perform_substitutions(context, source), perform_substitutions(context, target))
+            placed(
+                (perform_substitutions(context, source), perform_substitutions(context, target)),
+                written_at([*source, *target]),
+            )
             for source, target in rules
         ),
     ]
+
+
+def places_of(pairs: Iterable[Any]) -> list[Location | None]:
+    """Where each pair is written, as far as it knows."""
+    return [getattr(pair, "wsgen_location", None) for pair in pairs]
+
+
+def item_origins(
+    keyword: str, places: Sequence[Location | None], count: int, action: Location | None
+) -> tuple[Origin | None, ...]:
+    """Where the items of a list are written; nothing if nobody asked for it.
+
+    Args:
+        keyword: of the action, which gives the last `count` of the items.
+        places: what is known; None for an item that is written with the action.
+        count: how many of the items the action gives.
+        action: where it is written.
+    """
+    if not RECORD.with_origins:
+        return ()
+    from wsgen.launch.origins import line_of_item
+
+    found = [place or action for place in places]
+    for number in range(count):
+        index = len(found) - count + number
+        if action is not None and found[index] == action:
+            found[index] = (action[0], line_of_item(*action, keyword, number))
+    return tuple(map(RECORD.origin, found))
 
 
 class ComposableNode:
@@ -329,6 +426,7 @@ class ComposableNode:
         extra_arguments: list[Any] | None = None,
         condition: Condition | None = None,
     ) -> None:
+        self.wsgen_location = caller()
         self.package = normalize_to_list_of_substitutions(package)
         self.plugin = normalize_to_list_of_substitutions(plugin)
         self.name = None if name is None else normalize_to_list_of_substitutions(name)
@@ -357,23 +455,26 @@ def note_composable_node(
     name = None if node.name is None else perform_substitutions(context, node.name)
     full_name = f"{(namespace or '').rstrip('/')}/{name or ''}"
     file, line = split_location(location)
+    place = node.wsgen_location or location
+    parameters = global_parameters(context, node=full_name, location=place)
+    parameters.add(
+        evaluate_parameters(
+            context, node.parameters, node=full_name, location=place, in_container=True
+        )
+    )
+    remappings = perform_remap_rules(context, node.remappings)
     RECORD.processes.append(
         Process(
             package=perform_substitutions(context, node.package),
             executable=perform_substitutions(context, node.plugin),
             name=name,
             namespace=namespace or "",
-            parameters={
-                **global_parameters(context, node=full_name, location=location),
-                **evaluate_parameters(
-                    context,
-                    node.parameters,
-                    node=full_name,
-                    location=location,
-                    in_container=True,
-                ),
-            },
-            remappings=tuple(perform_remap_rules(context, node.remappings)),
+            parameters=parameters,
+            parameter_origins=parameters.origins(),
+            remappings=tuple(remappings),
+            remapping_origins=item_origins(
+                "remappings", places_of(remappings), len(node.remappings), place
+            ),
             container=container,
             starts=context.timeline.cause,
             start_time=round(context.timeline.now, 6),
@@ -390,15 +491,16 @@ def read(
     node: str,
     location: tuple[str, int] | None,
     in_container: bool = False,
-) -> dict[str, Any]:
+) -> Evaluated:
     """What a file says for a node, given by its full name; nothing where the file is missing.
 
     For a node that is loaded `in_container`, launch itself reads the file, and takes one without
     sections for parameters.
     """
     path = parameter_file.evaluate(context)
+    found = Evaluated()
     if RECORD.is_unknown(str(path)):
-        return {}
+        return found
     try:
         refuse_irregular(path)
         text = path.read_text(encoding="utf-8")
@@ -406,7 +508,7 @@ def read(
         from wsgen.launch.launch_warnings import report_parameter_file
 
         report_parameter_file(path, location)
-        return {}
+        return found
     if parameter_file.may_have_substitutions(context):
         from launch.frontend.template import parse_substitution
 
@@ -417,7 +519,17 @@ def read(
         content = _parse(text)
     except yaml.YAMLError as error:
         RECORD.note_unresolved(str(path), f"it is not YAML: {error}", location)
-        return {}
+        return found
+    lines = _lines_of(path, text) if RECORD.with_origins else {}
+    for name, value in _meant(content, node, in_container=in_container).items():
+        found[name] = value
+    for name, line in _meant(lines, node, in_container=in_container).items():
+        found.places[name] = (_original(path), line)
+    return found
+
+
+def _meant(content: Any, node: str, *, in_container: bool) -> dict[str, Any]:
+    """The parameters of the node in the content of a file."""
     found: dict[str, Any] = {}
     sections = list(_sections(content, ""))
     for name, values in sections:
@@ -426,6 +538,22 @@ def read(
     if in_container and not sections and isinstance(content, dict):
         return _flatten(content, "")
     return found
+
+
+def _original(path: Path) -> str:
+    """The file, or the one that it is made of; only that one is the user's."""
+    absolute = os.path.abspath(path)
+    return RECORD.made.get(absolute, absolute)
+
+
+def _lines_of(path: Path, text: str) -> Any:
+    """The lines of the keys; those of the file that this one is made of, if it is made."""
+    from wsgen.launch.origins import key_lines
+
+    absolute = os.path.abspath(path)
+    original = RECORD.made.get(absolute)
+    RECORD.read[original or absolute] = "parameters"
+    return key_lines(text if original is None else Path(original).read_text(encoding="utf-8"))
 
 
 @functools.cache

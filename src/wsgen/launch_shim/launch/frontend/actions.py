@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import importlib
 import shlex
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from launch.actions import ForEach, ForLoop, OpaqueFunction
@@ -15,7 +16,7 @@ from launch.launch_context import local_of
 from wsgen.launch.record import RECORD, locate
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
+    from collections.abc import Callable, Iterable, Iterator, Mapping
 
     from launch.base import Action, LaunchDescriptionEntity, SomeSubstitutionsType, Substitution
     from launch.frontend.parser import Entity
@@ -68,6 +69,16 @@ def keywords_of(action: type[Action], entity: Entity, ignore: Iterable[str] = ()
     return {**condition(entity), **read(entity)}
 
 
+@contextmanager
+def reading(entity: Entity) -> Iterator[None]:
+    """What is made in the context is written in this entity."""
+    around, RECORD.reading = RECORD.reading, entity.location
+    try:
+        yield
+    finally:
+        RECORD.reading = around
+
+
 def build_all(entity: Entity) -> list[Action]:
     """The actions of all nested entities."""
     return [build(child) for child in entity.children]
@@ -116,9 +127,10 @@ def pairs(
     """Two attributes each of nested entities; the first of a pair can be the key of a mapping."""
     found = []
     for nested in entity.nested(name):
-        one, other = nested.get(first), nested.get(second)
-        nested.assert_entity_completely_parsed()
-        found.append((tuple(parse_substitution(one)), parse_substitution(other)))
+        with reading(nested):
+            one, other = nested.get(first), nested.get(second)
+            nested.assert_entity_completely_parsed()
+            found.append((tuple(parse_substitution(one)), parse_substitution(other)))
     return found
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import tempfile
 from pathlib import Path
@@ -150,7 +151,7 @@ class ReplaceString(_OfFile):
             return file
         for old, new in _performed(context, self.__replacements).items():
             text = text.replace(old, new)
-        return _write(text)
+        return _write(text, file)
 
 
 class RewrittenYaml(_OfFile):
@@ -175,7 +176,6 @@ class RewrittenYaml(_OfFile):
         self.__convert_types = convert_types
 
     def _of(self, text: str, file: str, context: LaunchContext) -> str:
-        del file
         content = _load(text)
         parameters = {
             name: self._convert(value)
@@ -189,7 +189,7 @@ class RewrittenYaml(_OfFile):
         }
         content = _mapped(content, lambda value: rewritten.get(str(value), value))
         root_key = perform_substitutions(context, self.__root_key)
-        return _write(yaml.dump({root_key: content} if root_key else content))
+        return _write(yaml.dump({root_key: content} if root_key else content), file)
 
     def _convert(self, text: str) -> Any:
         if self.__convert_types:
@@ -204,11 +204,13 @@ def _load(text: str) -> Any:
     return yaml.load(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))  # noqa: S506  both are safe
 
 
-def _write(text: str) -> str:
+def _write(text: str, original: str) -> str:
     with tempfile.NamedTemporaryFile(
         "w", dir=scratch_folder(), delete=False, encoding="utf-8"
     ) as file:
         file.write(text)
+    original = os.path.abspath(original)
+    RECORD.made[os.path.abspath(file.name)] = RECORD.made.get(original, original)
     return file.name
 
 
