@@ -121,6 +121,19 @@ def write_file(file: Path, content: str | bytes) -> None:
         raise explain_write_error(error, file) from error
 
 
+def append_text(file: Path, text: str) -> None:
+    """Append text, as UTF-8, to a file, which is made if it does not exist.
+
+    Raises:
+        NotReadableError: it cannot be written.
+    """
+    try:
+        with file.open("a", encoding="utf-8") as stream:
+            stream.write(text)
+    except OSError as error:
+        raise explain_write_error(error, file) from error
+
+
 def _replace(file: Path, data: bytes) -> None:
     unfinished = file.with_name(f"{UNFINISHED_PREFIX}{os.getpid()}-{os.urandom(4).hex()}")
     # Not `tempfile`, whose files only the user may read: this one gets the mode of any new file.

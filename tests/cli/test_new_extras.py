@@ -105,7 +105,12 @@ class TestEveryWorkflow:
             assert command is not None
             given = command.make_context(name, _before_redirection(arguments)).params
             assert name != "check" or given["output_format"] in {"github", "junit"}
-            assert name != "validate" or given["json_file"].startswith(f"{given['picture']}/")
+            if name == "validate":
+                assert given["json_file"].startswith(f"{given['picture']}/")
+                assert given["junit_file"].startswith(f"{given['picture']}/")
+            if service == "github" and name != "build":
+                assert given["output_format"] == "github"
+                assert given["summary_file"] == "$GITHUB_STEP_SUMMARY"
 
     def test_only_programs_that_are_there(self, service: str, target: Target) -> None:
         assert {words[0] for words in commands(service, target)} == PROGRAMS
@@ -164,8 +169,9 @@ def test_the_keys_of_gitlab() -> None:
     assert document["wsgen"]["artifacts"] == {
         "when": "always",
         "paths": ["wsgen-results/"],
-        "reports": {"junit": "wsgen-results/check.xml"},
+        "reports": {"junit": "wsgen-results/*.xml"},
     }
+    assert set(document["ros"]["artifacts"]) == {"when", "reports"}
 
 
 def test_every_service_has_a_source() -> None:

@@ -8,6 +8,7 @@ import click
 
 from wsgen.cli.completion import complete_rules
 from wsgen.cli.options import ExampleCommand, output_options, workspace_option
+from wsgen.cli.report_files import append_summary, require_folders, summary_option, with_files
 from wsgen.errors import EXIT_FAILED, EXIT_PASSED, RequestError
 
 if TYPE_CHECKING:
@@ -93,6 +94,7 @@ FORMATS = ("text", "json", "github", "sarif", "junit")
     show_default=True,
     help="Format of the result on standard output.",
 )
+@summary_option
 @output_options
 def command(
     paths: tuple[str, ...],
@@ -110,6 +112,7 @@ def command(
     changed_since: str | None,
     jobs: int,
     output_format: str,
+    summary_file: str | None,
     quiet: bool,
     verbose: bool,
 ) -> int:
@@ -132,6 +135,7 @@ def command(
             f"--diff cannot be combined with --format {output_format}.",
             hint="Leave one of the two out.",
         )
+    require_folders(summary_file)
     filters = Filters(
         select=select,
         ignore=ignore,
@@ -166,9 +170,19 @@ def command(
                 lines += render_summary(outcome, reported, fixed=fixed, fixable=fixable)
             for line in lines:
                 click.echo(line)
+    _write_summary(outcome, reported, summary_file)
     failing = {Severity.ERROR, *([Severity.WARNING] if strict else [])}
     is_failed = any(found.severity in failing for found in reported.diagnostics)
     return EXIT_FAILED if is_failed else EXIT_PASSED
+
+
+def _write_summary(outcome: CheckOutcome, reported: Reported, file: str | None) -> None:
+    if file is not None:
+        from pathlib import Path
+
+        from wsgen.report.markdown import summarize_check
+
+        append_summary(file, summarize_check(outcome, reported, Path.cwd()))
 
 
 def _run(
@@ -292,6 +306,11 @@ def _print(
         else:
             names = (*outcome.packages, *(file.name for file in outcome.files))
             text = check_formats.render_junit(
-                found, names, folder, seconds=outcome.seconds, is_strict=strict
+                found,
+                names,
+                folder,
+                seconds=outcome.seconds,
+                is_strict=strict,
+                with_files=with_files(),
             )
         click.echo(text, nl=False)

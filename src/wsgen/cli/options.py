@@ -49,6 +49,15 @@ format_option = click.option(
     help="Format of the result on standard output.",
 )
 
+github_format_option = click.option(
+    "--format",
+    "output_format",
+    type=click.Choice(["text", "json", "github"]),
+    default="text",
+    show_default=True,
+    help="Format of the result on standard output; `github` annotates the files of a pull request.",
+)
+
 distro_option = click.option(
     "--distro",
     envvar="ROS_DISTRO",

@@ -13,16 +13,22 @@ from wsgen.cli.options import (
     chosen_answers,
     chosen_engines,
     engine_option,
-    format_option,
+    github_format_option,
     output_options,
     picture_option,
     seconds_option,
     workspace_option,
 )
+from wsgen.cli.report_files import (
+    junit_option,
+    require_folders,
+    summary_option,
+    write_reports,
+)
 from wsgen.errors import EXIT_FAILED, EXIT_PASSED, NotFoundError, RequestError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Callable, Iterator, Sequence
     from pathlib import Path
 
     from wsgen.model.outcome import Outcome, PackageOutcome
@@ -75,7 +81,9 @@ MOST_SEARCHED = 100  # folders, for packages and files to suggest
 @click.option(
     "--json", "json_file", type=click.Path(), metavar="FILE", help="File for the result as JSON."
 )
-@format_option
+@junit_option
+@summary_option
+@github_format_option
 @output_options
 def command(
     names: tuple[str, ...],
@@ -89,6 +97,8 @@ def command(
     jobs: int,
     picture: str | None,
     json_file: str | None,
+    junit_file: str | None,
+    summary_file: str | None,
     output_format: str,
     quiet: bool,
     verbose: bool,
@@ -99,15 +109,13 @@ def command(
     .xacro, .sdf, .world, or another with a <robot> or <sdf>) is simulated by itself; a robot
     starts just above the ground of an empty world.
     """
+    from functools import partial
     from pathlib import Path
 
     from wsgen.cli.words import split_launch_arguments
     from wsgen.pipeline.selection import ValidateRequest
 
-    if json_file is not None and not Path(json_file).absolute().parent.is_dir():
-        raise NotFoundError(
-            f"The folder of {json_file} does not exist.", hint="Create it, or give another path."
-        )
+    require_folders(json_file, junit_file, summary_file)
     if len(names) == 1 and Path(names[0]).is_dir() and _is_file_name(names[0]):
         raise _refuse_folder(Path(names[0]))
     request = ValidateRequest(
@@ -128,6 +136,7 @@ def command(
         verbose=verbose,
         output_format=output_format,
         json_file=json_file,
+        write_reports=partial(write_reports, junit_file=junit_file, summary_file=summary_file),
         answers=answers,
     )
 
@@ -174,9 +183,13 @@ def validate_packages(
     verbose: bool,
     output_format: str = "text",
     json_file: str | None = None,
+    write_reports: Callable[[Outcome], None] | None = None,
     answers: Sequence[str] = (),
 ) -> int:
-    """Validate, print the outcome, and return the exit code; `answers` are those of the options."""
+    """Validate, print the outcome, and return the exit code.
+
+    `write_reports` writes other files about the outcome; `answers` are those of the options.
+    """
     import os
     from functools import partial
 
@@ -204,12 +217,16 @@ def validate_packages(
             )
     except (KeyboardInterrupt, SystemExit):  # a signal; the exit code stays that of the signal
         stopped = Outcome(packages=tuple(ended), is_complete=False)
+        if write_reports is not None:
+            write_reports(stopped)
         if ended:
             write(stopped)
         else:
             _write_json(stopped, output_format=output_format, json_file=json_file)
         raise
     write(outcome)
+    if write_reports is not None:
+        write_reports(outcome)
     if outcome.passed and output_format == "text" and not quiet:
         for line in _next_steps(outcome, request, place, answers):
             click.echo(line, err=True)
@@ -305,9 +322,24 @@ def write_outcome(
     _write_json(outcome, output_format=output_format, json_file=json_file)
     if output_format == "json":
         return
+    if output_format == "github":
+        _print_github(outcome, verbose=verbose)
+        return
     from wsgen.cli.output import render_outcome
 
     for line in render_outcome(outcome, verbose=verbose, quiet=quiet):
+        click.echo(line)
+
+
+def _print_github(outcome: Outcome, *, verbose: bool) -> None:
+    """Print the annotations of GitHub for what is reported, each once."""
+    from pathlib import Path
+
+    from wsgen.report.check_formats import render_github
+    from wsgen.report.places import Places
+
+    found = dict.fromkeys(one for package in outcome.packages for one in package.diagnostics)
+    for line in render_github(found, Places(), Path.cwd(), verbose=verbose):
         click.echo(line)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import html
 import json
 import os
 from pathlib import Path
@@ -15,6 +14,7 @@ from wsgen.diagnostics import Severity
 from wsgen.fixes.registry import FIXERS, has_fix
 from wsgen.pipeline.baseline import without_lines
 from wsgen.report.json_report import VERSION, diagnostic_to_json
+from wsgen.report.junit import Case, Failure, Suite, render_suites
 from wsgen.rules.catalogue import find_rule, to_markdown
 
 if TYPE_CHECKING:
@@ -177,54 +177,38 @@ def _property(text: str) -> str:
     return _data(text).replace(":", "%3A").replace(",", "%2C")
 
 
-def render_junit(
+def render_junit(  # noqa: PLR0913  half of them have defaults
     diagnostics: Sequence[Diagnostic],
     checked: Sequence[str],
     folder: Path,
     *,
     seconds: float,
     is_strict: bool = False,
+    with_files: bool = True,
 ) -> str:
     """A test report: a test for each package or file that was checked, and for each diagnostic.
 
-    Errors are failures; with `is_strict`, warnings too.
+    Errors are failures; with `is_strict`, warnings too. `with_files` is that of `render_suites`.
     """
     failing = {Severity.ERROR, *([Severity.WARNING] if is_strict else [])}
-    failures = sum(found.severity in failing for found in diagnostics)
-    tests = len(checked) + len(diagnostics)
-    numbers = f'tests="{tests}" failures="{failures}" errors="0" time="{seconds:.3f}"'
-    lines = [
-        '<?xml version="1.0" encoding="UTF-8"?>',
-        f'<testsuites name="wsgen check" {numbers}>',
-        f'  <testsuite name="wsgen check" {numbers}>',
-        *(f'    <testcase classname="wsgen.check" name={_quoted(name)}/>' for name in checked),
-        *(line for found in diagnostics for line in _junit_case(found, folder, failing)),
-        "  </testsuite>",
-        "</testsuites>",
+    cases = [
+        *(Case(suite="wsgen.check", name=name) for name in checked),
+        *(_junit_case(found, folder, failing) for found in diagnostics),
     ]
-    return "\n".join(lines) + "\n"
+    suite = Suite(name="wsgen check", cases=cases, seconds=seconds)
+    return render_suites("wsgen check", [suite], seconds=seconds, with_files=with_files)
 
 
-def _junit_case(found: Diagnostic, folder: Path, failing: set[Severity]) -> Iterator[str]:
+def _junit_case(found: Diagnostic, folder: Path, failing: set[Severity]) -> Case:
     file = relative_name(found.file, folder)
     place = f"{file}:{found.line}" if found.line else file
-    name = _quoted(f"{found.code} {found.name}" + (f" {place}" if place else ""))
-    where = f" file={_quoted(file)}" * bool(file) + f' line="{found.line}"' * bool(found.line)
-    yield f"    <testcase classname={_quoted(f'wsgen.{found.code[:3]}')} name={name}{where}>"
-    text = html.escape(_printable("\n".join(filter(None, (place, full_message(found))))))
-    if found.severity in failing:
-        message, kind = _quoted(found.message), _quoted(found.code)
-        yield f"      <failure message={message} type={kind}>{text}</failure>"
-    else:
-        yield f"      <system-out>{text}</system-out>"
-    yield "    </testcase>"
-
-
-def _quoted(text: str) -> str:
-    escaped = html.escape(_printable(text)).replace("\n", "&#10;").replace("\t", "&#9;")
-    return f'"{escaped}"'
-
-
-def _printable(text: str) -> str:
-    """Without the characters that XML cannot have."""
-    return "".join(one for one in text if one.isprintable() or one in "\n\t")
+    text = "\n".join(filter(None, (place, full_message(found))))
+    is_failure = found.severity in failing
+    return Case(
+        suite=f"wsgen.{found.code[:3]}",
+        name=f"{found.code} {found.name}" + (f" {place}" if place else ""),
+        file=file or None,
+        line=found.line,
+        failure=Failure(message=found.message, kind=found.code, text=text) if is_failure else None,
+        output="" if is_failure else text,
+    )
