@@ -16,6 +16,7 @@ FOREIGN = {
     "shapely": "meshes/shape_worker.py",
     "dartpy": "simulation/dart.py",
     "av": "rendering/video_encoder.py",
+    "viser": "viewing/page.py",
     "xacro": "xacro/expansion.py",
     "jinja2": "templating/environment.py",
     "catkin_pkg": "workspace/package_xml.py",

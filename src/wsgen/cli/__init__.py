@@ -44,6 +44,7 @@ COMMANDS = {
     "check": "Check packages and files without building or simulating them.",
     "validate": "Simulate the robots that launch files spawn.",
     "launch": "Show what a launch file would start, without ROS and without starting it.",
+    "view": "Show a robot in the browser, with a slider for each joint.",
     "rule": "List all rules, or show the documentation of one.",
     "doctor": "Show what this machine has and lacks for a target, and the commands that fix it.",
 }

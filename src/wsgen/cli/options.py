@@ -120,6 +120,28 @@ picture_option = click.option(
 )
 
 
+def page_options(function: Function) -> Function:
+    """--host, --port and --no-browser, for commands that serve a page."""
+    for option in (
+        click.option(
+            "--host",
+            default="127.0.0.1",
+            show_default=True,
+            metavar="ADDRESS",
+            help="Address to listen on; 0.0.0.0 lets other machines open the page.",
+        ),
+        click.option(
+            "--port",
+            type=click.IntRange(min=1, max=65535),
+            metavar="N",
+            help="Port to listen on.  [default: the first free one from 8080]",
+        ),
+        click.option("--no-browser", is_flag=True, help="Print the address, and open no browser."),
+    ):
+        function = option(function)
+    return function
+
+
 def chosen_target(ctx: click.Context, distro: str, sim: str | None) -> Target:
     """The target that `distro_option` and `sim_option` select."""
     from click.core import ParameterSource

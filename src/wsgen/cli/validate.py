@@ -116,11 +116,11 @@ def command(
     from wsgen.pipeline.selection import ValidateRequest
 
     require_folders(json_file, junit_file, summary_file)
-    if len(names) == 1 and Path(names[0]).is_dir() and _is_file_name(names[0]):
-        raise _refuse_folder(Path(names[0]))
+    if len(names) == 1 and Path(names[0]).is_dir() and is_file_name(names[0]):
+        raise refuse_folder(Path(names[0]))
     request = ValidateRequest(
-        packages=[name for name in names if not _is_file_name(name)],
-        files=[Path(name) for name in names if _is_file_name(name)],
+        packages=[name for name in names if not is_file_name(name)],
+        files=[Path(name) for name in names if is_file_name(name)],
         launch_file=launch_file,
         launch_arguments=split_launch_arguments(arguments),
         answers=chosen_answers(answers),
@@ -141,7 +141,7 @@ def command(
     )
 
 
-def _is_file_name(name: str) -> bool:
+def is_file_name(name: str) -> bool:
     """Whether an argument names a file, or what is taken for one, and no package."""
     import os
     from pathlib import Path
@@ -157,7 +157,7 @@ def _is_file_name(name: str) -> bool:
     return os.sep in bare or bool(Path(bare).suffix)
 
 
-def _refuse_folder(folder: Path) -> RequestError:
+def refuse_folder(folder: Path, *, command: str = "validate") -> RequestError:
     """The error for a folder in place of a package or file; the hint names those in it."""
     from itertools import islice
 
@@ -171,7 +171,7 @@ def _refuse_folder(folder: Path) -> RequestError:
             named.append(package.name)
         elif place == folder:
             named += [str(place / file) for file in files if file.endswith(FILE_SUFFIXES)]
-    hint = f"wsgen validate {' | '.join(sorted(named)[:3])}" if named else "Give a file in it."
+    hint = f"wsgen {command} {' | '.join(sorted(named)[:3])}" if named else "Give a file in it."
     return RequestError(f"{folder} is a folder, not a file or the name of a package.", hint=hint)
 
 
@@ -197,7 +197,7 @@ def validate_packages(
     from wsgen.model.outcome import Outcome
     from wsgen.pipeline.validate import validate
 
-    place = _open_workspace(workspace, request)
+    place = open_workspace_of(workspace, request)
     write = partial(
         write_outcome,
         output_format=output_format,
@@ -294,7 +294,7 @@ def _workspace_option(workspace: Workspace | None) -> list[str]:
     return [] if workspace is None or is_meant else ["-w", short_name(workspace.root)]
 
 
-def _open_workspace(given: str | None, request: ValidateRequest) -> Workspace | None:
+def open_workspace_of(given: str | None, request: ValidateRequest) -> Workspace | None:
     """The selected workspace; None if only files are given and no workspace is found.
 
     Files belong to the clone around them, not to that around the current folder.

@@ -16,7 +16,7 @@ from wsgen.meshes.requests import InspectedMesh, MeshRequest, UnusableMesh
 from wsgen.model.robot import Mesh
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from wsgen.isolation.parent import Run
     from wsgen.meshes.requests import ColoredMesh
@@ -318,6 +318,27 @@ def _ask(requests: Sequence[MeshRequest], folder: Path, run: Run) -> Answers:
         problem = f"cannot be read: the reader {outcome.reason}"
         answers |= _refused([culprit], problem, outcome.hint(HINT))
     return {**answers, **_refused(waiting, f"was not read, as the reader died of {DEATHS} others")}
+
+
+def read_surfaces(paths: Iterable[str], *, folder: Path, run: Run = parent.run) -> dict[str, str]:
+    """The triangles of mesh files, each as an array that `wsgen.rendering.surfaces` loads.
+
+    By the path of the mesh; what cannot be read is left out. The arrays are files in `folder`.
+    """
+    requests = [
+        MeshRequest(path=path, is_collision=False, is_visual=False, showings=(True,))
+        for path in dict.fromkeys(paths)
+    ]
+    if not requests:
+        return {}
+    answers = _ask(requests, Path(tempfile.mkdtemp(prefix="surfaces-", dir=folder)), run)
+    return {
+        path: meshes[0].path
+        for path, answer in answers.items()
+        if isinstance(answer, InspectedMesh)
+        for meshes in answer.colored
+        if meshes
+    }
 
 
 def _refused(requests: Sequence[MeshRequest], problem: str, hint: str = HINT) -> Answers:

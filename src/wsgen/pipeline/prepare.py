@@ -86,6 +86,7 @@ class PreparedRobot:
     entity: str
     written: Robot
     lumped: Robot
+    readable: Robot | None = None  # as written, with mesh files that can be read
     can_run: bool = True  # if not, an engine would simulate another robot than the described one
     spawn_pose: Pose = IDENTITY
     height: SpawnHeight | None = None  # where a launch file gives that of the spawn pose
@@ -125,6 +126,7 @@ def prepare_robot(  # noqa: PLR0913  most have defaults
             entity=entity or written.name,
             written=written,
             lumped=lumped,
+            readable=readable,
             can_run=not has_errors(found),
             spawn_pose=spawn_pose,
             on_the_ground=on_the_ground,
@@ -393,6 +395,7 @@ def prepare_models(
             entity=model.name,
             written=written,
             lumped=robot,
+            readable=robot,
             can_run=can_run,
             spawn_pose=model.pose_in_world,
             on_the_ground=found.world is None and not model.is_static,

@@ -445,9 +445,10 @@ class ValidateRequest:
     # Of a 3D view of the end, for a page; packages and files share them.
     view_triangles: int = 0
     samples: int = 0  # of how each robot moves, over the simulated time and in each behavior
+    is_viewed: bool = False  # the robots are shown, in a browser
 
     @property
     def is_drawn(self) -> bool:
         """Whether it matters what things look like."""
-        is_view = self.view_triangles > 0
-        return self.picture_folder is not None or self.video is not None or is_view
+        is_shown = self.is_viewed or self.view_triangles > 0
+        return is_shown or self.picture_folder is not None or self.video is not None

@@ -73,7 +73,7 @@ def validate(
             overlay = stack.enter_context(open_overlay([workspace], environment))
             selection = select_packages(workspace, overlay, request, listener)
         packages, not_validated = selection
-        overlays = _overlays_of_files(request.files, workspace, environment, stack)
+        overlays = overlays_of_files(request.files, workspace, environment, stack)
         is_alone = len(packages) + len(request.files) == 1
         each = request if is_alone else replace(request, jobs=1)  # engines one after the other
         share = request.view_triangles // max(1, len(packages) + len(request.files))
@@ -216,7 +216,7 @@ def _is_xacro(file: Path) -> bool:
     return kind_of(file) == "xacro"
 
 
-def _overlays_of_files(
+def overlays_of_files(
     files: Sequence[Path],
     workspace: Workspace | None,
     environment: Mapping[str, str],

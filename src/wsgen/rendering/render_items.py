@@ -75,12 +75,12 @@ def _of_robot(robot: SpawnedRobot, *, is_subject: bool) -> list[RenderItem]:
 
 def _of_link(entity: str, link: Link, *, is_subject: bool) -> Iterator[RenderItem]:
     visuals = [
-        (visual, geometry) for visual in link.visuals if (geometry := _drawable(visual.geometry))
+        (visual, geometry) for visual in link.visuals if (geometry := drawable(visual.geometry))
     ]
     if not visuals:
         yield from _collisions(entity, link, is_subject=is_subject)
     for visual, geometry in visuals:
-        rgba = _color(visual, UNPAINTED if is_subject else UNPAINTED_STATIC_MODEL)
+        rgba = color_of(visual, UNPAINTED if is_subject else UNPAINTED_STATIC_MODEL)
         if rgba[3] >= INVISIBLE:
             yield RenderItem(
                 entity=entity,
@@ -95,7 +95,7 @@ def _of_link(entity: str, link: Link, *, is_subject: bool) -> Iterator[RenderIte
 
 def _collisions(entity: str, link: Link, *, is_subject: bool) -> Iterator[RenderItem]:
     for collision in link.collisions:
-        geometry = _drawable(collision.geometry)
+        geometry = drawable(collision.geometry)
         if geometry is not None:
             yield RenderItem(
                 entity=entity,
@@ -108,14 +108,14 @@ def _collisions(entity: str, link: Link, *, is_subject: bool) -> Iterator[Render
             )
 
 
-def _drawable(geometry: Geometry) -> Primitive | Mesh | None:
+def drawable(geometry: Geometry) -> Primitive | Mesh | None:
     """The shape, if there is something to draw it from."""
     if isinstance(geometry, Mesh):
         return geometry if geometry.path is not None else None
     return geometry if isinstance(geometry, (Box, Cylinder, Sphere, Capsule)) else None
 
 
-def _color(visual: Visual, unpainted: Rgba) -> Rgba:
+def color_of(visual: Visual, unpainted: Rgba) -> Rgba:
     """Its color, but for black, which is painted as little brighter as shows its edges."""
     red, green, blue, alpha = visual.rgba or (WHITE if visual.texture else unpainted)
     is_black = max(red, green, blue) < BLACKEST

@@ -55,6 +55,12 @@ def surface_of(geometry: Primitive | str, around: int = AROUND, up: int = UP) ->
     return _turned([bottom, *side, top[::-1]], around)
 
 
+def forget_surfaces() -> None:
+    """Free what was loaded: where robots are read again and again, files get new names."""
+    surface_of.cache_clear()
+    is_closed.cache_clear()
+
+
 OUTLINE = 5_000  # corners are enough to know where a surface is
 DIRECTIONS = np.array(
     [
