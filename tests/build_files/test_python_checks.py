@@ -77,15 +77,15 @@ def test_a_sound_package(tmp_path: Path) -> None:
         ("glob('urdf/*')", "['urdf']", ("missing-data-file", 15, "error")),
         ("packages=[package_name]", "packages=['bots']", ("missing-python-package", 10, "error")),
         ("data_files=", "data_file=", ("unknown-setup-option", 11, "warning")),
-        ("'go = bot.node:main'", "'go = bot.node:man'", ("broken-console-script", 19, "warning")),
-        ("'go = bot.node:main'", "'go = bot.nod:main'", ("broken-console-script", 19, "warning")),
-        ("'go = bot.node:main'", "'go = bot.node'", ("broken-console-script", 19, "warning")),
+        ("'go = bot.node:main'", "'go = bot.node:man'", ("broken-console-script", 19, "error")),
+        ("'go = bot.node:main'", "'go = bot.nod:main'", ("broken-console-script", 19, "error")),
+        ("'go = bot.node:main'", "'go = bot.node'", ("broken-console-script", 19, "error")),
         ("'go = bot.node:main'", "'go: bot.node:main'", ("broken-console-script", 19, "error")),
         ("'go = bot.node:main'", "'go = bot.node:main' 'on = bot.node:main'",
          ("broken-console-script", 19, "error")),
         ("'go = bot.node:main'", "'go = bot/node.py:main'",
          ("broken-console-script", 19, "error")),
-        ("packages=[package_name]", "packages=[]", ("broken-console-script", 19, "warning")),
+        ("packages=[package_name]", "packages=[]", ("broken-console-script", 19, "error")),
         ("*.launch.py", "*_launch.py", ("empty-glob", 14, "warning")),
         ("'share/' + package_name + '/launch'", "'share/launch'",
          ("wrong-destination", 14, "warning")),
@@ -140,7 +140,7 @@ def test_a_launch_file_that_the_pattern_leaves_out(tmp_path: Path) -> None:
 def test_a_script_in_a_folder_without_init(tmp_path: Path) -> None:
     text = SETUP.replace("packages=[package_name]", "packages=find_packages()")
     (found,) = report(tmp_path, text, without="bot/__init__.py")
-    assert found == ("broken-console-script", "setup.py", 19, "warning")
+    assert found == ("broken-console-script", "setup.py", 19, "error")
 
 
 @pytest.mark.parametrize(

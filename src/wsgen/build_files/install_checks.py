@@ -51,7 +51,8 @@ FOLDER_NOT_INSTALLED = Rule(
     code="BLD054",
     name="folder-not-installed",
     severity=Severity.WARNING,
-    severity_varies="information about a folder that no file of the package names",
+    severity_varies="an error about a folder of launch files, and where a launch file or a robot "
+    "of the package needs the folder; information about one that no file of the package names",
     summary="The package has a folder of resources of which it installs nothing.",
     what="Looks for folders with names such as launch, urdf, meshes, worlds, models, config and "
     "rviz. Where an install rule cannot be read, nothing is reported.",
@@ -64,6 +65,7 @@ WRONG_DESTINATION = Rule(
     code="BLD055",
     name="wrong-destination",
     severity=Severity.WARNING,
+    severity_varies="an error where a launch file or a robot needs what is not there",
     summary="A folder of resources is installed where nothing looks for it.",
     what="Looks at where folders such as launch, urdf and meshes are installed: `TYPE DATA`, a "
     "destination without `share/` or without the name of the package, or with a variable that is "
@@ -77,6 +79,7 @@ CONTENTS_INSTALLED = Rule(
     code="BLD056",
     name="contents-installed",
     severity=Severity.WARNING,
+    severity_varies="an error where a launch file or a robot needs what is not there",
     summary="A slash at the end of a folder installs what is in it, and not the folder.",
     what="Looks at install() of several folders into the share folder of the package, of which one "
     "has a slash at its end, or all have.",
@@ -89,6 +92,7 @@ REPEATED_FOLDER = Rule(
     code="BLD057",
     name="repeated-folder",
     severity=Severity.WARNING,
+    severity_varies="an error where a launch file or a robot needs what is not there",
     summary="A folder is installed into a folder of the same name.",
     why="Without a slash at its end, install() copies the folder itself: its files are in "
     "`share/PACKAGE/meshes/meshes`.",
@@ -99,6 +103,7 @@ PROGRAM_NOT_INSTALLED = Rule(
     code="BLD058",
     name="program-not-installed",
     severity=Severity.WARNING,
+    severity_varies="an error where a launch file starts it",
     summary="CMakeLists.txt compiles a program and does not install it to lib/PACKAGE.",
     what="Looks at programs of add_executable(), but for those of tests and those that the build "
     "itself runs.",
@@ -113,6 +118,7 @@ PROGRAM_NOT_EXECUTABLE = Rule(
     code="BLD059",
     name="program-not-executable",
     severity=Severity.WARNING,
+    severity_varies="an error where a launch file starts it",
     summary="A script is installed so that `ros2 run` does not find it.",
     what="Looks at Python and shell scripts with a shebang that install(FILES) or "
     "install(DIRECTORY) brings to `lib/PACKAGE`.",
@@ -484,8 +490,40 @@ def uninstalled_folders(  # noqa: PLR0913  the folders, what is installed, and w
             folder.name,
             message=f"{package} does not install its folder {folder.name}.",
             hint=how(folder.name),
-            severity=Severity.WARNING if is_surely else Severity.INFO,
+            severity=Severity.ERROR
+            if _are_started(folder, source)
+            else Severity.WARNING
+            if is_surely
+            else Severity.INFO,
         )
+
+
+def _are_started(folder: Folder, source: Path) -> bool:
+    """Whether `ros2 launch PACKAGE FILE` is surely meant for a file of the folder.
+
+    Files that are parts of others, and those of tests, are not; neither are those that the README
+    starts by their paths.
+    """
+    if folder.name != "launch":
+        return False
+    files = [file for file in folder.files if _LAUNCH_FILE.search(file) and "test" not in file]
+    if not any(_is_launch_file(source / file) for file in files):
+        return False
+    return not any(_BY_PATH.search(_text(file)) for file in source.glob("README*"))
+
+
+_BY_PATH = re.compile(rb"ros2 launch\s+\S*/\S*launch\.(?:py|xml|ya?ml)")
+
+
+def _is_launch_file(file: Path) -> bool:
+    return file.suffix != ".py" or b"def generate_launch_description" in _text(file)
+
+
+def _text(file: Path) -> bytes:
+    try:
+        return read_regular(file, MOST_LETTERS)
+    except (OSError, ValueError):
+        return b""
 
 
 def _uninstalled_launch_files(

@@ -6,6 +6,7 @@ import ast
 import os
 import posixpath
 import re
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wsgen.build_files.install_checks import (
@@ -69,7 +70,8 @@ BROKEN_SCRIPT = Rule(
     code="BLD043",
     name="broken-console-script",
     severity=Severity.WARNING,
-    severity_varies="an error where setuptools cannot read the script, and stops",
+    severity_varies="an error where setuptools cannot read the script, and stops; of `wsgen check` "
+    "also where its module or function does not exist, and where a launch file starts it",
     summary="`ros2 run` and launch files do not find a console script, or it cannot start.",
     what="Looks for the scripts of `entry_points` in `lib/PACKAGE` of the install space, and for "
     "their modules and functions in what was installed.",
@@ -425,7 +427,8 @@ def entry_points(
             continue
         problem = _problem_of(one.target, packages, setup, source, package)
         if problem is not None:
-            yield word_script(one.name, problem, one.file, one.line, package)
+            found = word_script(one.name, problem, one.file, one.line, package)
+            yield replace(found, severity=Severity.ERROR)  # an ImportError, however it is started
 
 
 # Module and function, or the module alone, which has a diagnostic of its own.

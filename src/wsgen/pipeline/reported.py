@@ -15,6 +15,7 @@ from wsgen.rules.catalogue import (
     unknown_rule_allowed,
     without_allowed,
 )
+from wsgen.rules.install_consequences import fold_not_installed
 from wsgen.rules.suppressions import suppress
 from wsgen.suggestions import ask_for_nearest
 from wsgen.values import dataclass
@@ -80,6 +81,7 @@ def filter_outcome(outcome: CheckOutcome, filters: Filters) -> Reported:
         outcome.diagnostics, folders, outcome.files, only=outcome.only
     )
     found = choose(found, select=filters.select, ignore=filters.ignore)
+    found = fold_not_installed(found, outcome.folders)  # into what is reported
     known: tuple[Diagnostic, ...] = ()
     if filters.baseline is not None:
         file = filters.baseline.absolute()

@@ -1,0 +1,119 @@
+"""What follows from what is not installed: one cause is one diagnostic.
+
+A folder that no rule installs lacks all that launch files and robots look up in it, and a program
+that is not installed cannot be started by any node. What follows is then folded into the diagnostic
+about the build file, which takes over its severity and its message: the fix is there.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from wsgen.build_files.install_checks import (
+    CONTENTS_INSTALLED,
+    FOLDER_NOT_INSTALLED,
+    PROGRAM_NOT_EXECUTABLE,
+    PROGRAM_NOT_INSTALLED,
+    REPEATED_FOLDER,
+    WRONG_DESTINATION,
+)
+from wsgen.build_files.python_checks import BROKEN_SCRIPT
+from wsgen.diagnostics import Severity
+from wsgen.launch.explain_missing import EXECUTABLE_NOT_FOUND
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from pathlib import Path
+
+    from wsgen.diagnostics import Diagnostic
+
+
+_OF_FOLDERS = frozenset(
+    rule.code
+    for rule in (CONTENTS_INSTALLED, FOLDER_NOT_INSTALLED, REPEATED_FOLDER, WRONG_DESTINATION)
+)
+_OF_PROGRAMS = frozenset(
+    rule.code for rule in (BROKEN_SCRIPT, PROGRAM_NOT_EXECUTABLE, PROGRAM_NOT_INSTALLED)
+)
+_FOLLOWING = ("LCH", "ROB", "SPN", "WLD")  # families
+_PLACE = re.compile(r"/share/([\w-]+)/([\w.-]+)")
+_PACKAGE = re.compile(r"package '([\w-]+)'")
+_ORDER = list(Severity)
+
+
+def fold_not_installed(
+    diagnostics: Iterable[Diagnostic], folders: Mapping[str, Path]
+) -> tuple[Diagnostic, ...]:
+    """Fold what follows from build files into the diagnostics about them.
+
+    Args:
+        diagnostics: Of all packages that are checked.
+        folders: Of these packages, by name.
+    """
+    found = tuple(diagnostics)
+    causes = [one for one in found if one.code in _OF_FOLDERS | _OF_PROGRAMS]
+    if not causes:
+        return found
+    followed: dict[Diagnostic, list[Diagnostic]] = {}
+    left: list[Diagnostic] = []
+    for one in found:
+        cause = next(_causes_of(one, causes, folders), None)
+        if cause is None:
+            left.append(one)
+        else:
+            followed.setdefault(cause, []).append(one)
+    return tuple(_with_worst(one, followed[one]) if one in followed else one for one in left)
+
+
+def _causes_of(
+    found: Diagnostic, causes: Sequence[Diagnostic], folders: Mapping[str, Path]
+) -> Iterator[Diagnostic]:
+    if not found.code.startswith(_FOLLOWING):
+        return
+    if found.code == EXECUTABLE_NOT_FOUND.code:
+        package = _PACKAGE.search(found.message)
+        names = [(package[1], found.element or "", _OF_PROGRAMS)] if package else []
+    else:
+        names = [(one[1], one[2], _OF_FOLDERS) for one in _PLACE.finditer(found.message)]
+    for package_name, name, codes in names:
+        folder = folders.get(package_name)
+        for cause in causes:
+            is_of_package = (
+                folder is not None and cause.file is not None and cause.file.is_relative_to(folder)
+            )
+            if cause.code in codes and is_of_package and _names(cause, name):
+                yield cause
+
+
+def _names(cause: Diagnostic, name: str) -> bool:
+    """Whether a diagnostic is about a folder or program of that name."""
+    if not name:
+        return False
+    texts = [cause.element or "", cause.message]
+    if cause.code == BROKEN_SCRIPT.code:  # which is about a package, and names it first
+        texts = [cause.message.partition(": ")[2]]
+    elif cause.code in _OF_PROGRAMS:  # messages name the package, too
+        texts = [cause.element or ""]
+    word = re.compile(rf"(?<![\w.-]){re.escape(name)}(?![\w-]|\.\w)")
+    return any(word.search(text) for text in texts)
+
+
+def _with_worst(cause: Diagnostic, consequences: Sequence[Diagnostic]) -> Diagnostic:
+    """The cause, as severe as the worst that follows from it, with the message of that."""
+    worst = min(consequences, key=lambda one: _ORDER.index(one.severity))
+    others = len(consequences) - 1
+    more = f" {others} more diagnostic{'s' if others > 1 else ''} would follow." if others else ""
+    return replace(
+        cause,
+        severity=min(cause.severity, worst.severity, key=_ORDER.index),
+        message=f"{cause.message} {_place(worst)}{worst.message}{more}",
+    )
+
+
+def _place(found: Diagnostic) -> str:
+    if found.file is None:
+        return ""
+    line = f" (line {found.line})" if found.line else ""
+    return f"In {found.file.name}{line}: "

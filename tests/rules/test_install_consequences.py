@@ -1,0 +1,94 @@
+"""What follows from a folder or a program that is not installed is no diagnostic of its own."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from wsgen.build_files.install_checks import FOLDER_NOT_INSTALLED, PROGRAM_NOT_INSTALLED
+from wsgen.build_files.python_checks import BROKEN_SCRIPT
+from wsgen.description_rules import MISSING_COLLISION_MESH
+from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.launch.explain_missing import EXECUTABLE_NOT_FOUND, FILE_NOT_INSTALLED
+from wsgen.rules.install_consequences import fold_not_installed
+
+SRC = Path("/ws/src/crab")
+FOLDERS = {"crab": SRC, "shell": Path("/ws/src/shell")}
+MESHES = FOLDER_NOT_INSTALLED.at(
+    SRC / "CMakeLists.txt",
+    4,
+    "meshes",
+    message="crab does not install its folder meshes.",
+    hint="?",
+)
+SCRIPT = BROKEN_SCRIPT.at(
+    SRC / "setup.cfg",
+    1,
+    "crab",
+    message="crab: ROS does not find walk and run.py, which setuptools installs into bin.",
+)
+PROGRAM = PROGRAM_NOT_INSTALLED.at(
+    SRC / "CMakeLists.txt", 7, "walk", message="... `ros2 run crab walk` does not find it."
+)
+
+
+def mesh(place: str = "crab/meshes/a.stl") -> Diagnostic:
+    path = f"/ws/install/{place.partition('/')[0]}/share/{place}"
+    return MISSING_COLLISION_MESH.at(
+        Path("/ws/src/shell/urdf/a.urdf"), 9, message=f"The mesh does not exist ({path})."
+    )
+
+
+def node(name: str, package: str = "crab") -> Diagnostic:
+    return EXECUTABLE_NOT_FOUND.at(
+        SRC / "launch/a.launch.py",
+        12,
+        name,
+        message=f"The package '{package}' has no executable '{name}'.",
+    )
+
+
+def test_meshes_of_a_folder_that_is_not_installed() -> None:
+    (found,) = fold_not_installed([mesh(), MESHES, mesh("crab/meshes/b.stl")], FOLDERS)
+    assert (found.code, found.file, found.line, found.hint) == (MESHES.code, MESHES.file, 4, "?")
+    assert found.severity is Severity.ERROR
+    assert found.message == (
+        f"{MESHES.message} In a.urdf (line 9): {mesh().message} 1 more diagnostic would follow."
+    )
+
+
+def test_a_file_that_a_launch_file_looks_up() -> None:
+    looked_up = FILE_NOT_INSTALLED.at(
+        SRC / "launch/a.launch.py",
+        3,
+        message="The package 'crab' has no file '/ws/install/crab/share/crab/meshes'.",
+    )
+    (found,) = fold_not_installed([looked_up, MESHES], FOLDERS)
+    assert found.code == MESHES.code
+
+
+@pytest.mark.parametrize("other", ["crab/urdf/a.stl", "shell/meshes/a.stl", "crab/meshes_2/a.stl"])
+def test_meshes_elsewhere_have_another_cause(other: str) -> None:
+    assert fold_not_installed([mesh(other), MESHES], FOLDERS) == (mesh(other), MESHES)
+
+
+def test_without_a_cause_nothing_changes() -> None:
+    assert fold_not_installed([mesh(), node("walk")], FOLDERS) == (mesh(), node("walk"))
+
+
+@pytest.mark.parametrize(
+    ("cause", "name"), [(SCRIPT, "walk"), (SCRIPT, "run.py"), (PROGRAM, "walk")]
+)
+def test_a_program_that_launch_files_start(cause: Diagnostic, name: str) -> None:
+    (found,) = fold_not_installed([cause, node(name), node(name)], FOLDERS)
+    assert (found.code, found.severity) == (cause.code, Severity.ERROR)
+    assert "In a.launch.py (line 12): The package 'crab' has no executable" in found.message
+
+
+@pytest.mark.parametrize("cause", [SCRIPT, PROGRAM])
+@pytest.mark.parametrize(
+    "other", [node("run"), node("walk.py"), node("crab"), node("walk", "shell"), node("wal")]
+)
+def test_other_programs_have_another_cause(cause: Diagnostic, other: Diagnostic) -> None:
+    assert fold_not_installed([cause, other], FOLDERS) == (cause, other)
