@@ -276,3 +276,18 @@ def test_a_mistake_in_xacro_is_reported_once(tmp_path: Path) -> None:
     text = file.read_text().replace('name="cart"', 'name="cart" xmlns:xacro="http://ros.org/xacro"')
     file.write_text(text.replace('value="2"', 'value="${mass"'))
     assert [(name, line) for name, _, line in reported(run(package))] == [("xacro-fails", 4)]
+
+
+@pytest.mark.slow
+def test_launch_files_see_the_target_as_the_sourced_distribution(tmp_path: Path) -> None:
+    share = "get_package_share_directory('ros_gz_sim') + '/launch/none.launch.py'"
+    package = write_package(
+        tmp_path,
+        launch=f"    text = -> {' ' * 4}open({share})\n    text = ",
+        xml="xacro< -> ros_gz_sim<",
+    )
+    environment = {"PATH": os.environ["PATH"]}
+    for distro in ("jazzy", "kilted"):
+        request = CheckRequest(paths=[package], distro=distro)
+        found = check(request, environment=environment).diagnostics
+        assert any(f"/opt/ros/{distro}/share/ros_gz_sim" in one.message for one in found), found

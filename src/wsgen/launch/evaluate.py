@@ -96,10 +96,13 @@ def evaluate(  # noqa: PLR0913  all but two have defaults
     return play(replace(request, answers=given)) if given else plan
 
 
+DISTRO_OF_LAUNCHES = "iron"  # where neither the environment nor a target says another one
+
+
 def _complete(environment: Mapping[str, str]) -> dict[str, str]:
     """The environment with what a sourced ROS always has."""
     return {
-        "ROS_DISTRO": "iron",
+        "ROS_DISTRO": DISTRO_OF_LAUNCHES,
         "ROS_VERSION": "2",
         "ROS_PYTHON_VERSION": "3",
         **environment,

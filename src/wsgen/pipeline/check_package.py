@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.build_files.cmake_checks import check_for_distro
 from wsgen.build_files.python_sources import check_python_syntax
 from wsgen.diagnostics import has_errors
 from wsgen.isolation.parent import make_scratch
+from wsgen.launch.evaluate import DISTRO_OF_LAUNCHES
 from wsgen.pipeline.candidates import Candidate, LaunchFile, simulation_of, with_descriptions
 from wsgen.pipeline.check_controllers import check_controlled
 from wsgen.pipeline.check_launched import (
@@ -53,7 +55,9 @@ if TYPE_CHECKING:
     from wsgen.model.world import World
     from wsgen.pipeline.installed_as_built import InstalledAsBuilt
     from wsgen.pipeline.prepare import PreparedRobot
+    from wsgen.rules.target import Target
     from wsgen.workspace.layout import PackageFolder
+    from wsgen.workspace.overlay import Overlay
 
 
 OF_TESTS = frozenset({"test", "tests"})  # folders; their launch files are for launch_testing
@@ -93,18 +97,19 @@ class PackageCheck:
     ) -> None:
         self.package = package
         self.installed = installed
-        self.overlay = installed.overlay
         self.run_task = run
         self.listener = listener
         self.clock = Clock(package.name, listener)
         self.settings, self.diagnostics_of_settings = read_settings(package.path)
-        self.distro = target_of(
+        target = target_of(
             package.manifest,
             given=distro,
             recorded=self.settings.distro,
-            sourced=self.overlay.environment.get("ROS_DISTRO"),
+            sourced=installed.overlay.environment.get("ROS_DISTRO"),
             workspace=installed.sources.keys(),
-        ).distro
+        )
+        self.distro = target.distro
+        self.overlay = _as_sourced(installed.overlay, target)
         self.robots: list[DescribedRobot] = []
         self.worlds: list[World] = []
         self.simulators: list[str] = []
@@ -276,6 +281,14 @@ class PackageCheck:
             world, prepared = validation.read(context)
             yield from of_file_alone(validation.diagnostics)
             self._note(world, prepared, dict.fromkeys((one.entity for one in prepared), file), None)
+
+
+def _as_sourced(overlay: Overlay, target: Target) -> Overlay:
+    """The overlay as with a ROS of the target sourced, where none is."""
+    if overlay.environment.get("ROS_DISTRO") or DISTRO_OF_LAUNCHES in target.distros:
+        return overlay
+    environment = {**overlay.environment, "ROS_DISTRO": target.distros[0]}
+    return replace(overlay, environment=environment)
 
 
 class FileCheck:
