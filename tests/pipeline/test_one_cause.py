@@ -53,3 +53,17 @@ def test_a_folder_of_launch_files_that_the_readme_starts_by_path(tmp_path: Path)
     (tmp_path / "src/cart/README.md").write_text("    ros2 launch ./launch/cart.launch.py\n")
     [(name, severity, _)] = report(tmp_path, {"CMakeLists.txt": (INSTALL, "urdf worlds config")})
     assert (name, severity) == ("folder-not-installed", "warning")
+
+
+def test_a_spawner_of_another_simulator_is_no_dependency(tmp_path: Path) -> None:
+    create = "package='ros_gz_sim', executable='create'"
+    [(name, severity, _)] = report(
+        tmp_path,
+        {
+            "launch/cart.launch.py": (
+                create,
+                "package='gazebo_ros', executable='spawn_entity.py'",
+            )
+        },
+    )
+    assert (name, severity) == ("spawner-of-other-simulator", "error")

@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from wsgen.launch.simulators import simulator_kinds
 from wsgen.rules.dependencies import check_dependencies
 from wsgen.rules.manifests import check_manifest, generated_interfaces
 from wsgen.rules.package_uses import (
@@ -15,6 +16,7 @@ from wsgen.rules.package_uses import (
     may_be_unused,
     unused_dependencies,
 )
+from wsgen.rules.simulators import misplaced_spawners
 from wsgen.source_shares import INDEX
 from wsgen.workspace.build_types import check_build_type
 from wsgen.workspace.package_uses import (
@@ -73,9 +75,20 @@ def check_package_manifest(
         name: one.manifest for name, one in packages.items() if one.manifest is not None
     } | {package.name: manifest}
     yield from check_dependencies(manifest, workspace=manifests.keys(), distro=distro)
-    uses = (
-        *_in_order(folder, manifests, build),
-        *(use for plan in plans for use in _looked_up(plan, folder)),
+    plans = tuple(plans)
+    misplaced = {
+        (os.path.realpath(one.file), one.package)
+        for plan in plans
+        for one in misplaced_spawners(plan, simulator_kinds(plan))
+        if one.file is not None
+    }
+    uses = tuple(
+        use
+        for use in (
+            *_in_order(folder, manifests, build),
+            *(use for plan in plans for use in _looked_up(plan, folder)),
+        )
+        if (os.path.realpath(use.file), use.package) not in misplaced  # to be replaced
     )
     yield from check_uses(manifest, uses, manifests=manifests, distro=distro)
     if build is not None:

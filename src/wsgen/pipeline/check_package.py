@@ -27,6 +27,7 @@ from wsgen.pipeline.check_severities import (
     of_file_alone,
     of_launch,
     without_absent_packages,
+    without_replaced_options,
     without_simulation,
 )
 from wsgen.pipeline.clock import Clock
@@ -125,7 +126,8 @@ class PackageCheck:
                 unique.setdefault(without_call(one), one)
             manifest = self.package.manifest
             declared = {one.name for one in manifest.dependencies} if manifest else ()
-            found = tuple(without_absent_packages(unique.values(), declared))
+            known = without_absent_packages(unique.values(), declared)
+            found = tuple(without_replaced_options(known))
             step.succeeded = not has_errors(found)
         return found
 

@@ -29,6 +29,7 @@ from wsgen.launch.spawner_options import INVALID_SPAWNER_OPTION
 from wsgen.launch.undeclared import UNDECLARED_PACKAGE
 from wsgen.pipeline.file_validation import NO_MODEL, PART_OF_ROBOT
 from wsgen.ros_names import released_packages
+from wsgen.rules.simulators import SPAWNER_OF_OTHER_SIMULATOR
 from wsgen.sdf.assembly import CLOSED_CHAIN, JOINT_LEFT_OUT
 from wsgen.sdf.shapes import SHAPE_LEFT_OUT
 from wsgen.sdf.worlds import NO_GROUND
@@ -171,6 +172,17 @@ def without_absent_packages(
         elif one.code == MISSING_COLLISION_MESH.code and not _is_in_own_package(one):
             yield replace(one, severity=Severity.WARNING)  # it may be in another workspace
         else:
+            yield one
+
+
+def without_replaced_options(diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
+    """Leave out options of a spawner that is to be replaced by the one of another simulator."""
+    found = list(diagnostics)
+    replaced = {
+        (one.file, one.line) for one in found if one.code == SPAWNER_OF_OTHER_SIMULATOR.code
+    }
+    for one in found:
+        if one.code != INVALID_SPAWNER_OPTION.code or (one.file, one.line) not in replaced:
             yield one
 
 

@@ -143,18 +143,25 @@ BRIDGES = frozenset(("ros_gz_bridge", "ros_ign_bridge"))
 
 def spawners_of_other_simulator(plan: LaunchPlan, kinds: Collection[str]) -> Iterator[Diagnostic]:
     """Report spawners that none of the started simulators answers; `kinds` are of these."""
+    for program in misplaced_spawners(plan, kinds):
+        (started,) = set(kinds)
+        kind = _SPAWNERS[program.package or "", program.executable or ""]
+        yield SPAWNER_OF_OTHER_SIMULATOR.at(
+            program.file,
+            program.line,
+            program.executable,
+            message=f"`{program.executable}` of {program.package} spawns into {_NAMES[kind]}, "
+            f"and the launch file starts {_NAMES[started]}.",
+            hint=_SPAWNER_OF[started],
+        )
+
+
+def misplaced_spawners(plan: LaunchPlan, kinds: Collection[str]) -> Iterator[Process]:
+    """The spawners that belong to another simulator than the started ones, of these kinds."""
     for program in started_programs(plan):
         kind = _SPAWNERS.get((program.package or "", program.executable or ""))
         if kind is not None and kinds and kind not in kinds:
-            (started,) = set(kinds)
-            yield SPAWNER_OF_OTHER_SIMULATOR.at(
-                program.file,
-                program.line,
-                program.executable,
-                message=f"`{program.executable}` of {program.package} spawns into {_NAMES[kind]}, "
-                f"and the launch file starts {_NAMES[started]}.",
-                hint=_SPAWNER_OF[started],
-            )
+            yield program
 
 
 def no_factory(
