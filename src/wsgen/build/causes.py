@@ -25,6 +25,7 @@ from wsgen.build_files.cmake_checks import (
     REPEATED_AMENT_PACKAGE,
     SOURCES,
     UNKNOWN_COMMAND,
+    UNKNOWN_LANGUAGE,
     word_block,
 )
 from wsgen.build_files.cmake_text import find_open_block, find_open_quote, read_calls
@@ -128,15 +129,6 @@ MISSING_DEPENDENCY = Rule(
 )
 
 
-UNKNOWN_LANGUAGE = Rule(
-    code="BLD047",
-    name="unknown-language",
-    severity=Severity.ERROR,
-    summary="`project()` names a language that CMake does not know.",
-    why="CMake looks for the compiler of each language, and stops. It calls C++ CXX.",
-    example="project(my_robot LANGUAGES CPP)",
-    instead="project(my_robot LANGUAGES CXX)",
-)
 FAILED_DOWNLOAD = Rule(
     code="BLD048",
     name="failed-download",

@@ -80,6 +80,18 @@ OLD_CMAKE_MINIMUM = Rule(
     example="cmake_minimum_required(VERSION 2.8)",
     instead="cmake_minimum_required(VERSION 3.20)",
 )
+UNKNOWN_LANGUAGE = Rule(
+    code="BLD047",
+    name="unknown-language",
+    severity=Severity.ERROR,
+    summary="`project()` names a language that CMake does not know.",
+    what="Compares the names with those that are often written for C++; `wsgen build` reports any "
+    "that CMake refuses.",
+    why="CMake looks for the compiler of each language, and stops. It calls C++ CXX.",
+    example="project(my_robot LANGUAGES CPP)",
+    instead="project(my_robot LANGUAGES CXX)",
+)
+MISNAMED_LANGUAGES = {"CPP": "CXX", "C++": "CXX", "CPLUSPLUS": "CXX", "CC": "CXX"}
 MISSING_INSTALLED_PATH = Rule(
     code="BLD003",
     name="missing-installed-path",
@@ -268,6 +280,7 @@ def check_commands(reader: Reader, build_type: str) -> Iterator[Diagnostic]:
         yield from project(reader, build_type)
         yield from ament_package(reader, build_type)
         yield from minimum(reader)
+        yield from languages(reader)
         yield from misspelled(reader)
     yield from test_packages(reader.required, reader.name)
     yield from subdirectories(reader)
@@ -437,6 +450,30 @@ def minimum(reader: Reader) -> Iterator[Diagnostic]:
             hint="Write cmake_minimum_required(VERSION 3.8...3.31).",
             severity=Severity.WARNING,
         )
+
+
+def languages(reader: Reader) -> Iterator[Diagnostic]:
+    """Report what CMake does not know as the name of a language."""
+    for command in ("project", "enable_language"):
+        for mention in reader.mentions.get(command, ()):
+            names = texts(mention)[1 if command == "project" else 0 :]
+            wrong = next((name for name in names if name.upper() in MISNAMED_LANGUAGES), None)
+            if wrong is None or not mention.is_certain or _is_described(names, wrong):
+                continue
+            yield UNKNOWN_LANGUAGE.at(
+                mention.file,
+                mention.call.line,
+                reader.name,
+                message=f"{reader.name}: {command}() names the language {wrong}, which CMake does "
+                "not know.",
+                hint=f"Write {MISNAMED_LANGUAGES[wrong.upper()]}.",
+            )
+
+
+def _is_described(names: Sequence[str], word: str) -> bool:
+    """Whether a word is the text of another option of project()."""
+    before = names[names.index(word) - 1] if names.index(word) else ""
+    return before in {"VERSION", "DESCRIPTION", "HOMEPAGE_URL"}
 
 
 def misspelled(reader: Reader) -> Iterator[Diagnostic]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
+from wsgen.build_files.cmake_checks import MISNAMED_LANGUAGES
 from wsgen.fixes.cmake_source import command_at, read_commands
 from wsgen.fixes.meant import is_surely
 from wsgen.fixes.source import Edit
@@ -22,7 +23,6 @@ OLDEST_CMAKE = "3.8"  # of the supported distributions' templates
 NEWEST_CMAKE = "3.31"  # the newest that all of them were tested with
 RANGE = f"{OLDEST_CMAKE}...{NEWEST_CMAKE}"
 VERSION = re.compile(r"(\d+)\.(\d+)(?:\.\d+)*(?:\.\.\.\d+(?:\.\d+)+)?")
-LANGUAGES = {"CPP": "CXX", "C++": "CXX", "CPLUSPLUS": "CXX", "CC": "CXX"}
 SHARED = ("DIRECTORY", "FILES")
 RUN = ("PROGRAMS", "TARGETS")
 OPTIONS = frozenset(
@@ -157,9 +157,13 @@ def fix_language(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
     command = command_at(source, diagnostic.line, "project", "enable_language")
     return (
         [
-            Edit(start=argument.start, end=argument.end, text=LANGUAGES[argument.text.upper()])
+            Edit(
+                start=argument.start,
+                end=argument.end,
+                text=MISNAMED_LANGUAGES[argument.text.upper()],
+            )
             for argument in (command.arguments[1 if command.name == "project" else 0 :])
-            if argument.text.upper() in LANGUAGES
+            if argument.text.upper() in MISNAMED_LANGUAGES
         ]
         if command
         else []
