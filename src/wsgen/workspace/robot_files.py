@@ -44,5 +44,11 @@ def find_robot_files(folder: Path) -> tuple[Path, ...]:
     return tuple(
         file
         for file, text in texts.items()
-        if file.name not in included and ROBOT.search(text) and PART.search(MACRO.sub("", text))
+        if file.name not in included
+        and (_is_urdf(file, text) or (ROBOT.search(text) and PART.search(MACRO.sub("", text))))
     )
+
+
+def _is_urdf(file: Path, text: str) -> bool:
+    """Whether a file that no xacro file includes is meant as a whole robot, whatever it lacks."""
+    return file.suffix == ".urdf" and "<robot" in text and "xacro" not in text
