@@ -435,7 +435,7 @@ class Validation:
     ) -> list[PreparedRobot]:
         with self.clock.step("expand", "robot description") as step:
             spawns, before = started.spawns, len(self.diagnostics)
-            self.diagnostics += spawned_twice([spawn.entity for spawn in spawns], in_world)
+            self.diagnostics += spawned_twice(spawns, in_world)
             # The simulator refuses the second of two with one name.
             unique = {spawn.entity: spawn for spawn in reversed(spawns)}
             prepared = [

@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Sequence
 
     from wsgen.diagnostics import Diagnostic
+    from wsgen.model.world import Spawn
 
 
 SPAWNED_TWICE = Rule(
@@ -20,24 +21,34 @@ SPAWNED_TWICE = Rule(
     what="Compares the names given to the spawners and those of the models in the world.",
     why="The simulator refuses the second robot.",
     example="""
-Node(package="ros_gz_sim", executable="create", arguments=["-name", "robot", "-x", "0"]),
-Node(package="ros_gz_sim", executable="create", arguments=["-name", "robot", "-x", "2"]),
+Node(package="ros_gz_sim", executable="create",
+     arguments=["-topic", "robot_description", "-name", "robot", "-x", "0"]),
+Node(package="ros_gz_sim", executable="create",
+     arguments=["-topic", "robot_description", "-name", "robot", "-x", "2"]),
 """,
     instead="""
-Node(package="ros_gz_sim", executable="create", arguments=["-name", "robot_1", "-x", "0"]),
-Node(package="ros_gz_sim", executable="create", arguments=["-name", "robot_2", "-x", "2"]),
+Node(package="ros_gz_sim", executable="create",
+     arguments=["-topic", "robot_description", "-name", "robot_1", "-x", "0"]),
+Node(package="ros_gz_sim", executable="create",
+     arguments=["-topic", "robot_description", "-name", "robot_2", "-x", "2"]),
 """,
 )
 
 
-def spawned_twice(entities: Sequence[str], in_world: Collection[str] = ()) -> Iterator[Diagnostic]:
-    """Report robots that are spawned under one name, or under that of a model of the world."""
-    for entity in dict.fromkeys(entities):
+def spawned_twice(spawns: Sequence[Spawn], in_world: Collection[str] = ()) -> Iterator[Diagnostic]:
+    """Report robots that are spawned under one name, or under that of a model of the world.
+
+    The place is that of the spawner that the simulator refuses: the last one of a name.
+    """
+    entities = [spawn.entity for spawn in spawns]
+    spawners = {spawn.entity: spawn.process for spawn in spawns}
+    for entity, spawner in spawners.items():
         times = entities.count(entity)
         if times > 1 or entity in in_world:
             yield SPAWNED_TWICE.at(
-                None,
-                element=entity,
+                spawner.file if spawner else None,
+                spawner.line if spawner else None,
+                entity,
                 message=f"{times} robots are spawned as `{entity}`."
                 if times > 1
                 else f"A robot is spawned as `{entity}`, and the world has a model of that name.",
