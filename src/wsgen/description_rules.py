@@ -228,12 +228,12 @@ UNKNOWN_MIMICKED_JOINT = Rule(
     summary="A joint mimics a joint that does not exist.",
     why="Nothing moves the joint: it swings freely instead of following another joint.",
     example=(
-        '<joint name="right_finger_joint" type="prismatic">\n'
+        '<joint name="right_finger_joint" type="prismatic">\n  …\n'
         '  <mimic joint="finger_joint"/>\n'
         "</joint>"
     ),
     instead=(
-        '<joint name="right_finger_joint" type="prismatic">\n'
+        '<joint name="right_finger_joint" type="prismatic">\n  …\n'
         '  <mimic joint="left_finger_joint"/>\n'
         "</joint>"
     ),
@@ -270,8 +270,14 @@ MISSPELLED_ELEMENT = Rule(
         "Gazebo silently ignores elements that it does not know, so that a mass, a shape or a "
         "limit is missing."
     ),
-    example='<inertail>\n  <mass value="1"/>\n</inertail>',
-    instead='<inertial>\n  <mass value="1"/>\n</inertial>',
+    example=(
+        '<inertail>\n  <mass value="1"/>\n'
+        '  <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/>\n</inertail>'
+    ),
+    instead=(
+        '<inertial>\n  <mass value="1"/>\n'
+        '  <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/>\n</inertial>'
+    ),
 )
 
 RESERVED_NAME = Rule(

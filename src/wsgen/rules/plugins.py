@@ -209,17 +209,21 @@ UNKNOWN_PLUGIN_PART = Rule(
     "are missing.",
     example="""
 <joint name="left_wheel_joint" type="continuous">…</joint>
+<joint name="right_wheel_joint" type="continuous">…</joint>
 <gazebo>
   <plugin filename="gz-sim-diff-drive-system" name="gz::sim::systems::DiffDrive">
     <left_joint>wheel_left_joint</left_joint>
+    <right_joint>right_wheel_joint</right_joint>
   </plugin>
 </gazebo>
 """,
     instead="""
 <joint name="left_wheel_joint" type="continuous">…</joint>
+<joint name="right_wheel_joint" type="continuous">…</joint>
 <gazebo>
   <plugin filename="gz-sim-diff-drive-system" name="gz::sim::systems::DiffDrive">
     <left_joint>left_wheel_joint</left_joint>
+    <right_joint>right_wheel_joint</right_joint>
   </plugin>
 </gazebo>
 """,

@@ -454,7 +454,7 @@ CONTROL_WITHOUT_PLUGIN = Rule(
 </ros2_control>
 <gazebo>
   <plugin filename="gz_ros2_control-system" name="gz_ros2_control::GazeboSimROS2ControlPlugin">
-    <parameters>$(find my_package)/config/controllers.yaml</parameters>
+    <parameters>$(find my_robot)/config/controllers.yaml</parameters>
   </plugin>
 </gazebo>
 """,

@@ -151,7 +151,7 @@ NEWER_SDF = Rule(
     summary="The SDF version of a world is newer than the target's Gazebo.",
     why="Gazebo prints that it cannot convert the file, and reads it as the newest version that it "
     "knows; what is new in the format is ignored.",
-    example='<!-- for Gazebo Fortress, which reads SDF up to 1.9 -->\n<sdf version="1.11">',
+    example='<!-- for Gazebo Fortress, which reads SDF up to 1.9 -->\n<sdf version="1.12">',
     instead='<sdf version="1.9">',
 )
 
