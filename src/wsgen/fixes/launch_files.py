@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import itertools
 import re
 import warnings
 from typing import TYPE_CHECKING, TypeVar
@@ -443,22 +444,47 @@ def fix_ros_1_markup(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edi
 
 
 _RAISED = re.compile(r"add '(-z)', '([\d.]+)' to the arguments of ([\w.]+)")
+_CHANGED = re.compile(r"change (-z) to '([\d.]+)' in the arguments of ([\w.]+)")
 
 
 def raise_spawned(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
     """Give the spawner the height at which the robot stands on the ground."""
-    tree, added = _tree(source), _RAISED.search(diagnostic.hint or "")
+    hint = diagnostic.hint or ""
+    tree, added, changed = _tree(source), _RAISED.search(hint), _CHANGED.search(hint)
     node = _call_at(tree, diagnostic.line, "Node") if tree else None
     given = [one.value for one in node.keywords if one.arg == "arguments"] if node else []
-    if tree is None or added is None or not given or not isinstance(given[0], ast.List):
+    if tree is None or not given or not isinstance(given[0], ast.List):
         return []
     words = given[0].elts
-    if not words or any(isinstance(one, ast.Constant) and one.value == "-z" for one in words):
+    if changed is not None:
+        return _replace_after("-z", words, changed[2], tree)
+    if (
+        added is None
+        or not words
+        or any(isinstance(one, ast.Constant) and one.value == "-z" for one in words)
+    ):
         return []
     place = tree.end(words[-1])
     return [Edit(start=place, end=place, text=f", '{added[1]}', '{added[2]}'")]
 
 
+def _replace_after(option: str, words: Sequence[ast.expr], text: str, tree: Tree) -> Sequence[Edit]:
+    """Write another text for the one literal that follows an option."""
+    values = [
+        after
+        for one, after in itertools.pairwise(words)
+        if isinstance(one, ast.Constant) and one.value == option
+    ]
+    if len(values) != 1 or not isinstance(values[0], ast.Constant):
+        return []
+    start, end = tree.start(values[0]), tree.end(values[0])
+    quote = tree.source.text[start]
+    if quote not in "'\"" or tree.source.text[start:end].count(quote) != QUOTES:
+        return []
+    return [Edit(start=start + 1, end=end - 1, text=text)]
+
+
+QUOTES = 2  # of a literal
 _BRIDGED = re.compile(r"'(/clock@[^']+)'")
 
 
