@@ -277,11 +277,13 @@ def check_commands(reader: Reader, build_type: str) -> Iterator[Diagnostic]:
     """Check what a CMakeLists.txt calls, but for what it installs."""
     yield from syntax(reader.mistake, reader.open_block, reader.name)
     if reader.mistake is None and reader.open_block is None:
+        wrong = [*misspelled(reader)]
+        is_meant = any(did_you_mean("ament_package") == found.hint for found in wrong)
         yield from project(reader, build_type)
-        yield from ament_package(reader, build_type)
+        yield from ament_package(reader, "" if is_meant else build_type)
         yield from minimum(reader)
         yield from languages(reader)
-        yield from misspelled(reader)
+        yield from wrong
     yield from test_packages(reader.required, reader.name)
     yield from subdirectories(reader)
     yield from sources(reader)
