@@ -48,10 +48,10 @@ def label(tag: str, name: str | None) -> str:
 
 
 def read_text(file: Path) -> str | None:
-    """The text of a file; None where it cannot be read."""
+    """The text of a file, without a byte order mark; None where it cannot be read."""
     try:
         data = read_regular(file, SIZE_LIMIT)
-        return data.decode("utf-8") if len(data) <= SIZE_LIMIT else None
+        return data.decode("utf-8-sig") if len(data) <= SIZE_LIMIT else None
     except (OSError, ValueError):
         return None
 

@@ -36,11 +36,11 @@ UNPUBLISHED_FRAME = Rule(
 
 _PARAMETER = re.compile(
     r"^[ \t]*-?[ \t]*(robot_base_frame|base_frame_id|base_frame|base_link_frame)[ \t]*:[ \t]*"
-    r"([\"']?)/?([A-Za-z_][\w-]*)\2[ \t]*(?:#.*)?$",
+    r"([\"']?)/?([A-Za-z_][\w-]*)\2[ \t]*(?:#.*)?\r?$",
     re.MULTILINE,
 )
 _FIXED_FRAME = re.compile(
-    r"^[ \t]*(Fixed Frame)[ \t]*:[ \t]*([\"']?)/?([A-Za-z_][\w-]*)\2[ \t]*$", re.MULTILINE
+    r"^[ \t]*(Fixed Frame)[ \t]*:[ \t]*([\"']?)/?([A-Za-z_][\w-]*)\2[ \t]*\r?$", re.MULTILINE
 )
 _CONVENTIONAL = frozenset(("base_link", "base_footprint"))  # as ROS calls the base of a robot
 SURELY = 0.8  # so alike two names are, as difflib counts, that one is the other misspelled
