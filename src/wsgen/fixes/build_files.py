@@ -266,7 +266,7 @@ def fix_script_folder(diagnostic: Diagnostic, source: SourceText) -> Sequence[Ed
         return []
     edits, missing = list[Edit](), list[str]()
     for section, key in _KEYS.items():
-        header = re.search(rf"(?m)^\[{section}\][ \t]*$", source.text)
+        header = re.search(rf"(?m)^\[{section}\][ \t]*(?=\r?$)", source.text)
         if header is None:
             missing += [f"[{section}]", f"{key}={place[1]}"]
             continue

@@ -206,7 +206,7 @@ def fix_interface(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
 
 
 def fix_inner_text(tag_name: str) -> Callable[[Diagnostic, SourceText], Sequence[Edit]]:
-    """The fix that writes what the hint says as the text of an element inside of that meant."""
+    """The fix that writes what the hint says as the text of the element meant, or of one in it."""
 
     def fix(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
         found = find_tag(source, diagnostic.line, diagnostic.element)
@@ -216,7 +216,7 @@ def fix_inner_text(tag_name: str) -> Callable[[Diagnostic, SourceText], Sequence
         inner = [
             tag
             for tag in read_tags(source.text)
-            if tag.name == tag_name and any(one.start == found[0].start for one in tag.path)
+            if tag.name == tag_name and any(one.start == found[0].start for one in (*tag.path, tag))
         ]
         if len(inner) != 1 or inner[0].end is None:
             return []
@@ -395,6 +395,9 @@ def fix_xml(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
         ends = list(re.finditer(rf"(?<=</){re.escape(closed[2])}(?=\s*>)", text))
         if len(ends) == 1:
             return [Edit(start=start + ends[0].start(), end=start + ends[0].end(), text=closed[1])]
+    comma = _WITH_COMMA.search(message)
+    if comma is not None:
+        return _decimal_point(source, comma[1], comma[2])
     if _BEFORE_DECLARATION in message:
         place = source.text.find("<?xml")
         if place > 0 and not source.text[:place].strip():
@@ -402,6 +405,25 @@ def fix_xml(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
     if _HYPHENS in message:
         return _single_hyphens(source, start, end)
     return []
+
+
+_WITH_COMMA = re.compile(r"the value of `(\w+)` is the text '(-?\d*,\d+)', not a number")
+
+
+def _decimal_point(source: SourceText, name: str, value: str) -> list[Edit]:
+    """Write the value of a property with a decimal point, where the file has it once."""
+    found = [
+        attribute
+        for tag in read_tags(source.text)
+        if tag.name == "xacro:property"
+        and (named := tag.attributes.get("name")) is not None
+        and named.text == name
+        and (attribute := tag.attributes.get("value")) is not None
+    ]
+    if len(found) != 1 or found[0].text.strip() != value:
+        return []
+    span = found[0].value
+    return [Edit(start=span.start, end=span.end, text=found[0].text.replace(",", "."))]
 
 
 def _single_hyphens(source: SourceText, start: int, end: int) -> list[Edit]:
