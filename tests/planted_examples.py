@@ -173,7 +173,7 @@ def robot(around: str = "@", **options: Any) -> Plant:
 
 def finish_robot(text: str) -> str:
     """The file of a robot, its short links with bodies."""
-    text = SHORT.sub(lambda found: link(found[1]), text)
+    text = SHORT.sub(lambda found: link(found[1]), text).replace("><", ">\n<")
     return text if "<robot" in text else f'<robot name="my_robot">\n{text}\n</robot>\n'
 
 
@@ -535,7 +535,11 @@ SCRIPT = "#!/usr/bin/env python3\nprint()\n"
 
 PACKAGES: dict[str, Plant] = {
     "PKG001": package(is_good_code=False),
-    "PKG004": package(is_good_code=False),
+    "PKG004": package(
+        in_manifest("  <name>my_robot</name>\n  <version>0.1.0</version>\n"),
+        swaps=(('<package format="3">\n', ""), ("</package>", "")),
+        is_good_code=False,
+    ),
     "PKG005": package(
         "@<description>A robot.</description>"
         '<maintainer email="ada@example.org">Ada</maintainer><license>MIT</license>'
@@ -820,7 +824,13 @@ LAUNCHES: dict[str, Plant] = {
         GZ + CREATE + "@])\n", dots=("package='rviz2', executable='rviz2'",), is_good_code=False
     ),
     "LCH020": launch(BEFORE),
-    "LCH021": launch(BY_HAND.replace(PUBLISH, "") + "\n", is_good_code=False),
+    "LCH021": launch(
+        GZ.replace(PUBLISH, "@,\n") + CREATE + "])\n",
+        swaps=(
+            ("publiser')", "publiser', parameters=[{'robot_description': text}])"),
+            ("publisher')", "publisher', parameters=[{'robot_description': text}])"),
+        ),
+    ),
     "LCH022": launch(BY_HAND),
     "LCH023": launch("@\n", file="launch/view.launch.xml"),
     "LCH030": launch("@\n", file="launch/view.launch.py"),

@@ -40,11 +40,6 @@ NOT_FIXED = frozenset(
 )
 
 
-def plain(_: str, text: str) -> str:
-    """As it is planted."""
-    return text
-
-
 def windows(name: str, text: str) -> str:
     """With line ends of Windows, and a byte order mark where programs read one."""
     if name.startswith("scripts/") or not name.endswith(TEXTS):
@@ -68,7 +63,7 @@ def commented(name: str, text: str) -> str:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("layout", [plain, windows, ragged])
+@pytest.mark.parametrize("layout", [windows, ragged])
 def test_all_fixes_of_all_examples(tmp_path: Path, layout: Callable[[str, str], str]) -> None:
     wrong: list[str] = []
     for distro in sorted({PLANTS[code].distro for code in RULES if code in PLANTS}):
