@@ -24,6 +24,11 @@ class RobotState:
     tilt: float  # rad, between what was up in the robot when spawned and up
     is_finite: bool  # no pose or speed is infinite or not-a-number
 
+    @property
+    def joint_speed(self) -> float:
+        """The velocity of the fastest joint, rad/s or m/s, never negative; 0 without any."""
+        return max(map(abs, self.joint_velocities.values()), default=0.0)
+
 
 @dataclass(frozen=True, kw_only=True)
 class Moment:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from wsgen.model.transform import (
     Pose,
@@ -119,7 +119,23 @@ def is_finite(state: State) -> bool:
     return all(map(math.isfinite, numbers))
 
 
-def is_moving(state: State) -> bool:
+class Motion(Protocol):
+    """How fast a robot moves; see `State`."""
+
+    @property
+    def speed(self) -> float:
+        """That of the root link's center of mass, m/s."""
+
+    @property
+    def turning(self) -> float:
+        """That of the root link, rad/s."""
+
+    @property
+    def joint_speed(self) -> float:
+        """That of the fastest joint, rad/s or m/s."""
+
+
+def is_moving(state: Motion) -> bool:
     """Whether a person would not call it standing still."""
     return (
         state.speed > REST_SPEED

@@ -1,0 +1,54 @@
+"""Tests of robots with pytest: the fixtures of `wsgen.testing.plugin`, and what they give.
+
+Nothing is loaded before it is used: pytest imports this package in every run.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from wsgen.model.plan import LaunchPlan
+    from wsgen.model.transform import Pose
+    from wsgen.model.world import World
+    from wsgen.simulation.engine import Contact
+    from wsgen.testing.assertions import assert_drives, assert_reaches, assert_stands
+    from wsgen.testing.robot import Joint, Limits, Link, Moved, Robot
+    from wsgen.testing.simulation import Simulation
+
+__all__ = [
+    "Contact",
+    "Joint",
+    "LaunchPlan",
+    "Limits",
+    "Link",
+    "Moved",
+    "Pose",
+    "Robot",
+    "Simulation",
+    "World",
+    "assert_drives",
+    "assert_reaches",
+    "assert_stands",
+]
+
+_MODULES = {
+    "Contact": "wsgen.simulation.engine",
+    "LaunchPlan": "wsgen.model.plan",
+    "Pose": "wsgen.model.transform",
+    "World": "wsgen.model.world",
+    "Simulation": "wsgen.testing.simulation",
+    "assert_drives": "wsgen.testing.assertions",
+    "assert_reaches": "wsgen.testing.assertions",
+    "assert_stands": "wsgen.testing.assertions",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from importlib import import_module  # noqa: PLC0415  only who uses one pays for its module
+
+    value = getattr(import_module(_MODULES.get(name, "wsgen.testing.robot")), name)
+    globals()[name] = value
+    return value

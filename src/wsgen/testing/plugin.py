@@ -1,0 +1,273 @@
+"""The pytest plugin: fixtures with the robots of a package, in a simulation without ROS.
+
+pytest loads this module in every run, so it imports pytest and what pytest has loaded; everything
+else is imported when a test asks for a fixture. See docs/testing.md.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Generator, Iterator
+    from pathlib import Path
+
+    from wsgen.model.plan import LaunchPlan
+    from wsgen.model.world import World
+    from wsgen.testing.robot import Robot
+    from wsgen.testing.simulation import Simulation, Stage
+
+__tracebackhide__ = True  # errors of fixtures are about the package, not about this module
+
+ENGINES = ("bullet", "dart", "mujoco")
+KEYS = ("package", "launch_file", "arguments", "engine", "robot")  # of the marker
+MARKER = (
+    "wsgen(package=NAME, launch_file=NAME, arguments={NAME: VALUE}, engine=NAME, robot=NAME): "
+    "what the fixtures of wsgen simulate; by default the package that the test lies in."
+)
+SIMULATION = pytest.StashKey[Any]()  # of a test that has one
+STAGES = pytest.StashKey[Any]()  # of a run
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add the options and settings."""
+    group = parser.getgroup("wsgen", "robots simulated by wsgen")
+    for name, what, metavar in (
+        ("package", "Package whose robots are simulated (default: that of the test).", "NAME"),
+        ("launch-file", "Launch file that spawns the robots (default: the only one).", "NAME"),
+        ("engine", f"Physics engine: {', '.join(ENGINES)} (default: the first installed).", "NAME"),
+        ("output", "Folder for a picture and a GIF of each failed test.", "DIR"),
+    ):
+        destination = f"wsgen_{name.replace('-', '_')}"
+        group.addoption(f"--wsgen-{name}", dest=destination, metavar=metavar, help=what)
+        parser.addini(destination, what)
+    group.addoption(
+        "--wsgen-argument",
+        dest="wsgen_arguments",
+        action="append",
+        metavar="NAME:=VALUE",
+        help="Argument of the launch file; may be given several times.",
+    )
+    parser.addini("wsgen_arguments", "Arguments of the launch file, NAME:=VALUE.", type="linelist")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Register the marker; refuse settings that no test could use."""
+    config.addinivalue_line("markers", MARKER)
+    engine = _setting(config, "engine")
+    if engine is not None:
+        _check_engine(engine)
+    _arguments(config)
+
+
+def pytest_unconfigure(config: pytest.Config) -> None:
+    """End the engines."""
+    for stage in config.stash.get(STAGES, {}).values():
+        if not isinstance(stage, str):
+            stage.close()
+
+
+def _setting(config: pytest.Config, name: str) -> str | None:
+    """An option, or else the setting of that name."""
+    value = config.getoption(f"wsgen_{name}") or config.getini(f"wsgen_{name}")
+    return str(value) if value else None
+
+
+def _arguments(config: pytest.Config) -> dict[str, str]:
+    words = [*config.getini("wsgen_arguments"), *(config.getoption("wsgen_arguments") or ())]
+    pairs = [word.partition(":=") for word in words]
+    for name, sign, _ in pairs:
+        if not (name and sign):
+            raise pytest.UsageError(f"wsgen: {name!r} is not a launch argument; write NAME:=VALUE.")
+    return {name: value for name, _, value in pairs}
+
+
+def _check_engine(engine: str) -> None:
+    if engine not in ENGINES:
+        raise pytest.UsageError(
+            f"wsgen: {engine!r} is not a physics engine; choose one of {', '.join(ENGINES)}."
+        )
+
+
+def _wanted(item: pytest.Item) -> dict[str, Any]:
+    """What the test wants to have simulated: its markers, then options, then settings."""
+    wanted: dict[str, Any] = {
+        name: _setting(item.config, name) for name in ("package", "launch_file", "engine")
+    }
+    wanted |= {"arguments": _arguments(item.config), "robot": None}
+    for marker in reversed(list(item.iter_markers("wsgen"))):  # the closest one last
+        unknown = [name for name in marker.kwargs if name not in KEYS]
+        if marker.args or unknown:
+            what = f"`{unknown[0]}`" if unknown else f"{marker.args[0]!r} without a name"
+            _fail(f"The marker wsgen takes no {what}.", f"It takes {', '.join(KEYS)}.")
+        wanted |= {name: value for name, value in marker.kwargs.items() if name != "arguments"}
+        wanted["arguments"] |= {
+            name: _text(value) for name, value in (marker.kwargs.get("arguments") or {}).items()
+        }
+    if wanted["engine"] not in {None, *ENGINES}:
+        _fail(f"{wanted['engine']!r} is not a physics engine.", f"Use {', '.join(ENGINES)}.")
+    return wanted
+
+
+def _text(value: object) -> str:
+    """A value of a launch argument as `ros2 launch` takes it."""
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def _fail(message: str, hint: str) -> None:
+    pytest.fail(f"wsgen: {message}\n{hint}".rstrip(), pytrace=False)
+
+
+def _stage(item: pytest.Item) -> Stage:
+    """What the test has simulated, loaded once for all that want the same."""
+    wanted = _wanted(item)
+    wanted.pop("robot")
+    near = item.path
+    stages: dict[Any, Stage | str] = item.config.stash.setdefault(STAGES, {})
+    key = (
+        wanted["package"] or near.parent,
+        wanted["launch_file"],
+        wanted["engine"],
+        *sorted(wanted["arguments"].items()),
+    )
+    if key not in stages:
+        stages[key] = _open(near, wanted)
+    for other in stages.values():
+        if not isinstance(other, str) and other is not stages[key]:
+            other.end_session()  # an engine takes as much memory as pytest
+    stage = stages[key]
+    if isinstance(stage, str):
+        pytest.fail(stage, pytrace=False)
+    return stage
+
+
+def _open(near: Path, wanted: dict[str, Any]) -> Stage | str:
+    """The stage, or why there is none."""
+    from wsgen.errors import WsgenError  # noqa: PLC0415  see the top
+    from wsgen.pipeline.load_scene import BrokenSceneError  # noqa: PLC0415
+    from wsgen.report.text import render_text  # noqa: PLC0415
+    from wsgen.testing.simulation import Stage  # noqa: PLC0415
+
+    try:
+        stage = Stage(near=near, **wanted)
+    except WsgenError as error:
+        return f"wsgen: {error}"
+    except BrokenSceneError as broken:
+        return f"wsgen: {broken}\n{render_text(broken.diagnostics)}"
+    if stage.loaded.errors:
+        stage.close()
+        what = f"wsgen: {stage.loaded.package} has errors; nothing is simulated."
+        return f"{what}\n{render_text(stage.loaded.errors)}"
+    return stage
+
+
+def _without_traceback(task: Callable[[], Any]) -> Any:
+    """What the task gives; its errors are those of the package."""
+    from wsgen.errors import WsgenError  # noqa: PLC0415  see the top
+
+    try:
+        return task()
+    except WsgenError as error:
+        return pytest.fail(f"wsgen: {error}", pytrace=False)
+
+
+@pytest.fixture
+def simulation(request: pytest.FixtureRequest) -> Iterator[Simulation]:
+    """The robots that a launch file of the package spawns, in a physics engine.
+
+    Every test begins with them as they are spawned; the same steps give the same states.
+    """
+    from wsgen.testing.simulation import Simulation  # noqa: PLC0415  see the top
+
+    stage = _stage(request.node)
+    made = Simulation(stage)
+    request.node.stash[SIMULATION] = made
+    yield made
+    del request.node.stash[SIMULATION]
+
+
+@pytest.fixture
+def robot(simulation: Simulation, request: pytest.FixtureRequest) -> Robot:
+    """The robot that the launch file spawns; of several, the one that the marker names."""
+    name = _wanted(request.node)["robot"]
+    found: Robot = _without_traceback(lambda: simulation.robot(name))
+    return found
+
+
+@pytest.fixture
+def launch_plan(request: pytest.FixtureRequest) -> LaunchPlan:
+    """What the launch file would start: processes, parameters, included launch files."""
+    return _stage(request.node).loaded.plan
+
+
+@pytest.fixture
+def world(request: pytest.FixtureRequest) -> World:
+    """The world that the launch file starts: its models, gravity, step and light."""
+    return _stage(request.node).loaded.world
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(
+    item: pytest.Item,
+) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """Add a picture and the last second to the report of a test that failed."""
+    report = yield
+    simulation = item.stash.get(SIMULATION, None)
+    if report.when == "call" and report.failed and simulation is not None:
+        shown = _draw(item, simulation)
+        if shown:
+            _add(report, shown)
+    return report
+
+
+def _draw(item: pytest.Item, simulation: Simulation) -> str:
+    """What was drawn of the end of a test, one file a line; empty where nothing happened."""
+    if not simulation.has_begun:
+        return ""
+    from wsgen.errors import WsgenError  # noqa: PLC0415  see the top
+
+    lines = [f"after {simulation.seconds:g} simulated seconds in {simulation.engine}"]
+    try:
+        folder = _output_folder(item.config)
+        folder.mkdir(parents=True, exist_ok=True)
+        name = _file_name(item.nodeid)
+        simulation.picture(folder / f"{name}.png")
+        lines.append(f"picture: {folder / name}.png")
+        simulation.record(folder / f"{name}.gif")
+        lines.append(f"last second: {folder / name}.gif")
+    except (WsgenError, OSError) as error:
+        lines.append(f"no picture: {error}")
+    return "\n".join(lines)
+
+
+def _output_folder(config: pytest.Config) -> Path:
+    """The folder for pictures: the one that is asked for, or beside the results of the tests."""
+    given = _setting(config, "output")
+    if given is not None:
+        return config.invocation_params.dir / given
+    results = getattr(config.option, "xmlpath", None)  # of --junit-xml
+    if results:
+        file = config.invocation_params.dir / results
+        return file.parent / file.name.removesuffix(".xml").removesuffix(".xunit")
+    factory: pytest.TempPathFactory = config._tmp_path_factory  # type: ignore[attr-defined]  # noqa: SLF001  fixtures alone get it otherwise
+    folder: Path = factory.getbasetemp() / "wsgen"
+    return folder
+
+
+def _file_name(node: str) -> str:
+    """The name of a test as that of a file."""
+    name = node.rpartition("/")[2].replace("::", "-")
+    return "".join(sign if sign.isalnum() or sign in "-_." else "_" for sign in name)
+
+
+def _add(report: pytest.TestReport, shown: str) -> None:
+    """Add it to what is printed of the failure, which is also what JUnit files have."""
+    add: Callable[..., None] | None = getattr(report.longrepr, "addsection", None)
+    if add is not None:
+        add("wsgen", shown, sep="-")
+    elif isinstance(report.longrepr, str):
+        report.longrepr = f"{report.longrepr}\n{shown}"
+    else:
+        report.sections.append(("wsgen", shown))
