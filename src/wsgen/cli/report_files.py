@@ -1,4 +1,4 @@
-"""Options for files in which services show a result: JUnit XML and Markdown."""
+"""Options for files about a result: JUnit XML and Markdown for services, a page for people."""
 
 from __future__ import annotations
 
@@ -22,6 +22,14 @@ junit_option = click.option(
     help="File for a JUnit report with a test case for each check.",
 )
 
+html_option = click.option(
+    "--html",
+    "html_file",
+    type=click.Path(),
+    metavar="FILE",
+    help="File for a report as one HTML page: pictures, 3D views, plots (pip install "
+    "'wsgen[report]').",
+)
 summary_option = click.option(
     "--summary",
     "summary_file",
@@ -42,9 +50,23 @@ def require_folders(*files: str | None) -> None:
             )
 
 
-def write_reports(outcome: Outcome, *, junit_file: str | None, summary_file: str | None) -> None:
+def require_libraries(html_file: str | None) -> None:
+    """Refuse a page whose plots cannot be drawn, before anything is simulated."""
+    if html_file is not None:
+        from wsgen.report.plotly_library import require_plotly
+
+        require_plotly()
+
+
+def write_reports(
+    outcome: Outcome,
+    *,
+    junit_file: str | None = None,
+    summary_file: str | None = None,
+    html_file: str | None = None,
+) -> None:
     """Write the files that are wanted of a validation."""
-    if junit_file is None and summary_file is None:
+    if (junit_file, summary_file, html_file) == (None, None, None):
         return
     from pathlib import Path
 
@@ -62,6 +84,11 @@ def write_reports(outcome: Outcome, *, junit_file: str | None, summary_file: str
         from wsgen.report.markdown import summarize_outcome
 
         append_summary(summary_file, summarize_outcome(outcome, folder))
+    if html_file is not None:
+        from wsgen.files import write_file
+        from wsgen.report.html_report import render_page
+
+        write_file(Path(html_file), render_page(outcome, folder))
 
 
 def append_summary(file: str, text: str) -> None:

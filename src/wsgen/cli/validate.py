@@ -20,8 +20,10 @@ from wsgen.cli.options import (
     workspace_option,
 )
 from wsgen.cli.report_files import (
+    html_option,
     junit_option,
     require_folders,
+    require_libraries,
     summary_option,
     write_reports,
 )
@@ -81,6 +83,7 @@ MOST_SEARCHED = 100  # folders, for packages and files to suggest
 @click.option(
     "--json", "json_file", type=click.Path(), metavar="FILE", help="File for the result as JSON."
 )
+@html_option
 @junit_option
 @summary_option
 @github_format_option
@@ -99,6 +102,7 @@ def command(
     json_file: str | None,
     junit_file: str | None,
     summary_file: str | None,
+    html_file: str | None,
     output_format: str,
     quiet: bool,
     verbose: bool,
@@ -113,9 +117,10 @@ def command(
     from pathlib import Path
 
     from wsgen.cli.words import split_launch_arguments
-    from wsgen.pipeline.selection import ValidateRequest
+    from wsgen.pipeline.selection import PAGE_SAMPLES, PAGE_TRIANGLES, ValidateRequest
 
-    require_folders(json_file, junit_file, summary_file)
+    require_folders(json_file, junit_file, summary_file, html_file)
+    require_libraries(html_file)
     if len(names) == 1 and Path(names[0]).is_dir() and is_file_name(names[0]):
         raise refuse_folder(Path(names[0]))
     request = ValidateRequest(
@@ -128,6 +133,8 @@ def command(
         engines=chosen_engines(engine),
         jobs=jobs,
         picture_folder=Path(picture) if picture else None,
+        samples=PAGE_SAMPLES if html_file else 0,
+        view_triangles=PAGE_TRIANGLES if html_file else 0,
     )
     return validate_packages(
         request,
@@ -136,7 +143,9 @@ def command(
         verbose=verbose,
         output_format=output_format,
         json_file=json_file,
-        write_reports=partial(write_reports, junit_file=junit_file, summary_file=summary_file),
+        write_reports=partial(
+            write_reports, junit_file=junit_file, summary_file=summary_file, html_file=html_file
+        ),
         answers=answers,
     )
 

@@ -424,6 +424,10 @@ def _misplaced_launch_file(source: Path, file: Path, rule: Call, package: str) -
     )
 
 
+# What a page takes of a simulation.
+PAGE_SAMPLES = 200  # of each robot over the simulated time; more than a plot has pixels between
+PAGE_TRIANGLES = 300_000  # of all its 3D views
+
 FILE_SUFFIXES = (".urdf", ".xacro", ".sdf", ".world")  # what can be validated without a package
 
 

@@ -27,7 +27,7 @@ from wsgen.templating.sources import SHIPPED, SourceError, read_source
 from wsgen.templating.text import markdown_text, toml_string, toml_value, xml_text
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Mapping
     from types import CodeType
 
     from jinja2.bccache import Bucket
@@ -197,6 +197,26 @@ class _CompiledTemplates(jinja2.BytecodeCache):
         """Write newly compiled templates."""
         if self._grew:
             self._file.write(self._entries)
+
+
+def page_environment(
+    folder: Path, filters: Mapping[str, Callable[..., object]], clean: Callable[[str], str]
+) -> jinja2.Environment:
+    """An environment for pages of HTML that come with wsgen, and show texts of users.
+
+    Every text is escaped, and goes through `clean` before, but what `markupsafe` marks.
+    """
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(folder),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        finalize=lambda value: clean(value) if type(value) is str else value,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.filters.update(filters)
+    return environment
 
 
 def describe_error(error: Exception) -> tuple[str, str]:

@@ -246,7 +246,7 @@ def _output_folder(config: pytest.Config) -> Path:
     """The folder for pictures: the one that is asked for, or beside the results of the tests."""
     given = _setting(config, "output")
     if given is not None:
-        return config.invocation_params.dir / given
+        return Path(config.invocation_params.dir, given)
     results = getattr(config.option, "xmlpath", None)  # of --junit-xml
     if results:
         file = config.invocation_params.dir / results

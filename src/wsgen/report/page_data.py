@@ -1,0 +1,147 @@
+"""The numbers of a page, packed for its script: what plots and 3D views are drawn from.
+
+One text holds a header in JSON and arrays of numbers behind it, compressed and in base64: nothing
+that a user writes can end the element that it stands in, and sixty robots fit on a page.
+"""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import json
+import math
+import sys
+from array import array
+from typing import TYPE_CHECKING, Any
+
+from wsgen.model.robot import JointType
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+
+    from wsgen.model.outcome import PackageOutcome, RobotOutcome
+    from wsgen.model.scene_view import SceneView
+    from wsgen.model.time_series import TimeSeries
+
+
+LEVELS = 65535  # of a number between the least and the greatest of its column
+ALIGNMENT = 4  # bytes, of where an array begins
+LENGTH_BYTES = 4  # of the length of the header, little-endian
+
+
+class Packer:
+    """Collects arrays, and gives what stands for each of them in the header."""
+
+    def __init__(self) -> None:
+        self._data = bytearray()
+
+    def column(self, values: Sequence[float]) -> dict[str, float]:
+        """Numbers, each as one of `LEVELS` steps from the least of them to the greatest."""
+        low, high = min(values, default=0.0), max(values, default=0.0)
+        step = (high - low) / LEVELS or 1.0
+        levels = array("H", (round((value - low) / step) for value in values))
+        if sys.byteorder == "big":
+            levels.byteswap()
+        return {"at": self.add(levels.tobytes()), "n": len(levels), "low": low, "step": step}
+
+    def add(self, data: bytes) -> int:
+        """Add bytes; gives where they begin."""
+        at = len(self._data)
+        self._data += data
+        self._data += bytes(-len(self._data) % ALIGNMENT)
+        return at
+
+    def pack(self, header: dict[str, Any]) -> str:
+        """All of it as a text of ASCII characters."""
+        text = json.dumps(header, allow_nan=False, separators=(",", ":")).encode()
+        text += b" " * (-len(text) % ALIGNMENT)
+        whole = len(text).to_bytes(LENGTH_BYTES, "little") + text + bytes(self._data)
+        return compress(whole)
+
+
+def compress(data: bytes) -> str:
+    """Bytes as gzip in base64, the same every time."""
+    return base64.b64encode(gzip.compress(data, 9, mtime=0)).decode()
+
+
+def pack_package(package: PackageOutcome, clean: Callable[[str], str]) -> str | None:
+    """The time series and the view of a package; None where it has neither.
+
+    `clean` makes names of the user printable.
+    """
+    packer = Packer()
+    robots = [
+        {
+            "entity": clean(robot.entity),
+            "series": [
+                {
+                    "engine": engine.engine,
+                    "behavior": None if series.behavior is None else clean(series.behavior),
+                    **_series(series, _slides(robot), packer, clean),
+                }
+                for engine in robot.engines
+                for series in engine.time_series
+                if series.seconds
+            ],
+        }
+        for robot in package.robots
+    ]
+    view = None if package.view is None else _view(package.view, packer, clean)
+    if view is None and not any(robot["series"] for robot in robots):
+        return None
+    return packer.pack({"robots": robots, "view": view})
+
+
+def _slides(robot: RobotOutcome) -> set[str]:
+    """The names of the joints whose positions are lengths."""
+    joints = robot.description.joints if robot.description else ()
+    return {joint.name for joint in joints if joint.type is JointType.PRISMATIC}
+
+
+def _series(
+    series: TimeSeries, slides: set[str], packer: Packer, clean: Callable[[str], str]
+) -> dict[str, Any]:
+    x, y, z = zip(*series.positions, strict=True)
+    joints = sorted(
+        series.joint_positions.items(), key=lambda joint: min(joint[1]) - max(joint[1])
+    )  # what moves most is first
+    return {
+        "seconds": packer.column(series.seconds),
+        "x": packer.column(x),
+        "y": packer.column(y),
+        "height": packer.column(z),
+        "speed": packer.column(series.speeds),
+        "tilt": packer.column([math.degrees(tilt) for tilt in series.tilts]),
+        "joints": [
+            {"name": clean(name), "slides": name in slides, **packer.column(positions)}
+            for name, positions in joints
+        ],
+    }
+
+
+def _view(view: SceneView, packer: Packer, clean: Callable[[str], str]) -> dict[str, Any] | None:
+    if not view.parts:
+        return None
+    return {"ground": view.has_ground, "tile": view.tile, "parts": [*_parts(view, packer, clean)]}
+
+
+def _parts(
+    view: SceneView, packer: Packer, clean: Callable[[str], str]
+) -> Iterator[dict[str, Any]]:
+    for part in view.parts:
+        corners, triangles = base64.b64decode(part.corners), base64.b64decode(part.triangles)
+        yield {
+            "entity": clean(part.entity),
+            "link": clean(part.link),
+            "rgba": part.rgba,
+            "round": part.is_round,
+            "robot": part.is_robot,
+            "low": part.low,
+            "step": part.step,
+            "corners": {"at": packer.add(corners), "n": len(corners) // 2},
+            "triangles": {
+                "at": packer.add(triangles),
+                "n": len(triangles) // (4 if part.has_wide_numbers else 2),
+                "wide": part.has_wide_numbers,
+            },
+        }
