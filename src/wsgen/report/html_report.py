@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
     from wsgen.diagnostics import Diagnostic, Rule
     from wsgen.model.behavior import BehaviorOutcome
-    from wsgen.model.outcome import EngineOutcome, NotValidated, PackageOutcome, RobotOutcome
+    from wsgen.model.outcome import NotValidated, PackageOutcome, RobotOutcome
     from wsgen.model.plan import Process
     from wsgen.model.robot import Geometry, Joint, Link
 
@@ -69,7 +69,13 @@ def render_page(outcome: Outcome, folder: Path, *, when: datetime | None = None)
     packages = [_package(package, number, texts) for number, package in enumerate(outcome.packages)]
     environment = page_environment(
         FOLDER,
-        {"marked": mark_code, "path": texts.path, "xyz": write_xyz, "number": write_number},
+        {
+            "marked": mark_code,
+            "path": texts.path,
+            "xyz": write_xyz,
+            "number": write_number,
+            "fixed": write_fixed,
+        },
         clean,
     )
     script = (FOLDER / "page.js").read_text(encoding="utf-8")
@@ -135,6 +141,13 @@ def write_number(value: float | None, digits: int = 4) -> str:
     if value is None:
         return "–"
     return f"{value + 0.0:.{digits}g}" if math.isfinite(value) else str(value)
+
+
+def write_fixed(value: float | None, digits: int) -> str:
+    """A number with so many digits behind the point; a dash for none."""
+    if value is None:
+        return "–"
+    return f"{round(value, digits) + 0.0:.{digits}f}" if math.isfinite(value) else str(value)
 
 
 def _hash(script: str) -> str:
@@ -340,12 +353,17 @@ def _plots(robot: RobotOutcome) -> Iterator[Plot]:
 
 def _from_to(values: Sequence[float], unit: str, digits: int) -> str:
     first, last, low, high = (
-        f"{round(value, digits) + 0.0:.{digits}f}"
-        for value in (values[0], values[-1], min(values), max(values))
+        write_fixed(value, digits) for value in (values[0], values[-1], min(values), max(values))
     )
     if low == high:
         return f"stays at {first} {unit}"
-    return f"from {first} to {last} {unit}, lowest {low}, highest {high}"
+    way = f"from {first} to {last} {unit}"
+    beyond = [
+        f"{word} {value}"
+        for word, value in (("lowest", low), ("highest", high))
+        if value not in {first, last}
+    ]
+    return ", ".join([way, *beyond])
 
 
 def _link(link: Link, parents: dict[str, str]) -> dict[str, Any]:
@@ -404,13 +422,9 @@ def _results(robot: RobotOutcome) -> Iterator[dict[str, Any]]:
             "end": rest.pose_in_world.xyz if rest else None,
             "tilt": math.degrees(rest.tilt) if rest else None,
             "speed": rest.speed if rest else None,
-            "result": _result(one),
+            "result": result_of(one) if one else "not simulated",
             "passed": bool(one and one.passed),
         }
-
-
-def _result(one: EngineOutcome | None) -> str:
-    return "not simulated" if one is None else result_of(one)
 
 
 def _behaviors(robot: RobotOutcome) -> Iterator[dict[str, Any]]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
+import re
 from typing import TYPE_CHECKING, Any
 
 from wsgen.diagnostics import has_errors
@@ -48,7 +49,9 @@ def render_outcome(outcome: Outcome) -> str:
         "packages": [_package(package) for package in outcome.packages],
         "not_validated": [_not_validated(one) for one in outcome.not_validated],
     }
-    return json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    text = json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    # A file's name may have bytes that are no characters; Python's `os.fsencode` takes these back.
+    return re.sub("[\ud800-\udfff]", lambda found: f"\\u{ord(found[0]):04x}", text)
 
 
 def render_created(created: CreatedPackage) -> str:

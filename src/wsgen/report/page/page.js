@@ -158,6 +158,7 @@ async function drawMotion(motion) {
     const kind = plot.dataset.kind;
     const figure = plot.closest("figure");
     if (kind === "path") figure.hidden = phase === null;
+    figure.querySelector(".said").hidden = phase !== phases[0];
     if (figure.hidden) continue;
     const traces = lines(kind, data, all);
     const isNarrow = plot.clientWidth < 560;
