@@ -55,5 +55,5 @@ $(VENV)/.installed-for-tests: $(VENV)/.installed
 	@echo "What the tests need is installed into $(VENV): about two minutes."
 	@$(VENV)/bin/python -m pip install --quiet --disable-pip-version-check --upgrade 'pip>=25.1'
 	@$(VENV)/bin/python -m pip install --quiet --disable-pip-version-check --group test --group lint --group oracle --group extras
-	@$(VENV)/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --group robots
+	@$(VENV)/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --group robots --group accessibility
 	@touch $@
