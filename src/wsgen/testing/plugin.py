@@ -246,14 +246,15 @@ def _output_folder(config: pytest.Config) -> Path:
     """The folder for pictures: the one that is asked for, or beside the results of the tests."""
     given = _setting(config, "output")
     if given is not None:
-        return Path(config.invocation_params.dir, given)
+        folder: Path = config.invocation_params.dir / given
+        return folder
     results = getattr(config.option, "xmlpath", None)  # of --junit-xml
     if results:
         file = config.invocation_params.dir / results
         return file.parent / file.name.removesuffix(".xml").removesuffix(".xunit")
     factory: pytest.TempPathFactory = config._tmp_path_factory  # type: ignore[attr-defined]  # noqa: SLF001  fixtures alone get it otherwise
-    folder: Path = factory.getbasetemp() / "wsgen"
-    return folder
+    base: Path = factory.getbasetemp()
+    return base / "wsgen"
 
 
 def _file_name(node: str) -> str:
