@@ -107,7 +107,7 @@ def command(
         if found.others and not quiet:
             names = ", ".join(file.name for file in found.others)
             click.echo(f"Other launch files that spawn robots: {names} (--launch FILE)", err=True)
-        _serve(view, name, host, port, opens=not no_browser, quiet=quiet, verbose=verbose)
+        _serve(view, found.name, host, port, opens=not no_browser, quiet=quiet, verbose=verbose)
     return EXIT_PASSED
 
 

@@ -27,6 +27,8 @@ FARTHEST = 10.0  # m either way, of a sliding joint whose limits are no limits
 STEPS = 1000  # that a slider has at least
 FINEST = 1e-4  # m
 DEGREES = 0.1
+SLACK = 1e-6  # steps that rounding may add to a limit
+DIGITS = 6  # after the point
 MOST_MIMICS = 100  # of a chain of joints that mimic each other
 
 
@@ -63,6 +65,15 @@ class Slider:
             return DEGREES
         exponent = math.floor(math.log10(max(self.upper - self.lower, FINEST) / STEPS))
         return float(max(FINEST, 10.0**exponent))
+
+    @property
+    def range_shown(self) -> tuple[float, float]:
+        """The limits in the unit of the slider, rounded outwards to whole steps."""
+        lower, upper = self.shown(self.lower), self.shown(self.upper)
+        return (
+            round(math.floor(lower / self.step + SLACK) * self.step, DIGITS),
+            round(math.ceil(upper / self.step - SLACK) * self.step, DIGITS),
+        )
 
     @property
     def middle(self) -> float:

@@ -45,6 +45,7 @@ INERTIA_COLOR: Rgb = (214, 90, 200)
 CENTER_COLOR: Rgb = (250, 200, 30)
 AXIS_COLOR: Rgb = (0, 150, 170)
 INERTIA_OPACITY = 0.55
+DIGITS = 6  # after the point, of what a slider shows
 LEAST_SIZE = 0.05  # m, of what is framed
 FIELD_OF_VIEW = math.radians(45)
 TOWARDS_CAMERA = np.array([0.78, -0.52, 0.36])  # from the robots
@@ -54,6 +55,8 @@ CELLS_ALONG = 12  # squares, about, along the robots
 GRID_COLOR: Rgb = (205, 209, 214)
 SECTION_COLOR: Rgb = (165, 171, 179)
 BRAND: Rgb = (34, 112, 190)
+TOWARDS_SUN = (3.0, -1.5, 5.0)
+BACKGROUND = ((214, 222, 232), (248, 249, 250))  # above, below
 
 
 class Quiet(viser.ViserServer):
@@ -81,10 +84,14 @@ class Page:
         self._lock = threading.RLock()  # callbacks come from threads of the server
         scene, gui = self._server.scene, self._server.gui
         gui.configure_theme(
-            control_width="medium", show_logo=False, show_share_button=False, brand_color=BRAND
+            control_width="large", show_logo=False, show_share_button=False, brand_color=BRAND
         )
-        scene.configure_environment_map("studio", environment_intensity=0.55)
-        scene.configure_default_lights(enabled=True, cast_shadow=True)
+        gui.main_panel.dock_right()
+        scene.configure_environment_map("studio", environment_intensity=0.45)
+        scene.configure_default_lights(enabled=False)
+        scene.add_light_directional("/sun", intensity=1.7, cast_shadow=True, position=TOWARDS_SUN)
+        shades = np.linspace(*BACKGROUND, 64).astype(np.uint8)
+        scene.set_background_image(np.repeat(shades[:, None], 2, axis=1), format="png")
         self._robots: list[_RobotNodes] = []
         self._sliders: dict[tuple[str, str], Any] = {}  # by entity and joint
         self._folders: list[Any] = []  # of the sliders
@@ -189,9 +196,9 @@ class Page:
                         self._add_slider(robot, slider, position)
 
     def _add_slider(self, robot: DrawnRobot, slider: Slider, position: float) -> None:
-        lower, upper = slider.shown(slider.lower), slider.shown(slider.upper)
+        lower, upper = slider.range_shown
         handle = self._server.gui.add_slider(
-            f"{slider.joint} ({slider.unit})",
+            f"{slider.joint}, {slider.unit}",
             min=lower,
             max=upper,
             step=slider.step,
@@ -427,8 +434,9 @@ class _RobotNodes:
 
 def _shown(slider: Slider, position: float) -> float:
     """The value of a slider for a position: one that it has."""
-    lower, upper = slider.shown(slider.lower), slider.shown(slider.upper)
-    return float(min(max(slider.shown(position), lower), upper))
+    lower, upper = slider.range_shown
+    steps = round((slider.shown(position) - lower) / slider.step)
+    return float(min(max(round(lower + steps * slider.step, DIGITS), lower), upper))
 
 
 def _hint(robot: DrawnRobot, slider: Slider) -> str:
