@@ -15,6 +15,7 @@ from wsgen.cli.options import (
     engine_option,
     format_option,
     output_options,
+    page_options,
     picture_option,
     seconds_option,
     workspace_option,
@@ -66,6 +67,14 @@ if TYPE_CHECKING:
     metavar="FILE",
     help="With --play: file for a video, .gif or .mp4 (pip install 'wsgen[video]').",
 )
+@click.option(
+    "--view",
+    "is_viewed",
+    is_flag=True,
+    help="With --play: show the simulation in the browser while it runs (pip install "
+    "'wsgen[view]').",
+)
+@page_options
 @picture_option
 @seconds_option
 @engine_option
@@ -79,6 +88,10 @@ def command(
     answers: tuple[str, ...],
     play: bool,
     record: str | None,
+    is_viewed: bool,
+    host: str,
+    port: int | None,
+    no_browser: bool,
     picture: str | None,
     seconds: float,
     engine: str | None,
@@ -90,7 +103,7 @@ def command(
 
     The arguments are those of `ros2 launch`: an installed package and the name of one of its launch
     files, or the path of a launch file; then launch arguments. With --play, simulate the
-    robots as `wsgen validate` does.
+    robots as `wsgen validate` does; with --play --view, in the browser, as long as you like.
     """
     from click.core import ParameterSource
 
@@ -104,10 +117,19 @@ def command(
     arguments = split_launch_arguments(selected.words)
     if play and show_arguments:
         raise RequestError("--show-args and --play cannot be combined.", hint="Remove one of them.")
+    if is_viewed:
+        _refuse_beside_view(context)
+    request = _request(arguments, answers, record, picture, seconds, engine)
+    if play and is_viewed:
+        from wsgen.cli.play_view import view_simulation
+
+        return view_simulation(
+            selected, request, host, port, opens=not no_browser, quiet=quiet, verbose=verbose
+        )
     if play:
         return _play(
             selected,
-            _request(arguments, answers, record, picture, seconds, engine),
+            request,
             output_format=output_format,
             quiet=quiet,
             verbose=verbose,
@@ -128,6 +150,26 @@ def command(
         )
     _write(plan, output_format=output_format, show_arguments=show_arguments, quiet=quiet)
     return EXIT_FAILED if has_errors(plan.diagnostics) else EXIT_PASSED
+
+
+NOT_WITH_VIEW = ("record", "picture", "seconds", "output_format")
+
+
+def _refuse_beside_view(context: click.Context) -> None:
+    """Refuse what a simulation without an end and a result has no use for."""
+    from click.core import ParameterSource
+
+    if not context.params["play"]:
+        raise RequestError("Without --play nothing is simulated.", hint="Write --play --view.")
+    if context.params["engine"] == "all":
+        raise RequestError("--view shows one engine.", hint="Name it: --engine bullet")
+    for name in NOT_WITH_VIEW:
+        if context.get_parameter_source(name) is not ParameterSource.DEFAULT:
+            option = next(one.opts[0] for one in context.command.params if one.name == name)
+            raise RequestError(
+                f"--view and {option} cannot be combined: the simulation goes on until you end it.",
+                hint="Remove one of them.",
+            )
 
 
 def _request(  # noqa: PLR0917  the options

@@ -101,7 +101,7 @@ def command(
 
     with closing(View(read)) as view:
         found = view.open()
-        _print_diagnostics(found, verbose=verbose)
+        print_diagnostics(found, verbose=verbose)
         if not found.can_be_shown:
             return EXIT_FAILED
         if found.others and not quiet:
@@ -120,7 +120,7 @@ def _serve(
 
     from wsgen.cli.browser import announce
     from wsgen.cli.words import short_path
-    from wsgen.viewing.page import Page
+    from wsgen.viewing.page import JointPage
 
     def report(changed: Sequence[str], found: Described | WsgenError) -> None:
         if not quiet:
@@ -130,10 +130,10 @@ def _serve(
         if isinstance(found, WsgenError):
             click.echo(f"error: {found.message}\n  try: {found.hint}", err=True)
         else:
-            _print_diagnostics(found, verbose=verbose)
+            print_diagnostics(found, verbose=verbose)
 
     with suppress(KeyboardInterrupt):
-        page = Page(host=host, port=port, title=name)
+        page = JointPage(host=host, port=port, title=name)
         try:
             view.show(page)
             announce(host, page.port, opens=opens, quiet=quiet)
@@ -142,7 +142,8 @@ def _serve(
             page.stop()
 
 
-def _print_diagnostics(found: Described, *, verbose: bool) -> None:
+def print_diagnostics(found: Described, *, verbose: bool) -> None:
+    """Print what is reported of robots that are shown; the page has it, too."""
     from wsgen.cli.output import MOST_ALIKE, render_diagnostics
 
     most_alike = None if verbose else MOST_ALIKE

@@ -17,7 +17,7 @@ from wsgen.pipeline.file_validation import FileValidation
 from wsgen.pipeline.package_validation import Validation
 from wsgen.pipeline.prepare import PrepareContext
 from wsgen.pipeline.selection import select_packages
-from wsgen.pipeline.validate import check_request, overlays_of_files
+from wsgen.pipeline.validate import check_request, overlays_of_files, selected_package
 from wsgen.workspace.overlay import open_overlay
 from wsgen.workspace.robot_files import find_robot_files
 from wsgen.xacro.source import written_elements
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from wsgen.model.package import ShareOf
     from wsgen.model.robot import Robot
     from wsgen.model.world import World
+    from wsgen.pipeline.plan_launch import SelectedLaunchFile
     from wsgen.pipeline.prepare import PreparedRobot
     from wsgen.pipeline.selection import SelectedPackage, ValidateRequest
     from wsgen.workspace.layout import Workspace
@@ -94,6 +95,20 @@ def describe(
         first, *others = selection.packages
         found = _describe_package(first, overlay, request, folder, listener)
         return found._replace(others=tuple(one.launch_file for one in others if one.launch_file))
+
+
+def describe_launch(
+    selected: SelectedLaunchFile,
+    request: ValidateRequest,
+    folder: Path,
+    *,
+    listener: Listener | None = None,
+) -> Described:
+    """Read what a launch file spawns; see `describe`."""
+    package = selected_package(
+        selected.file, selected.package, selected.overlay, selected.workspace
+    )
+    return _describe_package(package, selected.overlay, request, folder, listener)
 
 
 def _only_robot_file(package: str, overlay: Overlay) -> Path:

@@ -275,16 +275,23 @@ def play(  # noqa: PLR0913  what to play, where, how
     problem = None if request.video is None else why_no_video(request.video)
     if problem is not None:
         raise RequestError(f"Cannot record a video: {problem}.", hint="Record a .gif, for example.")
+    selected = selected_package(launch_file, package, overlay, workspace)
+    outcome = Validation(selected, overlay, request, listener).run()
+    outcomes = (replace(outcome, package=package),)
+    return Outcome(packages=_with_general(outcomes, overlay, request))
+
+
+def selected_package(
+    launch_file: Path, package: str | None, overlay: Overlay, workspace: Workspace | None
+) -> SelectedPackage:
+    """The package of a launch file, or what stands for one where it belongs to none."""
     written = [] if workspace is None else find_packages(workspace)
-    selected = SelectedPackage(
+    return SelectedPackage(
         name=package or launch_file.stem,
         source=next((found.path for found in written if found.name == package), None),
         share=overlay.share(package) if package else None,
         launch_file=launch_file,
     )
-    outcome = Validation(selected, overlay, request, listener).run()
-    outcomes = (replace(outcome, package=package),)
-    return Outcome(packages=_with_general(outcomes, overlay, request))
 
 
 def unique_names(files: Sequence[Path], taken: Iterable[str]) -> list[str]:

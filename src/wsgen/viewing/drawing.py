@@ -105,6 +105,28 @@ def draw(found: Described) -> list[DrawnRobot]:
     return sorted(drawn, key=lambda robot: robot.is_static_model)
 
 
+def draw_simulated(
+    prepared: PreparedRobot, pose_in_world: Pose, collision_surfaces: Mapping[str, str]
+) -> DrawnRobot:
+    """What is drawn of a robot that is simulated: the links that the engine has, each by itself.
+
+    `pose_in_world` is where it was spawned.
+    """
+    robot = prepared.lumped
+    links = _links(robot, collision_surfaces, is_subject=not prepared.is_static_model)
+    low, high = _bounds(robot, links, {}, pose_in_world, touching=False)
+    return DrawnRobot(
+        entity=prepared.entity,
+        name=robot.name,
+        pose_in_world=IDENTITY,
+        links=tuple(replace(link, parent=None) for link in links),
+        is_static_model=prepared.is_static_model,
+        robot=robot,
+        low=low,
+        high=high,
+    )
+
+
 def _draw(
     prepared: PreparedRobot, robot: Robot, collision_surfaces: Mapping[str, str]
 ) -> DrawnRobot:

@@ -21,7 +21,7 @@ from wsgen.viewing.drawing import glb
 from wsgen.viewing.joints import all_positions, place_in_parent, unit_axis
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from wsgen.model.transform import Pose
     from wsgen.viewing.drawing import DrawnLink, DrawnRobot
@@ -77,9 +77,9 @@ class Quiet(viser.ViserServer):
 
 
 class Page:
-    """A page with robots, and a panel for their joints, layers and diagnostics."""
+    """A page with robots; a panel for what is shown of them, and for diagnostics."""
 
-    def __init__(self, *, host: str, port: int, title: str) -> None:
+    def __init__(self, *, host: str, port: int, title: str, first_tab: str) -> None:
         self._server = Quiet(host, port, title)
         self._lock = threading.RLock()  # callbacks come from threads of the server
         scene, gui = self._server.scene, self._server.gui
@@ -93,18 +93,12 @@ class Page:
         shades = np.linspace(*BACKGROUND, 64).astype(np.uint8)
         scene.set_background_image(np.repeat(shades[:, None], 2, axis=1), format="png")
         self._robots: list[_RobotNodes] = []
-        self._sliders: dict[tuple[str, str], Any] = {}  # by entity and joint
-        self._folders: list[Any] = []  # of the sliders
         self._summary = gui.add_markdown("")
         tabs = gui.add_tab_group()
-        self._joints_tab = tabs.add_tab("Joints")
+        self._first_tab = tabs.add_tab(first_tab)
         self._layers_tab = tabs.add_tab("Layers")
         self._links_tab = tabs.add_tab("Links")
         self._diagnostics_tab = tabs.add_tab("Diagnostics")
-        with self._joints_tab:
-            buttons = gui.add_button_group("Move all", ("Zero", "Center", "Random"))
-            buttons.on_click(lambda event: self.move_all(event.target.value.lower()))
-            self._no_joints = gui.add_markdown("No joint can be moved.", visible=False)
         self._layers = dict(self._add_layers(LAYERS))
         with self._layers_tab:
             self._grid_box = gui.add_checkbox("Grid", initial_value=True)
@@ -125,109 +119,27 @@ class Page:
         """End the server; open pages show that."""
         self._server.stop()
 
-    # Robots
-
     def show(self, robots: Sequence[DrawnRobot], *, links: str) -> None:
-        """Show robots instead of those before; joints of the same name keep their positions.
+        """Show robots instead of those before.
 
         `links` is HTML for the list of links in the panel.
         """
         with self._lock, self._server.atomic():
-            chosen = self.positions()
             for node in self._robots:
                 node.remove()
             self._robots = [
                 _RobotNodes(self._server, number, robot) for number, robot in enumerate(robots)
             ]
-            self._replace_sliders(robots, chosen)
             for key in LAYERS:
                 self._show_layer(key)
             self._links.content = links
             self._frame(robots)
-            for node in self._robots:
-                self._move(node)
 
     def report(self, *, summary: str, diagnostics: str) -> None:
         """Show what is reported: Markdown for the head of the panel, HTML for its list."""
         with self._lock:
             self._summary.content = summary
             self._diagnostics.content = diagnostics
-
-    def positions(self) -> dict[tuple[str, str], float]:
-        """Where the sliders are: rad or m, by entity and joint."""
-        with self._lock:
-            return {
-                (node.robot.entity, slider.joint): slider.position(handle.value)
-                for node in self._robots
-                for slider in node.robot.sliders
-                if (handle := self._sliders.get((node.robot.entity, slider.joint))) is not None
-            }
-
-    def move_all(self, how: str) -> None:
-        """Put all joints to "zero" (as far as the limits let them), "center" or "random"."""
-        with self._lock, self._server.atomic():
-            for node in self._robots:
-                for slider in node.robot.sliders:
-                    handle = self._sliders[node.robot.entity, slider.joint]
-                    position = {
-                        "zero": slider.start,
-                        "center": slider.middle,
-                        "random": random.uniform(slider.lower, slider.upper),  # noqa: S311
-                    }[how]
-                    handle.value = _shown(slider, position)
-                self._move(node)
-
-    def _replace_sliders(
-        self, robots: Sequence[DrawnRobot], chosen: dict[tuple[str, str], float]
-    ) -> None:
-        gui = self._server.gui
-        for folder in self._folders:
-            folder.remove()
-        self._sliders, self._folders = {}, []
-        movable = [robot for robot in robots if robot.sliders]
-        self._no_joints.visible = not movable
-        with self._joints_tab:
-            for robot in movable:
-                folder = gui.add_folder(robot.entity if len(movable) > 1 else None)
-                self._folders.append(folder)
-                with folder:
-                    for slider in robot.sliders:
-                        position = chosen.get((robot.entity, slider.joint), slider.start)
-                        self._add_slider(robot, slider, position)
-
-    def _add_slider(self, robot: DrawnRobot, slider: Slider, position: float) -> None:
-        lower, upper = slider.range_shown
-        handle = self._server.gui.add_slider(
-            f"{slider.joint}, {slider.unit}",
-            min=lower,
-            max=upper,
-            step=slider.step,
-            initial_value=_shown(slider, position),
-            disabled=upper <= lower,
-            hint=_hint(robot, slider),
-        )
-        self._sliders[robot.entity, slider.joint] = handle
-
-        def moved(_event: object) -> None:
-            with self._lock:
-                for node in self._robots:
-                    if node.robot.entity == robot.entity:
-                        self._move(node)
-
-        handle.on_update(moved)
-
-    def _move(self, node: _RobotNodes) -> None:
-        """Put the links where the sliders have the joints."""
-        entity = node.robot.entity
-        node.move(
-            {
-                slider.joint: slider.position(handle.value)
-                for slider in node.robot.sliders
-                if (handle := self._sliders.get((entity, slider.joint))) is not None
-            }
-        )
-
-    # Layers
 
     def _add_layers(self, keys: Iterable[str]) -> Iterator[tuple[str, Any]]:
         with self._layers_tab:
@@ -250,8 +162,6 @@ class Page:
             node.show_layer(key, is_shown=self._layers[key].value)
             if key in SEEN_THROUGH:
                 node.make_faint(is_faint=is_faint)
-
-    # Surroundings
 
     def _frame(self, robots: Sequence[DrawnRobot]) -> None:
         """Put the grid under the robots, and the camera of pages that are opened before them."""
@@ -292,6 +202,103 @@ class Page:
 
     def _show_grid(self) -> None:
         self._grid.visible = self._grid_box.value
+
+
+class JointPage(Page):
+    """A page with a slider for each joint."""
+
+    def __init__(self, *, host: str, port: int, title: str) -> None:
+        super().__init__(host=host, port=port, title=title, first_tab="Joints")
+        self._sliders: dict[tuple[str, str], Any] = {}  # by entity and joint
+        self._folders: list[Any] = []  # of the sliders
+        gui = self._server.gui
+        with self._first_tab:
+            buttons = gui.add_button_group("Move all", ("Zero", "Center", "Random"))
+            buttons.on_click(lambda event: self.move_all(event.target.value.lower()))
+            self._no_joints = gui.add_markdown("No joint can be moved.", visible=False)
+
+    def show(self, robots: Sequence[DrawnRobot], *, links: str) -> None:
+        """Show robots instead of those before; joints of the same name keep their positions."""
+        with self._lock, self._server.atomic():
+            chosen = self.positions()
+            super().show(robots, links=links)
+            self._replace_sliders(robots, chosen)
+            for node in self._robots:
+                self._move(node)
+
+    def positions(self) -> dict[tuple[str, str], float]:
+        """Where the sliders are: rad or m, by entity and joint."""
+        with self._lock:
+            return {
+                (node.robot.entity, slider.joint): slider.position(handle.value)
+                for node in self._robots
+                for slider in node.robot.sliders
+                if (handle := self._sliders.get((node.robot.entity, slider.joint))) is not None
+            }
+
+    def move_all(self, how: str) -> None:
+        """Put all joints to "zero" (as far as the limits let them), "center" or "random"."""
+        with self._lock, self._server.atomic():
+            for node in self._robots:
+                for slider in node.robot.sliders:
+                    handle = self._sliders[node.robot.entity, slider.joint]
+                    position = {
+                        "zero": slider.start,
+                        "center": slider.middle,
+                        "random": random.uniform(slider.lower, slider.upper),  # noqa: S311
+                    }[how]
+                    handle.value = _shown(slider, position)
+                self._move(node)
+
+    def _replace_sliders(
+        self, robots: Sequence[DrawnRobot], chosen: dict[tuple[str, str], float]
+    ) -> None:
+        gui = self._server.gui
+        for folder in self._folders:
+            folder.remove()
+        self._sliders, self._folders = {}, []
+        movable = [robot for robot in robots if robot.sliders]
+        self._no_joints.visible = not movable
+        with self._first_tab:
+            for robot in movable:
+                folder = gui.add_folder(robot.entity if len(movable) > 1 else None)
+                self._folders.append(folder)
+                with folder:
+                    for slider in robot.sliders:
+                        position = chosen.get((robot.entity, slider.joint), slider.start)
+                        self._add_slider(robot, slider, position)
+
+    def _add_slider(self, robot: DrawnRobot, slider: Slider, position: float) -> None:
+        lower, upper = slider.range_shown
+        handle = self._server.gui.add_slider(
+            f"{slider.joint}, {slider.unit}",
+            min=lower,
+            max=upper,
+            step=slider.step,
+            initial_value=_shown(slider, position),
+            disabled=upper <= lower,
+            hint=_hint(robot, slider),
+        )
+        self._sliders[robot.entity, slider.joint] = handle
+
+        def moved(_event: object) -> None:
+            with self._lock:
+                for node in self._robots:
+                    if node.robot.entity == robot.entity:
+                        self._move(node)
+
+        handle.on_update(moved)
+
+    def _move(self, node: _RobotNodes) -> None:
+        """Put the links where the sliders have the joints."""
+        entity = node.robot.entity
+        node.move(
+            {
+                slider.joint: slider.position(handle.value)
+                for slider in node.robot.sliders
+                if (handle := self._sliders.get((entity, slider.joint))) is not None
+            }
+        )
 
 
 class _RobotNodes:
@@ -350,7 +357,7 @@ class _RobotNodes:
                 self._places[number] = place
                 self._frames[number].position, self._frames[number].wxyz = place
 
-    def put(self, poses: dict[str, Pose]) -> None:
+    def put(self, poses: Mapping[str, Pose]) -> None:
         """Put links to poses in the world, of a robot whose links are all roots."""
         for number, link in enumerate(self.robot.links):
             pose = poses.get(link.name)

@@ -98,7 +98,7 @@ def _try_port(host: str, port: int) -> None:
 
 
 class Viewer(Protocol):
-    """What shows robots: `wsgen.viewing.page.Page`."""
+    """What shows robots: `wsgen.viewing.page.JointPage`."""
 
     def show(self, robots: Sequence[DrawnRobot], *, links: str) -> None:
         """Show robots instead of those before."""
