@@ -17,6 +17,7 @@ FOREIGN = {
     "dartpy": "simulation/dart.py",
     "av": "rendering/video_encoder.py",
     "viser": "viewing/page.py",
+    "websockets": "viewing/page.py",
     "xacro": "xacro/expansion.py",
     "jinja2": "templating/environment.py",
     "catkin_pkg": "workspace/package_xml.py",

@@ -248,9 +248,9 @@ def _output_folder(config: pytest.Config) -> Path:
     if given is not None:
         folder: Path = config.invocation_params.dir / given
         return folder
-    results = getattr(config.option, "xmlpath", None)  # of --junit-xml
+    results: str | None = getattr(config.option, "xmlpath", None)  # of --junit-xml
     if results:
-        file = config.invocation_params.dir / results
+        file: Path = config.invocation_params.dir / results
         return file.parent / file.name.removesuffix(".xml").removesuffix(".xunit")
     factory: pytest.TempPathFactory = config._tmp_path_factory  # type: ignore[attr-defined]  # noqa: SLF001  fixtures alone get it otherwise
     base: Path = factory.getbasetemp()

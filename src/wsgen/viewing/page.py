@@ -10,11 +10,14 @@ import contextlib
 import io
 import math
 import random
+import re
 import threading
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import viser
+import websockets.asyncio.server
 
 from wsgen.model.transform import quaternion_of_rpy
 from wsgen.viewing.drawing import glb
@@ -23,7 +26,7 @@ from wsgen.viewing.joints import all_positions, place_in_parent, unit_axis
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
-    from wsgen.model.transform import Pose
+    from wsgen.model.transform import Pose, Vector
     from wsgen.viewing.drawing import DrawnLink, DrawnRobot
     from wsgen.viewing.joints import Quaternion, Slider
 
@@ -63,7 +66,8 @@ class Quiet(viser.ViserServer):
     """The server, without its words on standard output and its link to a public relay."""
 
     def __init__(self, host: str, port: int, label: str) -> None:
-        with contextlib.redirect_stdout(io.StringIO()):  # it prints a panel whatever it is told
+        # It prints a panel, whatever it is told.
+        with contextlib.redirect_stdout(io.StringIO()), _pages_of_this_machine_alone(host):
             super().__init__(host=host, port=port, label=label, verbose=False)
 
     def request_share_url(self, verbose: bool = True) -> str | None:  # noqa: ARG002, FBT001, FBT002
@@ -74,6 +78,26 @@ class Quiet(viser.ViserServer):
         """Stop, and wait for it."""
         with contextlib.redirect_stdout(io.StringIO()):
             super().stop()
+
+
+LOOPBACK = re.compile(r"(localhost|127(\.\d+){3}|::1|\[::1\])")
+ORIGINS = (None, re.compile(rf"https?://{LOOPBACK.pattern}(:\d+)?"))  # None: no browser
+
+
+@contextlib.contextmanager
+def _pages_of_this_machine_alone(host: str) -> Iterator[None]:
+    """Let a server that is started meanwhile refuse other sites' pages in the user's browser.
+
+    viser takes connections from any page, and a page of any site may connect to this machine.
+    A server for other machines takes all.
+    """
+    serve = websockets.asyncio.server.serve
+    if LOOPBACK.fullmatch(host):
+        websockets.asyncio.server.serve = partial(serve, origins=ORIGINS)  # type: ignore[assignment,misc]
+    try:
+        yield
+    finally:
+        websockets.asyncio.server.serve = serve  # type: ignore[misc]
 
 
 class Page:
@@ -193,8 +217,13 @@ class Page:
         camera.position = middle + reach * towards
         self._view = (middle, middle + reach * towards)
 
+    def _moved(self) -> Any:
+        """How far the robots have moved away from where they were shown first, m."""
+        return np.zeros(3)
+
     def _look_from_here(self) -> None:
-        look_at, position = self._view
+        moved = self._moved()
+        look_at, position = (point + moved for point in self._view)
         for client in self._server.get_clients().values():
             with client.atomic():
                 client.camera.position = position
@@ -314,6 +343,8 @@ class _RobotNodes:
         self._visuals: list[tuple[Any, DrawnLink]] = []
         self._places: dict[int, tuple[Any, Quaternion]] = {}  # of links, as they have been sent
         self._is_faint = False
+        self._began: Vector | None = None  # where the root was when it was put first
+        self.moved: tuple[float, ...] = ()  # how far it has moved since then, m
         self._length = 0.08 * max(robot.size, LEAST_SIZE)  # m, of an axis of a frame
         x, y, z, w = quaternion_of_rpy(robot.pose_in_world.rpy)
         self._base = self._scene.add_frame(
@@ -363,6 +394,9 @@ class _RobotNodes:
             pose = poses.get(link.name)
             if pose is None or not pose.is_finite:
                 continue
+            if number == 0:
+                self._began = self._began or pose.xyz
+                self.moved = tuple(a - b for a, b in zip(pose.xyz, self._began, strict=True))
             x, y, z, w = quaternion_of_rpy(pose.rpy)
             place = (pose.xyz, (w, x, y, z))
             if self._places.get(number) != place:

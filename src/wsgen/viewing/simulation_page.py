@@ -89,6 +89,16 @@ class SimulationPage(Page):
                 if node.robot.entity in poses:
                     node.put(poses[node.robot.entity])
 
+    def _moved(self) -> Any:
+        """How far the robots have moved, on the average."""
+        with self._lock:
+            moved = [
+                node.moved for node in self._robots if not node.robot.is_static_model and node.moved
+            ]
+        if not moved:
+            return super()._moved()
+        return [sum(parts) / len(moved) for parts in zip(*moved, strict=True)]
+
     def tell(self, text: str, *, is_running: bool) -> None:
         """Show in Markdown how far it is, and what the button does that runs or pauses it."""
         with self._lock:
