@@ -98,7 +98,7 @@ class Game:
         monkeypatch.setattr("wsgen.viewing.play.time.sleep", self.sleep)
         self.viewer = Viewer()
         self.sessions: list[FakeSession] = []
-        self.player = Player(FOUND, self.start, self.viewer, clock=lambda: self.now)  # type: ignore[arg-type, return-value]
+        self.player = Player(FOUND, self.start, self.viewer, clock=lambda: self.now)  # type: ignore[arg-type]
 
     def start(self) -> FakeSession:
         self.sessions.append(FakeSession())
