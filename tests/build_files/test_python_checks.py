@@ -156,3 +156,25 @@ def test_a_script_in_a_folder_without_init(tmp_path: Path) -> None:
 )
 def test_what_may_be_right_is_not_reported(tmp_path: Path, old: str, new: str) -> None:
     assert report(tmp_path, SETUP.replace(old, new), CONFIGURATION.replace(old, new)) == []
+
+
+@pytest.mark.parametrize("text", ["", "# nothing\n", "import os\nname = 'bot'\n"])
+def test_a_setup_file_that_calls_nothing(tmp_path: Path, text: str) -> None:
+    (found,) = report(tmp_path, text)
+    assert found == ("setup-failure", "setup.py", 1, "error")
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["import real_setup\n", "from .tools import *\n", "exec(open('real_setup.py').read())\n"],
+)
+def test_a_setup_file_that_may_call_setup(tmp_path: Path, text: str) -> None:
+    assert report(tmp_path, text) == []
+
+
+def test_messages_end_with_one_period(tmp_path: Path) -> None:
+    (tmp_path / "setup.py").write_text(SETUP)
+    (tmp_path / "setup.cfg").write_text("no section\n")
+    _, found = read_build_facts(tmp_path, "bot", "ament_python")
+    assert found
+    assert not [one.message for one in found if one.message.endswith("..")]

@@ -14,6 +14,10 @@ from xml.etree import ElementTree as ET
 import pytest
 
 import wsgen.cli
+from wsgen.cli.check_output import render_summary
+from wsgen.diagnostics import Diagnostic, Severity
+from wsgen.pipeline.check import CheckOutcome
+from wsgen.pipeline.reported import Reported
 
 GOLDEN = Path(__file__).parents[1] / "golden" / "simple-jazzy-gz" / "ws_gazebo"
 BAD = """<robot name="r" version="2.0">\r
@@ -185,3 +189,10 @@ def test_our_own_package_has_no_diagnostics(
 def test_a_path_that_does_not_exist(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(str(tmp_path / "none")) == 4
     assert "does not exist" in capsys.readouterr().err
+
+
+def test_who_sees_informations_is_not_told_how() -> None:
+    found = Diagnostic(code="ROB051", name="n", severity=Severity.INFO, message="m")
+    outcome, reported = CheckOutcome(packages=("a",)), Reported(diagnostics=(found,))
+    assert render_summary(outcome, reported)[-1] == "-v shows informations."
+    assert len(render_summary(outcome, reported, verbose=True)) == 1

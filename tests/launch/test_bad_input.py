@@ -425,3 +425,8 @@ def test_other_files_that_are_pipes(space: InstallSpace, tmp_path: Path) -> None
 def test_launch_file_that_is_a_folder(space: InstallSpace, tmp_path: Path) -> None:
     space.add("my_robot")
     only_message(space.evaluate(tmp_path), "LCH018")
+
+
+def test_what_is_nested_too_deeply_has_a_line(space: InstallSpace) -> None:
+    (found,) = space.play("", before="values = 1" + " + 1" * 50_000).diagnostics
+    assert (found.code, found.line is None) == ("LCH004", False)

@@ -486,6 +486,7 @@ def test_what_is_wrong_with_xml(
         ("launch:\n- group: {scoped: true}\n", "LCH010", "to have children entities", 2),
         ("launch: 1\n", "LCH010", "to be a list", None),
         ("launch: 2024-13-40\n", "LCH023", "month must be in", 1),
+        ("launch:\n- arg:\n    name: 2024-13-40\n", "LCH023", "has the form of a date", 3),
         ("launch: !!python/object/apply:os.getcwd []\n", "LCH023", "could not determine", 1),
     ],
 )

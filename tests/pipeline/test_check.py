@@ -291,3 +291,19 @@ def test_launch_files_see_the_target_as_the_sourced_distribution(tmp_path: Path)
         request = CheckRequest(paths=[package], distro=distro)
         found = check(request, environment=environment).diagnostics
         assert any(f"/opt/ros/{distro}/share/ros_gz_sim" in one.message for one in found), found
+
+
+@pytest.mark.parametrize(
+    ("text", "name", "hint"),
+    [
+        ('<launch>\n  <node pkg="a" type="b"/>\n</launch>\n', "ros-1-launch-file", "Rewrite it"),
+        ('<launch>\n  <node pkg="a" exec="b"/>\n</launch>\n', "unusable-file", "a.launch.xml"),
+        ("<robots/>", "unusable-file", "Give a URDF"),
+    ],
+)
+def test_a_file_with_the_ending_of_ros_1(tmp_path: Path, text: str, name: str, hint: str) -> None:
+    file = tmp_path / "a.launch"
+    file.write_text(text)
+    (found,) = check(CheckRequest(paths=[file]), environment={}).diagnostics
+    assert found.name == name
+    assert hint in (found.hint or "")

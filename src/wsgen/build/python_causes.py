@@ -137,7 +137,7 @@ def _setup_failure(failure: Failure) -> Iterator[Diagnostic]:
     if refused:
         yield failure.report(
             SETUP_FAILURE,
-            f"setuptools refuses an argument of setup(): {refused[1]}.",
+            f"setuptools refuses an argument of setup(): {refused[1].rstrip('.')}.",
             file=failure.setup_file,
             line=find_keyword(failure.setup_file, refused[1].partition("'")[2].partition("'")[0]),
             hint="Fix the argument that the message names.",

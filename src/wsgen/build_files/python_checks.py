@@ -158,6 +158,16 @@ def check_setup(
 ) -> Iterator[Diagnostic]:
     """Check what setup.py and setup.cfg say."""
     yield from syntax(setup, configuration, package)
+    if setup.calls_nothing:
+        yield SETUP_FAILURE.at(
+            setup.file,
+            1,
+            package,
+            message=f"{package}: setup.py does not call setup(), so that colcon finds nothing to "
+            "install.",
+            hint="Restore it (git checkout setup.py), or copy one from a package of `wsgen new` "
+            "or `ros2 pkg create --build-type ament_python`.",
+        )
     if setup.call_line is None:
         return
     yield from name(setup, package)
@@ -194,7 +204,7 @@ def syntax(setup: Setup, configuration: Configuration, package: str) -> Iterator
             setup.file,
             line,
             package,
-            message=f"{package}: setup.py is no Python: {message}.",
+            message=f"{package}: setup.py is no Python: {message.rstrip('.')}.",
             hint="Look there and in the line before for a missing comma, bracket or quotation "
             "mark.",
         )
@@ -204,7 +214,7 @@ def syntax(setup: Setup, configuration: Configuration, package: str) -> Iterator
             configuration.file,
             line,
             package,
-            message=f"{package}: setup.cfg cannot be read: {message}.",
+            message=f"{package}: setup.cfg cannot be read: {message.rstrip('.')}.",
             hint=f"Write sections as [install] and options as install_scripts=$base/lib/{package}.",
         )
 

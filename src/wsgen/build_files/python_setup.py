@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import os
 import re
+import sys
 import warnings
 from configparser import ConfigParser, Error
 from dataclasses import field
@@ -67,6 +68,7 @@ class Setup:
     globs: tuple[Glob, ...] = ()
     install_scripts: str | None = None  # of setup.cfg
     develop_scripts: str | None = None
+    calls_nothing: bool = False  # surely not even setup()
     is_whole: bool = True  # False: data_files has more than can be known
 
     def line_of(self, *keywords: str) -> int | None:
@@ -151,7 +153,12 @@ def read_setup(folder: Path) -> tuple[Setup, Configuration]:
         is_whole = False
     if not evaluator.calls:
         return (
-            Setup(file=file, is_whole=False, globs=tuple(evaluator.globs)),
+            Setup(
+                file=file,
+                is_whole=False,
+                globs=tuple(evaluator.globs),
+                calls_nothing=_calls_nothing(tree),
+            ),
             configuration,
         )
     line, arguments, lines, has_all = evaluator.calls[-1]
@@ -166,6 +173,24 @@ def read_setup(folder: Path) -> tuple[Setup, Configuration]:
         ),
         configuration,
     )
+
+
+def _calls_nothing(tree: ast.Module) -> bool:
+    """Whether a file surely does not call setup(): no call, and no module that may have one."""
+    known = {*sys.stdlib_module_names, "setuptools"}
+    for node in ast.walk(tree):
+        if isinstance(node, (ast.Call, ast.FunctionDef, ast.ClassDef)):
+            return False
+        names = (
+            [alias.name for alias in node.names]
+            if isinstance(node, ast.Import)
+            else [f"{'.' * node.level}{node.module or ''}"]
+            if isinstance(node, ast.ImportFrom)
+            else []
+        )
+        if any(name.partition(".")[0] not in known for name in names):
+            return False
+    return True
 
 
 class Arguments:

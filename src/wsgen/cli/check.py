@@ -167,7 +167,9 @@ def command(
             lines = render_statistics(reported, quiet=quiet) if statistics else []
             if not quiet:
                 fixable = len(plan.fixed) if plan else 0
-                lines += render_summary(outcome, reported, fixed=fixed, fixable=fixable)
+                lines += render_summary(
+                    outcome, reported, fixed=fixed, fixable=fixable, verbose=verbose
+                )
             for line in lines:
                 click.echo(line)
     _write_summary(outcome, reported, summary_file)

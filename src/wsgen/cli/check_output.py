@@ -93,7 +93,12 @@ def render_statistics(reported: Reported, *, quiet: bool = False) -> list[str]:
 
 
 def render_summary(
-    outcome: CheckOutcome, reported: Reported, *, fixed: int = 0, fixable: int = 0
+    outcome: CheckOutcome,
+    reported: Reported,
+    *,
+    fixed: int = 0,
+    fixable: int = 0,
+    verbose: bool = False,
 ) -> list[str]:
     """How much was checked and reported, and what to do next."""
     counted = Counter(found.severity for found in reported.diagnostics)
@@ -116,7 +121,7 @@ def render_summary(
     lines.append(f"{' and '.join(subjects)} checked: {what}{more}.")
     if fixable:
         lines.append(f"{_count(fixable, 'diagnostic')} can be fixed: add --fix, or --diff first.")
-    elif counted[Severity.INFO] and len(counted) == 1:
+    elif counted[Severity.INFO] and len(counted) == 1 and not verbose:
         lines.append("-v shows informations.")
     return lines
 

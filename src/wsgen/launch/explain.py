@@ -202,7 +202,19 @@ def _explain(
     place = last_user_line(error) or vars(error).get("wsgen_location")
     explanation = explanation or _other(error)
     explanation = _of_unset_variable(explanation) or explanation
+    if place is None and isinstance(error, RecursionError):
+        place = _function_of(launch_file)
     return diagnose(explanation, place or (launch_file, None))
+
+
+def _function_of(launch_file: str) -> tuple[str, int]:
+    """Where what the launch file describes begins."""
+    try:
+        lines = Path(launch_file).read_bytes().splitlines()
+    except OSError:
+        lines = []
+    starts = (n for n, line in enumerate(lines, 1) if b"generate_launch_description" in line)
+    return launch_file, next(starts, 1)
 
 
 def diagnose(explanation: Explanation, where: tuple[str, int | None] | None) -> Diagnostic:
@@ -439,7 +451,8 @@ def _program_end(error: BaseException) -> Explanation | None:
         return Explanation(
             RAISES,
             "The launch file includes or calls itself without end, or it is nested too deeply.",
-            "Give the include a condition that becomes false.",
+            "Give an include of itself a condition that becomes false; write what is nested as "
+            "several actions.",
         )
     return None
 
@@ -564,6 +577,12 @@ def _quoted(error: BaseException, most: int = LONGEST) -> str:
 def _other(error: BaseException) -> Explanation:
     text = _quoted(error)
     if _is_from_launch(error):
+        if "<class 'datetime.date" in text:
+            return Explanation(
+                REFUSED_BY_LAUNCH,
+                f"launch refuses this: {text}.",
+                "YAML reads a text like 2024-01-31 as a date: write it in quotes.",
+            )
         return Explanation(
             REFUSED_BY_LAUNCH,
             f"launch refuses this: {text}.",

@@ -31,11 +31,13 @@ from wsgen.pipeline.check_severities import (
     without_simulation,
 )
 from wsgen.pipeline.clock import Clock
-from wsgen.pipeline.file_validation import FileValidation
+from wsgen.pipeline.file_kinds import read
+from wsgen.pipeline.file_validation import UNUSABLE_FILE, FileValidation
 from wsgen.pipeline.package_validation import Validation
 from wsgen.pipeline.prepare import PrepareContext
 from wsgen.pipeline.selection import SelectedPackage, ValidateRequest
 from wsgen.pipeline.started import start
+from wsgen.rules import launch_files
 from wsgen.rules.target import target_of
 from wsgen.workspace.layout import find_launch_files
 from wsgen.workspace.package_xml import check_package_xml
@@ -319,6 +321,18 @@ class FileCheck:
                 *of_launch(Candidate(LaunchFile("", self.file), started), ()),
                 *check_launched(started, overlay.environment),
             )
+        if self.file.suffix == ".launch":
+            of_ros_1 = tuple(launch_files.ros_1_launch_files([self.file]))
+            if of_ros_1:
+                return of_ros_1
+            if b"<launch" in read(self.file):
+                return (
+                    UNUSABLE_FILE.at(
+                        self.file,
+                        message=f"{self.file.name} is a launch file of XML without its ending.",
+                        hint=f"Rename it, so that `ros2 launch` lists it: {self.file.name}.xml",
+                    ),
+                )
         validation = FileValidation(
             self.file, overlay, NOTHING, None, self.run_task, name=self.file.name
         )

@@ -258,7 +258,19 @@ def _construct_mapping(loader: _Loader, node: yaml.MappingNode) -> _Mapping:
     return mapping
 
 
+def _construct_date(loader: _Loader, node: yaml.ScalarNode) -> Any:
+    try:
+        return loader.construct_yaml_timestamp(node)
+    except ValueError as error:
+        raise NotMarkupError(
+            f"not YAML: `{node.value}` has the form of a date, and is none ({error})",
+            node.start_mark.line + 1,
+            f"Write it in quotes if it is a text: '{node.value}'",
+        ) from None
+
+
 _Loader.add_constructor("tag:yaml.org,2002:map", _construct_mapping)
+_Loader.add_constructor("tag:yaml.org,2002:timestamp", _construct_date)
 
 
 class YamlEntity(Entity):
