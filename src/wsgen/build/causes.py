@@ -13,26 +13,30 @@ from typing import TYPE_CHECKING
 from wsgen.build_files.cmake_checks import (
     AT_THE_END,
     CMAKE_SYNTAX,
-    COMMANDS,
-    DIFFERENT_NAMES,
     LATE_COMMAND,
     MISSING_BUILD_FILE,
     MISSING_CMAKE_MINIMUM,
     MISSING_DESTINATION,
     MISSING_PROJECT,
-    MISSING_SOURCE,
     OLD_CMAKE_MINIMUM,
     REPEATED_AMENT_PACKAGE,
-    SOURCES,
     UNKNOWN_COMMAND,
     UNKNOWN_LANGUAGE,
     word_block,
+    word_build_file,
+    word_destination,
+    word_missing_minimum,
+    word_names,
+    word_old_minimum,
+    word_project,
+    word_source,
+    word_unknown_command,
 )
-from wsgen.build_files.cmake_text import find_open_block, find_open_quote, read_calls
+from wsgen.build_files.cmake_text import find_open_block, parse, read_calls, read_text
 from wsgen.build_files.install_checks import word_missing_path
 from wsgen.diagnostics import Diagnostic, Rule, Severity, has_errors
 from wsgen.ros_names import cmake_packages, released_packages
-from wsgen.suggestions import ask_for_nearest, did_you_mean, nearest
+from wsgen.suggestions import did_you_mean, nearest
 from wsgen.workspace.manifest import read_manifest
 from wsgen.workspace.package_xml import check_package_xml
 from wsgen.xacro.reader import XACRO_FILE_FAILS
@@ -141,16 +145,14 @@ FAILED_DOWNLOAD = Rule(
 )
 
 
-def unclosed_quote(failure: Failure) -> Iterator[Diagnostic]:
-    """Name the line on which a quotation mark opens what CMake reads to the end of the file."""
+def unparsed(failure: Failure) -> Iterator[Diagnostic]:
+    """Name the line of CMakeLists.txt with the mistake, which CMake may notice far below."""
     if any(error.message.startswith("Parse error") for error in failure.errors):
-        line = find_open_quote(failure.cmake_file)
-        if line is not None:
+        text = read_text(failure.cmake_file)
+        mistake = parse(text)[1] if text is not None else None
+        if mistake is not None:
             yield failure.report(
-                CMAKE_SYNTAX,
-                "this line opens a quotation mark and does not close it.",
-                line=line,
-                hint='Close it: "..."',
+                CMAKE_SYNTAX, mistake.message, line=mistake.line, hint=mistake.hint
             )
 
 
@@ -191,20 +193,8 @@ def unknown_command(failure: Failure) -> Iterator[Diagnostic]:
             for call in read_calls(failure.cmake_file)
             if call.command in {"function", "macro"} and call.arguments
         }
-        name = match[1].lower()
-        near = nearest(name, {*COMMANDS, *own}, cutoff=0.7)
-        if COMMANDS.get(name):
-            hint = f"Add before it: find_package({COMMANDS[name]} REQUIRED)"
-        elif near:
-            hint = did_you_mean(near)
-        else:
-            hint = "Fix its name, or call find_package() of the package that defines it before."
-        yield failure.report(
-            UNKNOWN_COMMAND,
-            f"CMake does not know the command {match[1]}().",
-            error=error,
-            hint=hint,
-        )
+        message, hint = word_unknown_command(match[1], own)
+        yield failure.report(UNKNOWN_COMMAND, message, error=error, hint=hint)
 
 
 def missing_cmake_minimum(failure: Failure) -> Iterator[Diagnostic]:
@@ -213,12 +203,8 @@ def missing_cmake_minimum(failure: Failure) -> Iterator[Diagnostic]:
     if "cmake_minimum_required" in called:  # an external project that the package builds lacks it
         return
     if any("No cmake_minimum_required command" in error.message for error in failure.errors):
-        yield failure.report(
-            MISSING_CMAKE_MINIMUM,
-            "CMakeLists.txt does not call cmake_minimum_required(), which this CMake requires.",
-            line=1,
-            hint="Add as its first line: cmake_minimum_required(VERSION 3.8...3.31)",
-        )
+        message, hint = word_missing_minimum()
+        yield failure.report(MISSING_CMAKE_MINIMUM, message, line=1, hint=hint)
 
 
 def missing_project(failure: Failure) -> Iterator[Diagnostic]:
@@ -229,13 +215,8 @@ def missing_project(failure: Failure) -> Iterator[Diagnostic]:
     ):
         return
     first = next((call for call in calls if call.command == "cmake_minimum_required"), None)
-    where = "as its first line" if first is None else f"after line {first.line}"
-    yield failure.report(
-        MISSING_PROJECT,
-        "CMakeLists.txt does not call project().",
-        line=first.line if first else 1,
-        hint=f"Add {where}: project({failure.package})",
-    )
+    message, hint = word_project(failure.package, first.line if first else None)
+    yield failure.report(MISSING_PROJECT, message, line=first.line if first else 1, hint=hint)
 
 
 def unknown_language(failure: Failure) -> Iterator[Diagnostic]:
@@ -259,20 +240,10 @@ def missing_source(failure: Failure) -> Iterator[Diagnostic]:
         if match is None:
             continue
         path = failure.folder / match[1]
-        name = str(path.relative_to(failure.folder)) if path.is_relative_to(failure.folder) else ""
-        beside = {
-            str(file.relative_to(failure.folder))
-            for file in failure.folder.rglob("*")
-            if file.suffix in SOURCES
-        }
-        same = sorted(file for file in beside if Path(file).name == path.name)
-        hint = did_you_mean(*same[:3]) if same else ask_for_nearest(name, beside).strip()
-        yield failure.report(
-            MISSING_SOURCE,
-            f"the source file {name or path} of a target does not exist.",
-            error=error,
-            hint=hint or "Create it, or remove it from the target; it may be missing from a clone.",
-        )
+        is_inside = path.is_relative_to(failure.folder)
+        name = str(path.relative_to(failure.folder) if is_inside else path)
+        file, line = error.locate(failure.folder)
+        yield word_source(name, failure.folder, file, line, failure.package)
 
 
 def failed_download(failure: Failure) -> Iterator[Diagnostic]:
@@ -305,13 +276,8 @@ def missing_destination(failure: Failure) -> Iterator[Diagnostic]:
     for error in failure.errors:
         match = re.search(r"install (\w+) given no .*DESTINATION", error.message)
         if match:
-            place = "lib" if match[1] in {"TARGETS", "PROGRAMS"} else "share"
-            yield failure.report(
-                MISSING_DESTINATION,
-                f"install({match[1]} ...) has no DESTINATION.",
-                error=error,
-                hint=f"Add before its parenthesis: DESTINATION {place}/${{PROJECT_NAME}}",
-            )
+            message, hint = word_destination(match[1])
+            yield failure.report(MISSING_DESTINATION, message, error=error, hint=hint)
 
 
 def different_names(failure: Failure) -> Iterator[Diagnostic]:
@@ -326,15 +292,10 @@ def different_names(failure: Failure) -> Iterator[Diagnostic]:
         manifest = read_manifest(failure.folder / "package.xml")
         line = None if isinstance(manifest, Diagnostic) else manifest.line_of("name")
         called = [call for call in read_calls(failure.cmake_file) if call.command == "project"]
-        yield failure.report(
-            DIFFERENT_NAMES,
-            f"project() names the package {match[2]}, but package.xml"
-            f"{f' (line {line})' if line else ''} names it {match[1]}.",
-            error=None if called else error,
-            line=called[-1].line if called else None,
-            hint=f"Write project({match[1]}) here, or <name>{match[2]}</name> in package.xml; "
-            "launch files and $(find ...) know the package by the name in package.xml.",
+        file, number = (
+            (failure.cmake_file, called[-1].line) if called else error.locate(failure.folder)
         )
+        yield word_names(match[2], match[1], file, number, line)
 
 
 def late_command(failure: Failure) -> Iterator[Diagnostic]:
@@ -353,7 +314,7 @@ def late_command(failure: Failure) -> Iterator[Diagnostic]:
 
 
 CMAKE_CAUSES = (
-    unclosed_quote,
+    unparsed,
     unclosed_block,
     syntax,
     unknown_command,  # before the next: the unknown command may be a misspelled minimum
@@ -434,12 +395,12 @@ def _missing_compiler(failure: Failure) -> Iterator[Diagnostic]:
 def _cmake_version(failure: Failure) -> Iterator[Diagnostic]:
     for error in failure.errors:
         if re.search(r"Compatibility with CMake < \S+ has been removed", error.message):
+            message, hint = word_old_minimum(None)
             yield failure.report(
                 OLD_CMAKE_MINIMUM,
-                "cmake_minimum_required() names a version that this CMake no longer supports.",
+                message,
                 error=error,
-                hint="Write cmake_minimum_required(VERSION 3.20), which every supported ROS has. "
-                "For packages that you cannot change: wsgen build -- --cmake-args "
+                hint=f"{hint} For packages that you cannot change: wsgen build -- --cmake-args "
                 "-DCMAKE_POLICY_VERSION_MINIMUM=3.5",
             )
         match = re.search(
@@ -504,13 +465,8 @@ def _missing_manifest(failure: Failure) -> Iterator[Diagnostic]:
 
 def _missing_cmake_file(failure: Failure) -> Iterator[Diagnostic]:
     if not failure.cmake_file.exists():
-        yield failure.report(
-            MISSING_BUILD_FILE,
-            "CMakeLists.txt is missing; CMake builds and installs the package from it.",
-            hint="Write <build_type>ament_python</build_type> in package.xml: setup.py exists."
-            if failure.setup_file.exists()
-            else "Restore it (git checkout CMakeLists.txt), or write one.",
-        )
+        message, hint = word_build_file("ament_cmake", has_other=failure.setup_file.exists())
+        yield failure.report(MISSING_BUILD_FILE, message, hint=hint)
 
 
 def _missing_package(failure: Failure) -> Iterator[Diagnostic]:

@@ -8,7 +8,7 @@ import subprocess
 import sys
 from typing import TYPE_CHECKING
 
-from wsgen.build_files.cmake_checks import MISSING_BUILD_FILE
+from wsgen.build_files.cmake_checks import MISSING_BUILD_FILE, word_build_file
 from wsgen.build_files.python_checks import (
     MISSING_DATA_FILE,
     SETUP_FAILURE,
@@ -70,13 +70,8 @@ def _read_nodes(file: Path) -> Iterator[ast.AST]:
 
 def _missing_setup(failure: Failure) -> Iterator[Diagnostic]:
     if not failure.setup_file.exists():
-        yield failure.report(
-            MISSING_BUILD_FILE,
-            "setup.py is missing; setuptools builds and installs the package with it.",
-            hint="Write <build_type>ament_cmake</build_type> in package.xml: CMakeLists.txt exists."
-            if failure.cmake_file.exists()
-            else "Restore it (git checkout setup.py), or write one.",
-        )
+        message, hint = word_build_file("ament_python", has_other=failure.cmake_file.exists())
+        yield failure.report(MISSING_BUILD_FILE, message, hint=hint)
 
 
 def _missing_data_file(failure: Failure) -> Iterator[Diagnostic]:

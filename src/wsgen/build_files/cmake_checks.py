@@ -15,7 +15,7 @@ from wsgen.diagnostics import Rule, Severity
 from wsgen.suggestions import ask_for_nearest, did_you_mean, nearest
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
     from wsgen.build_files.cmake import Reader
@@ -331,13 +331,13 @@ def project(reader: Reader, build_type: str) -> Iterator[Diagnostic]:
         minimum = reader.mentions.get("cmake_minimum_required", ())
         line = minimum[0].call.line if minimum else None
         if is_ament and not reader.mentions.get("project") and reader.knows_commands:
+            message, hint = word_project(reader.name, line)
             yield MISSING_PROJECT.at(
                 reader.build_file,
                 line or 1,
                 reader.name,
-                message=f"{reader.name}: CMakeLists.txt does not call project().",
-                hint=f"Add {f'after line {line}' if line else 'as its first line'}: "
-                f"project({reader.name})",
+                message=f"{reader.name}: {message}",
+                hint=hint,
             )
         return
     if len(calls) > 1 or not calls[0].is_certain or not calls[0].arguments:
@@ -349,8 +349,74 @@ def project(reader: Reader, build_type: str) -> Iterator[Diagnostic]:
         )
 
 
+# What is said of a mistake, and what to do about it, whether CMake reports it or the text shows it.
+
+
+def word_project(package: str, line_of_minimum: int | None) -> tuple[str, str]:
+    """Say that project() is missing."""
+    where = f"after line {line_of_minimum}" if line_of_minimum else "as its first line"
+    return "CMakeLists.txt does not call project().", f"Add {where}: project({package})"
+
+
+def word_missing_minimum() -> tuple[str, str]:
+    """Say that cmake_minimum_required() is missing."""
+    return (
+        "CMakeLists.txt does not call cmake_minimum_required(), which CMake 4 requires.",
+        "Add as its first line: cmake_minimum_required(VERSION 3.8...3.31)",
+    )
+
+
+def word_old_minimum(oldest: str | None) -> tuple[str, str]:
+    """Say that cmake_minimum_required() names an old version; None where it is not known."""
+    what = f"version {oldest}" if oldest else "a version"
+    return (
+        f"cmake_minimum_required() names {what}, which CMake 4 no longer supports.",
+        "Write cmake_minimum_required(VERSION 3.8...3.31).",
+    )
+
+
+def word_unknown_command(name: str, own: Collection[str] = ()) -> tuple[str, str]:
+    """Say that a command is not known; `own` are the functions and macros of the package."""
+    near = nearest(name.lower(), {*COMMANDS, *EVALUATED, *own}, cutoff=0.7)
+    if COMMANDS.get(name.lower()):
+        hint = f"Add before it: find_package({COMMANDS[name.lower()]} REQUIRED)"
+    elif near:
+        hint = did_you_mean(near)
+    else:
+        hint = "Fix its name, or call find_package() of the package that defines it before."
+    return f"CMake does not know the command {name}().", hint
+
+
+def word_destination(kind: str) -> tuple[str, str]:
+    """Say that install() of that kind has no DESTINATION."""
+    place = "share" if kind in {"DIRECTORY", "FILES"} else "lib"
+    return (
+        f"install({kind} ...) has no DESTINATION.",
+        f"Add before its parenthesis: DESTINATION {place}/${{PROJECT_NAME}}",
+    )
+
+
+def word_build_file(build_type: str, *, has_other: bool) -> tuple[str, str]:
+    """Say that the build file of a package is missing.
+
+    Args:
+        build_type: "ament_python", which needs setup.py; others need CMakeLists.txt.
+        has_other: whether the package has the other one of the two.
+    """
+    is_python = build_type == "ament_python"
+    wanted, other = ("setup.py", "CMakeLists.txt")[:: 1 if is_python else -1]
+    tool = "setuptools" if is_python else "CMake"
+    other_type = "ament_cmake" if is_python else "ament_python"
+    return (
+        f"{wanted} is missing; {tool} builds and installs the package with it.",
+        f"Write <build_type>{other_type}</build_type> in package.xml: {other} exists."
+        if has_other
+        else f"Restore it (git checkout {wanted}), or write one.",
+    )
+
+
 def word_names(
-    project: str, package: str, file: Path, line: int | None, manifest_line: int | None
+    project: str, package: str, file: Path | None, line: int | None, manifest_line: int | None
 ) -> Diagnostic:
     """Report that project() and package.xml differ."""
     where = f" (line {manifest_line})" if manifest_line else ""
@@ -428,13 +494,13 @@ def minimum(reader: Reader) -> Iterator[Diagnostic]:
     ]
     if not calls:
         if reader.mentions.get("project") and reader.knows_commands:
+            message, hint = word_missing_minimum()
             yield MISSING_CMAKE_MINIMUM.at(
                 reader.build_file,
                 1,
                 reader.name,
-                message=f"{reader.name}: CMakeLists.txt does not call cmake_minimum_required(), "
-                "which CMake 4 requires.",
-                hint="Add as its first line: cmake_minimum_required(VERSION 3.8...3.31)",
+                message=f"{reader.name}: {message}",
+                hint=hint,
                 severity=Severity.WARNING,
             )
         return
@@ -443,13 +509,13 @@ def minimum(reader: Reader) -> Iterator[Diagnostic]:
     if not is_known(oldest) or not oldest or not calls[0].is_certain:
         return
     if version(newest or oldest) < OLDEST:
+        message, hint = word_old_minimum(oldest)
         yield OLD_CMAKE_MINIMUM.at(
             reader.build_file,
             calls[0].call.line,
             reader.name,
-            message=f"{reader.name}: cmake_minimum_required() names version {oldest}, which CMake 4"
-            " no longer supports.",
-            hint="Write cmake_minimum_required(VERSION 3.8...3.31).",
+            message=f"{reader.name}: {message}",
+            hint=hint,
             severity=Severity.WARNING,
         )
 
@@ -491,12 +557,13 @@ def misspelled(reader: Reader) -> Iterator[Diagnostic]:
         name = mention.call.command
         near = nearest(name, {*COMMANDS, *EVALUATED}, cutoff=SURELY)
         if near is not None and near not in reader.functions:
+            message, hint = word_unknown_command(name, reader.functions)
             yield UNKNOWN_COMMAND.at(
                 mention.file,
                 mention.call.line,
                 reader.name,
-                message=f"{reader.name}: CMake does not know the command {name}().",
-                hint=did_you_mean(near),
+                message=f"{reader.name}: {message}",
+                hint=hint,
             )
 
 

@@ -213,16 +213,6 @@ _COMMENT = re.compile(rf"{_QUOTED}|(#\[(=*)\[.*?\]\2\]|#[^\n]*)", re.DOTALL)
 _STRING = re.compile(rf'{_QUOTED}|".*\Z', re.DOTALL)  # the last one may have no end
 
 
-def find_open_quote(file: Path) -> int | None:
-    """Guess the line of a quotation mark that is not closed.
-
-    It is the last one if their number is odd, or an earlier one whose string contains the closing
-    parenthesis of its line.
-    """
-    text = read_text(file)
-    return None if text is None else _find_open_quote(text)
-
-
 def _find_open_quote(text: str) -> int | None:
     text = _COMMENT.sub(lambda match: "\n" * match[0].count("\n") if match[1] else match[0], text)
     for match in _STRING.finditer(text):

@@ -12,6 +12,7 @@ from wsgen.build_files.cmake_checks import (
     MISSING_BUILD_FILE,
     MISSING_PROJECT,
     check_commands,
+    word_build_file,
 )
 from wsgen.build_files.install_checks import check_installed
 from wsgen.build_files.installed import MARKER, Installed
@@ -58,21 +59,14 @@ def read_build_facts(
 
 
 def _missing_build_file(source: Path, name: str, build_type: str) -> Iterator[Diagnostic]:
-    cmake, setup = source / "CMakeLists.txt", source / "setup.py"
-    wanted, other, other_type = {
-        "ament_python": (setup, cmake, "ament_cmake"),
-        "ament_cmake": (cmake, setup, "ament_python"),
-    }.get(build_type, (source, source, ""))
-    if wanted is not source and not wanted.is_file():
-        tool = "CMake" if wanted is cmake else "setuptools"
+    if build_type not in {"ament_cmake", "ament_python"}:
+        return
+    files = (source / "setup.py", source / "CMakeLists.txt")
+    wanted, other = files if build_type == "ament_python" else files[::-1]
+    if not wanted.is_file():
+        message, hint = word_build_file(build_type, has_other=other.is_file())
         yield MISSING_BUILD_FILE.at(
-            source / "package.xml",
-            element=name,
-            message=f"{name}: {wanted.name} is missing; {tool} builds and installs the package "
-            "with it.",
-            hint=f"Write <build_type>{other_type}</build_type> in package.xml: {other.name} exists."
-            if other.is_file()
-            else f"Restore it (git checkout {wanted.name}), or write one.",
+            source / "package.xml", element=name, message=f"{name}: {message}", hint=hint
         )
 
 

@@ -11,6 +11,7 @@ from wsgen.build_files.cmake_checks import (
     GIT_KEEPS_NO_EMPTY_FOLDERS,
     MISSING_DESTINATION,
     MISSING_INSTALLED_PATH,
+    word_destination,
 )
 from wsgen.build_files.cmake_install import relative_destination
 from wsgen.build_files.cmake_values import is_known
@@ -254,13 +255,9 @@ def destinations_missing(rule: InstallRule, package: str) -> Iterator[Diagnostic
     """Report install() without DESTINATION."""
     words = [name.text for name, _ in rule.names]
     if rule.destination is None and rule.names and all(map(is_known, words)):
-        place = "share" if rule.kind in {"DIRECTORY", "FILES"} else "lib"
+        message, hint = word_destination(rule.kind)
         yield MISSING_DESTINATION.at(
-            rule.file,
-            rule.call.line,
-            package,
-            message=f"{package}: install({rule.kind} ...) has no DESTINATION.",
-            hint=f"Add before its parenthesis: DESTINATION {place}/{NAME}",
+            rule.file, rule.call.line, package, message=f"{package}: {message}", hint=hint
         )
 
 
