@@ -7,9 +7,21 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import pytest
+
 from wsgen.diagnostics import Severity
-from wsgen.model.robot import MOST_LINKS, Inertial, Joint, JointType, Link, Robot
-from wsgen.rules.lumped import many_links, mass_ratio
+from wsgen.model.robot import (
+    MOST_LINKS,
+    GazeboTag,
+    Inertial,
+    Joint,
+    JointType,
+    Link,
+    Plugin,
+    Robot,
+    Sensor,
+)
+from wsgen.rules.lumped import lumped_frames, many_links, mass_ratio
 from wsgen.urdf.lumping import lump
 
 if TYPE_CHECKING:
@@ -112,3 +124,60 @@ def test_a_light_link_whose_mass_is_fixed_to_it() -> None:
     joints = (*frame.joints[:2], joint("l1", "l3"))
     (found,) = ratios(replace(frame, links=links, joints=joints))
     assert (found.line, found.element) == (4, "link[@name='l1']")
+
+
+def with_sensor(tag: GazeboTag, *, mass: float = 2.0, kind: JointType = JointType.FIXED) -> Robot:
+    """A base with a mast, on which a lidar is fixed."""
+    return Robot(
+        name="r",
+        root="base",
+        links=(link("base", mass), link("mast", 0.5), Link(name="lidar", line=7)),
+        joints=(joint("base", "mast", JointType.FIXED), joint("mast", "lidar", kind)),
+        gazebo=(tag,),
+    )
+
+
+def lumped_of(robot: Robot) -> list[Diagnostic]:
+    return list(lumped_frames(robot, lump(robot)[0], FILE))
+
+
+ON_LIDAR = GazeboTag(reference="lidar", sensors=(Sensor("scan", "gpu_lidar"),), line=20)
+OF_LIDAR = GazeboTag(
+    reference=None, plugins=(Plugin("x", {"link_name": ("lidar",)}, "X"),), line=20
+)
+
+
+@pytest.mark.parametrize("tag", [ON_LIDAR, OF_LIDAR])
+def test_a_lumped_link_that_gazebo_knows_by_name(tag: GazeboTag) -> None:
+    (found,) = lumped_of(with_sensor(tag))
+    assert (found.code, found.severity, found.line) == ("ROB128", Severity.INFO, 20)
+    assert "lumps `lidar` into `base`" in found.message
+    assert "weighs 2.5 kg before and after" in found.message
+
+
+def test_a_robot_that_loses_mass() -> None:
+    robot = with_sensor(ON_LIDAR)
+    plate, arm = link("plate", 0.0), link("arm", 3.0)
+    more = replace(
+        robot,
+        links=(*robot.links, replace(plate, inertial=None), arm),
+        joints=(*robot.joints, joint("base", "plate"), joint("plate", "arm")),
+    )
+    (found,) = lumped_of(more)
+    assert "weighs 5.5 kg as written, and 2.5 kg in Gazebo" in found.message
+
+
+@pytest.mark.parametrize(
+    "robot",
+    [
+        with_sensor(ON_LIDAR, mass=0.0),  # ROB051
+        with_sensor(replace(ON_LIDAR, reference="base")),
+        with_sensor(replace(ON_LIDAR, sensors=())),
+        with_sensor(
+            replace(ON_LIDAR, sensors=(Sensor("scan", "gpu_lidar", {"topic": ("scan",)}),))
+        ),
+        with_sensor(replace(OF_LIDAR, plugins=(Plugin("x", {"frame_name": ("lidar",)}, "X"),))),
+    ],
+)
+def test_lumped_links_whose_names_do_not_matter(robot: Robot) -> None:
+    assert lumped_of(robot) == []

@@ -78,5 +78,5 @@ def check_robot(
         *materials.ogre_materials(
             written.links, written.gazebo, file, simulator=simulator, distro=distro
         ),
-        *(() if in_gazebo is None else lumped.check_lumped(written.links, in_gazebo, file)),
+        *(() if in_gazebo is None else lumped.check_lumped(written, in_gazebo, file)),
     )

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
-    from wsgen.model.robot import Joint, Link, Robot
+    from wsgen.model.robot import GazeboTag, Joint, Link, Robot
 
 
 # Times its own mass that a link carries in the next one. Of 94 robots on PyPI two have more, both
@@ -25,10 +25,11 @@ if TYPE_CHECKING:
 MOST_CARRIED = 100.0
 
 
-def check_lumped(written: Sequence[Link], lumped: Robot, file: Path | None) -> Iterator[Diagnostic]:
-    """Everything about bodies; `written` are the links before they are lumped."""
+def check_lumped(written: Robot, lumped: Robot, file: Path | None) -> Iterator[Diagnostic]:
+    """Everything about bodies; `written` is the robot before it is lumped."""
     yield from many_links(lumped, file)
-    yield from mass_ratio(written, lumped, file)
+    yield from mass_ratio(written.links, lumped, file)
+    yield from lumped_frames(written, lumped, file)
 
 
 MANY_LINKS = Rule(
@@ -131,3 +132,96 @@ def _mass(link: Link) -> float | None:
     mass = link.inertial.mass if link.inertial is not None else 0.0
     is_meant = link.is_as_meant and not link.has_error
     return mass if is_meant and 0 < mass <= BEYOND else None
+
+
+LUMPED_FRAMES = Rule(
+    code="ROB128",
+    name="lumped-frames",
+    severity=Severity.INFO,
+    summary="Gazebo lumps links that a sensor or a plugin of the robot names.",
+    what="Looks for links on fixed joints that `<gazebo reference=...>` of a sensor, or an element "
+    "of a plugin, names. A root link without mass is reported as `massless-root`.",
+    why="Gazebo has no such link: the sensor is part of the one that it is fixed to, whose name is "
+    "in the topics and poses of Gazebo. In ROS, robot_state_publisher publishes all frames.",
+    example="""
+<joint name="lidar_joint" type="fixed">
+  <parent link="base_link"/>
+  <child link="lidar_link"/>
+</joint>
+<gazebo reference="lidar_link">
+  <sensor name="lidar" type="gpu_lidar">…</sensor>
+  <!-- /world/office/model/robot/link/base_link/sensor/lidar/scan -->
+</gazebo>
+""",
+    instead="""
+<gazebo reference="lidar_link">
+  <sensor name="lidar" type="gpu_lidar">
+    <topic>scan</topic>
+    <gz_frame_id>lidar_link</gz_frame_id>
+    …
+  </sensor>
+</gazebo>
+""",
+)
+
+
+def lumped_frames(written: Robot, lumped: Robot, file: Path | None) -> Iterator[Diagnostic]:
+    """Report, once for a robot, lumped links whose names something in Gazebo depends on."""
+    root = next((link for link in written.links if link.name == written.root), None)
+    if root is None or not _mass(root) or written.is_static:
+        return
+    bodies = _bodies(written, lumped)
+    named = {
+        name: tag.line
+        for tag in reversed(written.gazebo)
+        for name in _names_of(tag)
+        if name in bodies
+    }
+    if not named:
+        return
+    names = [name for name in bodies if name in named]
+    others = len(names) - 1
+    more = f" and {others} more link{'s' if others > 1 else ''}" if others else ""
+    before, after = written.mass, lumped.mass
+    is_same = abs(before - after) <= SAME_MASS * before
+    kept = "before and after" if is_same else f"as written, and {after:.4g} kg in Gazebo"
+    yield LUMPED_FRAMES.at(
+        file,
+        named[names[0]],
+        f"gazebo[@reference='{names[0]}']",
+        message=f"Gazebo lumps `{names[0]}` into `{bodies[names[0]]}`{more}, with what is in "
+        f"<gazebo> for it. The robot weighs {before:.4g} kg {kept}.",
+        hint=f"Where a topic or a pose of Gazebo names a link, write `{bodies[names[0]]}` for "
+        f"`{names[0]}`; or set <preserveFixedJoint> for the joint of `{names[0]}`.",
+    )
+
+
+SAME_MASS = 1e-6  # a part of the mass, for what adding up rounds
+# That say in which frame of ROS the messages of a sensor are: these frames stay.
+_FRAMES_OF_ROS = frozenset(
+    ("frame_id", "gz_frame_id", "ignition_frame_id", "frame_name", "frameName")
+)
+
+
+def _names_of(tag: GazeboTag) -> Iterator[str]:
+    """The links that a `<gazebo>` element needs in Gazebo by their names."""
+    if tag.reference is not None and any("topic" not in one.values for one in tag.sensors):
+        yield tag.reference
+    for plugin in tag.plugins:
+        for key, texts in plugin.values.items():
+            if "link" in key.lower() and key not in _FRAMES_OF_ROS:
+                yield from texts
+
+
+def _bodies(written: Robot, lumped: Robot) -> dict[str, str]:
+    """Lumped links, in their order, and the links that Gazebo lumps them into."""
+    left = {link.name for link in lumped.links}
+    above = {joint.child: joint.parent for joint in written.joints if not joint.is_movable}
+    bodies: dict[str, str] = {}
+    for link in written.links:
+        name = link.name
+        while name not in left and name in above:
+            name = above[name]
+        if name in left and name != link.name:
+            bodies[link.name] = name
+    return bodies
