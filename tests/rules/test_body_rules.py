@@ -28,9 +28,11 @@ from wsgen.model.robot import (
 from wsgen.model.transform import Pose
 from wsgen.rules.bodies import (
     check_bodies,
+    dragging_casters,
     extent_of,
     preserved_movable_joint,
     slippery_wheels,
+    sticky_wheels,
     wheel_without_collision,
 )
 from wsgen.rules.plugins import driven_joints
@@ -167,3 +169,29 @@ def test_a_driven_wheel_without_friction() -> None:
     for mu in ("1.0", "low"):
         tag = replace(tags[1], values={"mu1": mu})
         assert not list(slippery_wheels({"j"}, [TURNS], [tag], FILE))
+
+
+@pytest.mark.parametrize("key", ["mu1", "mu2"])
+def test_a_wheel_that_cannot_slide(key: str) -> None:
+    wheel = GazeboTag(reference=TURNS.child, values={key: "200000"}, line=9)
+    (found,) = sticky_wheels({TURNS.name}, [TURNS], [wheel, wheel], FILE)
+    assert (found.code, found.line, found.severity) == ("ROB129", 9, Severity.INFO)
+    assert not list(sticky_wheels((), [TURNS], [wheel], FILE))
+    for mu in ("1.0", "100", "low"):
+        sound = replace(wheel, values={key: mu})
+        assert not list(sticky_wheels({TURNS.name}, [TURNS], [sound], FILE))
+
+
+def test_a_caster_that_drags() -> None:
+    caster = replace(link(CUBE), name="rear_caster")
+    held = replace(TURNS, name="caster_joint", type=JointType.FIXED, child=caster.name)
+    joints = [TURNS, held]
+    (found,) = dragging_casters({TURNS.name}, [caster], joints, [], FILE)
+    assert (found.code, found.line, found.severity) == ("ROB130", 5, Severity.INFO)
+    slides = GazeboTag(reference=caster.name, values={"mu1": "0.001"}, line=9)
+    assert not list(dragging_casters({TURNS.name}, [caster], joints, [slides], FILE))
+    assert not list(dragging_casters((), [caster], joints, [], FILE))  # nothing drives
+    bare = replace(caster, collisions=())
+    assert not list(dragging_casters({TURNS.name}, [bare], joints, [], FILE))
+    turning = replace(held, type=JointType.CONTINUOUS)
+    assert not list(dragging_casters({TURNS.name}, [caster], [turning], [], FILE))

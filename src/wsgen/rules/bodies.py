@@ -428,8 +428,96 @@ def slippery_wheels(
                 break
 
 
+STICKY_WHEEL = Rule(
+    code="ROB129",
+    name="sticky-wheel",
+    severity=Severity.INFO,
+    summary="A wheel has a friction that no tire has.",
+    what="Looks for `<mu1>` or `<mu2>` above 100 on the links of the joints that a drive turns.",
+    why="The coefficient of a tire is about 1, and the engine can hold the wheel by any force: a "
+    "robot that turns on the spot jerks, tips over or stands still, as its wheels cannot slide.",
+    example='<gazebo reference="left_wheel">\n  <mu1>200000</mu1>\n  <mu2>200000</mu2>\n</gazebo>',
+    instead='<gazebo reference="left_wheel">\n  <mu1>1.0</mu1>\n  <mu2>1.0</mu2>\n</gazebo>',
+)
+
+
+def sticky_wheels(
+    driven: Collection[str], joints: Iterable[Joint], tags: Iterable[GazeboTag], file: Path | None
+) -> Iterator[Diagnostic]:
+    """Report, in one diagnostic, wheels that cannot slide."""
+    wheels = {joint.child for joint in joints if joint.name in driven}
+    found = [
+        (tag, key, tag.values[key])
+        for tag in tags
+        for key in ("mu1", "mu2")
+        if tag.reference in wheels and _is_above(tag.values.get(key, ""), STICKY)
+    ]
+    if found:
+        tag, key, text = found[0]
+        others = len({one.reference for one, _, _ in found}) - 1
+        more = f" So {'has' if others == 1 else 'have'} {others} more." if others else ""
+        yield STICKY_WHEEL.at(
+            file,
+            tag.line,
+            f"gazebo[@reference='{tag.reference}']/{key}",
+            message=f"The wheel `{tag.reference}` has a friction of {text} (<{key}>), and a tire "
+            f"one of about 1.{more}",
+            hint=f"Write <{key}>1.0</{key}>.",
+        )
+
+
+STICKY = 100.0  # friction coefficient
+
+DRAGGING_CASTER = Rule(
+    code="ROB130",
+    name="dragging-caster",
+    severity=Severity.INFO,
+    summary="A caster that cannot turn has the friction of a tire.",
+    what="Looks, beside wheels that a drive turns, for links with `caster` in their names on fixed "
+    "joints, with a `<collision>` and without `<mu1>` and `<mu2>`.",
+    why="Gazebo gives a collision a friction of 1. The caster drags over the ground: the robot "
+    "turns slower than its odometry says, and drives off a straight line.",
+    example='<joint name="caster_joint" type="fixed">…</joint>\n<link name="caster">'
+    "<collision>…</collision></link>",
+    instead='<gazebo reference="caster">\n  <mu1>0.001</mu1>\n  <mu2>0.001</mu2>\n</gazebo>',
+)
+
+
+def dragging_casters(
+    driven: Collection[str],
+    links: Iterable[Link],
+    joints: Iterable[Joint],
+    tags: Iterable[GazeboTag],
+    file: Path | None,
+) -> Iterator[Diagnostic]:
+    """Report casters that slide, and to which nobody gave a friction."""
+    fixed = {joint.child for joint in joints if joint.type is JointType.FIXED}
+    given = {tag.reference for tag in tags if any(key.startswith("mu") for key in tag.values)}
+    for link in links if driven else ():
+        is_caster = link.name in fixed and _CASTER.search(link.name)
+        if is_caster and link.collisions and link.name not in given:
+            yield DRAGGING_CASTER.at(
+                file,
+                link.line,
+                f"link[@name='{link.name}']",
+                message=f"The caster `{link.name}` is fixed, and slides with a friction of 1.",
+                hint=f'Add <gazebo reference="{link.name}"><mu1>0.001</mu1><mu2>0.001</mu2>'
+                "</gazebo>.",
+            )
+
+
+_CASTER = re.compile(r"cast[eo]r", re.IGNORECASE)
+
+
 def _is_wheel(names: str) -> bool:
     return "wheel" in names.lower() and not ROLLS_FREELY.search(names)
+
+
+def _is_above(text: str, bound: float) -> bool:
+    try:
+        return float(text) > bound
+    except ValueError:
+        return False
 
 
 def _is_below(text: str, bound: float) -> bool:

@@ -49,6 +49,7 @@ def check_robot(
         distro=distro,
         preserved=preserved,
     )
+    driven = plugins.driven_joints(written.gazebo)
     return (
         *robots.number_beyond_engines(written.links, written.joints, file),
         *robots.implausible_size(written.links, written.joints, file),
@@ -69,9 +70,9 @@ def check_robot(
         *joint_limits.useless_mimics(written.joints, file),
         *bodies.wheel_without_collision(written.links, written.joints, file),
         *bodies.preserved_movable_joint(written.joints, written.gazebo, file),
-        *bodies.slippery_wheels(
-            plugins.driven_joints(written.gazebo), written.joints, written.gazebo, file
-        ),
+        *bodies.slippery_wheels(driven, written.joints, written.gazebo, file),
+        *bodies.sticky_wheels(driven, written.joints, written.gazebo, file),
+        *bodies.dragging_casters(driven, written.links, written.joints, written.gazebo, file),
         *plugins.check_plugins(plugin_facts, file),
         *ros2_control.check_control(control, file),
         *ros2_control.transmissions(written.transmissions, written.joints, written.controls, file),
