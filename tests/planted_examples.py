@@ -8,7 +8,7 @@ body.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -530,6 +530,9 @@ def setup(around: str = SETUP, file: str = "setup.py", **options: Any) -> Plant:
 
 
 MESHES: dict[str, str | None] = {"meshes/arm.stl": "STL"}
+TESTED = manifest("jazzy").replace(
+    "  <export>", "  <test_depend>ament_lint_auto</test_depend>\n  <export>"
+)
 CPP: dict[str, str | None] = {"src/my_node.cpp": "int main() { return 0; }\n"}
 SCRIPT = "#!/usr/bin/env python3\nprint()\n"
 
@@ -575,6 +578,7 @@ PACKAGES: dict[str, Plant] = {
         file="my_robot/talk.py", files=PYTHON | {"setup.py": SETUP}, is_good_code=False
     ),
     "PKG087": build(is_good_code=False),
+    "PKG089": build(is_good_code=False),
     "PKG100": robot("@" + BODY.replace(f"<visual>{BOX}</visual>", "")),
     "PKG101": Plant(file="wsgen.toml", files={"urdf/my_robot.urdf": BODY}),
 }
@@ -582,7 +586,7 @@ BUILDS: dict[str, Plant] = {
     "BLD003": build(files=CMAKE_LAUNCH),
     "BLD009": build(TOP + FIND + "@\n"),
     "BLD010": build(TOP + "@\n", files=CMAKE_LAUNCH),
-    "BLD011": build(TOP + FIND + "@\n"),
+    "BLD011": build(TOP + FIND + "@\n", files={"package.xml": TESTED}),
     "BLD012": build("@\nproject(my_robot LANGUAGES NONE)\n" + FIND + "ament_package()\n"),
     "BLD027": build(TOP + "@\n"),
     "BLD028": build(files=CMAKE_LAUNCH),
@@ -624,13 +628,7 @@ BUILDS: dict[str, Plant] = {
         },
     ),
     "BLD050": build(is_good_code=False),
-    "BLD051": build(
-        files={
-            "package.xml": manifest("jazzy").replace(
-                "  <export>", "  <test_depend>ament_lint_auto</test_depend>\n  <export>"
-            )
-        }
-    ),
+    "BLD051": build(files={"package.xml": TESTED}),
     "BLD052": build(
         COMPILED + "find_package(rclcpp REQUIRED)\nfind_package(std_msgs REQUIRED)\n"
         "add_executable(my_node src/my_node.cpp)\n@\n"
@@ -663,6 +661,12 @@ BUILDS: dict[str, Plant] = {
     "BLD063": setup(
         "from setuptools import setup\npackage_name = 'my_robot'\n"
         "setup(name=package_name, version='0.1.0', packages=['my_robot'], @)\n"
+    ),
+    "BLD066": Plant(
+        file="my_robot/talk.py",
+        around="class Talker:\n    publisher = None\n\n@\n\n\ndef main():\n    pass\n",
+        files=PYTHON | {"setup.py": SETUP},
+        swaps=(("def talk", "    def talk"), ("    self.pub", "        self.pub")),
     ),
     "BLD064": setup(SETUP.replace("package_name = 'my_robot'", "@")),
 }
@@ -1007,6 +1011,16 @@ BODY_OF_5_KG = (
     ),
 )
 DRIVEN = "<left_joint>left_wheel_joint</left_joint><right_joint>right_wheel_joint</right_joint>"
+DRIVES = (
+    WHEELS
+    + WHEEL_JOINTS
+    + '<gazebo><plugin filename="gz-sim-diff-drive-system" name="gz::sim::systems::DiffDrive">'
+    + f"{DRIVEN}</plugin></gazebo>"
+)
+MESHED = STANDING.replace(
+    f"<visual>{UP}{BOX}</visual>", f"<visual>{UP}<geometry>@</geometry></visual>"
+)
+MESHED_FILES = SIMULATED | {LAUNCH_FILE: ALL_OF_IT, "meshes/base.stl": "STL"}
 SDF_JOINT = '<joint name="{}" type="revolute"><parent>base</parent><child>{}</child>'
 MULTIPLIED = "<multiplier>1</multiplier><offset>0</offset><reference>0</reference>"
 CLASSIC_LAUNCH = (
@@ -1258,6 +1272,23 @@ OTHERS: dict[str, Plant] = {
         + joint("laser_link", kind="fixed")
         + '<gazebo reference="laser_link">@</gazebo>',
         dots=(SENSOR,),
+    ),
+    "ROB126": replace(simulated(MESHED), files=MESHED_FILES),
+    "ROB127": replace(
+        simulated(MESHED),
+        files=MESHED_FILES
+        | {LAUNCH_FILE: GZ + CREATE + "Node(package='rviz2', executable='rviz2')])\n"},
+    ),
+    "ROB128": robot(
+        BODY + link("lidar_link") + "@",
+        good=BODY + link("lidar_link") + joint("lidar_link", kind="fixed") + "@",
+        dots=(SENSOR,),
+    ),
+    "ROB129": robot(DRIVES + "@"),
+    "ROB130": robot(
+        DRIVES + "@",
+        good=DRIVES + link("caster") + joint("caster", kind="fixed") + "@",
+        dots=(ends("caster", more='<origin xyz="-0.2 0 -0.05"/>'), BOX),
     ),
     "ROB121": robot(
         BODY + link("wheel") + "@",

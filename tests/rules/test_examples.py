@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 BY_CODE = {rule.code: rule for rule in all_rules()}
+# What a folder that is not installed lacks is reported of that folder.
+OF_FOLDERS = {"LCH005", "SPN012", "WLD001"}
 SERIOUS = {Severity.ERROR, Severity.WARNING}
 
 
@@ -43,7 +45,10 @@ def test_bad_examples_are_reported_and_good_ones_are_silent(tmp_path: Path) -> N
     wrong = []
     for code, plant in PLANTS.items():
         reported = found.get(f"bad_{code.lower()}", [])
-        if code not in {one.code for one in reported}:
+        is_folded = code in OF_FOLDERS and any(
+            one.code == "BLD054" and one.severity is Severity.ERROR for one in reported
+        )
+        if not is_folded and code not in {one.code for one in reported}:
             wrong.append(f"{code} is not reported of its example, but {_shown(reported)}")
         serious = [one for one in found.get(f"good_{code.lower()}", []) if one.severity in SERIOUS]
         if plant.is_good_code and serious:
