@@ -7,6 +7,7 @@ it cannot read, and refuses a robot that defines a material twice at the top lev
 
 from __future__ import annotations
 
+import math
 from enum import Enum
 from typing import TYPE_CHECKING
 
@@ -48,6 +49,17 @@ EXAMPLES = {  # of what an <inertial> must have
 }
 MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
+ANGLE_IN_DEGREES = Rule(
+    code="ROB140",
+    name="angle-in-degrees",
+    severity=Severity.WARNING,
+    summary="The angle of an `<origin>` looks like degrees.",
+    what="Looks for angles of more than a whole turn, which is 6.2832 rad.",
+    why="URDF reads radians: 90 are 14 turns and 116 degrees, and the part points anywhere.",
+    example='<origin xyz="0 0 0.1" rpy="90 0 0"/>',
+    instead='<origin xyz="0 0 0.1" rpy="1.5708 0 0"/>',
+)
+MOST_TURNED = 6.5  # rad; a whole turn is written with few digits
 INCOMPLETE_INERTIAL = Rule(
     code="ROB021",
     name="incomplete-inertial",
@@ -257,8 +269,23 @@ def read_origin(collector: Collector, element: Element, path: str) -> Pose | Non
             else (0.0, 0.0, 0.0)
             for attribute in ("xyz", "rpy")
         )
+        if rpy is not None and max(map(abs, rpy)) > MOST_TURNED:
+            _report_degrees(collector, origin, rpy, path)
         return None if xyz is None or rpy is None else Pose(xyz=xyz, rpy=rpy)
     return IDENTITY
+
+
+def _report_degrees(
+    collector: Collector, origin: Element, rpy: tuple[float, ...], path: str
+) -> None:
+    radians = " ".join(f"{math.radians(angle):.6g}" for angle in rpy)
+    collector.report(
+        ANGLE_IN_DEGREES,
+        f'rpy="{origin.get("rpy")}" looks like degrees, but URDF reads radians.',
+        hint=f'Write rpy="{radians}".',
+        at=origin,
+        path=f"{path}/@rpy",
+    )
 
 
 def _read_visual(
