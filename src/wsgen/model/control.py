@@ -27,6 +27,7 @@ class ControlSystem:
     parts: tuple[ControlledPart, ...] = ()
     others: tuple[str, ...] = ()  # names of child elements that ros2_control does not know
     line: int | None = None
+    hardware_line: int | None = None  # of <plugin>
 
     @property
     def joints(self) -> tuple[ControlledPart, ...]:

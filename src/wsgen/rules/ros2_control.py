@@ -365,7 +365,9 @@ UNSUITED_HARDWARE = Rule(
   <hardware><plugin>gazebo_ros2_control/GazeboSystem</plugin></hardware>
 </ros2_control>
 <gazebo>
-  <plugin filename="gz_ros2_control-system" name="gz_ros2_control::GazeboSimROS2ControlPlugin"/>
+  <plugin filename="gz_ros2_control-system" name="gz_ros2_control::GazeboSimROS2ControlPlugin">
+    <parameters>$(find my_robot)/config/controllers.yaml</parameters>
+  </plugin>
 </gazebo>
 """,
     instead="""
@@ -373,7 +375,9 @@ UNSUITED_HARDWARE = Rule(
   <hardware><plugin>gz_ros2_control/GazeboSimSystem</plugin></hardware>
 </ros2_control>
 <gazebo>
-  <plugin filename="gz_ros2_control-system" name="gz_ros2_control::GazeboSimROS2ControlPlugin"/>
+  <plugin filename="gz_ros2_control-system" name="gz_ros2_control::GazeboSimROS2ControlPlugin">
+    <parameters>$(find my_robot)/config/controllers.yaml</parameters>
+  </plugin>
 </gazebo>
 """,
 )
@@ -391,7 +395,7 @@ def unsuited_hardware(
         right = f"{package}/{HARDWARE[package][0]}"
         yield UNKNOWN_HARDWARE.at(
             file,
-            system.line,
+            system.hardware_line or system.line,
             place,
             message=f"The package {package} has no hardware `{system.hardware}`.",
             hint=f"Write <plugin>{right}</plugin>.",
@@ -404,7 +408,7 @@ def unsuited_hardware(
         if there and package in MOCKS:
             yield UNSUITED_HARDWARE.at(
                 file,
-                system.line,
+                system.hardware_line or system.line,
                 place,
                 message=f"<ros2_control> `{system.name}` has mock hardware, and Gazebo's plugin "
                 "cannot load it: the robot does not move in Gazebo.",
@@ -414,7 +418,7 @@ def unsuited_hardware(
     elif wanted is not None and meant != wanted and (meant not in there or facts.simulator):
         yield UNSUITED_HARDWARE.at(
             file,
-            system.line,
+            system.hardware_line or system.line,
             place,
             message=f"The hardware `{system.hardware}` is that of {NAMES[meant]}, but "
             + (
@@ -427,7 +431,7 @@ def unsuited_hardware(
     elif package == "ign_ros2_control" and facts.distro not in {None, *WITH_IGNITION}:
         yield UNSUITED_HARDWARE.at(
             file,
-            system.line,
+            system.hardware_line or system.line,
             place,
             message=f"ROS 2 {str(facts.distro).capitalize()} does not have the hardware "
             f"`{system.hardware}`.",

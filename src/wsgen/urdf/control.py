@@ -23,6 +23,7 @@ def read_controls(root: Element) -> tuple[ControlSystem, ...]:
 
 def _read_system(element: Element) -> ControlSystem:
     hardware = next(children(element, "hardware"), None)
+    plugin = None if hardware is None else next(children(hardware, "plugin"), None)
     return ControlSystem(
         name=element.get("name") or "",
         kind=element.get("type") or "",
@@ -32,6 +33,7 @@ def _read_system(element: Element) -> ControlSystem:
             child.tag for child in element if isinstance(child.tag, str) and child.tag not in KNOWN
         ),
         line=line_of(element),
+        hardware_line=None if plugin is None else line_of(plugin),
     )
 
 
