@@ -48,6 +48,12 @@ JOINT_KEYS = frozenset(
         *("provideFeedback", "implicitSpringDamper", "cfmDamping"),
     )
 )
+# Elements of SDF that belong into the <collision> of a link, and the keys that do the same.
+OF_COLLISIONS = {
+    "friction": "<mu1> and <mu2>",
+    "surface": "<mu1>, <mu2>, <kp> and <kd>",
+    "contact": "<kp>, <kd> and <minDepth>",
+}
 # Keys that std::stod reads, and numbers in copied SDF, which the SDF parser reads the same way.
 NUMERIC = frozenset(
     (
@@ -422,10 +428,14 @@ def _check_placement(
         right_place = "a link"
     elif key == "static" and (is_link or is_joint):
         right_place = "the whole robot"
+    elif key in OF_COLLISIONS and is_link:
+        right_place = "a <collision>"
     if right_place is None:
         return
     hint = 'Put it into <gazebo reference="NAME"> with the name of ' + right_place + "."
-    if key in LUMPING_KEYS:
+    if key in OF_COLLISIONS:
+        hint = f"Write {OF_COLLISIONS[key]}, which Gazebo gives to the shapes of the link."
+    elif key in LUMPING_KEYS:
         hint = 'Put it into <gazebo reference="JOINT"> with the name of the fixed joint.'
     elif key == "static":
         hint = "Put it into a <gazebo> without reference."
