@@ -93,6 +93,9 @@ def remark_on(filename: str, name: str) -> Remark | None:
         nearly = _NEARLY.fullmatch(filename)
         stem = re.sub(r"^(?:gz-sim|ignition-gazebo)\d*-", "", nearly[1]) if nearly else ""
         meant = f"{nearly[1]}-system" if nearly and stem in known else None
+        name_of, _, ending = stem.rpartition("-")
+        if nearly and name_of in known and nearest(ending, ["system"], cutoff=SURELY):
+            meant = f"{nearly[1].removesuffix(ending)}system"
     else:
         # Libraries of others have a word more: `gz-sim-yarp-forcetorque-system`.
         alike = [one for one in known if abs(len(one) - len(found[3])) <= MOST_LETTERS]
