@@ -73,7 +73,11 @@ def test_the_tables_agree() -> None:
         plugin(CLASSIC_DRIVE, name="anything"),
         plugin("gz-sim-yarp-forcetorque-system", {}, "gzyarp::ForceTorqueDriver"),
         plugin("libgazebo_ros_link_attacher.so", {}),
-        plugin("gz_ros2_control-system", {}, "gz_ros2_control::GazeboSimROS2ControlPlugin"),
+        plugin(
+            "gz_ros2_control-system",
+            {"parameters": ("/controllers.yaml",)},
+            "gz_ros2_control::GazeboSimROS2ControlPlugin",
+        ),
     ],
 )
 def test_sound_plugins_are_silent(sound: Plugin) -> None:

@@ -45,7 +45,7 @@ def check_robot(
             *(link.name for link in written.links),
             *(frame for tag in written.gazebo for frame in tag.frames),
         },
-        simulator=simulator,
+        simulator=simulator or plugins.simulator_meant(written.gazebo),
         distro=distro,
         preserved=preserved,
     )

@@ -198,6 +198,12 @@ def _predecessor(name: str) -> str | None:
     return None
 
 
+def simulator_meant(tags: Iterable[GazeboTag]) -> str | None:
+    """The simulator that all plugins of a robot are for, where nothing else says it."""
+    kinds = {simulator_of(plugin.filename) for tag in tags for plugin in tag.plugins} - {None}
+    return kinds.pop() if len(kinds) == 1 else None
+
+
 UNKNOWN_PLUGIN_PART = Rule(
     code="ROB102",
     name="unknown-plugin-part",
@@ -230,8 +236,20 @@ UNKNOWN_PLUGIN_PART = Rule(
 )
 
 
+CONTROL = frozenset(("gz_ros2_control-system", "ign_ros2_control-system"))
+
+
 def plugin_parts(plugin: Plugin, facts: PluginFacts, file: Path | None) -> Iterator[Diagnostic]:
     """Report joints and links that a plugin looks for in vain."""
+    if stem(plugin.filename) in CONTROL and not any(plugin.values.get("parameters", ())):
+        yield UNKNOWN_PLUGIN_PART.at(
+            file,
+            plugin.line,
+            f"gazebo/plugin[@filename='{plugin.filename}']",
+            message=f"The plugin `{plugin.filename}` has no <parameters>, and starts no controller "
+            "manager without them.",
+            hint="Add <parameters>$(find PACKAGE)/config/controllers.yaml</parameters>.",
+        )
     known = PARTS.get(stem(plugin.filename))
     # A parameter of ROS 1 is reported as such.
     if known is None or any(_snake(key) != key for key in plugin.values if _snake(key) in known[0]):
