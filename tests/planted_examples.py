@@ -975,9 +975,11 @@ LAUNCHES: dict[str, Plant] = {
 }
 
 
-def simulated(around: str, distro: str = "jazzy", **options: Any) -> Plant:
+def simulated(
+    around: str, distro: str = "jazzy", also: Mapping[str, str | None] | None = None, **options: Any
+) -> Plant:
     """Plant into the robot that a launch file spawns."""
-    files = SIMULATED | {LAUNCH_FILE: ALL_OF_IT}
+    files = SIMULATED | {LAUNCH_FILE: ALL_OF_IT} | dict(also or {})
     return Plant(
         file="urdf/my_robot.urdf.xacro",
         around=put(XACRO, around),
@@ -1001,6 +1003,16 @@ def simulated_world(
     )
 
 
+WITH_MESH = STANDING.replace(
+    f"<visual>{UP}{BOX}</visual>", "<visual><geometry>@</geometry></visual>"
+)
+IN_PACKAGE: dict[str, str | None] = {
+    "meshes/base.stl": "STL",
+    "package.xml": manifest("jazzy").replace(
+        "</build_type>\n", '</build_type>\n    <gazebo_ros gazebo_model_path="${prefix}/.."/>\n'
+    ),
+    LAUNCH_FILE: ALL_OF_IT.replace("])\n", "Node(package='rviz2', executable='rviz2')])\n"),
+}
 BODY_OF_5_KG = (
     (
         '<link name="base_link">',
@@ -1612,6 +1624,11 @@ OTHERS: dict[str, Plant] = {
         swaps=(("DIRECTORY launch", "DIRECTORY worlds launch"),),
         distro="humble",
     ),
+    "ROB140": robot(ARM + joint("arm").replace('<origin xyz="0 0 0.2"/>', "@")),
+    "PKG089": build(is_good_code=False),
+    "BLD066": Plant(file="my_robot/talker.py", files=PYTHON),
+    "ROB126": simulated(WITH_MESH, also=IN_PACKAGE),
+    "ROB127": simulated(WITH_MESH, also=IN_PACKAGE),
 }
 
 PLANTS: dict[str, Plant] = OTHERS | ROBOTS | WORLDS | PACKAGES | BUILDS | LAUNCHES
