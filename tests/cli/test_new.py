@@ -58,6 +58,7 @@ def test_new_workspace(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
             "model/robot.gazebo",
             "model/robot.xacro",
             "package.xml",
+            "test/test_robot.py",
             "wsgen.toml",
         )
     }

@@ -19,6 +19,7 @@ CLASSIC_FILES = {
     "model/robot.gazebo",
     "model/robot.xacro",
     "package.xml",
+    "test/test_robot.py",
     "wsgen.toml",
 }
 GZ_FILES = CLASSIC_FILES | {
@@ -69,7 +70,7 @@ def test_dependencies_are_those_of_all_parts_whose_condition_is_met(simple: Temp
     assert classic == {
         "buildtool_depend": ("ament_cmake",),
         "exec_depend": tuple(sorted((*common, "gazebo_ros", "joint_state_publisher"))),
-        "test_depend": ("ament_lint_auto", "ament_lint_common"),
+        "test_depend": ("ament_cmake_pytest", "ament_lint_auto", "ament_lint_common"),
     }
     gz = simple.dependencies(choose_target("jazzy"), defaults(simple))
     assert gz["exec_depend"] == tuple(sorted((*common, "ros_gz_bridge", "ros_gz_sim")))

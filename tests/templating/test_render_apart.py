@@ -34,7 +34,7 @@ def test_what_base_brings_and_what_is_written(tmp_path: Path) -> None:
     )
     template = load(folder)
     tree = render_package_apart(spec_for(template), template)
-    assert tree["model/robot.xacro"] == "<link/>\nsome_robot 9\n"
+    assert tree["model/robot.xacro"] == "<link/>\nsome_robot 10\n"
     assert 'template = "mine"' in tree["wsgen.toml"]
     assert "DIRECTORY launch model\n" in tree["CMakeLists.txt"]
     assert tree == render(folder)[0]

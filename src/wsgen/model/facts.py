@@ -74,6 +74,7 @@ RELEASED_FOR = {
 # The others that generated packages may need: in every distribution.
 RELEASED_FOR_ALL = (
     "ament_cmake",
+    "ament_cmake_pytest",
     "ament_lint_auto",
     "ament_lint_common",
     "controller_manager",

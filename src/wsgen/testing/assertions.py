@@ -66,7 +66,8 @@ def assert_reaches(
         *unknown_behavior_joint(behavior, positions, model, NO_FILE),
         *command_beyond_limit(behavior, positions, model.joints, NO_FILE),
     ):
-        raise RequestError(_without_name(impossible), hint=impossible.hint or "")
+        message = _without_name(impossible)
+        raise RequestError(message[:1].upper() + message[1:], hint=impossible.hint or "")
     robot.hold(positions, seconds)
     _check(robot, behavior, BehaviorMeasurement(behavior.name, STILL, robot.positions))
 

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from wsgen.testing.robot import Robot
     from wsgen.testing.simulation import Simulation, Stage
 
-__tracebackhide__ = True  # errors of fixtures are about the package, not about this module
-
 ENGINES = ("bullet", "dart", "mujoco")
 KEYS = ("package", "launch_file", "arguments", "engine", "robot")  # of the marker
 MARKER = (
@@ -163,16 +161,6 @@ def _open(near: Path, wanted: dict[str, Any]) -> Stage | str:
     return stage
 
 
-def _without_traceback(task: Callable[[], Any]) -> Any:
-    """What the task gives; its errors are those of the package."""
-    from wsgen.errors import WsgenError  # noqa: PLC0415  see the top
-
-    try:
-        return task()
-    except WsgenError as error:
-        return pytest.fail(f"wsgen: {error}", pytrace=False)
-
-
 @pytest.fixture
 def simulation(request: pytest.FixtureRequest) -> Iterator[Simulation]:
     """The robots that a launch file of the package spawns, in a physics engine.
@@ -191,9 +179,13 @@ def simulation(request: pytest.FixtureRequest) -> Iterator[Simulation]:
 @pytest.fixture
 def robot(simulation: Simulation, request: pytest.FixtureRequest) -> Robot:
     """The robot that the launch file spawns; of several, the one that the marker names."""
-    name = _wanted(request.node)["robot"]
-    found: Robot = _without_traceback(lambda: simulation.robot(name))
-    return found
+    from wsgen.errors import WsgenError  # noqa: PLC0415  see the top
+
+    try:
+        return simulation.robot(_wanted(request.node)["robot"])
+    except WsgenError as error:
+        problem = f"wsgen: {error}"
+    pytest.fail(problem, pytrace=False)
 
 
 @pytest.fixture
@@ -232,7 +224,7 @@ def _draw(item: pytest.Item, simulation: Simulation) -> str:
     try:
         folder = _output_folder(item.config)
         folder.mkdir(parents=True, exist_ok=True)
-        name = _file_name(item.nodeid)
+        name = _file_name(item)
         simulation.picture(folder / f"{name}.png")
         lines.append(f"picture: {folder / name}.png")
         simulation.record(folder / f"{name}.gif")
@@ -257,9 +249,9 @@ def _output_folder(config: pytest.Config) -> Path:
     return base / "wsgen"
 
 
-def _file_name(node: str) -> str:
-    """The name of a test as that of a file."""
-    name = node.rpartition("/")[2].replace("::", "-")
+def _file_name(item: pytest.Item) -> str:
+    """The name of a test as that of a file; that of its own file may be missing in its id."""
+    name = "-".join((item.path.name, *item.nodeid.split("::")[1:]))
     return "".join(sign if sign.isalnum() or sign in "-_." else "_" for sign in name)
 
 
