@@ -103,7 +103,7 @@ def test_failures_say_why_and_show_it(
     # No line of wsgen's own code, but for the test's.
     assert not re.search(r"^\S*src/wsgen/\S+:\d+", said, re.MULTILINE), said
     picture, video = (
-        junit.parent / "robot" / f"test_failing.py-test_tips{ending}" for ending in (".png", ".gif")
+        junit.parent / "robot" / f"test_failing-test_tips{ending}" for ending in (".png", ".gif")
     )
     assert f"picture: {picture}\nlast second: {video}" in said
     with Image.open(picture) as image:
@@ -113,7 +113,9 @@ def test_failures_say_why_and_show_it(
     cases = {case.get("name"): case for case in ET.parse(junit).getroot().iter("testcase")}
     failure = cases["test_tips"].find("failure")
     assert failure is not None
-    assert "tips-over" in (failure.get("message") or "")
+    message = failure.get("message") or ""
+    assert "tips-over" in message
+    assert str(picture) in message  # what `colcon test-result --verbose` shows
     assert str(picture) in (failure.text or "")
 
 
@@ -255,7 +257,7 @@ def test_options_and_settings(workspace: Path, run_pytest: Pytest, tmp_path: Pat
     file.write_text((tmp_path / "test_options.py").read_text())
     run = run_pytest(*place, file, "--wsgen-argument", "x:=2.5", "--wsgen-output=shots")
     assert "E       assert 0" in run.stdout, run.stdout
-    assert (tmp_path / "shots" / "test_options.py-test_options.png").is_file(), run.stdout
+    assert (tmp_path / "shots" / "test_options-test_options.png").is_file(), run.stdout
 
 
 def test_a_test_in_no_package_is_told_to_name_one(run_pytest: Pytest, tmp_path: Path) -> None:
