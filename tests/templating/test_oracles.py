@@ -246,9 +246,27 @@ def test_launch_files_in_the_style_of_ament() -> None:
     assert (answer.returncode, answer.stdout, answer.stderr) == (0, "", "")
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("linter", ["ament_flake8", "ament_pep257"])
+def test_the_linters_of_ament_find_nothing(linter: str, tmp_path: Path) -> None:
+    """As `colcon test` runs them where ROS is; in one process, with all files of each template."""
+    pytest.importorskip(linter)
+    files = sorted(GOLDENS.glob("*-*/ws_gazebo/src/*/*/*.py"))
+    assert {file.parent.name for file in files} == {"launch", "test"}
+    command = [sys.executable, "-m", f"{linter}.main"]
+    answer = subprocess.run(
+        [*command, *files], capture_output=True, text=True, check=False, cwd=tmp_path
+    )
+    assert "No problems found" in answer.stdout, answer.stdout + answer.stderr
+    assert answer.returncode == 0
+    wrong = tmp_path / "wrong.py"
+    wrong.write_text('"""say nothing"""\nimport os\nx=1\n')
+    assert subprocess.run([*command, wrong], capture_output=True, check=False).returncode == 1
+
+
 def test_launch_files_have_single_quotes(package: Path) -> None:
     """As flake8-quotes, which newer versions of ament_flake8 bring."""
-    for file in (package / "launch").glob("*.py"):
+    for file in (*package.glob("launch/*.py"), *package.glob("test/*.py")):
         for token in tokenize.generate_tokens(io.StringIO(file.read_text()).readline):
             if token.type == tokenize.STRING and not token.string.startswith('"""'):
                 assert token.string.startswith("'"), (file, token.start)

@@ -2,7 +2,8 @@
 
 colcon sets AMENT_PREFIX_PATH to the dependencies that package.xml declares. Without ROS that is
 often nothing, and scripts and xacro files that look for a package fail. Here it also names the
-packages of the workspace that are built already, and the sources of the package itself.
+packages of the workspace that are built already, and the sources of the package itself; `colcon
+test` gets those packages alone.
 """
 
 from __future__ import annotations
@@ -49,20 +50,29 @@ def set_package_environments(environ: Mapping[str, str]) -> None:
         environment = await get_environment(task_name, build_base, dependencies)
         job = job_of_task.get()
         if job is not None and hasattr(job.task_context.args, "install_base"):
-            _add_prefixes(environment, job.task_context.pkg, job.task_context.args)
+            _add_prefixes(
+                environment,
+                job.task_context.pkg,
+                job.task_context.args,
+                is_test=task_name == "test",
+            )
         return environment
 
     colcon_core.executor.Job.__call__ = run_and_remember
     colcon_core.shell.get_command_environment = get_more
 
 
-def _add_prefixes(environment: Any, package: Any, arguments: Any) -> None:
+def _add_prefixes(environment: Any, package: Any, arguments: Any, *, is_test: bool) -> None:
     install = Path(arguments.install_base)
-    sources = _link_sources(package.name, Path(arguments.path), Path(arguments.build_base))
     given = environment.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
     is_isolated = install.name == package.name
     built = _built_prefixes(install.parent if is_isolated else install)
-    prefixes = (str(sources), *filter(None, given), *(str(prefix) for prefix in built))
+    if is_test:  # about what is installed
+        prefixes = (str(install), *filter(None, given), *map(str, built))
+        environment["AMENT_PREFIX_PATH"] = os.pathsep.join(dict.fromkeys(prefixes))
+        return
+    sources = _link_sources(package.name, Path(arguments.path), Path(arguments.build_base))
+    prefixes = (str(sources), *filter(None, given), *map(str, built))
     environment["AMENT_PREFIX_PATH"] = os.pathsep.join(dict.fromkeys(prefixes))
     environment[SOURCE_PREFIX] = f"{sources}{os.pathsep}{install}"
 
