@@ -31,8 +31,8 @@ MOST = 60  # robots
 LONGEST = 30.0  # s, wall-clock, for one robot by hand
 
 
-def find_robots() -> list[str]:
-    """URDF files that PyBullet loads without help; it crashes on some, so each has a process."""
+def list_robots() -> list[str]:
+    """The URDF files of the packages, but those that are many and alike."""
     found = []
     for package in PACKAGES:
         try:
@@ -40,9 +40,14 @@ def find_robots() -> list[str]:
         except PackageNotFoundError:
             continue
         found += [str(file.locate()) for file in listed if file.name.endswith(".urdf")]
+    return [file for file in sorted(found) if "random_urdfs" not in file]
+
+
+def find_robots() -> list[str]:
+    """Those that PyBullet loads without help; it crashes on some, so each has a process."""
     robots: list[str] = []
-    for file in sorted(found):
-        if "random_urdfs" not in file and len(robots) < MOST and _loads(file):
+    for file in list_robots():
+        if len(robots) < MOST and _loads(file):
             robots.append(file)
     return robots
 

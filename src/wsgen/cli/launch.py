@@ -20,6 +20,7 @@ from wsgen.cli.options import (
     seconds_option,
     workspace_option,
 )
+from wsgen.cli.report_files import html_option, require_folders, require_plotly_for, write_reports
 from wsgen.errors import EXIT_FAILED, EXIT_PASSED, RequestError
 
 if TYPE_CHECKING:
@@ -76,6 +77,7 @@ if TYPE_CHECKING:
 )
 @page_options
 @picture_option
+@html_option
 @seconds_option
 @engine_option
 @format_option
@@ -93,6 +95,7 @@ def command(
     port: int | None,
     no_browser: bool,
     picture: str | None,
+    html_file: str | None,
     seconds: float,
     engine: str | None,
     output_format: str,
@@ -127,15 +130,18 @@ def command(
             selected, request, host, port, opens=not no_browser, quiet=quiet, verbose=verbose
         )
     if play:
+        require_folders(html_file)
+        require_plotly_for(html_file)
         return _play(
             selected,
-            request,
+            request.for_page() if html_file else request,
+            html_file=html_file,
             output_format=output_format,
             quiet=quiet,
             verbose=verbose,
         )
     asked = context.get_parameter_source("seconds")
-    if record or picture or engine or asked is not ParameterSource.DEFAULT:
+    if record or picture or html_file or engine or asked is not ParameterSource.DEFAULT:
         raise RequestError(
             "Without --play nothing is simulated.", hint="Add --play, or remove the option."
         )
@@ -152,7 +158,7 @@ def command(
     return EXIT_FAILED if has_errors(plan.diagnostics) else EXIT_PASSED
 
 
-NOT_WITH_VIEW = ("record", "picture", "seconds", "output_format")
+NOT_WITH_VIEW = ("record", "picture", "html_file", "seconds", "output_format")
 
 
 def _refuse_beside_view(context: click.Context) -> None:
@@ -198,6 +204,7 @@ def _play(
     selected: SelectedLaunchFile,
     request: ValidateRequest,
     *,
+    html_file: str | None,
     output_format: str,
     quiet: bool,
     verbose: bool,
@@ -216,6 +223,7 @@ def _play(
             listener=listener,
         )
     write_outcome(outcome, output_format=output_format, quiet=quiet, verbose=verbose)
+    write_reports(outcome, html_file=html_file)
     return EXIT_PASSED if outcome.passed else EXIT_FAILED
 
 

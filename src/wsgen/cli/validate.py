@@ -117,7 +117,7 @@ def command(
     from pathlib import Path
 
     from wsgen.cli.words import split_launch_arguments
-    from wsgen.pipeline.selection import PAGE_SAMPLES, PAGE_TRIANGLES, ValidateRequest
+    from wsgen.pipeline.selection import ValidateRequest
 
     require_folders(json_file, junit_file, summary_file, html_file)
     require_libraries(html_file)
@@ -133,11 +133,9 @@ def command(
         engines=chosen_engines(engine),
         jobs=jobs,
         picture_folder=Path(picture) if picture else None,
-        samples=PAGE_SAMPLES if html_file else 0,
-        view_triangles=PAGE_TRIANGLES if html_file else 0,
     )
     return validate_packages(
-        request,
+        request.for_page() if html_file else request,
         workspace=workspace,
         quiet=quiet,
         verbose=verbose,

@@ -427,6 +427,7 @@ def _misplaced_launch_file(source: Path, file: Path, rule: Call, package: str) -
 # What a page takes of a simulation.
 PAGE_SAMPLES = 200  # of each robot over the simulated time; more than a plot has pixels between
 PAGE_TRIANGLES = 300_000  # of all its 3D views
+LEAST_TRIANGLES, MOST_TRIANGLES = 1_000, 50_000  # of one
 
 FILE_SUFFIXES = (".urdf", ".xacro", ".sdf", ".world")  # what can be validated without a package
 
@@ -450,6 +451,17 @@ class ValidateRequest:
     view_triangles: int = 0
     samples: int = 0  # of how each robot moves, over the simulated time and in each behavior
     is_viewed: bool = False  # the robots are shown, in a browser
+
+    def for_page(self) -> ValidateRequest:
+        """The same, with what a page shows."""
+        return replace(self, samples=PAGE_SAMPLES, view_triangles=PAGE_TRIANGLES)
+
+    def shared_by(self, count: int) -> ValidateRequest:
+        """The same for each of so many packages and files."""
+        if not self.view_triangles:
+            return self
+        share = self.view_triangles // max(1, count)
+        return replace(self, view_triangles=min(MOST_TRIANGLES, max(LEAST_TRIANGLES, share)))
 
     @property
     def is_drawn(self) -> bool:

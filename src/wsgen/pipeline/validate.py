@@ -36,9 +36,6 @@ if TYPE_CHECKING:
     from wsgen.pipeline.selection import ValidateRequest
 
 
-# Of the view of a package or a file.
-LEAST_TRIANGLES, MOST_TRIANGLES = 1_000, 50_000
-
 UNUSED_ARGUMENTS = (UNUSED_ARGUMENT.code, UNUSED_XACRO_ARGUMENT.code)
 
 
@@ -76,9 +73,7 @@ def validate(
         overlays = overlays_of_files(request.files, workspace, environment, stack)
         is_alone = len(packages) + len(request.files) == 1
         each = request if is_alone else replace(request, jobs=1)  # engines one after the other
-        share = request.view_triangles // max(1, len(packages) + len(request.files))
-        if request.view_triangles:
-            each = replace(each, view_triangles=min(MOST_TRIANGLES, max(LEAST_TRIANGLES, share)))
+        each = each.shared_by(len(packages) + len(request.files))
 
         def subjects(run: Run) -> list[Validation | FileValidation]:
             return [
@@ -276,7 +271,7 @@ def play(  # noqa: PLR0913  what to play, where, how
     if problem is not None:
         raise RequestError(f"Cannot record a video: {problem}.", hint="Record a .gif, for example.")
     selected = selected_package(launch_file, package, overlay, workspace)
-    outcome = Validation(selected, overlay, request, listener).run()
+    outcome = Validation(selected, overlay, request.shared_by(1), listener).run()
     outcomes = (replace(outcome, package=package),)
     return Outcome(packages=_with_general(outcomes, overlay, request))
 
