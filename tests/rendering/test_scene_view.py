@@ -221,6 +221,29 @@ def test_what_cannot_be_drawn_is_said() -> None:
 
 
 @pytest.mark.slow
+def test_a_video_does_not_move_it(tmp_path: Path) -> None:
+    """The frames of a video show other moments than the end of the standing."""
+    robot = robot_of(visual(Box(size=(1, 1, 1))))
+    poses = iter([Pose((0.0, 0.0, z)) for z in (1.0, 2.0, 3.0, 4.0, 5.0)])
+    still = State((0.0, 0.0, 1.0), (0.0, 0.0, 0.0, 1.0), 0.0, 0.0, 0.0)
+    asked: list[Pose] = []
+
+    class Engine(FakeEngine):
+        def link_poses(self, entity: str) -> dict[str, Pose]:  # noqa: ARG002
+            asked.append(next(poses, AT))
+            return {"base": asked[-1]}
+
+    scene = scene_of(SpawnedRobot(entity="e", robot=robot), most=1000)
+    result = simulate(
+        replace(scene, record=tmp_path / "v.gif"), lambda _: Engine(lambda _seconds: still)
+    )
+    assert (tmp_path / "v.gif").is_file()
+    assert result.view is not None
+    (part,) = result.view.parts
+    assert corners_of(part)[:, 2].mean() == pytest.approx(asked[-1].xyz[2], abs=1e-3)
+
+
+@pytest.mark.slow
 def test_a_robot_without_visuals_has_a_picture_alone() -> None:
     empty = Robot(name="r", root="base", links=(Link(name="base", inertial=INERTIAL),))
     view = drawn(empty)

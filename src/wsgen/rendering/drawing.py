@@ -121,19 +121,18 @@ def _draw_all(
     from wsgen.rendering.scene_renderer import SceneRenderer  # noqa: PLC0415
 
     scene_renderer = SceneRenderer(scene, standing.poses, standing.corners, refused)
-    picture = world_picture = video = None
+    picture = world_picture = video = view = None
     if scene.picture is not None:
         file = scene.picture
         picture = drawn(lambda: Picture(tile=scene_renderer.draw(file)))
     if scene.world_picture is not None and has_static_models:
         world_file = scene.world_picture
         world_picture = drawn(lambda: Picture(tile=scene_renderer.draw_world(world_file)))
+    if scene.view_triangles:  # before the video moves everything
+        view = drawn(lambda: scene_renderer.view(scene.view_triangles))
     if scene.record is not None and recorder is not None:
         video_file, progress = scene.record, scene.progress
         video = drawn(lambda: _video(scene_renderer, recorder, video_file, progress))
-    view = None
-    if scene.view_triangles:
-        view = drawn(lambda: scene_renderer.view(scene.view_triangles))
     return Drawings(picture=picture, world_picture=world_picture, video=video, view=view)
 
 
