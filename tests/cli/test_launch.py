@@ -359,3 +359,22 @@ def test_without_play_nothing_is_simulated(
     code, out, err = launch(capsys, "my_robot", "r.launch.py", option)
     assert (code, out) == (2, "")
     assert "--play" in err
+
+
+def test_a_page_about_a_launch_file_with_its_video(
+    built: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(built)
+    page = tmp_path / "page.html"
+    words = ("gazebo_test", "gazebo_model.launch.py", "--seconds", "0.2", "--html", str(page))
+    code, _, err = launch(capsys, *words)
+    assert (code, "Without --play nothing is simulated." in err) == (2, True)
+    code, _, err = launch(capsys, *words, "--play", "--record", str(tmp_path / "v.gif"))
+    assert code == 0, err
+    text = page.read_text()
+    assert text.count("data:image/gif;base64,") == 1
+    assert text.count("data:image/webp;base64,") == 1
+    assert not list(tmp_path.glob("*.png"))
+    monkeypatch.setattr("wsgen.report.plotly_library.find_spec", lambda _: None)
+    code, _, err = launch(capsys, *words, "--play")
+    assert (code, "pip install 'wsgen[report]'" in err) == (4, True)

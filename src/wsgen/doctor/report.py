@@ -245,6 +245,13 @@ def _extras(machine: Machine) -> Iterator[Requirement]:
         why = machine.why_not_loaded("av")
         text, fix = ("installed", "") if why is None else _not_loaded(machine, why, "av")
     yield Requirement("PyAV", is_met=is_there and why is None, text=text, fix=fix)
+    has_plotly = machine.has_module("plotly")
+    yield Requirement(
+        "plotly",
+        is_met=has_plotly,
+        text="installed" if has_plotly else "missing; only for reports as HTML",
+        fix="" if has_plotly else _pip(machine, "wsgen[report]"),
+    )
     for name, programs, purpose, package in (
         ("C++ compiler", ("c++", "g++", "clang++"), "packages with C++", "build-essential"),
         ("git", ("git",), "the maintainer's name and address", "git"),
