@@ -20,7 +20,7 @@ from wsgen.cli.options import (
     seconds_option,
     workspace_option,
 )
-from wsgen.cli.report_files import html_option, require_folders, require_plotly_for, write_reports
+from wsgen.cli.report_files import html_option, require_folders, require_libraries, write_reports
 from wsgen.errors import EXIT_FAILED, EXIT_PASSED, RequestError
 
 if TYPE_CHECKING:
@@ -131,7 +131,7 @@ def command(
         )
     if play:
         require_folders(html_file)
-        require_plotly_for(html_file)
+        require_libraries(html_file)
         return _play(
             selected,
             request.for_page() if html_file else request,
