@@ -31,6 +31,7 @@ _SYSTEM = ("/dev", "/proc", "/sys")
 _CODE = (".py", ".pyc", ".so", ".pyd")
 _METADATA = (".dist-info", ".egg-info")
 _CHUNK = 2**20  # bytes
+_LARGEST = 2**30  # bytes; the evaluation has 30 s for everything
 # The variables with folders in which Gazebo looks for a world that is given by its name.
 _RESOURCE_PATHS = (
     "GZ_SIM_RESOURCE_PATH",
@@ -95,7 +96,7 @@ def _lines_of_dict(file: str, written: ast.expr, prefix: str) -> dict[str, int]:
 def _syntax(file: str) -> ast.AST:
     try:
         return ast.parse(Path(file).read_bytes())
-    except (OSError, SyntaxError, ValueError, RecursionError):  # XML and YAML, too
+    except (OSError, SyntaxError, ValueError, RecursionError, MemoryError):  # XML and YAML, too
         return ast.Module(body=[], type_ignores=[])
 
 
@@ -238,7 +239,9 @@ def _paths(text: str) -> Iterator[str]:
 
 def _in_resource_paths(name: str) -> Iterator[str]:
     folders = [
-        folder for variable in _RESOURCE_PATHS for folder in os.environ.get(variable, "").split(":")
+        folder
+        for variable in _RESOURCE_PATHS
+        for folder in os.environ.get(variable, "").split(os.pathsep)
     ]
     for folder in filter(None, folders):
         for path in (os.path.join(folder, name), os.path.join(folder, "worlds", name)):
@@ -257,6 +260,8 @@ def _mode(path: str) -> int:
 def _sha256(path: str) -> str | None:
     digest = hashlib.sha256()
     try:
+        if os.path.getsize(path) > _LARGEST:
+            return None
         with open(path, "rb") as file:  # of thousands
             while chunk := file.read(_CHUNK):
                 digest.update(chunk)
