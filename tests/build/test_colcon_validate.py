@@ -123,6 +123,7 @@ def task(result: Result | None, problem: str = "") -> ValidateTask:
     made = ValidateTask("p", Path("build/p"))
     made.result = result
     made.problem = problem
+    made.has_ended = True
     return made
 
 
@@ -162,6 +163,10 @@ def test_what_the_summary_says(tmp_path: Path) -> None:
     file.write_text(json.dumps(document(not_validated=[{"reason": "spawns no robot"}] * 2)))
     lines = list(colcon_validate._summary([task(read_result(file))]))
     assert lines[2:] == ["  p skipped: spawns no robot"]
+    interrupted = [ValidateTask("q", tmp_path), task(read_result(file))]
+    assert list(colcon_validate._summary(interrupted))[1].endswith(
+        "0 packages failed, 1 package skipped, 1 package not validated"
+    )
 
 
 @pytest.mark.parametrize("text", [None, "", "{"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import signal
 import sys
 from collections import OrderedDict
 from pathlib import Path
@@ -20,7 +21,7 @@ from colcon_core.subprocess import run
 from colcon_core.task import TaskContext, TaskExtensionPoint
 from colcon_core.verb import check_and_mark_build_tool
 
-from wsgen.errors import EXIT_FAILED, EXIT_PASSED
+from wsgen.errors import EXIT_FAILED, EXIT_PASSED, EXIT_SIGNALLED
 from wsgen.values import dataclass
 
 if TYPE_CHECKING:
@@ -31,6 +32,11 @@ if TYPE_CHECKING:
 RESULT = "wsgen_validate"  # the name of the result files, below build/PACKAGE
 # As the command line of wsgen knows them; it refuses what is none of them.
 ENGINES = ("bullet", "dart", "mujoco", "all")
+# Exit codes of a process that Ctrl-C or a job's end stops; negative before wsgen takes signals.
+INTERRUPTED = {
+    *(EXIT_SIGNALLED + number for number in (signal.SIGINT, signal.SIGTERM)),
+    *(-number for number in (signal.SIGINT, signal.SIGTERM)),
+}
 MOST_SHOWN = 3  # errors of a package, in the summary
 
 
@@ -117,6 +123,7 @@ class ValidateTask(TaskExtensionPoint):  # type: ignore[misc]  # colcon is not t
         self.folder = folder  # for the result files
         self.result: Result | None = None  # None: it was not validated to the end
         self.problem = ""  # why not, in the words of wsgen
+        self.has_ended = False  # False: it was not started, or interrupted
 
     async def validate(self) -> int:
         """Run wsgen, and show what it prints; the exit code."""
@@ -137,6 +144,7 @@ class ValidateTask(TaskExtensionPoint):  # type: ignore[misc]  # colcon is not t
         done = await run(words, lambda line: post(StdoutLine(line)), tell, cwd=here)
         code: int = done.returncode
         post(CommandEnded(words, cwd=here, env=None, shell=False, returncode=code))
+        self.has_ended = code not in INTERRUPTED
         self.result = read_result(report) if code in {EXIT_PASSED, EXIT_FAILED} else None
         if self.result is None:
             for line in told:
@@ -209,13 +217,16 @@ class _Sorted(NamedTuple):
     passed: list[ValidateTask]
     failed: list[ValidateTask]
     skipped: list[ValidateTask]
+    not_ended: list[ValidateTask]
 
 
 def _sort(tasks: Sequence[ValidateTask]) -> _Sorted:
-    found = _Sorted([], [], [])
+    found = _Sorted([], [], [], [])
     for task in tasks:
         result = task.result
-        if result is None or not result.passed:
+        if not task.has_ended:
+            found.not_ended.append(task)
+        elif result is None or not result.passed:
             found.failed.append(task)
         elif result.skipped:
             found.skipped.append(task)
@@ -228,6 +239,8 @@ def _summary(tasks: Sequence[ValidateTask]) -> Iterator[str]:
     """How many passed, why others did not, and what has no robot."""
     found = _sort(tasks)
     numbers = {"passed": found.passed, "failed": found.failed, "skipped": found.skipped}
+    if found.not_ended:
+        numbers["not validated"] = found.not_ended
     yield ""
     yield "Robots: " + ", ".join(
         f"{len(those)} package{'' if len(those) == 1 else 's'} {what}"

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 _WSGEN = os.path.dirname(os.path.dirname(__file__))
-_SYSTEM = ("/dev", "/proc", "/sys")
+_SYSTEM = ("/proc", "/sys")
 _CODE = (".py", ".pyc", ".so", ".pyd")
 _METADATA = (".dist-info", ".egg-info")
 _CHUNK = 2**20  # bytes
