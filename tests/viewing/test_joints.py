@@ -1,4 +1,4 @@
-"""Sliders for joints, and where joints put links: compared with the kinematics of MuJoCo."""
+"""Sliders for joints, and where positions of joints put links, compared with MuJoCo."""
 
 from __future__ import annotations
 
