@@ -30,7 +30,7 @@ ARM = """\
   <link name="tip"/>
   <joint name="swing" type="revolute">
     <parent link="post"/><child link="arm"/><origin xyz="0 0 0.25"/><axis xyz="0 0 1"/>
-    <limit lower="-3.2" upper="3.2" effort="10" velocity="1"/>
+    <limit lower="-2" upper="2" effort="10" velocity="1"/>
   </joint>
   <joint name="end" type="fixed">
     <parent link="arm"/><child link="tip"/><origin xyz="0 0.6 0"/>

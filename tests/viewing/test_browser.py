@@ -119,14 +119,16 @@ def test_a_slider_moves_a_link(chromium: Chromium, tmp_path: Path) -> None:
         assert tab.evaluate("document.body.textContent").count("swing, °") == 1
 
         press_on_slider(tab, "Home", 1)  # to its lower limit
-        half = -3.2 / 2
-        wait_for(lambda: orientation_of_arm(page)[3] < -0.9)
-        assert orientation_of_arm(page) == pytest.approx([math.cos(half), 0, 0, math.sin(half)])
+        wait_for(lambda: orientation_of_arm(page)[3] < -0.5)
+        assert orientation_of_arm(page) == pytest.approx([math.cos(1), 0, 0, -math.sin(1)])
         press_on_slider(tab, "ArrowRight", 2)
-        half += math.radians(0.2) / 2
-        # The limit of 3.2 rad is at -183.4 degrees on the slider: rounded outwards.
-        wait_for(lambda: orientation_of_arm(page)[3] > math.sin(-3.2 / 2) + 1e-6)
-        assert page.positions()["crane", "swing"] == pytest.approx(math.radians(-183.2))
+        # The limit of 2 rad is at 114.6 degrees on the slider, rounded outwards.
+        wait_for(lambda: page.positions()["crane", "swing"] == pytest.approx(math.radians(-114.4)))
+        half = math.radians(-114.4 / 2)
+        wait_for(
+            lambda: orientation_of_arm(page)
+            == pytest.approx([math.cos(half), 0, 0, math.sin(half)])
+        )
 
         # The arm was on one side of the post, and is on the other one.
         columns = wait_for(lambda: _other_side(before, middle(tab, tmp_path, "red")))
