@@ -198,3 +198,43 @@ def test_the_call_of_a_macro_is_named(tmp_path: Path) -> None:
     assert found.message == "m The macro `wheel` is called in line 2 of main.xacro."
     assert (found.file, found.line) == (file, 3)
     assert without_call(found).message == "m"
+
+
+ALIKE = """<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="r">
+  <xacro:macro name="laser" params="prefix">
+    <link name="${prefix}_link"/>
+  </xacro:macro>
+  <xacro:macro name="camera" params="prefix">
+    <link name="${prefix}_link"/>
+  </xacro:macro>
+  <xacro:macro name="box" params="name">
+    <link name="${name}"/>
+  </xacro:macro>
+  <xacro:laser prefix="front"/>
+  <xacro:camera prefix="top"/>
+  <xacro:box name="crate"/>
+  <gazebo>
+    <mu1>0.1</mu1>
+  </gazebo>
+</robot>
+"""
+
+
+@pytest.mark.parametrize(
+    ("element", "line"),
+    [
+        ("link[@name='front_link']", 3),
+        ("link[@name='top_link']", 6),
+        ("link[@name='side_link']", None),
+        ("link[@name='crate']", 9),
+        ("link[@name='barrel']", None),
+        ("gazebo/mu1", 15),
+        ("gazebo/mu2", None),
+    ],
+)
+def test_of_names_alike_the_call_tells_which_is_meant(
+    tmp_path: Path, element: str, line: int | None
+) -> None:
+    file = tmp_path / "robot.xacro"
+    file.write_text(ALIKE)
+    assert place(element, file).line == line

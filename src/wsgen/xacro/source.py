@@ -77,7 +77,7 @@ def _placed(diagnostic: Diagnostic, written: list[Written], expanded: list[Writt
         candidates = [
             element for element in written if element.tag == tag and not _is_in_another(element)
         ]
-        element = _most_like(value, attribute, candidates)
+        element = _most_like(value, attribute, candidates, written)
         if element is None:
             continue
         tags = _steps(path[named.end() :])
@@ -97,7 +97,16 @@ def _placed(diagnostic: Diagnostic, written: list[Written], expanded: list[Writt
         if last and origin is not None:
             return _at_attribute(called, last, place, origin, written)
         return replace(called, file=place.file, line=place.line)
+    alone = [one for one in written if path and "[" not in path and _plain_path(one) == path]
+    if len(alone) == 1:
+        return replace(diagnostic, file=alone[0].file, line=alone[0].line)
     return replace(diagnostic, line=None)
+
+
+def _plain_path(element: Written) -> str:
+    """The path of an element in a robot, below what xacro makes of it."""
+    steps = [step for step in element.path if not step.startswith("xacro:")]
+    return "/".join(step for step in steps[1:] if step)
 
 
 def without_call(diagnostic: Diagnostic) -> Diagnostic:
@@ -109,18 +118,9 @@ def _with_call(
     diagnostic: Diagnostic, element: Written, attribute: str, value: str, written: list[Written]
 ) -> Diagnostic:
     """The diagnostic with the call of the macro that the element is in, if one call gives it."""
-    macros = [step for step in element.path[:-1] if step.startswith(MACRO)]
-    if not macros:
-        return diagnostic
-    macro = macros[-1].removeprefix(MACRO)
+    macro = _macro_of(element)
     pattern = element.attributes.get(attribute, "")
-    calls = [
-        one
-        for one in written
-        if one.tag.startswith("xacro:")
-        and one.tag.rpartition(":")[2].rpartition(".")[2] == macro
-        and _gives(pattern, one.attributes, value)
-    ]
+    calls = [one for one in _calls(macro, written) if _gives(pattern, one.attributes, value)]
     if len(calls) != 1:
         return diagnostic
     (call,) = calls
@@ -128,6 +128,34 @@ def _with_call(
     return replace(
         diagnostic,
         message=f"{diagnostic.message} The macro `{macro}` is called in line {call.line}{where}.",
+    )
+
+
+def _macro_of(element: Written) -> str | None:
+    """The macro that the element is written in."""
+    macros = [step for step in element.path[:-1] if step.startswith(MACRO)]
+    return macros[-1].removeprefix(MACRO) if macros else None
+
+
+def _calls(macro: str | None, written: Iterable[Written]) -> list[Written]:
+    """The calls of a macro."""
+    return [
+        one
+        for one in written
+        if one.tag.startswith("xacro:") and one.tag.rpartition(":")[2].rpartition(".")[2] == macro
+    ]
+
+
+def _is_made(element: Written, attribute: str, value: str, written: Iterable[Written]) -> bool:
+    """Whether a call of its macro surely gives an element this value."""
+    pattern = element.attributes.get(attribute, "")
+    used = [ONE_NAME.fullmatch(one[0]) for one in COMPUTED.finditer(pattern)]
+    names = {one[1] for one in used if one is not None}
+    return len(used) > 0 and any(
+        all("$" not in call.attributes.get(name, "$") for name in names)
+        and None not in used
+        and _gives(pattern, call.attributes, value)
+        for call in _calls(_macro_of(element), written)
     )
 
 
@@ -177,7 +205,7 @@ def _inside(element: Written, steps: list[str], document: list[Written]) -> list
     if named is None:
         return found
     _, attribute, value = named.groups()
-    meant = _most_like(value, attribute, found)
+    meant = _most_like(value, attribute, found, document)
     return [] if meant is None else [meant]
 
 
@@ -208,8 +236,13 @@ def _at_attribute(
     )
 
 
-def _most_like(value: str, attribute: str, candidates: list[Written]) -> Written | None:
-    """The element whose name is the value, or can become it with the fewest letters computed."""
+def _most_like(
+    value: str, attribute: str, candidates: list[Written], written: list[Written]
+) -> Written | None:
+    """The element whose name is the value, or can become it with the fewest letters computed.
+
+    Of several, it is the one in a macro of which a call gives that name.
+    """
     likeness: dict[int, list[Written]] = {}
     for element in candidates:
         name = element.attributes.get(attribute, "")
@@ -217,10 +250,16 @@ def _most_like(value: str, attribute: str, candidates: list[Written]) -> Written
             return element
         literal = COMPUTED.split(name)
         letters = sum(map(len, literal))
-        if letters and re.fullmatch(".*".join(map(re.escape, literal)), value, re.DOTALL):
+        if len(literal) > 1 and re.fullmatch(".*".join(map(re.escape, literal)), value, re.DOTALL):
             likeness.setdefault(letters, []).append(element)
-    best = likeness[max(likeness)] if likeness else []
-    return best[0] if len(best) == 1 else None
+    for letters in sorted(likeness, reverse=True):
+        best = likeness[letters]
+        if letters and len(best) == 1:
+            return best[0]
+        made = [one for one in best if _is_made(one, attribute, value, written)]
+        if made or letters:
+            return made[0] if len(made) == 1 else None
+    return None
 
 
 def written_elements(main: Path, share_of: ShareOf) -> list[Written]:
