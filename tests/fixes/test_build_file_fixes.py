@@ -358,3 +358,14 @@ def test_the_marker_of_a_package(tmp_path: Path, before: str, after: str | None)
     (tmp_path / "resource" / "r").touch()
     wanted = after and f"setup(data_files={after})\n"
     assert fixed(file, "missing-marker", 1, "", hint) == wanted
+
+
+def test_no_marker_where_setup_names_another_package(tmp_path: Path) -> None:
+    (tmp_path / "resource").mkdir()
+    (tmp_path / "resource" / "r").touch()
+    file = tmp_path / "setup.py"
+    hint = f"Add to data_files: {MARKER}"
+    file.write_text("package_name = 's'\nsetup(name=package_name, data_files=[])\n")
+    assert fixed(file, "missing-marker", 1, "", hint) is None
+    file.write_text("package_name = 'r'\nsetup(name=package_name, data_files=[])\n")
+    assert fixed(file, "missing-marker", 1, "", hint) is not None

@@ -373,6 +373,9 @@ _DATA_FILES = re.compile(r"[Aa]dd to data_files: (\(.+\))\Z")
 _MARKER = re.compile(r"\['(resource/[\w-]+)'\]")
 
 
+_PACKAGE_NAME = re.compile(r"""\b(?:package_name|name)\s*=\s*["']([\w-]+)["']""")
+
+
 def add_data_file(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
     """Install what ROS looks for in every package, as the hint writes it out."""
     added = _DATA_FILES.search(diagnostic.hint or "")
@@ -381,6 +384,9 @@ def add_data_file(diagnostic: Diagnostic, source: SourceText) -> Sequence[Edit]:
     marker = _MARKER.search(added[1])
     if marker is not None and not (source.file.parent / marker[1]).is_file():
         return []  # a file of its own would have to be created
+    named = _PACKAGE_NAME.search(source.text)
+    if named is not None and not re.search(rf"[/']{re.escape(named[1])}'", added[1]):
+        return []  # the name is to be corrected, not what is installed under it
     found = list(re.finditer(r"\bdata_files\s*=\s*\[", source.text))
     if len(found) != 1:
         return []
