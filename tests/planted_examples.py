@@ -1628,7 +1628,6 @@ OTHERS: dict[str, Plant] = {
     "PKG089": build(is_good_code=False),
     "BLD066": Plant(file="my_robot/talker.py", files=PYTHON),
     "ROB126": simulated(WITH_MESH, also=IN_PACKAGE),
-    "ROB127": simulated(WITH_MESH, also=IN_PACKAGE),
 }
 
 PLANTS: dict[str, Plant] = OTHERS | ROBOTS | WORLDS | PACKAGES | BUILDS | LAUNCHES

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from wsgen.diagnostics import Diagnostic
 from wsgen.errors import NotFoundError, RequestError
 from wsgen.pipeline.check import CheckOutcome, CheckRequest, check
 
@@ -307,3 +308,58 @@ def test_a_file_with_the_ending_of_ros_1(tmp_path: Path, text: str, name: str, h
     (found,) = check(CheckRequest(paths=[file]), environment={}).diagnostics
     assert found.name == name
     assert hint in (found.hint or "")
+
+
+MODEL = """<sdf version="1.9"><model name="shelf">
+  <link name="board"><inertial><mass>1</mass>
+    <inertia><ixx>1</ixx><iyy>0.1</iyy><izz>0.1</izz></inertia></inertial></link>
+</model></sdf>
+"""
+STORE = """<sdf version="1.9"><world name="store">
+  <include><uri>model://shelf</uri><name>left</name></include>
+  <include><uri>model://shelf</uri><name>right</name></include>
+</world></sdf>
+"""
+
+
+def test_what_is_in_a_model_is_reported_once(tmp_path: Path) -> None:
+    """The worlds that include it have it, too."""
+    (tmp_path / "shelf").mkdir()
+    (tmp_path / "shelf" / "model.sdf").write_text(MODEL)
+    (tmp_path / "shelf" / "model.config").write_text(
+        '<model><name>shelf</name><sdf version="1.9">model.sdf</sdf></model>'
+    )
+    (tmp_path / "store.world").write_text(STORE)
+    found = [
+        (one.file, one.message)
+        for one in check_paths(tmp_path / "store.world", tmp_path / "shelf" / "model.sdf")
+        if one.name == "impossible-inertia"
+    ]
+    assert [file for file, _ in found] == [tmp_path / "shelf" / "model.sdf"]
+    assert "`board`" in found[0][1]
+
+
+def check_paths(*paths: Path) -> tuple[Diagnostic, ...]:
+    environment = {"PATH": os.environ["PATH"]}
+    return check(CheckRequest(paths=paths), environment=environment).diagnostics
+
+
+ATTACHED = """\
+import os
+from launch import LaunchDescription
+
+
+def generate_launch_description():
+    if not os.path.exists('/dev/ttyUSB_of_nobody'):
+        raise RuntimeError('/dev/ttyUSB_of_nobody is missing')
+    return LaunchDescription([])
+"""
+
+
+def test_a_device_that_is_not_attached_is_no_mistake(tmp_path: Path) -> None:
+    file = tmp_path / "robot.launch.py"
+    file.write_text(ATTACHED)
+    (found,) = check_paths(file)
+    assert (found.name, found.severity.value) == ("launch-raises", "info")
+    file.write_text(ATTACHED.replace("/dev/", "/no_dev/"))
+    assert [one.severity.value for one in check_paths(file)] == ["error"]

@@ -45,6 +45,7 @@ RAISES = Rule(
     code="LCH004",
     name="launch-raises",
     severity=Severity.ERROR,
+    severity_varies="information of `wsgen check` where it lacks a device, such as a serial port",
     summary="The launch file raises an exception.",
     why="`ros2 launch` stops with the same exception and starts nothing.",
     example="import os\npath = os.path.jion(share, 'model')",

@@ -7,9 +7,10 @@ install space would be after a build, with links to the sources.
 from __future__ import annotations
 
 import os
+import re
 import time
 from contextlib import ExitStack
-from dataclasses import field
+from dataclasses import field, replace
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import has_errors
@@ -25,7 +26,7 @@ from wsgen.suggestions import advice
 from wsgen.values import dataclass
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
@@ -101,7 +102,7 @@ def check(
             ]
 
         run_parallel(lambda run: [one.run for one in subjects(run)], request.jobs, serial, ended)
-        reported = [found for each in ended for found in each]
+        reported = _once(found for each in ended for found in each)
     return CheckOutcome(
         diagnostics=_in_order(_wanted(reported, targets)),
         packages=tuple(one.name for one in (*targets.packages, *targets.installed)),
@@ -110,6 +111,24 @@ def check(
         only=targets.only,
         seconds=time.perf_counter() - before,
     )
+
+
+_SCOPE = re.compile(r"(?<=`)(?:[\w.-]+::)+")  # the models that a link is in
+
+
+def _once(diagnostics: Iterable[Diagnostic]) -> list[Diagnostic]:
+    """Each diagnostic once: what is in the file of a model is found in the worlds with it, too.
+
+    Of those, the one that names no other model stays.
+    """
+    unique: dict[Diagnostic, Diagnostic] = {}
+    for found in diagnostics:
+        key = found
+        if found.line is not None and found.element is not None:
+            key = replace(found, message=_SCOPE.sub("", found.message), element=None)
+        if len(found.message) < len(unique.setdefault(key, found).message):
+            unique[key] = found
+    return list(unique.values())
 
 
 def _wanted(diagnostics: Sequence[Diagnostic], targets: Targets) -> tuple[Diagnostic, ...]:

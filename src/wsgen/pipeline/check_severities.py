@@ -23,7 +23,7 @@ from wsgen.launch.explain import (
     VARIABLE_NOT_SET,
 )
 from wsgen.launch.explain_missing import FILE_NOT_INSTALLED, PACKAGE_NOT_FOUND, XACRO_FAILS
-from wsgen.launch.explain_names import UNSUPPORTED_API
+from wsgen.launch.explain_names import RAISES, UNSUPPORTED_API
 from wsgen.launch.simulators import NO_SIMULATOR
 from wsgen.launch.spawner_options import INVALID_SPAWNER_OPTION
 from wsgen.launch.undeclared import UNDECLARED_PACKAGE
@@ -81,7 +81,7 @@ def of_launch(one: Candidate, beside: Iterable[Candidate]) -> Iterator[Diagnosti
     for found in started.diagnostics if started.has_spawner else started.plan.diagnostics:
         if found.code == UNDECLARED_PACKAGE.code and one.launch_file.package:
             continue  # reported once for all files of the package
-        if found.code in GIVEN_FROM_OUTSIDE:
+        if found.code in GIVEN_FROM_OUTSIDE or _lacks_device(found):
             if not is_inner:
                 yield replace(found, severity=Severity.INFO)
         elif found.code == NO_SIMULATOR.code or (
@@ -100,7 +100,13 @@ def of_launch(one: Candidate, beside: Iterable[Candidate]) -> Iterator[Diagnosti
             yield found
 
 
+DEVICE = re.compile(r"/dev/(?!shm\b|null\b)\w")
 OF_NO_PACKAGE = "Look it up in the share folder of a package"  # the hint for other paths
+
+
+def _lacks_device(found: Diagnostic) -> bool:
+    """Whether a launch file raises for something that is attached to the robot."""
+    return found.code == RAISES.code and DEVICE.search(found.message) is not None
 
 
 def _is_misspelled(found: Diagnostic) -> bool:
