@@ -1626,8 +1626,6 @@ OTHERS: dict[str, Plant] = {
     ),
     "ROB140": robot(ARM + joint("arm").replace('<origin xyz="0 0 0.2"/>', "@")),
     "PKG089": build(is_good_code=False),
-    "BLD066": Plant(file="my_robot/talker.py", files=PYTHON),
-    "ROB126": simulated(WITH_MESH, also=IN_PACKAGE),
 }
 
 PLANTS: dict[str, Plant] = OTHERS | ROBOTS | WORLDS | PACKAGES | BUILDS | LAUNCHES

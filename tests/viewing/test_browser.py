@@ -231,6 +231,7 @@ def test_a_simulation_is_paused_stepped_and_pushed(chromium: Chromium, tmp_path:
             click(tab, "button", "Step")
             wait_for(lambda: session.seconds == pytest.approx(before + 0.01, abs=0.005))
             x = session.states["box"].pose_in_world.xyz[0]
+            assert page._push is not None
             page._push._force.value = 50.0
             click(tab, "button", "Push")
             click(tab, "button", "Run")
