@@ -11,7 +11,7 @@ from wsgen.diagnostics import Severity
 from wsgen.model.gazebo_plugins import OF_CLASSIC, PARAMETERS, PARTS, simulator_of, stem
 from wsgen.model.gazebo_systems import systems
 from wsgen.model.robot import GazeboTag, Joint, JointType, Plugin, Sensor
-from wsgen.rules.plugins import PluginFacts, check_plugins
+from wsgen.rules.plugins import PluginFacts, check_plugins, simulator_meant
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -186,3 +186,12 @@ def test_two_sensors_of_one_name() -> None:
     assert found.line == 12
     of_wheel = laser(Sensor("s", "imu"), reference="left_wheel")
     assert not check(tags=(first, of_wheel))
+
+
+def test_the_simulator_is_that_of_all_plugins() -> None:
+    gz, classic = plugin(), plugin("libgazebo_ros_camera.so", {}, "camera")
+    inside = Sensor(name="laser", kind="ray", plugins=(classic,))
+    assert simulator_meant([GazeboTag(reference=None, plugins=(gz,))]) == "gz"
+    assert simulator_meant([laser(inside)]) == "classic"
+    assert simulator_meant([GazeboTag(reference=None, plugins=(gz,)), laser(inside)]) is None
+    assert simulator_meant([]) is None
