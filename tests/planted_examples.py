@@ -975,11 +975,9 @@ LAUNCHES: dict[str, Plant] = {
 }
 
 
-def simulated(
-    around: str, distro: str = "jazzy", also: Mapping[str, str | None] | None = None, **options: Any
-) -> Plant:
+def simulated(around: str, distro: str = "jazzy", **options: Any) -> Plant:
     """Plant into the robot that a launch file spawns."""
-    files = SIMULATED | {LAUNCH_FILE: ALL_OF_IT} | dict(also or {})
+    files = SIMULATED | {LAUNCH_FILE: ALL_OF_IT}
     return Plant(
         file="urdf/my_robot.urdf.xacro",
         around=put(XACRO, around),
@@ -1003,16 +1001,6 @@ def simulated_world(
     )
 
 
-WITH_MESH = STANDING.replace(
-    f"<visual>{UP}{BOX}</visual>", "<visual><geometry>@</geometry></visual>"
-)
-IN_PACKAGE: dict[str, str | None] = {
-    "meshes/base.stl": "STL",
-    "package.xml": manifest("jazzy").replace(
-        "</build_type>\n", '</build_type>\n    <gazebo_ros gazebo_model_path="${prefix}/.."/>\n'
-    ),
-    LAUNCH_FILE: ALL_OF_IT.replace("])\n", "Node(package='rviz2', executable='rviz2')])\n"),
-}
 BODY_OF_5_KG = (
     (
         '<link name="base_link">',
@@ -1625,10 +1613,10 @@ OTHERS: dict[str, Plant] = {
         distro="humble",
     ),
     "ROB140": robot(ARM + joint("arm").replace('<origin xyz="0 0 0.2"/>', "@")),
-    "PKG089": build(is_good_code=False),
 }
 
-PLANTS: dict[str, Plant] = OTHERS | ROBOTS | WORLDS | PACKAGES | BUILDS | LAUNCHES
+TABLES = (OTHERS, ROBOTS, WORLDS, PACKAGES, BUILDS, LAUNCHES)
+PLANTS: dict[str, Plant] = {code: plant for table in TABLES for code, plant in table.items()}
 
 # ---- what cannot be planted ----------------------------------------------------------------------
 
