@@ -12,6 +12,9 @@ import pytest
 from PIL import Image
 
 from testing.conftest import write_tests
+from wsgen.model.outcome import ENGINE_NAMES
+from wsgen.simulation import session
+from wsgen.testing import plugin
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -31,6 +34,10 @@ print(*sorted(set(sys.modules) - before))
 def test_a_run_without_robots_loads_the_plugin_alone() -> None:
     run = subprocess.run([sys.executable, "-c", LOADED], capture_output=True, text=True, check=True)
     assert run.stdout.split() == ["wsgen", "wsgen.testing", "wsgen.testing.plugin"]
+
+
+def test_the_engines_are_those_of_wsgen() -> None:
+    assert set(plugin.ENGINES) == set(ENGINE_NAMES) == set(session.TASKS)
 
 
 def test_what_is_public() -> None:
