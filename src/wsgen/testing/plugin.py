@@ -220,12 +220,12 @@ def world(request: pytest.FixtureRequest) -> World:
     return _stage(request.node).loaded.world
 
 
-@pytest.hookimpl(wrapper=True)
-def pytest_runtest_makereport(
-    item: pytest.Item,
-) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+# The form that old versions know, too: a plugin that is not loaded breaks all tests.
+@pytest.hookimpl(hookwrapper=True)
+def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, Any, None]:
     """Add a picture and the last second to the report of a test that failed."""
-    report = yield
+    outcome = yield
+    report: pytest.TestReport = outcome.get_result()
     simulation = item.stash.get(SIMULATION, None)
     if report.when == "call" and report.failed and simulation is not None:
         shown = _draw(item, simulation)
@@ -234,7 +234,6 @@ def pytest_runtest_makereport(
     elif report.when == "call" and report.passed and simulation is not None:
         for file in _files(item):  # that an earlier run may have left
             file.unlink(missing_ok=True)
-    return report
 
 
 def _files(item: pytest.Item) -> tuple[Path, Path]:
