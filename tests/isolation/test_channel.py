@@ -2,7 +2,6 @@
 
 import os
 import signal
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -100,10 +99,8 @@ def test_its_death_is_an_answer(channel: Channel, command: str, reason: str, cau
 
 
 def test_a_command_that_hangs_ends_at_its_limit_of_cpu_time(channel: Channel) -> None:
-    started = time.monotonic()
-    outcome = death(channel.call("spin", seconds=1.0))
+    outcome = death(channel.call("spin", seconds=1.0, wall_clock=300.0))
     assert outcome.reason == "used more than 1 s of CPU time"
-    assert time.monotonic() - started < 9
 
 
 def test_the_limit_is_that_of_one_command(channel: Channel) -> None:
@@ -115,7 +112,7 @@ def test_the_limit_is_that_of_one_command(channel: Channel) -> None:
 
 
 def test_a_command_that_sleeps_ends_at_the_limit_of_wall_clock_time(channel: Channel) -> None:
-    outcome = death(channel.call("sleep", seconds=0.05))
+    outcome = death(channel.call("sleep", wall_clock=0.5))
     assert outcome.cause == "wall-clock time"
 
 

@@ -113,7 +113,7 @@ def test_an_engine_that_hangs_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(session, "SECONDS_A_SECOND", 0.0)
     with Session(scene_of(two_wheeled())) as told:
         told.push("e", (1.0, 0.0, 0.0), 1.0, "right")
-        with pytest.raises(SessionDiedError, match="used more than 1 s of CPU time while simul"):
+        with pytest.raises(SessionDiedError, match=r"(CPU time|is busy\)) while simulating 1 s"):
             told.step(1.0)
 
 

@@ -101,17 +101,24 @@ class Channel:
             self._stack.close()
             raise
 
-    def call(self, name: str, *arguments: object, seconds: float = 60.0) -> Answered | Died:
+    def call(
+        self,
+        name: str,
+        *arguments: object,
+        seconds: float = 60.0,
+        wall_clock: float | None = None,
+    ) -> Answered | Died:
         """Have the child perform a command.
 
         Args:
             name: Of one of the commands that the child serves.
             arguments: Of the command; they are pickled.
-            seconds: The limit of its CPU time; that of wall-clock time follows from it.
+            seconds: The limit of its CPU time.
+            wall_clock: That of wall-clock time, s; None: it follows from the other.
         """
         if self._death is not None:
             return self._death
-        limits = Limits(seconds=seconds, memory=self._limits.memory)
+        limits = Limits(seconds=seconds, wall_clock=wall_clock, memory=self._limits.memory)
         self._socket.settimeout(limits.wall_clock_seconds)
         try:
             _send(self._socket, pickle.dumps((name, arguments, seconds)))
