@@ -71,9 +71,7 @@ def main() -> None:
     print(f"| size | {len(data) / 1e6:.1f} MB | {LARGEST / 1e6:g} MB |")
     print(f"| size, compressed as web servers do | {len(gzip.compress(data)) / 1e6:.1f} MB | |")
     print(f"| loaded, CPU time of the page | {cpu:.2f} s | {LONGEST:g} s |")
-    print(
-        f"| loaded, wall-clock | {loaded:.2f} s | {LONGEST:g} s, on a machine with nothing else |"
-    )
+    print(f"| loaded, wall-clock | {loaded:.2f} s | {LONGEST:g} s |")
     print(f"| first plots after scrolling | {plotted:.2f} s | |")
 
 

@@ -307,7 +307,7 @@ def test_it_says_everything() -> None:
         "8 characters from /s/r.urdf",
         "2 more of implausible-inertia",
         "evaluate launch files",
-        "The 3D view is simplified: 1 of 9 triangles.",
+        "A square of the ground is 0.5 m. The 3D view is simplified: 1 of 9 triangles.",
         "Cannot draw it: the disk is full.",
         "validate its files by themselves: /q/q.urdf",
         "Why this is bad",  # of a rule
@@ -315,6 +315,17 @@ def test_it_says_everything() -> None:
         "2026-11-22 12:00",
     ):
         assert said in text, said
+
+
+def test_what_passed_and_does_not_stand_is_not_green() -> None:
+    (engine, _) = ROBOT.engines
+    assert engine.rest is not None
+    moving = replace(engine, rest=replace(engine.rest, settled_after=None))
+    failed = replace(engine, passed=False)
+    robot = replace(ROBOT, engines=(engine, moving, failed))
+    page = page_of(Outcome(packages=(replace(PACKAGE, robots=(robot,)),)))
+    tones = {one.text: one.get("class") for one in elements(page, "dd") if "class" in one.attrib}
+    assert tones == {"stands after 0.5 s": "good", "did not settle": "mild", "fails": "bad"}
 
 
 def test_an_interrupted_run_says_so() -> None:

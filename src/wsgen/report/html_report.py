@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
     from wsgen.diagnostics import Diagnostic, Rule
     from wsgen.model.behavior import BehaviorOutcome
-    from wsgen.model.outcome import NotValidated, PackageOutcome, RobotOutcome
+    from wsgen.model.outcome import EngineOutcome, NotValidated, PackageOutcome, RobotOutcome
     from wsgen.model.plan import Process
     from wsgen.model.robot import Geometry, Joint, Link
 
@@ -423,8 +423,15 @@ def _results(robot: RobotOutcome) -> Iterator[dict[str, Any]]:
             "tilt": math.degrees(rest.tilt) if rest else None,
             "speed": rest.speed if rest else None,
             "result": result_of(one) if one else "not simulated",
-            "passed": bool(one and one.passed),
+            "tone": _tone(one),
         }
+
+
+def _tone(one: EngineOutcome | None) -> str:
+    """How a result is painted: as bad, good, or as what may be meant and is to be looked at."""
+    if one is None or not one.passed:
+        return "bad"
+    return "good" if result_of(one).startswith(("stands", "settled")) else "mild"
 
 
 def _behaviors(robot: RobotOutcome) -> Iterator[dict[str, Any]]:
