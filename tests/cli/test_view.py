@@ -1,4 +1,4 @@
-"""`wsgen view` and `wsgen launch --play --view`: what they refuse, where they listen, their end."""
+"""`wsgen view`, `wsgen launch --play --view`: what they refuse, where they listen, how they end."""
 
 import os
 import signal
@@ -128,7 +128,12 @@ def test_a_browser_is_opened_where_somebody_sees_it(
     for name, value in environment.items():
         monkeypatch.setenv(name, value)
     opened: list[str] = []
-    monkeypatch.setattr("webbrowser.open", lambda url: not opened.append(url))  # type: ignore[func-returns-value]
+
+    def open_it(url: str) -> bool:
+        opened.append(url)
+        return True
+
+    monkeypatch.setattr("webbrowser.open", open_it)
     browser.announce("127.0.0.1", 8123, opens=opens, quiet=False)
     assert bool(opened) == is_opened
     captured = capsys.readouterr()

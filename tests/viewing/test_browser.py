@@ -31,8 +31,8 @@ if TYPE_CHECKING:
 pytestmark = [pytest.mark.slow, needs_chromium]
 pytest.importorskip("viser")
 
-WIDTH, HEIGHT = 900, 500
-CANVAS = 500  # pixels; to the right of them is the panel
+WIDTH, HEIGHT = 680, 280  # small: each pixel is drawn by a processor
+CANVAS = 280  # pixels; to the right of them is the panel
 LEAST_PIXELS = 150
 SECONDS = 60.0  # without a graphics card, on a busy machine
 
@@ -60,6 +60,15 @@ def showing(file: Path) -> Iterator[tuple[View, Any]]:
         view.close()
 
 
+def open_page(chromium: Chromium, port: int, element: str) -> Page:
+    """Open the page and wait for an element of the panel."""
+    tab = chromium.open(f"http://127.0.0.1:{port}", width=WIDTH, height=HEIGHT)
+    tab.wait_for(f"!!document.querySelector({json.dumps(element)})", SECONDS)
+    # The notice that no graphics card draws is in front of the scene.
+    tab.evaluate("document.querySelectorAll('.mantine-Notification-root').forEach(n => n.remove())")
+    return tab
+
+
 def wait_for(condition: Callable[[], Any]) -> Any:
     end = time.monotonic() + SECONDS
     while not (value := condition()):
@@ -84,7 +93,6 @@ def middle(tab: Page, folder: Path, color: str) -> tuple[float, float] | None:
         "blue": (blue > 90) & (blue > 3 * red) & (blue > 2 * green),
         "orange": (red - blue > 60) & (green > 0.4 * red) & (green < 0.85 * red),
     }[color]
-    is_it[:200, :320] = False  # viser's notice that no graphics card draws
     if is_it.sum() < LEAST_PIXELS:
         return None
     rows, columns = np.nonzero(is_it)
@@ -104,6 +112,7 @@ def click(tab: Page, selector: str, text: str) -> None:
             .find(one => one.textContent.trim() === {json.dumps(text)});
         if (one && one.htmlFor) one = document.getElementById(one.htmlFor);
         if (!one) return null;
+        one.scrollIntoView({{block: "center", behavior: "instant"}});
         const box = one.getBoundingClientRect();
         return box.width ? [box.x + box.width / 2, box.y + box.height / 2] : null;
     }})()"""
@@ -119,8 +128,7 @@ def orientation_of_arm(page: Any) -> list[float]:
 
 def test_a_slider_moves_a_link(chromium: Chromium, tmp_path: Path) -> None:
     with showing(write_crane(tmp_path / "crane")) as (_, page):
-        tab = chromium.open(f"http://127.0.0.1:{page.port}", width=WIDTH, height=HEIGHT)
-        tab.wait_for("!!document.querySelector('[role=slider]')", SECONDS)
+        tab = open_page(chromium, page.port, "[role=slider]")
         before = wait_for(lambda: middle(tab, tmp_path, "red"))
         assert orientation_of_arm(page) == pytest.approx([1, 0, 0, 0])
         assert tab.evaluate("document.body.textContent").count("swing, °") == 1
@@ -164,13 +172,12 @@ def test_layers_and_changes_of_files_are_shown(
     file = write_crane(tmp_path / "crane")
     over = threading.Event()
     with showing(file) as (view, page):
-        tab = chromium.open(f"http://127.0.0.1:{page.port}", width=WIDTH, height=HEIGHT)
+        tab = open_page(chromium, page.port, "[role=slider]")
         follower = threading.Thread(
             target=lambda: view.follow(page, on_change=lambda *_: None, is_over=over.is_set)
         )
         follower.start()
         try:
-            tab.wait_for("!!document.querySelector('[role=slider]')", SECONDS)
             wait_for(lambda: middle(tab, tmp_path, "red"))
             assert middle(tab, tmp_path, "orange") is None
             press_on_slider(tab, "ArrowRight", 3)
@@ -222,7 +229,7 @@ def test_a_simulation_is_paused_stepped_and_pushed(chromium: Chromium, tmp_path:
         runner.start()
         try:
             (session,) = sessions
-            tab = chromium.open(f"http://127.0.0.1:{page.port}", width=WIDTH, height=HEIGHT)
+            tab = open_page(chromium, page.port, "button")
             tab.wait_for("document.body.textContent.includes('× real time')", SECONDS)
             click(tab, "button", "Pause")
             tab.wait_for("document.body.textContent.includes(', paused')")

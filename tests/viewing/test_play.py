@@ -14,6 +14,7 @@ from wsgen.model.transform import Pose
 from wsgen.model.world import World
 from wsgen.pipeline.describe import Described
 from wsgen.pipeline.prepare import PreparedRobot
+from wsgen.simulation.engine import Refused
 from wsgen.simulation.scene import Scene, SpawnedRobot
 from wsgen.simulation.session import Session
 from wsgen.viewing.play import Player
@@ -57,6 +58,7 @@ class FakeSession:
 
     def __init__(self, *, dies: bool = False) -> None:
         self.spawn_poses = {"box": Pose((0.0, 0.0, 1.0))}
+        self.refused: Mapping[str, Any] = {}
         self.dies = dies
         self.pushes: list[Any] = []
         self.is_closed = False
@@ -196,6 +198,31 @@ def test_an_engine_that_dies_is_started_again_by_reset(game: Game) -> None:
 def test_a_push_of_what_is_not_simulated_is_told(game: Game) -> None:
     game.play(0.1, Push("nobody", None, (1.0, 0.0, 0.0), 0.2))
     assert "no robot `nobody`" in game.text
+
+
+def test_a_robot_that_the_engine_refuses_is_told(game: Game) -> None:
+    game.sessions[0].refused = {"cart": Refused("it has 200 links", "Take fewer.")}
+    game.play(0.1)
+    assert "`cart` is not simulated: it has 200 links." in game.text
+
+
+def test_a_model_that_is_not_simulated_is_where_it_is_placed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    wall = PreparedRobot(
+        entity="wall",
+        written=BOX,
+        lumped=BOX,
+        readable=BOX,
+        spawn_pose=Pose((3.0, 0.0, 0.0)),
+        is_static_model=True,
+        can_run=False,
+    )
+    viewer = Viewer()
+    Player(FOUND._replace(robots=(wall, *FOUND.robots)), FakeSession, viewer)  # type: ignore[arg-type]
+    ((box, shown),) = viewer.robots
+    assert (box.entity, shown.entity) == ("box", "wall")
+    assert shown.pose_in_world.xyz == (3.0, 0.0, 0.0)
 
 
 def test_what_is_drawn_is_what_is_simulated(game: Game) -> None:

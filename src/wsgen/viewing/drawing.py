@@ -97,12 +97,14 @@ def glb(parts: Iterable[Part], *, is_faint: bool = False) -> bytes | None:
 
 def draw(found: Described) -> list[DrawnRobot]:
     """What is drawn of what was read: the robots first, then the static models."""
-    drawn = [
-        _draw(prepared, prepared.readable, found.collision_surfaces)
-        for prepared in found.robots
-        if prepared.readable is not None
-    ]
-    return sorted(drawn, key=lambda robot: robot.is_static_model)
+    drawn = (draw_one(prepared, found.collision_surfaces) for prepared in found.robots)
+    return sorted(filter(None, drawn), key=lambda robot: robot.is_static_model)
+
+
+def draw_one(prepared: PreparedRobot, collision_surfaces: Mapping[str, str]) -> DrawnRobot | None:
+    """What is drawn of a robot, as it is written; None if its meshes have not been read."""
+    robot = prepared.readable
+    return None if robot is None else _draw(prepared, robot, collision_surfaces)
 
 
 def draw_simulated(

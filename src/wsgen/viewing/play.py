@@ -9,12 +9,12 @@ from queue import Empty
 from typing import TYPE_CHECKING, Protocol
 
 from wsgen.errors import RequestError, SessionDiedError
-from wsgen.viewing.drawing import draw_simulated
+from wsgen.viewing.drawing import draw_one, draw_simulated
 from wsgen.viewing.simulation_page import Push, Reset, SetRunning, Step
 from wsgen.viewing.texts import diagnostics_list, links_table, summary
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
     from queue import SimpleQueue
 
     from wsgen.model.transform import Pose
@@ -70,12 +70,7 @@ class Player:
         self._paces: deque[tuple[float, float]] = deque()  # wall-clock and simulated s
         self._owed = 0.0  # s of simulated time that are due, less than a step of the engine
         self._open()
-        session = self._session
-        poses: Mapping[str, Pose] = {} if session is None else session.spawn_poses
-        robots = [
-            draw_simulated(one, poses.get(one.entity, one.spawn_pose), found.collision_surfaces)
-            for one in found.robots
-        ]
+        robots = list(self._drawn(found))
         robots.sort(key=lambda robot: robot.is_static_model)
         viewer.show(robots, links=links_table(robots))
         viewer.report(
@@ -83,6 +78,18 @@ class Player:
             diagnostics=diagnostics_list(found.diagnostics),
         )
         self._show()
+
+    def _drawn(self, found: Described) -> Iterator[DrawnRobot]:
+        """What the engine has; the rest where it would be, as models of the world may be."""
+        session, surfaces = self._session, found.collision_surfaces
+        poses: Mapping[str, Pose] = {} if session is None else session.spawn_poses
+        for one in found.robots:
+            if one.entity in poses:
+                yield draw_simulated(one, poses[one.entity], surfaces)
+            else:
+                drawn = draw_one(one, surfaces)
+                if drawn is not None:
+                    yield drawn
 
     def close(self) -> None:
         """End the engine."""
@@ -175,6 +182,10 @@ class Player:
             return
         self._viewer.put({entity: state.links for entity, state in session.states.items()})
         lines = [f"**{session.seconds:.2f} s** simulated{self._pace(session.seconds)}"]
+        lines += [
+            f"`{entity}` is not simulated: {refused.reason.rstrip('.')}."
+            for entity, refused in session.refused.items()
+        ]
         if self._problem:
             lines.append(f"**{self._problem}** Reset to begin again.")
         self._viewer.tell("  \n".join(lines), is_running=self._is_running)
