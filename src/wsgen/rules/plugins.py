@@ -201,7 +201,9 @@ def _predecessor(name: str) -> str | None:
 def simulator_meant(tags: Iterable[GazeboTag]) -> str | None:
     """The simulator that all plugins of a robot are for, where nothing else says it."""
     plugins = [
-        plugin for tag in tags for holder in (tag, *tag.sensors) for plugin in holder.plugins
+        plugin
+        for tag in tags
+        for plugin in (*tag.plugins, *(one for sensor in tag.sensors for one in sensor.plugins))
     ]
     kinds = {simulator_of(plugin.filename) for plugin in plugins} - {None}
     return kinds.pop() if len(kinds) == 1 else None
