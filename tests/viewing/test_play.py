@@ -17,8 +17,8 @@ from wsgen.pipeline.prepare import PreparedRobot
 from wsgen.simulation.engine import Refused
 from wsgen.simulation.scene import Scene, SpawnedRobot
 from wsgen.simulation.session import Session
+from wsgen.viewing.commands import Command, Push, Reset, SetRunning, Step
 from wsgen.viewing.play import Player
-from wsgen.viewing.simulation_page import Command, Push, Reset, SetRunning, Step
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

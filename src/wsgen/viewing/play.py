@@ -9,8 +9,8 @@ from queue import Empty
 from typing import TYPE_CHECKING, Protocol
 
 from wsgen.errors import RequestError, SessionDiedError
+from wsgen.viewing.commands import Push, Reset, SetRunning, Step
 from wsgen.viewing.drawing import draw_one, draw_simulated
-from wsgen.viewing.simulation_page import Push, Reset, SetRunning, Step
 from wsgen.viewing.texts import diagnostics_list, links_table, summary
 
 if TYPE_CHECKING:
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from wsgen.model.transform import Pose
     from wsgen.pipeline.describe import Described
     from wsgen.simulation.session import Session
+    from wsgen.viewing.commands import Command
     from wsgen.viewing.drawing import DrawnRobot
-    from wsgen.viewing.simulation_page import Command
 
 
 FRAME = 1 / 30  # s, wall-clock, between two looks at the robots

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence  # noqa: TC003
 from queue import SimpleQueue
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
+from wsgen.viewing.commands import Command, Push, Reset, SetRunning, Step
 from wsgen.viewing.page import Page
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from wsgen.model.transform import Pose, Vector
+    from wsgen.model.transform import Pose
     from wsgen.viewing.drawing import DrawnRobot
 
 
@@ -21,34 +22,6 @@ GRAVITY = 9.81  # m/s²
 PUSH = 0.3  # of the weight of the robot, at first
 PUSH_SECONDS = 0.2
 ROOT = "root link"
-
-
-class Push(NamedTuple):
-    """A force that is to act on a robot."""
-
-    entity: str
-    link: str | None  # of those that are simulated; None: the root
-    force: Vector  # N, in the world
-    seconds: float  # simulated
-
-
-class Step(NamedTuple):
-    """So much simulated time is to pass, and then no more."""
-
-    seconds: float
-
-
-class SetRunning(NamedTuple):
-    """The simulation is to go on, or to wait."""
-
-    is_running: bool
-
-
-class Reset(NamedTuple):
-    """Everything is to be as it was at the beginning."""
-
-
-Command = Push | Step | SetRunning | Reset
 
 
 class SimulationPage(Page):
