@@ -326,3 +326,10 @@ def test_the_code_of_a_rule_has_no_empty_lines_around_it() -> None:
     rule = replace(UNKNOWN_RULE_ALLOWED, example="\n  a\n\nb\n", instead="\nc\n")
     (written,) = json.loads(render_rules([rule]))["rules"]
     assert (written["example"], written["instead"]) == ("  a\n\nb", "c")
+
+
+def test_a_file_name_that_is_no_text_can_be_written_and_read() -> None:
+    text = render_outcome(outcome(launch_file=Path("/s/caf\udce9 ü.launch.py")))
+    document = json.loads(text.encode())
+    assert document["packages"][0]["launch_file"] == "/s/caf\udce9 ü.launch.py"
+    assert "ü" in text
