@@ -2,9 +2,9 @@
 
     python -m benchmarks.colcon_validate [RUNS] [WORKSPACE]
 
-It needs colcon-parallel-executor. CPU time as in `benchmarks`; the two are run in turn, because a
-busy machine changes the wall-clock time of both. What it does not change is how many packages are
-in progress at once: the time of all jobs that `events.log` has, divided by that of the run.
+CPU time as in `benchmarks`; the two are run in turn, because a busy machine changes the wall-clock
+time of both. What it does not change is how many packages are in progress at once: the time of all
+jobs that `events.log` has, divided by that of the run.
 """
 
 from __future__ import annotations

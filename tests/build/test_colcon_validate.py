@@ -46,9 +46,20 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return root
 
 
+def most_at_once(log: Path) -> int:
+    """How many packages colcon had in progress at a time."""
+    now = most = 0
+    for event in re.findall(
+        r"^\[[\d.]+\] \(.*?\) (\w+)", (log / "events.log").read_text(), re.MULTILINE
+    ):
+        now += {"JobStarted": 1, "JobEnded": -1}.get(event, 0)
+        most = max(most, now)
+    return most
+
+
 @pytest.mark.slow
 def test_packages_pass_fail_and_are_skipped(workspace: Path) -> None:
-    words = ("--executor", "sequential", "--seconds", "0.5", "--picture", "pictures")
+    words = ("--parallel-workers", "2", "--seconds", "0.5", "--picture", "pictures")
     done = colcon(workspace, "validate", *words)
     assert done.returncode == 1, done.stdout + done.stderr
     # colcon's own handlers draw the events, and show the errors of what fails.
@@ -65,13 +76,24 @@ def test_packages_pass_fail_and_are_skipped(workspace: Path) -> None:
     assert "  my_msgs skipped: spawns no robot\n" in done.stdout
     assert "      try: " in done.stdout
     assert [file.name for file in (workspace / "pictures").iterdir()] == ["good_robot.png"]
-    log = workspace / "log" / "latest_validate" / "good_robot" / "stdout.log"
-    assert "good_robot: passed" in log.read_text()
+    log = workspace / "log" / "latest_validate"
+    assert "good_robot: passed" in (log / "good_robot" / "stdout.log").read_text()
+    assert most_at_once(log) == 2
     assert (workspace / "build" / "COLCON_IGNORE").is_file()
     results = colcon(workspace, "test-result", "--verbose")
     assert results.returncode == 1
     assert "- bad_robot.gazebo_model_launch_py launch file (src/bad_robot/model/" in results.stdout
     assert "1 failure, 1 skipped" in results.stdout
+
+
+@pytest.mark.slow
+def test_without_ros_packages_are_built_in_order(workspace: Path) -> None:
+    """As each finds those before it; the user's choice is stronger."""
+    words = ("build", "--packages-select", "good_robot", "bad_robot", "--parallel-workers", "2")
+    for more, expected in ((), 1), (("--executor", "parallel"), 2):
+        done = colcon(workspace, *words, *more)
+        assert done.returncode == 0, done.stdout + done.stderr
+        assert most_at_once(workspace / "log" / "latest_build") == expected
 
 
 @pytest.mark.slow

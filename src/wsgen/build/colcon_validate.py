@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import signal
 import sys
 from collections import OrderedDict
@@ -21,6 +22,7 @@ from colcon_core.subprocess import run
 from colcon_core.task import TaskContext, TaskExtensionPoint
 from colcon_core.verb import check_and_mark_build_tool
 
+from wsgen.build.package_environment import EXECUTOR, IN_ORDER
 from wsgen.errors import EXIT_FAILED, EXIT_PASSED, EXIT_SIGNALLED
 from wsgen.values import dataclass
 
@@ -76,9 +78,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="Abort after the first package that fails",
     )
-    add_executor_arguments(parser)
+    _add_executor_arguments(parser)
     add_event_handler_arguments(parser)
     add_packages_arguments(parser)
+
+
+def _add_executor_arguments(parser: argparse.ArgumentParser) -> None:
+    """Let the executor be the one that colcon prefers: no package needs another one's result."""
+    before = os.environ.pop(EXECUTOR, None) if IN_ORDER in os.environ else None
+    try:
+        add_executor_arguments(parser)
+    finally:
+        if before is not None:
+            os.environ[EXECUTOR] = before
 
 
 def validate(context: Any) -> int:

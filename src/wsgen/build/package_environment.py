@@ -18,23 +18,29 @@ from wsgen.build.toolchain import INDEX, Wheels, find_toolchain
 from wsgen.errors import NotFoundError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator, MutableMapping
 
 # The prefix of the sources and the one to install to, with a colon between them.
 SOURCE_PREFIX = "WSGEN_SOURCE_PREFIX"
 FOLDER = "source_prefix"  # in the build folder of the package
+EXECUTOR = "COLCON_DEFAULT_EXECUTOR"
+IN_ORDER = "WSGEN_IN_ORDER"  # in the environment: the user has not chosen this executor
 
 
-def set_package_environments(environ: Mapping[str, str]) -> None:
+def set_package_environments(environ: MutableMapping[str, str]) -> None:
     """Have colcon run the programs of a package with these variables, if `environ` is without ROS.
 
-    Call it before colcon loads its build tasks, which copy the function that is replaced.
+    Packages are then built one after the other, so that each finds those before it; arguments,
+    files of defaults and EXECUTOR itself are stronger. Call it before colcon loads its build tasks,
+    which copy the function that is replaced, and reads EXECUTOR.
     """
     try:
         if not isinstance(find_toolchain(environ), Wheels):
             return
     except NotFoundError:
         return
+    if EXECUTOR not in environ:
+        environ.update({EXECUTOR: "sequential", IN_ORDER: "1"})
     import colcon_core.executor  # noqa: PLC0415  its constants are of use without colcon
     import colcon_core.shell  # noqa: PLC0415
 
