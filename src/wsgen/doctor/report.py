@@ -43,6 +43,7 @@ COLCON_PACKAGES = {
     "colcon_metadata": "colcon-metadata",
     "colcon_output": "colcon-output",
     "colcon_package_selection": "colcon-package-selection",
+    "colcon_parallel_executor": "colcon-parallel-executor",
     "colcon_recursive_crawl": "colcon-recursive-crawl",
     "colcon_ros": "colcon-ros",
     "colcon_zsh": "colcon-zsh",
