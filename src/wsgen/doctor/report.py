@@ -58,6 +58,7 @@ LIBRARIES = {
     "yaml": "pyyaml",
     "numpy": "numpy",
     "PIL": "pillow",
+    "pytest": "pytest",
     "trimesh": "trimesh",
     "shapely": "shapely",
 }
