@@ -169,13 +169,13 @@ class Simulation:
         Returns:
             Whether all are at rest.
         """
+        step = self.step_seconds  # less than half of one is no time: nothing would happen in it
         held, end = 0.0, self.seconds + seconds
-        while held < REST_HELD - 1e-9 and self.seconds < end - 1e-9:
+        while held < REST_HELD - 1e-9 and end - self.seconds > step / 2 + 1e-9:
             before = self.seconds
-            self.step(min(SETTLE_STEP, end - self.seconds))
+            self.step(min(max(SETTLE_STEP, step), end - before))
             states = self.session.states.values()
-            passed = self.seconds - before
-            held = 0.0 if any(map(is_moving, states)) or not passed else held + passed
+            held = 0.0 if any(map(is_moving, states)) else held + self.seconds - before
             if not all(state.is_finite for state in states):
                 return False
         return held >= REST_HELD - 1e-9
