@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any, cast
 
 import pytest
 from PIL import Image
@@ -17,6 +18,7 @@ from wsgen.simulation.engine import Motor
 from wsgen.simulation.run import MODULES, missing_engines, run_simulation
 from wsgen.simulation.scene import NotDrawn, Picture, Scene, SpawnedRobot, Video
 from wsgen.simulation.session import Session
+from wsgen.testing.simulation import Simulation
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -71,6 +73,10 @@ def test_what_cannot_be_done_is_refused_before_it_is_told() -> None:
             (lambda: told.set_motors("e", {"x": Motor(1.0, 1.0)}), "no movable joint `x`"),
             (lambda: told.push("e", (1.0, 0.0, 0.0), 1.0, "bse"), r"no link `bse`.*\n.*`base`"),
             (lambda: told.push("x", (1.0, 0.0, 0.0), 1.0), r"no robot `x`(?s:.*)Robots: e\."),
+            (lambda: told.push("e", (1.0, 0.0), 1.0), "x, y and z, not 2 components"),  # type: ignore[arg-type]
+            (lambda: told.push("e", (math.inf, 0.0, 0.0), 1.0), "A force is inf"),
+            (lambda: told.hold("e", {"left": math.nan}), "A position is nan"),
+            (lambda: told.set_motors("e", {"left": Motor(math.nan, 1.0)}), "effort is nan"),
             (lambda: told.step(-1.0), "-1.0 s of simulated time"),
             (lambda: told.step(math.inf), "inf s of simulated time"),
             (lambda: told.watch(math.nan), "nan s of simulated time"),
@@ -234,3 +240,13 @@ def test_what_cannot_be_drawn_says_why(tmp_path: Path) -> None:
         answer = told.record(tmp_path / "a.gif")
         assert isinstance(answer, NotDrawn)
         assert answer.problem == "nothing was recorded"
+
+
+@pytest.mark.parametrize("seconds", [0.0, 0.0004, 0.004, 0.0134, 0.0251])
+def test_settling_ends_where_no_whole_step_is_left(seconds: float) -> None:
+    loaded = SimpleNamespace(world=None, plan=None, robots=(), simulator=None)
+    with Session(scene_of(two_wheeled())) as told:
+        stage = SimpleNamespace(engine="fake", loaded=loaded, session=lambda: told)
+        simulation = Simulation(cast("Any", stage))
+        assert not simulation.settle(seconds)
+        assert simulation.seconds == pytest.approx(seconds, abs=told.step_seconds / 2)

@@ -149,6 +149,7 @@ class Session(contextlib.AbstractContextManager["Session"]):
         self._check_joints(
             entity, (name for pair in drive.pairs for name in (pair.left, pair.right))
         )
+        _check_finite("A speed", (linear, angular))
         self._tell("drive", entity, drive, linear, angular, doing=f"driving `{entity}`")
 
     def hold(self, entity: str, positions: Mapping[str, float]) -> None:
@@ -158,12 +159,14 @@ class Session(contextlib.AbstractContextManager["Session"]):
         was named before goes on.
         """
         self._check_joints(entity, positions)
+        _check_finite("A position", positions.values())
         self._tell("hold", entity, dict(positions), doing=f"holding joints of `{entity}`")
 
     def set_motors(self, entity: str, motors: Mapping[str, Motor]) -> None:
         """From now on, have these motors in joints, whatever else commands them."""
         self._check_joints(entity, motors)
         given = {joint: tuple(motor) for joint, motor in motors.items()}
+        _check_finite("A motor's speed or effort", (one for pair in given.values() for one in pair))
         self._tell("set_motors", entity, given, doing=f"setting motors of `{entity}`")
 
     def release(self, entity: str) -> None:
@@ -190,7 +193,14 @@ class Session(contextlib.AbstractContextManager["Session"]):
                 hint=f"{ask_for_nearest(link, known)}Links: {', '.join(known)}.",
             )
         _checked(seconds)
-        self._tell("push", entity, link, tuple(force), seconds, doing=f"pushing `{entity}`")
+        components = tuple(force)
+        if len(components) != len("xyz"):
+            raise RequestError(
+                f"A force has x, y and z, not {len(components)} components.",
+                hint="Give three, in N.",
+            )
+        _check_finite("A force", components)
+        self._tell("push", entity, link, components, seconds, doing=f"pushing `{entity}`")
 
     def measure(self, entity: str) -> None:
         """From now on, measure how far a robot moves."""
@@ -298,3 +308,10 @@ def _checked(seconds: float) -> float:
             f"{seconds} s of simulated time cannot pass.", hint="Give a number of 0 or more."
         )
     return seconds
+
+
+def _check_finite(what: str, numbers: Iterable[float]) -> None:
+    """Refuse what an engine would carry into the state of a robot."""
+    for number in numbers:
+        if not math.isfinite(number):
+            raise RequestError(f"{what} is {number}.", hint="Give a finite number.")
