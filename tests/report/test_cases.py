@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -18,7 +19,7 @@ from wsgen.pipeline.check import CheckOutcome
 from wsgen.pipeline.reported import Reported
 from wsgen.report.cases import OF_COMPARISON, OF_RUNS, outcome_suites
 from wsgen.report.junit import Case, Failure, Suite, render_suites
-from wsgen.report.markdown import MOST_LISTED, summarize_check, summarize_outcome
+from wsgen.report.markdown import BAR, MOST_LISTED, summarize_check, summarize_outcome
 from wsgen.rules import runs
 from wsgen.rules.bodies import IMPLAUSIBLE_DENSITY
 from wsgen.rules.runs import FALLS_WITHOUT_END, TIPS_OVER
@@ -202,11 +203,22 @@ def test_the_summary_of_a_validation() -> None:
     )
     (item,) = [line for line in lines if "Try:" in line][:1]
     assert item == (
-        f"- `src/p/r.urdf:7`: **{TIPS_OVER.code}** It &lt;falls&gt; &amp; \\`breaks\\`\\|"
+        f"- `src/p/r.urdf:7`: **{TIPS_OVER.code}** It &lt;falls&gt; &amp; \\`breaks\\`|"
         "<br>Try: Add \\*legs\\*."
     )
     assert text.index("### Errors") < text.index("### Warnings") < text.index("### Not validated")
     assert "- q: spawns no robot" in lines
+
+
+def test_a_name_in_a_summary_is_no_markup() -> None:
+    name = os.fsdecode(b"a``b|`\xff\x1b[31m <b>.urdf")
+    found = replace(error(IMPLAUSIBLE_DENSITY), file=HERE / name)
+    checked = CheckOutcome(packages=(), files=(HERE / name,), folders={})
+    text = summarize_check(checked, Reported(diagnostics=(found,)), HERE)
+    code = "``` a``b|`\ufffd\u241b[31m <b>.urdf ```"
+    assert f"\n| {code.replace('|', BAR)} | **failed** | 1 | 0 |\n" in text
+    assert f"\n- {code.replace(' ```', ':7 ```')}: **" in text
+    assert text.encode()
 
 
 def test_the_summary_of_a_check() -> None:

@@ -25,6 +25,7 @@ from wsgen.model.robot import JointType, Mesh
 from wsgen.report.launch_tree import cause_of, start_tree
 from wsgen.report.page_data import compress, pack_package
 from wsgen.report.plotly_library import read_plotly
+from wsgen.report.text import clean
 from wsgen.report.words import (
     result_of,
     what_is_expected,
@@ -107,27 +108,6 @@ class Html(str):
 
     def __html__(self) -> str:
         return self
-
-
-# What is not printable, or turns the direction in which the text after it is read.
-_UNPRINTABLE = {
-    **{code: chr(0x2400 + code) for code in range(0x20) if chr(code) not in "\t\n"},
-    0x7F: "\u2421",
-    **dict.fromkeys((*range(0x80, 0xA0), *range(0xD800, 0xE000)), "\ufffd"),
-    **dict.fromkeys((*range(0x202A, 0x202F), *range(0x2066, 0x206A)), "\ufffd"),
-    **dict.fromkeys(range(0xFDD0, 0xFDF0), "\ufffd"),
-    **dict.fromkeys(
-        (plane + end for plane in range(0, 0x110000, 0x10000) for end in (0xFFFE, 0xFFFF)), "\ufffd"
-    ),
-}
-
-
-def clean(text: str) -> str:
-    """A text that can be written as UTF-8 and shown: other characters are replaced by signs.
-
-    Names of files may have bytes that are no characters, and launch files give any text.
-    """
-    return text.translate(_UNPRINTABLE)
 
 
 def mark_code(text: str) -> Html:

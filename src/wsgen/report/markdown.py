@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Severity
 from wsgen.report.check_formats import relative_name
+from wsgen.report.text import clean
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -21,7 +22,8 @@ if TYPE_CHECKING:
 
 MOST_LISTED = 100  # diagnostics or packages: GitHub takes up to 1 MiB from a step
 LONGEST = 500  # characters of a message
-_SPECIAL = re.compile(r"([\\`*_{}\[\]<>#|~])")
+_SPECIAL = re.compile(r"([\\`*_{}\[\]<>#~])")
+BAR = r"\|"
 _ENTITIES = {"&": "&amp;", "<": "&lt;", ">": "&gt;"}
 
 
@@ -146,7 +148,9 @@ def _table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> Iterator[s
     cells = list(rows)
     yield f"| {' | '.join(headings)} |"
     yield f"|{'---|' * len(headings)}"
-    yield from (f"| {' | '.join(row)} |" for row in cells[:MOST_LISTED])
+    for row in cells[:MOST_LISTED]:
+        # A bar ends a cell, even one in code.
+        yield f"| {' | '.join(cell.replace('|', BAR) for cell in row)} |"
     if len(cells) > MOST_LISTED:
         more = f"and {len(cells) - MOST_LISTED} more"
         yield f"| {' | '.join([more, *[''] * (len(headings) - 1)])} |"
@@ -154,15 +158,16 @@ def _table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> Iterator[s
 
 def _text(text: str) -> str:
     """A text on one line, in which nothing is markup."""
-    line = " ".join(text.split())
+    line = " ".join(clean(text).split())
     line = line if len(line) <= LONGEST else f"{line[:LONGEST]}…"
     line = line.replace("&", "&amp;")
     return _SPECIAL.sub(lambda found: _ENTITIES.get(found[1], f"\\{found[1]}"), line)
 
 
 def _code(text: str) -> str:
-    """A path or a name as code; a table ends a cell at a bar even there."""
-    if not text:
-        return ""
-    plain = " ".join(text.split()).replace("|", "\\|")
-    return f"`{plain}`" if "`" not in plain else f"`` {plain} ``"
+    """A path or a name as code, between more backticks than it has side by side."""
+    plain = " ".join(clean(text).split())
+    if "`" not in plain:
+        return f"`{plain}`" if plain else ""
+    fence = "`" * (max(map(len, re.findall("`+", plain))) + 1)
+    return f"{fence} {plain} {fence}"
