@@ -36,9 +36,10 @@ from wsgen.model.time_series import TimeSeries
 from wsgen.model.transform import Pose
 from wsgen.model.world import World
 from wsgen.report import plotly_library
-from wsgen.report.html_report import clean, mark_code, render_page
-from wsgen.report.page_data import pack_package
+from wsgen.report.html_report import mark_code, render_page
+from wsgen.report.page_data import LEVELS, Packer, pack_package
 from wsgen.report.plotly_library import require_plotly
+from wsgen.report.text import clean
 
 HOSTILE = "</script><script>alert(1)</script><!-- \"q\" 'a' &amp; \x00\x07\x7f \udce9 \u202e <b>ü漢"
 SHOWN = HOSTILE.translate({0: "␀", 7: "␇", 0x7F: "␡", 0xDCE9: "\ufffd", 0x202E: "\ufffd"})
@@ -381,3 +382,10 @@ def test_a_video_becomes_a_part_of_the_page(tmp_path: Path) -> None:
         assert shown.get("src").endswith(";base64,MTIzNA==")
     gone = Outcome(packages=(replace(FAILED, video=tmp_path / "gone.gif"),))
     assert not elements(page_of(gone), "img")
+
+
+@pytest.mark.parametrize("high", [5e-324, 70_000 * 5e-324, 98_000 * 5e-324, 1e-300, 1e300])
+def test_every_column_of_numbers_is_packed(high: float) -> None:
+    one = Packer().column([0.0, high])
+    assert one["n"] == 2
+    assert one["low"] + one["step"] * LEVELS >= high * (1 - 1e-9) or high < 1e-300

@@ -39,7 +39,8 @@ class Packer:
         """Numbers, each as one of `LEVELS` steps from the least of them to the greatest."""
         low, high = min(values, default=0.0), max(values, default=0.0)
         step = (high - low) / LEVELS or 1.0
-        levels = array("H", (round((value - low) / step) for value in values))
+        # A step that is next to 0 is not exact.
+        levels = array("H", (min(LEVELS, round((value - low) / step)) for value in values))
         if sys.byteorder == "big":
             levels.byteswap()
         return {"at": self.add(levels.tobytes()), "n": len(levels), "low": low, "step": step}
