@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import re
+import shutil
 import subprocess
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree as ET
 
@@ -17,8 +19,6 @@ from wsgen.simulation import session
 from wsgen.testing import plugin
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from testing.conftest import Pytest
 
 pytestmark = pytest.mark.slow
@@ -264,7 +264,35 @@ def test_options_and_settings(workspace: Path, run_pytest: Pytest, tmp_path: Pat
     file.write_text((tmp_path / "test_options.py").read_text())
     run = run_pytest(*place, file, "--wsgen-argument", "x:=2.5", "--wsgen-output=shots")
     assert "E       assert 0" in run.stdout, run.stdout
-    assert (tmp_path / "shots" / "test_options-test_options.png").is_file(), run.stdout
+    assert (tmp_path / "shots" / "arm" / "test_options-test_options.png").is_file(), run.stdout
+
+
+NAMED = """
+import pytest
+
+@pytest.mark.parametrize("value", ["a/b", "a:b", "x" * 300])
+def test_named(simulation, value):
+    simulation.step(0.01)
+    assert FAILS not in {"all", value}
+"""
+
+
+def test_each_test_has_files_of_its_own(
+    workspace: Path, run_pytest: Pytest, tmp_path: Path
+) -> None:
+    folder = workspace / "src" / "rover" / "test"
+    for place, fails in (("one", "all"), ("other", "a:b")):
+        (folder / place).mkdir()
+        text = NAMED.replace("FAILS", repr(fails))
+        (folder / place / "test_same.py").write_text(text)
+    options = ("--import-mode=importlib", "--wsgen-output=shots", "--rootdir", workspace / "src")
+    run = run_pytest(folder / "one", folder / "other", *options)
+    assert "4 failed, 2 passed" in run.stdout, run.stdout
+    told = [file for file in re.findall("(?m)^picture: (.*)$", run.stdout) if Path(file).is_file()]
+    assert len(set(told)) == 4
+    assert {Path(file).parent for file in told} == {tmp_path / "shots" / "rover"}
+    shutil.rmtree(folder / "one")
+    shutil.rmtree(folder / "other")
 
 
 def test_a_test_in_no_package_is_told_to_name_one(run_pytest: Pytest, tmp_path: Path) -> None:

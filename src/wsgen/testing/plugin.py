@@ -6,6 +6,8 @@ else is imported when a test asks for a fixture. See docs/testing.md.
 
 from __future__ import annotations
 
+import hashlib
+import os
 import sys
 from importlib.machinery import PathFinder
 from typing import TYPE_CHECKING, Any
@@ -28,6 +30,7 @@ MARKER = (
     "wsgen(package=NAME, launch_file=NAME, arguments={NAME: VALUE}, engine=NAME, robot=NAME): "
     "what the fixtures of wsgen simulate; by default the package that the test lies in."
 )
+LONGEST_NAME = 200  # bytes, of a file; systems take 255
 SIMULATION = pytest.StashKey[Any]()  # of a test that has one
 STAGES = pytest.StashKey[Any]()  # of a run
 
@@ -232,13 +235,13 @@ def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, Any, None]:
         if shown:
             _add(report, shown)
     elif report.when == "call" and report.passed and simulation is not None:
-        for file in _files(item):  # that an earlier run may have left
+        for file in _files(item, simulation):  # that an earlier run may have left
             file.unlink(missing_ok=True)
 
 
-def _files(item: pytest.Item) -> tuple[Path, Path]:
+def _files(item: pytest.Item, simulation: Simulation) -> tuple[Path, Path]:
     """The picture and the GIF of a test that fails."""
-    folder, name = _output_folder(item.config), _file_name(item)
+    folder, name = _output_folder(item.config, simulation.loaded.package), _file_name(item)
     return folder / f"{name}.png", folder / f"{name}.gif"
 
 
@@ -250,7 +253,7 @@ def _draw(item: pytest.Item, simulation: Simulation) -> str:
 
     lines = [f"after {simulation.seconds:g} simulated seconds in {simulation.engine}"]
     try:
-        picture, video = _files(item)
+        picture, video = _files(item, simulation)
         picture.parent.mkdir(parents=True, exist_ok=True)
         simulation.picture(picture)
         lines.append(f"picture: {picture}")
@@ -261,11 +264,11 @@ def _draw(item: pytest.Item, simulation: Simulation) -> str:
     return "\n".join(lines)
 
 
-def _output_folder(config: pytest.Config) -> Path:
-    """The folder for pictures: the one that is asked for, or beside the results of the tests."""
+def _output_folder(config: pytest.Config, package: str) -> Path:
+    """The folder for pictures: in the one that is asked for, or beside the results of the tests."""
     given = _setting(config, "output")
-    if given is not None:
-        folder: Path = config.invocation_params.dir / given
+    if given is not None:  # `colcon test` gives the same one to the tests of all packages
+        folder: Path = config.invocation_params.dir / given / package
         return folder
     results: str | None = getattr(config.option, "xmlpath", None)  # of --junit-xml
     if results:
@@ -277,9 +280,21 @@ def _output_folder(config: pytest.Config) -> Path:
 
 
 def _file_name(item: pytest.Item) -> str:
-    """The name of a test as that of a file; that of its own file may be missing in its id."""
-    name = "-".join((item.path.stem, *item.nodeid.split("::")[1:]))
-    return "".join(sign if sign.isalnum() or sign in "-_." else "_" for sign in name)
+    """The name of a test as that of a file, which no other test of the run has.
+
+    It begins with the name of the file with the test, or its path where others have that name.
+    """
+    others = {other.path for other in item.session.items if other.path.stem == item.path.stem}
+    file = item.path.stem
+    if len(others) > 1:
+        file = os.path.relpath(item.path.with_suffix(""), item.config.rootpath)
+    name = "-".join((file, *item.nodeid.split("::")[1:]))
+    plain = "".join(sign if sign.isalnum() or sign in "-_." else "_" for sign in name)
+    if plain == name and len(os.fsencode(plain)) <= LONGEST_NAME:
+        return plain
+    # Values of parameters may be long, and differ in what no file's name has.
+    begin = os.fsencode(plain)[:LONGEST_NAME].decode(errors="ignore")
+    return f"{begin}-{hashlib.sha256(name.encode(errors='replace')).hexdigest()[:8]}"
 
 
 def _add(report: pytest.TestReport, shown: str) -> None:
