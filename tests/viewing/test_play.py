@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from queue import SimpleQueue
 from typing import TYPE_CHECKING, Any
 
@@ -117,7 +118,8 @@ class Game:
 
     @property
     def text(self) -> str:
-        return self.viewer.told[-1][0]
+        """What is shown, without the escapes of Markdown."""
+        return re.sub(r"\\(.)", r"\1", self.viewer.told[-1][0])
 
 
 @pytest.fixture
@@ -203,7 +205,16 @@ def test_a_push_of_what_is_not_simulated_is_told(game: Game) -> None:
 def test_a_robot_that_the_engine_refuses_is_told(game: Game) -> None:
     game.sessions[0].refused = {"cart": Refused("it has 200 links", "Take fewer.")}
     game.play(0.1)
-    assert "`cart` is not simulated: it has 200 links." in game.text
+    assert "cart is not simulated: it has 200 links." in game.text
+
+
+def test_what_users_write_is_no_markup(game: Game) -> None:
+    game.sessions[0].refused = {"<img src=x>": Refused("`*a*` is <b>", "")}
+    game.sessions[0].states = {}
+    game.player._fail("The robot `<script>` {died}")
+    game.play(0.1)
+    shown = game.viewer.told[-1][0]
+    assert not re.search(r"(?<!\\)[<>`{}]", shown), shown
 
 
 def test_a_model_that_is_not_simulated_is_where_it_is_placed(

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Protocol
 from wsgen.errors import RequestError, SessionDiedError
 from wsgen.viewing.commands import Push, Reset, SetRunning, Step
 from wsgen.viewing.drawing import draw_one, draw_simulated
-from wsgen.viewing.texts import diagnostics_list, links_table, summary
+from wsgen.viewing.texts import diagnostics_list, links_table, plain, summary
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -178,16 +178,16 @@ class Player:
     def _show(self) -> None:
         session = self._session
         if session is None:
-            self._viewer.tell(f"**{self._problem}**", is_running=False)
+            self._viewer.tell(f"**{plain(self._problem)}**", is_running=False)
             return
         self._viewer.put({entity: state.links for entity, state in session.states.items()})
         lines = [f"**{session.seconds:.2f} s** simulated{self._pace(session.seconds)}"]
         lines += [
-            f"`{entity}` is not simulated: {refused.reason.rstrip('.')}."
+            f"{plain(entity)} is not simulated: {plain(refused.reason.rstrip('.'))}."
             for entity, refused in session.refused.items()
         ]
         if self._problem:
-            lines.append(f"**{self._problem}** Reset to begin again.")
+            lines.append(f"**{plain(self._problem)}** Reset to begin again.")
         self._viewer.tell("  \n".join(lines), is_running=self._is_running)
 
     def _pace(self, simulated: float) -> str:

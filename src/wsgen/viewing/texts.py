@@ -37,13 +37,13 @@ def summary(
 
     It is stale where the files cannot be read any more: what is shown was read before.
     """
-    lines = [f"**{_plain(name)}**" + (f" {_plain(launch_file.name)}" if launch_file else "")]
+    lines = [f"**{plain(name)}**" + (f" {plain(launch_file.name)}" if launch_file else "")]
     subjects = [robot for robot in robots if not robot.is_static_model]
     for robot in subjects[:MOST_ROBOTS]:
         mass = sum(link.mass or 0.0 for link in robot.links)
         joints = len(robot.robot.movable_joints)
         lines.append(
-            f"{_plain(robot.entity)}: {mass:.4g} kg, {_count(len(robot.links), 'link')}, "
+            f"{plain(robot.entity)}: {mass:.4g} kg, {_count(len(robot.links), 'link')}, "
             f"{_count(joints, 'movable joint')}"
         )
     if len(subjects) > MOST_ROBOTS:
@@ -71,8 +71,8 @@ def _count(number: int, noun: str) -> str:
     return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
-def _plain(text: str) -> str:
-    """A text in which no character means something to Markdown."""
+def plain(text: str) -> str:
+    """A text in which no character means something to Markdown, or is an element of HTML."""
     return " ".join(text.split()).translate(MARKDOWN)
 
 
