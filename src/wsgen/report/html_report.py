@@ -22,10 +22,10 @@ from wsgen.diagnostics import Severity
 from wsgen.fixes.registry import FIXERS
 from wsgen.model.outcome import ENGINE_NAMES, Outcome, name_engines
 from wsgen.model.robot import JointType, Mesh
+from wsgen.printable import clean
 from wsgen.report.launch_tree import cause_of, start_tree
 from wsgen.report.page_data import compress, pack_package
 from wsgen.report.plotly_library import read_plotly
-from wsgen.report.text import clean
 from wsgen.report.words import (
     result_of,
     what_is_expected,

@@ -7,8 +7,8 @@ from collections import Counter
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Severity
+from wsgen.printable import clean
 from wsgen.report.check_formats import relative_name
-from wsgen.report.text import clean
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence

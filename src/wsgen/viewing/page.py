@@ -20,6 +20,7 @@ import viser
 import websockets.asyncio.server
 
 from wsgen.model.transform import quaternion_of_rpy
+from wsgen.printable import clean
 from wsgen.viewing.drawing import glb
 from wsgen.viewing.joints import all_positions, place_in_parent, unit_axis
 
@@ -68,7 +69,7 @@ class Quiet(viser.ViserServer):
     def __init__(self, host: str, port: int, label: str) -> None:
         # It prints a panel, whatever it is told.
         with contextlib.redirect_stdout(io.StringIO()), _pages_of_this_machine_alone(host):
-            super().__init__(host=host, port=port, label=label, verbose=False)
+            super().__init__(host=host, port=port, label=clean(label), verbose=False)
 
     def request_share_url(self, verbose: bool = True) -> str | None:  # noqa: ARG002, FBT001, FBT002
         """Refuse to open a tunnel, which any page that is open may ask for."""
@@ -156,14 +157,14 @@ class Page:
             ]
             for key in LAYERS:
                 self._show_layer(key)
-            self._links.content = links
+            self._links.content = clean(links)
             self._frame(robots)
 
     def report(self, *, summary: str, diagnostics: str) -> None:
         """Show what is reported: Markdown for the head of the panel, HTML for its list."""
         with self._lock:
-            self._summary.content = summary
-            self._diagnostics.content = diagnostics
+            self._summary.content = clean(summary)
+            self._diagnostics.content = clean(diagnostics)
 
     def _add_layers(self, keys: Iterable[str]) -> Iterator[tuple[str, Any]]:
         with self._layers_tab:

@@ -6,6 +6,7 @@ from collections.abc import Sequence  # noqa: TC003
 from queue import SimpleQueue
 from typing import TYPE_CHECKING, Any
 
+from wsgen.printable import clean
 from wsgen.viewing.commands import Command, Push, Reset, SetRunning, Step
 from wsgen.viewing.page import Page
 
@@ -75,8 +76,9 @@ class SimulationPage(Page):
     def tell(self, text: str, *, is_running: bool) -> None:
         """Show in Markdown how far it is, and what the button does that runs or pauses it."""
         with self._lock:
-            if self._time.content != text:
-                self._time.content = text
+            shown = clean(text)
+            if self._time.content != shown:
+                self._time.content = shown
             label = "Pause" if is_running else "Run"
             if self._run.label != label:
                 self._run.label = label
