@@ -59,5 +59,5 @@ def test_pages_of_other_sites_are_refused(page: Any, origin: str) -> None:
 def test_no_other_address_is_listened_on(page: Any) -> None:
     with socket.create_connection((HOST, page.port), timeout=5):
         pass
-    with pytest.raises(OSError, match="refused|unreachable|timed out"):
+    with pytest.raises(OSError, match=r"refused|unreachable|timed out"):
         socket.create_connection(("127.0.0.2", page.port), timeout=5)
