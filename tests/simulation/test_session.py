@@ -246,7 +246,7 @@ def test_what_cannot_be_drawn_says_why(tmp_path: Path) -> None:
 def test_settling_ends_where_no_whole_step_is_left(seconds: float) -> None:
     loaded = SimpleNamespace(world=None, plan=None, robots=(), simulator=None)
     with Session(scene_of(two_wheeled())) as told:
-        stage = SimpleNamespace(engine="fake", loaded=loaded, session=lambda: told)
-        simulation = Simulation(cast("Any", stage))
+        shared_scene = SimpleNamespace(engine="fake", loaded=loaded, session=lambda: told)
+        simulation = Simulation(cast("Any", shared_scene))
         assert not simulation.settle(seconds)
         assert simulation.seconds == pytest.approx(seconds, abs=told.step_seconds / 2)

@@ -22,7 +22,7 @@ from wsgen.model.robot import (
     Visual,
 )
 from wsgen.model.transform import Pose, quaternion_of_rpy, rotation_of_quaternion
-from wsgen.pipeline.describe import Described
+from wsgen.pipeline.describe import DescribedScene
 from wsgen.pipeline.prepare import PreparedRobot
 from wsgen.viewing.drawing import DrawnRobot, draw, draw_simulated, inertia_box
 
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 def drawn(robot: Robot, surfaces: dict[str, str] | None = None, **values: Any) -> DrawnRobot:
     prepared = PreparedRobot(entity="r", written=robot, lumped=robot, readable=robot, **values)
-    found = Described(
+    found = DescribedScene(
         name="r",
         launch_file=None,
         world=None,

@@ -13,7 +13,7 @@ from wsgen.errors import RequestError, SessionDiedError
 from wsgen.model.robot import Box, Collision, Inertial, Link, Robot
 from wsgen.model.transform import Pose
 from wsgen.model.world import World
-from wsgen.pipeline.describe import Described
+from wsgen.pipeline.describe import DescribedScene
 from wsgen.pipeline.prepare import PreparedRobot
 from wsgen.simulation.engine import Refused
 from wsgen.simulation.scene import Scene, SpawnedRobot
@@ -35,7 +35,7 @@ BOX = Robot(
         ),
     ),
 )
-FOUND = Described(
+FOUND = DescribedScene(
     name="box",
     launch_file=None,
     world=World(name="w", has_ground_plane=True),

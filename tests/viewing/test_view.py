@@ -12,7 +12,7 @@ import pytest
 
 from viewing.robots import ARM, PARTS, FakeViewer, write_crane
 from wsgen.errors import NotFoundError, RequestError, WsgenError
-from wsgen.pipeline.describe import Described, describe
+from wsgen.pipeline.describe import DescribedScene, describe
 from wsgen.pipeline.selection import ValidateRequest
 from wsgen.viewing import view as module
 from wsgen.viewing.view import View, check_viewer, choose_port
@@ -55,7 +55,7 @@ def test_a_change_of_an_included_file_shows_the_robot_again(
     monkeypatch.setattr(module, "LOOK_EVERY", 0.05)
     monkeypatch.setattr(module, "QUIET_FOR", 0.05)
     view, viewer = view_of(crane), FakeViewer()
-    seen: list[tuple[Sequence[str], Described | WsgenError]] = []
+    seen: list[tuple[Sequence[str], DescribedScene | WsgenError]] = []
     view.open(viewer)
     with following(view, viewer, seen):
         (crane.parent / "parts.xacro").write_text(PARTS.replace("1 0 0 1", "0 0 1 1"))
@@ -110,7 +110,7 @@ class following:  # noqa: N801  as a function
         self,
         view: View,
         viewer: FakeViewer,
-        seen: list[tuple[Sequence[str], Described | WsgenError]],
+        seen: list[tuple[Sequence[str], DescribedScene | WsgenError]],
     ) -> None:
         self._over = threading.Event()
         self._thread = threading.Thread(

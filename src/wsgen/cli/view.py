@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-    from wsgen.pipeline.describe import Described
+    from wsgen.pipeline.describe import DescribedScene
     from wsgen.viewing.view import View
 
 
@@ -95,7 +95,7 @@ def command(
     )
     place = open_workspace_of(workspace, request)
 
-    def read(folder: Path) -> Described:
+    def read(folder: Path) -> DescribedScene:
         with listening(quiet=quiet, verbose=verbose) as listener:
             return describe(place, request, folder, environment=os.environ, listener=listener)
 
@@ -122,7 +122,7 @@ def _serve(
     from wsgen.cli.words import short_path
     from wsgen.viewing.page import JointPage
 
-    def report(changed: Sequence[str], found: Described | WsgenError) -> None:
+    def report(changed: Sequence[str], found: DescribedScene | WsgenError) -> None:
         if not quiet:
             first = short_path(Path(changed[0]))
             more = f" and {len(changed) - 1} more" if len(changed) > 1 else ""
@@ -142,7 +142,7 @@ def _serve(
             page.stop()
 
 
-def print_diagnostics(found: Described, *, verbose: bool) -> None:
+def print_diagnostics(found: DescribedScene, *, verbose: bool) -> None:
     """Print what is reported of robots that are shown; the page has it, too."""
     from wsgen.cli.output import MOST_ALIKE, render_diagnostics
 

@@ -41,7 +41,7 @@ NAMED = 3  # at most so many files are named in a message
 TASK_ALONE = parent.run  # one package or file is read: a server would serve one child
 
 
-class Described(NamedTuple):
+class DescribedScene(NamedTuple):
     """What a launch file spawns, or what is in a file."""
 
     name: str  # of the package, or of the file
@@ -67,7 +67,7 @@ def describe(
     *,
     environment: Mapping[str, str],
     listener: Listener | None = None,
-) -> Described:
+) -> DescribedScene:
     """Read what the one package or file of the request describes.
 
     A package without a launch file that spawns a robot is described by its URDF or xacro file.
@@ -103,7 +103,7 @@ def describe_launch(
     folder: Path,
     *,
     listener: Listener | None = None,
-) -> Described:
+) -> DescribedScene:
     """Read what a launch file spawns; see `describe`."""
     package = selected_package(
         selected.file, selected.package, selected.overlay, selected.workspace
@@ -135,7 +135,7 @@ def _describe_file(
     request: ValidateRequest,
     folder: Path,
     listener: Listener | None,
-) -> Described:
+) -> DescribedScene:
     subject = FileValidation(file, overlay, request, listener, TASK_ALONE, name=file.name)
     context = PrepareContext(
         share_of=subject.share_of, folder=folder, run=subject.run_task, with_colors=True
@@ -144,7 +144,7 @@ def _describe_file(
         world, robots = subject.read(context)
         step.succeeded = not has_errors(subject.diagnostics)
     diagnostics = (*subject.diagnostics, *overlay.not_built())
-    return Described(
+    return DescribedScene(
         name=file.name,
         launch_file=None,
         world=world,
@@ -161,7 +161,7 @@ def _describe_package(
     request: ValidateRequest,
     folder: Path,
     listener: Listener | None,
-) -> Described:
+) -> DescribedScene:
     subject = Validation(selected, overlay, request, listener, TASK_ALONE)
     world, robots = subject.read(folder)
     started = subject.started
@@ -173,7 +173,7 @@ def _describe_package(
         files.append(world.file)
     manifests = (place / "package.xml" for place in (selected.share, selected.source) if place)
     diagnostics = (*subject.reported(), *overlay.not_built())
-    return Described(
+    return DescribedScene(
         name=selected.name,
         launch_file=selected.launch_file,
         world=world,

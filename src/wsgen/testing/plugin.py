@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from wsgen.model.plan import LaunchPlan
     from wsgen.model.world import World
     from wsgen.testing.robot import Robot
-    from wsgen.testing.simulation import Simulation, Stage
+    from wsgen.testing.simulation import SharedScene, Simulation
 
 ENGINES = ("bullet", "dart", "mujoco")
 KEYS = ("package", "launch_file", "arguments", "engine", "robot")  # of the marker
@@ -32,7 +32,7 @@ MARKER = (
 )
 LONGEST_NAME = 200  # bytes, of a file; systems take 255
 SIMULATION = pytest.StashKey[Any]()  # of a test that has one
-STAGES = pytest.StashKey[Any]()  # of a run
+SHARED_SCENES = pytest.StashKey[Any]()  # of a run
 
 
 class PlainImports:
@@ -85,9 +85,9 @@ def pytest_configure(config: pytest.Config) -> None:
 
 def pytest_unconfigure(config: pytest.Config) -> None:
     """End the engines."""
-    for stage in config.stash.get(STAGES, {}).values():
-        if not isinstance(stage, str):
-            stage.close()
+    for shared_scene in config.stash.get(SHARED_SCENES, {}).values():
+        if not isinstance(shared_scene, str):
+            shared_scene.close()
 
 
 def _setting(config: pytest.Config, name: str) -> str | None:
@@ -141,47 +141,47 @@ def _fail(message: str, hint: str) -> None:
     pytest.fail(f"wsgen: {message}\n{hint}".rstrip(), pytrace=False)
 
 
-def _stage(item: pytest.Item) -> Stage:
+def _shared_scene(item: pytest.Item) -> SharedScene:
     """What the test has simulated, loaded once for all that want the same."""
     wanted = _wanted(item)
     wanted.pop("robot")
     near = item.path
-    stages: dict[Any, Stage | str] = item.config.stash.setdefault(STAGES, {})
+    shared_scenes: dict[Any, SharedScene | str] = item.config.stash.setdefault(SHARED_SCENES, {})
     key = (
         wanted["package"] or near.parent,
         wanted["launch_file"],
         wanted["engine"],
         *sorted(wanted["arguments"].items()),
     )
-    if key not in stages:
-        stages[key] = _open(near, wanted)
-    for other in stages.values():
-        if not isinstance(other, str) and other is not stages[key]:
+    if key not in shared_scenes:
+        shared_scenes[key] = _open(near, wanted)
+    for other in shared_scenes.values():
+        if not isinstance(other, str) and other is not shared_scenes[key]:
             other.end_session()  # an engine takes as much memory as pytest
-    stage = stages[key]
-    if isinstance(stage, str):
-        pytest.fail(stage, pytrace=False)
-    return stage
+    shared_scene = shared_scenes[key]
+    if isinstance(shared_scene, str):
+        pytest.fail(shared_scene, pytrace=False)
+    return shared_scene
 
 
-def _open(near: Path, wanted: dict[str, Any]) -> Stage | str:
-    """The stage, or why there is none."""
+def _open(near: Path, wanted: dict[str, Any]) -> SharedScene | str:
+    """The scene, or why it cannot be loaded."""
     from wsgen.errors import WsgenError  # noqa: PLC0415  see the top
     from wsgen.pipeline.load_scene import BrokenSceneError  # noqa: PLC0415
     from wsgen.report.text import render_text  # noqa: PLC0415
-    from wsgen.testing.simulation import Stage  # noqa: PLC0415
+    from wsgen.testing.simulation import SharedScene  # noqa: PLC0415
 
     try:
-        stage = Stage(near=near, **wanted)
+        shared_scene = SharedScene(near=near, **wanted)
     except WsgenError as error:
         return f"wsgen: {error}"
     except BrokenSceneError as broken:
         return f"wsgen: {broken}\n{render_text(broken.diagnostics)}"
-    if stage.loaded.errors:
-        stage.close()
-        what = f"wsgen: {stage.loaded.package} has errors; nothing is simulated."
-        return f"{what}\n{render_text(stage.loaded.errors)}"
-    return stage
+    if shared_scene.loaded.errors:
+        shared_scene.close()
+        what = f"wsgen: {shared_scene.loaded.package} has errors; nothing is simulated."
+        return f"{what}\n{render_text(shared_scene.loaded.errors)}"
+    return shared_scene
 
 
 @pytest.fixture
@@ -192,8 +192,8 @@ def simulation(request: pytest.FixtureRequest) -> Iterator[Simulation]:
     """
     from wsgen.testing.simulation import Simulation  # noqa: PLC0415  see the top
 
-    stage = _stage(request.node)
-    made = Simulation(stage)
+    shared_scene = _shared_scene(request.node)
+    made = Simulation(shared_scene)
     request.node.stash[SIMULATION] = made
     yield made
     del request.node.stash[SIMULATION]
@@ -214,13 +214,13 @@ def robot(simulation: Simulation, request: pytest.FixtureRequest) -> Robot:
 @pytest.fixture
 def launch_plan(request: pytest.FixtureRequest) -> LaunchPlan:
     """What the launch file would start: processes, parameters, included launch files."""
-    return _stage(request.node).loaded.plan
+    return _shared_scene(request.node).loaded.plan
 
 
 @pytest.fixture
 def world(request: pytest.FixtureRequest) -> World:
     """The world that the launch file starts: its models, gravity, step and light."""
-    return _stage(request.node).loaded.world
+    return _shared_scene(request.node).loaded.world
 
 
 # The form that old versions know, too: a plugin that is not loaded breaks all tests.

@@ -29,7 +29,7 @@ __tracebackhide__ = True  # the tracebacks of tests end where these call wsgen
 T = TypeVar("T")
 
 
-def told(task: Callable[[], T]) -> T:
+def without_traceback(task: Callable[[], T]) -> T:
     """What the task gives; its errors end the tracebacks of tests here."""
     try:
         return task()
@@ -225,13 +225,13 @@ class Robot:
         `other_entity` of a contact is None for the ground.
         """
         assert_simulated(self)
-        return told(lambda: self.simulation.session.contacts(self.name))
+        return without_traceback(lambda: self.simulation.session.contacts(self.name))
 
     @property
     def lowest_point(self) -> float:
         """The z of its lowest point that can touch something, m."""
         assert_simulated(self)
-        return told(lambda: self.simulation.session.lowest_point(self.name))
+        return without_traceback(lambda: self.simulation.session.lowest_point(self.name))
 
     def carrier_of(self, link: str) -> str:
         """The link that Gazebo lumps a link into; the link itself, where it is not lumped.
@@ -279,13 +279,13 @@ class Robot:
             RequestError: It has no diff drive plugin that works.
         """
         session, drive = self._ready(), self._diff_drive()
-        told(lambda: session.measure(self.name))
-        told(lambda: session.drive(self.name, drive, linear=linear, angular=angular))
+        without_traceback(lambda: session.measure(self.name))
+        without_traceback(lambda: session.drive(self.name, drive, linear=linear, angular=angular))
         if seconds is None:
             return Moved(0.0, 0.0, 0.0)
         self.simulation.step(seconds)
-        moved = Moved(*told(lambda: session.moved(self.name)))
-        told(lambda: session.drive(self.name, drive))
+        moved = Moved(*without_traceback(lambda: session.moved(self.name)))
+        without_traceback(lambda: session.drive(self.name, drive))
         return moved
 
     def _diff_drive(self) -> DiffDrive:
@@ -319,14 +319,14 @@ class Robot:
             RequestError: A joint does not exist.
         """
         session = self._ready()
-        told(lambda: session.hold(self.name, positions))
+        without_traceback(lambda: session.hold(self.name, positions))
         if seconds is not None:
             self.simulation.step(seconds)
 
     def release(self) -> None:
         """Take all commands back: joints are passive, as when spawned."""
         session = self._ready()
-        told(lambda: session.release(self.name))
+        without_traceback(lambda: session.release(self.name))
 
     def push(self, force: Vector, seconds: float, link: str | None = None) -> None:
         """Push it with a force (N, in the world) while so many simulated seconds pass.
@@ -342,7 +342,7 @@ class Robot:
         """
         session = self._ready()
         carrier = None if link is None else self.carrier_of(self.link(link).name)
-        told(lambda: session.push(self.name, force, seconds, carrier))
+        without_traceback(lambda: session.push(self.name, force, seconds, carrier))
         self.simulation.step(seconds)
 
     def _ready(self) -> Session:

@@ -13,7 +13,7 @@ from wsgen.simulation.scene import NotDrawn
 from wsgen.simulation.session import Session
 from wsgen.simulation.simulate import REST_HELD, is_moving
 from wsgen.suggestions import ask_for_nearest
-from wsgen.testing.robot import Robot, told
+from wsgen.testing.robot import Robot, without_traceback
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 __tracebackhide__ = True  # the tracebacks of tests end where these call wsgen
 
 
-class Stage:
+class SharedScene:
     """What a launch file spawns, loaded once for all tests that need the same, with its engine.
 
     Raises:
@@ -89,14 +89,15 @@ class Simulation:
         robots: What it spawns, by entity.
     """
 
-    def __init__(self, stage: Stage) -> None:
-        self.engine = stage.engine
-        self.world: World = stage.loaded.world
-        self.launch_plan: LaunchPlan = stage.loaded.plan
+    def __init__(self, shared_scene: SharedScene) -> None:
+        self.engine = shared_scene.engine
+        self.world: World = shared_scene.loaded.world
+        self.launch_plan: LaunchPlan = shared_scene.loaded.plan
         self.robots: Mapping[str, Robot] = {
-            one.entity: Robot(self, one, stage.loaded.simulator) for one in stage.loaded.robots
+            one.entity: Robot(self, one, shared_scene.loaded.simulator)
+            for one in shared_scene.loaded.robots
         }
-        self._stage = stage
+        self._shared_scene = shared_scene
         self._session: Session | None = None
 
     def __repr__(self) -> str:
@@ -106,7 +107,7 @@ class Simulation:
     @property
     def loaded(self) -> LoadedScene:
         """What wsgen made of the launch file; for what this class does not offer."""
-        return self._stage.loaded
+        return self._shared_scene.loaded
 
     @property
     def session(self) -> Session:
@@ -116,7 +117,7 @@ class Simulation:
             SessionDiedError: The engine dies of a robot.
         """
         if self._session is None:
-            self._session = told(self._stage.session)
+            self._session = without_traceback(self._shared_scene.session)
         return self._session
 
     @property
@@ -161,7 +162,7 @@ class Simulation:
         Raises:
             SessionDiedError: The engine dies.
         """
-        told(lambda: self.session.step(seconds))
+        without_traceback(lambda: self.session.step(seconds))
 
     def settle(self, seconds: float = 3.0) -> bool:
         """Let time pass until every robot is at rest, and no longer than these seconds.
@@ -182,11 +183,11 @@ class Simulation:
 
     def watch(self, seconds: float) -> Mapping[str, RobotRun]:
         """Let time pass, and give what `wsgen validate` measures meanwhile, by entity."""
-        return {run.entity: run for run in told(lambda: self.session.watch(seconds))}
+        return {run.entity: run for run in without_traceback(lambda: self.session.watch(seconds))}
 
     def reset(self) -> None:
         """Spawn all robots again; nothing commands them."""
-        told(self.session.reset)
+        without_traceback(self.session.reset)
 
     def picture(self, file: Path) -> None:
         """Draw the robots as they are now, as a PNG.
@@ -194,7 +195,7 @@ class Simulation:
         Raises:
             RequestError: It cannot be drawn, or written there.
         """
-        self._draw(told(lambda: self.session.picture(file)), file)
+        self._draw(without_traceback(lambda: self.session.picture(file)), file)
 
     def record(self, file: Path) -> None:
         """Draw the last simulated second as a .gif, or as an .mp4 where PyAV is installed.
@@ -202,7 +203,7 @@ class Simulation:
         Raises:
             RequestError: It cannot be drawn, or written there.
         """
-        self._draw(told(lambda: self.session.record(file)), file)
+        self._draw(without_traceback(lambda: self.session.record(file)), file)
 
     @staticmethod
     def _draw(outcome: object, file: Path) -> None:

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     from wsgen.model.robot import Inertial, Joint, Link, Robot
     from wsgen.model.transform import Vector
-    from wsgen.pipeline.describe import Described
+    from wsgen.pipeline.describe import DescribedScene
     from wsgen.pipeline.prepare import PreparedRobot
     from wsgen.viewing.joints import Quaternion, Slider
 
@@ -95,7 +95,7 @@ def glb(parts: Iterable[Part], *, is_faint: bool = False) -> bytes | None:
     return write_glb(parts, opacity=FAINT if is_faint else 1.0)
 
 
-def draw(found: Described) -> list[DrawnRobot]:
+def draw(found: DescribedScene) -> list[DrawnRobot]:
     """What is drawn of what was read: the robots first, then the static models."""
     drawn = (draw_one(prepared, found.collision_surfaces) for prepared in found.robots)
     return sorted(filter(None, drawn), key=lambda robot: robot.is_static_model)

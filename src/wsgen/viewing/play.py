@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from queue import SimpleQueue
 
     from wsgen.model.transform import Pose
-    from wsgen.pipeline.describe import Described
+    from wsgen.pipeline.describe import DescribedScene
     from wsgen.simulation.session import Session
     from wsgen.viewing.commands import Command
     from wsgen.viewing.drawing import DrawnRobot
@@ -55,7 +55,7 @@ class Player:
 
     def __init__(
         self,
-        found: Described,
+        found: DescribedScene,
         start: Callable[[], Session],
         viewer: SimulationViewer,
         *,
@@ -79,7 +79,7 @@ class Player:
         )
         self._show()
 
-    def _drawn(self, found: Described) -> Iterator[DrawnRobot]:
+    def _drawn(self, found: DescribedScene) -> Iterator[DrawnRobot]:
         """What the engine has; the rest where it would be, as models of the world may be."""
         session, surfaces = self._session, found.collision_surfaces
         poses: Mapping[str, Pose] = {} if session is None else session.spawn_poses

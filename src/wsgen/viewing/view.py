@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
-    from wsgen.pipeline.describe import Described
+    from wsgen.pipeline.describe import DescribedScene
     from wsgen.viewing.drawing import DrawnRobot
 
 
@@ -114,19 +114,19 @@ class View:
     shown: the page reads from it what it is asked to show.
     """
 
-    def __init__(self, read: Callable[[Path], Described]) -> None:
+    def __init__(self, read: Callable[[Path], DescribedScene]) -> None:
         self._read = read
         self._watcher = Watcher()
         self._late: list[str] = []  # paths that changed while they were read
         self._robots: list[DrawnRobot] = []
-        self._shown: Described | None = None
+        self._shown: DescribedScene | None = None
         self._folder = ExitStack()  # of what is shown
 
     def close(self) -> None:
         """Remove the folder."""
         self._folder.close()
 
-    def open(self, viewer: Viewer | None = None) -> Described:
+    def open(self, viewer: Viewer | None = None) -> DescribedScene:
         """Read the robots; show them if there is a viewer, and what is reported of them.
 
         Where an error in the files has taken a robot away, all stays as it was shown before.
@@ -156,7 +156,7 @@ class View:
         if self._shown is not None:
             self._report(viewer, self._shown.diagnostics, is_stale=False)
 
-    def _lacks_robots(self, found: Described) -> bool:
+    def _lacks_robots(self, found: DescribedScene) -> bool:
         """Whether errors have taken away a robot that is shown, or leave none to show."""
         if not found.can_be_shown:
             return True
@@ -181,7 +181,7 @@ class View:
         self,
         viewer: Viewer,
         *,
-        on_change: Callable[[Sequence[str], Described | WsgenError], None],
+        on_change: Callable[[Sequence[str], DescribedScene | WsgenError], None],
         is_over: Callable[[], bool] = lambda: False,
     ) -> None:
         """Read and show the robots again at each change of a file, until it is over.
@@ -195,7 +195,7 @@ class View:
             if not changed:
                 continue
             changed += self._wait_for_quiet()
-            found: Described | WsgenError
+            found: DescribedScene | WsgenError
             try:
                 found = self.open(viewer)
             except WsgenError as error:  # the file is gone, for example, and may come back
