@@ -204,3 +204,15 @@ def test_the_page_names_every_option() -> None:
     source = Path(colcon_validate.__file__).read_text()
     for option in re.findall(r'"(--[a-z-]+)",?\n? *(?:\n|default|type|metavar|choices)', source):
         assert f"`{option}" in page, option
+
+
+def test_errors_in_files_of_any_name_can_be_printed(tmp_path: Path) -> None:
+    file = os.fsdecode(b"r\xff.urdf")
+    found = {"severity": "error", "code": "ROB022", "name": "n", "message": "m", "hint": file}
+    package = {"diagnostics": [found | {"file": file, "line": 7}], "robots": [], "picture": file}
+    document = {"passed": False, "packages": [package], "not_validated": []}
+    (tmp_path / "r.json").write_text(json.dumps(document))
+    result = read_result(tmp_path / "r.json")
+    assert result is not None
+    assert result.errors == ("r\ufffd.urdf:7: error[ROB022] n: m",)
+    assert (result.hints, result.pictures) == (("r\ufffd.urdf",), ("r\ufffd.urdf",))

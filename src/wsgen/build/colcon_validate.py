@@ -24,6 +24,7 @@ from colcon_core.verb import check_and_mark_build_tool
 
 from wsgen.build.package_environment import EXECUTOR, IN_ORDER
 from wsgen.errors import EXIT_FAILED, EXIT_PASSED, EXIT_SIGNALLED
+from wsgen.printable import clean
 from wsgen.values import dataclass
 
 if TYPE_CHECKING:
@@ -208,12 +209,13 @@ def read_result(file: Path) -> Result | None:
     return Result(
         passed=document["passed"],
         robots=sum(len(package["robots"]) for package in packages),
-        errors=tuple(map(_line, errors)),
-        hints=tuple(one["hint"] or "" for one in errors),
-        pictures=tuple(package["picture"] for package in packages if package["picture"]),
+        errors=tuple(clean(_line(one)) for one in errors),
+        hints=tuple(clean(one["hint"] or "") for one in errors),
+        pictures=tuple(clean(package["picture"]) for package in packages if package["picture"]),
         skipped=()
         if packages
-        else tuple(one["reason"] for one in document["not_validated"]) or ("nothing to validate",),
+        else tuple(clean(one["reason"]) for one in document["not_validated"])
+        or ("nothing to validate",),
     )
 
 
