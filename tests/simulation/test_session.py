@@ -6,6 +6,7 @@ import math
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, cast
 
+import numpy as np
 import pytest
 from PIL import Image
 
@@ -73,10 +74,10 @@ def test_what_cannot_be_done_is_refused_before_it_is_told() -> None:
             (lambda: told.set_motors("e", {"x": Motor(1.0, 1.0)}), "no movable joint `x`"),
             (lambda: told.push("e", (1.0, 0.0, 0.0), 1.0, "bse"), r"no link `bse`.*\n.*`base`"),
             (lambda: told.push("x", (1.0, 0.0, 0.0), 1.0), r"no robot `x`(?s:.*)Robots: e\."),
-            (lambda: told.push("e", (1.0, 0.0), 1.0), "x, y and z, not 2 components"),  # type: ignore[arg-type]
-            (lambda: told.push("e", (math.inf, 0.0, 0.0), 1.0), "A force is inf"),
-            (lambda: told.hold("e", {"left": math.nan}), "A position is nan"),
-            (lambda: told.set_motors("e", {"left": Motor(math.nan, 1.0)}), "effort is nan"),
+            (lambda: told.push("e", (1.0, 0.0), 1.0), "not three numbers"),  # type: ignore[arg-type]
+            (lambda: told.push("e", (math.inf, 0.0, 0.0), 1.0), "A part of the force is inf, not"),
+            (lambda: told.hold("e", {"left": math.nan}), "The position of `left` is nan, not"),
+            (lambda: told.set_motors("e", {"left": Motor(math.nan, 1.0)}), "speed .* is nan"),
             (lambda: told.step(-1.0), "-1.0 s of simulated time"),
             (lambda: told.step(math.inf), "inf s of simulated time"),
             (lambda: told.watch(math.nan), "nan s of simulated time"),
@@ -84,6 +85,44 @@ def test_what_cannot_be_done_is_refused_before_it_is_told() -> None:
             with pytest.raises(RequestError, match=message):
                 refused()
         assert told.step(0.0)["e"].is_finite
+
+
+def test_what_is_no_number_is_refused_before_it_is_told() -> None:
+    text: Any = "0.5"
+    number: Any = 20.0
+    push = (1.0, 0.0, math.nan)
+    two: Any = (1.0, 0.0)
+    items: Any = [1.0]
+    with Session(scene_of(two_wheeled())) as told:
+        for refused, message in (
+            (lambda: told.step(text), "0.5 s of simulated time cannot pass"),
+            (lambda: told.hold("e", {"left": math.nan}), r"`left` is nan, not .*\n.*in rad or m"),
+            (lambda: told.hold("e", {"left": text}), "position of `left` is '0.5', not a finite"),
+            (lambda: told.hold("e", items), r"positions of joints are \[1\.0\], not a dict"),
+            (lambda: told.drive("e", DRIVE, linear=text), "linear velocity is '0.5', not a finite"),
+            (
+                lambda: told.drive("e", DRIVE, angular=math.inf),
+                r"angular velocity is inf.*\n.*rad/s",
+            ),
+            (lambda: told.push("e", number, 1.0), r"force is 20\.0, not three numbers.*\n.*in N"),
+            (lambda: told.push("e", two, 1.0), "not three numbers"),
+            (lambda: told.push("e", push, 1.0), "part of the force is nan"),
+        ):
+            with pytest.raises(RequestError, match=message):
+                refused()
+        assert told.step(0.0)["e"].is_finite
+
+
+@pytest.mark.parametrize("dtype", ["float64", "float32", "int64"])
+def test_numbers_of_numpy_are_numbers(dtype: str) -> None:
+    one, two = np.array([1, 2], dtype=dtype)
+    force: Any = np.array([1, 2, 3], dtype=dtype)
+    with Session(scene_of(two_wheeled())) as told:
+        told.push("e", force, one)
+        told.hold("e", {"left": one})
+        told.drive("e", DRIVE, linear=one, angular=one)
+        assert told.step(two)["e"].is_finite
+        assert told.seconds == 2.0
 
 
 def test_it_stops_where_a_state_is_lost() -> None:
@@ -219,7 +258,7 @@ def test_a_picture_and_the_last_second(engine: str, tmp_path: Path) -> None:
         told.step(1.7)
         picture, video = tmp_path / "now.png", tmp_path / "last.gif"
         assert isinstance(told.picture(picture), Picture)
-        drawn = told.record(video)
+        drawn = told.record(str(video))
         assert isinstance(drawn, Video)
         assert drawn.frames == 21
         with Image.open(picture) as image:

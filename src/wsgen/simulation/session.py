@@ -12,7 +12,10 @@ from __future__ import annotations
 
 import contextlib
 import math
+from collections.abc import Mapping
 from dataclasses import replace
+from numbers import Real
+from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from wsgen.errors import RequestError, SessionDiedError
@@ -26,8 +29,7 @@ from wsgen.simulation.session_state import Moment, Opened, Watched
 from wsgen.suggestions import ask_for_nearest
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-    from pathlib import Path
+    from collections.abc import Iterable, Sequence
     from types import TracebackType
 
     from wsgen.model.behavior import DiffDrive
@@ -50,6 +52,7 @@ TASKS = {
 # engine that hangs.
 COMMAND_SECONDS = 60.0
 SECONDS_A_SECOND = 20.0  # more for each that is simulated
+AXES = 3
 
 
 class Session(contextlib.AbstractContextManager["Session"]):
@@ -121,7 +124,8 @@ class Session(contextlib.AbstractContextManager["Session"]):
 
         It ends early where the state of a robot is not finite any more (`is_finite`).
         """
-        doing = f"simulating {_checked(seconds):g} s after {self.seconds:g} s"
+        seconds = _checked(seconds)
+        doing = f"simulating {seconds:g} s after {self.seconds:g} s"
         self._go_on(self._call("step", seconds, doing=doing, kind=Moment, simulated=seconds))
         return self.states
 
@@ -130,7 +134,8 @@ class Session(contextlib.AbstractContextManager["Session"]):
 
         As for it, the robots that the engine refused are left out.
         """
-        doing = f"simulating {_checked(seconds):g} s after {self.seconds:g} s"
+        seconds = _checked(seconds)
+        doing = f"simulating {seconds:g} s after {self.seconds:g} s"
         watched = self._call("watch", seconds, doing=doing, kind=Watched, simulated=seconds)
         self._go_on(watched.moment)
         return watched.robot_runs
@@ -145,11 +150,15 @@ class Session(contextlib.AbstractContextManager["Session"]):
             drive: Its differential drive (`wsgen.urdf.diff_drive.find_diff_drive`).
             linear: m/s, ahead.
             angular: rad/s, about z.
+
+        Raises:
+            RequestError: A joint does not exist, or a velocity is not a finite number.
         """
+        linear = _finite(linear, "The linear velocity", "m/s")
+        angular = _finite(angular, "The angular velocity", "rad/s")
         self._check_joints(
             entity, (name for pair in drive.pairs for name in (pair.left, pair.right))
         )
-        _check_finite("A speed", (linear, angular))
         self._tell("drive", entity, drive, linear, angular, doing=f"driving `{entity}`")
 
     def hold(self, entity: str, positions: Mapping[str, float]) -> None:
@@ -157,16 +166,30 @@ class Session(contextlib.AbstractContextManager["Session"]):
 
         As in a behavior, joints with limits that are never named hold what is nearest to 0. What
         was named before goes on.
+
+        Raises:
+            RequestError: A joint does not exist, or a position is not a finite number.
         """
+        if not isinstance(positions, Mapping):
+            raise RequestError(
+                f"The positions of joints are {positions!r}, not a dict.",
+                hint="Name the joints: {'JOINT': POSITION}.",
+            )
         self._check_joints(entity, positions)
-        _check_finite("A position", positions.values())
-        self._tell("hold", entity, dict(positions), doing=f"holding joints of `{entity}`")
+        given = {
+            joint: _finite(position, f"The position of `{joint}`", "rad or m")
+            for joint, position in positions.items()
+        }
+        self._tell("hold", entity, given, doing=f"holding joints of `{entity}`")
 
     def set_motors(self, entity: str, motors: Mapping[str, Motor]) -> None:
         """From now on, have these motors in joints, whatever else commands them."""
         self._check_joints(entity, motors)
         given = {joint: tuple(motor) for joint, motor in motors.items()}
-        _check_finite("A motor's speed or effort", (one for pair in given.values() for one in pair))
+        for joint, motor in motors.items():
+            _finite(motor.speed, f"The speed of the motor of `{joint}`", "rad/s or m/s")
+            if motor.effort != math.inf:
+                _finite(motor.effort, f"The effort of the motor of `{joint}`", "N m or N")
         self._tell("set_motors", entity, given, doing=f"setting motors of `{entity}`")
 
     def release(self, entity: str) -> None:
@@ -182,6 +205,9 @@ class Session(contextlib.AbstractContextManager["Session"]):
             force: N, in the world.
             seconds: How long; no time passes until `step`. Several pushes add up.
             link: Of the lumped robot, at whose center of mass it acts; None: the root link.
+
+        Raises:
+            RequestError: The link does not exist, or the force is not three finite numbers.
         """
         robot = self._robot(entity)
         known = [one.name for one in robot.links]
@@ -192,15 +218,8 @@ class Session(contextlib.AbstractContextManager["Session"]):
                 f"`{entity}` has no link `{link}` that the engine simulates.",
                 hint=f"{ask_for_nearest(link, known)}Links: {', '.join(known)}.",
             )
-        _checked(seconds)
-        components = tuple(force)
-        if len(components) != len("xyz"):
-            raise RequestError(
-                f"A force has x, y and z, not {len(components)} components.",
-                hint="Give three, in N.",
-            )
-        _check_finite("A force", components)
-        self._tell("push", entity, link, components, seconds, doing=f"pushing `{entity}`")
+        seconds, given = _checked(seconds), _vector(force)
+        self._tell("push", entity, link, given, seconds, doing=f"pushing `{entity}`")
 
     def measure(self, entity: str) -> None:
         """From now on, measure how far a robot moves."""
@@ -233,17 +252,18 @@ class Session(contextlib.AbstractContextManager["Session"]):
         doing = f"looking for the lowest point of `{entity}`"
         return self._call("lowest_point", entity, doing=doing, kind=float)
 
-    def picture(self, file: Path) -> Picture | NotDrawn:
+    def picture(self, file: Path | str) -> Picture | NotDrawn:
         """Draw the robots as they are now, as a PNG; its folder must exist."""
         return self._draw("picture", file, Picture | NotDrawn)  # type: ignore[arg-type]
 
-    def record(self, file: Path) -> Video | NotDrawn:
+    def record(self, file: Path | str) -> Video | NotDrawn:
         """Draw the last seconds that are remembered as a video, .gif or .mp4."""
         return self._draw("record", file, Video | NotDrawn)  # type: ignore[arg-type]
 
-    def _draw(self, command: str, file: Path, kind: type[T]) -> T:
-        doing = f"drawing {file.name}"
-        return self._call(command, file.absolute(), doing=doing, kind=kind)
+    def _draw(self, command: str, file: Path | str, kind: type[T]) -> T:
+        place = Path(file).absolute()
+        doing = f"drawing {place.name}"
+        return self._call(command, place, doing=doing, kind=kind)
 
     def _take(self, opened: Opened) -> None:
         self.loaded, self.refused = opened.loaded, opened.refused
@@ -303,15 +323,33 @@ class Session(contextlib.AbstractContextManager["Session"]):
 
 def _checked(seconds: float) -> float:
     """A time that can pass."""
-    if not 0 <= seconds < math.inf:
+    if not isinstance(seconds, Real) or not 0 <= seconds < math.inf:
         raise RequestError(
             f"{seconds} s of simulated time cannot pass.", hint="Give a number of 0 or more."
         )
-    return seconds
+    return float(seconds)
 
 
-def _check_finite(what: str, numbers: Iterable[float]) -> None:
-    """Refuse what an engine would carry into the state of a robot."""
-    for number in numbers:
-        if not math.isfinite(number):
-            raise RequestError(f"{what} is {number}.", hint="Give a finite number.")
+def _finite(value: float, what: str, unit: str) -> float:
+    """A number as the channel takes it, of any library that has numbers."""
+    if not isinstance(value, Real) or not math.isfinite(value):
+        raise RequestError(
+            f"{what} is {value!r}, not a finite number.", hint=f"Give a number in {unit}."
+        )
+    return float(value)
+
+
+def _vector(force: Vector) -> Vector:
+    """A force as the channel takes it, of a tuple, a list or an array."""
+    numbers: Sequence[float]
+    try:
+        numbers = tuple(force)
+    except TypeError:  # one number
+        numbers = ()
+    if len(numbers) != AXES:
+        raise RequestError(
+            f"The force is {force!r}, not three numbers.",
+            hint="Give a force in N along x, y and z of the world: (20.0, 0.0, 0.0).",
+        )
+    x, y, z = (_finite(number, "A part of the force", "N") for number in numbers)
+    return x, y, z
