@@ -211,6 +211,12 @@ def test_broken(robot): ...
 
 @pytest.mark.wsgen(robot="r2d2")
 def test_robot(robot): ...
+
+@pytest.mark.wsgen(arguments="z:=1.0")
+def test_text(robot): ...
+
+@pytest.mark.wsgen(package=["rover"])
+def test_list(robot): ...
 """
 
 
@@ -219,7 +225,7 @@ def test_what_cannot_be_simulated_is_an_error_without_a_traceback(
 ) -> None:
     run = run_pytest(write_tests(workspace, "rover", "wrong", WRONG))
     said = run.stdout
-    assert "7 errors" in said, said
+    assert "9 errors" in said, said
     for words in (
         "wsgen: The marker wsgen takes no `engin`.\nIt takes package, launch_file, arguments",
         "wsgen: 'ode' is not a physics engine.\nUse bullet, dart, mujoco.",
@@ -228,6 +234,8 @@ def test_what_cannot_be_simulated_is_an_error_without_a_traceback(
         "error[SPN003] no-robot: The launch file spawns no robot.",
         "error[WLD001] missing-world: The world file '/no/such.world' does not exist.",
         "wsgen: The launch file spawns no robot `r2d2`.\nRobots: rover.",
+        "wsgen: The marker wsgen has arguments='z:=1.0'.\nGive names and values: arguments={",
+        "wsgen: The marker wsgen has package=['rover'].\nGive a name: package=",
     ):
         assert words in said, f"{words!r} is not in\n{said}"
     assert "raceback" not in said
@@ -298,4 +306,56 @@ def test_each_test_has_files_of_its_own(
 def test_a_test_in_no_package_is_told_to_name_one(run_pytest: Pytest, tmp_path: Path) -> None:
     (tmp_path / "test_alone.py").write_text("def test_alone(robot): ...\n")
     run = run_pytest("test_alone.py")
-    assert "is not in a package: no package.xml is above it.\nName the package" in run.stdout
+    words = "is not in a package: no package.xml is above it.\nName the package: pytest --wsgen-"
+    assert words in run.stdout
+    run = run_pytest("test_alone.py", "--wsgen-package=rover", AMENT_PREFIX_PATH="")
+    assert "wsgen: Package rover does not exist.\nGo to its workspace, or source" in run.stdout
+
+
+UNUSED = """
+import pytest
+
+@pytest.mark.wsgen(arguments={"zz": 1.0})
+def test_unused(robot):
+    assert robot.mass
+
+def test_used(robot): ...
+"""
+
+
+def test_an_argument_without_effect_is_a_warning(workspace: Path, run_pytest: Pytest) -> None:
+    run = run_pytest(write_tests(workspace, "rover", "unused", UNUSED))
+    assert "2 passed, 1 warning" in run.stdout, run.stdout
+    assert "test_unused.py::test_unused" in run.stdout
+    assert "The launch argument `zz` has no effect" in run.stdout
+
+
+DRAWING = """
+import pytest
+from wsgen.errors import RequestError
+
+def test_draws(simulation, tmp_path):
+    simulation.step(0.1)
+    simulation.picture(str(tmp_path / "now.png"))
+    simulation.record(str(tmp_path / "last.gif"))
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["last.gif", "now.png"]
+
+@pytest.mark.parametrize("name, words", [
+    ("now.jpg", "Name a .png file"), ("no/now.png", "folder exists"),
+])
+def test_no_picture(simulation, tmp_path, name, words):
+    with pytest.raises(RequestError, match=words):
+        simulation.picture(str(tmp_path / name))
+
+@pytest.mark.parametrize("name, words", [
+    ("last.png", "neither a .gif nor an .mp4 file"), ("no/last.gif", "no does not exist"),
+])
+def test_no_video(simulation, tmp_path, name, words):
+    with pytest.raises(RequestError, match=words):
+        simulation.record(str(tmp_path / name))
+"""
+
+
+def test_pictures_take_names_of_files(workspace: Path, run_pytest: Pytest) -> None:
+    run = run_pytest(write_tests(workspace, "rover", "drawing", DRAWING))
+    assert "5 passed" in run.stdout, run.stdout

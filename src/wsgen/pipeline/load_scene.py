@@ -89,7 +89,8 @@ def load_scene(
     if name is None:
         raise RequestError(
             f"{near} is not in a package: no package.xml is above it.",
-            hint="Name the package.",
+            hint="Name the package: pytest --wsgen-package NAME, or "
+            '@pytest.mark.wsgen(package="NAME") at the test.',
         )
     environment = {"AMENT_PREFIX_PATH": prefix(), **os.environ}
     request = ValidateRequest(

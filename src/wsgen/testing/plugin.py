@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import os
 import sys
+from collections.abc import Mapping
 from importlib.machinery import PathFinder
 from typing import TYPE_CHECKING, Any
 
@@ -123,6 +124,7 @@ def _wanted(item: pytest.Item) -> dict[str, Any]:
         if marker.args or unknown:
             what = f"`{unknown[0]}`" if unknown else f"{marker.args[0]!r} without a name"
             _fail(f"The marker wsgen takes no {what}.", f"It takes {', '.join(KEYS)}.")
+        _check_values(marker.kwargs)
         wanted |= {name: value for name, value in marker.kwargs.items() if name != "arguments"}
         wanted["arguments"] |= {
             name: _text(value) for name, value in (marker.kwargs.get("arguments") or {}).items()
@@ -130,6 +132,17 @@ def _wanted(item: pytest.Item) -> dict[str, Any]:
     if wanted["engine"] not in {None, *ENGINES}:
         _fail(f"{wanted['engine']!r} is not a physics engine.", f"Use {', '.join(ENGINES)}.")
     return wanted
+
+
+def _check_values(given: Mapping[str, object]) -> None:
+    """Refuse what a marker cannot mean."""
+    for name, value in given.items():
+        if name != "arguments" and value is not None and not isinstance(value, str):
+            _fail(f"The marker wsgen has {name}={value!r}.", f'Give a name: {name}="NAME".')
+    arguments = given.get("arguments")
+    if arguments is not None and not isinstance(arguments, Mapping):
+        what = f"The marker wsgen has arguments={arguments!r}."
+        _fail(what, 'Give names and values: arguments={"z": 0.5}.')
 
 
 def _text(value: object) -> str:
@@ -161,6 +174,8 @@ def _shared_scene(item: pytest.Item) -> SharedScene:
     shared_scene = shared_scenes[key]
     if isinstance(shared_scene, str):
         pytest.fail(shared_scene, pytrace=False)
+    for unused in shared_scene.unused_arguments:  # the test does not test what it says
+        item.warn(pytest.PytestWarning(unused))
     return shared_scene
 
 

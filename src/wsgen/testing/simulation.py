@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from contextlib import ExitStack
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.errors import RequestError, WsgenError
+from wsgen.launch.launch_warnings import UNUSED_ARGUMENT
 from wsgen.pipeline.engines import check_engines
 from wsgen.pipeline.load_scene import load_scene
+from wsgen.rendering.recording import why_no_video
 from wsgen.simulation.run import default_engine
 from wsgen.simulation.scene import NotDrawn
 from wsgen.simulation.session import Session
@@ -17,7 +20,6 @@ from wsgen.testing.robot import Robot, without_traceback
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-    from pathlib import Path
 
     from wsgen.model.plan import LaunchPlan
     from wsgen.model.world import World
@@ -66,6 +68,15 @@ class SharedScene:
         if self._session is None:
             self._session = Session(self.loaded.scene(self.engine))
         return self._session
+
+    @property
+    def unused_arguments(self) -> tuple[str, ...]:
+        """What is said of each launch argument that has no effect."""
+        return tuple(
+            f"{found.message} {found.hint or ''}".rstrip()
+            for found in self.loaded.diagnostics
+            if found.code == UNUSED_ARGUMENT.code
+        )
 
     def end_session(self) -> None:
         """End the engine; the next session starts another one."""
@@ -189,24 +200,31 @@ class Simulation:
         """Spawn all robots again; nothing commands them."""
         without_traceback(self.session.reset)
 
-    def picture(self, file: Path) -> None:
+    def picture(self, file: Path | str) -> None:
         """Draw the robots as they are now, as a PNG.
 
         Raises:
             RequestError: It cannot be drawn, or written there.
         """
+        if Path(file).suffix.lower() != ".png":
+            raise RequestError(f"Cannot draw {file}: a picture is a PNG.", hint="Name a .png file.")
         self._draw(without_traceback(lambda: self.session.picture(file)), file)
 
-    def record(self, file: Path) -> None:
+    def record(self, file: Path | str) -> None:
         """Draw the last simulated second as a .gif, or as an .mp4 where PyAV is installed.
 
         Raises:
             RequestError: It cannot be drawn, or written there.
         """
+        problem = why_no_video(Path(file))
+        if problem is not None:
+            raise RequestError(
+                f"Cannot draw {file}: {problem}.", hint="Name a .gif file in a writable folder."
+            )
         self._draw(without_traceback(lambda: self.session.record(file)), file)
 
     @staticmethod
-    def _draw(outcome: object, file: Path) -> None:
+    def _draw(outcome: object, file: Path | str) -> None:
         if isinstance(outcome, NotDrawn):
             raise RequestError(
                 f"Cannot draw {file}: {outcome.problem}.",

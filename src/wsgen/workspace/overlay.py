@@ -193,8 +193,10 @@ def require_share(overlay: Overlay, workspace: Workspace | None, package: str) -
             raise NotFoundError(
                 f"The package {package} cannot be read: {problem.message}", hint=problem.hint or ""
             )
+    known = overlay.packages()
+    otherwise = "Go to its workspace, or source install/setup.bash there." if not known else ""
     raise RequestError(
-        f"Package {package} does not exist.", hint=suggest(package, overlay.packages())
+        f"Package {package} does not exist.", hint=otherwise or suggest(package, known)
     )
 
 
