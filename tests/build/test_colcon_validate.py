@@ -107,6 +107,10 @@ def test_the_selection_and_the_options(workspace: Path) -> None:
     refused = colcon(workspace, "validate", *words, "--seconds", "1000")
     assert refused.returncode == 2
     assert "    error: Invalid value for '--seconds'" in refused.stdout
+    assert "      try: wsgen validate " in refused.stdout
+    nothing = colcon(workspace, "validate", "--packages-select", "good_robt")
+    assert nothing.returncode == 0, nothing.stdout + nothing.stderr
+    assert "Robots: no package is selected\n  try: Go to the folder" in nothing.stdout
 
 
 def test_the_verb_is_registered() -> None:
@@ -169,7 +173,7 @@ def test_what_the_summary_says(tmp_path: Path) -> None:
     assert result is not None
     assert (result.robots, result.skipped, len(result.errors)) == (1, (), 5)
     assert result.errors[1] == "/ws/r.urdf:1: error[SPN059] tips-over: It tips over 1."
-    tasks = [task(result), task(None, "error: No."), task(None)]
+    tasks = [task(result), task(None, "error: No.\n  try: Yes."), task(None)]
     lines = list(colcon_validate._summary(tasks))
     assert lines[1] == "Robots: 0 packages passed, 3 packages failed, 0 packages skipped"
     assert lines[2:] == [
@@ -179,12 +183,17 @@ def test_what_the_summary_says(tmp_path: Path) -> None:
         "    picture: /ws/p.png",
         "  p failed",
         "    error: No.",
+        "      try: Yes.",
         "  p failed",
         "    it was not validated to the end",
     ]
     file.write_text(json.dumps(document(not_validated=[{"reason": "spawns no robot"}] * 2)))
     lines = list(colcon_validate._summary([task(read_result(file))]))
     assert lines[2:] == ["  p skipped: spawns no robot"]
+    assert list(colcon_validate._summary([]))[1:] == [
+        "Robots: no package is selected",
+        "  try: Go to the folder that contains src, and check the names that you select.",
+    ]
     interrupted = [ValidateTask("q", tmp_path), task(read_result(file))]
     assert list(colcon_validate._summary(interrupted))[1].endswith(
         "0 packages failed, 1 package skipped, 1 package not validated"

@@ -7,6 +7,7 @@ import os
 import signal
 import sys
 from collections import OrderedDict
+from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -162,8 +163,8 @@ class ValidateTask(TaskExtensionPoint):  # type: ignore[misc]  # colcon is not t
         if self.result is None:
             for line in told:
                 post(StderrLine(line))
-            texts = [line.decode(errors="replace").strip() for line in told]
-            self.problem = next((text for text in texts if text.startswith("error: ")), "")
+            texts = [line.decode(errors="replace").rstrip() for line in told]
+            self.problem = _problem(texts)
             return code or EXIT_FAILED
         # colcon shows standard error of jobs that fail, and nothing else.
         for text in self.result.errors:
@@ -194,6 +195,14 @@ class Result:
     hints: tuple[str, ...] = ()  # of these errors
     pictures: tuple[str, ...] = ()
     skipped: tuple[str, ...] = ()  # why nothing of it was simulated
+
+
+def _problem(said: Sequence[str]) -> str:
+    """The first error that wsgen wrote, with what to do about it."""
+    lines = iter(said)
+    error = next((line for line in lines if line.startswith("error: ")), "")
+    hints = takewhile(lambda line: line.startswith("  try: "), lines)
+    return "\n".join((error, *hints)) if error else ""
 
 
 def read_result(file: Path) -> Result | None:
@@ -251,6 +260,11 @@ def _sort(tasks: Sequence[ValidateTask]) -> _Sorted:
 
 def _summary(tasks: Sequence[ValidateTask]) -> Iterator[str]:
     """How many passed, why others did not, and what has no robot."""
+    if not tasks:  # colcon itself says nothing about that, and it is no error to it
+        yield ""
+        yield "Robots: no package is selected"
+        yield "  try: Go to the folder that contains src, and check the names that you select."
+        return
     found = _sort(tasks)
     numbers = {"passed": found.passed, "failed": found.failed, "skipped": found.skipped}
     if found.not_ended:
@@ -263,7 +277,8 @@ def _summary(tasks: Sequence[ValidateTask]) -> Iterator[str]:
     for task in found.failed:
         yield f"  {task.package} failed"
         if task.result is None:
-            yield f"    {task.problem or 'it was not validated to the end'}"
+            lines = task.problem.splitlines() or ["it was not validated to the end"]
+            yield from (f"    {line}" for line in lines)
             continue
         errors = list(zip(task.result.errors, task.result.hints, strict=True))
         for error, hint in errors[:MOST_SHOWN]:
