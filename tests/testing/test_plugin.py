@@ -309,7 +309,7 @@ def test_a_test_in_no_package_is_told_to_name_one(run_pytest: Pytest, tmp_path: 
     words = "is not in a package: no package.xml is above it.\nName the package: pytest --wsgen-"
     assert words in run.stdout
     run = run_pytest("test_alone.py", "--wsgen-package=rover", AMENT_PREFIX_PATH="")
-    assert "wsgen: Package rover does not exist.\nGo to its workspace, or source" in run.stdout
+    assert "wsgen: Package rover does not exist.\nGo to the workspace of the package" in run.stdout
 
 
 UNUSED = """

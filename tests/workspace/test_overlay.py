@@ -116,6 +116,13 @@ def test_a_package_that_nobody_knows(workspace: Workspace, known: bool) -> None:
         require_share(overlay, workspace if known else None, "dmeo")
 
 
+@pytest.mark.parametrize(("known", "hint"), [(True, "Known: demo"), (False, "Go to the workspace")])
+def test_a_package_of_another_workspace(workspace: Workspace, known: bool, hint: str) -> None:
+    overlay = source_overlay(workspace, outside())
+    with pytest.raises(RequestError, match=hint):
+        require_share(overlay, workspace if known else None, "something_else")
+
+
 def test_nothing_of_this_process_comes_in(workspace: Workspace) -> None:
     assert "PYTEST_CURRENT_TEST" in os.environ
     assert "PYTEST_CURRENT_TEST" not in source_overlay(workspace, outside()).environment

@@ -15,7 +15,7 @@ from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.errors import NotFoundError, NotReadableError, RequestError
 from wsgen.isolation.parent import make_scratch
 from wsgen.source_shares import INDEX, serve_sources
-from wsgen.suggestions import suggest
+from wsgen.suggestions import advice, suggest
 from wsgen.values import dataclass
 from wsgen.workspace.layout import Workspace, find_packages
 
@@ -194,10 +194,13 @@ def require_share(overlay: Overlay, workspace: Workspace | None, package: str) -
                 f"The package {package} cannot be read: {problem.message}", hint=problem.hint or ""
             )
     known = overlay.packages()
-    otherwise = "Go to its workspace, or source install/setup.bash there." if not known else ""
-    raise RequestError(
-        f"Package {package} does not exist.", hint=otherwise or suggest(package, known)
-    )
+    if workspace is None:  # what is known is what wsgen or ROS brings
+        hint = advice(
+            package, known, "Go to the workspace of the package, or source its install/setup.bash."
+        )
+    else:
+        hint = suggest(package, known)
+    raise RequestError(f"Package {package} does not exist.", hint=hint)
 
 
 def _choose_shell(install: Path, environment: Mapping[str, str]) -> tuple[str, Path]:
