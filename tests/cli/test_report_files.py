@@ -65,3 +65,17 @@ def test_a_folder_that_does_not_exist(folder: Path, words: tuple[str, str]) -> N
     done = wsgen(folder, command, "crate.urdf", option, "nowhere/f")
     assert done.returncode == 4
     assert "The folder of nowhere/f does not exist." in done.stderr
+
+
+@pytest.mark.parametrize("option", ["--junit", "--html", "--summary"])
+def test_a_folder_in_place_of_a_file(folder: Path, option: str) -> None:
+    done = wsgen(folder, "validate", "crate.urdf", option, ".")
+    assert (done.returncode, done.stdout) == (4, "")
+    assert "error: . is a folder.\n  try: Give the path of a file." in done.stderr
+
+
+def test_two_reports_in_one_file(folder: Path) -> None:
+    done = wsgen(folder, "validate", "crate.urdf", "--junit", "x", "--summary", "./x")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "error: x is named for two reports." in done.stderr
+    assert not (folder / "x").exists()

@@ -8,7 +8,7 @@ import click
 
 from wsgen.cli.completion import complete_rules
 from wsgen.cli.options import ExampleCommand, output_options, workspace_option
-from wsgen.cli.report_files import append_summary, require_folders, summary_option, with_files
+from wsgen.cli.report_files import append_summary, require_places, summary_option, with_files
 from wsgen.errors import EXIT_FAILED, EXIT_PASSED, RequestError
 
 if TYPE_CHECKING:
@@ -135,7 +135,7 @@ def command(
             f"--diff cannot be combined with --format {output_format}.",
             hint="Leave one of the two out.",
         )
-    require_folders(summary_file)
+    require_places(summary_file)
     filters = Filters(
         select=select,
         ignore=ignore,

@@ -20,7 +20,7 @@ from wsgen.cli.options import (
     seconds_option,
     workspace_option,
 )
-from wsgen.cli.report_files import html_option, require_folders, require_libraries, write_reports
+from wsgen.cli.report_files import html_option, require_libraries, require_places, write_reports
 from wsgen.errors import EXIT_FAILED, EXIT_PASSED, RequestError
 
 if TYPE_CHECKING:
@@ -130,7 +130,7 @@ def command(
             selected, request, host, port, opens=not no_browser, quiet=quiet, verbose=verbose
         )
     if play:
-        require_folders(html_file)
+        require_places(html_file)
         require_libraries(html_file)
         return _play(
             selected,

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from wsgen.errors import NotFoundError
+from wsgen.errors import NotFoundError, RequestError
 
 if TYPE_CHECKING:
     from wsgen.model.outcome import Outcome
@@ -39,15 +39,24 @@ summary_option = click.option(
 )
 
 
-def require_folders(*files: str | None) -> None:
-    """Refuse files in folders that do not exist, before anything is simulated."""
+def require_places(*files: str | None) -> None:
+    """Refuse files that cannot be written, before anything is simulated."""
     from pathlib import Path
 
-    for file in files:
-        if file is not None and not Path(file).absolute().parent.is_dir():
+    given = [file for file in files if file is not None]
+    for file in given:
+        if Path(file).is_dir():
+            raise NotFoundError(f"{file} is a folder.", hint="Give the path of a file.")
+        if not Path(file).absolute().parent.is_dir():
             raise NotFoundError(
                 f"The folder of {file} does not exist.", hint="Create it, or give another path."
             )
+        if Path(file).is_file() or not Path(file).exists():  # not /dev/stderr
+            same = [other for other in given if Path(other).absolute() == Path(file).absolute()]
+            if len(same) > 1:
+                raise RequestError(
+                    f"{file} is named for two reports.", hint="Give each a file of its own."
+                )
 
 
 def require_libraries(html_file: str | None) -> None:

@@ -22,8 +22,8 @@ from wsgen.cli.options import (
 from wsgen.cli.report_files import (
     html_option,
     junit_option,
-    require_folders,
     require_libraries,
+    require_places,
     summary_option,
     write_reports,
 )
@@ -119,7 +119,7 @@ def command(
     from wsgen.cli.words import split_launch_arguments
     from wsgen.pipeline.selection import ValidateRequest
 
-    require_folders(json_file, junit_file, summary_file, html_file)
+    require_places(json_file, junit_file, summary_file, html_file)
     require_libraries(html_file)
     if len(names) == 1 and Path(names[0]).is_dir() and is_file_name(names[0]):
         raise refuse_folder(Path(names[0]))
