@@ -184,6 +184,9 @@ def _is_ours(path: str) -> bool:
     )
 
 
+_PACKAGES = ("site-packages", "dist-packages")
+
+
 @functools.cache
 def _system_folders() -> tuple[str, ...]:
     scratch = scratch_folder()
@@ -194,7 +197,10 @@ def _system_folders() -> tuple[str, ...]:
 def _libraries() -> tuple[str, ...]:
     """Where Python has modules that are none of the user's workspace."""
     paths = {sysconfig.get_path(name) for name in ("stdlib", "platstdlib", "purelib", "platlib")}
-    return tuple({*paths, *site.getsitepackages()})
+    # A .pth file adds those of another environment; a sourced workspace has its own in PYTHONPATH.
+    of_workspace = os.environ.get("PYTHONPATH", "").split(os.pathsep)
+    added = {one for one in sys.path if os.path.basename(one) in _PACKAGES} - {*of_workspace}
+    return tuple({*paths, *site.getsitepackages(), *added})
 
 
 def _modules() -> Iterator[str]:

@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from wsgen.model.behavior import Drive
 from wsgen.rules.runs import TIPS_OVER, UNACTUATED_JOINTS_MOVE
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from wsgen.model.behavior import BehaviorOutcome, Reach
+    from wsgen.model.behavior import BehaviorOutcome, Drive, Reach
     from wsgen.model.outcome import EngineOutcome
 
 
@@ -47,6 +46,8 @@ def what_it_did(behavior: BehaviorOutcome) -> str:
 
 def what_it_is_to_do(task: Drive | Reach) -> str:
     """The commands of a behavior."""
+    from wsgen.model.behavior import Drive  # noqa: PLC0415  who has no behaviors need not load it
+
     if isinstance(task, Drive):
         return f"drive at {_plain(task.linear)} m/s, {_plain(task.angular)} rad/s"
     return f"move to {_positions(task.positions)}"
@@ -54,6 +55,8 @@ def what_it_is_to_do(task: Drive | Reach) -> str:
 
 def what_is_expected(task: Drive | Reach) -> str:
     """Where a behavior is to end."""
+    from wsgen.model.behavior import Drive  # noqa: PLC0415  who has no behaviors need not load it
+
     if isinstance(task, Drive):
         return _way(task.x, task.y, task.yaw) or "not checked"
     return f"within {task.within:g} of these positions"

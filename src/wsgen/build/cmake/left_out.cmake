@@ -15,7 +15,8 @@ cmake_language(DEFER DIRECTORY "${CMAKE_SOURCE_DIR}" CALL wsgen_write_report)
 # ament_cmake do, or that a file of another package calls.
 set(wsgen_commands
   add_action_files add_message_files add_ros_isolated_gtest add_ros_test add_rostest
-  add_service_files ament_add_google_benchmark ament_auto_add_gtest ament_black
+  add_service_files ament_add_gmock ament_add_google_benchmark ament_add_gtest
+  ament_add_nose_test ament_add_pytest_test ament_auto_add_gtest ament_black
   ament_clang_format ament_copyright ament_cpplint ament_cppcheck ament_flake8
   ament_lint_auto_find_test_dependencies ament_lint_cmake ament_mypy ament_pep257
   ament_uncrustify ament_vendor ament_xmllint get_default_rmw_implementation get_rmw_typesupport
