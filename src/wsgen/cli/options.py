@@ -72,6 +72,14 @@ sim_option = click.option(
     help="Target simulator: Gazebo Classic or Gazebo Sim.  [default: classic on iron, else gz]",
 )
 
+argument_option = click.option(
+    "--arg",
+    "arguments",
+    multiple=True,
+    metavar="NAME:=VALUE",
+    help="Launch argument, or argument of a xacro FILE; can be repeated.",
+)
+
 answer_option = click.option(
     "--answer",
     "answers",

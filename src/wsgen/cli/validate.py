@@ -10,6 +10,7 @@ from wsgen.cli.completion import complete_launch_files, complete_packages_and_fi
 from wsgen.cli.options import (
     ExampleCommand,
     answer_option,
+    argument_option,
     chosen_answers,
     chosen_engines,
     engine_option,
@@ -60,13 +61,7 @@ MOST_SEARCHED = 100  # folders, for packages and files to suggest
     shell_complete=complete_launch_files,
     help="Name of the launch file, as for `ros2 launch`.  [default: all that spawn a robot]",
 )
-@click.option(
-    "--arg",
-    "arguments",
-    multiple=True,
-    metavar="NAME:=VALUE",
-    help="Launch argument, or argument of a xacro FILE; can be repeated.",
-)
+@argument_option
 @answer_option
 @seconds_option
 @engine_option

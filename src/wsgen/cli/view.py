@@ -10,6 +10,7 @@ from wsgen.cli.completion import complete_launch_files, complete_packages_and_fi
 from wsgen.cli.options import (
     ExampleCommand,
     answer_option,
+    argument_option,
     chosen_answers,
     output_options,
     page_options,
@@ -39,13 +40,7 @@ if TYPE_CHECKING:
     shell_complete=complete_launch_files,
     help="Name of the launch file, as for `ros2 launch`.  [default: the first that spawns a robot]",
 )
-@click.option(
-    "--arg",
-    "arguments",
-    multiple=True,
-    metavar="NAME:=VALUE",
-    help="Launch argument, or argument of a xacro FILE; can be repeated.",
-)
+@argument_option
 @answer_option
 @page_options
 @output_options

@@ -298,16 +298,8 @@ def check_required(
             and not _needs(one.name, manifest.name, manifests)
         ):
             missing.setdefault(one.name, one)
-    if not missing:
-        return
-    first = min(missing.values(), key=lambda one: one.line)
-    names = sorted(missing)
-    lines = " ".join(f"<depend>{name}</depend>" for name in names)
-    yield UNDECLARED_BUILD_DEPENDENCY.at(
-        first.file,
-        first.line,
-        message=f"package.xml does not declare {listed(names)}, which {first.file.name} requires.",
-        hint=f"Add to package.xml: {lines}",
+    yield from _required_and_undeclared(
+        UNDECLARED_BUILD_DEPENDENCY, missing, "depend", "{} requires"
     )
 
 
@@ -354,16 +346,24 @@ def check_tests(
             and not _is_misspelled_in(one.name, declared)
         ):
             missing.setdefault(one.name, one)
+    who = "the tests in {} require"
+    yield from _required_and_undeclared(UNDECLARED_TEST_DEPENDENCY, missing, "test_depend", who)
+
+
+def _required_and_undeclared(
+    rule: Rule, missing: Mapping[str, RequiredPackage], tag: str, who: str
+) -> Iterator[Diagnostic]:
+    """One diagnostic of what package.xml lacks, at the first place that requires it."""
     if not missing:
         return
     first = min(missing.values(), key=lambda one: one.line)
     names = sorted(missing)
-    lines = " ".join(f"<test_depend>{name}</test_depend>" for name in names)
-    yield UNDECLARED_TEST_DEPENDENCY.at(
+    lines = " ".join(f"<{tag}>{name}</{tag}>" for name in names)
+    yield rule.at(
         first.file,
         first.line,
-        message=f"package.xml does not declare {listed(names)}, which the tests in "
-        f"{first.file.name} require.",
+        message=f"package.xml does not declare {listed(names)}, which "
+        f"{who.format(first.file.name)}.",
         hint=f"Add to package.xml: {lines}",
     )
 
