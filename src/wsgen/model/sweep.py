@@ -45,7 +45,8 @@ class Design:
     @property
     def names(self) -> tuple[str, ...]:
         """The parameters, in the order of the table's columns."""
-        return tuple(one.name for one in (*self.axes, *self.distributions))
+        axes = (axis.name for axis in self.axes)
+        return (*axes, *(distribution.name for distribution in self.distributions))
 
 
 @dataclass(frozen=True, kw_only=True)
