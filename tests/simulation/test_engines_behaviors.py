@@ -7,12 +7,17 @@ from dataclasses import replace
 
 import pytest
 
-from simulation.movers import DRIVE, PAIR, arm, drive, reach, simulated, two_wheeled
-from simulation.robots import BAR_MOMENT, SPACE, VOID, G, NewEngine, lift, pendulum, spawned
-from wsgen.model.behavior import Bounds
+from simulation.movers import DRIVE, PAIR, RADIUS, arm, drive, reach, simulated, two_wheeled
+from simulation.robots import BAR_MOMENT, GROUND, SPACE, VOID, G, NewEngine, lift, pendulum, spawned
+from wsgen.model.behavior import Bounds, DiffDrive
 from wsgen.model.robot import JointLimit
 from wsgen.model.transform import Pose
 from wsgen.simulation.engine import Motor
+from wsgen.simulation.running_scene import RunningScene
+from wsgen.simulation.scene import Scene, SpawnedRobot
+from wsgen.simulation.simulate import run_scene
+
+UPRIGHT = Pose((0.0, 0.0, RADIUS + 0.005))
 
 
 @pytest.mark.slow
@@ -198,3 +203,35 @@ def test_a_driven_pendulum_reaches_its_speed(new_engine: NewEngine) -> None:
         assert engine.state("e").joint_speed == pytest.approx(1.0, rel=0.01)
         engine.advance(2000)
         assert engine.state("e").joint_speed == pytest.approx(2.0, rel=0.01)
+
+
+@pytest.mark.parametrize(("using", "way"), [(DRIVE, 0.0), (None, 0.55)])
+def test_a_plugin_keeps_the_wheels_still_on_a_slope(
+    new_engine: NewEngine, using: DiffDrive | None, way: float
+) -> None:
+    slope = math.radians(5)
+    world = replace(GROUND, gravity=(G * math.sin(slope), 0.0, -G * math.cos(slope)))
+    robot = SpawnedRobot(entity="e", robot=two_wheeled(), pose_in_world=UPRIGHT)
+    scene = Scene(world=world, robots=(replace(robot, drive=using),), seconds=1.2)
+    (run,), _ = run_scene(new_engine(world), scene, lambda _: None)
+    assert run.rest_pose.xyz[0] == pytest.approx(way, abs=0.1 * way + 0.01)
+
+
+def test_it_keeps_them_still_after_a_behavior_too(new_engine: NewEngine) -> None:
+    scene = Scene(
+        world=replace(GROUND, gravity=(G * math.sin(0.1), 0.0, -G * math.cos(0.1))),
+        robots=(
+            replace(
+                SpawnedRobot(entity="e", robot=two_wheeled(), pose_in_world=UPRIGHT), drive=DRIVE
+            ),
+        ),
+    )
+    running = RunningScene(scene, new_engine)
+    running.drive("e", DRIVE, 0.5, 0.0)
+    running.step(0.5)
+    running.release("e")
+    running.step(0.2)
+    place = running.step(0.0).states[0].pose_in_world.xyz[0]
+    assert place > 0.2
+    # It rocks on its wheels; rolling, it would go half a meter.
+    assert running.step(0.5).states[0].pose_in_world.xyz[0] == pytest.approx(place, abs=0.05)

@@ -27,6 +27,7 @@ from wsgen.rules.robot_files import path_of_one_machine, uncalled_macros, unpref
 from wsgen.sdf.includes import DATABASE_MODELS
 from wsgen.sdf.lookup import is_folder, model_finder, model_folders
 from wsgen.sdf.models import read_model, read_sdf
+from wsgen.urdf.diff_drive import NoDrive, find_diff_drive
 from wsgen.urdf.lumping import (
     DROPPED_BY_OLD_SDFORMAT,
     IMPOSSIBLE_SUM,
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
     from wsgen.isolation.parent import Run
     from wsgen.markup import Written
+    from wsgen.model.behavior import DiffDrive
     from wsgen.model.package import ShareOf
     from wsgen.model.world import Spawn, SpawnHeight
     from wsgen.sdf.models import SdfFile, SdfModel
@@ -93,6 +95,7 @@ class PreparedRobot:
     on_the_ground: bool = False  # as low as it can stand, instead of at the height of that pose
     is_static_model: bool = False  # a model of the world around the robots
     may_move: bool = False  # a model of a world file: it may roll or tip over
+    drive: DiffDrive | None = None  # by the plugin of its description, if that works
     diagnostics: tuple[Diagnostic, ...] = ()  # about its description, as they have been reported
 
 
@@ -130,6 +133,7 @@ def prepare_robot(  # noqa: PLR0913  most have defaults
             can_run=not has_errors(found),
             spawn_pose=spawn_pose,
             on_the_ground=on_the_ground,
+            drive=_drive(lumped, simulator),
         )
     sources = [] if file is None else written_elements(file, context.share_of)
     if not isinstance(text, bytes):  # those are of the file itself, where every line is its own
@@ -139,6 +143,11 @@ def prepare_robot(  # noqa: PLR0913  most have defaults
     if written is not None and file is not None:
         found += _of_files(sources, written, file, found)
     return prepared and replace(prepared, diagnostics=found), found
+
+
+def _drive(robot: Robot, simulator: str | None) -> DiffDrive | None:
+    found = find_diff_drive(robot, simulator=simulator)
+    return None if isinstance(found, NoDrive) else found
 
 
 def _of_files(
@@ -401,6 +410,7 @@ def prepare_models(
             on_the_ground=found.world is None and not model.is_static,
             is_static_model=is_static_model,
             may_move=found.world is not None,
+            drive=_drive(robot, None),
             diagnostics=_about(model, models, (*found.diagnostics, *more)),
         )
         for model, robot in zip(models, robots, strict=True)

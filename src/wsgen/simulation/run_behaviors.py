@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from wsgen.simulation.controllers import UPDATE, controller_for
 from wsgen.simulation.odometer import Odometer
 from wsgen.simulation.scene import RUNNING, BehaviorMeasurement
-from wsgen.simulation.simulate import REST_HELD, is_finite, is_moving
+from wsgen.simulation.simulate import REST_HELD, brake, is_finite, is_moving
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -68,6 +68,7 @@ class _Runs:
         self.scene = scene
         self.observe = observe
         self.begun = begun
+        self.spawned_robots = {robot.entity: robot for robot in scene.robots}
         self.robots = {robot.entity: robot.robot for robot in scene.robots}
         self.spawned = spawned
         self.steps = max(1, round(UPDATE / engine.step_seconds))  # in an update
@@ -89,6 +90,7 @@ class _Runs:
                 break
         positions = self.engine.joint_positions(behavior_run.entity)
         self.engine.release(behavior_run.entity)
+        brake(self.engine, self.spawned_robots[behavior_run.entity])
         numbers_are_finite = all(map(math.isfinite, positions.values()))
         return BehaviorMeasurement(
             behavior.name, odometer.moved, positions, odometer.is_finite and numbers_are_finite

@@ -17,7 +17,7 @@ from wsgen.simulation.controllers import UPDATE, DiffDriveController, PositionCo
 from wsgen.simulation.engine import Motor
 from wsgen.simulation.odometer import Odometer
 from wsgen.simulation.session_state import Moment, Opened, RobotState, Watched
-from wsgen.simulation.simulate import is_finite, spawn_robots, tilt_of, watch_robots
+from wsgen.simulation.simulate import brake, is_finite, spawn_robots, tilt_of, watch_robots
 from wsgen.values import dataclass
 
 if TYPE_CHECKING:
@@ -229,9 +229,10 @@ class RunningScene:
         control.motors = {**(control.motors or {}), **given}
 
     def release(self, entity: str) -> None:
-        """Take away what commands the robot: its joints are passive."""
+        """Take away what commands the robot: its joints are as when it was spawned."""
         self._controls.pop(entity, None)
         self.engine.release(entity)
+        brake(self.engine, self._spawned[entity][0])
 
     def _control(self, entity: str) -> _Control:
         return self._controls.setdefault(entity, _Control())

@@ -15,7 +15,7 @@ from wsgen.values import dataclass
 
 if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
-    from wsgen.model.behavior import BehaviorRun
+    from wsgen.model.behavior import BehaviorRun, DiffDrive
     from wsgen.model.robot import Robot
     from wsgen.model.world import World
 
@@ -36,6 +36,7 @@ class SpawnedRobot:
     pose_in_world: Pose = IDENTITY  # of the root link's frame
     on_the_ground: bool = False  # spawned at that pose, but as low as it can stand
     is_static_model: bool = False  # a part of the world: pictures are not about it
+    drive: DiffDrive | None = None  # its plugin keeps the wheels still while nobody drives them
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -193,7 +193,10 @@ class Session(contextlib.AbstractContextManager["Session"]):
         self._tell("set_motors", entity, given, doing=f"setting motors of `{entity}`")
 
     def release(self, entity: str) -> None:
-        """Take away all that commands a robot: its joints are passive, as when spawned."""
+        """Take away all that commands a robot: its joints are as when it was spawned.
+
+        They are passive, but for wheels that a diff drive plugin keeps still.
+        """
         self._robot(entity)
         self._tell("release", entity, doing=f"releasing the joints of `{entity}`")
 

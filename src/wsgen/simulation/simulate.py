@@ -244,8 +244,22 @@ def spawn_robots(
             refused[robot.entity] = outcome
         else:
             pose = _put_on_the_ground(engine, robot, scene.world)
+            brake(engine, robot)
             spawned.append((robot, outcome, pose))
     return spawned, refused
+
+
+def brake(engine: Engine, robot: SpawnedRobot) -> None:
+    """Have the plugin that drives a robot keep its wheels still, as Gazebo's do unless told else.
+
+    All other joints stay as they are.
+    """
+    if robot.drive is None:
+        return
+    from wsgen.model.behavior import Drive  # noqa: PLC0415  most robots have no such plugin
+    from wsgen.simulation.controllers import DiffDriveController  # noqa: PLC0415
+
+    engine.drive(robot.entity, DiffDriveController(robot.drive, Drive(), robot.robot).motors({}))
 
 
 def _put_on_the_ground(engine: Engine, robot: SpawnedRobot, world: World) -> Pose:
