@@ -161,13 +161,14 @@ def test_pip_finds_wheels_for_every_machine(
     wheel: Path, index: Path, platform: str, python: str
 ) -> None:
     has_dart = platform.startswith("linux")
-    extras = "[dart,video,report]" if has_dart else "[video,report]"
+    extras = "[dart,video,report,sweep]" if has_dart else "[video,report,sweep]"
     found = resolve(wheel, extras, platform, python, index)
     assert ("dartpy" in found) == has_dart
     engines = {"pybullet", "pybullet-arm64", "mujoco", "mujoco-core"} & found.keys()
     assert engines == {ENGINES[platform][PYTHONS.index(python)]}
     assert ("ros-ament-cmake" in found) == (platform == "linux-x86_64")
-    assert found.keys() >= {"ros-ament-package", "cmake", "numpy", "av", "plotly"}
+    assert found.keys() >= {"ros-ament-package", "cmake", "numpy", "av", "plotly", "scipy"}
+    assert found.keys() >= {"distributed", "pyarrow", "matplotlib"}
     # What others depend on is looked up with the variables of that machine, too.
     assert ("colorama" in found) == (platform == "windows-amd64")  # of click
     assert ("exceptiongroup" in found or "tomli" in found) == (python == "3.10")

@@ -91,6 +91,18 @@ def ros(one: Machine, target: Target = IRON) -> dict[str, Requirement]:
     return {found.name: found for found in check(one, target).ros}
 
 
+def test_libraries_of_sweeps_say_what_they_are_for(tmp_path: Path) -> None:
+    found = own(machine(tmp_path, lacking={"scipy", "distributed"}))["sweeps"]
+    assert not found.is_met
+    assert not found.is_required
+    assert found.text == (
+        "missing: distributed (runs on other machines), scipy (--sampler lhs and sobol); "
+        "only for `wsgen sweep`"
+    )
+    assert found.fix == "/venv/bin/python -m pip install 'wsgen[sweep]'"
+    assert own(machine(tmp_path))["sweeps"].is_met
+
+
 def test_a_machine_on_which_wsgen_can_work(tmp_path: Path) -> None:
     found = check(machine(tmp_path))
     assert found.passed

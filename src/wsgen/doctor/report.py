@@ -254,6 +254,7 @@ def _extras(machine: Machine) -> Iterator[Requirement]:
         text="installed" if has_plotly else "missing; only for reports as HTML",
         fix="" if has_plotly else _pip(machine, "wsgen[report]"),
     )
+    yield _sweeps(machine)
     for name, programs, purpose, package in (
         ("C++ compiler", ("c++", "g++", "clang++"), "packages with C++", "build-essential"),
         ("git", ("git",), "the maintainer's name and address", "git"),
@@ -266,6 +267,27 @@ def _extras(machine: Machine) -> Iterator[Requirement]:
             text=found or f"missing; only for {purpose}",
             fix="" if found else install,
         )
+
+
+OF_SWEEPS = {  # module -> what it is for
+    "distributed": "runs on other machines",
+    "pyarrow": "tables as Parquet",
+    "scipy": "--sampler lhs and sobol",
+    "matplotlib": "plots",
+    "plotly": "plots as HTML",
+}
+
+
+def _sweeps(machine: Machine) -> Requirement:
+    """Check what `wsgen sweep` can do."""
+    lacking = [name for name in OF_SWEEPS if not machine.has_module(name)]
+    without = ", ".join(f"{name} ({OF_SWEEPS[name]})" for name in lacking)
+    return Requirement(
+        "sweeps",
+        is_met=not lacking,
+        text=f"missing: {without}; only for `wsgen sweep`" if lacking else "installed",
+        fix=_pip(machine, "wsgen[sweep]") if lacking else "",
+    )
 
 
 def _pip(machine: Machine, *requirements: str) -> str:
