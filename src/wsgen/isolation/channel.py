@@ -141,6 +141,10 @@ class Channel:
         """The end of what the child has printed."""
         return read_tail(self._scratch / "output")
 
+    def end(self) -> None:
+        """End the child while another thread waits for its answer, which then gets a `Died`."""
+        parent.end(self._child)
+
     def close(self) -> None:
         """End the child and all that it started; may be called again."""
         if self._death is None:

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping  # noqa: TC003  the type hints of answers are read
 from dataclasses import field
-from typing import TYPE_CHECKING
 
 from wsgen.values import dataclass
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    Value = str | int | float | bool  # of a parameter
-    Figure = float | int | bool | str | None  # of a row; None where it was not measured
+Value = str | int | float | bool  # of a parameter
+Figure = float | int | bool | str | None  # of a row; None where it was not measured
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from wsgen.pipeline.behavior_plan import BehaviorPlan
     from wsgen.pipeline.prepare import PreparedRobot
     from wsgen.pipeline.selection import ValidateRequest
-    from wsgen.simulation.scene import RobotRun, SimulationOutcome
+    from wsgen.simulation.scene import Push, RobotRun, SimulationOutcome
 
 
 # What models of a world may do that are no robots: lie in each other or in the ground, and move.
@@ -73,11 +73,12 @@ def simulate_robots(  # noqa: PLR0913  what is simulated, and how
     run: Run,
     behavior_plan: BehaviorPlan | None = None,
     progress: Path | None = None,
+    pushes: tuple[Push, ...] = (),
 ) -> SimulationResult:
     """Simulate the robots that can be simulated, and check all; `name` is the picture's.
 
     `behavior_plan` is what they must do beyond standing; the child process writes the progress of a
-    video to the file `progress`.
+    video to the file `progress`. `pushes` act on robots while they stand.
     """
     runnable = [robot for robot in prepared if robot.can_run]
     robots = [robot for robot in prepared if not robot.is_static_model]
@@ -92,6 +93,7 @@ def simulate_robots(  # noqa: PLR0913  what is simulated, and how
         replace(
             _scene(world, runnable, request, name, engine=engine, behavior_plan=behavior_plan),
             progress=progress,
+            pushes=pushes,
         )
         for engine in request.engines
     ]

@@ -137,7 +137,7 @@ class RunningScene:
         """Let time pass as `step` does, and measure what `run_scene` measures."""
         robot_runs = watch_robots(
             self.engine,
-            replace(self.scene, seconds=seconds),
+            replace(self.scene, seconds=seconds, pushes=()),
             list(self._spawned.values()),
             self._advance,
         )

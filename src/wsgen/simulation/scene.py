@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.behavior import BehaviorRun, DiffDrive
     from wsgen.model.robot import Robot
+    from wsgen.model.transform import Vector
     from wsgen.model.world import World
 
 
@@ -40,6 +41,17 @@ class SpawnedRobot:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Push:
+    """A force that acts on a robot for a while, at the center of mass of a link."""
+
+    entity: str
+    link: str
+    force: Vector  # N, in the world
+    begin: float  # s, simulated, since the robots were spawned
+    seconds: float  # how long it acts
+
+
+@dataclass(frozen=True, kw_only=True)
 class Scene:
     """A world with robots in it, for some seconds."""
 
@@ -48,6 +60,7 @@ class Scene:
     seconds: float = 3.0  # simulated
     # Afterwards, one by one, from where all were spawned.
     behavior_runs: tuple[BehaviorRun, ...] = ()
+    pushes: tuple[Push, ...] = ()  # while the robots stand; several on one link add up
     engine: str = "bullet"  # a key of `run.MODULES`
     samples: int = 0  # of each robot over the simulated time, and of each of its behaviors
     picture: Path | None = None  # where to put a PNG of the end; its folder must exist
@@ -100,6 +113,8 @@ class RobotRun:
     joint_speed: float  # rad/s or m/s, of the fastest joint, at the end
     highest_speed: float  # m/s, of the root link's center of mass
     highest_point: float  # m, z of the root link's frame
+    highest_joint_speed: float = 0.0  # rad/s or m/s, of whatever joint was the fastest at a look
+    seconds: float = 0.0  # simulated, until the end
     tilt: float  # rad, between what was up in the robot when spawned and up, at the end
     energy_gain: float  # J, the most that it had above what it had when spawned
     joint_positions: Mapping[str, float]  # rad or m, of the movable joints at the end

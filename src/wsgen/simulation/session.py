@@ -59,7 +59,7 @@ class Session(contextlib.AbstractContextManager["Session"]):
     """A scene in its engine; robots are addressed by their entity names.
 
     Attributes:
-        scene: What is simulated. Its seconds, behavior runs and files mean nothing here.
+        scene: What is simulated. Its seconds, behavior runs, pushes and files mean nothing here.
         loaded: What the engine made of the robots that it accepted, by entity.
         spawn_poses: Where those were spawned: the root links' frames in the world.
         refused: Why it refused the others.

@@ -19,13 +19,13 @@ from wsgen.simulation.scene import LOADING, Overlapping, RobotRun
 from wsgen.values import dataclass
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from wsgen.model.robot import Robot
     from wsgen.model.transform import Matrix
     from wsgen.model.world import World
     from wsgen.simulation.engine import Engine, Loaded, Overlap, State
-    from wsgen.simulation.scene import Scene, SpawnedRobot
+    from wsgen.simulation.scene import Push, Scene, SpawnedRobot
 
     Observer = Callable[
         [float, Sequence[str]], None
@@ -62,6 +62,8 @@ class _Watch:
     is_finite: bool = True
     moving_until: float = 0.0  # s
     highest_speed: float = 0.0
+    highest_joint_speed: float = 0.0
+    seconds: float = 0.0  # of the last look
     heights: list[tuple[float, float]] = field(default_factory=list)  # s, m: of the last looks
     highest_point: float = field(init=False)
     energy_gain: float = 0.0
@@ -75,6 +77,7 @@ class _Watch:
 
     def look(self, seconds: float, state: State) -> None:
         """Take in the state after so many seconds."""
+        self.seconds = seconds
         if not is_finite(state):
             self.is_finite = False
         if not self.is_finite:
@@ -82,6 +85,7 @@ class _Watch:
         self.last = state
         self.heights = [*self.heights[-FALLING_LOOKS:], (seconds, state.xyz[2])]
         self.highest_speed = max(self.highest_speed, state.speed)
+        self.highest_joint_speed = max(self.highest_joint_speed, state.joint_speed)
         self.highest_point = max(self.highest_point, state.xyz[2])
         if is_moving(state):
             self.moving_until = seconds
@@ -101,6 +105,11 @@ class _Watch:
         second, middle = self.heights[FALLING_LOOKS // 2]
         before = (middle - low) / (second - first)
         return 2 * ((high - middle) / (third - second) - before) / (third - first)
+
+    def push(self, energy: float) -> None:
+        """Take in the energy while something pushes, which may well give it more."""
+        if self.is_finite and math.isfinite(energy):
+            self.energy = max(self.energy, energy)
 
     def look_long(self, energy: float, joints: Mapping[str, float]) -> None:
         """Take in what is looked at less often."""
@@ -162,6 +171,48 @@ def run_scene(
     return watch_robots(engine, scene, spawned, engine.advance, observe), refused
 
 
+class _Pushes:
+    """The pushes of a scene; called instead of `advance`, it begins and ends them in time."""
+
+    def __init__(
+        self, engine: Engine, pushes: Iterable[Push], advance: Callable[[int], None]
+    ) -> None:
+        self._engine = engine
+        self._advance = advance
+        self._done = 0  # steps
+        self._pushes = [
+            (begin, begin + max(1, round(push.seconds / engine.step_seconds)), push)
+            for push in pushes
+            for begin in (round(push.begin / engine.step_seconds),)
+        ]
+        self._changes = sorted({step for begin, end, _ in self._pushes for step in (begin, end)})
+        self.has_pushed = False  # in the last call
+
+    def __call__(self, steps: int) -> None:
+        """Let so many steps pass."""
+        self.has_pushed = False
+        last = self._done + steps
+        while self._done < last:
+            if self._done in self._changes:
+                self._set_forces()
+            now = min([last, *(step for step in self._changes if step > self._done)]) - self._done
+            self.has_pushed |= any(begin <= self._done < end for begin, end, _ in self._pushes)
+            self._advance(now)
+            self._done += now
+
+    def end(self) -> None:
+        """End those that still act."""
+        self._done = max([self._done, *self._changes])
+        self._set_forces()
+
+    def _set_forces(self) -> None:
+        acting = [push for begin, end, push in self._pushes if begin <= self._done < end]
+        for entity, link in dict.fromkeys((push.entity, push.link) for _, _, push in self._pushes):
+            forces = [push.force for push in acting if (push.entity, push.link) == (entity, link)]
+            x, y, z = map(math.fsum, zip((0.0, 0.0, 0.0), *forces, strict=True))
+            self._engine.push(entity, link, (x, y, z))
+
+
 def watch_robots(
     engine: Engine,
     scene: Scene,
@@ -189,22 +240,31 @@ def watch_robots(
     entities = [watch.spawned.entity for watch in watches]
     if observe is not None:
         observe(0.0, entities)
+    acting = [push for push in scene.pushes if push.entity in entities]
+    pushes = _Pushes(engine, acting, advance) if acting else None
     steps = round(scene.seconds / engine.step_seconds)
     stride = max(1, round(LOOK_EVERY / engine.step_seconds))
     done = looks = 0
     while done < steps and all(watch.is_finite for watch in watches):
         now = min(stride, steps - done)
-        advance(now)
+        if pushes is None:
+            advance(now)
+        else:
+            pushes(now)
         done += now
         looks += 1
         seconds = round(done * engine.step_seconds, 9)  # no more digits than it has
         for watch in watches:
             entity = watch.spawned.entity
             watch.look(seconds, engine.state(entity))
+            if pushes is not None and pushes.has_pushed:
+                watch.push(engine.energy(entity))
             if watch.is_finite and (looks % LONG_LOOK == 0 or done == steps):
                 watch.look_long(engine.energy(entity), engine.joint_positions(entity))
         if observe is not None:
             observe(seconds, entities)
+    if pushes is not None:
+        pushes.end()
     is_cut_short = not all(watch.is_finite for watch in watches)
     return [
         _measured(engine, scene, watch, overlaps, is_cut_short=is_cut_short and watch.is_finite)
@@ -307,6 +367,8 @@ def _measured(
         climb=watch.climb(),
         highest_speed=watch.highest_speed,
         highest_point=watch.highest_point,
+        highest_joint_speed=watch.highest_joint_speed,
+        seconds=watch.seconds,
         tilt=tilt_of(rotation, watch.pose),
         energy_gain=watch.energy_gain,
         joint_positions=watch.last_joints,

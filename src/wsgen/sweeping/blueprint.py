@@ -8,6 +8,7 @@ from wsgen.values import dataclass
 
 if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
+    from wsgen.model.transform import Vector
     from wsgen.model.world import World
     from wsgen.pipeline.behavior_plan import BehaviorPlan
     from wsgen.pipeline.prepare import PreparedRobot
@@ -26,3 +27,5 @@ class Blueprint:
     behavior_plan: BehaviorPlan | None = None
     diagnostics: tuple[Diagnostic, ...] = ()  # that are reported before the simulation
     allow: tuple[str, ...] = ()  # names of rules that the package breaks on purpose
+    push: Vector = (0.0, 0.0, 0.0)  # N, in the world, on the root link of each robot
+    push_seconds: float = 0.5  # how long it acts; it begins after a third of the simulated time
