@@ -16,6 +16,7 @@ FOREIGN = {
     "shapely": "meshes/shape_worker.py",
     "dartpy": "simulation/dart.py",
     "av": "rendering/video_encoder.py",
+    "pyarrow": "sweeping/parquet.py",
     "viser": "viewing/page.py",
     "websockets": "viewing/page.py",
     "xacro": "xacro/expansion.py",

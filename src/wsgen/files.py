@@ -10,10 +10,14 @@ import errno
 import math
 import os
 import stat
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import TYPE_CHECKING, BinaryIO
 
 from wsgen.errors import NotReadableError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 KINDS = {
     stat.S_IFDIR: "a folder",
@@ -135,12 +139,25 @@ def append_text(file: Path, text: str) -> None:
 
 
 def _replace(file: Path, data: bytes) -> None:
+    with replace_file(file) as stream:
+        stream.write(data)
+
+
+@contextmanager
+def replace_file(file: Path) -> Iterator[BinaryIO]:
+    """Open a hidden file next to `file`, which replaces it by one rename at the end of the block.
+
+    If the block raises, the old file is unchanged and the new one is removed.
+
+    Raises:
+        OSError: it cannot be written.
+    """
     unfinished = file.with_name(f"{UNFINISHED_PREFIX}{os.getpid()}-{os.urandom(4).hex()}")
     # Not `tempfile`, whose files only the user may read: this one gets the mode of any new file.
     descriptor = os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
     try:
         with os.fdopen(descriptor, "wb") as stream:
-            stream.write(data)
+            yield stream
             stream.flush()
             os.fsync(descriptor)  # some disks report only now that they are full
         with suppress(OSError):  # the file is new, or the file system has no modes

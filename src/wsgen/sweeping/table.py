@@ -1,0 +1,312 @@
+"""The table of a sweep: one row a run, as CSV, lines of JSON or Parquet.
+
+Rows come in any order, and the process may be killed at any moment: what is done is in the journal
+beside the table (`sweeping/journal.py`), from which the table is written at the end, and at an
+interruption, in the order of the run numbers. So the same sweep gives the same bytes, however often
+it was interrupted.
+
+A number that was not measured is missing (an empty field, `null`), and so is one that is infinite
+or not a number. A text is never missing but empty: a column of texts has one type in every reader.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from typing import TYPE_CHECKING, Any, BinaryIO
+
+from wsgen.errors import RequestError
+from wsgen.files import explain_write_error, irregular_kind, replace_file
+from wsgen.model.sweep import Column
+from wsgen.printable import clean
+from wsgen.suggestions import nearest
+from wsgen.sweeping.journal import Header, Journal, Known
+from wsgen.sweeping.parquet import require_pyarrow, write_parquet
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping, Sequence
+    from pathlib import Path
+    from types import TracebackType
+
+    from wsgen.model.sweep import Row, Variant
+
+__all__ = ["FORMATS", "Header", "TableWriter", "full_columns", "headings", "open_table"]
+
+RUN = Column(name="run", kind="integer", meaning="number of the run, from 0")
+PASSED = Column(name="passed", kind="boolean", meaning="the run reported no error")
+CODES = Column(name="codes", kind="text", meaning="codes of errors and warnings")
+DIAGNOSTIC = Column(name="diagnostic", kind="text", meaning="the first error")
+PARAMETER_PREFIX = "parameter."  # of a parameter that has the name of another column
+_to_json = json.JSONEncoder(ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode
+MOST_INTEGER = 2**63  # of what a column of integers has
+# What no reader of tables takes: a null byte, and what UTF-8 cannot have.
+_UNWRITABLE = {0: "\u2400", **dict.fromkeys(range(0xD800, 0xE000), "\ufffd")}
+
+
+def full_columns(columns: Sequence[Column]) -> tuple[Column, ...]:
+    """Return the columns of the table: the number, the parameters, the result and the figures."""
+    parameters = [one for one in columns if one.is_parameter]
+    figures = [one for one in columns if not one.is_parameter]
+    return (RUN, *parameters, PASSED, CODES, *figures, DIAGNOSTIC)
+
+
+def headings(columns: Sequence[Column]) -> tuple[str, ...]:
+    """Return the headings of the columns of a table, which differ.
+
+    A parameter of a user may have the name of another column: it gets a prefix.
+    """
+    taken = {one.name for one in columns if not one.is_parameter}
+    return tuple(
+        f"{PARAMETER_PREFIX}{one.name}" if one.is_parameter and one.name in taken else one.name
+        for one in columns
+    )
+
+
+def open_table(file: Path, columns: Sequence[Column], header: Header) -> TableWriter:
+    """Open the table of a sweep, new or where it stopped.
+
+    Args:
+        file: Its suffix is one of `FORMATS`.
+        columns: The parameters and the figures; the other columns are added (`full_columns`).
+        header: What the results depend on.
+
+    Raises:
+        RequestError: The suffix is unknown, or another process writes this table.
+        WouldOverwriteError: The file is not ours, was changed, or belongs to other inputs.
+        NotFoundError: The format needs pyarrow, which is not installed.
+        NotReadableError: It cannot be written.
+    """
+    check_format(file)
+    kind = irregular_kind(file)
+    if kind is not None:
+        raise RequestError(
+            f"Cannot write the table to {file}: it is {kind}.",
+            hint="Choose the name of a file with --out.",
+        )
+    return TableWriter(file, Known(header=header, columns=tuple(columns)))
+
+
+def check_format(file: Path) -> None:
+    """Check that a table with this suffix can be written.
+
+    Raises:
+        RequestError: It is unknown.
+        NotFoundError: It needs pyarrow, which is not installed.
+    """
+    suffix = file.suffix.lower()
+    if suffix not in FORMATS:
+        meant = nearest(suffix, FORMATS) if suffix else None
+        known = "Parquet (.parquet), CSV (.csv) or lines of JSON (.jsonl)"
+        raise RequestError(
+            f"Cannot write a table as {file.name}: "
+            + (f"the format {suffix} is unknown." if suffix else "its name has no suffix."),
+            hint=f"Use {file.stem}{meant}: wsgen writes {known}."
+            if meant
+            else f"Choose a name with the suffix of a format: {known}.",
+        )
+    if suffix == ".parquet":
+        require_pyarrow()
+
+
+class TableWriter:
+    """The table while runs end; a context manager, which writes it in any case."""
+
+    def __init__(self, file: Path, known: Known) -> None:
+        self.file = file
+        self.known = known
+        self._columns = full_columns(known.columns)
+        self._headings = headings(self._columns)
+        self._parameters = [one for one in self._columns if one.is_parameter]
+        self._measured = [one for one in known.columns if not one.is_parameter]
+        self._figures = frozenset(one.name for one in self._measured)
+        self._write_table = FORMATS[file.suffix.lower()]
+        self._journal = Journal(file, known)
+        self.was_complete = self._journal.is_complete  # before this command
+
+    @property
+    def count(self) -> int:
+        """How many runs are done, in this command and before."""
+        return self.runs if self._journal.is_complete else self._journal.count
+
+    @property
+    def runs(self) -> int:
+        """How many runs the whole sweep has."""
+        return self.known.header.runs
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether every run is done."""
+        return self.count == self.runs
+
+    def __contains__(self, number: int) -> bool:
+        """Whether the run with this number is done."""
+        return number in self._journal
+
+    def write(self, variant: Variant, row: Row) -> None:
+        """Add a row; one that is there already is left out.
+
+        Raises:
+            NotReadableError: It cannot be written; the rows before it are kept.
+        """
+        if row.number in self._journal:
+            return
+        unknown = row.figures.keys() - self._figures
+        if unknown:
+            raise ValueError(f"a row has figures without a column: {', '.join(sorted(unknown))}")
+        values = [
+            row.number,
+            *(_stored(one, variant.values[one.name]) for one in self._parameters),
+            row.passed,
+            " ".join(row.codes),
+            *(_stored(one, row.figures.get(one.name)) for one in self._measured),
+            clean(row.diagnostic or ""),
+        ]
+        line = _to_json(dict(zip(self._headings, values, strict=True)))
+        self._journal.append(row.number, line.encode() + b"\n")
+
+    def close(self) -> None:
+        """Write the table with all rows that are done, and the journal as it then is.
+
+        Raises:
+            NotReadableError: It cannot be written; the journal has the rows.
+        """
+        try:
+            if self._journal.is_complete:
+                return
+            if not self._journal.count and not self._journal.tables:
+                self._journal.remove()  # nothing to go on with
+                return
+            digest = self._replace_table()
+            if self.is_complete:
+                self._journal.finish(digest)
+        finally:
+            self._journal.close()
+
+    def _replace_table(self) -> str:
+        """Write the table; gives its hash, which the journal has before the table is there."""
+        try:
+            with replace_file(self.file.resolve()) as stream:
+                hashed = _Hashed(stream)
+                self._write_table(hashed, self._columns, self._headings, self._journal.rows())  # type: ignore[arg-type]
+                digest = hashed.digest.hexdigest()
+                self._journal.add_table(digest)
+        except OSError as error:
+            raise explain_write_error(error, self.file) from error
+        return digest
+
+    def __enter__(self) -> TableWriter:  # noqa: PYI034  Python 3.10 has no Self
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        try:
+            self.close()
+        except Exception:
+            if error is None:  # else what ended the sweep is what the user reads
+                raise
+
+
+class _Hashed:
+    """A file that is written, with the hash of what was written."""
+
+    closed = False
+
+    def __init__(self, stream: BinaryIO) -> None:
+        self.digest = hashlib.sha256()
+        self._stream = stream
+
+    def write(self, data: bytes) -> int:
+        self.digest.update(data)
+        return self._stream.write(data)
+
+    def writelines(self, lines: Iterable[bytes]) -> None:
+        for line in lines:
+            self.write(line)
+
+    def tell(self) -> int:
+        return self._stream.tell()
+
+    def flush(self) -> None:
+        self._stream.flush()
+
+    def writable(self) -> bool:
+        return True
+
+    def readable(self) -> bool:
+        return False
+
+    def seekable(self) -> bool:
+        return False
+
+
+def _stored(column: Column, value: Any) -> Any:
+    """Return a value as every format has it."""
+    if column.kind == "text":
+        return "" if value is None else _text(value)
+    if value is None:
+        return None
+    if column.kind == "number":
+        number = float(value)
+        return number if math.isfinite(number) else None
+    if column.kind == "boolean":
+        return bool(value)
+    integer = int(value)
+    if not -MOST_INTEGER <= integer < MOST_INTEGER:
+        raise RequestError(
+            f"`{column.name}` is {value}, which does not fit the 64 bits of a column of integers.",
+            hint="Write it as a number with a point.",
+        )
+    return integer
+
+
+def _text(value: Any) -> str:
+    text = ("true" if value else "false") if isinstance(value, bool) else str(value)
+    return text.translate(_UNWRITABLE)
+
+
+def _write_jsonl(
+    stream: BinaryIO, _columns: Sequence[Column], _headings: Sequence[str], lines: Iterable[bytes]
+) -> None:
+    stream.writelines(lines)
+
+
+def _write_csv(
+    stream: BinaryIO, _columns: Sequence[Column], headings: Sequence[str], lines: Iterable[bytes]
+) -> None:
+    stream.write((",".join(_field(heading) for heading in headings) + "\n").encode())
+    stream.writelines(
+        (",".join(map(_field, json.loads(line).values())) + "\n").encode() for line in lines
+    )
+
+
+def _field(value: Any) -> str:
+    """A field of RFC 4180; `true` and `false` are what both pandas and polars read as booleans."""
+    if value is None:
+        return ""
+    if isinstance(value, str):
+        is_plain = value and value.strip() == value and not any(sign in value for sign in ',"\r\n')
+        return value if is_plain else '"' + value.replace('"', '""') + '"'
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return repr(value)
+
+
+def _write_parquet(
+    stream: BinaryIO, columns: Sequence[Column], headings: Sequence[str], lines: Iterable[bytes]
+) -> None:
+    write_parquet(
+        stream,
+        {heading: one.kind for heading, one in zip(headings, columns, strict=True)},
+        {heading: one.meaning for heading, one in zip(headings, columns, strict=True)},
+        ([*json.loads(line).values()] for line in lines),
+    )
+
+
+FORMATS: Mapping[
+    str, Callable[[BinaryIO, Sequence[Column], Sequence[str], Iterable[bytes]], None]
+] = {".parquet": _write_parquet, ".csv": _write_csv, ".jsonl": _write_jsonl}
