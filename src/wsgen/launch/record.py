@@ -19,6 +19,7 @@ import shlex
 import sys
 from dataclasses import replace
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from wsgen.files import refuse_irregular
@@ -247,11 +248,20 @@ def callers() -> Iterator[Location]:
     """The lines of the user's files, and of libraries, that are being executed, innermost first."""
     frame: FrameType | None = sys._getframe(1)  # noqa: SLF001  no stack has to be built for it
     while frame is not None:
-        file = frame.f_code.co_filename
-        # The child's own first lines are a module that has no other name.
-        if not _is_machinery(file) and frame.f_globals.get("__name__") != "__main__":
-            yield file, frame.f_lineno
+        # Not by its code at first: who reads that has Python call the audit hook each time.
+        names = frame.f_globals
+        if id(names) not in _namespaces:
+            file, name = frame.f_code.co_filename, names.get("__name__")
+            if _is_machinery(file):
+                if vars(sys.modules.get(name, _NO_MODULE)) is names:
+                    _namespaces[id(names)] = names
+            elif name != "__main__":  # the child's own first lines have no other name
+                yield file, frame.f_lineno
         frame = frame.f_back
+
+
+_NO_MODULE = ModuleType("")
+_namespaces: dict[int, Mapping[str, Any]] = {}  # of modules that are none of the user's, by id
 
 
 @functools.cache
