@@ -108,6 +108,8 @@ class FileValidation:
         self.kind = kind_of(file)
         self.on_model_path = share_on_model_path(overlay.environment)
         self.diagnostics: list[Diagnostic] = []
+        self.sdf_files: frozenset[Path] = frozenset()  # that were read
+        self.text: str | bytes | None = None  # of a URDF, or what a xacro file expands to
 
     def run(self) -> PackageOutcome:
         """Run all stages, up to the first that fails."""
@@ -161,7 +163,7 @@ class FileValidation:
                 UNUSABLE_FILE.at(self.file, message=message, hint=HINT_FOR_FILES)
             )
             return None, []
-        text = None if self.kind == "sdf" else self._urdf()
+        self.text = text = None if self.kind == "sdf" else self._urdf()
         if self.kind == "sdf" or (isinstance(text, str) and is_sdf(text)):
             return self._read_sdf(context, text)
         prepared = [] if text is None else self._read_robot(text, context)
@@ -223,6 +225,7 @@ class FileValidation:
         """The models of the file, or of the text that xacro makes of it."""
         content = text if isinstance(text, str) else None
         found = read_file(self.file, context, self.overlay.environment, content=content)
+        self.sdf_files = found.files
         prepared, more = prepare_models(found, context)
         self.diagnostics += (*found.diagnostics, *more)
         if not prepared and not has_errors(self.diagnostics):

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
+    from wsgen.events import Listener
     from wsgen.model.plan import LaunchPlan
     from wsgen.model.world import World
     from wsgen.pipeline.prepare import PreparedRobot
@@ -101,7 +102,7 @@ def load_scene(
         open_overlay([workspace] if workspace else [], environment, near=near) as overlay,
     ):
         place = workspace or Workspace(root=require_share(overlay, None, name))
-        selected = _select(place, overlay, request, name)
+        selected = select_only(place, overlay, request, name)
         # Pictures are drawn if something fails, which is not known yet.
         drawn = ValidateRequest(
             packages=(name,), launch_arguments=arguments or {}, picture_folder=folder
@@ -143,10 +144,21 @@ def _workspace(near: Path) -> Workspace | None:
         return None
 
 
-def _select(
-    workspace: Workspace, overlay: Overlay, request: ValidateRequest, package: str
+def select_only(
+    workspace: Workspace,
+    overlay: Overlay,
+    request: ValidateRequest,
+    package: str,
+    listener: Listener | None = None,
 ) -> SelectedPackage:
-    selection = select_packages(workspace, overlay, request, None)
+    """The package with its only launch file that spawns robots.
+
+    Raises:
+        RequestError: No such package or launch file; or the launch files that spawn robots are
+            none, or several.
+        NotFoundError: The package cannot be read.
+    """
+    selection = select_packages(workspace, overlay, request, listener)
     if len(selection.packages) == 1:
         return selection.packages[0]
     if not selection.packages:

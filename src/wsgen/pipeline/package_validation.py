@@ -254,6 +254,7 @@ class Validation:
         self.started: Started | None = None
         self.simulator_kind: str | None = None  # "classic" or "gz"
         self.diagnostics: list[Diagnostic] = []
+        self.sdf_files: set[Path] = set()  # that the world and what is spawned were read from
         self.written: dict[Path, Path] = {}  # a copy of what a process writes -> its xacro file
         self.settings: Settings | None = None
         self.settings_diagnostics: tuple[Diagnostic, ...] = ()
@@ -277,7 +278,7 @@ class Validation:
             and not simulated.robots
             and not has_errors(self.diagnostics)
         ):
-            self.diagnostics = _why_nothing_is_simulated(started.plan, self.diagnostics)
+            self.diagnostics = why_nothing_is_simulated(started.plan, self.diagnostics)
         return PackageOutcome(
             package=self.package,
             share=self.selected.share,
@@ -325,29 +326,36 @@ class Validation:
         prepared = self._describe(started, context, environment, in_world)
         return world, [*without_taken(models, [robot.entity for robot in prepared]), *prepared]
 
-    def reported(self) -> tuple[Diagnostic, ...]:
-        """The diagnostics with files of the source, without those that the package allows."""
-        self.diagnostics = [
+    def named(self, diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
+        """Diagnostics with the files of the source in place of copies and of what is installed."""
+        written = (
             replace(found, file=self.written[found.file], line=None)
             if found.file in self.written
             else found
-            for found in self.diagnostics
-        ]
+            for found in diagnostics
+        )
+        source, share = self.selected.source, self.selected.share
+        if source is None or share is None:
+            return tuple(written)
+        return tuple(name_sources(written, {**self._used(), share: source}))
+
+    def reported(self) -> tuple[Diagnostic, ...]:
+        """The diagnostics with files of the source, without those that the package allows."""
+        reported = self.named(self.diagnostics)
+        if self.selected.is_first:
+            reported += tuple(self.of_package())
+        return reported if self.settings is None else without_allowed(reported, self.settings.allow)
+
+    def of_package(self) -> Iterator[Diagnostic]:
+        """What is wrong with the package itself: its settings, and a build that is out of date."""
         source, share = self.selected.source, self.selected.share
         settings = self.settings
         if source is None or share is None or settings is None:
-            return tuple(self.diagnostics)
-        used = {**self._used(), share: source}
-        of_package = (
-            *(found for one in used.items() for found in changed_since_build(*one)),
-            *self.settings_diagnostics,
-            *unknown_rule_allowed(settings.allow, settings.file, settings.allow_line),
-        )
-        reported = (
-            *name_sources(self.diagnostics, used),
-            *(of_package if self.selected.is_first else ()),
-        )
-        return without_allowed(reported, settings.allow)
+            return
+        for one in {**self._used(), share: source}.items():
+            yield from changed_since_build(*one)
+        yield from self.settings_diagnostics
+        yield from unknown_rule_allowed(settings.allow, settings.file, settings.allow_line)
 
     def _used(self) -> dict[Path, Path]:
         """The packages of the workspace that the launch uses: share folder -> source."""
@@ -488,10 +496,11 @@ class Validation:
         return replace(prepared, height=spawn.height) if prepared else None
 
     def _for_simulator(self, found: SdfFile) -> SdfFile:
+        self.sdf_files |= found.files
         diagnostics = for_simulator(found.diagnostics, self.simulator_kind)
         return found._replace(diagnostics=tuple(diagnostics))
 
-    def _behavior_plan(self, prepared: list[PreparedRobot]) -> BehaviorPlan | None:
+    def behavior_plan(self, prepared: Sequence[PreparedRobot]) -> BehaviorPlan | None:
         """What the robots must do beyond standing; most packages load nothing for it."""
         if self.settings is None or not self.settings.behaviors:
             return None
@@ -524,7 +533,7 @@ class Validation:
                 self.request,
                 self.label,
                 run=self.run_task,
-                behavior_plan=self._behavior_plan(prepared),
+                behavior_plan=self.behavior_plan(prepared),
                 progress=progress,
             )
             step.succeeded = all(robot.passed for robot in simulated.robots)
@@ -534,7 +543,7 @@ class Validation:
         return simulated
 
 
-def _why_nothing_is_simulated(plan: LaunchPlan, found: Sequence[Diagnostic]) -> list[Diagnostic]:
+def why_nothing_is_simulated(plan: LaunchPlan, found: Sequence[Diagnostic]) -> list[Diagnostic]:
     """The diagnostics with an error: each that says why a robot is missing, or one more."""
     codes = {rule.code for rule in (DATABASE_MODEL, UNKNOWN_DESCRIPTION, UNPUBLISHED_DESCRIPTION)}
     if codes.isdisjoint(one.code for one in found):

@@ -399,6 +399,13 @@ class SdfFile(NamedTuple):
     models: tuple[SdfModel, ...] = ()  # but for sun and ground, which are in `world`
     diagnostics: tuple[Diagnostic, ...] = ()
 
+    @property
+    def files(self) -> frozenset[Path]:
+        """The files that it was read from, those of included models among them."""
+        files = [None if self.world is None else self.world.file]
+        files += [model.file for model in self.models]
+        return frozenset(file for file in files if file is not None)
+
 
 def read_sdf(
     file: Path,

@@ -43,6 +43,7 @@ class CommandResult(NamedTuple):
     code: int
     error: dict[str, Any] | None = None  # see `explain_error`
     unused: Sequence[dict[str, str]] = ()  # see `_Arguments.find_unused`
+    arguments: Mapping[str, str] | None = None  # see `_Arguments.asked`
 
 
 class Watch:
@@ -132,6 +133,10 @@ class _Arguments(dict[str, str]):
         self._asked.add(name)
         return super().__getitem__(name)
 
+    def asked(self) -> dict[str, str]:
+        """The arguments that a xacro file declares, with their values."""
+        return {name: value for name, value in self.items() if name in self._asked}
+
     def find_unused(self) -> list[dict[str, str]]:
         """The given arguments that no file names: each with name, message and hint.
 
@@ -159,7 +164,7 @@ def expand_for_parent(request: ExpansionRequest) -> Expansion | ExpansionError:
     result = expand(Path(request.file), request.arguments)
     if result.code == 0:
         unused = tuple(UnusedArgument(**one) for one in result.unused)
-        return Expansion(urdf=result.stdout, unused=unused)
+        return Expansion(urdf=result.stdout, unused=unused, arguments=result.arguments or {})
     error = result.error or {"message": result.stderr.strip()}
     fields = ExpansionError.__dataclass_fields__
     return ExpansionError(**{name: error[name] for name in fields if name in error})
@@ -180,18 +185,20 @@ def _run(
     stdout, stderr = io.StringIO(), io.StringIO()
     error = None
     unused: list[dict[str, str]] = []
+    values: dict[str, str] = {}
     with contextlib.redirect_stdout(stdout), contextlib.redirect_stderr(stderr):
         try:
             options, file = xacro.process_args(list(words))
             arguments = options.mappings = _Arguments({**options.mappings, **mappings})
             code, error = _process(file, options, rewrite)
             unused = [] if code else arguments.find_unused()
+            values = arguments.asked()
         except SystemExit as end:  # the option parser leaves like this
             code = end.code if isinstance(end.code, int) else 1
         except RuntimeError as refusal:  # an argument that is no name:=value
             sys.stderr.write(f"{refusal}\n")
             code = 1
-    return CommandResult(stdout.getvalue(), stderr.getvalue(), code, error, unused)
+    return CommandResult(stdout.getvalue(), stderr.getvalue(), code, error, unused, values)
 
 
 def _process(

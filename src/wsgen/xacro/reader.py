@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.isolation.parent import Run
+    from wsgen.isolation.result import Answered
 
 
 TASK = "wsgen.xacro.expansion:expand_for_parent"
@@ -52,13 +53,7 @@ def expand_file(
     A xacro file may hold expressions that never end, and its expressions are Python: it is expanded
     in a child process with limits.
     """
-    outcome = run(
-        TASK,
-        ExpansionRequest(file=str(file.absolute()), arguments=dict(arguments)),
-        limits=LIMITS,
-        environment=environment,
-        folder=file.parent,
-    )
+    outcome = _expand(file, arguments, environment, run)
     if isinstance(outcome, Died):
         hint = outcome.hint("Look for an expression or a macro that never ends.")
         error = ExpansionError(message=f"Expanding the file {outcome.reason}", hint=hint)
@@ -71,6 +66,36 @@ def expand_file(
             file, element=unused.name, message=unused.message, hint=unused.hint
         )
         for unused in answer.unused
+    )
+
+
+def read_arguments(
+    file: Path,
+    arguments: Mapping[str, str],
+    *,
+    environment: Mapping[str, str],
+    run: Run = parent.run,
+) -> Mapping[str, str]:
+    """The `<xacro:arg>`s of a file and of what it includes, with the values that they then have.
+
+    They are those that an expansion with these arguments comes by; none where that fails.
+    """
+    outcome = _expand(file, arguments, environment, run)
+    if isinstance(outcome, Died):
+        return {}
+    answer: Expansion | ExpansionError = decode(name_sources(outcome.value, environment), ANSWER)
+    return answer.arguments if isinstance(answer, Expansion) else {}
+
+
+def _expand(
+    file: Path, arguments: Mapping[str, str], environment: Mapping[str, str], run: Run
+) -> Answered | Died:
+    return run(
+        TASK,
+        ExpansionRequest(file=str(file.absolute()), arguments=dict(arguments)),
+        limits=LIMITS,
+        environment=environment,
+        folder=file.parent,
     )
 
 

@@ -7,6 +7,7 @@ packages need that have no xacro file to expand.
 from __future__ import annotations
 
 from collections.abc import Mapping  # noqa: TC003  read at run time, as all types of the fields
+from dataclasses import field
 
 from wsgen.values import dataclass
 
@@ -45,3 +46,4 @@ class Expansion:
 
     urdf: str
     unused: tuple[UnusedArgument, ...] = ()
+    arguments: Mapping[str, str] = field(default_factory=dict)  # that the files have: their values

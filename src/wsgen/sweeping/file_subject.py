@@ -1,0 +1,105 @@
+"""A robot file that is swept: the parameters of a xacro file are its `<xacro:arg>`s."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from wsgen.pipeline.file_validation import FileValidation
+from wsgen.pipeline.prepare import PrepareContext
+from wsgen.pipeline.selection import ValidateRequest
+from wsgen.sweeping.blueprint import Blueprint
+from wsgen.sweeping.kept_answers import KeptAnswers
+from wsgen.sweeping.parameters import Parameter, write_value
+from wsgen.sweeping.subject import Prepared, RobotText, Subject
+from wsgen.xacro.reader import read_arguments
+from wsgen.xacro.source import written_elements
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+    from pathlib import Path
+
+    from wsgen.isolation.parent import Run
+    from wsgen.model.sweep import Value
+    from wsgen.sweeping.subject import SubjectRequest
+    from wsgen.workspace.overlay import Overlay
+
+
+ARGUMENT = "xacro:arg"
+
+
+class FileSubject(Subject):
+    """A URDF, xacro or SDF file; the request has been checked."""
+
+    kind = "file"
+
+    def __init__(
+        self, file: Path, request: SubjectRequest, overlay: Overlay, folder: Path, run: Run
+    ) -> None:
+        self._file = file
+        self._overlay = overlay
+        self._run = KeptAnswers(run, folder).run
+        self._request = ValidateRequest(files=(file,), launch_arguments=request.launch_arguments)
+        self._reader = self._validation(self._request)
+        parameters = [*self._arguments()] if self._reader.kind == "xacro" else []
+        super().__init__(
+            file.with_suffix("").name, f"The file {file.name}", parameters, folder, request.kept
+        )
+
+    def _validation(self, request: ValidateRequest) -> FileValidation:
+        name = self._file.with_suffix("").name
+        return FileValidation(self._file, self._overlay, request, None, self._run, name=name)
+
+    def _arguments(self) -> Iterator[Parameter]:
+        """The arguments that the file and what it includes declare, in the order of the files."""
+        written = {
+            name: element.attributes.get("default")
+            for element in reversed(written_elements(self._file, self._reader.share_of))
+            if element.tag == ARGUMENT and (name := element.attributes.get("name"))
+        }
+        read = read_arguments(
+            self._file,
+            self._request.launch_arguments,
+            environment=self._overlay.environment,
+            run=self._run,
+        )
+        for name in dict.fromkeys((*reversed(written), *read)):
+            yield Parameter(name=name, default=read.get(name, written.get(name)))
+
+    def _advice(self) -> str:
+        if self._reader.kind != "xacro":
+            return "Only a xacro file has parameters of its own."
+        return 'Declare it in the file: <xacro:arg name="NAME" default="VALUE"/>'
+
+    def _read(self, values: Mapping[str, Value], folder: Path) -> Prepared:
+        written = {name: write_value(value) for name, value in values.items()}
+        validation = self._validation(
+            replace(self._request, launch_arguments={**self._request.launch_arguments, **written})
+        )
+        context = PrepareContext(share_of=validation.share_of, folder=folder, run=self._run)
+        world, prepared = validation.read(context)
+        blueprint = Blueprint(
+            name=self.name,
+            world=world,
+            prepared=tuple(prepared),
+            diagnostics=(*validation.diagnostics, *self._overlay.not_built()),
+        )
+        files = {self._file, *validation.sdf_files}
+        if validation.kind == "xacro":
+            files |= {one.file for one in written_elements(self._file, validation.share_of)}
+        return Prepared(blueprint, (*self._texts(validation, blueprint),), frozenset(files))
+
+    def _texts(self, validation: FileValidation, blueprint: Blueprint) -> Iterator[RobotText]:
+        text: str | bytes | None = validation.text
+        if validation.kind == "sdf" and blueprint.world is not None:
+            text = self._file.read_bytes()
+        if text is not None and blueprint.prepared:
+            decoded = text if isinstance(text, str) else text.decode("utf-8-sig", "replace")
+            yield RobotText(blueprint.prepared[0].entity, decoded, self._file)
+
+    def _fixed(self) -> Iterable[str]:
+        arguments = self._request.launch_arguments.items()
+        return (self.name, *(f"{a}:={b}" for a, b in sorted(arguments)))
+
+    def _own_files(self) -> Iterable[Path]:
+        yield self._file

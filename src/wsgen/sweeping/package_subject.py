@@ -1,0 +1,174 @@
+"""A package whose launch file is swept: its parameters are launch arguments."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from wsgen.diagnostics import has_errors
+from wsgen.launch.evaluate import evaluate
+from wsgen.pipeline.load_scene import select_only
+from wsgen.pipeline.package_validation import Validation, why_nothing_is_simulated
+from wsgen.pipeline.selection import ValidateRequest
+from wsgen.pipeline.started import DESCRIPTION_FROM_ELSEWHERE
+from wsgen.sweeping.blueprint import Blueprint
+from wsgen.sweeping.kept_answers import KeptAnswers
+from wsgen.sweeping.parameters import Parameter, write_value
+from wsgen.sweeping.subject import Prepared, RobotText, Subject, files_below
+from wsgen.workspace.layout import Workspace
+from wsgen.workspace.overlay import require_share
+from wsgen.xacro.source import written_elements
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from pathlib import Path
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.events import Listener
+    from wsgen.isolation.parent import Run
+    from wsgen.model.sweep import Value
+    from wsgen.model.world import World
+    from wsgen.pipeline.prepare import PreparedRobot
+    from wsgen.pipeline.selection import SelectedPackage
+    from wsgen.sweeping.subject import SubjectRequest
+    from wsgen.workspace.overlay import Overlay
+
+
+class PackageSubject(Subject):
+    """The launch file of a package that spawns a robot.
+
+    Raises:
+        RequestError: No such package or launch file; or the launch files that spawn robots are
+            none, or several.
+        NotFoundError: The package cannot be read.
+    """
+
+    kind = "package"
+
+    def __init__(
+        self,
+        request: SubjectRequest,
+        overlay: Overlay,
+        folder: Path,
+        run: Run,
+        listener: Listener | None,
+    ) -> None:
+        name = request.package or ""
+        self._overlay = overlay
+        self._run = KeptAnswers(run, folder).run
+        self._place = request.workspace or Workspace(root=require_share(overlay, None, name))
+        self._request = ValidateRequest(
+            packages=(name,),
+            launch_file=request.launch_file,
+            launch_arguments=request.launch_arguments,
+        )
+        self._selected = select_only(self._place, overlay, self._request, name, listener)
+        self._of_package: tuple[Diagnostic, ...] | None = None  # the same for all variants
+        file = self._selected.launch_file
+        title = f"The launch file {file.name} of {name}" if file else f"The package {name}"
+        super().__init__(name, title, [*self._arguments()], folder, request.kept)
+
+    def _arguments(self) -> Iterator[Parameter]:
+        """The arguments that the launch file declares, and those that it includes."""
+        file = self._selected.launch_file
+        if file is None:
+            return
+        share = self._selected.share
+        declared = evaluate(
+            file,
+            package=self._selected.name if share else None,
+            arguments={},
+            environment=self._overlay.environment,
+            only_arguments=True,
+            run=self._run,
+        )
+        started = self._selected.started
+        played = () if started is None else started.plan.arguments
+        arguments = {one.name: one for one in (*declared.arguments, *played)}
+        for one in arguments.values():
+            yield Parameter(name=one.name, meaning=one.description, default=one.default)
+
+    def _advice(self) -> str:
+        return "Declare it in the launch file, with DeclareLaunchArgument."
+
+    def _read(self, values: Mapping[str, Value], folder: Path) -> Prepared:
+        written = {name: write_value(value) for name, value in values.items()}
+        request = replace(
+            self._request, launch_arguments={**self._request.launch_arguments, **written}
+        )
+        selected = self._select(request) if written else self._selected
+        validation = Validation(selected, self._overlay, request, None, self._run)
+        world, prepared = validation.read(folder)
+        general = (*self._general(validation), *self._overlay.not_built())
+        return as_prepared(self.name, validation, world, prepared, general)
+
+    def _select(self, request: ValidateRequest) -> SelectedPackage:
+        """The launch file, to be evaluated with other arguments."""
+        started = self._selected.started
+        if started is not None and any(
+            found.code == DESCRIPTION_FROM_ELSEWHERE.code for found in started.diagnostics
+        ):  # the other launch file is evaluated with them, too
+            return select_only(self._place, self._overlay, request, self.name, None)
+        return replace(self._selected, started=None)
+
+    def _general(self, validation: Validation) -> tuple[Diagnostic, ...]:
+        """What is reported about the package itself; its files are compared once."""
+        with self._lock:
+            if self._of_package is None:
+                self._of_package = tuple(validation.of_package())
+            return self._of_package
+
+    def _fixed(self) -> Iterable[str]:
+        file = self._selected.launch_file
+        arguments = self._request.launch_arguments.items()
+        return (self.name, file.name if file else "", *(f"{a}:={b}" for a, b in sorted(arguments)))
+
+    def _own_files(self) -> Iterable[Path]:
+        selected = self._selected
+        if selected.share is not None:
+            yield from files_below(selected.share)
+        if selected.source is not None:  # the behaviors, and what the package allows
+            yield selected.source / "wsgen.toml"
+
+
+def as_prepared(
+    name: str,
+    validation: Validation,
+    world: World | None,
+    prepared: Sequence[PreparedRobot],
+    general: Iterable[Diagnostic] = (),
+) -> Prepared:
+    """The blueprint of what a launch file spawns, and what it was made of.
+
+    `general` is reported of the package, whatever the launch file spawns.
+    """
+    started = validation.started
+    if (
+        started is not None
+        and started.is_evaluated
+        and all(robot.is_static_model for robot in prepared)
+        and not has_errors(validation.diagnostics)
+    ):
+        validation.diagnostics = why_nothing_is_simulated(started.plan, validation.diagnostics)
+    blueprint = Blueprint(
+        name=name,
+        world=world,
+        prepared=tuple(
+            replace(robot, diagnostics=validation.named(robot.diagnostics)) for robot in prepared
+        ),
+        behavior_plan=None if world is None else validation.behavior_plan([*prepared]),
+        diagnostics=(*validation.named(validation.diagnostics), *general),
+        allow=() if validation.settings is None else validation.settings.allow,
+    )
+    if started is None:
+        return Prepared(blueprint)
+    texts = tuple(
+        RobotText(spawn.entity, spawn.description, spawn.description_file)
+        for spawn in started.spawns
+    )
+    files = {*validation.sdf_files, *started.plan.evaluated_files}
+    for text in texts:
+        if text.file is not None:
+            share_of = validation.overlay.share
+            files |= {text.file, *(one.file for one in written_elements(text.file, share_of))}
+    return Prepared(blueprint, texts, frozenset(files))

@@ -1,0 +1,228 @@
+"""What is swept: the parameters that it has, and the blueprint for each of their values."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+import threading
+import weakref
+from abc import ABC, abstractmethod
+from collections import OrderedDict
+from dataclasses import field
+from hashlib import sha256
+from importlib import metadata
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from wsgen import __version__
+from wsgen.model.robot import Mesh
+from wsgen.sweeping.parameters import check_design, subject_values, write_value
+from wsgen.values import dataclass
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+    from wsgen.model.sweep import Design, Value
+    from wsgen.model.target import Target
+    from wsgen.pipeline.prepare import PreparedRobot
+    from wsgen.sweeping.blueprint import Blueprint
+    from wsgen.sweeping.parameters import Parameter
+    from wsgen.workspace.layout import Workspace
+
+
+DISTRIBUTIONS = {  # engine -> what pip calls its library, by preference
+    "bullet": ("pybullet", "pybullet-arm64"),
+    "dart": ("dartpy",),
+    "mujoco": ("mujoco-core", "mujoco"),
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class SubjectRequest:
+    """What is swept: one of a package, a file and a template; and what stays the same."""
+
+    package: str | None = None
+    file: Path | None = None  # a URDF, a xacro file, or SDF
+    template: str | None = None  # its name, or the folder of one of the user
+    workspace: Workspace | None = None  # of the package, or of packages that the file names
+    launch_file: str | None = None  # a file name as `ros2 launch` takes it; None: the only one
+    launch_arguments: Mapping[str, str] = field(default_factory=dict)  # also those of xacro
+    settings: Sequence[str] = ()  # NAME=VALUE for variables of the template
+    target: Target | None = None  # of the template; None: the first that it is made for
+    kept: int = 64  # blueprints that are held for values that come again
+
+
+class RobotText(NamedTuple):
+    """The text of a robot as it is spawned."""
+
+    entity: str  # name that it is spawned under
+    text: str  # URDF, expanded, or SDF
+    file: Path | None  # that it comes from
+
+
+class Prepared(NamedTuple):
+    """A blueprint, and what it was made of."""
+
+    blueprint: Blueprint
+    texts: tuple[RobotText, ...] = ()
+    files: frozenset[Path] = frozenset()  # that were read
+
+
+class Subject(ABC):
+    """What is swept. Threads may share it; its files are those of when it was opened."""
+
+    kind: str  # "package", "file" or "template"
+
+    def __init__(
+        self, name: str, title: str, parameters: Sequence[Parameter], folder: Path, kept: int
+    ) -> None:
+        self.name = name  # of the package, file or template
+        self.title = title  # to begin a sentence: "The launch file x.launch.py of rover"
+        self.parameters = tuple(parameters)  # without wsgen's own
+        self.folder = folder  # scratch, until the subject is closed
+        self._kept = kept
+        self._lock = threading.Lock()
+        self._slots: OrderedDict[tuple[tuple[str, str, str], ...], _Slot] = OrderedDict()
+
+    @property
+    def own_names(self) -> tuple[str, ...]:
+        """The names of its parameters, without those of wsgen."""
+        return tuple(one.name for one in self.parameters)
+
+    def check(self, design: Design) -> Design:
+        """The design with values of the types of the parameters; see `check_design`.
+
+        Raises:
+            RequestError: A name is unknown, or a value is not allowed.
+            NotFoundError: The sampler needs scipy, which is not installed.
+        """
+        return check_design(design, self.parameters, subject=self.title, others=self._advice())
+
+    def prepare(self, values: Mapping[str, Value]) -> Blueprint:
+        """What `wsgen validate` would simulate with these values; those of wsgen's own are ignored.
+
+        What is wrong with the robot is in the diagnostics of the blueprint; nothing is raised for
+        it. The files of the blueprint are there as long as it is referenced, and the subject open.
+        """
+        return self._prepared(values).blueprint
+
+    def texts(self, values: Mapping[str, Value]) -> tuple[RobotText, ...]:
+        """The robots that these values spawn, as texts; none where they cannot be expanded."""
+        return self._prepared(values).texts
+
+    def settings(self, values: Mapping[str, Value]) -> tuple[str, ...]:
+        """What varies, as NAME=VALUE; `--set` and `--arg` take it, the latter with `:=`."""
+        return tuple(
+            f"{name}={write_value(value)}" for name, value in subject_values(values).items()
+        )
+
+    def digest(self, engine: str, values: Mapping[str, Value] | None = None) -> str:
+        """A hash over all that a result depends on beside what varies.
+
+        That is the content of the files that are read with these values, what stays the same of
+        launch arguments and answers, and the versions of wsgen and of the engine.
+        """
+        found = sha256()
+        for part in (__version__, engine, engine_version(engine), self.kind, *self._fixed()):
+            found.update(f"{len(part)}:{part}".encode())
+        prepared = self._prepared(values or {})
+        files = {*self._own_files(), *prepared.files}
+        files |= set(mesh_files(prepared.blueprint.prepared))
+        digests = {
+            sha256(content).hexdigest()
+            for file in files
+            if not file.is_relative_to(self.folder) and (content := _content(file)) is not None
+        }
+        for digest in sorted(digests):
+            found.update(digest.encode())
+        return found.hexdigest()
+
+    def _prepared(self, values: Mapping[str, Value]) -> Prepared:
+        own = subject_values(values)
+        key = tuple(
+            sorted((name, type(value).__name__, write_value(value)) for name, value in own.items())
+        )
+        with self._lock:
+            slot = self._slots.setdefault(key, _Slot())
+            self._slots.move_to_end(key)
+            while len(self._slots) > self._kept:
+                self._slots.popitem(last=False)
+        with slot.lock:  # of several threads that want the same, one prepares it
+            if slot.prepared is None:
+                slot.prepared = self._make(own)
+            return slot.prepared
+
+    def _make(self, values: Mapping[str, Value]) -> Prepared:
+        folder = Path(tempfile.mkdtemp(prefix="variant-", dir=self.folder))
+        try:
+            prepared = self._read(values, folder)
+        except BaseException:
+            shutil.rmtree(folder, ignore_errors=True)
+            raise
+        end = weakref.finalize(prepared.blueprint, shutil.rmtree, folder, ignore_errors=True)
+        end.atexit = False  # the scratch folder around it is removed
+        return prepared
+
+    @abstractmethod
+    def _read(self, values: Mapping[str, Value], folder: Path) -> Prepared:
+        """Make a blueprint; `folder` is for its files."""
+
+    @abstractmethod
+    def _fixed(self) -> Iterable[str]:
+        """What stays the same of the request, for the digest."""
+
+    @abstractmethod
+    def _own_files(self) -> Iterable[Path]:
+        """The files of the subject that may be read, whatever the values are."""
+
+    def _advice(self) -> str:
+        """What to do about a name that is unknown."""
+        return ""
+
+
+class _Slot:
+    """A place for a blueprint that is being prepared."""
+
+    def __init__(self) -> None:
+        self.lock = threading.Lock()
+        self.prepared: Prepared | None = None
+
+
+def engine_version(engine: str) -> str:
+    """The version of an engine's library; empty where it is not installed by pip."""
+    names = DISTRIBUTIONS.get(engine, ())
+    found = (one.version for name in names for one in metadata.distributions(name=name))
+    return next(found, "")
+
+
+def mesh_files(prepared: Iterable[PreparedRobot]) -> Iterator[Path]:
+    """The mesh files of robots that engines read."""
+    for robot in prepared:
+        for link in robot.lumped.links:
+            for collision in link.collisions:
+                mesh = collision.geometry
+                if isinstance(mesh, Mesh) and mesh.path is not None:
+                    yield Path(mesh.path)
+
+
+# Folders that no result depends on, and files that only people read.
+NOT_READ = frozenset(("__pycache__", "build", "install", "log", "test", "tests"))
+TEXTS = frozenset((".md", ".rst", ".pyc"))
+
+
+def files_below(folder: Path) -> Iterator[Path]:
+    """The files of a package's folder that a result may depend on."""
+    for path in sorted(folder.iterdir()):
+        if path.name.startswith(".") or path.name in NOT_READ:
+            continue
+        if path.is_dir():
+            yield from files_below(path)
+        elif path.suffix not in TEXTS:
+            yield path
+
+
+def _content(file: Path) -> bytes | None:
+    try:
+        return file.read_bytes() if file.is_file() else None
+    except OSError:
+        return None
