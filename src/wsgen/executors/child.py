@@ -7,18 +7,20 @@ made again; one that ends several children is given up.
 from __future__ import annotations
 
 import importlib
+import json
 import pickle
 import threading
 from collections import OrderedDict
 from concurrent.futures import CancelledError
 from typing import TYPE_CHECKING, Any
 
-from wsgen.executors.shared import Reference, Shared
+from wsgen.executors.shared import Reference, Shared, named_as_before, relocated
 from wsgen.isolation import channel
+from wsgen.isolation.codec import encode
 from wsgen.isolation.result import DEFAULT_LIMITS, Answered, Died, Limits
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from wsgen.isolation.channel import Endpoint
 
@@ -57,11 +59,11 @@ class Child:
 
     def call(
         self,
-        function: Callable[..., object],
+        function: str,
         arguments: Sequence[object],
         limits: Limits = DEFAULT_LIMITS,
     ) -> Any:
-        """Have a function called; its result as JSON has it (`wsgen.isolation.codec`).
+        """Have `module:function` called; its result as JSON has it (`wsgen.isolation.codec`).
 
         Raises:
             ChildDiedError: The call ended `ATTEMPTS` children, or exceeded the limits as often.
@@ -70,7 +72,7 @@ class Child:
         """
         death: Died | None = None
         for _ in range(ATTEMPTS):
-            outcome = self._try(name_of(function), arguments, limits)
+            outcome = self._try(function, arguments, limits)
             if not isinstance(outcome, Died):
                 return outcome.value
             self.close()
@@ -104,7 +106,9 @@ class Child:
             return None
         forgotten = [self._kept.popitem(last=False)[0]] if len(self._kept) >= MOST_KEPT else []
         self._kept[shared.key] = None
-        return child.call("keep", shared.key, shared.pickled, forgotten, seconds=limits.seconds)
+        return child.call(
+            "keep", shared.key, shared.pickled, shared.moved, forgotten, seconds=limits.seconds
+        )
 
     def _start(self, limits: Limits) -> channel.Channel:
         with self._lock:
@@ -133,11 +137,16 @@ class Child:
 def serve(endpoint: Endpoint) -> None:
     """In the child: compute calls until the parent closes its end."""
     kept: dict[str, Any] = {}
+    moved: dict[str, Mapping[str, str]] = {}
 
-    def keep(key: str, pickled: bytes, forgotten: Sequence[str]) -> None:
+    def keep(
+        key: str, pickled: bytes, places: Mapping[str, str] | None, forgotten: Sequence[str]
+    ) -> None:
         for one in forgotten:
-            del kept[one]
-        kept[key] = pickle.loads(pickled)  # noqa: S301  the parent wrote it
+            del kept[one], moved[one]
+        value = pickle.loads(pickled)  # noqa: S301  the parent wrote it
+        kept[key] = relocated(value, places) if places else value
+        moved[key] = places or {}
 
     def call(function: str, arguments: Sequence[object]) -> object:
         module, _, name = function.partition(":")
@@ -145,6 +154,13 @@ def serve(endpoint: Endpoint) -> None:
             kept[argument.key] if isinstance(argument, Reference) else argument
             for argument in arguments
         )
-        return getattr(importlib.import_module(module), name)(*given)
+        answer = getattr(importlib.import_module(module), name)(*given)
+        places = {
+            old: new
+            for argument in arguments
+            if isinstance(argument, Reference)
+            for old, new in moved[argument.key].items()
+        }
+        return named_as_before(json.loads(encode(answer)), places) if places else answer
 
     channel.serve(endpoint, {"keep": keep, "call": call})

@@ -6,7 +6,7 @@ import threading
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any
 
-from wsgen.executors.child import Child
+from wsgen.executors.child import Child, name_of
 from wsgen.isolation.result import DEFAULT_LIMITS, Limits
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ class LocalExecutor(Executor):
 
         The only keyword is `limits`, those of this call (`wsgen.isolation.result.Limits`).
         """
-        return self._pool.submit(self._call, fn, args, **kwargs)
+        return self._pool.submit(self._call, name_of(fn), args, **kwargs)
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:  # noqa: FBT001, FBT002  as in the base class
         """End the children when all calls are computed; without waiting, at once."""
@@ -67,7 +67,7 @@ class LocalExecutor(Executor):
 
     def _call(
         self,
-        function: Callable[..., object],
+        function: str,
         arguments: tuple[object, ...],
         limits: Limits = DEFAULT_LIMITS,
     ) -> Any:

@@ -11,6 +11,7 @@ from wsgen.executors.child import ChildDiedError
 from wsgen.executors.shared import Shared, share
 from wsgen.isolation.codec import decode
 from wsgen.isolation.result import Limits
+from wsgen.model.robot import Mesh
 from wsgen.model.sweep import Row
 from wsgen.sweeping.run_variant import can_run, row_of_death, row_without_run, run_variant
 
@@ -90,11 +91,20 @@ class _Shared:
     def of(self, blueprint: Blueprint) -> Shared:
         key = id(blueprint)
         if key not in self._kept:
-            self._kept[key] = blueprint, share(blueprint)
+            self._kept[key] = blueprint, share(blueprint, _files(blueprint))
             if len(self._kept) > MOST_SHARED:
                 self._kept.popitem(last=False)
         self._kept.move_to_end(key)
         return self._kept[key][1]
+
+
+def _files(blueprint: Blueprint) -> Iterator[str]:
+    """The files that engines read: the meshes of collisions."""
+    for robot in blueprint.prepared:
+        for link in robot.lumped.links:
+            for shape in link.collisions:
+                if isinstance(shape.geometry, Mesh) and shape.geometry.path is not None:
+                    yield shape.geometry.path
 
 
 def _next_row(
