@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 INSTALLED = "WSGEN_INSTALLED_PREFIX"  # in the environment: a prefix of serve_installed()
 VARIABLE = "WSGEN_SOURCE_PREFIXES"  # in the environment: the folder of these prefixes
+USED = ".used"  # in a prefix of serve_sources(): a file that who looks the package up leaves
 OF_BUILDS = frozenset({"__pycache__", "build", "install", "log"})  # folders
 SEPARATOR = r"[/\\]"  # of folders; Windows has both
 INDEX = Path("share", "ament_index", "resource_index", "packages")  # below a prefix
@@ -41,6 +42,23 @@ def serve_source(prefix: Path, package: str, source: Path) -> None:
     (prefix / INDEX).mkdir(parents=True, exist_ok=True)
     (prefix / INDEX / package).write_text(str(source), encoding="utf-8")
     _link(prefix / "share" / package, source)
+
+
+def note_use(package: str, environment: Mapping[str, str]) -> None:
+    """Remember that somebody looked a package up, if it is one whose source is served.
+
+    It may be any process that has the environment.
+    """
+    folder = environment.get(VARIABLE)
+    if folder is not None:
+        with suppress(OSError):  # it is none of those
+            Path(folder, package, USED).touch()
+
+
+def is_used(package: str, environment: Mapping[str, str]) -> bool:
+    """Whether somebody looked up a package whose source is served; see `note_use`."""
+    folder = environment.get(VARIABLE)
+    return folder is not None and Path(folder, package, USED).exists()
 
 
 def _link(place: Path, folder: Path) -> None:

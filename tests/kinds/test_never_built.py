@@ -1,10 +1,14 @@
 """A workspace that was cloned and never built: source folders serve as share folders."""
 
+import os
 from pathlib import Path
 
 import pytest
 
 from kind_workspaces import KindOfWorkspace, copy_workspace
+from wsgen.workspace.layout import Workspace
+from wsgen.workspace.overlay import open_overlay
+from wsgen.xacro.reader import expand_file
 
 pytestmark = pytest.mark.slow
 
@@ -54,6 +58,42 @@ def test_a_file_that_the_source_does_not_have(workspace: KindOfWorkspace) -> Non
     assert "install(" not in error["hint"]
 
 
+def test_what_nobody_looks_up_is_not_named(workspace: KindOfWorkspace) -> None:
+    """Of the packages that are not built, those that the launch files and the robot use."""
+    other = workspace.root / "src" / "trolley_docs"
+    other.mkdir()
+    (other / "package.xml").write_text(
+        "<package format='3'><name>trolley_docs</name><version>0.0.0</version>"
+        "<description>Pictures.</description><maintainer email='a@b.cd'>A</maintainer>"
+        "<license>MIT</license></package>",
+        encoding="utf-8",
+    )
+    both = "Not built: trolley_bringup, trolley_description. Source folders are used"
+    for words in (["validate"], ["validate", "trolley_bringup"]):
+        answer = workspace.wsgen(*words, "--format", "json")
+        (package,) = answer.document["packages"]
+        (found,) = [one for one in package["diagnostics"] if one["code"] == "PKG065"]
+        assert found["message"].startswith(both)
+    assert both in workspace.wsgen("launch", "trolley_bringup", "trolley.launch.py").output
+    # With a xacro file that finds it.
+    robot = workspace.root / "src" / "trolley_description" / "urdf" / "trolley.urdf.xacro"
+    text = robot.read_text(encoding="utf-8")
+    robot.write_text(
+        text.replace("</robot>", "<gazebo><docs>${'$(find trolley_docs)'}</docs></gazebo></robot>"),
+        encoding="utf-8",
+    )
+    answer = workspace.wsgen("validate", "trolley_bringup", "--format", "json")
+    messages = [one["message"] for one in answer.document["packages"][0]["diagnostics"]]
+    assert any("trolley_description, trolley_docs" in message for message in messages)
+    # The same where xacro is not run by a launch file.
+    with open_overlay([Workspace(root=workspace.root)], os.environ) as overlay:
+        assert overlay.not_built() == ()
+        urdf, found = expand_file(robot, {"mass": "3"}, environment=overlay.environment)
+        assert (found, "src/trolley_docs</docs>" in str(urdf)) == ((), True)
+        (found_later,) = overlay.not_built()
+    assert found_later.message.startswith("Not built: trolley_description, trolley_docs.")
+
+
 def test_what_is_installed_wins(workspace: KindOfWorkspace) -> None:
     """A file that the source has and that is not installed is an error, as for `ros2 launch`."""
     assert workspace.wsgen("build", "trolley_description").code == 0
@@ -61,7 +101,7 @@ def test_what_is_installed_wins(workspace: KindOfWorkspace) -> None:
     (package,) = answer.document["packages"]
     assert answer.code == 0
     assert [one["message"] for one in package["diagnostics"]] == [
-        "Not built: trolley_bringup. Source folders are used as share folders."
+        "Not built: trolley_bringup. Its source folder is used as share folder."
     ]
     installed = workspace.root / "install/trolley_description/share/trolley_description"
     (installed / "urdf" / "trolley.urdf.xacro").unlink()

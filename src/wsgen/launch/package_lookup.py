@@ -9,6 +9,7 @@ reports what is wrong with the rest and finds the robots.
 from __future__ import annotations
 
 import ast
+import os
 import re
 import sys
 from pathlib import Path
@@ -20,7 +21,7 @@ from wsgen.launch.record import RECORD, caller, callers
 from wsgen.launch.undeclared import UNDECLARED_PACKAGE, is_brought, listed, undeclared
 from wsgen.markup import read_text, without_comments
 from wsgen.model.plan import Lookup
-from wsgen.source_shares import is_source
+from wsgen.source_shares import is_source, note_use
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -59,6 +60,7 @@ def find_prefix(package: str, prefix: str | None) -> str | None:
     else:
         location = RECORD.visited
     if prefix is not None:
+        note_use(package, os.environ)
         return prefix
     if not known_packages.is_known(package):
         if known_packages.is_released(package) or declares(RECORD.launch_files[:1], package):

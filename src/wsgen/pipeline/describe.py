@@ -113,7 +113,7 @@ def describe_launch(
 
 def _only_robot_file(package: str, overlay: Overlay) -> Path:
     """The robot of a package that no launch file spawns."""
-    share = overlay.share(package)
+    share = overlay.look_up(package)
     files = find_robot_files(share) if share is not None else ()
     if len(files) == 1:
         return files[0]

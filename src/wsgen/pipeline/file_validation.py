@@ -241,7 +241,7 @@ class FileValidation:
 
     def share_of(self, package: str) -> Path | None:
         """Find a package, sourced ones first, as Gazebo does."""
-        return self.overlay.share(package) or self.on_model_path(package) or self.around(package)
+        return self.overlay.look_up(package) or self.on_model_path(package) or self.around(package)
 
 
 def _read_bytes(file: Path) -> tuple[bytes | None, tuple[Diagnostic, ...]]:

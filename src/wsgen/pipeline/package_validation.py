@@ -311,7 +311,7 @@ class Validation:
         environment = {**self.overlay.environment, **started.plan.environment}
         on_model_path = share_on_model_path(environment)
         context = PrepareContext(
-            share_of=lambda package: self.overlay.share(package) or on_model_path(package),
+            share_of=lambda package: self.overlay.look_up(package) or on_model_path(package),
             folder=folder,
             run=self.run_task,
             with_colors=self.request.is_drawn,

@@ -78,6 +78,8 @@ def plan_launch(  # noqa: PLR0913  all but two have defaults
     `answers` gives what to answer to what the launch file asks on standard input.
     """
     file, package = selected.file, selected.package
+    if package is not None:
+        selected.overlay.look_up(package)  # the launch file is in its share folder
     with Clock(package or file.stem, listener).step("launch", file.name) as step:
         plan = evaluate(
             file,

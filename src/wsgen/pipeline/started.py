@@ -61,6 +61,8 @@ def start(
 ) -> Started:
     """Evaluate a launch file of a package with the arguments of the request; see `evaluate`."""
     before = time.perf_counter()
+    if package is not None:
+        overlay.look_up(package)  # the launch file is in its share folder
     plan = evaluate(
         launch_file,
         package=package,
@@ -75,7 +77,7 @@ def start(
 def read_plan(plan: LaunchPlan, overlay: Overlay, seconds: float) -> Started:
     """What a plan starts; `seconds` is how long it took to evaluate it."""
     simulator, no_simulator = find_simulator(plan)
-    robots = find_robots(plan, overlay.environment, overlay.share)
+    robots = find_robots(plan, overlay.environment, overlay.look_up)
     lacks_something = has_errors(plan.diagnostics)
     found = tuple(
         one

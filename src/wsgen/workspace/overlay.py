@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.errors import NotFoundError, NotReadableError, RequestError
 from wsgen.isolation.parent import make_scratch
-from wsgen.source_shares import INDEX, serve_sources
+from wsgen.source_shares import INDEX, is_used, note_use, serve_sources
 from wsgen.suggestions import advice, suggest
 from wsgen.values import dataclass
 from wsgen.workspace.layout import Workspace, find_packages
@@ -34,7 +34,8 @@ SOURCE_USED = Rule(
     name="source-used",
     severity=Severity.INFO,
     summary="A package is not built; its source folder is used as its share folder.",
-    what="Looks for packages of the workspace, or of the repository, that no install space has.",
+    what="Looks for packages of the workspace, or of the repository, that no install space has and "
+    "that the launch files and robots look up.",
     why="The robot is simulated as if each package installed every file under its own name. "
     "`ros2 launch` finds only what is built, and what CMakeLists.txt or setup.py installs.",
     example="git clone …/my_robot\nwsgen validate",
@@ -62,6 +63,13 @@ class Overlay:
                 return prefix / "share" / package
         return self.sources.get(package)
 
+    def look_up(self, package: str) -> Path | None:
+        """Find the package's share folder for what is validated, which then uses the package."""
+        share = self.share(package)
+        if share is not None:
+            note_use(package, self.environment)
+        return share
+
     def packages(self) -> tuple[str, ...]:
         """List the names of the packages of this install space, and of those served by sources."""
         names = {
@@ -73,15 +81,17 @@ class Overlay:
         return tuple(sorted({*names, *self.sources}))
 
     def not_built(self) -> tuple[Diagnostic, ...]:
-        """Say which packages are used without having been built; nothing where all have been."""
-        if not self.sources:
+        """Say which packages were looked up without having been built; nothing where all were."""
+        used = sorted(name for name in self.sources if is_used(name, self.environment))
+        if not used:
             return ()
-        names = ", ".join(sorted(self.sources)[:NAMED])
-        more = f" and {len(self.sources) - NAMED} more" if len(self.sources) > NAMED else ""
+        more = f" and {len(used) - NAMED} more" if len(used) > NAMED else ""
+        folders = "Source folders are" if len(used) > 1 else "Its source folder is"
         return (
             SOURCE_USED.at(
-                next(iter(self.sources.values())) if len(self.sources) == 1 else None,
-                message=f"Not built: {names}{more}. Source folders are used as share folders.",
+                self.sources[used[0]] if len(used) == 1 else None,
+                message=f"Not built: {', '.join(used[:NAMED])}{more}. "
+                f"{folders} used as share folder{'s' if len(used) > 1 else ''}.",
                 hint="Run `wsgen build` to check what the packages install, too.",
             ),
         )

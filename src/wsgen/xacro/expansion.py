@@ -15,8 +15,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import xacro
+from xacro import substitution_args
 
 from wsgen.files import refuse_irregular
+from wsgen.source_shares import note_use
 from wsgen.xacro.result import Expansion, ExpansionError, UnusedArgument
 
 if TYPE_CHECKING:
@@ -33,6 +35,17 @@ def _open_regular(file: Any, mode: str = "r", **keywords: Any) -> Any:
 
 
 xacro.open = _open_regular  # what it finds before the built-in one
+
+_find_share = substitution_args._eval_find  # noqa: SLF001  $(find …), and find(…) in expressions
+
+
+def _find_and_note(package: str) -> str:
+    share: str = _find_share(package)
+    note_use(package, os.environ)
+    return share
+
+
+substitution_args._eval_find = _find_and_note  # noqa: SLF001  same
 
 
 class CommandResult(NamedTuple):
