@@ -27,8 +27,9 @@ demo: $(VENV)/.installed
 quick: $(VENV)/.installed-for-tests
 	$(VENV)/bin/python -m pytest -q -m 'not slow' $(PYTEST_ARGUMENTS)
 
+# One process more than cores: some tests wait for the network, or for limits of time.
 test: check
-	$(VENV)/bin/python -m pytest -n auto --dist worksteal $(PYTEST_ARGUMENTS)
+	$(VENV)/bin/python -m pytest -n $$(($$(nproc 2>/dev/null || echo 1) + 1)) --dist worksteal $(PYTEST_ARGUMENTS)
 
 check: $(VENV)/.installed-for-tests
 	$(VENV)/bin/ruff check

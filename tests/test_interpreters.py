@@ -15,9 +15,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from made_once import wheel_of_wsgen
+
 pytestmark = pytest.mark.slow
 
-ROOT = Path(__file__).parents[1]
 SUPPORTED = ((3, 10), (3, 11), (3, 12), (3, 13), (3, 14))
 
 
@@ -48,7 +49,9 @@ FOUND = dict(interpreters())
 
 
 @pytest.mark.parametrize("version", [f"{major}.{minor}" for major, minor in SUPPORTED])
-def test_new_build_validate(version: str, tmp_path: Path) -> None:
+def test_new_build_validate(
+    version: str, tmp_path: Path, tmp_path_factory: pytest.TempPathFactory
+) -> None:
     if version == f"{sys.version_info[0]}.{sys.version_info[1]}":
         pytest.skip("the other tests run on this one")
     if version not in FOUND:
@@ -70,7 +73,7 @@ def test_new_build_validate(version: str, tmp_path: Path) -> None:
     scripts = tmp_path / "environment" / "bin"
     # What is not compiled is compiled when it is used, which most of it is not.
     pip = (sys.executable, "-m", "pip", "--python", scripts / "python")
-    call(*pip, "install", "--quiet", "--no-compile", ROOT)
+    call(*pip, "install", "--quiet", "--no-compile", wheel_of_wsgen(tmp_path_factory))
     # Plain colcon with the environment not activated finds the wheels' packages as well.
     for tool in ("colcon", "wsgen"):
         call(scripts / "wsgen", "new", "gazebo_test", "-w", tool)

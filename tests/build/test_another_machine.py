@@ -10,11 +10,11 @@ from pathlib import Path
 
 import pytest
 
+from made_once import wheel_of_wsgen
 from wsgen.errors import EXIT_MISSING
 
 pytestmark = pytest.mark.slow
 
-ROOT = Path(__file__).parents[2]
 # Each interpreter of the environment starts with it, that of pip among them. Wheels are still those
 # for this machine.
 SITE = """
@@ -52,7 +52,15 @@ def call(tmp_path_factory: pytest.TempPathFactory) -> Call:
     (packages,) = folder.glob("environment/lib/python3.*/site-packages")
     (packages / "another_machine.py").write_text(SITE)
     (packages / "another_machine.pth").write_text("import another_machine\n")
-    call("python", "-m", "pip", "install", "--quiet", "--no-compile", ROOT)
+    call(
+        "python",
+        "-m",
+        "pip",
+        "install",
+        "--quiet",
+        "--no-compile",
+        wheel_of_wsgen(tmp_path_factory),
+    )
     return call
 
 
