@@ -1,4 +1,4 @@
-"""Every broken model gets a clear diagnostic, in 10 s and 2 GiB, and never a traceback."""
+"""Every broken model gets a clear diagnostic, in 10 s and 1 GiB, and never a traceback."""
 
 from __future__ import annotations
 
@@ -28,10 +28,11 @@ if TYPE_CHECKING:
 
 pytestmark = pytest.mark.slow
 
-SECONDS = 10.0
-CHILD = """
+SECONDS = 10  # of CPU time
+CHILD = f"""
 import resource, sys, json
-resource.setrlimit(resource.RLIMIT_AS, (2 * 2**30, 2 * 2**30))
+resource.setrlimit(resource.RLIMIT_AS, (2**30, 2**30))
+resource.setrlimit(resource.RLIMIT_CPU, ({SECONDS}, {SECONDS}))
 sys.path[:0] = json.loads(sys.argv[2])
 from broken_models import HUGE
 from test_broken_models import checked
@@ -39,7 +40,7 @@ model = HUGE[sys.argv[1]]()
 _, found = checked(model.text)
 missing = sorted(model.codes.difference(one.code for one in found))
 has_errors = any(one.severity.value == "error" for one in found)
-print(json.dumps({"missing": missing, "has the right severity": has_errors == model.is_error}))
+print(json.dumps({{"missing": missing, "has the right severity": has_errors == model.is_error}}))
 """
 
 
@@ -92,7 +93,6 @@ def test_huge_robots_in_time_and_memory(name: str) -> None:
         [sys.executable, "-c", CHILD, name, json.dumps([*sys.path, __file__.rpartition("/")[0]])],
         capture_output=True,
         text=True,
-        timeout=60 * SECONDS,  # of the clock; other tests run beside it
         check=False,
     )
     assert ended.returncode == 0, ended.stderr[-2000:]
