@@ -12,7 +12,7 @@ import sys
 import traceback
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from wsgen.isolation.codec import encode
 from wsgen.isolation.parent_death import end_with_parent_by_thread
@@ -22,6 +22,9 @@ try:
     import resource
 except ImportError:  # on Windows
     resource = None  # type: ignore[assignment]
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
 
 SPARE_CPU_SECONDS = 5  # between the soft and the hard limit
 
@@ -38,6 +41,15 @@ def announce(step: str) -> None:
 def scratch_folder() -> Path | None:
     """Return a folder that is removed when the process ends; None outside of a child."""
     return _scratch
+
+
+def set_environment(variables: Mapping[str, str]) -> None:
+    """Set the environment; writing only what differs is ten times as fast."""
+    for name in os.environ.keys() - variables.keys():
+        del os.environ[name]
+    for name, value in variables.items():
+        if os.environ.get(name) != value:
+            os.environ[name] = value
 
 
 def perform(request: dict[str, Any]) -> None:

@@ -19,6 +19,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from wsgen.isolation.child import set_environment
 from wsgen.isolation.guard import adopt_orphans, end_guard, kill_children
 from wsgen.isolation.parent_death import end_with_parent
 
@@ -157,18 +158,9 @@ def _enter(scratch: Path) -> dict[str, Any]:
     os.close(output)
     with (scratch / "request").open("rb") as stream:
         request: dict[str, Any] = pickle.load(stream)  # noqa: S301  the parent wrote it
-    _set_environment(request["environment"])
+    set_environment(request["environment"])
     os.chdir(request["folder"])
     return request
-
-
-def _set_environment(variables: dict[str, str]) -> None:
-    """Set the environment; writing only what differs is ten times as fast."""
-    for name in os.environ.keys() - variables.keys():
-        del os.environ[name]
-    for name, value in variables.items():
-        if os.environ.get(name) != value:
-            os.environ[name] = value
 
 
 def _send_report(report: socket.socket, message: str) -> None:

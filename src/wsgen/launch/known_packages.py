@@ -269,6 +269,11 @@ def has_misspelled(package: str, program: str) -> bool:
     return nearest(program, known, cutoff=SURELY) is not None
 
 
+def forget_declared() -> None:
+    """Forget what was declared, for another launch file."""
+    _declared.clear()
+
+
 def declare(package: str) -> None:
     """From here on the package is one of those that need not be installed."""
     _declared.add(package)

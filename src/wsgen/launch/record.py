@@ -46,6 +46,10 @@ class ForkError(Exception):
     """The launch file forks; raised in it, and reported."""
 
 
+class NotPlainError(BaseException):
+    """What is to be evaluated may leave something behind; see `launch.plain`."""
+
+
 class UnknownText(str):
     """A text that stands for something unknown, also after what Python does with it."""
 
@@ -145,6 +149,19 @@ class Record:
         self.left_out: list[tuple[str, str, Location | None]] = []
         # Whether an exception ends only what raised it; the diagnostic is then noted.
         self.ends_branch: Callable[[Exception], bool] = lambda _error: False
+        self.is_shared = False  # the process evaluates other launch files, too
+        self.is_refused = False  # this one needs a process of its own
+
+    def forget(self) -> None:
+        """Make it as new, for another launch file."""
+        vars(self).clear()
+        vars(self).update(vars(Record()))
+
+    def require_plain(self, is_plain: Callable[[], bool]) -> None:
+        """Refuse to execute what is not plain in a process that is shared."""
+        if self.is_shared and not is_plain():
+            self.is_refused = True
+            raise NotPlainError
 
     def report(self, diagnostic: Diagnostic) -> None:
         """Note a diagnostic, unless the same was noted of the same thing."""
@@ -251,7 +268,7 @@ def callers() -> Iterator[Location]:
         # Not by its code at first: who reads that has Python call the audit hook each time.
         names = frame.f_globals
         if id(names) not in _namespaces:
-            file, name = frame.f_code.co_filename, names.get("__name__")
+            file, name = frame.f_code.co_filename, names.get("__name__", "")
             if _is_machinery(file):
                 if vars(sys.modules.get(name, _NO_MODULE)) is names:
                     _namespaces[id(names)] = names

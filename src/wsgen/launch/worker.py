@@ -10,6 +10,7 @@ stays an ImportError.
 from __future__ import annotations
 
 import builtins
+import functools
 import importlib
 import io
 import os
@@ -19,9 +20,10 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from wsgen.isolation.child import scratch_folder
+from wsgen.diagnostics import has_errors
+from wsgen.isolation.child import scratch_folder, set_environment
 from wsgen.launch import known_packages, package_lookup, written_files
-from wsgen.launch.record import RECORD, ForkError, caller, callers
+from wsgen.launch.record import RECORD, ForkError, NotPlainError, caller, callers
 from wsgen.model.plan import LaunchArgument, LaunchPlan
 from wsgen.ros_names import rosdep_keys
 
@@ -70,7 +72,7 @@ def evaluate(
     is_complete = False
     if request.with_origins:
         from wsgen.launch.origins import files_read  # what it imports is not what is evaluated
-    sys.addaudithook(_watch)
+    _watch_once()
     try:
         if request.only_arguments:
             _ask_for_arguments(launch_file)
@@ -79,6 +81,8 @@ def evaluate(
             _report_unused_arguments(launch_file, request.arguments)
             package_lookup.report(launch_file)
         is_complete = True
+    except NotPlainError:
+        pass  # it is evaluated again
     except BaseException as error:  # noqa: BLE001  foreign code
         from wsgen.launch.explain import explain
 
@@ -106,6 +110,54 @@ def evaluate(
         unanswered=RECORD.unanswered,
         is_complete=is_complete,
     )
+
+
+def evaluate_plain(
+    request: LaunchRequest,
+    environment: Mapping[str, str],
+    *,
+    run_xacro: CommandRunner,
+    explain_xacro: Explainer,
+) -> LaunchPlan | None:
+    """Evaluate a launch file in a process that evaluates others, too, with this environment.
+
+    None comes back where it needs a process of its own: where it, or what it includes, may leave
+    something behind (`launch.plain`), and where it fails.
+    """
+    before = _Process()
+    RECORD.forget()
+    RECORD.is_shared = True
+    known_packages.forget_declared()
+    set_environment(environment)
+    try:
+        plan = evaluate(request, run_xacro=run_xacro, explain_xacro=explain_xacro)
+    finally:
+        before.restore()
+    if RECORD.is_refused or not plan.is_complete or plan.unanswered:
+        return None
+    return None if has_errors(plan.diagnostics) else plan
+
+
+class _Process:
+    """What an evaluation changes in its process."""
+
+    def __init__(self) -> None:
+        self._path = sys.path[:]
+        self._finders = sys.meta_path[:]
+        self._streams = sys.stdin, sys.stdout, sys.stderr
+        self._words = sys.argv
+        self._input = builtins.input
+        self._folder = os.getcwd()
+
+    def restore(self) -> None:
+        """Set it back, but for the environment, which the next one sets."""
+        sys.path[:] = self._path
+        sys.meta_path[:] = self._finders
+        sys.stdin, sys.stdout, sys.stderr = self._streams
+        sys.argv = self._words
+        builtins.input = self._input
+        vars(os.environ).pop("get", None)
+        os.chdir(self._folder)
 
 
 def _install() -> None:
@@ -201,6 +253,11 @@ def _ends_branch(error: Exception, launch_file: str, explain_xacro: Explainer) -
         return False
     RECORD.report(found)
     return True
+
+
+@functools.cache
+def _watch_once() -> None:
+    sys.addaudithook(_watch)  # which cannot be taken away again
 
 
 def _watch(event: str, arguments: tuple[Any, ...]) -> None:

@@ -95,5 +95,5 @@ def _write(output: str, text: str) -> None:
 def remove_copies() -> None:
     """Remove what was written for the evaluation; to be called when that is over."""
     RECORD.is_ending = False
-    for copy in _copies:
-        copy.unlink(missing_ok=True)
+    while _copies:
+        _copies.pop().unlink(missing_ok=True)

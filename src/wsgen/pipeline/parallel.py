@@ -31,11 +31,16 @@ def run_parallel(
     this order, also when the calls are interrupted. `serial` receives no event afterwards.
     """
     from wsgen.isolation.fork_server import ForkServer  # noqa: PLC0415  of no use for one
+    from wsgen.launch.plain_child import PlainLaunches  # noqa: PLC0415  same
 
-    # Leaving the fork server ends the children for which the threads wait.
+    # Leaving these ends the children for which the threads wait.
+    fork_server = ForkServer()
     with ExitStack() as stack:
+        launches = stack.enter_context(PlainLaunches(fork_server.run))
         pool = _thread_pool(stack, jobs)
-        todo = calls(stack.enter_context(ForkServer()).run)
+        stack.enter_context(fork_server)
+        stack.callback(launches.end)
+        todo = calls(launches.run)
         stack.callback(serial.close)  # what loses its child then has not failed
         if pool is None:
             for call in todo:

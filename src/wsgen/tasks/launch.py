@@ -5,13 +5,16 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from wsgen.isolation.channel import serve
 from wsgen.launch import worker
+from wsgen.launch.plain_child import EVALUATE
 from wsgen.launch.record import RECORD, CommandOutcome
 from wsgen.xacro import expansion
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
+    from wsgen.isolation.channel import Endpoint
     from wsgen.model.plan import LaunchPlan, LaunchRequest
 
 
@@ -25,6 +28,22 @@ def evaluate_launch(request: LaunchRequest) -> LaunchPlan:
     watch = expansion.Watch(RECORD.note_text, RECORD.note_unused_xacro_arguments)
     plan = worker.evaluate(request, run_xacro=_run_xacro, explain_xacro=expansion.explain_error)
     return replace(plan, seconds_in_xacro=watch.seconds)
+
+
+def serve_plain_launches(endpoint: Endpoint) -> None:
+    """Evaluate launch files that leave nothing behind, one after the other, until it is closed."""
+    warm_up()
+    watch = expansion.Watch(RECORD.note_text, RECORD.note_unused_xacro_arguments)
+
+    def evaluate(request: LaunchRequest, environment: Mapping[str, str]) -> LaunchPlan | None:
+        watch.seconds = 0.0
+        expansion.reset()
+        plan = worker.evaluate_plain(
+            request, environment, run_xacro=_run_xacro, explain_xacro=expansion.explain_error
+        )
+        return plan and replace(plan, seconds_in_xacro=watch.seconds)
+
+    serve(endpoint, {EVALUATE: evaluate})
 
 
 def _run_xacro(words: Sequence[str]) -> CommandOutcome:

@@ -194,7 +194,7 @@ def run_command(words: Sequence[str], *, rewrite: Callable[[str], str] = str) ->
 def _run(
     words: Sequence[str], mappings: Mapping[str, str], rewrite: Callable[[str], str] = str
 ) -> CommandResult:
-    _reset()
+    reset()
     stdout, stderr = io.StringIO(), io.StringIO()
     error = None
     unused: list[dict[str, str]] = []
@@ -238,7 +238,7 @@ def _process(
     return 0, None
 
 
-def _reset() -> None:
+def reset() -> None:
     """Set back what one expansion leaves for the next."""
     xacro.init_stacks(None)
     xacro.all_includes.clear()

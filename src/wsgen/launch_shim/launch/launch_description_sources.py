@@ -11,6 +11,7 @@ from launch._finder import show_public_names
 from launch.base import InvalidLaunchFileError
 from launch.launch_description import LaunchDescriptionSource
 from wsgen.files import refuse_irregular
+from wsgen.launch.plain import is_plain
 from wsgen.launch.record import RECORD, locate
 
 if TYPE_CHECKING:
@@ -27,6 +28,7 @@ def load_python_launch_file_as_module(python_launch_file_path: str) -> ModuleTyp
     path = os.fspath(python_launch_file_path)
     refuse_irregular(path)
     source = Path(path).read_bytes()
+    RECORD.require_plain(lambda: is_plain(source))
     RECORD.launch_files.append(path)
     module = ModuleType("python_launch_file")
     module.__file__ = path

@@ -5,6 +5,8 @@ from __future__ import annotations
 import importlib
 import os
 import shlex
+from functools import partial
+from operator import eq
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +18,7 @@ from launch.launch_context import local_of
 from wsgen.files import refuse_irregular
 from wsgen.launch import known_packages
 from wsgen.launch.commands import keep_separators
+from wsgen.launch.plain import is_plain_expression
 from wsgen.launch.record import RECORD, run_command
 
 if TYPE_CHECKING:
@@ -438,6 +441,7 @@ class LocalSubstitution(Substitution):
 
     def perform(self, context: LaunchContext) -> str:
         """Its value as text."""
+        RECORD.require_plain(partial(is_plain_expression, self.__expression))
         try:
             value = eval(self.__expression, {}, context.get_locals_as_dict())  # noqa: S307  the launch file is a program already
         except Exception as error:
@@ -508,6 +512,7 @@ class PythonExpression(Substitution):
         names: dict[str, Any] = {}
         for module_name in self.__modules:
             name = perform_substitutions(context, module_name)
+            RECORD.require_plain(partial(eq, name, "math"))
             module = importlib.import_module(name)
             if name == "math":
                 names.update(vars(module))
@@ -515,6 +520,7 @@ class PythonExpression(Substitution):
         expression = perform_substitutions(context, self.__expression)
         if RECORD.is_unknown(expression):
             return RECORD.note_unknown(expression, "a part of it is not known", self.wsgen_location)
+        RECORD.require_plain(partial(is_plain_expression, expression))
         # A launch file is a program already, and its expressions are part of it.
         return str(eval(expression, {}, names))  # noqa: S307  see above
 

@@ -62,6 +62,7 @@ def load_extensions() -> None:
     """Import what packages add, once; one that cannot be imported is left out."""
     if _loaded:
         return
+    RECORD.require_plain(lambda: False)
     points = importlib.metadata.entry_points(group=GROUP)
     for module in dict.fromkeys((*(point.module for point in points), *_KNOWN)):
         _loaded.append(module)

@@ -1,0 +1,249 @@
+"""Plain launch files: which they are, and that one child evaluates many as one each would."""
+
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from wsgen.isolation.fork_server import ForkServer
+from wsgen.isolation.parent import Run
+from wsgen.isolation.result import Answered, Died, Limits
+from wsgen.launch.evaluate import LIMITS, evaluate
+from wsgen.launch.plain import is_plain, is_plain_expression
+from wsgen.launch.plain_child import PlainLaunches
+from wsgen.model.plan import LaunchPlan
+from wsgen.source_shares import serve_sources
+
+TESTS = Path(__file__).parents[1]
+HEAD = """\
+import os
+from ament_index_python.packages import get_package_share_directory
+from launch import LaunchDescription
+from launch.actions import ExecuteProcess, SetEnvironmentVariable
+from launch.substitutions import LaunchConfiguration, PythonExpression
+from launch_ros.actions import Node
+"""
+EMPTY = "def generate_launch_description():\n    return LaunchDescription([])\n"
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        "share = get_package_share_directory('demo')",
+        "path = os.path.join(os.getcwd(), 'a')",
+        "model = os.environ['MODEL'] if 'a' in 'b' else os.environ.get('MODEL', 'burger')",
+        "nodes = [Node(package=name, executable=f'{name}_node') for name in ('a', 'b')]",
+        "from os.path import join\npath = join('a', 'b')",
+        "import launch.actions\none = launch.actions.Node",
+    ],
+)
+def test_what_only_describes_is_plain(lines: str) -> None:
+    assert is_plain(f"{HEAD}{lines}\n{EMPTY}".encode())
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        "import sys",
+        "import subprocess",
+        "import my_package",
+        "from my_package.launch import common",
+        "from . import common",
+        "from os import chdir",
+        "from os.path import os",
+        "from launch import os",
+        "from launch.actions import *",
+        "import launch.logging",
+        "from launch.logging import launch_config",
+        "os.chdir('/')",
+        "os.environ['A'] = 'b'",
+        "os.environ.update(a='b')",
+        "os.path.os.chdir('/')",
+        "system = os\nsystem.chdir('/')",
+        "path = os.path\npath.os.chdir('/')",
+        "function = os.path.join",
+        "open('file', 'w')",
+        "exec('import sys')",
+        "getattr(os, 'chdir')('/')",
+        "__import__('sys')",
+        "LaunchDescription.visit = None",
+        "Node.__init__.__globals__",
+        "launch.launch_context.os.chdir('/')",
+        "class MyNode(Node):\n    pass",
+        "@print\ndef function():\n    pass",
+        "while True:\n    pass",
+        "def function(open=None):\n    pass\nopen('file', 'w')",
+        "os.path.join('a'",
+    ],
+)
+def test_what_may_leave_something_behind_is_not_plain(lines: str) -> None:
+    assert not is_plain(f"{HEAD}{lines}\n{EMPTY}".encode())
+
+
+def test_expressions() -> None:
+    assert is_plain_expression(" 'true' == 'true' and not False")
+    assert not is_plain_expression("__import__('os').getcwd()")
+    assert not is_plain_expression("[].append")
+    assert not is_plain_expression("1 +")
+
+
+class Counted:
+    """Runs tasks, and counts them."""
+
+    def __init__(self, run: Run) -> None:
+        self.count = 0
+        self._run = run
+
+    def run(
+        self,
+        task: str,
+        *arguments: object,
+        limits: Limits = Limits(),
+        environment: Mapping[str, str] | None = None,
+        folder: Path | None = None,
+    ) -> Answered | Died:
+        self.count += 1
+        return self._run(task, *arguments, limits=limits, environment=environment, folder=folder)
+
+
+@pytest.fixture(scope="module")
+def apart() -> Iterator[Counted]:
+    """A child for each."""
+    with ForkServer() as server:
+        yield Counted(server.run)
+
+
+@pytest.fixture
+def together(apart: Counted) -> Iterator[PlainLaunches]:
+    with PlainLaunches(apart.run) as launches:
+        yield launches
+
+
+def plan(file: Path, run: Run, limits: Limits = LIMITS, **environment: str) -> LaunchPlan:
+    variables = {"AMENT_PREFIX_PATH": str(file.parent), **os.environ, **environment}
+    found = evaluate(
+        file, package=None, arguments={}, environment=variables, limits=limits, run=run
+    )
+    return replace(found, seconds_in_xacro=0.0)
+
+
+def write(folder: Path, name: str, lines: str, entities: str = "") -> Path:
+    file = folder / f"{name}.launch.py"
+    body = EMPTY.replace("[]", f"[{entities}]")
+    file.write_text(f"{HEAD}{lines}\n{body}")
+    return file
+
+
+@pytest.mark.slow
+def test_one_child_plans_as_many(together: PlainLaunches, apart: Counted, tmp_path: Path) -> None:
+    """All launch files of the tests, one after the other: nothing of one is met by the next."""
+    manifests = [
+        *TESTS.glob("workspaces/*/src/*/package.xml"),
+        *TESTS.glob("golden/*/*/src/*/package.xml"),
+    ]
+    served = 0
+    for index, manifest in enumerate(sorted(manifests)):
+        source = manifest.parent
+        sources = {source.name: source}
+        variables = serve_sources(
+            sources, tmp_path / str(index), {**os.environ, "ROS_DISTRO": "iron"}
+        )
+        for file in sorted(source.rglob("*launch.*")):
+            if file.suffix not in {".py", ".xml", ".yaml"}:
+                continue
+            before = apart.count
+            plans = [
+                replace(
+                    evaluate(
+                        file,
+                        package=source.name,
+                        arguments={},
+                        environment=variables,
+                        run=run,
+                    ),
+                    seconds_in_xacro=0.0,
+                )
+                for run in (together.run, apart.run)
+            ]
+            if apart.count == before + 1:  # others may be random
+                served += 1
+                assert plans[0] == plans[1], file
+    assert served > 10
+
+
+@pytest.mark.slow
+def test_nothing_of_one_is_met_by_the_next(
+    together: PlainLaunches, apart: Counted, tmp_path: Path
+) -> None:
+    first = write(
+        tmp_path,
+        "first",
+        "get_package_share_directory('nav2_nowhere')",
+        "SetEnvironmentVariable('ROBOT', 'one'), Node(package='demo_nodes_cpp', executable='talker')",
+    )
+    second = write(
+        tmp_path,
+        "second",
+        "robot = os.environ.get('ROBOT', 'none')",
+        "Node(package='demo_nodes_cpp', executable=robot)",
+    )
+    assert plan(first, together.run).environment == {"ROBOT": "one"}
+    found = plan(second, together.run)
+    assert apart.count == 0 or found.is_complete
+    assert [process.executable for process in found.processes] == ["none"]
+    assert found.environment == {}
+    assert found == plan(second, apart.run)
+    given = plan(second, together.run, ROBOT="given")
+    assert [process.executable for process in given.processes] == ["given"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("lines", "entities", "code"),
+    [
+        ("robot = 1 / 0", "", "LCH002"),
+        ("", "ExecuteProcess(cmd=[PythonExpression(['__import__(\"os\").getpid()'])])", None),
+    ],
+)
+def test_what_fails_or_executes_more_gets_a_child_of_its_own(  # noqa: PLR0913, PLR0917  fixtures
+    together: PlainLaunches,
+    apart: Counted,
+    tmp_path: Path,
+    lines: str,
+    entities: str,
+    code: str | None,
+) -> None:
+    before = apart.count
+    file = write(tmp_path, "one", lines, entities)
+    found = plan(file, together.run)
+    assert apart.count == before + 1
+    assert found.is_complete == (code is None)
+
+
+@pytest.mark.slow
+def test_an_included_file_that_is_not_plain(
+    together: PlainLaunches, apart: Counted, tmp_path: Path
+) -> None:
+    write(tmp_path, "included", "import sys\nsys.path.append('/')")
+    file = tmp_path / "main.launch.xml"
+    file.write_text(f'<launch><include file="{tmp_path}/included.launch.py"/></launch>')
+    before = apart.count
+    assert plan(file, together.run).is_complete
+    assert apart.count == before + 1
+
+
+@pytest.mark.slow
+def test_a_child_that_dies_is_started_again(
+    together: PlainLaunches, apart: Counted, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What kills it, kills a child of its own, too, and is reported."""
+    monkeypatch.setattr("wsgen.launch.plain_child.SECONDS", 1.0)
+    deadly = write(tmp_path, "deadly", "for _ in range(10**12):\n    pass")
+    sound = write(tmp_path, "sound", "text = 'x'")
+    before = apart.count
+    for _ in range(2):
+        assert not plan(deadly, together.run, limits=Limits(seconds=1.0)).is_complete
+        assert plan(sound, together.run).is_complete
+    assert apart.count == before + 2
