@@ -70,7 +70,7 @@ bold; [rules.md](rules.md) lists the codes.
 pytestmark = [pytest.mark.slow, pytest.mark.oracle]
 
 
-# A third of the time is for these; others of the same makers and kinds are simulated by each engine.
+# A third of the time is for these; each engine simulates others of the same makers and kinds.
 MANY_PARTS = {"g1_29dof_with_hand_rev_1_0", "icubdarmstadt01", "icubgazebov2_7", "tiago"}
 
 

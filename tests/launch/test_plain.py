@@ -207,7 +207,7 @@ def test_nothing_of_one_is_met_by_the_next(
         ("", "ExecuteProcess(cmd=[PythonExpression(['__import__(\"os\").getpid()'])])", None),
     ],
 )
-def test_what_fails_or_executes_more_gets_a_child_of_its_own(  # noqa: PLR0913, PLR0917  fixtures
+def test_what_fails_or_executes_more_gets_a_child_of_its_own(  # noqa: PLR0917  fixtures
     together: PlainLaunches,
     apart: Counted,
     tmp_path: Path,

@@ -43,6 +43,7 @@ COMMANDS = {
     "build": "Build the workspace with colcon and explain build errors.",
     "check": "Check packages and files without building or simulating them.",
     "validate": "Simulate the robots that launch files spawn.",
+    "sweep": "Simulate many variants of a robot, and write a table.",
     "launch": "Show what a launch file would start, without ROS and without starting it.",
     "view": "Show a robot in the browser, with a slider for each joint.",
     "rule": "List all rules, or show the documentation of one.",

@@ -39,7 +39,11 @@ class FileSubject(Subject):
         self._file = file
         self._overlay = overlay
         self._run = KeptAnswers(run, folder).run
-        self._request = ValidateRequest(files=(file,), launch_arguments=request.launch_arguments)
+        self._request = ValidateRequest(
+            files=(file,),
+            launch_arguments=request.launch_arguments,
+            is_viewed=request.is_drawn,
+        )
         self._reader = self._validation(self._request)
         parameters = [*self._arguments()] if self._reader.kind == "xacro" else []
         super().__init__(
@@ -76,7 +80,12 @@ class FileSubject(Subject):
         validation = self._validation(
             replace(self._request, launch_arguments={**self._request.launch_arguments, **written})
         )
-        context = PrepareContext(share_of=validation.share_of, folder=folder, run=self._run)
+        context = PrepareContext(
+            share_of=validation.share_of,
+            folder=folder,
+            run=self._run,
+            with_colors=self._request.is_drawn,
+        )
         world, prepared = validation.read(context)
         blueprint = Blueprint(
             name=self.name,

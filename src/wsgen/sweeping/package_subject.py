@@ -61,6 +61,7 @@ class PackageSubject(Subject):
             packages=(name,),
             launch_file=request.launch_file,
             launch_arguments=request.launch_arguments,
+            is_viewed=request.is_drawn,
         )
         self._selected = select_only(self._place, overlay, self._request, name, listener)
         self._of_package: tuple[Diagnostic, ...] | None = None  # the same for all variants

@@ -83,12 +83,13 @@ def _run(blueprint: Blueprint, variant: Variant, seconds: float, engine: str, ru
         varied.name,
         run=run_and_keep,
         behavior_plan=varied.behavior_plan,
-        pushes=_pushes(varied, seconds),
+        pushes=pushes_of(varied, seconds),
     )
     return _row(varied, variant, simulated, measured)
 
 
-def _pushes(blueprint: Blueprint, seconds: float) -> tuple[Push, ...]:
+def pushes_of(blueprint: Blueprint, seconds: float) -> tuple[Push, ...]:
+    """The pushes on its robots, when so many seconds are simulated."""
     if not any(blueprint.push):
         return ()
     return tuple(

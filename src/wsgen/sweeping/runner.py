@@ -16,7 +16,7 @@ from wsgen.model.sweep import Row
 from wsgen.sweeping.run_variant import can_run, row_of_death, row_without_run, run_variant
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Callable, Generator, Iterable, Iterator
     from concurrent.futures import Future
 
     from wsgen.model.sweep import Variant
@@ -48,7 +48,7 @@ def run_all(
     *,
     seconds: float,
     engine: str,
-) -> Iterator[Row]:
+) -> Generator[Row, None, None]:
     """Run variants for so many simulated seconds in an engine; give a row each as it ends.
 
     No more blueprints are asked for than are about to run; one that has no robot to simulate

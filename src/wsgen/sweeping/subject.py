@@ -50,6 +50,7 @@ class SubjectRequest:
     settings: Sequence[str] = ()  # NAME=VALUE for variables of the template
     target: Target | None = None  # of the template; None: the first that it is made for
     kept: int = 64  # blueprints that are held for values that come again
+    is_drawn: bool = False  # it matters what meshes look like
 
 
 class RobotText(NamedTuple):
@@ -109,6 +110,13 @@ class Subject(ABC):
     def texts(self, values: Mapping[str, Value]) -> tuple[RobotText, ...]:
         """The robots that these values spawn, as texts; none where they cannot be expanded."""
         return self._prepared(values).texts
+
+    def package(self, values: Mapping[str, Value]) -> tuple[str, Mapping[str, str]] | None:  # noqa: ARG002
+        """The name and the files (path with slashes -> text) of the package of a template.
+
+        None where the subject is no template, or where it cannot be rendered.
+        """
+        return None
 
     def settings(self, values: Mapping[str, Value]) -> tuple[str, ...]:
         """What varies, as NAME=VALUE; `--set` and `--arg` take it, the latter with `:=`."""

@@ -16,7 +16,7 @@ from wsgen.source_shares import INDEX
 from wsgen.sweeping.blueprint import Blueprint
 from wsgen.sweeping.kept_answers import KeptAnswers
 from wsgen.sweeping.package_subject import as_prepared
-from wsgen.sweeping.parameters import Parameter, write_value
+from wsgen.sweeping.parameters import Parameter, subject_values, write_value
 from wsgen.sweeping.subject import Prepared, Subject, files_below
 from wsgen.templating.render import installed_folders, render_tree
 from wsgen.templating.render_apart import render_tree_apart
@@ -77,7 +77,9 @@ class TemplateSubject(Subject):
         self._launch_file: str | None = None  # the name of the one that spawns a robot
         self._spec({})  # refuses what is wrong with the request
         self._request = ValidateRequest(
-            launch_file=request.launch_file, launch_arguments=request.launch_arguments
+            launch_file=request.launch_file,
+            launch_arguments=request.launch_arguments,
+            is_viewed=request.is_drawn,
         )
         variables = self._template.variables.values()
         super().__init__(
@@ -116,6 +118,11 @@ class TemplateSubject(Subject):
         if self._template.is_shipped:
             return render_tree(spec, self._template)
         return render_tree_apart(spec, self._template, run=self._run)
+
+    def package(self, values: Mapping[str, Value]) -> tuple[str, Mapping[str, str]] | None:
+        """The package that `wsgen new` writes with these values."""
+        tree, diagnostics = self._render(subject_values(values))
+        return None if diagnostics else (self._package, tree)
 
     def _read(self, values: Mapping[str, Value], folder: Path) -> Prepared:
         tree, diagnostics = self._render(values)

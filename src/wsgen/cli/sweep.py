@@ -1,0 +1,333 @@
+"""`wsgen sweep`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from wsgen.cli.completion import (
+    complete_launch_files,
+    complete_packages_and_files,
+    complete_templates,
+)
+from wsgen.cli.options import (
+    ExampleCommand,
+    argument_option,
+    distro_option,
+    engine_option,
+    format_option,
+    output_options,
+    sim_option,
+    workspace_option,
+)
+from wsgen.errors import EXIT_PASSED, RequestError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+    from wsgen.model.target import Target
+    from wsgen.sweeping.sweep import SweepOutcome
+    from wsgen.workspace.layout import Workspace
+
+
+class SweepCommand(ExampleCommand):
+    """A command whose help ends with the parameters that every sweep has."""
+
+    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """List them; only --help loads them."""
+        from wsgen.sweeping.parameters import OWN
+
+        with formatter.section("Parameters of every sweep, beside those of the robot"):
+            formatter.write_dl(
+                [(f"{one.name} {one.unit}".rstrip(), one.meaning) for one in OWN], col_max=30
+            )
+        super().format_epilog(ctx, formatter)
+
+
+@click.command(
+    cls=SweepCommand,
+    epilog="NAME is an argument of the launch file or of the xacro file, a variable of the "
+    "template, or one of the parameters below. The same command goes on where it stopped.",
+    examples=(
+        "wsgen sweep rover --over world.slope=0deg:45deg:46 --plot slope.png",
+        "wsgen sweep arm.urdf.xacro --over payload=0,1,2,5 --over world.gravity=1.6,3.7,9.8",
+        "wsgen sweep -t diff_drive --random 'body_mass=uniform(2,50)' --samples 500 -j 4",
+    ),
+)
+@click.argument(
+    "name",
+    required=False,
+    metavar="[PACKAGE | FILE]",
+    shell_complete=complete_packages_and_files,
+)
+@click.option(
+    "-t",
+    "--template",
+    metavar="NAME|FOLDER",
+    shell_complete=complete_templates,
+    help="Template that is rendered for each variant, in place of a PACKAGE or FILE.",
+)
+@click.option(
+    "--over",
+    multiple=True,
+    metavar="NAME=VALUES",
+    help="Values of a parameter: START:STOP:COUNT, or a list with commas; several parameters make "
+    "a grid. A number may end in `deg`.",
+)
+@click.option(
+    "--random",
+    "random",
+    multiple=True,
+    metavar="NAME=DISTRIBUTION",
+    help="Distribution of a parameter: uniform(LOW, HIGH), normal(MEAN, DEVIATION), "
+    "loguniform(LOW, HIGH) or choice(A, B, ...).",
+)
+@click.option(
+    "--samples",
+    type=int,
+    metavar="N",
+    help="How often values are drawn, for each point of the grid.  [default: 100]",
+)
+@click.option(
+    "--sampler",
+    metavar="NAME",
+    help="random, lhs (Latin hypercube) or sobol: how evenly samples cover the space.  "
+    "[default: random]",
+)
+@click.option("--seed", type=int, metavar="N", help="Start of the random numbers.  [default: 0]")
+@click.option(
+    "--out",
+    metavar="FILE",
+    help="Table with one row for each run: .csv, .jsonl, or .parquet (pip install "
+    "'wsgen[sweep]').  [default: NAME-sweep.csv]",
+)
+@click.option(
+    "--plot",
+    "plots",
+    multiple=True,
+    metavar="FILE",
+    help="Plot of the table, .png or .html (pip install 'wsgen[sweep]'); can be repeated.",
+)
+@click.option(
+    "--worst",
+    metavar="K[:COLUMN]",
+    help="Also write the K worst variants, as robots or packages with picture and video: those "
+    "that fail and tilt most, or that have the largest values in a column.",
+)
+@click.option(
+    "-j",
+    "--jobs",
+    type=click.IntRange(min=1, max=256),
+    default=1,
+    show_default=True,
+    metavar="N",
+    help="Number of runs at a time.",
+)
+@click.option(
+    "--scheduler",
+    metavar="ADDRESS|local",
+    help="Run on the workers of a Dask scheduler, such as tcp://192.168.1.5:8786; `local` starts "
+    "one on this machine (pip install 'wsgen[sweep]').",
+)
+@click.option(
+    "--launch",
+    "launch_file",
+    metavar="FILE",
+    shell_complete=complete_launch_files,
+    help="Name of the launch file of the PACKAGE.  [default: the one that spawns a robot]",
+)
+@argument_option
+@click.option(
+    "--set",
+    "settings",
+    multiple=True,
+    metavar="KEY=VALUE",
+    help="Variable of the template that does not vary.",
+)
+@distro_option
+@sim_option
+@click.option(
+    "--seconds",
+    type=click.FloatRange(min=0.1, max=600.0),
+    help="Simulated time of each run in seconds.  [default: 3.0]",
+)
+@engine_option
+@workspace_option
+@format_option
+@output_options
+@click.pass_context
+def command(
+    ctx: click.Context,
+    name: str | None,
+    *,
+    template: str | None,
+    over: tuple[str, ...],
+    random: tuple[str, ...],
+    samples: int | None,
+    sampler: str | None,
+    seed: int | None,
+    out: str | None,
+    plots: tuple[str, ...],
+    worst: str | None,
+    jobs: int,
+    scheduler: str | None,
+    launch_file: str | None,
+    arguments: tuple[str, ...],
+    settings: tuple[str, ...],
+    distro: str,
+    sim: str | None,
+    seconds: float | None,
+    engine: str | None,
+    workspace: str | None,
+    output_format: str,
+    quiet: bool,
+    verbose: bool,
+) -> int:
+    """Simulate many variants of a robot, and write a table with a row for each.
+
+    The robot is the one that a launch file of the PACKAGE spawns, that of a FILE (.urdf, .xacro,
+    .sdf), or that of a template. The [sweep] table in wsgen.toml gives defaults.
+    """
+    import os
+    from pathlib import Path
+
+    from wsgen.cli.progress import listening
+    from wsgen.cli.report_files import require_places
+    from wsgen.cli.sweep_progress import SweepProgress
+    from wsgen.cli.validate import is_file_name
+    from wsgen.cli.words import split_launch_arguments
+    from wsgen.sweeping.subject import SubjectRequest
+    from wsgen.sweeping.sweep import SweepRequest, sweep
+    from wsgen.sweeping.words import make_design, read_axes, read_distributions
+    from wsgen.sweeping.worst import read_choice
+
+    require_places(out, *plots)
+    files = [Path(file) for file in plots]
+    if files:
+        from wsgen.sweeping.plots import check_plots
+
+        check_plots(files)
+    is_file = name is not None and is_file_name(name)
+    request = SweepRequest(
+        subject=SubjectRequest(
+            package=None if is_file else name,
+            file=Path(name) if name is not None and is_file else None,
+            template=template,
+            workspace=_workspace(workspace, name, is_file=is_file),
+            launch_file=launch_file,
+            launch_arguments=split_launch_arguments(arguments),
+            settings=settings,
+            target=_target(ctx, template, distro, sim),
+        ),
+        design=make_design(
+            read_axes(over), read_distributions(random), samples=samples, sampler=sampler, seed=seed
+        ),
+        out=None if out is None else Path(out),
+        seconds=3.0 if seconds is None else seconds,
+        engine=_engine(engine),
+        jobs=jobs,
+        scheduler=scheduler,
+        worst=None if worst is None else read_choice(worst),
+    )
+    with listening(quiet=quiet, verbose=verbose) as listener, SweepProgress(quiet=quiet) as show:
+        outcome = sweep(request, environment=os.environ, listener=listener, on_progress=show)
+    for file in files:
+        from wsgen.sweeping.plots import write_plot
+
+        write_plot(outcome.data, outcome.summary, file, title=outcome.name)
+    if output_format == "json":
+        _print_json(outcome, files)
+    else:
+        _print_text(outcome, files, quiet=quiet)
+    return EXIT_PASSED
+
+
+def _workspace(given: str | None, name: str | None, *, is_file: bool) -> Workspace | None:
+    """The workspace of a package, or that of what a file names; None where none is found."""
+    from pathlib import Path
+
+    from wsgen.cli.validate import open_workspace_of
+    from wsgen.pipeline.selection import ValidateRequest
+
+    if name is None:
+        return None
+    request = ValidateRequest(
+        packages=() if is_file else (name,), files=(Path(name),) if is_file else ()
+    )
+    return open_workspace_of(given, request)
+
+
+def _target(
+    ctx: click.Context, template: str | None, distro: str, sim: str | None
+) -> Target | None:
+    """The target of a template; None where nobody asked for one."""
+    from click.core import ParameterSource
+
+    from wsgen.cli.options import chosen_target
+
+    source = ctx.get_parameter_source("distro")
+    is_given = sim is not None or source is ParameterSource.COMMANDLINE
+    return chosen_target(ctx, distro, sim) if template is not None or is_given else None
+
+
+def _engine(given: str | None) -> str:
+    from wsgen.cli.options import chosen_engines
+
+    if given == "all":
+        raise RequestError(
+            "A sweep is simulated in one engine.",
+            hint="Name it; for another engine sweep again, with another --out.",
+        )
+    (engine,) = chosen_engines(given)
+    return engine
+
+
+def _print_text(outcome: SweepOutcome, plots: Sequence[Path], *, quiet: bool) -> None:
+    from wsgen.cli.words import short_name
+    from wsgen.sweeping.parameters import write_value
+    from wsgen.sweeping.summary import render_summary
+
+    for line in render_summary(outcome.summary):
+        click.echo(line)
+    if outcome.worst:
+        click.echo()
+        click.echo("the worst variants")
+    for one in outcome.worst:
+        values = ", ".join(f"{name}={write_value(value)}" for name, value in one.values.items())
+        click.echo(f"  {short_name(one.folder)}  {values}")
+    if quiet:
+        return
+    if outcome.hint is not None:
+        click.echo(f"note: {outcome.hint}", err=True)
+    runs = f"{outcome.summary.done:,} runs"
+    kept = ", as it was" if outcome.was_complete else ""
+    click.echo(f"Table: {short_name(outcome.out)} ({runs}{kept})", err=True)
+    for file in plots:
+        click.echo(f"Plot: {short_name(file)}", err=True)
+
+
+def _print_json(outcome: SweepOutcome, plots: Sequence[Path]) -> None:
+    import json
+
+    from wsgen.sweeping.summary import summary_as_json
+
+    document = {
+        "schema": 1,
+        "name": outcome.name,
+        "table": str(outcome.out.absolute()),
+        "was_complete": outcome.was_complete,
+        "plots": [str(file.absolute()) for file in plots],
+        **summary_as_json(outcome.summary),
+        "worst": [
+            {
+                "run": one.number,
+                "parameters": dict(one.values),
+                "passed": one.passed,
+                "folder": str(one.folder.absolute()),
+            }
+            for one in outcome.worst
+        ],
+    }
+    click.echo(json.dumps(document, indent=2))

@@ -1,0 +1,276 @@
+"""A sweep: its variants, the runs that are still to do, their table and its summary."""
+
+from __future__ import annotations
+
+import time
+from contextlib import ExitStack, closing
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from wsgen.model.sweep import Column
+from wsgen.pipeline.engines import check_engines
+from wsgen.sweeping.design import Variants
+from wsgen.sweeping.figures import columns
+from wsgen.sweeping.journal import Header
+from wsgen.sweeping.parameters import OWN, subject_values
+from wsgen.sweeping.runner import run_all
+from wsgen.sweeping.subjects import open_subject
+from wsgen.sweeping.summary import summarize
+from wsgen.sweeping.table import check_format, open_table
+from wsgen.sweeping.table_data import read_table
+from wsgen.values import dataclass
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping
+
+    from wsgen.events import Listener
+    from wsgen.executors.dask_cluster import DaskExecutor
+    from wsgen.executors.local import LocalExecutor
+    from wsgen.model.sweep import Design, Value, Variant
+    from wsgen.sweeping.blueprint import Blueprint
+    from wsgen.sweeping.runner import RunExecutor
+    from wsgen.sweeping.subject import Subject, SubjectRequest
+    from wsgen.sweeping.summary import Summary
+    from wsgen.sweeping.table import TableWriter
+    from wsgen.sweeping.table_data import TableData
+    from wsgen.sweeping.worst import Choice, WorstVariant
+
+
+TRIED = 20  # variants, spread over the sweep, until one has a robot: its figures are the columns
+
+
+@dataclass(frozen=True, kw_only=True)
+class SweepRequest:
+    """What varies, of what, and how it is simulated."""
+
+    subject: SubjectRequest
+    design: Design
+    out: Path | None = None  # the table; None: in the current folder, named after the subject
+    seconds: float = 3.0  # of simulated time, of each run
+    engine: str = "bullet"
+    jobs: int = 1
+    scheduler: str | None = None  # the address of Dask's, or "local"
+    worst: Choice | None = None  # which variants to write
+
+
+@dataclass(frozen=True, kw_only=True)
+class Progress:
+    """How far a sweep is."""
+
+    done: int  # runs, before this command and in it
+    runs: int  # of the whole sweep
+    failed: int  # in this command
+    seconds_left: float | None  # wall-clock, by the runs of this command
+
+
+@dataclass(frozen=True, kw_only=True)
+class SweepOutcome:
+    """What a sweep that is complete gives."""
+
+    name: str  # of the package, file or template
+    out: Path
+    was_complete: bool  # before this command
+    data: TableData
+    summary: Summary
+    hint: str | None = None  # about the samples
+    worst: tuple[WorstVariant, ...] = ()
+
+
+def sweep(
+    request: SweepRequest,
+    *,
+    environment: Mapping[str, str],
+    listener: Listener | None = None,
+    on_progress: Callable[[Progress], None] = lambda _: None,
+) -> SweepOutcome:
+    """Run all variants that the table does not have yet, and sum the table up.
+
+    Rows are in the table or its journal as they end: interrupted, by whatever, the sweep goes on
+    with the same request.
+
+    Raises:
+        RequestError: A name or value does not fit what is swept, or another process writes the
+            table.
+        WouldOverwriteError: The table belongs to another sweep.
+        NotFoundError: What is swept, an engine or a library is missing.
+        NotReadableError: A file cannot be read or written.
+        BrokenSceneError: Nothing could be simulated, whatever the variant.
+    """
+    check_engines((request.engine,))
+    if request.out is not None:
+        check_format(request.out)
+    with ExitStack() as stack:
+        subject = stack.enter_context(
+            open_subject(request.subject, environment=environment, listener=listener)
+        )
+        design = subject.check(request.design)
+        variants = Variants(design)
+        out = request.out or Path(f"{subject.name}-sweep.csv")
+        header = Header(runs=len(variants), inputs=_inputs(request, design, subject))
+        made = _columns(design, subject, variants)
+        with open_table(out, made, header) as table:
+            if not table.is_complete:
+                executor = _executor(request)
+                stack.enter_context(executor)
+                _run(
+                    request,
+                    subject,
+                    variants,
+                    table,
+                    executor=executor,
+                    on_progress=on_progress,
+                )
+            was_complete = table.was_complete
+        data = read_table(out)
+        worst: tuple[WorstVariant, ...] = ()
+        if request.worst is not None:
+            from wsgen.sweeping.worst import choose, write_worst  # noqa: PLC0415  it draws
+
+            rows = choose(data, request.worst)
+            drawn = replace(request.subject, is_drawn=True, kept=1)
+            subject = stack.enter_context(open_subject(drawn, environment=environment))
+            worst = tuple(
+                write_worst(
+                    request,
+                    rows,
+                    subject,
+                    variants,
+                    data,
+                    out=out,
+                    inputs=header.inputs,
+                    listener=listener,
+                )
+            )
+    return SweepOutcome(
+        name=subject.name,
+        out=out,
+        was_complete=was_complete,
+        data=data,
+        summary=summarize(data),
+        hint=variants.hint,
+        worst=worst,
+    )
+
+
+def _inputs(request: SweepRequest, design: Design, subject: Subject) -> dict[str, str]:
+    """What the results depend on, in words for a person."""
+    varied = {
+        **{axis.name: f"{len(axis.values)} values: {axis.values}" for axis in design.axes},
+        **{
+            one.name: f"{one.kind}{one.choices or one.numbers}, {design.samples} samples, "
+            f"{design.sampler}, seed {design.seed}"
+            for one in design.distributions
+        },
+    }
+    return {
+        "the files of the robot and its world": subject.digest(request.engine),
+        "the simulated seconds": f"{request.seconds:g}",
+        "the engine": request.engine,
+        **{f"the parameter {name}": text for name, text in varied.items()},
+    }
+
+
+def _columns(design: Design, subject: Subject, variants: Variants) -> tuple[Column, ...]:
+    """The parameters, and the figures that the first variant with a robot has."""
+    parameters = {one.name: one for one in (*subject.parameters, *OWN)}
+    given = tuple(
+        Column(
+            name=name,
+            kind=_kind(design, name),
+            meaning=", ".join(filter(None, (parameters[name].unit, parameters[name].meaning))),
+            is_parameter=True,
+        )
+        for name in design.names
+    )
+    return (*given, *columns(_nominal(subject, variants)))
+
+
+def _kind(design: Design, name: str) -> str:
+    """The kind of column that has all values of a parameter."""
+    values: set[type] = set()
+    for axis in design.axes:
+        if axis.name == name:
+            values = {type(value) for value in axis.values}
+    for one in design.distributions:
+        if one.name == name:
+            values = {type(value) for value in one.choices} or {float}
+    if values == {bool}:
+        return "boolean"
+    if values == {int}:
+        return "integer"
+    return "number" if values <= {int, float} else "text"
+
+
+def _nominal(subject: Subject, variants: Variants) -> Blueprint:
+    """The first blueprint that has a robot; the first one where none has."""
+    tried: dict[tuple[tuple[str, Value], ...], Blueprint] = {}
+    for variant in _spread(variants):
+        values = subject_values(variant.values)
+        key = tuple(values.items())
+        if key not in tried:
+            tried[key] = subject.prepare(values)
+            if tried[key].world is not None and tried[key].prepared:
+                return tried[key]
+    return next(iter(tried.values()))
+
+
+def _spread(variants: Variants) -> Iterator[Variant]:
+    """Some variants from all over a sweep."""
+    count = min(len(variants), TRIED)
+    for place in range(count):
+        yield variants.variant(place * (len(variants) - 1) // max(1, count - 1))
+
+
+def _run(  # noqa: PLR0913  what is run, where, and who is told
+    request: SweepRequest,
+    subject: Subject,
+    variants: Variants,
+    table: TableWriter,
+    *,
+    executor: RunExecutor,
+    on_progress: Callable[[Progress], None],
+) -> None:
+    before, failed = table.count, 0
+    started = time.monotonic()
+
+    def tell() -> None:
+        done = table.count - before
+        each = (time.monotonic() - started) / done if done else None
+        on_progress(
+            Progress(
+                done=table.count,
+                runs=len(variants),
+                failed=failed,
+                seconds_left=None if each is None else each * (len(variants) - table.count),
+            )
+        )
+
+    tell()
+    todo = (variant for variant in variants if variant.number not in table)
+    rows = run_all(
+        executor,
+        lambda variant: subject.prepare(variant.values),
+        todo,
+        seconds=request.seconds,
+        engine=request.engine,
+    )
+    known = {one.name for one in table.known.columns}
+    with closing(rows):
+        for row in rows:
+            # Of other robots than those that the columns are about nothing is said.
+            figures = {name: figure for name, figure in row.figures.items() if name in known}
+            table.write(variants.variant(row.number), replace(row, figures=figures))
+            failed += not row.passed
+            tell()
+
+
+def _executor(request: SweepRequest) -> LocalExecutor | DaskExecutor:
+    """Where the runs are computed."""
+    if request.scheduler is not None:
+        from wsgen.executors.dask_cluster import connect  # noqa: PLC0415  an extra
+
+        return connect(request.scheduler, jobs=request.jobs)
+    from wsgen.executors.local import LocalExecutor  # noqa: PLC0415  as above
+
+    return LocalExecutor(request.jobs)
