@@ -15,6 +15,7 @@ FOREIGN = {
     "trimesh": "meshes/worker.py",
     "shapely": "meshes/shape_worker.py",
     "dartpy": "simulation/dart.py",
+    "distributed": "executors/dask_cluster.py",
     "av": "rendering/video_encoder.py",
     "pyarrow": "sweeping/parquet.py",
     "viser": "viewing/page.py",

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 import weakref
+from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -29,6 +30,7 @@ from wsgen.simulation.engine import (
     Contact,
     HullGap,
     Loaded,
+    Look,
     Overlap,
     Refused,
     State,
@@ -55,10 +57,10 @@ class Client:
     """
 
     def __init__(self) -> None:
-        self.number: int = pybullet.connect(pybullet.DIRECT)
-        # A world that has been drawn holds 100 MB.
-        self._disconnect = weakref.finalize(self, pybullet.disconnect, physicsClientId=self.number)
-        self._disconnect.atexit = False
+        # Making a world costs as much as 300 steps of a robot; an emptied one is as good as new.
+        self.number: int = _emptied.pop() if _emptied else pybullet.connect(pybullet.DIRECT)
+        self._give_back = weakref.finalize(self, _empty, self.number)
+        self._give_back.atexit = False
 
     def __getattr__(self, name: str) -> Any:
         found = getattr(pybullet, name)
@@ -75,7 +77,21 @@ class Client:
 
     def close(self) -> None:
         """Give the world back, now instead of with the last reference; may be called again."""
-        self._disconnect()
+        self._give_back()
+
+
+_emptied: list[int] = []  # worlds that nobody has, at most one
+
+
+def _empty(number: int) -> None:
+    """Empty a world, and keep it for the next client if no other one is kept."""
+    with suppress(error):
+        if not _emptied:
+            pybullet.resetSimulation(physicsClientId=number)
+            _emptied.append(number)
+            return
+    with suppress(error):
+        pybullet.disconnect(physicsClientId=number)
 
 
 # A box, because a plane of PyBullet has no thickness and lets fast things through.
@@ -219,18 +235,38 @@ class BulletEngine:
 
     def state(self, entity: str) -> State:
         """Where the robot is and how it moves."""
+        return self.look(entity).state()
+
+    def look(self, entity: str) -> Look:
+        """The same, as far as it is looked at every few steps."""
         bodies = [body for body, _ in self._bodies[entity]]
-        pose = bodies[0].root_pose()
+        root = bodies[0]
+        place = root.place_of_base()
         velocities = [self.client.getBaseVelocity(body.number) for body in bodies]
-        return State(
-            xyz=pose.xyz,
-            xyzw=quaternion_of_rpy(pose.rpy),
-            speed=max(math.hypot(*linear) for linear, _ in velocities),
-            turning=max(math.hypot(*angular) for _, angular in velocities),
-            joint_speed=max(
-                (abs(speed) for body in bodies for _, speed in body.joint_states()),
-                default=0.0,
-            ),
+        speed = max([math.hypot(*linear) for linear, _ in velocities])
+        turning = max([math.hypot(*angular) for _, angular in velocities])
+        joint_speed = max([body.joint_speed() for body in bodies])
+        (x, y, _), turn = place
+
+        def state() -> State:
+            pose = root.root_pose_at(place)
+            return State(
+                xyz=pose.xyz,
+                xyzw=quaternion_of_rpy(pose.rpy),
+                speed=speed,
+                turning=turning,
+                joint_speed=joint_speed,
+            )
+
+        height = root.root_height_at(place)
+        return Look(
+            height=height,
+            speed=speed,
+            turning=turning,
+            joint_speed=joint_speed,
+            # One sum instead of ten looks: what is not finite in it makes it not finite.
+            is_finite=math.isfinite(x + y + height + sum(turn) + speed + turning + joint_speed),
+            state=state,
         )
 
     def joint_positions(self, entity: str) -> dict[str, float]:

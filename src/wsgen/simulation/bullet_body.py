@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 import tempfile
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -36,7 +37,7 @@ from wsgen.simulation.urdf_writer import write_urdf
 from wsgen.values import dataclass
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Mapping
+    from collections.abc import Collection, Iterator, Mapping
 
     from wsgen.model.robot import Joint, Link, Robot
     from wsgen.simulation.bullet import Client
@@ -224,6 +225,8 @@ def keep_apart(
             client.setCollisionFilterPair(body, body, index, other_index, int(touches))
 
 
+# Position of a body's base (m) and its orientation (unit quaternion x, y, z, w), in the world.
+Place = tuple[Vector, tuple[float, float, float, float]]
 PartBounds = tuple[str, int, Vector, Vector]  # see `BulletBody.boxes`
 
 
@@ -255,6 +258,7 @@ class BulletBody:
         self.movable = {
             joint.name: self._index_of[joint.child] for joint in self.tree.movable_joints
         }
+        self._moving = list(self.movable.values())
         self._balls = {
             self.movable[joint.name]
             for joint in self.tree.movable_joints
@@ -387,7 +391,33 @@ class BulletBody:
 
     def root_pose(self) -> Pose:
         """The frame of the root link; PyBullet's base is the frame at its center of mass."""
-        return compose(self._center(ROOT), self._root_from_base)
+        return self.root_pose_at(self.place_of_base())
+
+    def place_of_base(self) -> Place:
+        """Where the base is, as PyBullet has it."""
+        place: Place = self._client.getBasePositionAndOrientation(self.number)
+        return place
+
+    def root_pose_at(self, place: Place) -> Pose:
+        """The frame of the root link when the base is there."""
+        return compose(_pose(*place), self._root_from_base)
+
+    def root_height_at(self, place: Place) -> float:
+        """The z of that frame, m; but for rounding."""
+        (_, _, height), (x, y, z, w) = place
+        a, b, c = self._root_from_base.xyz
+        return (
+            height + 2 * ((x * z - y * w) * a + (y * z + x * w) * b) + c - 2 * c * (x * x + y * y)
+        )
+
+    def joint_speed(self) -> float:
+        """The speed of the fastest joint, rad/s or m/s; 0 without movable joints."""
+        if self._balls:
+            return max(abs(speed) for _, speed in self.joint_states())
+        if not self._moving:
+            return 0.0
+        states = self._client.getJointStates(self.number, self._moving)
+        return max([abs(float(state[1])) for state in states])
 
     def joint_states(self) -> list[tuple[float, float]]:
         """Position and speed of the movable joints, in their order."""
@@ -486,18 +516,41 @@ def load(client: Client, tree: Robot, pose: Pose) -> int:
     flags |= client.URDF_INITIALIZE_SAT_FEATURES
     if any(link.self_collide for link in tree.links):
         flags |= client.URDF_USE_SELF_COLLISION
-    with tempfile.TemporaryDirectory(prefix="wsgen-", dir=scratch_folder()) as folder:
-        file = Path(folder, "robot.urdf")
-        file.write_text(write_urdf(tree), encoding="utf-8")
+    with _written(write_urdf(tree)) as file:
         return int(
             client.loadURDF(
-                str(file),
+                file,
                 basePosition=pose.xyz,
                 baseOrientation=quaternion_of_rpy(pose.rpy),
                 useFixedBase=tree.fixed_to_world or tree.is_static,
                 flags=flags,
             )
         )
+
+
+MOST_FILES = 64  # of robots that a child keeps
+_files: dict[str, str] = {}  # by the text in them
+
+
+@contextmanager
+def _written(text: str) -> Iterator[str]:
+    """A file with a text; a child, whose folder is removed with it, has one file for each text."""
+    folder = scratch_folder()
+    if folder is None:
+        with tempfile.TemporaryDirectory(prefix="wsgen-") as own:
+            file = Path(own, "robot.urdf")
+            file.write_text(text, encoding="utf-8")
+            yield str(file)
+        return
+    if text not in _files:
+        if len(_files) >= MOST_FILES:
+            oldest = next(iter(_files))
+            Path(_files.pop(oldest)).unlink(missing_ok=True)
+        number, name = tempfile.mkstemp(prefix="wsgen-", suffix=".urdf", dir=folder)
+        with open(number, "w", encoding="utf-8") as stream:  # noqa: PTH123  it is open already
+            stream.write(text)
+        _files[text] = name
+    yield _files[text]
 
 
 def _frozen(tree: Robot) -> Robot:

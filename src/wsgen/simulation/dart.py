@@ -33,6 +33,7 @@ from wsgen.simulation.engine import (
     State,
     contacts_of,
     deepest_overlaps,
+    look_at,
     may_touch,
 )
 from wsgen.simulation.urdf_writer import quoted
@@ -43,7 +44,7 @@ if TYPE_CHECKING:
     from wsgen.model.robot import Collision, Geometry, Inertial, Joint, Link, Robot
     from wsgen.model.transform import Vector
     from wsgen.model.world import World
-    from wsgen.simulation.engine import Motor
+    from wsgen.simulation.engine import Look, Motor
     from wsgen.simulation.scene import SpawnedRobot
 
 
@@ -379,6 +380,10 @@ class DartEngine:
                 default=0.0,
             ),
         )
+
+    def look(self, entity: str) -> Look:
+        """The same, as far as it is looked at every few steps."""
+        return look_at(self.state(entity))
 
     def joint_positions(self, entity: str) -> dict[str, float]:
         """The positions of the movable joints by name, rad or m."""

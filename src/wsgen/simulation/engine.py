@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from itertools import combinations
 from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeVar
 
 from wsgen.values import dataclass
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from wsgen.model.robot import Robot
     from wsgen.model.transform import Pose, Vector
@@ -46,6 +47,30 @@ class State:
     speed: float  # m/s, of the root link's center of mass; of loose parts that of the fastest
     turning: float  # rad/s, of the root link, likewise
     joint_speed: float  # rad/s or m/s, of the fastest joint; 0 without movable joints
+
+
+class Look(NamedTuple):
+    """What is looked at again and again while time passes: less than a state, and much cheaper."""
+
+    height: float  # m, z of the root link's frame
+    speed: float  # as those of the state
+    turning: float
+    joint_speed: float
+    is_finite: bool  # no pose or speed is infinite or not-a-number
+    state: Callable[[], State]  # at that moment, also when it is asked for later
+
+
+def look_at(state: State) -> Look:
+    """The look that shows a state."""
+    numbers = (*state.xyz, *state.xyzw, state.speed, state.turning, state.joint_speed)
+    return Look(
+        height=state.xyz[2],
+        speed=state.speed,
+        turning=state.turning,
+        joint_speed=state.joint_speed,
+        is_finite=all(map(math.isfinite, numbers)),
+        state=lambda: state,
+    )
 
 
 class Overlap(NamedTuple):
@@ -102,6 +127,9 @@ class Engine(Protocol):
 
     def state(self, entity: str) -> State:
         """Where the robot is and how it moves."""
+
+    def look(self, entity: str) -> Look:
+        """The same, as far as it is looked at every few steps."""
 
     def joint_positions(self, entity: str) -> dict[str, float]:
         """The positions of the movable joints by name, rad or m.

@@ -6,13 +6,13 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wsgen.model.transform import Pose
-from wsgen.simulation.engine import Loaded, Refused, State
+from wsgen.simulation.engine import Loaded, Refused, State, look_at
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from wsgen.model.transform import Vector
-    from wsgen.simulation.engine import Contact, HullGap, Motor, Overlap
+    from wsgen.simulation.engine import Contact, HullGap, Look, Motor, Overlap
     from wsgen.simulation.scene import SpawnedRobot
 
 
@@ -67,6 +67,10 @@ class FakeEngine:
         state = self.motion(self.steps * self.step_seconds)
         x, y, z = state.xyz
         return replace(state, xyz=(x, y, z + self.shift))
+
+    def look(self, entity: str) -> Look:
+        """The same, as far as it is looked at every few steps."""
+        return look_at(self.state(entity))
 
     def lowest_point(self, entity: str) -> float:
         """A fixed distance below the root."""

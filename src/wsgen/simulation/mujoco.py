@@ -24,6 +24,7 @@ from wsgen.simulation.engine import (
     State,
     contacts_of,
     deepest_overlaps,
+    look_at,
     meeting,
 )
 from wsgen.simulation.mujoco_body import (
@@ -47,7 +48,7 @@ if TYPE_CHECKING:
 
     from wsgen.model.transform import Pose, Vector
     from wsgen.model.world import World
-    from wsgen.simulation.engine import Motor, Place
+    from wsgen.simulation.engine import Look, Motor, Place
     from wsgen.simulation.scene import SpawnedRobot
 
 
@@ -324,6 +325,10 @@ class MujocoEngine:
                 default=0.0,
             ),
         )
+
+    def look(self, entity: str) -> Look:
+        """The same, as far as it is looked at every few steps."""
+        return look_at(self.state(entity))
 
     def joint_positions(self, entity: str) -> dict[str, float]:
         """The positions of the movable joints by name, rad or m."""

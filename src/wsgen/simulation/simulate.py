@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from dataclasses import field, replace
 from typing import TYPE_CHECKING, Protocol
 
@@ -14,7 +15,7 @@ from wsgen.model.transform import (
     rpy_of_rotation,
     transpose,
 )
-from wsgen.simulation.engine import Refused
+from wsgen.simulation.engine import Refused, look_at
 from wsgen.simulation.scene import LOADING, Overlapping, RobotRun
 from wsgen.values import dataclass
 
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from wsgen.model.robot import Robot
     from wsgen.model.transform import Matrix
     from wsgen.model.world import World
-    from wsgen.simulation.engine import Engine, Loaded, Overlap, State
+    from wsgen.simulation.engine import Engine, Loaded, Look, Overlap, State
     from wsgen.simulation.scene import Push, Scene, SpawnedRobot
 
     Observer = Callable[
@@ -55,7 +56,7 @@ class _Watch:
     spawned: SpawnedRobot
     loaded: Loaded
     pose: Pose  # where it was spawned, in the world
-    last: State
+    last_look: Look
     lowest_point: float
     energy: float  # J, when spawned
     joints: Mapping[str, float]  # positions when spawned, rad or m
@@ -64,30 +65,37 @@ class _Watch:
     highest_speed: float = 0.0
     highest_joint_speed: float = 0.0
     seconds: float = 0.0  # of the last look
-    heights: list[tuple[float, float]] = field(default_factory=list)  # s, m: of the last looks
+    heights: deque[tuple[float, float]] = field(  # s, m: of the last looks
+        default_factory=lambda: deque(maxlen=FALLING_LOOKS + 1)
+    )
     highest_point: float = field(init=False)
     energy_gain: float = 0.0
     last_joints: Mapping[str, float] = field(init=False)
     travel: dict[str, float] = field(init=False)
 
     def __post_init__(self) -> None:
-        self.highest_point = self.last.xyz[2]
+        self.highest_point = self.last_look.height
         self.last_joints = self.joints
         self.travel = dict.fromkeys(self.joints, 0.0)
 
-    def look(self, seconds: float, state: State) -> None:
-        """Take in the state after so many seconds."""
+    @property
+    def last(self) -> State:
+        """How it was when it was last finite."""
+        return self.last_look.state()
+
+    def look(self, seconds: float, look: Look) -> None:
+        """Take in how it is after so many seconds."""
         self.seconds = seconds
-        if not is_finite(state):
+        if not look.is_finite:
             self.is_finite = False
         if not self.is_finite:
             return  # the last finite state is reported
-        self.last = state
-        self.heights = [*self.heights[-FALLING_LOOKS:], (seconds, state.xyz[2])]
-        self.highest_speed = max(self.highest_speed, state.speed)
-        self.highest_joint_speed = max(self.highest_joint_speed, state.joint_speed)
-        self.highest_point = max(self.highest_point, state.xyz[2])
-        if is_moving(state):
+        self.last_look = look
+        self.heights.append((seconds, look.height))
+        self.highest_speed = max(self.highest_speed, look.speed)
+        self.highest_joint_speed = max(self.highest_joint_speed, look.joint_speed)
+        self.highest_point = max(self.highest_point, look.height)
+        if is_moving(look):
             self.moving_until = seconds
 
     def climb(self) -> float:
@@ -124,8 +132,7 @@ class _Watch:
 
 def is_finite(state: State) -> bool:
     """Whether no pose or speed of it is infinite or not-a-number."""
-    numbers = (*state.xyz, *state.xyzw, state.speed, state.turning, state.joint_speed)
-    return all(map(math.isfinite, numbers))
+    return look_at(state).is_finite
 
 
 class Motion(Protocol):
@@ -229,7 +236,7 @@ def watch_robots(
             spawned=robot,
             loaded=loaded,
             pose=pose,
-            last=engine.state(robot.entity),
+            last_look=engine.look(robot.entity),
             lowest_point=engine.lowest_point(robot.entity),
             energy=engine.energy(robot.entity),
             joints=engine.joint_positions(robot.entity),
@@ -256,7 +263,7 @@ def watch_robots(
         seconds = round(done * engine.step_seconds, 9)  # no more digits than it has
         for watch in watches:
             entity = watch.spawned.entity
-            watch.look(seconds, engine.state(entity))
+            watch.look(seconds, engine.look(entity))
             if pushes is not None and pushes.has_pushed:
                 watch.push(engine.energy(entity))
             if watch.is_finite and (looks % LONG_LOOK == 0 or done == steps):
