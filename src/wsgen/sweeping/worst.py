@@ -209,6 +209,8 @@ def _write(
 ) -> None:
     try:
         make_parents(folder.parent, [])
+        # The packages of variants have one name; each folder is a workspace of its own.
+        (folder.parent / "COLCON_IGNORE").touch()
         with unfinished_folder(folder.parent) as unfinished:
             filled = unfinished / folder.name
             filled.mkdir()
