@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from wsgen.pipeline.file_validation import FileValidation
@@ -93,10 +94,14 @@ class FileSubject(Subject):
             prepared=tuple(prepared),
             diagnostics=(*validation.diagnostics, *self._overlay.not_built()),
         )
+        texts = tuple(self._texts(validation, blueprint))
+        return Prepared(blueprint, texts, partial(self._files, validation))
+
+    def _files(self, validation: FileValidation) -> frozenset[Path]:
         files = {self._file, *validation.sdf_files}
         if validation.kind == "xacro":
             files |= {one.file for one in written_elements(self._file, validation.share_of)}
-        return Prepared(blueprint, (*self._texts(validation, blueprint),), frozenset(files))
+        return frozenset(files)
 
     def _texts(self, validation: FileValidation, blueprint: Blueprint) -> Iterator[RobotText]:
         text: str | bytes | None = validation.text

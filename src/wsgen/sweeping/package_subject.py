@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import has_errors
@@ -167,9 +168,15 @@ def as_prepared(
         RobotText(spawn.entity, spawn.description, spawn.description_file)
         for spawn in started.spawns
     )
-    files = {*validation.sdf_files, *started.plan.evaluated_files}
+    return Prepared(blueprint, texts, partial(_files_of, validation, texts))
+
+
+def _files_of(validation: Validation, texts: Sequence[RobotText]) -> frozenset[Path]:
+    """The files that a launch file and what it spawns are read from."""
+    plan = None if validation.started is None else validation.started.plan
+    files = {*validation.sdf_files, *(() if plan is None else plan.evaluated_files)}
     for text in texts:
         if text.file is not None:
             share_of = validation.overlay.share
             files |= {text.file, *(one.file for one in written_elements(text.file, share_of))}
-    return Prepared(blueprint, texts, frozenset(files))
+    return frozenset(files)

@@ -20,7 +20,7 @@ from wsgen.sweeping.parameters import check_design, subject_values, write_value
 from wsgen.values import dataclass
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from wsgen.model.sweep import Design, Value
     from wsgen.model.target import Target
@@ -66,7 +66,7 @@ class Prepared(NamedTuple):
 
     blueprint: Blueprint
     texts: tuple[RobotText, ...] = ()
-    files: frozenset[Path] = frozenset()  # that were read
+    files: Callable[[], frozenset[Path]] = frozenset  # that were read
 
 
 class Subject(ABC):
@@ -134,7 +134,7 @@ class Subject(ABC):
         for part in (__version__, engine, engine_version(engine), self.kind, *self._fixed()):
             found.update(f"{len(part)}:{part}".encode())
         prepared = self._prepared(values or {})
-        files = {*self._own_files(), *prepared.files}
+        files = {*self._own_files(), *prepared.files()}
         files |= set(mesh_files(prepared.blueprint.prepared))
         digests = {
             sha256(content).hexdigest()

@@ -18,6 +18,7 @@ from wsgen.sweeping.kept_answers import KeptAnswers
 from wsgen.sweeping.package_subject import as_prepared
 from wsgen.sweeping.parameters import Parameter, subject_values, write_value
 from wsgen.sweeping.subject import Prepared, Subject, files_below
+from wsgen.templating.environment import Environment
 from wsgen.templating.render import installed_folders, render_tree
 from wsgen.templating.render_apart import render_tree_apart
 from wsgen.templating.sources import templates_folder
@@ -73,6 +74,7 @@ class TemplateSubject(Subject):
         self._set = tuple(request.settings)
         self._environment = environment
         self._run = KeptAnswers(run, folder).run
+        self._environment_of_template = Environment(self._template.folder)
         self._package = suggest_package_name(self._template.name)
         self._launch_file: str | None = None  # the name of the one that spawns a robot
         self._spec({})  # refuses what is wrong with the request
@@ -116,7 +118,9 @@ class TemplateSubject(Subject):
     def _render(self, values: Mapping[str, Value]) -> tuple[RenderedTree, tuple[Diagnostic, ...]]:
         spec = self._spec(values)
         if self._template.is_shipped:
-            return render_tree(spec, self._template)
+            return render_tree(
+                spec, self._template, environment=self._environment_of_template, wanted=_is_read
+            )
         return render_tree_apart(spec, self._template, run=self._run)
 
     def package(self, values: Mapping[str, Value]) -> tuple[str, Mapping[str, str]] | None:
@@ -129,9 +133,8 @@ class TemplateSubject(Subject):
         if diagnostics:
             return Prepared(Blueprint(name=self.name, world=None, diagnostics=diagnostics))
         share = folder / "share" / self._package
-        read = {*installed_folders(tree), *FILES}
         share.parent.mkdir()
-        write_files({path: tree[path] for path in tree if path.partition("/")[0] in read}, share)
+        write_files({path: text for path, text in tree.items() if _is_read(path)}, share)
         (folder / INDEX).mkdir(parents=True)
         (folder / INDEX / self._package).touch()
         overlay = self._overlay(folder)
@@ -200,6 +203,11 @@ class TemplateSubject(Subject):
     def _own_files(self) -> Iterable[Path]:
         yield from files_below(self._template.folder)
         yield from files_below(templates_folder() / "base")
+
+
+def _is_read(path: str) -> bool:
+    """Whether a file of a package is installed, or read from its source."""
+    return path in FILES or bool(installed_folders([path]))
 
 
 def _parameter(variable: Variable) -> Parameter:

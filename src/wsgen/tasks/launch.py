@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 def warm_up() -> None:
     """Import what tasks would import one by one; a fork server calls it before it forks."""
     worker.load_shim()
+    expansion.warm_up()
 
 
 def evaluate_launch(request: LaunchRequest) -> LaunchPlan:

@@ -15,7 +15,7 @@ from wsgen.templating.sources import ENDING, SourceError, find_source
 from wsgen.templating.template import MANIFEST, refuse
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Callable, Iterable, Iterator, Mapping
     from types import TracebackType
 
     from wsgen.model.package import PackageSpec
@@ -209,13 +209,21 @@ def render_package(spec: PackageSpec, template: Template) -> RenderedTree:
 
 
 def render_tree(
-    spec: PackageSpec, template: Template
+    spec: PackageSpec,
+    template: Template,
+    *,
+    environment: Environment | None = None,
+    wanted: Callable[[str], bool] | None = None,
 ) -> tuple[RenderedTree, tuple[Diagnostic, ...]]:
-    """Render the files as far as possible, and report the mistakes in the template."""
+    """Render the files as far as possible, and report the mistakes in the template.
+
+    An environment for the folder of the template, if one is there already, has read its sources.
+    `wanted` chooses files by their paths; None: all.
+    """
     sources, diagnostics = _place(spec, template)
     if diagnostics:
         return {}, tuple(diagnostics)
-    environment = Environment(template.folder)
+    environment = environment or Environment(template.folder)
     context = {
         "package": spec,
         "variables": template.variables,
@@ -224,7 +232,7 @@ def render_tree(
         "wsgen_version": __version__,
     }
     tree: RenderedTree = {}
-    for path in sorted(sources):
+    for path in sorted(sources if wanted is None else filter(wanted, sources)):
         error = _render_into(tree, path, environment, sources[path], context)
         if error is not None:
             diagnostics.append(
