@@ -9,6 +9,7 @@ from wsgen.errors import RequestError
 from wsgen.isolation.fork_server import ForkServer
 from wsgen.isolation.parent import make_scratch
 from wsgen.launch.known_packages import prefix
+from wsgen.launch.plain_child import PlainLaunches
 from wsgen.pipeline.selection import ValidateRequest
 from wsgen.pipeline.validate import check_request, overlays_of_files
 from wsgen.workspace.overlay import open_overlay
@@ -40,7 +41,8 @@ def open_subject(
     _check(request)
     with ExitStack() as stack:
         folder = stack.enter_context(make_scratch())
-        run = stack.enter_context(ForkServer()).run
+        fork_server = stack.enter_context(ForkServer())
+        run = stack.enter_context(PlainLaunches(fork_server.run)).run
         if request.template is not None:
             # A package needs nothing of what renders, and a template nothing of what reads files.
             from wsgen.sweeping.template_subject import TemplateSubject  # noqa: PLC0415

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.behavior import Behavior
+    from wsgen.workspace.sweep_settings import SweepSettings
 
 
 INVALID_SETTINGS = Rule(
@@ -54,6 +55,7 @@ KNOWN_KEYS = (
     "validate",
     "check",
     "behavior",
+    "sweep",
 )
 
 
@@ -67,6 +69,7 @@ class Settings:
     allowances: tuple[Allowance, ...] = ()  # of [check.allow], with reasons
     behaviors: tuple[Behavior, ...] = ()  # what its robot must do beyond standing
     distro: str | None = None  # target of the package, as `wsgen new` recorded it
+    sweep: SweepSettings | None = None  # what `wsgen sweep` varies; None: the file does not say
 
 
 def read_settings(package: Path) -> tuple[Settings, tuple[Diagnostic, ...]]:
@@ -96,15 +99,17 @@ def read_settings(package: Path) -> tuple[Settings, tuple[Diagnostic, ...]]:
         )
     text = file.read_text(encoding="utf-8")
     behaviors, found = _read_behaviors(document, file, text)
+    sweep, of_sweep = _read_sweep(document, file, text)
     settings = Settings(
         file=file,
         allow_line=tomlfile.find_line(text, ALLOW),
         behaviors=behaviors,
         distro=_distro(document),
+        sweep=sweep,
     )
     allowances, of_check = _read_allowances(document, file, text)
     settings = replace(settings, allowances=allowances)
-    found = (*_unknown_keys(document, file, text), *of_check, *found)
+    found = (*_unknown_keys(document, file, text), *of_check, *of_sweep, *found)
     allow = _allow(document)
     if allow is None:
         return settings, (
@@ -196,6 +201,16 @@ def _read_behaviors(
     from wsgen.workspace.behavior_settings import read_behaviors  # noqa: PLC0415  most packages have none
 
     return read_behaviors(document, file, text, INVALID_SETTINGS)
+
+
+def _read_sweep(
+    document: dict[str, Any], file: Path, text: str
+) -> tuple[SweepSettings | None, tuple[Diagnostic, ...]]:
+    if "sweep" not in document:
+        return None, ()
+    from wsgen.workspace.sweep_settings import read_sweep  # noqa: PLC0415  as behaviors
+
+    return read_sweep(document, file, text, INVALID_SETTINGS)
 
 
 def _unknown_keys(document: dict[str, Any], file: Path, text: str) -> Iterator[Diagnostic]:

@@ -274,7 +274,8 @@ _WARM_UP = """<?xml version="1.0"?>
   <xacro:macro name="part" params="name parent:=^ length:=${mass / 3} side *origin **content">
     <link name="${name}_link">
       <inertial><mass value="${mass * length}"/><xacro:insert_block name="origin"/></inertial>
-      <xacro:if value="${side == 1}"><collision><geometry><box size="${size}"/></geometry></collision>
+      <xacro:if value="${side == 1}">
+        <collision><geometry><box size="${size}"/></geometry></collision>
       </xacro:if>
       <xacro:unless value="${side == 1 and length > 0}"><xacro:insert_block name="content"/>
       </xacro:unless>
@@ -295,8 +296,8 @@ def warm_up() -> None:
     A fork server calls it before it forks. It halves the CPU time of a child.
     """
     for _ in range(3):
-        _reset()
+        reset()
         document = xacro.parse(_WARM_UP)
         xacro.process_doc(document, mappings=_Arguments({}))
         document.toprettyxml(indent="  ")
-    _reset()
+    reset()
