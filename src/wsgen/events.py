@@ -66,6 +66,11 @@ class OneAtATime:
             if self._listener is not None:
                 self._listener(event)
 
+    def listen(self, listener: Listener) -> None:
+        """Pass the events on to another listener, if they were passed on to one."""
+        if self._listener is not None:
+            self._listener = listener
+
     def close(self) -> None:
         """Receive no more events, so that an interrupted step is not reported as failed."""
         self._listener = None

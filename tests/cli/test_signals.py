@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -255,3 +256,16 @@ def test_nohup(scene: Scene) -> None:
     code += "from wsgen.cli import main; sys.argv[1:] = ['--version']; "
     code += "import atexit, os; atexit.register(os.kill, os.getpid(), signal.SIGHUP); main()"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+@pytest.mark.parametrize("number", [*ENDINGS, signal.SIGKILL])
+def test_in_the_middle_of_a_check_in_workers(scene: Scene, number: signal.Signals) -> None:
+    """The launch file runs in a child of a worker."""
+    shutil.copytree(scene.root / "src/demo", scene.root / "src/other")
+    manifest = scene.root / "src/other/package.xml"
+    manifest.write_text(manifest.read_text().replace("demo", "other"))
+    code = scene.end(scene.start("check", "--jobs", "2"), number)
+    if number == signal.SIGKILL:
+        return  # nothing can be removed
+    assert code == 128 + number
+    assert list(scene.scratch.iterdir()) == []

@@ -100,7 +100,7 @@ class Counted:
         self,
         task: str,
         *arguments: object,
-        limits: Limits = Limits(),
+        limits: Limits = LIMITS,
         environment: Mapping[str, str] | None = None,
         folder: Path | None = None,
     ) -> Answered | Died:
@@ -181,13 +181,13 @@ def test_nothing_of_one_is_met_by_the_next(
         tmp_path,
         "first",
         "get_package_share_directory('nav2_nowhere')",
-        "SetEnvironmentVariable('ROBOT', 'one'), Node(package='demo_nodes_cpp', executable='talker')",
+        "SetEnvironmentVariable('ROBOT', 'one'), Node(package='demo', executable='talker')",
     )
     second = write(
         tmp_path,
         "second",
         "robot = os.environ.get('ROBOT', 'none')",
-        "Node(package='demo_nodes_cpp', executable=robot)",
+        "Node(package='demo', executable=robot)",
     )
     assert plan(first, together.run).environment == {"ROBOT": "one"}
     found = plan(second, together.run)

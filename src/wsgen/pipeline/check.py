@@ -11,7 +11,8 @@ import re
 import time
 from contextlib import ExitStack
 from dataclasses import field, replace
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 from wsgen.diagnostics import has_errors
 from wsgen.errors import RequestError
@@ -26,7 +27,7 @@ from wsgen.suggestions import advice
 from wsgen.values import dataclass
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Mapping, Sequence
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
@@ -92,16 +93,16 @@ def check(
         scratch = stack.enter_context(make_scratch())
         installed = lay_out(targets, scratch, environment)
 
-        def subjects(run: Run) -> list[PackageCheck | FileCheck]:
+        def calls(run: Run) -> list[Callable[[], tuple[Diagnostic, ...]]]:
             return [
                 *(
-                    PackageCheck(package, installed, request.distro, serial, run)
+                    partial(_check_package, package, installed, request.distro, serial, run)
                     for package in (*targets.packages, *targets.installed)
                 ),
-                *(FileCheck(file, installed, serial, run) for file in targets.files),
+                *(partial(_check_file, file, installed, serial, run) for file in targets.files),
             ]
 
-        run_parallel(lambda run: [one.run for one in subjects(run)], request.jobs, serial, ended)
+        run_parallel(calls, request.jobs, serial, ended, in_workers=True)
         reported = _once(found for each in ended for found in each)
     return CheckOutcome(
         diagnostics=_in_order(_wanted(reported, targets)),
@@ -111,6 +112,14 @@ def check(
         only=targets.only,
         seconds=time.perf_counter() - before,
     )
+
+
+def _check_package(*arguments: Any) -> tuple[Diagnostic, ...]:
+    return PackageCheck(*arguments).run()
+
+
+def _check_file(*arguments: Any) -> tuple[Diagnostic, ...]:
+    return FileCheck(*arguments).run()
 
 
 _SCOPE = re.compile(r"(?<=`)(?:[\w.-]+::)+")  # the models that a link is in

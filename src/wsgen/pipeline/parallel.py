@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, TypeVar
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterator, Sequence
     from concurrent.futures import Executor
 
     from wsgen.events import OneAtATime
@@ -24,12 +24,52 @@ def run_parallel(
     jobs: int,
     serial: OneAtATime,
     ended: list[Result],
+    *,
+    in_workers: bool = False,
 ) -> None:
     """Run calls, `jobs` at a time, with child processes that share their start.
 
     `calls` makes them, with what runs their child processes. Their results are added to `ended` in
     this order, also when the calls are interrupted. `serial` receives no event afterwards.
+
+    With `in_workers`, several jobs are processes where the system has them (Linux): for calls that
+    do most of their work themselves, change nothing that others see, and return what can be
+    pickled. Then `calls` is called in each of them.
     """
+    if in_workers and jobs > 1:
+        from wsgen.pipeline.workers import can_fork, run_in_workers  # noqa: PLC0415  for some jobs
+
+        if can_fork():
+            results: dict[int, Result] = {}
+            try:
+                run_in_workers(calls, jobs, serial, start_children, results)
+                with start_children() as run:
+                    for index, call in enumerate(calls(run)):
+                        if index not in results:  # it raises again what it has raised
+                            results[index] = call()
+            finally:
+                serial.close()
+                ended += [results[index] for index in sorted(results)]
+            return
+    _run_in_threads(calls, jobs, serial, ended)
+
+
+@contextmanager
+def start_children() -> Iterator[Run]:
+    """What runs child processes that share their start, for calls one after the other."""
+    from wsgen.isolation.fork_server import ForkServer  # noqa: PLC0415  of no use for one
+    from wsgen.launch.plain_child import PlainLaunches  # noqa: PLC0415  same
+
+    with ForkServer() as fork_server, PlainLaunches(fork_server.run) as launches:
+        yield launches.run
+
+
+def _run_in_threads(
+    calls: Callable[[Run], Sequence[Callable[[], Result]]],
+    jobs: int,
+    serial: OneAtATime,
+    ended: list[Result],
+) -> None:
     from wsgen.isolation.fork_server import ForkServer  # noqa: PLC0415  of no use for one
     from wsgen.launch.plain_child import PlainLaunches  # noqa: PLC0415  same
 
