@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import shutil
 import subprocess
 from typing import TYPE_CHECKING
 
 import pytest
 
+from gazebo_oracle import IGN, ign_sdf
 from wsgen.diagnostics import Severity
 from wsgen.sdf.models import read_sdf
 
@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
-IGN = shutil.which("ign")
 SDF = (
     '<sdf version="1.9"><!--{comment}--><model name="{name}"><link name="l"><inertial/>'
     "{element}<pose>{pose}</pose></link></model></sdf>"
@@ -93,9 +92,7 @@ def test_what_gazebo_refuses(tmp_path: Path, case: str) -> None:
 def test_gazebo_agrees(tmp_path: Path, case: str) -> None:
     file = tmp_path / "m.sdf"
     file.write_bytes((CASES | REFUSED)[case][0])
-    answer = subprocess.run(
-        [str(IGN), "sdf", "-k", str(file)], capture_output=True, timeout=600, check=False
-    )
+    answer = subprocess.run(ign_sdf("-k", file), capture_output=True, timeout=600, check=False)
     assert (b"Valid." in answer.stdout) == (case in CASES)
 
 

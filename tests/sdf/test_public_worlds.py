@@ -8,13 +8,13 @@ from __future__ import annotations
 import importlib.metadata
 import math
 import os
-import shutil
 import subprocess
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import pytest
 
+from gazebo_oracle import IGN, ign_sdf
 from wsgen.diagnostics import Severity
 from wsgen.model.inertia import about_link_axes
 from wsgen.model.kinematics import split_trees
@@ -22,8 +22,6 @@ from wsgen.model.robot import Inertial, JointType, Robot
 from wsgen.model.transform import IDENTITY, Pose, compose, rotate, rotation_of_rpy
 from wsgen.sdf.models import SdfModel, read_sdf
 
-IGN = shutil.which("ign")
-OUTPUT_LIMIT = 10 * 2**20  # bytes
 MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 PACKAGES = (
     "drake",
@@ -69,10 +67,9 @@ def ign(option: str, file: Path, answer: Path) -> str:
         folder.mkdir(parents=True, exist_ok=True)
         (folder / "model.sdf").write_text(f'<sdf version="1.6">{content}</sdf>')
         (folder / "model.config").write_text('<model><sdf version="1.6">model.sdf</sdf></model>')
-    limited = f"ulimit -f {OUTPUT_LIMIT // 512}; exec '{IGN}' sdf {option} '{file}'"
     with answer.open("w", encoding="utf-8") as output:
         subprocess.run(
-            ["sh", "-c", limited],
+            ign_sdf(option, file),
             stdout=output,
             stderr=subprocess.STDOUT,
             timeout=600,

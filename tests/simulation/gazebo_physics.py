@@ -8,6 +8,7 @@ import subprocess
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from gazebo_oracle import ign_sdf
 from wsgen.model.robot import Mesh
 from wsgen.model.transform import Pose, rotation_of_quaternion, rpy_of_rotation
 
@@ -65,7 +66,7 @@ class GazeboPhysics:
         `text` is the URDF; `robot` is what it describes, with the files of its meshes.
         """
         (self.folder / "robot.urdf").write_text(_with_mesh_files(text, robot), encoding="utf-8")
-        printed = _answer("ign", "sdf", "-p", str(self.folder / "robot.urdf"))
+        printed = _answer(*ign_sdf("-p", self.folder / "robot.urdf"))
         found = re.search(r"<model name='([^']*)'>(.*)</model>", printed, re.DOTALL)
         assert found is not None, printed
         name, inside = found.groups()

@@ -17,6 +17,7 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
+from gazebo_oracle import IGN, ign_sdf
 from golden_support import CASES, GOLDENS, PACKAGE, golden_package
 from wsgen.model.facts import RELEASED_FOR, RELEASED_FOR_ALL
 from wsgen.model.package import MAXIMUM_LENGTH
@@ -132,8 +133,25 @@ def ask(name: str, *arguments: str | Path, folder: Path, **environment: str) -> 
     program = shutil.which(name)
     if program is None:
         pytest.skip(f"{name} is not installed")
-    answer = subprocess.run(
-        [program, *arguments],
+    answer = run(program, *arguments, folder=folder, **environment)
+    if "is not a" in answer.stderr and "command" in answer.stderr:
+        pytest.skip(f"{name} has no command {arguments[0]}")
+    assert answer.returncode == 0, answer.stdout + answer.stderr
+    return answer.stdout
+
+
+def ask_gazebo(option: str, file: Path, **environment: str) -> str:
+    """What `ign sdf` prints; the test is skipped where it is not installed."""
+    if IGN is None:
+        pytest.skip("ign is not installed")
+    answer = run(*ign_sdf(option, file), folder=file.parent, **environment)
+    assert answer.returncode == 0, answer.stdout + answer.stderr
+    return answer.stdout
+
+
+def run(*command: str | Path, folder: Path, **environment: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        command,
         cwd=folder,
         env=os.environ | environment,
         capture_output=True,
@@ -141,10 +159,6 @@ def ask(name: str, *arguments: str | Path, folder: Path, **environment: str) -> 
         check=False,
         timeout=600,
     )
-    if "is not a" in answer.stderr and "command" in answer.stderr:
-        pytest.skip(f"{name} has no command {arguments[0]}")
-    assert answer.returncode == 0, answer.stdout + answer.stderr
-    return answer.stdout
 
 
 def test_catkin_pkg_has_nothing_to_say(package: Path) -> None:
@@ -296,8 +310,8 @@ def test_world_is_valid_for_gazebo(
         (folder / "model.sdf").write_text(f"<sdf version='1.5'>{content}</sdf>")
     world = package / "model" / "empty_world.world"
     models = str(tmp_path)
-    assert "Valid." in ask("ign", "sdf", "-k", world, folder=tmp_path, SDF_PATH=models)
-    read = ET.fromstring(ask("ign", "sdf", "-p", world, folder=tmp_path, SDF_PATH=models))
+    assert "Valid." in ask_gazebo("-k", world, SDF_PATH=models)
+    read = ET.fromstring(ask_gazebo("-p", world, SDF_PATH=models))
     assert {element.get("name") for element in read.iter("model")} == {"ground_plane"}
     assert {element.get("name") for element in read.iter("light")} == {"sun"}
     plugins = {(one.get("filename"), one.get("name")) for one in read.iter("plugin")}
@@ -312,8 +326,8 @@ def test_world_is_valid_for_gazebo(
 @pytest.mark.slow
 def test_urdfdom_and_gazebo_read_the_robot(urdf: Path) -> None:
     assert "Successfully Parsed XML" in ask("check_urdf", urdf, folder=urdf.parent)
-    assert "Valid." in ask("ign", "sdf", "-k", urdf, folder=urdf.parent)
-    model = ET.fromstring(ask("ign", "sdf", "-p", urdf, folder=urdf.parent))
+    assert "Valid." in ask_gazebo("-k", urdf)
+    model = ET.fromstring(ask_gazebo("-p", urdf))
     assert len(list(model.iter("model"))) == 1
 
 
@@ -325,7 +339,7 @@ def test_no_comment_of_the_robot_has_a_colon_and_a_blank(urdf: Path) -> None:
 
 @pytest.mark.slow
 def test_gazebo_reads_what_drives_the_vehicle(vehicle: Path) -> None:
-    model = ET.fromstring(ask("ign", "sdf", "-p", vehicle, folder=vehicle.parent)).find("model")
+    model = ET.fromstring(ask_gazebo("-p", vehicle)).find("model")
     assert model is not None
     assert [link.get("name") for link in model.findall("link")] == [
         *("base_footprint", "left_wheel", "right_wheel")
@@ -359,7 +373,7 @@ def test_urdfdom_reads_the_cylinder(cylinder: Path) -> None:
 
 @pytest.mark.slow
 def test_gazebo_reads_the_cylinder(cylinder: Path) -> None:
-    model = ET.fromstring(ask("ign", "sdf", "-p", cylinder, folder=cylinder.parent))
+    model = ET.fromstring(ask_gazebo("-p", cylinder))
     (link,) = model.iter("link")
     assert link.get("name") == "dummy"
     assert float(link.findtext("inertial/mass") or "nan") == MASS
