@@ -21,7 +21,7 @@ from wsgen.cli.options import (
     sim_option,
     workspace_option,
 )
-from wsgen.errors import EXIT_PASSED, RequestError
+from wsgen.errors import EXIT_FAILED, EXIT_PASSED, RequestError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from wsgen.model.target import Target
     from wsgen.sweeping.sweep import SweepOutcome
     from wsgen.workspace.layout import Workspace
+    from wsgen.workspace.sweep_settings import SweepSettings
 
 
 class SweepCommand(ExampleCommand):
@@ -154,6 +155,11 @@ class SweepCommand(ExampleCommand):
     help="Simulated time of each run in seconds.  [default: 3.0]",
 )
 @engine_option
+@click.option(
+    "--behaviors/--no-behaviors",
+    default=True,
+    help="Whether each variant also shows the behaviors in wsgen.toml.  [default: behaviors]",
+)
 @workspace_option
 @format_option
 @output_options
@@ -180,6 +186,7 @@ def command(
     sim: str | None,
     seconds: float | None,
     engine: str | None,
+    behaviors: bool,
     workspace: str | None,
     output_format: str,
     quiet: bool,
@@ -198,35 +205,48 @@ def command(
     from wsgen.cli.sweep_progress import SweepProgress
     from wsgen.cli.validate import is_file_name
     from wsgen.cli.words import split_launch_arguments
+    from wsgen.sweeping.defaults import make_design_with
     from wsgen.sweeping.subject import SubjectRequest
-    from wsgen.sweeping.sweep import SweepRequest, sweep
-    from wsgen.sweeping.words import make_design, read_axes, read_distributions
+    from wsgen.sweeping.sweep import DEFAULT_SECONDS, SweepRequest, sweep
+    from wsgen.sweeping.words import read_axes, read_distributions
     from wsgen.sweeping.worst import read_choice
+    from wsgen.workspace.sweep_settings import SweepSettings
 
-    require_places(out, *plots)
+    is_file = name is not None and is_file_name(name)
+    place = _workspace(workspace, name, is_file=is_file)
+    defaults = SweepSettings() if name is None or is_file else _settings(place, name)
+    if defaults is None:
+        return EXIT_FAILED
+    out = out or defaults.out
     files = [Path(file) for file in plots]
+    require_places(out, *plots)
     if files:
         from wsgen.sweeping.plots import check_plots
 
         check_plots(files)
-    is_file = name is not None and is_file_name(name)
     request = SweepRequest(
         subject=SubjectRequest(
             package=None if is_file else name,
             file=Path(name) if name is not None and is_file else None,
             template=template,
-            workspace=_workspace(workspace, name, is_file=is_file),
+            workspace=place,
             launch_file=launch_file,
             launch_arguments=split_launch_arguments(arguments),
             settings=settings,
             target=_target(ctx, template, distro, sim),
+            has_behaviors=behaviors,
         ),
-        design=make_design(
-            read_axes(over), read_distributions(random), samples=samples, sampler=sampler, seed=seed
+        design=make_design_with(
+            defaults,
+            over=read_axes(over),
+            random=read_distributions(random),
+            samples=samples,
+            sampler=sampler,
+            seed=seed,
         ),
         out=None if out is None else Path(out),
-        seconds=3.0 if seconds is None else seconds,
-        engine=_engine(engine),
+        seconds=seconds or defaults.seconds or DEFAULT_SECONDS,
+        engine=_engine(engine or defaults.engine),
         jobs=jobs,
         scheduler=scheduler,
         worst=None if worst is None else read_choice(worst),
@@ -257,6 +277,25 @@ def _workspace(given: str | None, name: str | None, *, is_file: bool) -> Workspa
         packages=() if is_file else (name,), files=(Path(name),) if is_file else ()
     )
     return open_workspace_of(given, request)
+
+
+def _settings(place: Workspace | None, package: str) -> SweepSettings | None:
+    """What the package's wsgen.toml says of sweeps; None where it has errors, which are printed."""
+    from wsgen.cli.output import render_diagnostics
+    from wsgen.diagnostics import Severity
+    from wsgen.workspace.layout import find_packages
+    from wsgen.workspace.settings import read_settings
+    from wsgen.workspace.sweep_settings import SweepSettings
+
+    sources = [] if place is None else find_packages(place)
+    for source in sources:
+        if source.name == package:
+            settings, found = read_settings(source.path)
+            errors = [one for one in found if one.severity is Severity.ERROR]
+            for line in render_diagnostics(errors):
+                click.echo(line, err=True)
+            return None if errors else settings.sweep or SweepSettings()
+    return SweepSettings()
 
 
 def _target(

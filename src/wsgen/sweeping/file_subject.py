@@ -48,7 +48,7 @@ class FileSubject(Subject):
         self._reader = self._validation(self._request)
         parameters = [*self._arguments()] if self._reader.kind == "xacro" else []
         super().__init__(
-            file.with_suffix("").name, f"The file {file.name}", parameters, folder, request.kept
+            file.with_suffix("").name, f"The file {file.name}", parameters, folder, request
         )
 
     def _validation(self, request: ValidateRequest) -> FileValidation:

@@ -68,7 +68,7 @@ class PackageSubject(Subject):
         self._of_package: tuple[Diagnostic, ...] | None = None  # the same for all variants
         file = self._selected.launch_file
         title = f"The launch file {file.name} of {name}" if file else f"The package {name}"
-        super().__init__(name, title, [*self._arguments()], folder, request.kept)
+        super().__init__(name, title, [*self._arguments()], folder, request)
 
     def _arguments(self) -> Iterator[Parameter]:
         """The arguments that the launch file declares, and those that it includes."""

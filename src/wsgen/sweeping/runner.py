@@ -35,7 +35,9 @@ SECONDS_A_SECOND = 20.0  # more for each that is simulated
 class RunExecutor(Protocol):
     """What `run_all` needs of an executor; see `wsgen.executors`."""
 
-    window: int  # how many runs should be submitted at a time
+    @property
+    def window(self) -> int:
+        """How many runs should be submitted at a time."""
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
         """Have a function called, within the `limits` that are given by keyword."""

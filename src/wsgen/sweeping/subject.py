@@ -8,7 +8,7 @@ import threading
 import weakref
 from abc import ABC, abstractmethod
 from collections import OrderedDict
-from dataclasses import field
+from dataclasses import field, replace
 from hashlib import sha256
 from importlib import metadata
 from pathlib import Path
@@ -51,6 +51,7 @@ class SubjectRequest:
     target: Target | None = None  # of the template; None: the first that it is made for
     kept: int = 64  # blueprints that are held for values that come again
     is_drawn: bool = False  # it matters what meshes look like
+    has_behaviors: bool = True  # the robot shows what wsgen.toml asks of it
 
 
 class RobotText(NamedTuple):
@@ -75,13 +76,19 @@ class Subject(ABC):
     kind: str  # "package", "file" or "template"
 
     def __init__(
-        self, name: str, title: str, parameters: Sequence[Parameter], folder: Path, kept: int
+        self,
+        name: str,
+        title: str,
+        parameters: Sequence[Parameter],
+        folder: Path,
+        request: SubjectRequest,
     ) -> None:
         self.name = name  # of the package, file or template
         self.title = title  # to begin a sentence: "The launch file x.launch.py of rover"
         self.parameters = tuple(parameters)  # without wsgen's own
         self.folder = folder  # scratch, until the subject is closed
-        self._kept = kept
+        self._kept = request.kept
+        self._has_behaviors = request.has_behaviors
         self._lock = threading.Lock()
         self._slots: OrderedDict[tuple[tuple[str, str, str], ...], _Slot] = OrderedDict()
 
@@ -164,6 +171,9 @@ class Subject(ABC):
         folder = Path(tempfile.mkdtemp(prefix="variant-", dir=self.folder))
         try:
             prepared = self._read(values, folder)
+            if not self._has_behaviors:
+                blueprint = replace(prepared.blueprint, behavior_plan=None)
+                prepared = prepared._replace(blueprint=blueprint)
         except BaseException:
             shutil.rmtree(folder, ignore_errors=True)
             raise

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from wsgen.sweeping.worst import Choice, WorstVariant
 
 
+DEFAULT_SECONDS = 3.0  # simulated
 TRIED = 20  # variants, spread over the sweep, until one has a robot: its figures are the columns
 
 
@@ -47,7 +48,7 @@ class SweepRequest:
     subject: SubjectRequest
     design: Design
     out: Path | None = None  # the table; None: in the current folder, named after the subject
-    seconds: float = 3.0  # of simulated time, of each run
+    seconds: float = DEFAULT_SECONDS  # of simulated time, of each run
     engine: str = "bullet"
     jobs: int = 1
     scheduler: str | None = None  # the address of Dask's, or "local"
@@ -167,6 +168,7 @@ def _inputs(request: SweepRequest, design: Design, subject: Subject) -> dict[str
         "the files of the robot and its world": subject.digest(request.engine),
         "the simulated seconds": f"{request.seconds:g}",
         "the engine": request.engine,
+        "the behaviors": "simulated" if request.subject.has_behaviors else "left out",
         **{f"the parameter {name}": text for name, text in varied.items()},
     }
 

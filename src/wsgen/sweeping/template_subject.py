@@ -89,7 +89,7 @@ class TemplateSubject(Subject):
             f"The template {self._template.name}",
             [_parameter(variable) for variable in variables],
             folder,
-            request.kept,
+            request,
         )
         self._refuse_without_launch_file()
 
