@@ -37,11 +37,11 @@ CRITICAL = -2.0 * math.log(1.0 - math.sqrt(0.95))  # 7.35; a chi-squared distrib
 # border, they are exceeded in less than 1 of 100 tables, wherever one looks for it.
 SIGNIFICANT = 16.0
 FEWEST = 8  # runs from which a share can be fitted
-BINS = 48  # of the runs, while their likelihood is computed
-OUTER_BINS = 8  # on each side of what is looked at closely
+BINS = 32  # of the runs, while their likelihood is computed
+OUTER_BINS = 6  # on each side of what is looked at closely
 LEVELS = 8  # of looking closer
-STEPS = 30  # of expectation and maximization
-WIDTHS = (0.0, 0.005, 0.01, 0.02, 0.04, 0.08, 0.15, 0.3, 0.6)  # of the range that is looked at
+STEPS = 15  # of expectation and maximization
+WIDTHS = (0.0, 0.01, 0.025, 0.06, 0.12, 0.25, 0.5)  # of the range that is looked at
 LOG_RATIO = 30.0  # of the largest to the smallest value: from here on logarithms are fitted
 SURE = 0.02  # of the runs may pass or fail on the wrong side of a border that holds
 
