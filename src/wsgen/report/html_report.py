@@ -79,7 +79,7 @@ def render_page(outcome: Outcome, folder: Path, *, when: datetime | None = None)
         },
         clean,
     )
-    script = (FOLDER / "page.js").read_text(encoding="utf-8")
+    script = read_script("page.js")
     library = read_plotly() if any(package["data"] for package in packages) else None
     found = [one for package in outcome.packages for one in package.diagnostics]
     return environment.get_template("page.html").render(
@@ -97,7 +97,7 @@ def render_page(outcome: Outcome, folder: Path, *, when: datetime | None = None)
         script=Html(script),
         library=None if library is None else compress(library.script.encode()),
         library_version=library.version if library else "",
-        hashes=[_hash(one) for one in (script, library.script if library else None) if one],
+        hashes=[hash_script(one) for one in (script, library.script if library else None) if one],
     )
 
 
@@ -130,7 +130,12 @@ def write_fixed(value: float | None, digits: int) -> str:
     return f"{round(value, digits) + 0.0:.{digits}f}" if math.isfinite(value) else str(value)
 
 
-def _hash(script: str) -> str:
+def read_script(name: str) -> str:
+    """The script of a page, after what all pages share."""
+    return "\n".join((FOLDER / part).read_text(encoding="utf-8") for part in ("common.js", name))
+
+
+def hash_script(script: str) -> str:
     """What allows a script in a Content Security Policy."""
     return base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
 

@@ -42,7 +42,10 @@ OUTER_BINS = 6  # on each side of what is looked at closely
 LEVELS = 8  # of looking closer
 STEPS = 15  # of expectation and maximization
 WIDTHS = (0.0, 0.01, 0.025, 0.06, 0.12, 0.25, 0.5)  # of the range that is looked at
-LOG_RATIO = 30.0  # of the largest to the smallest value: from here on logarithms are fitted
+# Values over decades: from this ratio of the largest to the smallest one on, where half of them are
+# below this share of the middle.
+LOG_RATIO = 30.0
+LOG_SHARE = 0.4
 SURE = 0.02  # of the runs may pass or fail on the wrong side of a border that holds
 
 
@@ -99,6 +102,16 @@ def find_borders(values: Numbers, passed: NDArray[np.bool_], *, is_alone: bool) 
     return fitted
 
 
+def is_over_decades(values: Numbers) -> bool:
+    """Whether positive values are spread so that their logarithms are what one looks at."""
+    low, high = float(values.min()), float(values.max())
+    return (
+        low > 0
+        and high / low > LOG_RATIO
+        and float(np.median(values)) < LOG_SHARE * (low + high) / 2
+    )
+
+
 def _trivial(x: Numbers, runs: Numbers, passes: Numbers) -> str:
     """Say why these runs show no border; empty where they may."""
     if not len(x):
@@ -138,7 +151,7 @@ def _certain(x: Numbers, passes: NDArray[np.bool_]) -> Dependence | None:
 
 def _fit_all(x: Numbers, runs: Numbers, passes: Numbers) -> Dependence:
     """Fit one border, or two where these explain much more."""
-    is_log = x[0] > 0 and x[-1] / x[0] > LOG_RATIO
+    is_log = is_over_decades(x)
     scale = np.log(x) if is_log else x
     split = _split(scale, runs, passes)
     if split is not None:

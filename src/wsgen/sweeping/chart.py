@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wsgen.errors import RequestError
-from wsgen.sweeping.borders import LOG_RATIO
+from wsgen.sweeping.borders import is_over_decades
 from wsgen.sweeping.summary import describe_parameter, unit_of, write_share
 from wsgen.values import dataclass
 
@@ -38,6 +38,7 @@ BINS = 24  # of the share over a parameter with many values
 MOST_VALUES = 60  # of a parameter of which each has its share
 MOST_LABELS = 14  # of a text along an axis
 LONGEST_LABEL = 24  # characters
+GOLDEN = (math.sqrt(5) - 1) / 2  # multiples of it fill an interval evenly
 # The figures that say most, after those of behaviors.
 FIGURES = ("tilt", "drift", "settled_after", "highest_joint_speed", "rest_z")
 
@@ -50,7 +51,8 @@ class Axis:
     low: float
     high: float
     is_log: bool = False
-    ticks: tuple[tuple[float, str], ...] = ()  # of texts; empty: those of numbers
+    is_text: bool = False  # or a boolean
+    ticks: tuple[tuple[float, str], ...] = ()  # of texts and few integers; empty: those of numbers
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,6 +71,7 @@ class Points:
     group: int  # number
     x: tuple[float, ...]
     y: tuple[float, ...]
+    runs: tuple[int, ...]  # their numbers
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -197,15 +200,29 @@ def _axis(series: Series, numbers: Numbers) -> Axis:
         count = len(order)
         every = max(1, math.ceil(count / MOST_LABELS))
         ticks = tuple((float(place), _clip(text)) for place, text in enumerate(order))[::every]
-        return Axis(label=label, low=-0.5, high=count - 0.5, ticks=ticks)
+        return Axis(label=label, low=-0.5, high=count - 0.5, is_text=True, ticks=ticks)
     known = numbers[np.isfinite(numbers)]
     low, high = (float(known.min()), float(known.max())) if len(known) else (0.0, 1.0)
     if series.column.kind == "boolean":
-        return Axis(label=label, low=-0.5, high=1.5, ticks=((0.0, "false"), (1.0, "true")))
+        return Axis(
+            label=label, low=-0.5, high=1.5, is_text=True, ticks=((0.0, "false"), (1.0, "true"))
+        )
+    different = np.unique(known)
+    if (
+        series.column.kind == "integer"
+        and len(different) <= MOST_LABELS
+        and not is_over_decades(known)
+    ):
+        return Axis(
+            label=label,
+            low=low - (low == high),
+            high=high + (low == high),
+            ticks=tuple((float(value), f"{value:.0f}") for value in different),
+        )
     if low == high:
         margin = abs(low) / 10 or 1.0
         return Axis(label=label, low=low - margin, high=high + margin)
-    return Axis(label=label, low=low, high=high, is_log=low > 0 and high / low > LOG_RATIO)
+    return Axis(label=label, low=low, high=high, is_log=is_over_decades(known))
 
 
 def _label(series: Series) -> str:
@@ -226,6 +243,16 @@ def _places(series: Series) -> Numbers:
     return places[series.numbers.astype(np.int64)]
 
 
+def _spread_out(places: Numbers, series: Series) -> Numbers:
+    """Return places at which runs with one text or boolean do not hide each other."""
+    is_text = bool(series.texts) or series.column.kind == "boolean"
+    known = places[np.isfinite(places)]
+    if not is_text and (series.column.kind != "integer" or len(np.unique(known)) > MOST_LABELS):
+        return places
+    width = 0.4 if is_text else 0.2
+    return places + width * (np.arange(len(places)) * GOLDEN % 1.0 - 0.5)
+
+
 def _clip(text: str) -> str:
     line = " ".join(text.split()) or '""'
     return line if len(line) <= LONGEST_LABEL else f"{line[: LONGEST_LABEL - 1]}…"
@@ -238,15 +265,19 @@ def _some(count: int, most: int) -> NDArray[np.int64]:
     return np.sort(np.random.default_rng(0).choice(count, most, replace=False))
 
 
-def _points(x: Numbers, y: Numbers, group_of: NDArray[np.int64]) -> tuple[Points, ...]:
+def _points(
+    x: Numbers, y: Numbers, group_of: NDArray[np.int64], numbers: NDArray[np.int64]
+) -> tuple[Points, ...]:
     known = np.isfinite(x) & np.isfinite(y)
+    chosen = [(int(number), known & (group_of == number)) for number in np.unique(group_of[known])]
     return tuple(
         Points(
-            group=int(number),
-            x=tuple(x[known & (group_of == number)].tolist()),
-            y=tuple(y[known & (group_of == number)].tolist()),
+            group=number,
+            x=tuple(x[these].tolist()),
+            y=tuple(y[these].tolist()),
+            runs=tuple(numbers[these].tolist()),
         )
-        for number in np.unique(group_of[known])
+        for number, these in chosen
     )
 
 
@@ -265,15 +296,18 @@ def _curves(
     axis = _axis(series, x)
     parameter = summary.parameters[0] if summary.parameters else None
     marks = _marks(parameter)
+    shown = _spread_out(x, series)
     chosen = _some(data.count, MOST_POINTS)
-    panels = [_share_panel(x, data.passed, axis, marks, is_text=bool(axis.ticks))]
+    panels = [_share_panel(x, data.passed, axis, marks, is_text=axis.is_text)]
     for figure in _main_figures(data):
         y = _axis(figure, figure.numbers)
         panels.append(
             Panel(
                 x=axis,
                 y=Axis(label=y.label, low=y.low, high=y.high),
-                points=_points(x[chosen], figure.numbers[chosen], group_of[chosen]),
+                points=_points(
+                    shown[chosen], figure.numbers[chosen], group_of[chosen], data.numbers[chosen]
+                ),
                 marks=marks,
             )
         )
@@ -311,8 +345,8 @@ def _share_panel(
     if len(values) > MOST_VALUES and not is_text:
         edges = np.unique(np.quantile(x, np.linspace(0, 1, BINS + 1)))
         index = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, len(edges) - 2)
-    runs = np.asarray(np.bincount(index), dtype=np.float64)
-    passes = np.bincount(index, weights=passed)
+    runs: Numbers = np.bincount(index).astype(np.float64)
+    passes: Numbers = np.bincount(index, weights=passed).astype(np.float64)
     middles = np.bincount(index, weights=x) / np.maximum(runs, 1)
     kept = runs > 0
     runs, passes, middles = runs[kept], passes[kept], middles[kept]
@@ -398,7 +432,8 @@ def _map(
         )
         return Chart(title=title, subtitle=subtitle, note="", groups=groups, cells=drawn)
     if data.count <= MOST_POINTS:
-        panel = Panel(x=axes[0], y=axes[1], points=_points(x, y, group_of))
+        points = _points(_spread_out(x, first), _spread_out(y, second), group_of, data.numbers)
+        panel = Panel(x=axes[0], y=axes[1], points=points)
         return Chart(title=title, subtitle=subtitle, note="", groups=groups, panels=(panel,))
     x_edges, y_edges = (
         _even_edges(values, axis) for values, axis in zip((x, y), axes, strict=True)
@@ -427,7 +462,12 @@ def _map(
 
 def _framed(axis: Axis, edges: tuple[float, ...]) -> Axis:
     return Axis(
-        label=axis.label, low=edges[0], high=edges[-1], is_log=axis.is_log, ticks=axis.ticks
+        label=axis.label,
+        low=edges[0],
+        high=edges[-1],
+        is_log=axis.is_log,
+        is_text=axis.is_text,
+        ticks=axis.ticks,
     )
 
 
@@ -462,7 +502,10 @@ def _parallel(
     drawn = [*varying[:MOST_AXES]]
     chosen = _some(data.count, MOST_LINES)
     axes = [_axis(one, _places(one)) for one in drawn]
-    columns = [_relative(_places(one)[chosen], axis) for one, axis in zip(drawn, axes, strict=True)]
+    columns = [
+        _relative(_spread_out(_places(one), one)[chosen], axis)
+        for one, axis in zip(drawn, axes, strict=True)
+    ]
     places = np.stack(columns, axis=1)
     lines = tuple(
         Lines(

@@ -51,7 +51,7 @@ def draw_png(chart: Chart) -> bytes:
     """
     make = _figure_class()
     rows = max(1, len(chart.panels))
-    height = 6.2 if rows == 1 else 2.0 + 2.15 * rows
+    height = 6.4 if rows == 1 else 2.1 + 2.15 * rows
     width = 9.0 if not chart.axes else max(9.0, 1.55 * len(chart.axes) + 2.5)
     figure = make(figsize=(width, height), dpi=DPI, layout="constrained", facecolor="white")
     _heading(figure, chart)
@@ -63,6 +63,9 @@ def draw_png(chart: Chart) -> bytes:
         axes = figure.subplots(rows, 1, sharex=True, squeeze=False)[:, 0]
         for number, (plot, panel) in enumerate(zip(axes, chart.panels, strict=True)):
             _draw_panel(plot, panel, is_alone=rows == 1)
+            if rows > 1:  # long names fit above a plot, not beside it
+                plot.set_ylabel("")
+                plot.set_title(_plain(panel.y.label), loc="left", fontsize=10, color=TEXT)
             if number < rows - 1:
                 plot.set_xlabel("")
     _legend(figure, chart)
@@ -77,22 +80,14 @@ def _plain(text: str) -> str:
 
 
 def _heading(figure: Any, chart: Chart) -> None:
-    lines = [chart.subtitle, chart.note]
-    figure.suptitle(
-        _plain(chart.title), x=0.02, ha="left", fontsize=14, fontweight="bold", color=TEXT
-    )
-    figure.text(0.02, 0.0, "", fontsize=1)
-    below = _plain("; ".join(filter(None, lines)))
-    figure.get_layout_engine().set(rect=(0, 0, 1, 0.96))
-    figure.text(
-        0.02,
-        1.0 - 0.52 / figure.get_figheight(),
-        below,
-        ha="left",
-        va="center",
-        fontsize=10,
-        color=MUTED,
-    )
+    """Title and subtitle above the plots, at the same distance in pictures of any height."""
+    height = figure.get_figheight()
+    figure.get_layout_engine().set(rect=(0.01, 0, 0.98, 1 - 0.75 / height))
+    for text, inches, more in (
+        (chart.title, 0.28, {"fontsize": 14, "fontweight": "bold", "color": TEXT}),
+        ("; ".join(filter(None, (chart.subtitle, chart.note))), 0.56, {"color": MUTED}),
+    ):
+        figure.text(0.02, 1 - inches / height, _plain(text), ha="left", va="center", **more)
 
 
 def _legend(figure: Any, chart: Chart) -> None:
