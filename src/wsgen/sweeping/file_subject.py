@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
 from wsgen.pipeline.file_validation import FileValidation
 from wsgen.pipeline.prepare import PrepareContext
-from wsgen.pipeline.selection import ValidateRequest
+from wsgen.pipeline.selection import FILE_SUFFIXES, ValidateRequest
 from wsgen.sweeping.blueprint import Blueprint
 from wsgen.sweeping.kept_answers import KeptAnswers
 from wsgen.sweeping.parameters import Parameter, write_value
@@ -27,6 +28,15 @@ if TYPE_CHECKING:
 
 
 ARGUMENT = "xacro:arg"
+USED = re.compile(r"\$\(arg\s+([\w.-]+)\s*\)")  # it may be declared nowhere
+
+
+def _name_of(file: Path) -> str:
+    """The name of a file without its endings: of rover.urdf.xacro it is rover."""
+    name = file
+    while name.suffix in FILE_SUFFIXES:
+        name = name.with_suffix("")
+    return name.name
 
 
 class FileSubject(Subject):
@@ -47,28 +57,29 @@ class FileSubject(Subject):
         )
         self._reader = self._validation(self._request)
         parameters = [*self._arguments()] if self._reader.kind == "xacro" else []
-        super().__init__(
-            file.with_suffix("").name, f"The file {file.name}", parameters, folder, request
-        )
+        super().__init__(_name_of(file), f"The file {file.name}", parameters, folder, request)
 
     def _validation(self, request: ValidateRequest) -> FileValidation:
-        name = self._file.with_suffix("").name
+        name = _name_of(self._file)
         return FileValidation(self._file, self._overlay, request, None, self._run, name=name)
 
     def _arguments(self) -> Iterator[Parameter]:
         """The arguments that the file and what it includes declare, in the order of the files."""
-        written = {
-            name: element.attributes.get("default")
-            for element in reversed(written_elements(self._file, self._reader.share_of))
-            if element.tag == ARGUMENT and (name := element.attributes.get("name"))
-        }
+        elements = written_elements(self._file, self._reader.share_of)
+        written: dict[str, str | None] = {}
+        for element in elements:
+            if element.tag == ARGUMENT and (name := element.attributes.get("name")):
+                written.setdefault(name, element.attributes.get("default"))
+        for text in {element.file: element.data for element in elements}.values():
+            for name in USED.findall(text.decode("utf-8", "replace")):
+                written.setdefault(name, None)
         read = read_arguments(
             self._file,
             self._request.launch_arguments,
             environment=self._overlay.environment,
             run=self._run,
         )
-        for name in dict.fromkeys((*reversed(written), *read)):
+        for name in dict.fromkeys((*written, *read)):
             yield Parameter(name=name, default=read.get(name, written.get(name)))
 
     def _advice(self) -> str:
