@@ -235,6 +235,7 @@ def meshes_of(blueprint: Blueprint) -> list[Path]:
     return found
 
 
+@pytest.mark.slow
 def test_meshes_are_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     file = public_robots.find_robot("pybullet", "kuka_iiwa/model.urdf")
     if file is None:
