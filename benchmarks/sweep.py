@@ -4,8 +4,8 @@
 
 The rover of `wsgen new -t diff_drive`, 3 s in steps of 1 ms, its friction varied. By hand is one
 process (`sweep_by_hand.py`): with the settings that make PyBullet move the robot as Gazebo does,
-and as PyBullet has it. CPU time is that of all processes; the time of a sweep of two runs, which is
-mostly starting and reading the robot, is taken from both, and what is left is that of a run.
+and as PyBullet has it. CPU time is that of all processes. What a sweep of two runs takes, mostly to
+start and to read the robot, is subtracted; the rest is that of the runs.
 """
 
 from __future__ import annotations

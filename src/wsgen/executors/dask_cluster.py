@@ -277,6 +277,11 @@ class DaskExecutor(Executor):
         client.register_plugin(_Pool(self._pool), name=self._pool)
 
     @property
+    def address(self) -> str:
+        """That of the scheduler, for other clients."""
+        return str(self._client.scheduler.address)
+
+    @property
     def window(self) -> int:
         """How many calls should be submitted so that no thread of the workers waits for one."""
         if time.monotonic() > self._counted + COUNT_EVERY:

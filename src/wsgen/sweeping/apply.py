@@ -11,6 +11,23 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wsgen.model.transform import Pose
+from wsgen.sweeping.parameters import (
+    FRICTION,
+    FRICTION_SCALE,
+    GRAVITY,
+    INERTIA_SCALE,
+    MASS_SCALE,
+    PUSH_DIRECTION,
+    PUSH_FORCE,
+    PUSH_SECONDS,
+    SLOPE,
+    SPAWN_PITCH,
+    SPAWN_ROLL,
+    SPAWN_X,
+    SPAWN_Y,
+    SPAWN_YAW,
+    SPAWN_Z,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -23,16 +40,11 @@ if TYPE_CHECKING:
     from wsgen.sweeping.blueprint import Blueprint
 
 
-FRICTION, SLOPE, GRAVITY = "world.friction", "world.slope", "world.gravity"
-MASS, INERTIA, ROBOT_FRICTION = "robot.mass_scale", "robot.inertia_scale", "robot.friction_scale"
-FORCE, DIRECTION, PUSH_SECONDS = "push.force", "push.direction", "push.seconds"
-X, Y, Z = "spawn.x", "spawn.y", "spawn.z"
-ROLL, PITCH, YAW = "spawn.roll", "spawn.pitch", "spawn.yaw"
-
-OF_THE_SPAWN_POSE = (X, Y, Z, ROLL, PITCH, YAW)
+OF_THE_SPAWN_POSE = (SPAWN_X, SPAWN_Y, SPAWN_Z, SPAWN_ROLL, SPAWN_PITCH, SPAWN_YAW)
 OF_THE_WORLD = (SLOPE, GRAVITY)
-OF_THE_LINKS = (FRICTION, MASS, INERTIA, ROBOT_FRICTION)
-OWN = (*OF_THE_WORLD, *OF_THE_LINKS, *OF_THE_SPAWN_POSE, FORCE, DIRECTION, PUSH_SECONDS)
+OF_THE_LINKS = (FRICTION, MASS_SCALE, INERTIA_SCALE, FRICTION_SCALE)
+OF_A_PUSH = (PUSH_FORCE, PUSH_DIRECTION, PUSH_SECONDS)
+APPLIED = (*OF_THE_WORLD, *OF_THE_LINKS, *OF_THE_SPAWN_POSE, *OF_A_PUSH)
 
 
 def apply(blueprint: Blueprint, values: Mapping[str, Value]) -> Blueprint:
@@ -41,7 +53,7 @@ def apply(blueprint: Blueprint, values: Mapping[str, Value]) -> Blueprint:
     Models of the world around the robots stay as they are. Parameters of other names, which have
     had their effect on the blueprint already, are left out.
     """
-    own = {name: float(values[name]) for name in OWN if name in values}
+    own = {name: float(values[name]) for name in APPLIED if name in values}
     if not own:
         return blueprint
     world = blueprint.world
@@ -51,7 +63,7 @@ def apply(blueprint: Blueprint, values: Mapping[str, Value]) -> Blueprint:
         prepared=tuple(
             robot if robot.is_static_model else _varied(robot, own) for robot in blueprint.prepared
         ),
-        push=_push(own) if FORCE in own else blueprint.push,
+        push=_push(own) if PUSH_FORCE in own else blueprint.push,
         push_seconds=own.get(PUSH_SECONDS, blueprint.push_seconds),
     )
 
@@ -72,8 +84,8 @@ def _tilted(world: World, own: Mapping[str, float]) -> World:
 
 def _push(own: Mapping[str, float]) -> Vector:
     """The force in the world; without a direction along +x."""
-    direction = own.get(DIRECTION, 0.0)
-    return own[FORCE] * math.cos(direction), own[FORCE] * math.sin(direction), 0.0
+    direction = own.get(PUSH_DIRECTION, 0.0)
+    return own[PUSH_FORCE] * math.cos(direction), own[PUSH_FORCE] * math.sin(direction), 0.0
 
 
 def _varied(prepared: PreparedRobot, own: Mapping[str, float]) -> PreparedRobot:
@@ -93,10 +105,10 @@ def _varied(prepared: PreparedRobot, own: Mapping[str, float]) -> PreparedRobot:
 def _moved(prepared: PreparedRobot, own: Mapping[str, float]) -> PreparedRobot:
     (x, y, z), (roll, pitch, yaw) = prepared.spawn_pose.xyz, prepared.spawn_pose.rpy
     pose = Pose(
-        xyz=(own.get(X, x), own.get(Y, y), own.get(Z, z)),
-        rpy=(own.get(ROLL, roll), own.get(PITCH, pitch), own.get(YAW, yaw)),
+        xyz=(own.get(SPAWN_X, x), own.get(SPAWN_Y, y), own.get(SPAWN_Z, z)),
+        rpy=(own.get(SPAWN_ROLL, roll), own.get(SPAWN_PITCH, pitch), own.get(SPAWN_YAW, yaw)),
     )
-    if Z not in own:
+    if SPAWN_Z not in own:
         return replace(prepared, spawn_pose=pose)
     # No launch file gives this height: hints must not name one.
     return replace(prepared, spawn_pose=pose, on_the_ground=False, height=None)
@@ -108,11 +120,11 @@ def _with_links(robot: Robot, vary: Callable[[Link], Link]) -> Robot:
 
 def _link_varier(own: Mapping[str, float]) -> Callable[[Link], Link]:
     """What makes of a link the one with other masses, inertias and frictions."""
-    mass = own.get(MASS, 1.0)
-    inertia = mass * own.get(INERTIA, 1.0)
-    scale, ground = own.get(ROBOT_FRICTION, 1.0), own.get(FRICTION, math.inf)
-    has_friction = ROBOT_FRICTION in own or FRICTION in own
-    has_inertia = MASS in own or INERTIA in own
+    mass = own.get(MASS_SCALE, 1.0)
+    inertia = mass * own.get(INERTIA_SCALE, 1.0)
+    scale, ground = own.get(FRICTION_SCALE, 1.0), own.get(FRICTION, math.inf)
+    has_friction = FRICTION_SCALE in own or FRICTION in own
+    has_inertia = MASS_SCALE in own or INERTIA_SCALE in own
 
     def surface_of(surface: Surface) -> Surface:
         # Two that touch have the friction of the smaller coefficient.
