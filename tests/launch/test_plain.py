@@ -247,3 +247,44 @@ def test_a_child_that_dies_is_started_again(
         assert not plan(deadly, together.run, limits=Limits(seconds=1.0)).is_complete
         assert plan(sound, together.run).is_complete
     assert apart.count == before + 2
+
+
+XACRO = """\
+<robot name="demo" xmlns:xacro="http://ros.org/wiki/xacro">
+  <xacro:include filename="{included}"/>
+  <link name="$(optenv LINK base_link)"/>
+</robot>
+"""
+COMMAND = """\
+Node(package='robot_state_publisher', executable='robot_state_publisher',
+        parameters=[{{'robot_description': Command(['xacro {file}'])}}])
+"""
+
+
+@pytest.mark.slow
+def test_a_robot_is_expanded_again_where_it_may_have_changed(
+    together: PlainLaunches, tmp_path: Path
+) -> None:
+    included, xacro = tmp_path / "part.xacro", tmp_path / "robot.xacro"
+    included.write_text('<robot><link name="first"/></robot>')
+    xacro.write_text(XACRO.format(included=included))
+    imports = "from launch.substitutions import Command"
+    files = [write(tmp_path, name, imports, COMMAND.format(file=xacro)) for name in ("a", "b")]
+
+    def expand(file: Path, **environment: str) -> tuple[str, Path | None, bool]:
+        variables = {"AMENT_PREFIX_PATH": str(tmp_path), **os.environ, **environment}
+        found = evaluate(file, package=None, arguments={}, environment=variables, run=together.run)
+        (process,) = found.processes
+        text = process.parameters["robot_description"]
+        return text, process.description_file, found.seconds_in_xacro > 0.0
+
+    text, source, is_expanded = expand(files[0])
+    assert '"first"' in text
+    assert '"base_link"' in text
+    assert (source, is_expanded) == (xacro, True)
+    assert expand(files[1]) == (text, xacro, False)
+    assert '"arm"' in expand(files[1], LINK="arm")[0]
+    included.write_text('<robot><link name="another"/></robot>')
+    text, source, is_expanded = expand(files[1])
+    assert '"another"' in text
+    assert is_expanded

@@ -47,7 +47,7 @@ def test_results_are_in_order_and_events_arrive() -> None:
     ended: list[object] = []
     heard: list[Event] = []
     run(lambda number: (number, os.getpid()), ended, heard)
-    numbers, processes = zip(*ended, strict=True)  # type: ignore[call-overload]
+    numbers, processes = zip(*ended, strict=True)
     assert numbers == tuple(range(COUNT))
     assert os.getpid() not in processes
     details = [one.detail for one in heard if isinstance(one, StepProgressed)]

@@ -126,6 +126,7 @@ class Record:
         self.diagnostics: list[Diagnostic] = []
         self.launch_files: list[str] = []  # evaluated ones, in order
         self.reading: Location | None = None  # element of an XML or YAML file that is made into one
+        self.made_at: tuple[Location | None] | None = None  # what the shim itself makes
         self.run_xacro: CommandRunner | None = None
         self.environment: dict[str, str] = {}  # as it was before the launch file ran
         self.unset: dict[str, Location] = {}  # variables that are None for the user's files
@@ -135,6 +136,7 @@ class Record:
         self.read: dict[str, str] = {}  # absolute paths of files that were read, and their use
         self.made: dict[str, str] = {}  # files that the evaluation writes -> what they are made of
         self.opened: list[str] = []  # robots and worlds that the launch file opened itself
+        self.opened_by_xacro: list[str] | None = None  # all files; None while it does not run
         self.argument_use = ArgumentUse()
         self.unused_xacro_arguments: list[tuple[Mapping[str, str], Location | None]] = []
         self.visited: Location | None = None  # the line of the entity that is visited
@@ -258,7 +260,7 @@ def caller() -> Location | None:
     """The line that called into the shim; None where no line of the user did."""
     if RECORD.reading is not None:
         return RECORD.reading
-    return next(callers(), None)
+    return next(callers(), None) if RECORD.made_at is None else RECORD.made_at[0]
 
 
 def callers() -> Iterator[Location]:

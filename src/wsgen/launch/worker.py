@@ -271,6 +271,8 @@ def _watch(event: str, arguments: tuple[Any, ...]) -> None:
     if event in ("os.fork", "os.forkpty"):
         raise ForkError
     if event == "open":
+        if RECORD.opened_by_xacro is not None:
+            RECORD.opened_by_xacro.append(os.path.abspath(str(arguments[0])))
         if str(arguments[0]).endswith(_DESCRIPTIONS):
             RECORD.opened.append(os.path.abspath(str(arguments[0])))
         if RECORD.with_origins:

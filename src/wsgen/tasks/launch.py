@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.isolation.channel import serve
 from wsgen.launch import worker
+from wsgen.launch.expansions import Expansions
 from wsgen.launch.plain_child import EVALUATE
 from wsgen.launch.record import RECORD, CommandOutcome
 from wsgen.xacro import expansion
@@ -35,12 +36,13 @@ def serve_plain_launches(endpoint: Endpoint) -> None:
     """Evaluate launch files that leave nothing behind, one after the other, until it is closed."""
     warm_up()
     watch = expansion.Watch(RECORD.note_text, RECORD.note_unused_xacro_arguments)
+    run_xacro = Expansions(_run_xacro).run
 
     def evaluate(request: LaunchRequest, environment: Mapping[str, str]) -> LaunchPlan | None:
         watch.seconds = 0.0
         expansion.reset()
         plan = worker.evaluate_plain(
-            request, environment, run_xacro=_run_xacro, explain_xacro=expansion.explain_error
+            request, environment, run_xacro=run_xacro, explain_xacro=expansion.explain_error
         )
         return plan and replace(plan, seconds_in_xacro=watch.seconds)
 

@@ -11,7 +11,7 @@ from launch._utilities import normalize_to_list_of_substitutions, perform_substi
 from launch.base import LaunchDescriptionEntity
 from launch.launch_context import LaunchContext
 from wsgen.launch import known_packages
-from wsgen.launch.record import RECORD, locate
+from wsgen.launch.record import RECORD, caller, locate
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -171,9 +171,13 @@ def _shim_description(shim: LaunchFileShim) -> LaunchDescription:
     from launch.actions import DeclareLaunchArgument
 
     defaults = shim.arguments(os.environ.get("ROS_DISTRO", ""))
-    return LaunchDescription(
-        [DeclareLaunchArgument(name, default_value=value) for name, value in defaults.items()]
-    )
+    RECORD.made_at = (caller(),)  # the same for all
+    try:
+        return LaunchDescription(
+            [DeclareLaunchArgument(name, default_value=value) for name, value in defaults.items()]
+        )
+    finally:
+        RECORD.made_at = None
 
 
 class LaunchService:
