@@ -185,6 +185,7 @@ IN_REVOLUTE = ARM + joint("arm", '<axis xyz="0 1 0"/>', "@")
 WHEEL = BODY + "@" + joint("wheel", kind="continuous")
 CONTROLLED = ARM + joint("arm") + CONTROL_PLUGIN
 HARDWARE = "<hardware><plugin>gz_ros2_control/GazeboSimSystem</plugin></hardware>"
+COMMANDS = '<command_interface name="position"/><state_interface name="position"/>'
 STATES = '<state_interface name="position"/>'
 WHEELS = (
     BODY
@@ -1285,6 +1286,19 @@ OTHERS: dict[str, Plant] = {
         dots=(SENSOR,),
     ),
     "ROB129": robot(DRIVES + "@"),
+    "ROB131": robot(IN_REVOLUTE),
+    "ROB132": robot(BODY + link("carriage") + "@"),
+    "ROB133": xacro(
+        ARM
+        + joint("arm")
+        + link("gripper")
+        + joint("gripper", parent="arm")
+        + CONTROL_PLUGIN
+        + "@",
+        dots=(HARDWARE, COMMANDS, HARDWARE, COMMANDS),
+        files=YAML,
+    ),
+    "ROB134": robot(DRIVES.replace("</plugin>", "@</plugin>")),
     "ROB130": robot(
         DRIVES + "@",
         good=DRIVES + link("caster") + joint("caster", kind="fixed") + "@",

@@ -7,8 +7,15 @@ from pathlib import Path
 import pytest
 
 from wsgen.diagnostics import Severity
-from wsgen.model.robot import GazeboTag, Joint, JointLimit, JointType, Mimic
-from wsgen.rules.joint_limits import limits_in_degrees, no_range, useless_mimics, zero_limits
+from wsgen.model.robot import Box, Collision, GazeboTag, Joint, JointLimit, JointType, Link, Mimic
+from wsgen.rules.joint_limits import (
+    limits_in_degrees,
+    limits_in_millimeters,
+    negative_limits,
+    no_range,
+    useless_mimics,
+    zero_limits,
+)
 
 FILE = Path("robot.urdf")
 SLIDES, TURNS = JointType.PRISMATIC, JointType.REVOLUTE
@@ -106,3 +113,67 @@ def test_a_joint_that_cannot_follow() -> None:
     mirrored = joint(-0.04, 0.0, name="right", kind=SLIDES, mimic=mimic)
     unknown = joint(mimic=Mimic(joint="nobody"))
     assert not list(useless_mimics([leader, mirrored, unknown], FILE))
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper", "extent", "hint"),
+    [
+        (0.0, 300.0, 1.0, 'lower="0" upper="0.3"'),
+        (-150.0, 150.0, 0.8, 'lower="-0.15" upper="0.15"'),
+        (0.0, 40.0, 0.1, 'lower="0" upper="0.04"'),
+        (-12.5, 0.0, 0.2, 'lower="-0.0125" upper="0"'),
+    ],
+)
+def test_limits_in_millimeters(lower: float, upper: float, extent: float, hint: str) -> None:
+    links = [body("a"), body("b")]
+    joints = [joint(lower, upper, kind=SLIDES)]
+    (found,) = limits_in_millimeters(joints, links, extent, FILE)
+    assert (found.code, found.severity, found.line) == ("ROB132", Severity.WARNING, 7)
+    assert found.hint == f"Write {hint}."
+
+
+def body(name: str) -> Link:
+    return Link(name=name, collisions=(Collision(geometry=Box(size=(0.1, 0.1, 0.1))),))
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper", "extent"),
+    [
+        (0.0, 0.3, 1.0),
+        (0.0, 20.0, 15.0),  # a crane
+        (0.0, 8.0, 0.1),  # nobody writes so short a slider in millimeters
+        (-1e16, 1e16, 1.0),  # no limit
+        (-10000.0, 10000.0, 1.0),  # the same
+        (0.0, 299.997, 1.0),  # computed
+        (0.0, 300.0, 0.0),  # nothing has a size
+    ],
+)
+def test_limits_that_are_no_millimeters(lower: float, upper: float, extent: float) -> None:
+    links = [body("a"), body("b")]
+    joints = [joint(lower, upper, kind=SLIDES)]
+    assert [*limits_in_millimeters(joints, links, extent, FILE)] == []
+
+
+def test_the_way_of_a_robot_over_the_floor_is_no_slider() -> None:
+    joints = [joint(-100.0, 100.0, kind=SLIDES)]
+    assert [*limits_in_millimeters(joints, [Link(name="a"), body("b")], 1.0, FILE)] == []
+    joints = [joint(-100.0, 100.0, kind=TURNS)]
+    assert [*limits_in_millimeters(joints, [body("a"), body("b")], 1.0, FILE)] == []
+
+
+@pytest.mark.parametrize(
+    ("effort", "velocity", "hints"),
+    [
+        (-10.0, 1.0, ['Write effort="10".']),
+        (1.0, -0.5, ['Write velocity="0.5".']),
+        (-1.0, -1.0, ['Write effort="1".', 'Write velocity="1".']),
+        (0.0, 0.0, []),
+    ],
+)
+def test_negative_limits(effort: float, velocity: float, hints: list[str]) -> None:
+    joints = [joint(effort=effort, velocity=velocity)]
+    found = [*negative_limits(joints, FILE)]
+    assert [one.hint for one in found] == hints
+    assert {one.code for one in found} <= {"ROB131"}
+    fixed = [joint(effort=effort, velocity=velocity, kind=JointType.FIXED)]
+    assert [*negative_limits(fixed, FILE)] == []

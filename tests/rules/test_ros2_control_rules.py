@@ -170,3 +170,16 @@ def test_transmissions() -> None:
     assert (unknown.code, unknown.line, unknown.hint) == ("ROB095", 9, "Did you mean `elbow`?")
     assert (old.code, old.severity) == ("ROB096", Severity.INFO)
     assert not list(transmissions([replace(one, joints=("elbow",))], [ELBOW], [system()], FILE))
+
+
+def test_two_of_one_name() -> None:
+    gripper = replace(system(part("elbow", "velocity")), line=30)
+    (found,) = [one for one in check(system(), gripper) if one.code == "ROB133"]
+    assert (found.severity, found.line) == (Severity.ERROR, 30)
+    assert "in line 20 has the name `arm`" in found.message
+    assert 'name="${prefix}arm"' in (found.hint or "")
+    for other in (replace(gripper, name="gripper"), replace(gripper, name="")):
+        several = check(system(), other)
+        assert "ROB133" not in {one.code for one in several}
+    without = replace(system(), name="")
+    assert "ROB133" not in {one.code for one in check(without, without)}

@@ -72,6 +72,7 @@ MODULES = (
     "wsgen.rules.dependencies",
     "wsgen.rules.entities",
     "wsgen.rules.frames",
+    "wsgen.rules.drives",
     "wsgen.rules.joint_limits",
     "wsgen.rules.launch_files",
     "wsgen.rules.lumped",

@@ -4,7 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from wsgen.rules import bodies, joint_limits, lumped, materials, plugins, robots, ros2_control
+from wsgen.rules import (
+    bodies,
+    drives,
+    joint_limits,
+    lumped,
+    materials,
+    plugins,
+    robots,
+    ros2_control,
+)
 from wsgen.urdf.lumping import joints_that_say
 
 if TYPE_CHECKING:
@@ -66,6 +75,10 @@ def check_robot(
         *robots.starts_outside_limits(written.joints, file),
         *joint_limits.limits_in_degrees(written.joints, file),
         *joint_limits.zero_limits(written.joints, file, written.gazebo),
+        *joint_limits.negative_limits(written.joints, file),
+        *joint_limits.limits_in_millimeters(
+            written.joints, written.links, robots.extent_of(written.links, written.joints), file
+        ),
         *joint_limits.no_range(written.joints, file),
         *joint_limits.useless_mimics(written.joints, file),
         *bodies.wheel_without_collision(written.links, written.joints, file),
@@ -74,6 +87,7 @@ def check_robot(
         *bodies.sticky_wheels(driven, written.joints, written.gazebo, file),
         *bodies.dragging_casters(driven, written.links, written.joints, written.gazebo, file),
         *plugins.check_plugins(plugin_facts, file),
+        *drives.check_drive(written, file),
         *ros2_control.check_control(control, file),
         *ros2_control.transmissions(written.transmissions, written.joints, written.controls, file),
         *materials.ogre_materials(

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
-    from wsgen.model.robot import GazeboTag, Joint, JointLimit
+    from wsgen.model.robot import GazeboTag, Joint, JointLimit, Link
 
 
 # rad; no joint of the published robots that is not free turns further, but for ±10 (solo, bolt).
@@ -136,6 +136,100 @@ def zero_limits(
                 hint=f"Write its highest speed, in {'rad/s' if turns else 'm/s'}, for example "
                 'velocity="1".',
             )
+
+
+NEGATIVE_LIMIT = Rule(
+    code="ROB131",
+    name="negative-limit",
+    severity=Severity.WARNING,
+    summary="The limit of a joint has a negative effort or velocity.",
+    what="Looks for movable joints whose `<limit>` says `effort` or `velocity` below 0.",
+    why="Both are the largest amount in either direction. Gazebo takes a negative one for no limit "
+    "at all, so that the motor has any force; other programs refuse it, or move the joint not at "
+    "all.",
+    example='<limit lower="-1.57" upper="1.57" effort="-10" velocity="1"/>',
+    instead='<limit lower="-1.57" upper="1.57" effort="10" velocity="1"/>',
+)
+
+
+def negative_limits(joints: Iterable[Joint], file: Path | None) -> Iterator[Diagnostic]:
+    """Report amounts that are below 0."""
+    for joint in joints:
+        limit = joint.limit
+        if limit is None or joint.type not in (*HAVE_RANGE, JointType.CONTINUOUS):
+            continue
+        for name, value in (("effort", limit.effort), ("velocity", limit.velocity)):
+            if value < 0:
+                yield NEGATIVE_LIMIT.at(
+                    file,
+                    limit.line or joint.line,
+                    f"joint[@name='{joint.name}']/limit",
+                    message=f"The limit of the joint `{joint.name}` has a negative {name}, "
+                    f"{value:g}: Gazebo takes it for no limit.",
+                    hint=f'Write {name}="{-value:g}".',
+                )
+
+
+LIMITS_IN_MILLIMETERS = Rule(
+    code="ROB132",
+    name="limits-in-millimeters",
+    severity=Severity.WARNING,
+    summary="The limits of a prismatic joint look like millimeters.",
+    what="Looks for prismatic joints between parts with shapes that can slide 10 m or more, at "
+    "least 30 times the size of the robot, with no more than one decimal.",
+    why="URDF gives lengths in meters. A slider with limits of 0 and 300 leaves the robot: nothing "
+    "stops it at the end of its rail.",
+    example="""
+<joint name="lift" type="prismatic">
+  <parent link="base_link"/>
+  <child link="carriage"/>
+  <axis xyz="0 0 1"/>
+  <limit lower="0" upper="300" effort="100" velocity="0.5"/>
+</joint>
+""",
+    instead="""
+<joint name="lift" type="prismatic">
+  <parent link="base_link"/>
+  <child link="carriage"/>
+  <axis xyz="0 0 1"/>
+  <limit lower="0" upper="0.3" effort="100" velocity="0.5"/>
+</joint>
+""",
+)
+# Of what slides in millimeters: finger 10 to gantry 5000, on robots of 0.1 m and more.
+SHORTEST_WAY = 10.0  # m
+LONGEST_WAY = 5000.0  # m; larger bounds are how descriptions write "no limit"
+TIMES_ITS_SIZE = 30.0
+
+
+def limits_in_millimeters(
+    joints: Iterable[Joint], links: Iterable[Link], extent: float, file: Path | None
+) -> Iterator[Diagnostic]:
+    """Report sliders that leave the robot; `extent` is its size, m.
+
+    Joints that stand for a robot's own way over the floor are between links without shapes.
+    """
+    with_shapes = {link.name for link in links if link.collisions or link.visuals}
+    for joint in joints:
+        limit = joint.limit
+        if joint.type is not JointType.PRISMATIC or limit is None:
+            continue
+        bounds = (limit.lower, limit.upper)
+        way = max(map(abs, bounds))
+        is_far = SHORTEST_WAY <= way <= LONGEST_WAY and way >= TIMES_ITS_SIZE * extent > 0
+        is_round = all(round(bound, 1) == bound for bound in bounds)
+        if not (is_far and is_round and {joint.parent, joint.child} <= with_shapes):
+            continue
+        lower, upper = (f"{bound / 1000:.5g}" for bound in bounds)
+        yield LIMITS_IN_MILLIMETERS.at(
+            file,
+            limit.line or joint.line,
+            f"joint[@name='{joint.name}']/limit",
+            message=f"The limits {limit.lower:g} and {limit.upper:g} of the prismatic joint "
+            f"`{joint.name}` look like millimeters: the robot measures {extent:.2g} m, and URDF "
+            "reads meters.",
+            hint=f'Write lower="{lower}" upper="{upper}".',
+        )
 
 
 def _has_motor(joint: Joint) -> bool:

@@ -112,7 +112,7 @@ def implausible_size(
     links: Sequence[Link], joints: Iterable[Joint], file: Path | None
 ) -> Iterator[Diagnostic]:
     """Report a robot that is larger than a ship or smaller than a grain of sand."""
-    extent = _extent(links, joints)
+    extent = extent_of(links, joints)
     has_meshes = any(isinstance(geometry, Mesh) for link in links for geometry, _ in _shapes(link))
     is_small = 0 < extent < SMALLEST and not has_meshes
     if links and (LARGEST < extent < math.inf or is_small):
@@ -564,9 +564,9 @@ def _shapes(link: Link) -> Iterator[tuple[Geometry, Pose]]:
         yield visual.geometry, visual.pose_in_link
 
 
-def _extent(links: Iterable[Link], joints: Iterable[Joint]) -> float:
+def extent_of(links: Iterable[Link], joints: Iterable[Joint]) -> float:
     """The longest edge of the box along the root's axes around frames and primitives, m."""
-    poses = _poses(joints)
+    poses = poses_of(joints)
     corners: list[tuple[tuple[float, float, float], float]] = []
     for link in links:
         pose = poses.get(link.name, IDENTITY)
@@ -587,7 +587,7 @@ def _extent(links: Iterable[Link], joints: Iterable[Joint]) -> float:
     )
 
 
-def _poses(joints: Iterable[Joint]) -> dict[str, Pose]:
+def poses_of(joints: Iterable[Joint]) -> dict[str, Pose]:
     """The poses of all links but the root, in the root's frame; the joints make a tree."""
     below: dict[str, list[Joint]] = {}
     children = set()

@@ -80,6 +80,7 @@ def check_control(facts: ControlFacts, file: Path | None) -> Iterator[Diagnostic
         yield from controlled_joints(system, facts, file)
         yield from unknown_interfaces(system, file)
         yield from unsuited_hardware(system, facts, file)
+    yield from duplicate_systems(facts.controls, file)
     yield from control_without_plugin(facts, file)
 
 
@@ -278,6 +279,52 @@ def incomplete_control(system: ControlSystem, file: Path | None) -> Iterator[Dia
             hint='Write <joint name="JOINT">.'
             if tag == "joint"
             else 'Write the attribute name="NAME".',
+        )
+
+
+DUPLICATE_CONTROL = Rule(
+    code="ROB133",
+    name="duplicate-ros2-control",
+    severity=Severity.ERROR,
+    summary="Two `<ros2_control>` elements have the same name.",
+    why="The controller manager keeps hardware by name: it refuses the second one, or never "
+    "activates it, and the joints in it do not move. It happens where a macro of xacro is called "
+    "twice.",
+    example="""
+<ros2_control name="arm" type="system">
+  …<joint name="arm_joint">…</joint>
+</ros2_control>
+<ros2_control name="arm" type="system">
+  …<joint name="gripper_joint">…</joint>
+</ros2_control>
+""",
+    instead="""
+<ros2_control name="arm" type="system">
+  …<joint name="arm_joint">…</joint>
+</ros2_control>
+<ros2_control name="gripper" type="system">
+  …<joint name="gripper_joint">…</joint>
+</ros2_control>
+""",
+)
+
+
+def duplicate_systems(systems: Iterable[ControlSystem], file: Path | None) -> Iterator[Diagnostic]:
+    """Report hardware with the name of other hardware."""
+    first: dict[str, ControlSystem] = {}
+    for system in systems:
+        other = first.setdefault(system.name, system)
+        if other is system or not system.name:
+            continue
+        where = f" in line {other.line}" if other.line else ""
+        yield DUPLICATE_CONTROL.at(
+            file,
+            system.line,
+            f"ros2_control[@name='{system.name}']",
+            message=f"Another <ros2_control>{where} has the name `{system.name}`, too: the "
+            "hardware of one of them is not used.",
+            hint="Give each its own name; in a macro, put its prefix into it: "
+            'name="${prefix}' + system.name + '".',
         )
 
 

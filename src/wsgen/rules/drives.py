@@ -1,0 +1,143 @@
+"""Rules about the plugin that drives a robot on wheels, and about these wheels.
+
+The parameters of a check are facts in SI units; a check yields what it reports.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from wsgen.diagnostics import Rule, Severity
+from wsgen.model.behavior import DiffDrive
+from wsgen.model.robot import Cylinder, Sphere
+from wsgen.model.transform import IDENTITY, compose
+from wsgen.rules.robots import poses_of
+from wsgen.urdf.diff_drive import CLASSIC, SIMULATORS, find_diff_drive
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+    from pathlib import Path
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.model.behavior import WheelPair
+    from wsgen.model.robot import Link, Plugin, Robot
+    from wsgen.model.transform import Pose
+
+    XYZ = tuple[float, float, float]
+
+
+FAR_OFF = 1.33  # times, up or down; odometry is calibrated by less
+# Robots with more than two wheels slide sideways as they turn: what they turn by is set to more
+# than the distance of their wheels.
+SLIDING = 3.0
+
+DRIVE_UNLIKE_WHEELS = Rule(
+    code="ROB134",
+    name="drive-unlike-wheels",
+    severity=Severity.WARNING,
+    summary="The sizes in a diff drive plugin are not those of the wheels.",
+    what="Compares `<wheel_radius>` or `<wheel_diameter>` with the cylinders and spheres of the "
+    "wheels, and `<wheel_separation>` with the distance between them. Reports what differs by a "
+    "third; a larger separation is right for robots with more than two wheels.",
+    why="The plugin computes the speeds of the wheels, and the odometry, from its own numbers: the "
+    "robot drives and turns by other amounts than it is told, and does not notice.",
+    example="<wheel_radius>0.2</wheel_radius>  <!-- of wheels with a radius of 0.1 m -->",
+    instead="<wheel_radius>0.1</wheel_radius>",
+)
+
+
+def check_drive(robot: Robot, file: Path | None) -> Iterator[Diagnostic]:
+    """Report a plugin whose wheels are others; the robot is the one that is written."""
+    for plugin, simulator in _plugins(robot):
+        drive = find_diff_drive(robot, simulator=simulator)
+        if not isinstance(drive, DiffDrive):
+            continue  # it does not work at all
+        links = {link.name: link for link in robot.links}
+        wheels = {joint.name: links.get(joint.child) for joint in robot.joints}
+        poses = poses_of(robot.joints)
+        pair = drive.pairs[0]
+        left, right = wheels.get(pair.left), wheels.get(pair.right)
+        if left is None or right is None:
+            continue
+        yield from _radius(pair, (left, right), plugin, simulator, file)
+        middles = [_middle(wheel, poses) for wheel in (left, right)]
+        if None not in middles and "wheel_separation" in plugin.values:
+            most = SLIDING if len(drive.pairs) > 1 else FAR_OFF
+            apart = math.dist(*middles)  # type: ignore[arg-type]  # neither is None
+            yield from _separation(pair, (left, right), apart, most, plugin, file)
+
+
+def _plugins(robot: Robot) -> Iterator[tuple[Plugin, str]]:
+    """The first plugin for each simulator."""
+    seen = set()
+    for tag in robot.gazebo:
+        for plugin in tag.plugins:
+            name = plugin.filename.rpartition("/")[2].removeprefix("lib").removesuffix(".so")
+            simulator = SIMULATORS.get(name)
+            if simulator is not None and simulator not in seen:
+                seen.add(simulator)
+                yield plugin, simulator
+
+
+def _radius(
+    pair: WheelPair,
+    wheels: tuple[Link, Link],
+    plugin: Plugin,
+    simulator: str,
+    file: Path | None,
+) -> Iterator[Diagnostic]:
+    key, factor = ("wheel_diameter", 2.0) if simulator == CLASSIC else ("wheel_radius", 1.0)
+    shapes = [_tire(wheel) for wheel in wheels]
+    radii = {shape[0] for shape in shapes if shape is not None}
+    if key not in plugin.values or len(radii) != 1:
+        return
+    radius = radii.pop()
+    if not 1 / FAR_OFF <= pair.radius / radius <= FAR_OFF:
+        yield DRIVE_UNLIKE_WHEELS.at(
+            file,
+            plugin.line,
+            f"plugin[@name='{plugin.name}']/{key}",
+            message=f"The diff drive plugin takes the wheel `{wheels[0].name}` for one with a "
+            f"radius of {pair.radius:.4g} m, and its shape has {radius:.4g} m.",
+            hint=f"Write <{key}>{factor * radius:.4g}</{key}>.",
+        )
+
+
+def _separation(  # noqa: PLR0913, PLR0917  facts
+    pair: WheelPair,
+    wheels: tuple[Link, Link],
+    apart: float,
+    most: float,
+    plugin: Plugin,
+    file: Path | None,
+) -> Iterator[Diagnostic]:
+    if apart > 0 and not 1 / FAR_OFF <= pair.separation / apart <= most:
+        yield DRIVE_UNLIKE_WHEELS.at(
+            file,
+            plugin.line,
+            f"plugin[@name='{plugin.name}']/wheel_separation",
+            message=f"The diff drive plugin takes the wheels `{wheels[0].name}` and "
+            f"`{wheels[1].name}` for {pair.separation:.4g} m apart, and they are {apart:.4g} m "
+            "apart.",
+            hint=f"Write <wheel_separation>{apart:.4g}</wheel_separation>.",
+        )
+
+
+def _tire(wheel: Link) -> tuple[float, Pose] | None:
+    """Radius in m, and place in the link, of the only shape that rolls; of what touches first."""
+    for parts in (wheel.collisions, wheel.visuals):
+        round_ones = [
+            (part.geometry.radius, part.pose_in_link)
+            for part in parts
+            if isinstance(part.geometry, (Cylinder, Sphere))
+        ]
+        if parts:
+            return round_ones[0] if len(round_ones) == len(parts) == 1 else None
+    return None
+
+
+def _middle(wheel: Link, poses: Mapping[str, Pose]) -> XYZ | None:
+    """The middle of a wheel in the robot's frame, m; None where its shape does not say."""
+    tire = _tire(wheel)
+    return None if tire is None else compose(poses.get(wheel.name, IDENTITY), tire[1]).xyz

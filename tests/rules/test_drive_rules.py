@@ -1,0 +1,107 @@
+"""The rule over the sizes in diff drive plugins, with texts of robots."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from urdf_texts import MASS, link, robot
+from wsgen.diagnostics import Severity
+from wsgen.rules.drives import check_drive
+from wsgen.urdf.reader import read_urdf
+
+FILE = Path("robot.urdf")
+MESH = "<mesh filename='wheel.stl'/>"
+
+
+def drive(
+    *sizes: str,
+    shape: str = "<cylinder radius='0.1' length='0.05'/>",
+    name: str = "gz-sim-diff-drive-system",
+    pairs: int = 1,
+) -> str:
+    """A robot whose wheels have a radius of 0.1 m and are 0.5 m apart."""
+    parts = [link("base")]
+    names = []
+    for pair in range(pairs):
+        for side, y in (("left", 0.2), ("right", -0.2)):
+            wheel = f"{side}_{pair}"
+            offset = 0.05 if side == "left" else -0.05  # of the tire from the joint
+            tire = f"<origin xyz='0 {offset} 0'/><geometry>{shape}</geometry>"
+            parts += [
+                link(wheel, f"{MASS}<collision>{tire}</collision>")
+                + f"<joint name='{wheel}_joint' type='continuous'><parent link='base'/>"
+                f"<child link='{wheel}'/><origin xyz='{-0.4 * pair} {y} 0'/><axis xyz='0 1 0'/>"
+                "</joint>",
+            ]
+            names.append(f"<{side}_joint>{wheel}_joint</{side}_joint>")
+    plugin = f"<plugin filename='{name}' name='d'>{''.join((*names, *sizes))}</plugin>"
+    return robot("".join((*parts, f"<gazebo>{plugin}</gazebo>")))
+
+
+def found_in(text: str) -> list[str]:
+    written, _ = read_urdf(text, file=FILE)
+    assert written is not None
+    found = [*check_drive(written, FILE)]
+    assert all((one.code, one.severity) == ("ROB134", Severity.WARNING) for one in found)
+    assert all(one.line for one in found)
+    return [one.hint or "" for one in found]
+
+
+CLASSIC = "libgazebo_ros_diff_drive.so"
+
+
+@pytest.mark.parametrize(
+    ("text", "hints"),
+    [
+        (
+            drive("<wheel_radius>0.2</wheel_radius>"),
+            ["Write <wheel_radius>0.1</wheel_radius>."],
+        ),
+        (
+            drive("<wheel_diameter>0.1</wheel_diameter>", name=CLASSIC),
+            ["Write <wheel_diameter>0.2</wheel_diameter>."],
+        ),
+        (
+            drive("<wheel_separation>0.25</wheel_separation>"),
+            ["Write <wheel_separation>0.5</wheel_separation>."],
+        ),
+        (
+            drive("<wheel_separation>2</wheel_separation><wheel_radius>9</wheel_radius>", pairs=2),
+            [
+                "Write <wheel_radius>0.1</wheel_radius>.",
+                "Write <wheel_separation>0.5</wheel_separation>.",
+            ],
+        ),
+        (
+            drive("<wheel_radius>1</wheel_radius>", shape="<sphere radius='0.1'/>"),
+            ["Write <wheel_radius>0.1</wheel_radius>."],
+        ),
+    ],
+)
+def test_other_sizes_than_those_of_the_wheels(text: str, hints: list[str]) -> None:
+    assert found_in(text) == hints
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        drive("<wheel_radius>0.1</wheel_radius><wheel_separation>0.5</wheel_separation>"),
+        drive("<wheel_diameter>0.2</wheel_diameter>", name=CLASSIC),
+        # Calibrated.
+        drive("<wheel_radius>0.11</wheel_radius><wheel_separation>0.6</wheel_separation>"),
+        # It slides sideways when it turns.
+        drive("<wheel_separation>1.0</wheel_separation>", pairs=2),
+        # What a mesh or a box measures is not known here.
+        drive("<wheel_radius>0.5</wheel_radius><wheel_separation>3</wheel_separation>", shape=MESH),
+        drive("<wheel_radius>0.5</wheel_radius>", shape="<box size='1 1 1'/>"),
+        # The plugin has its own default.
+        drive(),
+        # It drives nothing.
+        drive("<wheel_radius>0.5</wheel_radius>").replace("left_0_joint</left", "none</left"),
+        drive("<wheel_radius>0.5</wheel_radius>", name="some_other_plugin"),
+    ],
+)
+def test_sizes_that_may_be_right(text: str) -> None:
+    assert found_in(text) == []
