@@ -133,3 +133,41 @@ def test_a_mesh_that_is_in_the_package_has_its_address_as_hint(tmp_path: Path, u
     (tmp_path / "package.xml").write_text("<package><name>arm</name></package>")
     _, found = find_meshes(robot(uri), share_of={"arm": tmp_path}.get, folder=tmp_path / "urdf")
     assert {one.hint for one in found} == {"Write package://arm/meshes/part.stl"}
+
+
+def robot_of(*uris: str) -> Robot:
+    """A link for each address, with a visual and a collision."""
+    links = [
+        Link(
+            name=f"l{number}",
+            line=number,
+            visuals=(Visual(geometry=Mesh(uri=uri)),),
+            collisions=(Collision(geometry=Mesh(uri=uri)),),
+        )
+        for number, uri in enumerate(uris)
+    ]
+    return Robot(name="r", root="l0", links=tuple(links))
+
+
+def test_a_folder_that_is_not_there_is_reported_once(share: Path) -> None:
+    uris = [f"package://arm/mesches/arm/{name}.stl" for name in "abcde"]
+    others = ["package://arm/meshes/f.stl", "package://arm/else/g.stl", "package://hand/h.stl"]
+    _, found = find_meshes(
+        robot_of(*uris, *uris[:2], *others), share_of={"arm": share}.get, file=Path("r.urdf")
+    )
+    codes = [one.code for one in found]
+    assert sorted(codes) == ["ROB060"] * 4 + ["ROB061"] * 4
+    collisions = [one for one in found if one.code == "ROB060"]
+    assert [one.line for one in collisions] == [0, 7, 8, 9]
+    assert collisions[0].message == (
+        f"The folder {share}/mesches does not exist, and 5 collision meshes of the robot are in "
+        f"it: `{uris[0]}`, `{uris[1]}`, `{uris[2]}` and 2 more."
+    )
+    assert "git" in (collisions[0].hint or "")
+    assert "The folder" not in "".join(one.message for one in collisions[1:])
+
+
+def test_two_meshes_of_a_missing_folder_are_reported_by_themselves(share: Path) -> None:
+    uris = [f"package://arm/mesches/{name}.stl" for name in "ab"]
+    _, found = find_meshes(robot_of(*uris, *uris), share_of={"arm": share}.get)
+    assert len(found) == 8

@@ -17,6 +17,8 @@ from wsgen.markup import read_text
 from wsgen.model.robot import Mesh, Robot
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.package import ShareOf
     from wsgen.model.robot import Geometry, Link
@@ -25,6 +27,7 @@ if TYPE_CHECKING:
 FORMATS = (".stl", ".obj", ".dae", ".glb", ".gltf", ".ply")  # see `wsgen.meshes.worker`
 ON_WINDOWS = re.compile(r"[A-Za-z]:[\\/]")
 IN_PACKAGE = "Put the mesh into the package, and write package://PACKAGE/meshes/…"
+MANY = 3  # meshes in a folder that does not exist are reported with it
 MACHINE_PARTS = 3  # of /home/somebody/…: if it does not exist, the path is of another machine
 
 
@@ -33,6 +36,7 @@ class Missing(NamedTuple):
 
     problem: str  # goes on after the name of the mesh
     hint: str
+    folder: Path | None = None  # that does not exist either, the outermost one
 
 
 def locate(uri: str, share_of: ShareOf, folder: Path | None) -> Path | Missing:
@@ -128,7 +132,18 @@ def _explain(uri: str, path: Path) -> Missing:
         f"Write {own}"
         if own
         else "Check its spelling, including capitals, and that CMakeLists.txt installs it.",
+        None if own else _missing_folder(path),
     )
+
+
+def _missing_folder(path: Path) -> Path | None:
+    """The outermost folder of a path that does not exist."""
+    folder = None
+    for one in path.parents:
+        if os.path.lexists(one):
+            break
+        folder = one
+    return folder
 
 
 _LEVELS = 8  # of folders above a robot, among which its package is looked for
@@ -200,7 +215,7 @@ def find_meshes(
         )
         for link in robot.links
     )
-    return replace(robot, links=links), tuple(search.diagnostics.values())
+    return replace(robot, links=links), (*search.in_missing_folders(), *search.diagnostics.values())
 
 
 class _Search:
@@ -212,6 +227,26 @@ class _Search:
         self.file = file
         # One for each mesh of a link.
         self.diagnostics: dict[tuple[str, str, bool], Diagnostic] = {}
+        # Those of them in folders that do not exist.
+        self.folders: dict[tuple[Path, bool], list[tuple[str, str, bool]]] = {}
+
+    def in_missing_folders(self) -> Iterator[Diagnostic]:
+        """One diagnostic for each folder, in place of one for each of many meshes in it."""
+        for (folder, is_visual), keys in self.folders.items():
+            meshes = [*dict.fromkeys(uri for _, uri, _ in keys)]
+            if len(meshes) < MANY:
+                continue
+            first, *_ = [self.diagnostics.pop(key) for key in keys]
+            kind = "visual" if is_visual else "collision"
+            named = ", ".join(f"`{uri}`" for uri in meshes[:MANY])
+            more = f" and {len(meshes) - MANY} more" if len(meshes) > MANY else ""
+            yield replace(
+                first,
+                message=f"The folder {folder} does not exist, and {len(meshes)} {kind} meshes of "
+                f"the robot are in it: {named}{more}.",
+                hint="Put the folder into the package, and see that git keeps it and that "
+                "CMakeLists.txt installs it; or correct its name in the addresses of the meshes.",
+            )
 
     def located(self, geometry: Geometry, link: Link, *, is_visual: bool) -> Geometry:
         """The mesh with its path; any other geometry as it is."""
@@ -221,10 +256,13 @@ class _Search:
         if isinstance(found, Path):
             # Engines make addresses of it, in which a relative path is the name of a machine.
             return replace(geometry, path=str(found.absolute()))
-        problem, hint = found
+        problem, hint, missing_folder = found
         kind = "visual" if is_visual else "collision"
         rule = MISSING_VISUAL_MESH if is_visual else MISSING_COLLISION_MESH
-        self.diagnostics[link.name, geometry.uri, is_visual] = rule.at(
+        key = link.name, geometry.uri, is_visual
+        if missing_folder is not None and key not in self.diagnostics:
+            self.folders.setdefault((missing_folder, is_visual), []).append(key)
+        self.diagnostics[key] = rule.at(
             self.file,
             link.line,
             f"link[@name='{link.name}']/{kind}/geometry/mesh",
