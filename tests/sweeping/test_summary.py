@@ -17,11 +17,13 @@ from sweeping.tables import (
     make_table,
 )
 from wsgen.model.sweep import Column
+from wsgen.sweeping.borders import Border
 from wsgen.sweeping.summary import (
     render_summary,
     summarize,
     summary_as_json,
     unit_of,
+    write_border,
     write_share,
     write_uncertain,
 )
@@ -68,7 +70,7 @@ def test_several_parameters() -> None:
     assert lines[0] == f"400 of 1,000 runs: {passed.sum()} passed ({passed.mean() * 100:.1f} %)"
     first = lines.index("what it depends on") + 1
     assert lines[first].startswith("  world.slope  passes mostly below 0.")
-    assert lines[first].endswith(" % below, 0 % above)")
+    assert lines[first].endswith(" % below, 0 % above")
     assert lines[first + 1] == (
         f"  arm_mass     no border from {mass.min():.4g} to {mass.max():.4g} kg: "
         "the share that passes does not visibly depend on it"
@@ -85,6 +87,14 @@ def test_several_parameters() -> None:
     assert [share.value for share in shares] == ['a "b"', "ice", "wood"]
     assert sum(share.runs for share in shares) == 400
     assert sum(share.passed for share in shares) == passed.sum()
+
+
+def test_an_interval_with_a_longer_side() -> None:
+    border = Border(at=0.31, low=0.22, high=0.56, passes_below=True)
+    assert write_border(border, "kg") == "0.31 kg (from 0.22 to 0.56)"
+    assert write_border(border, "rad") == (
+        "0.31 rad (from 0.22 to 0.56), 18 degrees (from 13 to 32)"
+    )
 
 
 def test_a_parameter_that_does_not_vary_is_left_out() -> None:

@@ -28,8 +28,8 @@ def _find() -> Path | None:
     return file if file is not None and file.is_file() else None
 
 
-def require_plotly() -> None:
-    """Check that it is installed.
+def require_plotly(*, extra: str = "report") -> None:
+    """Check that it is installed; `extra` is the one of wsgen that brings it.
 
     Raises:
         NotFoundError: It is not; the hint says how to install it.
@@ -37,17 +37,17 @@ def require_plotly() -> None:
     if _find() is None:
         raise NotFoundError(
             "plotly, which draws the plots of the report, is not installed.",
-            hint="Install it: pip install 'wsgen[report]'",
+            hint=f"Install it: pip install 'wsgen[{extra}]'",
         )
 
 
-def read_plotly() -> PlotlyLibrary:
-    """Read the script.
+def read_plotly(*, extra: str = "report") -> PlotlyLibrary:
+    """Read the script; `extra` is the one of wsgen that brings it.
 
     Raises:
         NotFoundError: It is not installed.
     """
-    require_plotly()
+    require_plotly(extra=extra)
     script = (_find() or Path()).read_text(encoding="utf-8")
     found = re.search(r"plotly\.js v([\w.+-]+)", script[:500])
     return PlotlyLibrary(script, found[1] if found else "")

@@ -259,35 +259,40 @@ def describe_dependence(dependence: Dependence, one: ParameterSummary) -> str:
         return text
     zones = ("below", "above") if len(places) == 1 else ("below", "in between", "above")
     shares = ", ".join(
-        f"{100 * share:.3g} % {zone}" for share, zone in zip(dependence.shares, zones, strict=True)
+        f"{_percent(share)} {zone}" for share, zone in zip(dependence.shares, zones, strict=True)
     )
-    return f"{text} ({shares})"
+    return f"{text}: {shares}"
 
 
 def write_share(part: int, whole: int) -> str:
     """A share in percent; 100 % and 0 % are exact."""
-    percent = 100.0 * part / whole
-    if 0 < part < whole:
-        percent = min(max(percent, 0.1), 99.9)
-    return f"{percent:.1f} %" if 0 < part < whole else f"{percent:.0f} %"
+    return _percent(part / whole)
+
+
+def _percent(share: float) -> str:
+    if share in {0.0, 1.0}:
+        return f"{100 * share:.0f} %"
+    return f"{min(max(100 * share, 0.1), 99.9):.1f} %"
 
 
 def write_border(border: Border, unit: str) -> str:
     """A border with its uncertainty and its unit; angles in degrees, too."""
-    text = f"{write_uncertain(border.at, border.low, border.high)}{_space(unit)}"
+    text = write_uncertain(border.at, border.low, border.high, unit)
     if unit != "rad":
         return text
-    at, low, high = (math.degrees(angle) for angle in (border.at, border.low, border.high))
-    return f"{text} ({write_uncertain(at, low, high)} degrees)"
+    degrees = [math.degrees(angle) for angle in (border.at, border.low, border.high)]
+    other = write_uncertain(*degrees, "degrees")
+    return f"{text}, {other}" if "(" in text else f"{text} ({other})"
 
 
-def write_uncertain(at: float, low: float, high: float) -> str:
-    """A number with two digits of its uncertainty, as `0.435 ± 0.011`."""
+def write_uncertain(at: float, low: float, high: float, unit: str = "") -> str:
+    """A number with two digits of its uncertainty, as `0.435 ± 0.011 kg`."""
     parts = sorted((at - low, high - at))
     digits = _digits(parts[1])
     if parts[1] > ASYMMETRIC * parts[0]:
-        return f"{_round(at, digits)} (from {_round(low, digits)} to {_round(high, digits)})"
-    return f"{_round(at, digits)} ± {_round(parts[1], digits)}"
+        interval = f"from {_round(low, digits)} to {_round(high, digits)}"
+        return f"{_round(at, digits)}{_space(unit)} ({interval})"
+    return f"{_round(at, digits)} ± {_round(parts[1], digits)}{_space(unit)}"
 
 
 def _digits(uncertainty: float) -> int:
