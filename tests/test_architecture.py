@@ -18,6 +18,7 @@ FOREIGN = {
     "distributed": "executors/dask_cluster.py",
     "av": "rendering/video_encoder.py",
     "pyarrow": "sweeping/parquet.py",
+    "matplotlib": "sweeping/plots.py",
     "viser": "viewing/page.py",
     "websockets": "viewing/page.py",
     "xacro": "xacro/expansion.py",

@@ -280,8 +280,8 @@ def write_border(border: Border, unit: str) -> str:
     text = write_uncertain(border.at, border.low, border.high, unit)
     if unit != "rad":
         return text
-    degrees = [math.degrees(angle) for angle in (border.at, border.low, border.high)]
-    other = write_uncertain(*degrees, "degrees")
+    at, low, high = (math.degrees(angle) for angle in (border.at, border.low, border.high))
+    other = write_uncertain(at, low, high, "degrees")
     return f"{text}, {other}" if "(" in text else f"{text} ({other})"
 
 

@@ -114,6 +114,8 @@ function markShapes(panel) {
 }
 
 function drawPanel(chart, plot, panel) {
+  // Texts below a narrow plot are turned, and long.
+  plot.style.height = panel.x.is_text && plot.clientWidth < NARROW ? "19rem" : "";
   const count = panel.points.reduce((sum, points) => sum + points.x.length, 0);
   const size = count < 400 ? 8 : count < 1200 ? 6 : 4;
   const traces = panel.line_x.length ? shareTraces(panel) : groupTraces(chart, panel, size);
@@ -137,7 +139,7 @@ function middles(edges, isLog) {
 }
 
 function drawCells(chart, plot, cells) {
-  const base = { type: "heatmap", x: cells.x_edges, y: cells.y_edges, xgap: 0.5, ygap: 0.5 };
+  const base = { type: "heatmap", x: cells.x_edges, y: cells.y_edges };
   const axes = { xaxis: scaled(cells.x, 0), yaxis: scaled(cells.y, 0), showlegend: false };
   if (cells.shares.length) {
     const bar = { title: { text: "passed, %", side: "right" }, thickness: 14, outlinewidth: 0 };
@@ -168,6 +170,8 @@ function drawCells(chart, plot, cells) {
   const traces = [
     {
       ...base,
+      xgap: 0.5,
+      ygap: 0.5,
       z: cells.groups.map((row) => row.map((number) => (number < 0 ? null : number))),
       zmin: -0.5,
       zmax: PLACES.length - 0.5,
