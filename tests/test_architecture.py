@@ -19,6 +19,7 @@ FOREIGN = {
     "av": "rendering/video_encoder.py",
     "pyarrow": "sweeping/parquet.py",
     "matplotlib": "sweeping/plots.py",
+    "scipy": "sweeping/space_filling.py",
     "viser": "viewing/page.py",
     "websockets": "viewing/page.py",
     "xacro": "xacro/expansion.py",

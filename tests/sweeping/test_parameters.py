@@ -70,7 +70,10 @@ def test_an_unknown_name() -> None:
     assert "The template rover has no parameter `radus`" in error.message
     assert error.hint.startswith("Did you mean `radius`?")
     assert "wheels" in error.hint
-    assert "world.friction" in error.hint
+    assert "wsgen sweep --help" in error.hint
+    many = [Parameter(name=f"p{number}") for number in range(20)]
+    with pytest.raises(RequestError, match="p11 and 8 more"):
+        check_design(make_design(read_axes(["xyz=1,2"]), ()), many, subject="The file x")
     assert "Did you mean `world.friction`?" in refused("world.fricton=1,2").hint
     assert "Did you mean" not in refused("xyz=1,2").hint
 

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.xacro.expansion import expand, run_command
+from wsgen.xacro.expansion import expand, expand_for_parent, run_command, warm_up
+from wsgen.xacro.result import Expansion, ExpansionRequest
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -93,3 +94,37 @@ def test_a_file_that_is_not_there(tmp_path: Path) -> None:
     assert result.code != 0
     assert result.error is not None
     assert result.error["missing"] == str(tmp_path / "no.xacro")
+
+
+def test_warming_up_leaves_nothing_behind(tmp_path: Path) -> None:
+    file = write(
+        tmp_path,
+        '<xacro:arg name="a" default="1"/><xacro:property name="size" value="2"/>'
+        '<link name="l$(arg a)${size}"/>',
+    )
+    before = expand(file, {})
+    warm_up()
+    assert expand(file, {}) == before
+    assert before.code == 0
+    undefined = write(tmp_path, "<xacro:part/>")  # the macro that warming up defines
+    assert expand(undefined, {}).code != 0
+    undefined = write(tmp_path, '<link name="$(arg mass)"/>')
+    assert expand(undefined, {}).code != 0
+
+
+def test_the_arguments_that_files_declare(tmp_path: Path) -> None:
+    (tmp_path / "part.xacro").write_text(f'{HEAD}<xacro:arg name="b" default="2"/></robot>')
+    file = write(
+        tmp_path,
+        '<xacro:arg name="a" default="1"/><xacro:include filename="part.xacro"/>'
+        '<xacro:if value="$(arg a)"><xacro:arg name="c" default="${1 + 2}"/></xacro:if>'
+        '<link name="l"/>',
+    )
+    for given, expected in (
+        ({}, {"a": "1", "b": "2", "c": "3"}),
+        ({"a": "0", "unknown": "5"}, {"a": "0", "b": "2"}),
+        ({"b": "x"}, {"a": "1", "b": "x", "c": "3"}),
+    ):
+        answer = expand_for_parent(ExpansionRequest(file=str(file), arguments=given))
+        assert isinstance(answer, Expansion)
+        assert answer.arguments == expected

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wsgen.errors import RequestError
-from wsgen.suggestions import ask_for_nearest
+from wsgen.suggestions import ask_for_nearest, some_of
 from wsgen.values import dataclass
 
 if TYPE_CHECKING:
@@ -78,6 +78,7 @@ PUSH_SECONDS = "push.seconds"
 
 _FAR = 1e6  # m; farther away, the engines' numbers lose millimeters
 _MUCH = 1e6
+MOST_NAMED = 12  # parameters in a hint
 LONGEST_PUSH = 60.0  # s, as the longest behavior
 
 OWN: tuple[Parameter, ...] = (
@@ -243,12 +244,11 @@ def check_design(
 
 def _unknown(name: str, known: Iterable[Parameter], subject: str, others: str) -> RequestError:
     of_subject = [one.name for one in known]
-    names = ", ".join(of_subject) or "none"
-    own = ", ".join(one.name for one in OWN)
     return RequestError(
         f"{subject} has no parameter `{name}`, and neither has wsgen.",
-        hint=f"{ask_for_nearest(name, (*of_subject, *OWN_NAMES))}Its parameters: {names}. "
-        f"wsgen's: {own}.{f' {others}' if others else ''}",
+        hint=f"{ask_for_nearest(name, (*of_subject, *OWN_NAMES))}"
+        f"Its parameters: {some_of(of_subject, MOST_NAMED) or 'none'}; "
+        f"`wsgen sweep --help` lists those of wsgen.{f' {others}' if others else ''}",
     )
 
 
