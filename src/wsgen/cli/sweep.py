@@ -220,10 +220,10 @@ def command(
     out = out or defaults.out
     files = [Path(file) for file in plots]
     require_places(out, *plots)
-    if files:
-        from wsgen.sweeping.plots import check_plots
+    for file in files:
+        from wsgen.report.sweep_plot import check_plot
 
-        check_plots(files)
+        check_plot(file)
     request = SweepRequest(
         subject=SubjectRequest(
             package=None if is_file else name,
@@ -254,9 +254,10 @@ def command(
     with listening(quiet=quiet, verbose=verbose) as listener, SweepProgress(quiet=quiet) as show:
         outcome = sweep(request, environment=os.environ, listener=listener, on_progress=show)
     for file in files:
-        from wsgen.sweeping.plots import write_plot
+        from wsgen.files import write_file
+        from wsgen.report.sweep_plot import render_plot
 
-        write_plot(outcome.data, outcome.summary, file, title=outcome.name)
+        write_file(file, render_plot(file, outcome.data, outcome.summary, outcome.name))
     if output_format == "json":
         _print_json(outcome, files)
     else:
