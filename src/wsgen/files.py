@@ -12,12 +12,16 @@ import os
 import stat
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 from wsgen.errors import NotReadableError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
+    from typing import TypeVar
+
+    State = tuple[int, ...]
+    Made = TypeVar("Made")
 
 KINDS = {
     stat.S_IFDIR: "a folder",
@@ -41,17 +45,119 @@ FULL = frozenset({errno.ENOSPC, errno.EDQUOT})
 FULL_BELOW = 16384  # bytes that may be free after a program removed its unfinished file
 
 
+class _Memory:
+    """What files held and where paths led, see `remembering`."""
+
+    def __init__(self) -> None:
+        self.contents: dict[str, tuple[State, bytes]] = {}
+        self.size = 0  # bytes of the contents
+        self.real: dict[str, str] = {}
+        self.made: dict[tuple[object, str], tuple[tuple[State | None, ...], Any]] = {}
+
+    def keep(self, path: str, state: State, content: bytes) -> None:
+        """Remember the content of a file, if it is small."""
+        if len(content) > MOST_REMEMBERED // 16:
+            return
+        if self.size + len(content) > MOST_REMEMBERED:
+            self.contents.clear()
+            self.size = 0
+        self.contents[path] = state, content
+        self.size += len(content)
+
+
+MOST_REMEMBERED = 16 * 2**20  # bytes
+MOST_PATHS = 50_000
+_memory: _Memory | None = None
+
+
+@contextmanager
+def remembering() -> Iterator[None]:
+    """Remember what is read inside, as long as the files stay as they are.
+
+    Meanwhile, links are taken to lead where they have led. Threads share what is remembered.
+    """
+    global _memory  # noqa: PLW0603  who reads files is everywhere
+    before, _memory = _memory, _memory or _Memory()
+    try:
+        yield
+    finally:
+        _memory = before
+
+
+def remembered(make: Callable[[Path], Made], path: Path, *files: Path) -> Made:
+    """What a function makes of a path; once where that is remembered, while the files are the same.
+
+    The function returns what nobody changes.
+    """
+    memory = _memory
+    if memory is None:
+        return make(path)
+    key, states = (make, str(path)), tuple(map(_state_of, files))
+    known = memory.made.get(key)
+    if known is None or known[0] != states:
+        if len(memory.made) >= MOST_PATHS:
+            memory.made.clear()
+        known = memory.made[key] = (states, make(path))
+    made: Made = known[1]
+    return made
+
+
+def _state_of(path: str | Path) -> State | None:
+    try:
+        return _state(os.stat(path))  # noqa: PTH116  may be a str
+    except (OSError, ValueError):
+        return None
+
+
+def _state(found: os.stat_result) -> State:
+    """What differs between two states of a file."""
+    return (
+        found.st_dev,
+        found.st_ino,
+        found.st_size,
+        found.st_mtime_ns,
+        found.st_ctime_ns,
+    )
+
+
+def real_path(path: str | Path) -> str:
+    """The path without links, as `os.path.realpath` returns it."""
+    memory, text = _memory, os.fspath(path)
+    if memory is None:
+        return os.path.realpath(text)
+    real = memory.real.get(text)
+    if real is None:
+        if len(memory.real) >= MOST_PATHS:
+            memory.real.clear()
+        real = memory.real[text] = _find_real_path(text)
+    return real
+
+
+def _find_real_path(path: str) -> str:
+    folder, name = os.path.split(path)
+    if os.name != "posix" or name in {"", ".", ".."} or not folder.startswith("/"):
+        return os.path.realpath(path)
+    inside = os.path.join(real_path(folder), name)  # noqa: PTH118  of many
+    return os.path.realpath(inside) if os.path.islink(inside) else inside  # noqa: PTH114
+
+
 def irregular_kind(path: str | Path) -> str | None:
     """Say what is at a path instead of a regular file; None for a regular file or nothing.
 
     Links are followed, and named.
     """
     try:
-        kind = KINDS.get(stat.S_IFMT(os.stat(path).st_mode))  # noqa: PTH116  may be a str
-        is_link = kind is not None and os.path.islink(path)  # noqa: PTH114
+        mode = os.stat(path).st_mode  # noqa: PTH116  may be a str
     except (OSError, ValueError):  # ValueError: a null byte in the name
         return _dead_link(path)
-    return f"a link to {kind} ({os.path.realpath(path)})" if is_link else kind
+    return _irregular_kind(path, mode)
+
+
+def _irregular_kind(path: str | Path, mode: int) -> str | None:
+    kind = KINDS.get(stat.S_IFMT(mode))
+    if kind is None or not os.path.islink(path):  # noqa: PTH114
+        return kind
+    return f"a link to {kind} ({os.path.realpath(path)})"
 
 
 def _dead_link(path: str | Path) -> str | None:
@@ -80,9 +186,27 @@ def read_regular(path: Path, limit: int) -> bytes:
         OSError: It is not a regular file, or cannot be read.
         ValueError: A file cannot have this name.
     """
-    refuse_irregular(path)
-    with path.open("rb") as stream:
-        return stream.read(limit + 1)
+    memory = _memory
+    if memory is None:
+        refuse_irregular(path)
+        with path.open("rb") as stream:
+            return stream.read(limit + 1)
+    text = str(path)
+    try:
+        found = os.stat(text)  # noqa: PTH116  of many
+    except (OSError, ValueError):
+        refuse_irregular(path)
+        raise
+    state, known = _state(found), memory.contents.get(text)
+    if known is not None and known[0] == state:
+        return known[1][: limit + 1]
+    if _irregular_kind(text, found.st_mode) is not None:
+        refuse_irregular(path)
+    with open(text, "rb") as stream:  # noqa: PTH123
+        content = stream.read(limit + 1)
+    if len(content) <= limit:
+        memory.keep(text, state, content)
+    return content
 
 
 def wide_encoding(data: bytes) -> str | None:

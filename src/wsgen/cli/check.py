@@ -192,12 +192,14 @@ def _run(
 ) -> tuple[CheckOutcome, Reported]:
     import os
 
+    from wsgen.files import remembering
     from wsgen.pipeline.check import check
     from wsgen.pipeline.reported import filter_outcome
 
-    with _listening(quiet=quiet, verbose=verbose) as listener:
-        outcome = check(request, environment=os.environ, listener=listener)
-    return outcome, filter_outcome(outcome, filters)
+    with remembering():
+        with _listening(quiet=quiet, verbose=verbose) as listener:
+            outcome = check(request, environment=os.environ, listener=listener)
+        return outcome, filter_outcome(outcome, filters)
 
 
 def _listening(*, quiet: bool, verbose: bool) -> AbstractContextManager[Listener | None]:

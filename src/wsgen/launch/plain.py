@@ -64,8 +64,21 @@ def is_plain(source: bytes) -> bool:
         tree = ast.parse(source)
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return False
-    nodes = list(ast.walk(tree))
+    nodes = _walk(tree)
     return all(map(_is_plain_node, nodes)) and _uses_plain_names(nodes)
+
+
+def _walk(tree: ast.AST) -> list[ast.AST]:
+    """All nodes, as `ast.walk`, which takes twice as long."""
+    nodes = [tree]
+    for node in nodes:  # which grows
+        for name in node._fields:
+            value = getattr(node, name, None)
+            if isinstance(value, list):
+                nodes += [one for one in value if isinstance(one, ast.AST)]
+            elif isinstance(value, ast.AST):
+                nodes.append(value)
+    return nodes
 
 
 def is_plain_expression(text: str) -> bool:

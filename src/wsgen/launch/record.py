@@ -151,6 +151,7 @@ class Record:
         self.left_out: list[tuple[str, str, Location | None]] = []
         # Whether an exception ends only what raised it; the diagnostic is then noted.
         self.ends_branch: Callable[[Exception], bool] = lambda _error: False
+        self.plain_file: str | None = None  # the launch file, where who asks has checked it
         self.is_shared = False  # the process evaluates other launch files, too
         self.is_refused = False  # this one needs a process of its own
 

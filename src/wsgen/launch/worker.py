@@ -127,6 +127,7 @@ def evaluate_plain(
     before = _Process()
     RECORD.forget()
     RECORD.is_shared = True
+    RECORD.plain_file = str(request.launch_file)
     known_packages.forget_declared()
     set_environment(environment)
     try:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import threading
 import time
 from functools import partial
@@ -10,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.diagnostics import Severity, has_errors
 from wsgen.events import OneAtATime, StepEnded, StepProgressed, StepStarted, post
+from wsgen.files import real_path
 from wsgen.isolation import parent
 from wsgen.launch.spawning import names_spawner
 from wsgen.pipeline.parallel import run_parallel
@@ -66,7 +66,7 @@ class Candidate(NamedTuple):
     @property
     def included(self) -> frozenset[str]:
         """Real paths of the launch files that it includes."""
-        return frozenset(os.path.realpath(one.file) for one in self.started.plan.includes)
+        return frozenset(real_path(one.file) for one in self.started.plan.includes)
 
     @property
     def descriptions(self) -> frozenset[str]:
@@ -173,7 +173,7 @@ def _includer(
     inner: Candidate, candidates: Iterable[Candidate], kept: Collection[str] = ()
 ) -> Candidate | None:
     """The outermost candidate that includes another one."""
-    file = os.path.realpath(inner.file)
+    file = real_path(inner.file)
     including = [
         one
         for one in candidates
@@ -230,7 +230,7 @@ def _choose_failing(
 
 
 def _says_all(outer: Candidate, inner: Candidate) -> bool:
-    return os.path.realpath(inner.file) in outer.included and inner.errors <= outer.errors
+    return real_path(inner.file) in outer.included and inner.errors <= outer.errors
 
 
 def _may_spawn(failing: Candidate, spawning: Sequence[Path]) -> bool:
@@ -239,7 +239,7 @@ def _may_spawn(failing: Candidate, spawning: Sequence[Path]) -> bool:
     return (
         started.has_spawner
         or started.simulator is not None
-        or not failing.included.isdisjoint(map(os.path.realpath, spawning))
+        or not failing.included.isdisjoint(map(real_path, spawning))
         or names_spawner(failing.file, {file.name for file in spawning})
     )
 

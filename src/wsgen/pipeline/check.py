@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 from wsgen.diagnostics import has_errors
 from wsgen.errors import RequestError
 from wsgen.events import OneAtATime
+from wsgen.files import remembering
 from wsgen.isolation.parent import make_scratch
 from wsgen.pipeline.check_package import FileCheck, PackageCheck
 from wsgen.pipeline.check_targets import Targets, find_targets
@@ -83,6 +84,13 @@ def check(
         NotFoundError: a path does not exist, or a folder has no package.
         RequestError: the current folder has several workspaces, or the target does not exist.
     """
+    with remembering():
+        return _check(request, environment, listener)
+
+
+def _check(
+    request: CheckRequest, environment: Mapping[str, str], listener: Listener | None
+) -> CheckOutcome:
     before = time.perf_counter()
     if request.distro is not None:
         _refuse_unknown_distro(request.distro)

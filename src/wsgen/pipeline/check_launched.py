@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen import yamlfile
-from wsgen.files import read_regular
+from wsgen.files import read_regular, real_path
 from wsgen.launch.commands import started_programs
 from wsgen.launch.descriptions import Description, published_descriptions, read_published
 from wsgen.launch.simulators import WORLD_SUFFIXES, simulator_kinds
@@ -175,7 +175,7 @@ def check_worlds(
         source = load(file, [])
         if source is None:
             continue
-        here = loaded.get(file.resolve())
+        here = loaded.get(Path(real_path(file)))
         has_model = _has_model(file, here.environment if here else environment)
         yield from worlds.check_world(
             source.root,
@@ -209,7 +209,7 @@ def loaded_worlds(
         variables = {**environment, **started.plan.environment}
         file = find_world(simulator.world, variables) if simulator and simulator.world else None
         if file is not None and simulator is not None:
-            real = file.resolve()
+            real = Path(real_path(file))
             other = loaded.get(real)
             is_same = other is None or other.kind == simulator.kind
             loaded[real] = Loaded(simulator.kind if is_same else None, variables)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from wsgen.files import real_path
 from wsgen.launch.simulators import simulator_kinds
 from wsgen.rules.dependencies import check_dependencies
 from wsgen.rules.manifests import check_manifest, generated_interfaces
@@ -77,7 +77,7 @@ def check_package_manifest(
     yield from check_dependencies(manifest, workspace=manifests.keys(), distro=distro)
     plans = tuple(plans)
     misplaced = {
-        (os.path.realpath(one.file), one.package)
+        (real_path(one.file), one.package)
         for plan in plans
         for one in misplaced_spawners(plan, simulator_kinds(plan))
         if one.file is not None
@@ -88,7 +88,7 @@ def check_package_manifest(
             *_in_order(folder, manifests, build),
             *(use for plan in plans for use in _looked_up(plan, folder)),
         )
-        if (os.path.realpath(use.file), use.package) not in misplaced  # to be replaced
+        if (real_path(use.file), use.package) not in misplaced  # to be replaced
     )
     yield from check_uses(manifest, uses, manifests=manifests, distro=distro)
     if build is not None:
@@ -115,8 +115,8 @@ def _in_order(
 
 def _looked_up(plan: LaunchPlan, folder: Path) -> Iterator[PackageUse]:
     """The packages that a launch file of this package looks up when it is evaluated."""
-    inside = Path(os.path.realpath(folder))
+    inside = Path(real_path(folder))
     for lookup in plan.lookups:
-        file = Path(os.path.realpath(lookup.file))
+        file = Path(real_path(lookup.file))
         if file.is_relative_to(inside):
             yield PackageUse(lookup.package, file, lookup.line, LAUNCH)

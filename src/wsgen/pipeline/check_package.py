@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from wsgen.build_files.cmake_checks import check_for_distro
 from wsgen.build_files.python_sources import check_python_syntax
 from wsgen.diagnostics import has_errors
+from wsgen.files import real_path
 from wsgen.isolation.parent import make_scratch
 from wsgen.launch.evaluate import DISTRO_OF_LAUNCHES
 from wsgen.pipeline.candidates import Candidate, LaunchFile, simulation_of, with_descriptions
@@ -118,7 +119,7 @@ class PackageCheck:
         self.simulators: list[str] = []
         self.sets_search_path: bool | None = None  # not known yet
         self.descriptions: tuple[Path, ...] = ()  # robots, models and worlds of the package
-        self.read: set[Path] = set()  # files of robots and worlds, as sources
+        self.read: set[str] = set()  # real paths of robots and worlds
 
     def run(self) -> tuple[Diagnostic, ...]:
         """Run all checks."""
@@ -244,7 +245,7 @@ class PackageCheck:
             if validation.simulator_kind is not None:
                 self.simulators.append(validation.simulator_kind)
             self.read |= {
-                file.resolve()
+                real_path(file)
                 for file in (
                     *(spawn.description_file for spawn in started.spawns),
                     world.file if world else None,
@@ -276,7 +277,7 @@ class PackageCheck:
     def _check_files(self, folder: Path) -> Iterator[Diagnostic]:
         """The robots and worlds of the package that no launch file starts."""
         for file in self.descriptions:
-            if file.resolve() in self.read:
+            if real_path(file) in self.read:
                 continue
             validation = FileValidation(
                 file, self.overlay, NOTHING, None, self.run_task, name=file.name

@@ -7,13 +7,13 @@ has is unknown.
 
 from __future__ import annotations
 
-import os
 import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wsgen.description_rules import MISSING_COLLISION_MESH, MISSING_VISUAL_MESH
 from wsgen.diagnostics import Severity
+from wsgen.files import real_path
 from wsgen.launch.descriptions import UNPUBLISHED_DESCRIPTION
 from wsgen.launch.explain import (
     ARGUMENT_WITHOUT_VALUE,
@@ -118,7 +118,7 @@ def _is_misspelled(found: Diagnostic) -> bool:
 
 def is_included(one: Candidate, beside: Iterable[Candidate]) -> bool:
     """Whether one of the other launch files includes this one."""
-    file = os.path.realpath(one.file)
+    file = real_path(one.file)
     return any(file in other.included for other in beside if other is not one)
 
 

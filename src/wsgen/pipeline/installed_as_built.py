@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.build_files.facts import read_build_facts
+from wsgen.files import real_path
 from wsgen.pipeline.reached_packages import find_reached
 from wsgen.source_shares import INSTALLED, serve_installed, serve_source
 from wsgen.values import dataclass
@@ -52,7 +53,7 @@ class InstalledAsBuilt:
                 continue  # it is there after a build
             file = found.file
             if file is not None and file.is_relative_to(self.folder):
-                file = Path(os.path.realpath(file))
+                file = Path(real_path(file))
             yield replace(
                 found,
                 file=file,

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.description_rules import UNNAMED_ELEMENT
 from wsgen.diagnostics import Rule, Severity
+from wsgen.files import real_path
 from wsgen.model.transform import IDENTITY, Pose, compose
 from wsgen.model.world import PlacedModel
 from wsgen.sdf.frames import (
@@ -28,7 +30,6 @@ from wsgen.xmltree import children
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.robot import Robot
@@ -253,7 +254,7 @@ class Contents:
 
 
 def _start(source: Source) -> Trail:
-    return () if source.file is None else (source.file.resolve(),)
+    return () if source.file is None else (Path(real_path(source.file)),)
 
 
 class SdfModel(NamedTuple):

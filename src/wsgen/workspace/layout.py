@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Diagnostic
 from wsgen.errors import NotFoundError, RequestError
+from wsgen.files import real_path
 from wsgen.values import dataclass
 from wsgen.workspace.manifest import FOREIGN_MANIFEST, read_manifest
 
@@ -293,7 +294,7 @@ def crawl(root: Path, *, with_ignored: bool = False) -> Iterator[tuple[Path, fro
     """
     visited = set()
     for name, folders, files in os.walk(root, followlinks=True):
-        real = os.path.realpath(name)
+        real = real_path(name)
         if real in visited or (not with_ignored and not IGNORE_MARKERS.isdisjoint(files)):
             folders.clear()
             continue

@@ -12,7 +12,7 @@ import re
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
-from wsgen.files import irregular_kind
+from wsgen.files import irregular_kind, real_path
 from wsgen.markup import read_text, without_comments
 from wsgen.ros_names import released_packages
 
@@ -79,10 +79,11 @@ def read_uses(
         installed: the files and folders that are installed, without links; None where that is not
             known. Others are not read.
     """
+    places = None if installed is None else frozenset(map(str, installed))
     return tuple(
         use
         for file in files
-        if installed is None or _is_in(file, installed)
+        if places is None or _is_in(file, places)
         for use in _first_uses(_uses_in(file, workspace))
     )
 
@@ -144,9 +145,14 @@ def _is_beside(module: str, file: Path) -> bool:
     return module in file.parts[:-1] or place.is_dir() or place.with_suffix(".py").is_file()
 
 
-def _is_in(file: Path, places: Collection[Path]) -> bool:
-    real = type(file)(os.path.realpath(file))
-    return real in places or any(folder in places for folder in real.parents)
+def _is_in(file: Path, places: Collection[str]) -> bool:
+    real = real_path(file)
+    while real not in places:
+        folder = os.path.dirname(real)  # noqa: PTH120  of many
+        if folder == real:
+            return False
+        real = folder
+    return True
 
 
 # Python.
@@ -390,7 +396,7 @@ def installed_places(build: BuildFacts | None) -> frozenset[Path] | None:
         *(one.source for one in build.executables),
         *(one.source for one in build.python_packages),
     )
-    return frozenset(type(one)(os.path.realpath(one)) for one in sources if one is not None)
+    return frozenset(type(one)(real_path(one)) for one in sources if one is not None)
 
 
 # Packages that nothing but code uses; others may be declared for who starts something by hand.

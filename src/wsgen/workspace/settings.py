@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from wsgen import tomlfile
 from wsgen.diagnostics import Rule, Severity
+from wsgen.files import remembered
 from wsgen.suggestions import suggest
 from wsgen.values import dataclass
 from wsgen.workspace.allowances import Allowance, find_reason
@@ -74,6 +75,10 @@ class Settings:
 
 def read_settings(package: Path) -> tuple[Settings, tuple[Diagnostic, ...]]:
     """Read the settings of the package in a folder; the defaults where it has none."""
+    return remembered(_read_settings, package, package / FILE)
+
+
+def _read_settings(package: Path) -> tuple[Settings, tuple[Diagnostic, ...]]:
     file = package / FILE
     try:
         document = tomlfile.load(file)
