@@ -52,6 +52,7 @@ if TYPE_CHECKING:
     from wsgen.model.plan import LaunchPlan
     from wsgen.model.world import Spawn, World
     from wsgen.pipeline.behavior_plan import BehaviorPlan
+    from wsgen.pipeline.prepare import KnownRobots
     from wsgen.pipeline.selection import SelectedPackage, ValidateRequest
     from wsgen.pipeline.started import Started
     from wsgen.sdf.models import SdfFile
@@ -236,14 +237,17 @@ def _where(plan: LaunchPlan, text: str) -> tuple[Path, int | None]:
 class Validation:
     """Evaluates, reads, simulates and checks; collects what is reported on the way."""
 
-    def __init__(
+    def __init__(  # noqa: PLR0913  what the stages need
         self,
         selected: SelectedPackage,
         overlay: Overlay,
         request: ValidateRequest,
         listener: Listener | None,
         run: Run = parent.run,
+        *,
+        known: KnownRobots | None = None,
     ) -> None:
+        self.known = known
         self.selected = selected
         self.package = selected.name
         self.overlay = overlay
@@ -315,6 +319,7 @@ class Validation:
             folder=folder,
             run=self.run_task,
             with_colors=self.request.is_drawn,
+            known=self.known,
         )
         world, models = self._read_world(started, context, environment)
         if world is None:

@@ -41,7 +41,7 @@ from wsgen.xacro.source import place_in_source, written_elements
 from wsgen.xmltree import Malformed, child_text, parse
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
@@ -71,6 +71,32 @@ FORTRESS = frozenset(("humble", "iron"))  # distributions with a Gazebo Sim that
 NAMED = 3  # at most so many robots are named in a line
 
 
+MOST_KNOWN = 16
+
+
+class KnownRobots:
+    """The robots that were prepared last, by what they are read from. Threads may share it.
+
+    Files that the descriptions name must not change.
+    """
+
+    def __init__(self) -> None:
+        self._found: dict[Hashable, tuple[PreparedRobot | None, tuple[Diagnostic, ...]]] = {}
+
+    def get(self, key: Hashable) -> tuple[PreparedRobot | None, tuple[Diagnostic, ...]] | None:
+        """What was prepared, and what was reported; None where it is not known."""
+        return self._found.get(key)
+
+    def keep(
+        self, key: Hashable, found: tuple[PreparedRobot | None, tuple[Diagnostic, ...]]
+    ) -> None:
+        """Keep what was prepared, and forget what was kept first."""
+        known = {**self._found, key: found}  # another thread may look one up
+        while len(known) > MOST_KNOWN:
+            del known[next(iter(known))]
+        self._found = known
+
+
 @dataclass(frozen=True, kw_only=True)
 class PrepareContext:
     """What it takes to complete a description."""
@@ -79,6 +105,7 @@ class PrepareContext:
     folder: Path  # for mesh files that are written anew; there until the simulation is over
     run: Run  # starts the child process that reads meshes
     with_colors: bool = False  # also read what meshes look like, for a picture
+    known: KnownRobots | None = None  # that were prepared before; None: each is prepared
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -117,6 +144,31 @@ def prepare_robot(  # noqa: PLR0913  most have defaults
     `entity`, or as its description calls it, and is for the simulator of that `simulator` in that
     ROS 2 distribution, where they are known.
     """
+    key = (text, file, simulator, distro)
+    known = None if context.known is None else context.known.get(key)
+    if known is None:
+        known = _prepare(text, file, context, simulator, distro)
+        if context.known is not None:
+            context.known.keep(key, known)
+    prepared, found = known
+    if prepared is None:
+        return None, found
+    return replace(
+        prepared,
+        entity=entity or prepared.entity,
+        spawn_pose=spawn_pose,
+        on_the_ground=on_the_ground,
+    ), found
+
+
+def _prepare(
+    text: str | bytes,
+    file: Path | None,
+    context: PrepareContext,
+    simulator: str | None,
+    distro: str | None,
+) -> tuple[PreparedRobot | None, tuple[Diagnostic, ...]]:
+    """Prepare a robot, wherever it is spawned."""
     written, found = read_urdf(text, file=file)
     prepared = None
     if written is not None:
@@ -126,13 +178,11 @@ def prepare_robot(  # noqa: PLR0913  most have defaults
         found = _first_of_each_inertial((*found, *more, *checked))
         found = tuple(for_simulator(found, simulator, distro))
         prepared = PreparedRobot(
-            entity=entity or written.name,
+            entity=written.name,
             written=written,
             lumped=lumped,
             readable=readable,
             can_run=not has_errors(found),
-            spawn_pose=spawn_pose,
-            on_the_ground=on_the_ground,
             drive=_drive(lumped, simulator),
         )
     sources = [] if file is None else written_elements(file, context.share_of)

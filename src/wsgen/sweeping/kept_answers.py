@@ -35,6 +35,11 @@ class KeptAnswers:
         self._lock = threading.Lock()
         self._kept: dict[tuple[str, bytes], Any] = {}
 
+    @property
+    def is_full(self) -> bool:
+        """Whether files of further meshes are the variant's own, and are removed with it."""
+        return len(self._kept) > MOST
+
     def run(
         self,
         task: str,
@@ -44,7 +49,7 @@ class KeptAnswers:
         folder: Path | None = None,
     ) -> Answered | Died:
         """Call a task in a child, or answer what it has answered before; see `parent.run`."""
-        if task not in TASKS or len(self._kept) > MOST:
+        if task not in TASKS or self.is_full:
             return self._run(
                 task, *arguments, limits=limits, environment=environment, folder=folder
             )

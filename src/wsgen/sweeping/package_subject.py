@@ -10,6 +10,7 @@ from wsgen.diagnostics import has_errors
 from wsgen.launch.evaluate import evaluate
 from wsgen.pipeline.load_scene import select_only
 from wsgen.pipeline.package_validation import Validation, why_nothing_is_simulated
+from wsgen.pipeline.prepare import KnownRobots
 from wsgen.pipeline.selection import ValidateRequest
 from wsgen.pipeline.started import DESCRIPTION_FROM_ELSEWHERE
 from wsgen.sweeping.blueprint import Blueprint
@@ -56,7 +57,9 @@ class PackageSubject(Subject):
     ) -> None:
         name = request.package or ""
         self._overlay = overlay
-        self._run = KeptAnswers(run, folder).run
+        self._answers = KeptAnswers(run, folder)
+        self._run = self._answers.run
+        self._known = KnownRobots()
         self._place = request.workspace or Workspace(root=require_share(overlay, None, name))
         self._request = ValidateRequest(
             packages=(name,),
@@ -99,7 +102,8 @@ class PackageSubject(Subject):
             self._request, launch_arguments={**self._request.launch_arguments, **written}
         )
         selected = self._select(request) if written else self._selected
-        validation = Validation(selected, self._overlay, request, None, self._run)
+        known = None if self._answers.is_full else self._known
+        validation = Validation(selected, self._overlay, request, None, self._run, known=known)
         world, prepared = validation.read(folder)
         general = (*self._general(validation), *self._overlay.not_built())
         return as_prepared(self.name, validation, world, prepared, general)
