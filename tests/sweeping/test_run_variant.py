@@ -17,7 +17,7 @@ from wsgen.diagnostics import Severity
 from wsgen.isolation.codec import decode, encode
 from wsgen.isolation.result import Died
 from wsgen.model.robot import Box
-from wsgen.model.sweep import Row
+from wsgen.model.sweep import Row, Variant
 from wsgen.model.transform import Pose
 from wsgen.pipeline.selection import ValidateRequest
 from wsgen.pipeline.validate import validate
@@ -38,7 +38,7 @@ ENGINES = [name for name in ("bullet", "dart", "mujoco") if not missing_engines(
 
 
 def run(made: Blueprint, engine: str = "bullet", seconds: float = 1.0, **values: float) -> Row:
-    return run_variant(made, variant(**values), seconds, engine)
+    return run_variant(made, variant(0, **values), seconds, engine)
 
 
 def figure(row: Row, name: str) -> float:
@@ -81,8 +81,10 @@ def test_a_body_slides_where_the_slope_is_steeper_than_its_friction(
 @pytest.mark.parametrize("engine", ENGINES)
 def test_a_push_moves_the_robot_as_long_as_it_lasts(engine: str) -> None:
     made = blueprint()
-    values = {"push__force": 10.0, "push__direction": math.pi / 2, "push__seconds": 0.2}
-    row = run(made, engine, 3.0, world__friction=0.2, **values)
+    pushed = {"push.force": 10.0, "push.direction": math.pi / 2, "push.seconds": 0.2}
+    row = run_variant(
+        made, Variant(number=0, values={"world.friction": 0.2, **pushed}), 3.0, engine
+    )
     acceleration, friction = 10.0 / 2.0, 0.2 * G
     speed = (acceleration - friction) * 0.2
     way = speed * 0.2 / 2 + speed**2 / 2 / friction
@@ -107,8 +109,7 @@ def test_what_falls_on_a_slope_falls(engine: str) -> None:
 
 
 def test_masses_and_gravity_are_those_of_the_variant() -> None:
-    high = {"spawn__z": 1.05, "world__gravity": 1.62}
-    row = run(blueprint(), seconds=0.5, robot__mass_scale=5.0, **high)
+    row = run(blueprint(), seconds=0.5, robot__mass_scale=5.0, spawn__z=1.05, world__gravity=1.62)
     assert figure(row, "highest_speed") == pytest.approx(0.81, rel=0.02)
 
 

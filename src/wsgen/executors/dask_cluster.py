@@ -10,6 +10,7 @@ import contextlib
 import hashlib
 import logging
 import platform
+import socket
 import threading
 import time
 import uuid
@@ -37,6 +38,8 @@ if TYPE_CHECKING:
 
 
 LOCAL = "local"  # instead of an address: workers of this machine
+SCHEMES = ("", "tcp", "tls")  # without one it is tcp
+MOST_PORTS = 1 << 16
 CONNECT_SECONDS = 10.0
 WORKER_SECONDS = 30.0  # for the first worker of a cluster to be there
 SECONDS_TO_CLOSE = 10.0
@@ -86,16 +89,45 @@ def _start(jobs: int) -> LocalCluster:
 
 
 def _connected(target: LocalCluster | str, scheduler: str) -> Client:
-    try:
-        return Client(target, timeout=CONNECT_SECONDS, set_as_default=False)
-    except ValueError as error:
-        raise RequestError(
-            f"{scheduler!r} is no address of a Dask scheduler: {error}.",
-            hint="Give the address that `dask scheduler` prints: --scheduler tcp://HOST:8786",
-        ) from error
-    except OSError as error:  # timeouts, too
+    if isinstance(target, str):
+        _check_address(target)
+    clients: list[Client] = []
+    # It waits for ever for the answer of who accepts connections and is no scheduler.
+    thread = threading.Thread(target=_open, args=(target, clients), daemon=True)
+    thread.start()
+    thread.join(2 * CONNECT_SECONDS)
+    if not clients:
         raise NotFoundError(
-            f"No Dask scheduler answers at {scheduler}.",
+            f"What answers at {scheduler} is no Dask scheduler.",
+            hint="Give the address that `dask scheduler` prints: --scheduler tcp://HOST:8786",
+        )
+    return clients[0]
+
+
+def _open(target: LocalCluster | str, clients: list[Client]) -> None:
+    client = Client.__new__(Client)
+    try:
+        client.__init__(target, timeout=CONNECT_SECONDS, set_as_default=False)
+    except (OSError, ValueError):  # timeouts, too
+        client.status = "closed"  # else it would wait again when it is deleted
+    else:
+        clients.append(client)
+
+
+def _check_address(scheduler: str) -> None:
+    """Refuse what is no address, or one where nobody answers."""
+    scheme, _, place = scheduler.rpartition("://")
+    host, _, port = place.strip("/").rpartition(":")
+    if scheme not in SCHEMES or not host or not port.isdecimal() or not 0 < int(port) < MOST_PORTS:
+        raise RequestError(
+            f"{scheduler!r} is no address of a Dask scheduler.",
+            hint="Give the address that `dask scheduler` prints: --scheduler tcp://HOST:8786",
+        )
+    try:
+        socket.create_connection((host.strip("[]"), int(port)), CONNECT_SECONDS).close()
+    except OSError as error:
+        raise NotFoundError(
+            f"No Dask scheduler answers at {scheduler}: {error.strerror or 'no connection'}.",
             hint="Check the address and that `dask scheduler` runs there; `--scheduler local` "
             "starts workers on this machine.",
         ) from error
