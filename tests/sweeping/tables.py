@@ -53,5 +53,5 @@ def make_table(
         figures=tuple(one for one in series if not one.column.is_parameter),
         code_sets=code_sets,
         code_set=np.asarray(code_set, dtype=np.int64),
-        diagnostics=DIAGNOSTICS[: len(code_sets)],
+        diagnostics=(*DIAGNOSTICS, *[""] * len(code_sets))[: len(code_sets)],
     )

@@ -104,6 +104,8 @@ def find_borders(values: Numbers, passed: NDArray[np.bool_], *, is_alone: bool) 
 
 def is_over_decades(values: Numbers) -> bool:
     """Whether positive values are spread so that their logarithms are what one looks at."""
+    if not len(values):
+        return False
     low, high = float(values.min()), float(values.max())
     return (
         low > 0
