@@ -361,6 +361,22 @@ def test_without_play_nothing_is_simulated(
     assert "--play" in err
 
 
+@pytest.mark.parametrize(
+    ("option", "name"),
+    [("--host=0.0.0.0", "--host"), ("--port=8080", "--port"), ("--no-browser", "--no-browser")],
+)
+@pytest.mark.parametrize("play", [(), ("--play",)])
+def test_without_view_nothing_is_served(
+    share: Path, capsys: pytest.CaptureFixture[str], option: str, name: str, play: tuple[str, ...]
+) -> None:
+    code, out, err = launch(capsys, "my_robot", "r.launch.py", option, *play)
+    assert (code, out) == (2, "")
+    assert err == (
+        f"error: Without --view no page is served, and {name} has no effect.\n"
+        f"  try: Add --play --view, or remove {name}.\n"
+    )
+
+
 def test_a_page_about_a_launch_file_with_its_video(
     built: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

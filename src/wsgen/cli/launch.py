@@ -122,6 +122,8 @@ def command(
         raise RequestError("--show-args and --play cannot be combined.", hint="Remove one of them.")
     if is_viewed:
         _refuse_beside_view(context)
+    else:
+        _refuse_without_view(context)
     request = _request(arguments, answers, record, picture, seconds, engine)
     if play and is_viewed:
         from wsgen.cli.play_view import view_simulation
@@ -175,6 +177,22 @@ def _refuse_beside_view(context: click.Context) -> None:
             raise RequestError(
                 f"--view and {option} cannot be combined: the simulation goes on until you end it.",
                 hint="Remove one of them.",
+            )
+
+
+OF_THE_PAGE = ("host", "port", "no_browser")
+
+
+def _refuse_without_view(context: click.Context) -> None:
+    """Refuse what only a page in the browser has a use for."""
+    from click.core import ParameterSource
+
+    for name in OF_THE_PAGE:
+        if context.get_parameter_source(name) is not ParameterSource.DEFAULT:
+            option = next(one.opts[0] for one in context.command.params if one.name == name)
+            raise RequestError(
+                f"Without --view no page is served, and {option} has no effect.",
+                hint=f"Add --play --view, or remove {option}.",
             )
 
 
