@@ -202,7 +202,12 @@ def test_a_folder_that_is_not_installed(tmp_path: Path) -> None:
     assert ("file-not-installed", "cart.launch.py", 11) in reported(outcome)
     (found,) = (one for one in outcome.diagnostics if one.name == "file-not-installed")
     assert found.file == package / "launch" / "cart.launch.py"
-    assert f"{tmp_path}/install/cart/share/cart/urdf/cart.urdf" in found.message
+    assert "'share/cart/urdf/cart.urdf' does not exist" in found.message
+    # Where the package is built, that is a path of the user's.
+    for prefix in ("install", "install/cart"):  # merged or not
+        (tmp_path / prefix / "share" / "cart").mkdir(parents=True)
+        (found,) = (one for one in run(tmp_path).diagnostics if one.name == "file-not-installed")
+        assert f"{tmp_path}/{prefix}/share/cart/urdf/cart.urdf" in found.message
 
 
 @pytest.mark.parametrize(

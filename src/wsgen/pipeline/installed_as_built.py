@@ -63,14 +63,21 @@ class InstalledAsBuilt:
             )
 
     def text(self, text: str) -> str:
-        """A text with the user's install space in place of the scratch folder."""
+        """A text with the user's install space in place of the scratch folder.
+
+        Where a package is not built, its share folder is named by `share/PACKAGE`.
+        """
         if str(self.folder) not in text:
             return text
-        # colcon gives each package a prefix of its own.
-        place = rf"{re.escape(str(self.folder))}/(share|lib)/([\w-]+)"
-        return re.sub(place, rf"{self.shown_as}/\2/\1/\2", text).replace(
-            str(self.folder), str(self.shown_as)
-        )
+        place = rf"{re.escape(str(self.folder))}/((?:share|lib)/([\w-]+))"
+        return re.sub(place, self._shown, text).replace(str(self.folder), str(self.shown_as))
+
+    def _shown(self, found: re.Match[str]) -> str:
+        folder, package = found.groups()
+        # colcon gives each package a prefix of its own, unless it is told not to.
+        prefixes = (self.shown_as / package, self.shown_as)
+        built = (prefix / folder for prefix in prefixes if (prefix / folder).is_dir())
+        return str(next(built, folder))
 
 
 def lay_out(targets: Targets, scratch: Path, environment: Mapping[str, str]) -> InstalledAsBuilt:
