@@ -57,6 +57,42 @@ def codes(package: dict[str, Any], severity: str = "error") -> list[str]:
     return [found["code"] for found in package["diagnostics"] if found["severity"] == severity]
 
 
+def wheeled(caster_height: float) -> str:
+    """A robot on two wheels with a radius of 0.1 m and a ball, which ends so high above them."""
+    wheel = '<origin rpy="1.5708 0 0"/><geometry><cylinder radius="0.1" length="0.04"/></geometry>'
+    ball = '<geometry><sphere radius="0.03"/></geometry>'
+    inertia = (
+        '<inertial><mass value="0.5"/><inertia ixx="0.002" ixy="0" ixz="0" iyy="0.002" '
+        'iyz="0" izz="0.002"/></inertial>'
+    )
+    parts = [link("base", shape='<box size="0.5 0.3 0.05"/>', mass="5", inertia="0.1")]
+    for name, place, shape, kind in (
+        ("left", "0.15 0.2 0", wheel, "continuous"),
+        ("right", "0.15 -0.2 0", wheel, "continuous"),
+        ("caster", f"-0.2 0 {caster_height - 0.07}", ball, "fixed"),
+    ):
+        shapes = f"<visual>{shape}</visual><collision>{shape}</collision>"
+        parts.append(
+            f'<link name="{name}">{inertia}{shapes}</link>'
+            f'<joint name="{name}_joint" type="{kind}"><parent link="base"/>'
+            f'<child link="{name}"/><origin xyz="{place}"/><axis xyz="0 1 0"/></joint>'
+        )
+    caster = '<gazebo reference="caster_joint"><preserveFixedJoint>true</preserveFixedJoint>'
+    return urdf(*parts, f"{caster}</gazebo>", name="cart")
+
+
+def test_a_caster_that_hangs_too_high(tmp_path: Path) -> None:
+    """The robot stands on it, and leans backward."""
+    (tmp_path / "right.urdf").write_text(wheeled(0.001))
+    (tmp_path / "wrong.urdf").write_text(wheeled(0.03))
+    code, packages = checked(tmp_path, "right.urdf", "wrong.urdf")
+    right, wrong = ([one for one in p["diagnostics"] if one["code"] == "SPN067"] for p in packages)
+    assert (code, right) == (0, [])
+    (found,) = wrong
+    assert "leans by 4.9 degrees. It rests on `caster`, `left`, `right`." in found["message"]
+    assert found["hint"].startswith("Upright, `caster` ends 30 mm above the lowest part")
+
+
 def test_a_robot_is_put_just_above_the_ground(tmp_path: Path) -> None:
     (tmp_path / "crate.urdf").write_text(urdf(link()))
     code, (package,) = checked(tmp_path, "crate.urdf")

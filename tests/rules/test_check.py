@@ -70,6 +70,10 @@ def test_a_robot_that_stands() -> None:
         ({"highest_point": 20.0}, ["SPN057"]),
         ({"settled_after": None, "speed": 1.0}, ["SPN058"]),
         ({"tilt": math.pi / 2}, ["SPN059"]),
+        ({"tilt": 0.1}, ["SPN067"]),
+        ({"tilt": 0.1, "settled_after": None, "speed": 1.0}, ["SPN058"]),  # not at rest
+        ({"tilt": 0.1, "lowest_point_at_end": 0.1}, []),  # on something else than the ground
+        ({"tilt": 0.1, "overlaps": (IN_ANOTHER,)}, ["SPN063"]),  # which pushes it
         ({"energy_gain": 500.0, "highest_point": 20.0, "tilt": 3.0}, ["SPN061"]),
         ({"overlaps": (IN_ANOTHER,)}, ["SPN063"]),
         ({"overlaps": (INSIDE,)}, []),
@@ -79,6 +83,15 @@ def test_each_fault_is_found_and_nothing_else(
     measured: dict[str, object], expected: list[str]
 ) -> None:
     assert codes(replace(STANDS, **measured)) == expected  # type: ignore[arg-type]
+
+
+def test_what_leans_for_another_reason_does_not_lean() -> None:
+    tilted = replace(STANDS, tilt=0.1)
+    assert check_run(ROBOT, WORLD, tilted, is_alone=False) == ()
+    assert codes(tilted, world=replace(WORLD, has_ground_plane=False)) == []
+    assert codes(replace(GAVE_WAY, tilt=0.1), robot=ARM) == ["SPN060"]
+    fixed = replace(ROBOT, fixed_to_world=True)
+    assert codes(tilted, robot=fixed) == []
 
 
 def test_without_a_ground_there_is_nothing_to_be_born_in() -> None:

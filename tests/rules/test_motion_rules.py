@@ -197,6 +197,21 @@ def test_a_robot_that_tips_over() -> None:
     assert "bolted" in (pulled.hint or "")
 
 
+def test_a_robot_that_leans() -> None:
+    heights = {"wheel": 0.0, "caster": 0.0118, "body": 0.07}
+    for tilt in (0.0, 2.9, 15.1, 90.0):
+        assert found(rules.leans("r", math.radians(tilt), ["wheel", "caster"], heights)) == []
+    (high,) = rules.leans("r", math.radians(4.2), ["caster", "wheel"], heights)
+    assert found([high]) == [("SPN067", Severity.WARNING)]
+    assert "leans by 4.2 degrees. It rests on `caster`, `wheel`." in high.message
+    assert "Upright, `caster` ends 12 mm above" in (high.hint or "")
+    (even,) = rules.leans("r", math.radians(5), [*"abcdef"], dict.fromkeys("abcdef", 0.0))
+    assert "`d` and 2 more." in even.message
+    assert "at one height" in (even.hint or "")
+    (unread,) = rules.leans("r", math.radians(5), [], {})
+    assert "rests" not in unread.message
+
+
 def test_what_another_robot_pushes_may_gain_energy() -> None:
     (one,) = rules.gains_energy("r", 99.0, 10.0, 9.8, 0.0, is_alone=False)
     assert found([one]) == [("SPN061", Severity.WARNING)]

@@ -7,12 +7,12 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Severity, has_errors
-from wsgen.model.kinematics import unactuated_joints
+from wsgen.model.kinematics import link_poses, unactuated_joints
 from wsgen.model.robot import JointType
 from wsgen.rules import runs
 
 if TYPE_CHECKING:
-    from collections.abc import Collection
+    from collections.abc import Collection, Iterator
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.model.robot import Robot
@@ -30,6 +30,7 @@ FOLLOW_FROM_OVERLAP = {
     for rule in (runs.GAINS_ENERGY, runs.STUCK_IN_GROUND, runs.KEEPS_MOVING, runs.TIPS_OVER)
 }
 ON_THE_GROUND = 0.02  # m
+TOUCHES = 0.003  # m; engines have collision margins of 1 mm
 
 
 def check_run(  # noqa: PLR0913  most have defaults
@@ -82,6 +83,8 @@ def check_run(  # noqa: PLR0913  most have defaults
             motion = [one for one in motion if one.code not in FOLLOW_FROM_OVERLAP]
         if static_models and not _is_on_the_ground(world, robot_run):
             motion = [_as_on_a_slope(one) for one in motion]
+        elif is_alone and not motion and not depths and _is_on_the_ground(world, robot_run):
+            motion = [*_leaning(robot, robot_run)]
         found += motion
     return tuple(found)
 
@@ -101,6 +104,26 @@ def _as_on_a_slope(diagnostic: Diagnostic) -> Diagnostic:
     """On the models of a world it may be right that a robot leans."""
     leans = diagnostic.code == runs.TIPS_OVER.code and diagnostic.severity is Severity.ERROR
     return replace(diagnostic, severity=Severity.WARNING) if leans else diagnostic
+
+
+def _leaning(robot: Robot, robot_run: RobotRun) -> Iterator[Diagnostic]:
+    """Say by which parts a robot that is at rest on the ground is not upright."""
+    is_upright = robot_run.tilt <= runs.LEANING
+    if is_upright or robot_run.settled_after is None or robot.fixed_to_world:
+        return
+    # It reads meshes, for the few that lean.
+    from wsgen.simulation.surfaces import UnreadError, lowest_points  # noqa: PLC0415
+
+    try:
+        upright = lowest_points(robot, link_poses(robot, robot_run.spawn_pose))
+        at_end = lowest_points(robot, link_poses(robot, robot_run.rest_pose))
+    except (OSError, UnreadError):
+        upright, at_end = {}, {}
+    ground = min(at_end.values(), default=0.0)
+    touching = sorted(name for name, z in at_end.items() if z - ground < TOUCHES)
+    least = min(upright.values(), default=0.0)
+    heights = {name: z - least for name, z in upright.items()}
+    yield from runs.leans(robot_run.entity, robot_run.tilt, touching, heights)
 
 
 def _check_motion(

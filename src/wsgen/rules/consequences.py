@@ -34,6 +34,7 @@ from wsgen.rules.runs import (
     GAINS_ENERGY,
     JOINT_BEYOND_LIMIT,
     KEEPS_MOVING,
+    LEANS,
     SPAWNED_HIGH,
     SPAWNED_IN_GROUND,
     STATE_NOT_FINITE,
@@ -58,7 +59,7 @@ def _codes(*rules: Rule) -> tuple[str, ...]:
 
 # What a run shows.
 EXPLODES = _codes(STATE_NOT_FINITE, THROWN_INTO_THE_AIR, GAINS_ENERGY)
-FALLS = _codes(FALLS_WITHOUT_END, KEEPS_MOVING, TIPS_OVER)
+FALLS = _codes(FALLS_WITHOUT_END, KEEPS_MOVING, TIPS_OVER, LEANS)
 MOVES = (*_codes(STUCK_IN_GROUND, JOINT_BEYOND_LIMIT), *FALLS, *EXPLODES)
 # The start, and that two engines never agree on what explodes or falls.
 ANY = (*MOVES, *_codes(SPAWNED_IN_GROUND, SPAWNED_HIGH, ENGINES_DISAGREE))
@@ -81,14 +82,14 @@ CONSEQUENCES = (
     Consequence(IMPLAUSIBLE_MASS.code, (*MOVES, ENGINES_DISAGREE.code)),
     # Nothing touches the ground.
     Consequence(NO_COLLISION.code, _codes(FALLS_WITHOUT_END)),
-    Consequence(SHAPE_LEFT_OUT.code, _codes(FALLS_WITHOUT_END, TIPS_OVER)),
+    Consequence(SHAPE_LEFT_OUT.code, _codes(FALLS_WITHOUT_END, TIPS_OVER, LEANS)),
     # The simulated robot is not the one that was meant.
     Consequence(MISSPELLED_ELEMENT.code, ANY),
     Consequence(MISSPELLED_ATTRIBUTE.code, ANY),
     # The weight is elsewhere, or what should carry it touches nothing.
     Consequence(CENTER_OF_MASS_OUTSIDE.code, MOVES),
     Consequence(UNLIKE_SHAPES.code, ANY),
-    Consequence(WHEEL_WITHOUT_COLLISION.code, _codes(TIPS_OVER, SPAWNED_IN_GROUND)),
+    Consequence(WHEEL_WITHOUT_COLLISION.code, _codes(TIPS_OVER, LEANS, SPAWNED_IN_GROUND)),
     # A part falls off.
     Consequence(LOOSE_JOINT.code, (), errors=FALLS),
     Consequence(JOINT_LEFT_OUT.code, (), errors=FALLS),

@@ -518,6 +518,54 @@ def tips_over(
         )
 
 
+LEANS = Rule(
+    code="SPN067",
+    name="leans",
+    severity=Severity.WARNING,
+    summary="The robot stands, but leans by some degrees where it was spawned upright.",
+    what="Measures, of a robot that is at rest on level ground and whose joints are where they "
+    "were, the angle between its up axis at the end and when it was spawned; reports 3 to 15 "
+    "degrees.",
+    why="The parts that it stands on do not end at one height: a caster hangs too high or too low, "
+    "or wheels on one side have another radius. Sensors look into the ground or into the air, and "
+    "wheels press with other forces than was meant.",
+    example='<joint name="caster_joint" type="fixed"><origin xyz="-0.2 0 -0.02"/>…</joint>',
+    instead='<joint name="caster_joint" type="fixed"><origin xyz="-0.2 0 -0.05"/>…</joint>',
+)
+# Of the published robots at rest with joints where they were, none leans by more than a degree.
+LEANING = math.radians(3)
+UNEVEN = 0.002  # m; what ends higher above the others, upright, is named
+MOST_NAMED = 4  # parts in a message
+
+
+def leans(
+    entity: str, tilt: float, touching: Sequence[str], heights: Mapping[str, float]
+) -> Iterator[Diagnostic]:
+    """Report a robot that is at rest and neither upright nor on its side.
+
+    `touching` are links that touch the ground at the end; `heights` is how far the lowest point of
+    each link is above that of the robot, m, when it is upright.
+    """
+    if not LEANING < tilt <= TIPPED:
+        return
+    named = ", ".join(f"`{name}`" for name in touching[:MOST_NAMED])
+    more = f" and {len(touching) - MOST_NAMED} more" if len(touching) > MOST_NAMED else ""
+    stands = f" It rests on {named}{more}." if touching else ""
+    high = max(touching, key=lambda name: heights.get(name, 0.0), default=None)
+    hint = "Check that all that it stands on ends at one height."
+    if high is not None and heights.get(high, 0.0) > UNEVEN:
+        hint = (
+            f"Upright, `{high}` ends {1000 * heights[high]:.0f} mm above the lowest part of the "
+            "robot: move it down by that, or the others up, or make it larger."
+        )
+    yield LEANS.at(
+        None,
+        element=entity,
+        message=f"The robot stands, but leans by {math.degrees(tilt):.1f} degrees.{stands}",
+        hint=hint,
+    )
+
+
 SHALLOW = 0.02  # m; engines push a robot out of less without a jump
 PUSHED_OUT = 0.1  # m; what stands after less was spawned a bit too low, as many robots are
 # at most so many pairs of links are named in a message

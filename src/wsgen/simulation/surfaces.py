@@ -80,6 +80,20 @@ def lowest_point(robot: Robot, poses: Mapping[str, Pose]) -> float:
     return min(lowest, default=poses[robot.root].xyz[2])
 
 
+def lowest_points(robot: Robot, poses: Mapping[str, Pose]) -> dict[str, float]:
+    """The z of the lowest point of each link that can touch something, m, by its name.
+
+    The poses of the links are seen from the world.
+    """
+    found: dict[str, float] = {}
+    for link in robot.links:
+        for geometry, collision in there(link):
+            pose = compose(poses[link.name], collision.pose_in_link)
+            lowest = pose.xyz[2] - _reach_down(geometry, pose)
+            found[link.name] = min(lowest, found.get(link.name, lowest))
+    return found
+
+
 def _reach_down(geometry: Touchable, pose: Pose) -> float:
     """How far it reaches below its frame, m."""
     down = rotation_of_rpy(pose.rpy)[2]
