@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import xacro
-from xacro import substitution_args
 
 from wsgen.files import refuse_irregular
 from wsgen.source_shares import note_use
@@ -35,17 +34,6 @@ def _open_regular(file: Any, mode: str = "r", **keywords: Any) -> Any:
 
 
 xacro.open = _open_regular  # what it finds before the built-in one
-
-_find_share = substitution_args._eval_find  # noqa: SLF001  $(find …), and find(…) in expressions
-
-
-def _find_and_note(package: str) -> str:
-    share: str = _find_share(package)
-    note_use(package, os.environ)
-    return share
-
-
-substitution_args._eval_find = _find_and_note  # noqa: SLF001  same
 
 
 class CommandResult(NamedTuple):
@@ -174,6 +162,7 @@ def expand(file: Path, mappings: Mapping[str, str]) -> CommandResult:
 
 def expand_for_parent(request: ExpansionRequest) -> Expansion | ExpansionError:
     """`expand` in a child process."""
+    _note_finds()
     result = expand(Path(request.file), request.arguments)
     if result.code == 0:
         unused = tuple(UnusedArgument(**one) for one in result.unused)
@@ -181,6 +170,22 @@ def expand_for_parent(request: ExpansionRequest) -> Expansion | ExpansionError:
     error = result.error or {"message": result.stderr.strip()}
     fields = ExpansionError.__dataclass_fields__
     return ExpansionError(**{name: error[name] for name in fields if name in error})
+
+
+def _note_finds() -> None:
+    """Note which packages `$(find …)` looks up; launch files have their own way to find them."""
+    # It loads yaml, which launch files seldom need.
+    from xacro import substitution_args  # noqa: PLC0415
+
+    find = substitution_args._eval_find  # noqa: SLF001  xacro has no hook for it
+
+    def find_and_note(package: str) -> str:
+        share: str = find(package)
+        note_use(package, os.environ)
+        return share
+
+    substitution_args._eval_find = find_and_note  # noqa: SLF001  same
+    substitution_args._eval_dict["find"] = find_and_note  # noqa: SLF001  of $(eval …)
 
 
 def run_command(words: Sequence[str], *, rewrite: Callable[[str], str] = str) -> CommandResult:
