@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 from importlib.metadata import entry_points
@@ -111,6 +112,30 @@ def test_the_selection_and_the_options(workspace: Path) -> None:
     nothing = colcon(workspace, "validate", "--packages-select", "good_robt")
     assert nothing.returncode == 0, nothing.stdout + nothing.stderr
     assert "Robots: no package is selected\n  try: Go to the folder" in nothing.stdout
+
+
+@pytest.mark.slow
+def test_packages_elsewhere_and_another_install_space(workspace: Path, tmp_path: Path) -> None:
+    """Two source trees beside the folder that colcon is run in, and packages built elsewhere."""
+    first, second, here = (tmp_path / name for name in ("first", "second", "here"))
+    shutil.copytree(workspace / "src" / "good_robot", first / "src" / "good_robot")
+    shutil.copytree(workspace / "src" / "my_msgs", second / "my_msgs")
+    here.mkdir()
+    places = ("--base-paths", "../first", "../second", "--install-base", "../out")
+    for words in (("validate", "--seconds", "0.2"), ("build", "--packages-select", "good_robot")):
+        done = colcon(here, *words, *places)
+        assert done.returncode == 0, done.stdout + done.stderr
+        if words[0] == "validate":
+            assert "Robots: 1 package passed, 0 packages failed, 1 package skipped" in done.stdout
+    # What is built there counts: the source has changed since.
+    (launch_file,) = (first / "src" / "good_robot" / "launch").iterdir()
+    launch_file.write_text("def generate_launch_description():\n    raise ValueError\n")
+    done = colcon(here, "validate", *places, "--packages-select", "good_robot")
+    assert done.returncode == 0, done.stdout + done.stderr
+    report = json.loads((here / "build" / "good_robot" / f"{RESULT}.json").read_text())
+    (package,) = report["packages"]
+    assert package["share"] == f"{tmp_path}/out/good_robot/share/good_robot"
+    assert "PKG065" not in {one["code"] for one in package["diagnostics"]}
 
 
 def test_the_verb_is_registered() -> None:

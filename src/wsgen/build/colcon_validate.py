@@ -54,6 +54,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "(default: %(default)s)",
     )
     parser.add_argument(
+        "--install-base",
+        default=wrap_default_value("install"),
+        type=get_cwd_path_resolver(),
+        help="The base path of the packages that are built (default: %(default)s)",
+    )
+    parser.add_argument(
         "--launch",
         metavar="FILE",
         help="Name of the launch file of each package (default: all that spawn a robot)",
@@ -103,10 +109,11 @@ def validate(context: Any) -> int:
     Path(args.build_base, "COLCON_IGNORE").touch()
     decorators = get_packages(args, recursive_categories=("run",))
     jobs: OrderedDict[str, Job] = OrderedDict()
+    folders = [str(decorator.descriptor.path) for decorator in decorators]
     for decorator in decorators:
         if decorator.selected:
             package = decorator.descriptor
-            jobs[package.name] = _job(package, args)
+            jobs[package.name] = _job(package, args, folders)
     on_error = OnError.interrupt if args.abort_on_error else OnError.continue_
     code: int = execute_jobs(context, jobs, on_error=on_error)
     for line in _summary([job.task for job in jobs.values()]):
@@ -114,14 +121,14 @@ def validate(context: Any) -> int:
     return code
 
 
-def _job(package: Any, args: argparse.Namespace) -> Job:
+def _job(package: Any, args: argparse.Namespace, folders: Sequence[str]) -> Job:
     folder = Path(args.build_base, package.name).absolute()
     # None depends on another one: what is built is validated.
     task_context = TaskContext(pkg=package, args=args, dependencies=OrderedDict())
     return Job(
         identifier=package.name,
         dependencies=set(),
-        task=ValidateTask(package.name, folder),
+        task=ValidateTask(package.name, folder, folders),
         task_context=task_context,
     )
 
@@ -131,9 +138,10 @@ class ValidateTask(TaskExtensionPoint):  # type: ignore[misc]  # colcon is not t
 
     TASK_NAME = "validate"
 
-    def __init__(self, package: str, folder: Path) -> None:
+    def __init__(self, package: str, folder: Path, folders: Sequence[str] = ()) -> None:
         super().__init__()
         self.package = package
+        self.folders = folders  # of all packages, which this one may need
         self.folder = folder  # for the result files
         self.result: Result | None = None  # None: it was not validated to the end
         self.problem = ""  # why not, in the words of wsgen
@@ -145,7 +153,7 @@ class ValidateTask(TaskExtensionPoint):  # type: ignore[misc]  # colcon is not t
         report = self.folder / f"{RESULT}.json"
         for old in (report, report.with_suffix(".xml")):
             old.unlink(missing_ok=True)
-        words = _words(self.package, self.folder, self.context.args)
+        words = _words(self.package, self.folder, self.folders, self.context.args)
         post = self.context.put_event_into_queue
         told: list[bytes] = []  # its progress, or why it cannot do what it is asked for
 
@@ -172,9 +180,14 @@ class ValidateTask(TaskExtensionPoint):  # type: ignore[misc]  # colcon is not t
         return code
 
 
-def _words(package: str, folder: Path, args: argparse.Namespace) -> list[str]:
+def _words(
+    package: str, folder: Path, folders: Sequence[str], args: argparse.Namespace
+) -> list[str]:
     """The command line for a package."""
     words = [sys.executable, "-m", "wsgen", "validate", package, "--workspace", str(Path.cwd())]
+    # Packages may be anywhere, and installed anywhere; wsgen would look below the current folder.
+    words += ["--install-base", str(args.install_base)]
+    words += [word for one in folders for word in ("--package-folder", str(Path(one).absolute()))]
     words += ["--json", str(folder / f"{RESULT}.json"), "--junit", str(folder / f"{RESULT}.xml")]
     for option in ("launch", "engine", "seconds", "picture"):
         value = getattr(args, option)

@@ -82,11 +82,16 @@ MOST_SEARCHED = 100  # folders, for packages and files to suggest
 @junit_option
 @summary_option
 @github_format_option
+# Given by `colcon validate`, which knows both.
+@click.option("--install-base", type=click.Path(), hidden=True)
+@click.option("--package-folder", "package_folders", multiple=True, hidden=True)
 @output_options
 def command(
     names: tuple[str, ...],
     *,
     workspace: str | None,
+    install_base: str | None,
+    package_folders: tuple[str, ...],
     launch_file: str | None,
     arguments: tuple[str, ...],
     answers: tuple[str, ...],
@@ -131,7 +136,7 @@ def command(
     )
     return validate_packages(
         request.for_page() if html_file else request,
-        workspace=workspace,
+        workspace=_as_colcon_says(workspace, install_base, package_folders),
         quiet=quiet,
         verbose=verbose,
         output_format=output_format,
@@ -180,7 +185,7 @@ def refuse_folder(folder: Path, *, command: str = "validate") -> RequestError:
 def validate_packages(
     request: ValidateRequest,
     *,
-    workspace: str | None,
+    workspace: str | Workspace | None,
     quiet: bool,
     verbose: bool,
     output_format: str = "text",
@@ -290,19 +295,38 @@ def _workspace_option(workspace: Workspace | None) -> list[str]:
     from wsgen.workspace.layout import open_workspace
 
     try:
-        is_meant = workspace is None or open_workspace(None) == workspace
+        is_meant = workspace is None or open_workspace(None).root == workspace.root
     except (NotFoundError, RequestError):
         is_meant = False
     return [] if workspace is None or is_meant else ["-w", short_name(workspace.root)]
 
 
-def open_workspace_of(given: str | None, request: ValidateRequest) -> Workspace | None:
+def _as_colcon_says(
+    workspace: str | None, install_base: str | None, package_folders: Sequence[str]
+) -> str | Workspace | None:
+    """The workspace whose packages colcon has found, and whose install space it names."""
+    if install_base is None:
+        return workspace
+    from pathlib import Path
+
+    from wsgen.workspace.layout import Workspace
+
+    return Workspace(
+        root=Path(workspace or ".").absolute(),
+        package_folders=tuple(Path(folder).absolute() for folder in package_folders),
+        install_base=Path(install_base).absolute(),
+    )
+
+
+def open_workspace_of(given: str | Workspace | None, request: ValidateRequest) -> Workspace | None:
     """The selected workspace; None if only files are given and no workspace is found.
 
     Files belong to the clone around them, not to that around the current folder.
     """
-    from wsgen.workspace.layout import open_workspace
+    from wsgen.workspace.layout import Workspace, open_workspace
 
+    if isinstance(given, Workspace):
+        return given
     has_only_files = bool(request.files) and not request.packages
     try:
         return open_workspace(given, takes_clone=not has_only_files)

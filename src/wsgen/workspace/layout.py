@@ -71,9 +71,12 @@ EVIDENCE_LIMIT = 2000
 
 @dataclass(frozen=True, kw_only=True)
 class Workspace:
-    """A colcon workspace with the folders in their usual places."""
+    """A colcon workspace with the folders in their usual places, but for what colcon is told."""
 
     root: Path  # absolute
+    # Where colcon has found its packages, if it was asked; else they are looked for below `root`.
+    package_folders: tuple[Path, ...] = ()
+    install_base: Path | None = None  # None: the usual one
 
     @property
     def source(self) -> Path:
@@ -88,7 +91,7 @@ class Workspace:
     @property
     def install(self) -> Path:
         """The install space, with setup.bash."""
-        return self.root / "install"
+        return self.install_base or self.root / "install"
 
     @property
     def log(self) -> Path:
@@ -251,7 +254,7 @@ def take_inventory(workspace: Workspace) -> Inventory:
     packages: list[PackageFolder] = []
     others: list[Path] = []
     has_python = False
-    for folder, names in crawl(workspace.root):
+    for folder, names in _folders_of(workspace):
         has_python = has_python or not PYTHON_MARKERS.isdisjoint(names)
         package = read_package(folder) if "package.xml" in names else None
         if package is not None:
@@ -260,6 +263,14 @@ def take_inventory(workspace: Workspace) -> Inventory:
         elif not names.isdisjoint({"CMakeLists.txt", *PYTHON_MARKERS}):
             others.append(folder)
     return Inventory(packages=tuple(packages), others=tuple(others), has_python=has_python)
+
+
+def _folders_of(workspace: Workspace) -> Iterator[tuple[Path, frozenset[str]]]:
+    """The folders that may be packages, each with the names of its files."""
+    if not workspace.package_folders:
+        yield from crawl(workspace.root)
+    for folder in workspace.package_folders:
+        yield from islice(crawl(folder), 1)
 
 
 def read_package(folder: Path) -> PackageFolder | None:
