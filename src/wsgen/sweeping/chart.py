@@ -32,6 +32,7 @@ MOST_POINTS = 3000  # in a panel
 MOST_LINES = 800  # in parallel coordinates
 MOST_AXES = 12
 MOST_FIGURES = 3
+NOTICEABLE = 1e-3  # m, rad, s and their speeds; by less figures vary without a reason
 MOST_CELLS = 120  # of a grid along an axis that is drawn cell by cell
 BINNED_CELLS = 40  # along an axis, of many runs
 BINS = 24  # of the share over a parameter with many values
@@ -374,11 +375,11 @@ def _wilson(passes: Numbers, runs: Numbers) -> tuple[Numbers, Numbers]:
 
 
 def _main_figures(data: TableData) -> list[Series]:
-    """The figures that vary, those of behaviors first."""
+    """The figures that vary by more than the noise of engines, those of behaviors first."""
     numeric = {
         one.column.name: one
         for one in data.figures
-        if one.column.kind in {"number", "integer"} and _spread(one.numbers) > 0
+        if one.column.kind in {"number", "integer"} and _spread(one.numbers) > NOTICEABLE
     }
     of_behaviors = [name for name in numeric if name.startswith("behavior.")]
     known = [name for wanted in FIGURES for name in numeric if name.split(".")[-1] == wanted]
