@@ -12,6 +12,8 @@ import ast
 import builtins
 from typing import TYPE_CHECKING
 
+from wsgen.pythontree import parse
+
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
@@ -61,7 +63,7 @@ def is_plain(source: bytes) -> bool:
     if len(source) > MOST_BYTES:
         return False
     try:
-        tree = ast.parse(source)
+        tree = parse(source)
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return False
     nodes = _walk(tree)

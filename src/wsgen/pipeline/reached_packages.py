@@ -40,6 +40,9 @@ def find_reached(checked: Iterable[str], packages: Mapping[str, PackageFolder]) 
         checked: names of packages.
         packages: all packages of the workspaces, by name.
     """
+    checked = [*checked]
+    if packages.keys() <= set(checked):
+        return frozenset(packages)
     names = {name.encode(): name for name in packages}
     reached: set[str] = set()
     waiting = [*checked, *(name for name, one in packages.items() if _sets_environment(one))]

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.files import irregular_kind, real_path
 from wsgen.markup import read_text, without_comments
+from wsgen.pythontree import parse
 from wsgen.ros_names import released_packages
 
 if TYPE_CHECKING:
@@ -126,7 +127,7 @@ def _uses_of_python(
     if "import" not in text:
         return
     try:
-        reader = _PythonReader(ast.parse(text))
+        reader = _PythonReader(parse(text.encode()))
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return
     if is_launch:
