@@ -12,9 +12,11 @@ from wsgen.isolation.parent import Run
 from wsgen.isolation.result import Answered, Died, Limits
 from wsgen.launch.evaluate import LIMITS, evaluate
 from wsgen.launch.plain import is_plain, is_plain_expression
-from wsgen.launch.plain_child import PlainLaunches
+from wsgen.launch.plain_child import TASK_OF_XACRO, PlainLaunches
 from wsgen.model.plan import LaunchPlan
 from wsgen.source_shares import serve_sources
+from wsgen.xacro.reader import TASK as XACRO_TASK
+from wsgen.xacro.reader import expand_file
 
 TESTS = Path(__file__).parents[1]
 HEAD = """\
@@ -288,3 +290,42 @@ def test_a_robot_is_expanded_again_where_it_may_have_changed(
     text, source, is_expanded = expand(files[1])
     assert '"another"' in text
     assert is_expanded
+
+
+ROBOT = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{}</robot>'
+XACRO_FILES = {
+    "sound": '<xacro:arg name="size" default="1"/><link name="a$(arg size)"/>',
+    "defines": '<xacro:property name="p" value="3"/><xacro:macro name="m" params="">'
+    '<link name="b"/></xacro:macro><xacro:arg name="kept" default="2"/><xacro:m/>',
+    "wants a property": '<link name="a${p}"/>',
+    "wants a macro": "<xacro:m/>",
+    "wants an argument": '<link name="$(arg kept)"/>',
+    "includes": '<xacro:include filename="sound.xacro"/>',
+    "reads the environment": '<link name="$(optenv MODEL none)"/>',
+    "is broken": "<link",
+    "prints": "${xacro.message('printed')}<link name='c'/>",
+}
+
+
+@pytest.mark.slow
+def test_one_child_expands_as_many(together: PlainLaunches, apart: Counted, tmp_path: Path) -> None:
+    assert TASK_OF_XACRO == XACRO_TASK
+    for name, text in XACRO_FILES.items():
+        (tmp_path / f"{name}.xacro").write_text(ROBOT.format(text))
+
+    def expand(name: str, run: Run, **arguments: str) -> object:
+        variables = {**os.environ, "MODEL": arguments.get("size", "small")}
+        file = tmp_path / f"{name}.xacro"
+        return expand_file(file, arguments, environment=variables, run=run)
+
+    before = apart.count
+    for name in (*XACRO_FILES, *reversed(XACRO_FILES)):
+        for arguments in ({}, {"size": "2"}):
+            found = expand(name, together.run, **arguments)
+            count = apart.count
+            assert found == expand(name, apart.run, **arguments), name
+            apart.count = count
+    failing = [name for name in XACRO_FILES if expand(name, together.run)[0] is None]  # type: ignore[index]
+    assert failing == ["wants a property", "wants a macro", "wants an argument", "is broken"]
+    # What fails is expanded in a child of its own, which explains it.
+    assert apart.count - before == 5 * len(failing)

@@ -1,4 +1,4 @@
-"""Children that evaluate many plain launch files, one after another.
+"""Children that evaluate many plain launch files and xacro files, one after another.
 
 Starting a process for a launch file takes longer than most evaluations. A plain one leaves nothing
 behind in its process (`launch.plain`), so that the next one can be evaluated there. What is not
@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import threading
 from contextlib import AbstractContextManager, suppress
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.files import read_regular
@@ -21,14 +22,14 @@ from wsgen.model.plan import LaunchRequest
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-    from pathlib import Path
     from types import TracebackType
 
     from wsgen.isolation.parent import Run
 
 
 SERVE = "wsgen.tasks.launch:serve_plain_launches"
-EVALUATE = "evaluate"  # the command
+EVALUATE, EXPAND = "evaluate", "expand"  # the commands
+TASK_OF_XACRO = "wsgen.xacro.expansion:expand_for_parent"
 SECONDS = 5.0  # CPU time; what takes longer gets a process, and more time, of its own
 MOST_DEATHS = 3  # then each launch file gets a process of its own
 
@@ -72,20 +73,24 @@ class PlainLaunches(AbstractContextManager["PlainLaunches"]):
         folder: Path | None = None,
     ) -> Answered | Died:
         """Call `module:function` with the arguments in a child; see `parent.run`."""
+        outcome = None
         if task == TASK and folder is None:
             (request,) = arguments
             if isinstance(request, LaunchRequest) and _is_plain(request):
-                outcome = self._evaluate(request, parent.complete(environment))
-                if outcome is not None:
-                    return outcome
+                outcome = self._call(EVALUATE, request, parent.complete(environment))
+        elif task == TASK_OF_XACRO:
+            place = str(Path.cwd() / (folder or ""))
+            outcome = self._call(EXPAND, *arguments, parent.complete(environment), place)
+        if outcome is not None:
+            return outcome
         return self._run(task, *arguments, limits=limits, environment=environment, folder=folder)
 
-    def _evaluate(self, request: LaunchRequest, environment: Mapping[str, str]) -> Answered | None:
-        """The plan; None where the launch file needs a process of its own."""
+    def _call(self, command: str, *arguments: object) -> Answered | None:
+        """What the child of this thread answers; None where a process of its own is needed."""
         child = self._child()
         if child is None:
             return None
-        outcome = child.call(EVALUATE, request, environment, seconds=SECONDS)
+        outcome = child.call(command, *arguments, seconds=SECONDS)
         if isinstance(outcome, Answered):
             return None if outcome.value is None else outcome
         with self._lock:

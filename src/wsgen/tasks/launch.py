@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.isolation.channel import serve
+from wsgen.isolation.child import set_environment
 from wsgen.launch import worker
 from wsgen.launch.expansions import Expansions
-from wsgen.launch.plain_child import EVALUATE
+from wsgen.launch.plain_child import EVALUATE, EXPAND
 from wsgen.launch.record import RECORD, CommandOutcome
 from wsgen.xacro import expansion
+from wsgen.xacro.result import Expansion
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from wsgen.isolation.channel import Endpoint
     from wsgen.model.plan import LaunchPlan, LaunchRequest
+    from wsgen.xacro.result import ExpansionRequest
 
 
 def warm_up() -> None:
@@ -46,7 +51,22 @@ def serve_plain_launches(endpoint: Endpoint) -> None:
         )
         return plan and replace(plan, seconds_in_xacro=watch.seconds)
 
-    serve(endpoint, {EVALUATE: evaluate})
+    serve(endpoint, {EVALUATE: evaluate, EXPAND: _expand})
+
+
+def _expand(
+    request: ExpansionRequest, environment: Mapping[str, str], folder: str
+) -> Expansion | None:
+    """Expand a xacro file in a folder; None where that fails."""
+    before = Path.cwd()
+    RECORD.forget()
+    set_environment(environment)
+    os.chdir(folder)
+    try:
+        answer = expansion.expand_for_parent(request)
+    finally:
+        os.chdir(before)
+    return answer if isinstance(answer, Expansion) else None
 
 
 def _run_xacro(words: Sequence[str]) -> CommandOutcome:
