@@ -20,7 +20,6 @@ from wsgen.executors.shared import share
 from wsgen.sweeping.runner import run_all
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
     from pathlib import Path
 
     from wsgen.executors.dask_cluster import DaskExecutor
@@ -32,12 +31,6 @@ pytestmark = [
     pytest.mark.skipif(sys.platform != "linux", reason="reads /proc"),
 ]
 dask_cluster = pytest.importorskip("wsgen.executors.dask_cluster")
-
-
-@pytest.fixture(scope="module")
-def executor() -> Iterator[DaskExecutor]:
-    with dask_cluster.connect("local", 2) as made:
-        yield made
 
 
 def rows_of(executor: RunExecutor) -> list[Row]:

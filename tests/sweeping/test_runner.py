@@ -42,7 +42,7 @@ class Scripted:
         self._answer = answer
 
     def submit(self, *args: Any, **_: Any) -> Future[Any]:
-        _, shared, wanted, *_ = args
+        shared, wanted = args[1:3]
         self.submitted.append((shared, wanted))
         self.running += 1
         self.most = max(self.most, self.running)

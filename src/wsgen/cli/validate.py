@@ -74,6 +74,12 @@ MOST_SEARCHED = 100  # folders, for packages and files to suggest
     metavar="N",
     help="Number of packages or files to process in parallel; of one alone, its engines.",
 )
+@click.option(
+    "--scheduler",
+    metavar="ADDRESS|local",
+    help="Simulate on the workers of a Dask scheduler, such as tcp://192.168.1.5:8786; `local` "
+    "starts one on this machine (pip install 'wsgen[sweep]').",
+)
 @picture_option
 @click.option(
     "--json", "json_file", type=click.Path(), metavar="FILE", help="File for the result as JSON."
@@ -98,6 +104,7 @@ def command(
     seconds: float,
     engine: str | None,
     jobs: int,
+    scheduler: str | None,
     picture: str | None,
     json_file: str | None,
     junit_file: str | None,
@@ -132,6 +139,7 @@ def command(
         seconds=seconds,
         engines=chosen_engines(engine),
         jobs=jobs,
+        scheduler=scheduler,
         picture_folder=Path(picture) if picture else None,
     )
     return validate_packages(

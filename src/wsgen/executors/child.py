@@ -62,16 +62,17 @@ class Child:
         function: str,
         arguments: Sequence[object],
         limits: Limits = DEFAULT_LIMITS,
+        attempts: int = ATTEMPTS,
     ) -> Any:
         """Have `module:function` called; its result as JSON has it (`wsgen.isolation.codec`).
 
         Raises:
-            ChildDiedError: The call ended `ATTEMPTS` children, or exceeded the limits as often.
+            ChildDiedError: The call ended so many children, or exceeded the limits as often.
             CancelledError: It was stopped.
             NotReadableError: The child cannot be started.
         """
         death: Died | None = None
-        for _ in range(ATTEMPTS):
+        for _ in range(attempts):
             outcome = self._try(function, arguments, limits)
             if not isinstance(outcome, Died):
                 return outcome.value

@@ -26,7 +26,7 @@ from distributed import Client, Future, KilledWorker, LocalCluster, WorkerPlugin
 
 from wsgen import __version__
 from wsgen.errors import NotFoundError, NotReadableError, RequestError, WsgenError
-from wsgen.executors.child import Child, ChildDiedError, name_of
+from wsgen.executors.child import ATTEMPTS, Child, ChildDiedError, name_of
 from wsgen.executors.copied_files import CopiedFiles
 from wsgen.executors.shared import Shared
 from wsgen.isolation.result import DEFAULT_LIMITS, Died, Limits
@@ -194,10 +194,10 @@ def _pack(shared: Shared, hashes: tuple[str, ...], *contents: bytes) -> _Parcel:
     return _Parcel(shared, hashes, contents)
 
 
-def _compute(pool: str, function: str, limits: Limits, *arguments: object) -> Any:
+def _compute(pool: str, function: str, limits: Limits, attempts: int, *arguments: object) -> Any:
     """On a worker: have a child call a function; a death is an answer, too."""
     plugin: _Pool = get_worker().plugins[pool]
-    return plugin.compute(function, limits, arguments)
+    return plugin.compute(function, arguments, limits, attempts)
 
 
 class _Pool(WorkerPlugin):  # type: ignore[misc]
@@ -222,14 +222,17 @@ class _Pool(WorkerPlugin):  # type: ignore[misc]
             child.stop()
         self._files.remove()
 
-    def compute(self, function: str, limits: Limits, arguments: tuple[object, ...]) -> Any:
+    def compute(
+        self, function: str, arguments: tuple[object, ...], limits: Limits, attempts: int
+    ) -> Any:
+        """Have a child call a function; gives its result, or how the last child died."""
         with contextlib.ExitStack() as stack:
             given = [
                 self._unpack(one, stack) if isinstance(one, _Parcel) else one for one in arguments
             ]
             try:
                 with self._child().lent() as child:
-                    return child.call(function, given, limits)
+                    return child.call(function, given, limits, attempts)
             except ChildDiedError as error:
                 return error.death
             except CancelledError:  # the calls of this client are over
@@ -323,14 +326,14 @@ class DaskExecutor(Executor):
         return CALLS_A_THREAD * self._threads
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> StandardFuture[Any]:
-        """Have a function called by a child of a worker; `limits` is the only keyword."""
-        limits: Limits = kwargs.pop("limits", DEFAULT_LIMITS)
+        """Have a function called by a child of a worker; keywords are `limits` and `attempts`."""
         given = [self._send(one) if isinstance(one, Shared) else one for one in args]
         submitted = self._client.submit(
             _compute,
             self._pool,
             name_of(fn),
-            limits,
+            kwargs.get("limits", DEFAULT_LIMITS),
+            kwargs.get("attempts", ATTEMPTS),
             *given,
             key=f"wsgen-call-{uuid.uuid4().hex}",
             pure=False,

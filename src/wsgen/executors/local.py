@@ -6,7 +6,7 @@ import threading
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any
 
-from wsgen.executors.child import Child, name_of
+from wsgen.executors.child import ATTEMPTS, Child, name_of
 from wsgen.isolation.result import DEFAULT_LIMITS, Limits
 
 if TYPE_CHECKING:
@@ -36,7 +36,8 @@ class LocalExecutor(Executor):
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
         """Have a function called in a child; `Shared` arguments are sent to each child once.
 
-        The only keyword is `limits`, those of this call (`wsgen.isolation.result.Limits`).
+        Keywords are `limits`, those of this call (`wsgen.isolation.result.Limits`), and `attempts`,
+        how many children it may end.
         """
         return self._pool.submit(self._call, name_of(fn), args, **kwargs)
 
@@ -70,8 +71,9 @@ class LocalExecutor(Executor):
         function: str,
         arguments: tuple[object, ...],
         limits: Limits = DEFAULT_LIMITS,
+        attempts: int = ATTEMPTS,
     ) -> Any:
-        return self._child().call(function, arguments, limits)
+        return self._child().call(function, arguments, limits, attempts)
 
     def _child(self) -> Child:
         """The child of this thread."""

@@ -25,7 +25,7 @@ from wsgen.workspace.layout import Workspace, find_packages, workspace_around
 from wsgen.workspace.overlay import Overlay, open_overlay, overlay_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Mapping, Sequence
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
@@ -74,8 +74,10 @@ def validate(
         is_alone = len(packages) + len(request.files) == 1
         each = request if is_alone else replace(request, jobs=1)  # engines one after the other
         each = each.shared_by(len(packages) + len(request.files))
+        on_workers, jobs = _on_workers(request, stack)
 
         def subjects(run: Run) -> list[Validation | FileValidation]:
+            run = on_workers(run)
             return [
                 *(Validation(package, overlay, each, serial, run) for package in packages),
                 *_files(each, [package.label for package in packages], overlays, serial, run),
@@ -86,15 +88,29 @@ def validate(
             (subject,) = subjects(parent.run)
             ended.append(subject.run())
         elif packages or request.files:
-            run_parallel(
-                lambda run: [one.run for one in subjects(run)], request.jobs, serial, ended
-            )
+            run_parallel(lambda run: [one.run for one in subjects(run)], jobs, serial, ended)
         outcomes = _without_used_elsewhere(ended, request)
         outcomes = tuple(
             replace(outcome, diagnostics=summed_up(outcome.diagnostics))
             for outcome in _with_general(outcomes, overlay, request)
         )
         return Outcome(packages=outcomes, not_validated=not_validated)
+
+
+def _on_workers(request: ValidateRequest, stack: ExitStack) -> tuple[Callable[[Run], Run], int]:
+    """What makes a run one that simulates on a cluster, if one is wanted; and how many at a time.
+
+    Raises:
+        NotFoundError: Nobody answers at the address of the scheduler, or Dask is not installed.
+        RequestError: It is no address, or the cluster has other versions than this machine.
+    """
+    if request.scheduler is None:
+        return lambda run: run, request.jobs
+    from wsgen.executors.remote_run import RemoteRun  # noqa: PLC0415  as above
+    from wsgen.executors.scheduler import connect  # noqa: PLC0415  it is seldom wanted
+
+    executor = stack.enter_context(connect(request.scheduler, request.jobs))
+    return lambda run: RemoteRun(executor, run, request.jobs), max(request.jobs, executor.window)
 
 
 def _with_general(

@@ -270,7 +270,7 @@ def _run(  # noqa: PLR0913  what is run, where, and who is told
 def _executor(request: SweepRequest) -> LocalExecutor | DaskExecutor:
     """Where the runs are computed."""
     if request.scheduler is not None:
-        from wsgen.executors.dask_cluster import connect  # noqa: PLC0415  an extra
+        from wsgen.executors.scheduler import connect  # noqa: PLC0415  it is seldom wanted
 
         return connect(request.scheduler, jobs=request.jobs)
     from wsgen.executors.local import LocalExecutor  # noqa: PLC0415  as above
