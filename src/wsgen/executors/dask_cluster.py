@@ -21,6 +21,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import dask
 import distributed
 from distributed import Client, Future, KilledWorker, LocalCluster, WorkerPlugin, get_worker
 
@@ -76,6 +77,7 @@ def connect(scheduler: str, jobs: int = 1) -> DaskExecutor:
 
 
 def _start(jobs: int) -> LocalCluster:
+    dask.config.set({"distributed.scheduler.allowed-failures": ATTEMPTS - 1})
     return LocalCluster(
         n_workers=jobs,
         threads_per_worker=1,
