@@ -125,6 +125,20 @@ def test_curves_over_one_parameter() -> None:
     ]
 
 
+def test_a_fine_grid_has_the_result_of_each_run() -> None:
+    chart, _ = chart_of(over_one(301))
+    assert chart.panels[0].line_low == ()
+    assert set(chart.panels[0].line_y) == {0.0, 100.0}
+    assert len(chart.panels[0].line_x) == 301
+
+
+def test_noise_is_no_main_figure() -> None:
+    slope = np.linspace(0, 0.6, 31)
+    values = {SLOPE: slope, TILT: slope / 1e5, DRIFT: slope}
+    chart, _ = chart_of(make_table(values, slope < 0.41))
+    assert [panel.y.label for panel in chart.panels] == ["passed, %", "drift, m", "tilt, rad"]
+
+
 def test_shares_of_samples_have_intervals() -> None:
     chart, _ = chart_of(over_one(400, is_random=True))
     share = chart.panels[0]

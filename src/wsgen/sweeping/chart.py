@@ -42,6 +42,8 @@ LONGEST_LABEL = 24  # characters
 GOLDEN = (math.sqrt(5) - 1) / 2  # multiples of it fill an interval evenly
 # The figures that say most, after those of behaviors.
 FIGURES = ("tilt", "drift", "settled_after", "highest_joint_speed", "rest_z")
+# Figures that vary by less are noise, and drawn only if nothing else is: rad, m, s.
+LEAST_SPREADS = {"tilt": 0.002, "drift": 0.001, "settled_after": 0.01, "rest_z": 0.001}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -299,7 +301,9 @@ def _curves(
     marks = _marks(parameter)
     shown = _spread_out(x, series)
     chosen = _some(data.count, MOST_POINTS)
-    panels = [_share_panel(x, data.passed, axis, marks, is_text=axis.is_text)]
+    dependence = parameter.dependence if parameter is not None else None
+    is_certain = dependence is not None and dependence.is_certain
+    panels = [_share_panel(x, data.passed, axis, marks, is_joined=not is_certain)]
     for figure in _main_figures(data):
         y = _axis(figure, figure.numbers)
         panels.append(
@@ -338,12 +342,13 @@ def _share_panel(
     axis: Axis,
     marks: tuple[Mark, ...],
     *,
-    is_text: bool,
+    is_joined: bool,
 ) -> Panel:
+    """The share of each value; of many values that of neighboring ones, if they may be joined."""
     known = np.isfinite(x)
     x, passed = x[known], passed[known]
     values, index = np.unique(x, return_inverse=True)
-    if len(values) > MOST_VALUES and not is_text:
+    if len(values) > (MOST_VALUES if is_joined else MOST_POINTS) and not axis.is_text:
         edges = np.unique(np.quantile(x, np.linspace(0, 1, BINS + 1)))
         index = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, len(edges) - 2)
     runs: Numbers = np.bincount(index).astype(np.float64)
@@ -360,7 +365,7 @@ def _share_panel(
         line_y=tuple((100.0 * passes / runs).tolist()),
         line_low=tuple((100.0 * low).tolist()) if has_interval else (),
         line_high=tuple((100.0 * high).tolist()) if has_interval else (),
-        is_bars=is_text,
+        is_bars=axis.is_text,
         marks=marks,
     )
 
@@ -382,7 +387,13 @@ def _main_figures(data: TableData) -> list[Series]:
         if one.column.kind in {"number", "integer"} and _spread(one.numbers) > NOTICEABLE
     }
     of_behaviors = [name for name in numeric if name.startswith("behavior.")]
-    known = [name for wanted in FIGURES for name in numeric if name.split(".")[-1] == wanted]
+    last = {name: name.rpartition(".")[2] for name in numeric}
+    known = [
+        name
+        for wanted in FIGURES
+        for name, series in numeric.items()
+        if last[name] == wanted and _spread(series.numbers) >= LEAST_SPREADS.get(wanted, 0.0)
+    ]
     order = dict.fromkeys((*of_behaviors[:2], *known, *of_behaviors, *numeric))
     return [numeric[name] for name in [*order][:MOST_FIGURES]]
 

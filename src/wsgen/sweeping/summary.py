@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 FEW_VALUES = 2  # of a parameter that is a number, of which shares are shown as of a text
 MOST_SHARES = 8  # values of a parameter that are shown
 MOST_CODES = 10  # that are shown
+MOST_EXAMPLES = 3  # codes of which a message is shown
+LONGEST_VALUE = 40  # characters of a text
+LONGEST_EXAMPLE = 160  # characters
 ASYMMETRIC = 1.6  # of the longer to the shorter part of an interval, which is then written whole
 # What a meaning may begin with, as "m/s, of the root link".
 _UNIT = re.compile(r"((?:rad|deg|kg|m|s|N|Nm|Hz|W|J)(?:[/*·]?(?:m|s|kg|rad)[²³]?)*)(?=,|;| or |$)")
@@ -202,11 +205,14 @@ def _render_codes(summary: Summary) -> Iterator[str]:
         for one in shown
     ]
     widths = [max(len(row[column]) for row in rows) for column in range(3)]
-    for one, (code, runs, share) in zip(shown, rows, strict=True):
+    for number, (one, (code, runs, share)) in enumerate(zip(shown, rows, strict=True)):
         yield (
             f"  {code:<{widths[0]}}  {runs:>{widths[1]}}  {share:>{widths[2]}} of those that fail, "
             f"first in run {one.first_run}"
         )
+        if one.example and number < MOST_EXAMPLES:
+            message = re.sub(rf"^{one.code}( {re.escape(one.name)})?: ", "", one.example)
+            yield f"    {_clip(message, LONGEST_EXAMPLE)}"
     if len(summary.codes) > len(shown):
         yield f"  and {len(summary.codes) - len(shown)} more"
 
@@ -237,8 +243,12 @@ def _describe_shares(shares: Sequence[ValueShare]) -> list[str]:
 
 def _shown(text: str) -> str:
     """A value of a text on one line."""
-    line = " ".join(text.split()) or '""'
-    return line if len(line) <= 40 else f"{line[:39]}…"  # noqa: PLR2004
+    return _clip(text, LONGEST_VALUE) or '""'
+
+
+def _clip(text: str, most: int) -> str:
+    line = " ".join(text.split())
+    return line if len(line) <= most else f"{line[: most - 1]}…"
 
 
 def describe_dependence(dependence: Dependence, one: ParameterSummary) -> str:
