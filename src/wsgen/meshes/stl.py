@@ -19,6 +19,17 @@ TITLE_BYTES = 80
 HEADER_BYTES = 84  # a title, and the number of triangles
 TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 VERTEX = re.compile(rb"\bvertex\s+(\S+\s+\S+\s+\S+)", re.IGNORECASE)
+# A triangle as Gazebo reads a text (STLLoader of gz-common): lines that it skips are not looked at.
+FACET = re.compile(
+    rb"[ \t]*facet\b[^\n]*\n[^\n]*\n"  # and `outer loop`
+    rb"(?:[ \t]*[^\s]+(?:[ \t]+[^\s]+){3}[^\n]*\n){3}"
+    rb"[^\n]*\n[^\n]*(?:\n|\Z)",  # `endloop` and `endfacet`
+    re.IGNORECASE,
+)
+BETWEEN_FACETS = (b"solid", b"endsolid", b"color")  # the first words of other lines
+COMMENTS = (b"#", b"!", b"$")
+MOST_READ = 255  # bytes; what is longer counts as several lines
+MOST_SHOWN = 40  # bytes of a line in a message
 END_OF_TRIANGLE = re.compile(rb"\bendfacet\b", re.IGNORECASE)
 
 
@@ -82,7 +93,7 @@ def _is_text(data: bytes) -> bool:
 
 
 def _read_text(data: bytes) -> NDArray[np.float64]:
-    if b"\n" not in data:
+    if b"\n" not in data and b"\r" in data:
         raise BrokenMeshError(
             "is a text with the line ends of old Macintoshes (CR): Gazebo does not read it"
         )
@@ -92,4 +103,30 @@ def _read_text(data: bytes) -> NDArray[np.float64]:
         raise BrokenMeshError(
             f"has {len(numbers) // 3} vertices for {triangles} triangles: it is cut short"
         )
+    stop = _where_gazebo_stops(data, triangles)
+    if stop is not None:
+        line = data.splitlines()[stop - 1][:MOST_SHOWN].decode("ascii", "replace").strip()
+        raise BrokenMeshError(
+            f"is a text that Gazebo does not read from line {stop} on ({line!r}): `facet`, "
+            "`outer loop` and each `vertex` must have lines of their own, without others between "
+            f"them, none longer than {MOST_READ} characters"
+        )
     return numbers.reshape(-1, 3, 3)
+
+
+def _where_gazebo_stops(data: bytes, triangles: int) -> int | None:
+    """The number of the line at which Gazebo leaves a text; None where it reads it to its end."""
+    place = found = 0
+    while place < len(data):
+        facet = FACET.match(data, place)
+        if facet is not None:
+            found += 1
+            place = facet.end()
+            continue
+        end = data.find(b"\n", place) + 1 or len(data)
+        for start in range(place, end, MOST_READ):
+            words = data[start : min(start + MOST_READ, end)].lower().split(None, 1)
+            if words and words[0] not in BETWEEN_FACETS and not words[0].startswith(COMMENTS):
+                return data.count(b"\n", 0, place) + 1
+        place = end
+    return None if found == triangles else 1
