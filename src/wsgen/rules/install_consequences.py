@@ -38,7 +38,7 @@ _OF_PROGRAMS = frozenset(
     rule.code for rule in (BROKEN_SCRIPT, PROGRAM_NOT_EXECUTABLE, PROGRAM_NOT_INSTALLED)
 )
 _FOLLOWING = ("LCH", "ROB", "SPN", "WLD")  # families
-_PLACE = re.compile(r"/share/([\w-]+)/([\w.-]+)")
+_PLACE = re.compile(r"(?<![\w.-])share/([\w-]+)/([\w.-]+)")
 _PACKAGE = re.compile(r"package '([\w-]+)'")
 _ORDER = list(Severity)
 
