@@ -47,6 +47,14 @@ SECONDS_TO_CLOSE = 10.0
 COUNT_EVERY = 5.0  # s, between two looks at how many threads the workers have
 CALLS_A_THREAD = 3  # that are submitted, so that no thread waits for the next one
 IDLE_SECONDS = 60.0  # after that a worker ends a child that nobody calls
+# Of a local cluster: nobody looks at what it measures of itself ten to a hundred times a second.
+QUIET = {
+    "distributed.scheduler.allowed-failures": ATTEMPTS - 1,
+    "distributed.worker.profile.enabled": False,
+    "distributed.admin.tick.interval": "1s",
+    "distributed.admin.system-monitor.interval": "10s",
+    "distributed.admin.system-monitor.gil.enabled": False,
+}
 MOST_SENT = 16  # shared arguments that the cluster keeps, the last that were used
 MOST_FILES = 4096  # likewise, of the files that they name
 
@@ -77,7 +85,7 @@ def connect(scheduler: str, jobs: int = 1) -> DaskExecutor:
 
 
 def _start(jobs: int) -> LocalCluster:
-    dask.config.set({"distributed.scheduler.allowed-failures": ATTEMPTS - 1})
+    dask.config.set(QUIET)
     return LocalCluster(
         n_workers=jobs,
         threads_per_worker=1,
