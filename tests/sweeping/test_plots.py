@@ -132,11 +132,11 @@ def test_a_fine_grid_has_the_result_of_each_run() -> None:
     assert len(chart.panels[0].line_x) == 301
 
 
-def test_noise_is_no_main_figure() -> None:
+def test_noise_is_not_drawn() -> None:
     slope = np.linspace(0, 0.6, 31)
     values = {SLOPE: slope, TILT: slope / 1e5, DRIFT: slope}
     chart, _ = chart_of(make_table(values, slope < 0.41))
-    assert [panel.y.label for panel in chart.panels] == ["passed, %", "drift, m", "tilt, rad"]
+    assert [panel.y.label for panel in chart.panels] == ["passed, %", "drift, m"]
 
 
 def test_shares_of_samples_have_intervals() -> None:

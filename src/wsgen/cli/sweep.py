@@ -53,7 +53,6 @@ class SweepCommand(ExampleCommand):
     "template, or one of the parameters below. The same command goes on where it stopped.",
     examples=(
         "wsgen sweep rover --over world.slope=0deg:45deg:46 --plot slope.png",
-        "wsgen sweep arm.urdf.xacro --over payload=0,1,2,5 --over world.gravity=1.6,3.7,9.8",
         "wsgen sweep -t diff_drive --random 'body_mass=uniform(2,50)' --samples 500 -j 4",
     ),
 )

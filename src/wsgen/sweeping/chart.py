@@ -42,8 +42,8 @@ LONGEST_LABEL = 24  # characters
 GOLDEN = (math.sqrt(5) - 1) / 2  # multiples of it fill an interval evenly
 # The figures that say most, after those of behaviors.
 FIGURES = ("tilt", "drift", "settled_after", "highest_joint_speed", "rest_z")
-# Figures that vary by less are noise, and drawn only if nothing else is: rad, m, s.
-LEAST_SPREADS = {"tilt": 0.002, "drift": 0.001, "settled_after": 0.01, "rest_z": 0.001}
+# Figures that vary by less are noise: rad, s; others see NOTICEABLE.
+LEAST_SPREADS = {"tilt": 0.002, "settled_after": 0.01}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -384,18 +384,17 @@ def _main_figures(data: TableData) -> list[Series]:
     numeric = {
         one.column.name: one
         for one in data.figures
-        if one.column.kind in {"number", "integer"} and _spread(one.numbers) > NOTICEABLE
+        if one.column.kind in {"number", "integer"} and _spread(one.numbers) > _noise(one)
     }
     of_behaviors = [name for name in numeric if name.startswith("behavior.")]
     last = {name: name.rpartition(".")[2] for name in numeric}
-    known = [
-        name
-        for wanted in FIGURES
-        for name, series in numeric.items()
-        if last[name] == wanted and _spread(series.numbers) >= LEAST_SPREADS.get(wanted, 0.0)
-    ]
+    known = [name for wanted in FIGURES for name in numeric if last[name] == wanted]
     order = dict.fromkeys((*of_behaviors[:2], *known, *of_behaviors, *numeric))
     return [numeric[name] for name in [*order][:MOST_FIGURES]]
+
+
+def _noise(figure: Series) -> float:
+    return LEAST_SPREADS.get(figure.column.name.rpartition(".")[2], NOTICEABLE)
 
 
 def _spread(numbers: Numbers) -> float:
