@@ -4,9 +4,8 @@ import errno
 import os
 import resource
 import stat
-import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -36,24 +35,9 @@ def test_text_and_bytes(tmp_path: Path) -> None:
     assert (tmp_path / "text").stat().st_mode == usual.stat().st_mode
 
 
-@pytest.fixture
-def bounded_folder(tmp_path: Path) -> Iterator[Path]:
-    """A folder where the system keeps to `files_of_at_most`; not every one in memory does."""
-    for parent in (str(tmp_path), "/var/tmp"):
-        with tempfile.TemporaryDirectory(dir=parent) as name:
-            with files_of_at_most(10), suppress(OSError):
-                (Path(name) / "file").write_bytes(bytes(20))
-            is_bounded = (Path(name) / "file").stat().st_size <= 10
-            (Path(name) / "file").unlink()
-            if is_bounded:
-                yield Path(name)
-                return
-    pytest.skip("no folder here has files that are bounded")
-
-
 @pytest.mark.parametrize("before", [None, "old"])
-def test_what_does_not_fit_leaves_nothing(bounded_folder: Path, before: str | None) -> None:
-    file = bounded_folder / "report.json"
+def test_what_does_not_fit_leaves_nothing(tmp_path: Path, before: str | None) -> None:
+    file = tmp_path / "report.json"
     if before is not None:
         file.write_text(before)
     with (
@@ -61,8 +45,7 @@ def test_what_does_not_fit_leaves_nothing(bounded_folder: Path, before: str | No
         pytest.raises(NotReadableError, match=r"report\.json: the file is larger than"),
     ):
         write_file(file, "x" * 2000)
-    left = [path.name for path in bounded_folder.iterdir()]
-    assert left == ([] if before is None else [file.name])
+    assert [path.name for path in tmp_path.iterdir()] == ([] if before is None else [file.name])
     assert before is None or file.read_text() == before
 
 

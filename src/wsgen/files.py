@@ -39,7 +39,8 @@ MARKS = {
 }
 
 UNFINISHED_PREFIX = ".wsgen-file-"
-STREAMS = ("/dev/", "/proc/")  # /dev/stdout may lead to a regular file that others write to
+# /dev/stdout may lead to a regular file that others write to; /dev/shm is a folder as any other.
+STREAMS = ("/dev/std", "/dev/fd/", "/proc/")
 
 FULL = frozenset({errno.ENOSPC, errno.EDQUOT})
 FULL_BELOW = 16384  # bytes that may be free after a program removed its unfinished file

@@ -42,7 +42,7 @@ class Scripted:
         self._answer = answer
 
     def submit(self, *args: Any, **_: Any) -> Future[Any]:
-        shared, wanted = args[1:3]
+        shared, (wanted, *_) = args[1:3]
         self.submitted.append((shared, wanted))
         self.running += 1
         self.most = max(self.most, self.running)
@@ -59,7 +59,7 @@ class Scripted:
         if isinstance(answer, Exception):
             future.set_exception(answer)
         else:
-            future.set_result(answer)
+            future.set_result([answer])
 
 
 def passed(wanted: Variant) -> dict[str, Any]:

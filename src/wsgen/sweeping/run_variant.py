@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from typing import TYPE_CHECKING, Any
 
 from wsgen.alike import summed_up
@@ -19,7 +20,7 @@ from wsgen.sweeping.apply import apply
 from wsgen.sweeping.figures import figures_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.isolation.parent import Run
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from wsgen.sweeping.blueprint import Blueprint
 
 
+LONGEST_BATCH = 0.5  # s, wall-clock, after which no further variant of a call is begun
 PUSHED_AFTER = 1 / 3  # of the simulated time: until then most robots have come to rest
 REPORTED = (Severity.ERROR, Severity.WARNING)
 
@@ -38,6 +40,22 @@ def run_variant(blueprint: Blueprint, variant: Variant, seconds: float, engine: 
     This process should be a child that `isolation` started: the engine may crash.
     """
     return _run(blueprint, variant, seconds, engine, run_here)
+
+
+def run_variants(
+    blueprint: Blueprint, variants: Sequence[Variant], seconds: float, engine: str
+) -> list[Row]:
+    """Simulate variants one after the other, as `run_variant`, until that has taken a while.
+
+    Gives the rows of those that were simulated: at least of the first one.
+    """
+    until = time.monotonic() + LONGEST_BATCH
+    rows: list[Row] = []
+    for variant in variants:
+        if rows and time.monotonic() > until:
+            break
+        rows.append(run_variant(blueprint, variant, seconds, engine))
+    return rows
 
 
 def row_without_run(blueprint: Blueprint, variant: Variant) -> Row:

@@ -256,6 +256,7 @@ def _run(  # noqa: PLR0913  what is run, where, and who is told
         todo,
         seconds=request.seconds,
         engine=request.engine,
+        count=variants.count - before,
     )
     known = {one.name for one in table.known.columns}
     with closing(rows):
