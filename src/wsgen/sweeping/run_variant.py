@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from wsgen.sweeping.blueprint import Blueprint
 
 
-LONGEST_BATCH = 0.5  # s, wall-clock, after which no further variant of a call is begun
 PUSHED_AFTER = 1 / 3  # of the simulated time: until then most robots have come to rest
 REPORTED = (Severity.ERROR, Severity.WARNING)
 
@@ -43,13 +42,14 @@ def run_variant(blueprint: Blueprint, variant: Variant, seconds: float, engine: 
 
 
 def run_variants(
-    blueprint: Blueprint, variants: Sequence[Variant], seconds: float, engine: str
+    blueprint: Blueprint, variants: Sequence[Variant], seconds: float, engine: str, longest: float
 ) -> list[Row]:
-    """Simulate variants one after the other, as `run_variant`, until that has taken a while.
+    """Simulate variants one after the other, as `run_variant`.
 
-    Gives the rows of those that were simulated: at least of the first one.
+    None is begun after `longest` seconds of wall-clock time. Gives the rows of those that were
+    simulated: at least of the first one.
     """
-    until = time.monotonic() + LONGEST_BATCH
+    until = time.monotonic() + longest
     rows: list[Row] = []
     for variant in variants:
         if rows and time.monotonic() > until:

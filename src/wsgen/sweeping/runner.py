@@ -24,7 +24,11 @@ if TYPE_CHECKING:
 
 
 WAKE_EVERY = 0.2  # s; a signal that another thread receives is handled when this one wakes
-MOST_IN_A_CALL = 16  # variants; each call costs some milliseconds
+MOST_IN_A_CALL = 100  # variants
+# s, wall-clock, after which a call begins no further variant. To submit one and to take its rows
+# costs Dask 6 ms: the more calls are under way, the longer they have to be.
+LONGEST_CALL = 0.5
+LONGEST_CALL_A_CALL = 0.004  # for each that is submitted at a time
 MOST_SHARED = 8  # blueprints that are kept pickled, the last that were used
 
 # CPU time that a run may take. Large robots are slower than real time; the limit is for an engine
@@ -116,6 +120,7 @@ class _Runs:
             variants,
             self._seconds,
             self._engine,
+            max(LONGEST_CALL, LONGEST_CALL_A_CALL * self._executor.window),
             limits=_limits(blueprint, self._seconds),
         )
         self.running[future] = variants, blueprint
