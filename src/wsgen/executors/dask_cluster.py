@@ -91,8 +91,10 @@ def _start(jobs: int) -> LocalCluster:
         threads_per_worker=1,
         processes=True,
         host="127.0.0.1",
-        dashboard_address=None,
+        # Its server of statistics would take a port that another cluster may have.
+        dashboard_address="127.0.0.1:0",
         worker_dashboard_address=None,
+        scheduler_kwargs={"dashboard": False},
         silence_logs=logging.CRITICAL,
         memory_limit=0,  # what needs memory is in the children, which have their own limit
     )
