@@ -46,8 +46,8 @@ def test_from_which_height_on_a_box_tips_on_a_slope(
     assert out.splitlines()[0] == "5 runs: 3 passed (60.0 %)"
     assert "height" in out
     assert "passes below 0.375 ± 0.015" in out
-    assert "Table: box-sweep.csv (5 runs)" in err
-    lines = Path("box-sweep.csv").read_text().splitlines()
+    assert "Table: box-sweep-world.slope-height.csv (5 runs)" in err
+    lines = Path("box-sweep-world.slope-height.csv").read_text().splitlines()
     assert lines[0].startswith("run,world.slope,height,passed,codes,rest_x,")
     assert [line.split(",")[3] for line in lines[1:]] == ["true", "true", "true", "false", "false"]
 
@@ -147,6 +147,7 @@ def test_the_package_of_a_template_is_written(
     words = ["-t", "simple", "--over", "length=0.5,3.0", "--seconds", "1", "--worst", "2"]
     assert wsgen.cli.run(["sweep", *words, "-q", "--out", "t.csv"]) == 0
     package = tmp_path / "t-worst" / "run-1" / "src" / "simple"
+    assert (package / "CMakeLists.txt").exists()
     assert "length = 3.0" in (package / "wsgen.toml").read_text()
     assert (tmp_path / "t-worst" / "COLCON_IGNORE").exists()
     assert wsgen.cli.run(["validate", "-w", str(package.parents[1]), "-q"]) == 0
@@ -170,3 +171,50 @@ def test_interrupted_it_says_how_to_go_on(box: Path) -> None:
     rows = Path("t.csv").read_text().splitlines()
     assert len(rows) > 3
     assert rows[1].startswith("0,0.1,")
+
+
+def test_a_misspelled_column_is_refused_before_anything_runs(
+    box: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert sweep("--over", "height=0.1,0.2", "--worst", "1:dirft") == 2
+    assert "Did you mean `drift`?" in capsys.readouterr().err
+    assert [file.name for file in box.parent.iterdir()] == [box.name]
+
+
+def test_where_no_variant_has_a_robot_nothing_is_run(
+    box: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    box.write_text(BOX.replace("$(arg height)", "$(arg hight)"))
+    assert sweep("--over", "height=0.1,0.2") == 1
+    out, err = capsys.readouterr()
+    assert "hight" in out
+    assert "Nothing was run." in err
+    assert [file.name for file in box.parent.iterdir()] == [box.name]
+
+
+@pytest.mark.parametrize("edit", ["change", "swap"])
+def test_files_that_only_some_variants_read_count(
+    box: Path, capsys: pytest.CaptureFixture[str], edit: str
+) -> None:
+    small, large = box.with_name("small.xacro"), box.with_name("large.xacro")
+    for file, size in ((small, 0.1), (large, 0.3)):
+        file.write_text(
+            f'<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:property name="h" '
+            f'value="{size}"/></robot>'
+        )
+    box.write_text(
+        BOX.replace('name="height" default="0.2"', 'name="part" default="small"').replace(
+            '<xacro:property name="h" value="$(arg height)"/>',
+            '<xacro:include filename="$(arg part).xacro"/>',
+        )
+    )
+    words = ("--over", "part=small,large", "--out", "t.csv", "-q")
+    assert sweep(*words) == 0
+    if edit == "change":
+        large.write_text(large.read_text().replace("0.3", "0.2"))
+    else:
+        texts = small.read_text(), large.read_text()
+        large.write_text(texts[0])
+        small.write_text(texts[1])
+    assert sweep(*words) == 3
+    assert "the files of the robot and its world" in capsys.readouterr().err

@@ -76,7 +76,7 @@ def test_several_parameters() -> None:
     assert lines[first].endswith(" % below, 0 % above")
     assert lines[first + 1] == (
         f"  arm_mass     no border from {mass.min():.4g} to {mass.max():.4g} kg: "
-        "the share that passes does not visibly depend on it"
+        "alone it does not explain which runs pass"
     )
     ice = int((surface == "ice").sum())
     assert lines[first + 3] == f"               ice    0 % passed (0 of {ice})"

@@ -101,7 +101,7 @@ class SweepCommand(ExampleCommand):
     "--out",
     metavar="FILE",
     help="Table with one row for each run: .csv, .jsonl, or .parquet (pip install "
-    "'wsgen[sweep]').  [default: NAME-sweep.csv]",
+    "'wsgen[sweep]').  [default: NAME-sweep-PARAMETERS.csv]",
 )
 @click.option(
     "--plot",
@@ -204,6 +204,7 @@ def command(
     from wsgen.cli.sweep_progress import SweepProgress
     from wsgen.cli.validate import is_file_name
     from wsgen.cli.words import split_launch_arguments
+    from wsgen.pipeline.load_scene import BrokenSceneError
     from wsgen.sweeping.defaults import make_design_with
     from wsgen.sweeping.subject import SubjectRequest
     from wsgen.sweeping.sweep import DEFAULT_SECONDS, SweepRequest, sweep
@@ -250,17 +251,40 @@ def command(
         scheduler=scheduler,
         worst=None if worst is None else read_choice(worst),
     )
-    with listening(quiet=quiet, verbose=verbose) as listener, SweepProgress(quiet=quiet) as show:
-        outcome = sweep(request, environment=os.environ, listener=listener, on_progress=show)
-    for file in files:
-        from wsgen.files import write_file
-        from wsgen.report.sweep_plot import render_plot
 
-        write_file(file, render_plot(file, outcome.data, outcome.summary, outcome.name))
+    def show(outcome: SweepOutcome) -> None:
+        progress.hide()
+        for file in files:
+            from wsgen.files import write_file
+            from wsgen.report.sweep_plot import render_plot
+
+            write_file(file, render_plot(file, outcome.data, outcome.summary, outcome.name))
+        if output_format == "text":
+            _print_text(outcome, files, quiet=quiet)
+
+    try:
+        with (
+            listening(quiet=quiet, verbose=verbose) as listener,
+            SweepProgress(quiet=quiet) as progress,
+        ):
+            outcome = sweep(
+                request,
+                environment=os.environ,
+                listener=listener,
+                on_progress=progress,
+                on_table=show,
+            )
+    except BrokenSceneError as error:
+        from wsgen.cli.output import render_diagnostics
+
+        for line in render_diagnostics(error.diagnostics):
+            click.echo(line)
+        click.echo(f"{error} Nothing was run.", err=True)
+        return EXIT_FAILED
     if output_format == "json":
         _print_json(outcome, files)
     else:
-        _print_text(outcome, files, quiet=quiet)
+        _print_worst(outcome)
     return EXIT_PASSED
 
 
@@ -325,17 +349,10 @@ def _engine(given: str | None) -> str:
 
 def _print_text(outcome: SweepOutcome, plots: Sequence[Path], *, quiet: bool) -> None:
     from wsgen.cli.words import short_name
-    from wsgen.sweeping.parameters import write_value
     from wsgen.sweeping.summary import render_summary
 
     for line in render_summary(outcome.summary):
         click.echo(line)
-    if outcome.worst:
-        click.echo()
-        click.echo("the worst variants")
-    for one in outcome.worst:
-        values = ", ".join(f"{name}={write_value(value)}" for name, value in one.values.items())
-        click.echo(f"  {short_name(one.folder)}  {values}")
     if quiet:
         return
     if outcome.hint is not None:
@@ -345,6 +362,19 @@ def _print_text(outcome: SweepOutcome, plots: Sequence[Path], *, quiet: bool) ->
     click.echo(f"Table: {short_name(outcome.out)} ({runs}{kept})", err=True)
     for file in plots:
         click.echo(f"Plot: {short_name(file)}", err=True)
+
+
+def _print_worst(outcome: SweepOutcome) -> None:
+    from wsgen.cli.words import short_name
+    from wsgen.sweeping.parameters import write_value
+
+    if outcome.worst:
+        click.echo()
+        click.echo("the worst variants")
+    for one in outcome.worst:
+        values = ", ".join(f"{name}={write_value(value)}" for name, value in one.values.items())
+        passes = "  (passes)" if one.passed else ""
+        click.echo(f"  {short_name(one.folder)}  {values}{passes}")
 
 
 def _print_json(outcome: SweepOutcome, plots: Sequence[Path]) -> None:
@@ -365,6 +395,8 @@ def _print_json(outcome: SweepOutcome, plots: Sequence[Path]) -> None:
                 "parameters": dict(one.values),
                 "passed": one.passed,
                 "folder": str(one.folder.absolute()),
+                "picture": one.picture and str(one.picture.absolute()),
+                "video": one.video and str(one.video.absolute()),
             }
             for one in outcome.worst
         ],

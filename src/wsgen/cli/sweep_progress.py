@@ -36,14 +36,18 @@ class SweepProgress:
     def __enter__(self) -> SweepProgress:  # noqa: PYI034  Python 3.10 has no Self
         return self
 
+    def hide(self) -> None:
+        """Remove the status line, so that others can be printed."""
+        if self._status is not None:
+            self._status.hide()
+
     def __exit__(
         self,
         kind: type[BaseException] | None,
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        if self._status is not None:
-            self._status.hide()
+        self.hide()
         last = self._last
         if error is not None and last is not None and not self._is_quiet and last.done < last.runs:
             click.echo(

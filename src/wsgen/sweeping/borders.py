@@ -165,7 +165,7 @@ def _fit_all(x: Numbers, runs: Numbers, passes: Numbers) -> Dependence:
                 return _bounded([first, second], scale, runs, passes, is_log=is_log)
     fit = _fit(scale, runs, passes)
     if fit is None or fit.ratio < SIGNIFICANT:
-        return Dependence(reason="the share that passes does not visibly depend on it")
+        return Dependence(reason="alone it does not explain which runs pass")
     return _bounded([fit], scale, runs, passes, is_log=is_log)
 
 

@@ -110,6 +110,8 @@ class Cells:
     y: Axis
     x_edges: tuple[float, ...]
     y_edges: tuple[float, ...]
+    x_values: tuple[float, ...] = ()  # where the marks of its runs are
+    y_values: tuple[float, ...] = ()
     groups: tuple[tuple[int, ...], ...] = ()  # a row of cells for each y; -1: no run
     shares: tuple[tuple[float | None, ...], ...] = ()  # likewise, in percent
 
@@ -439,6 +441,8 @@ def _map(
             y=_framed(axes[1], y_edges),
             x_edges=x_edges,
             y_edges=y_edges,
+            x_values=tuple(columns.tolist()),
+            y_values=tuple(rows.tolist()),
             groups=tuple(tuple(row) for row in cells.tolist()),
         )
         return Chart(title=title, subtitle=subtitle, note="", groups=groups, cells=drawn)

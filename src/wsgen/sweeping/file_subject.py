@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 
 ARGUMENT = "xacro:arg"
+INCLUDED = frozenset((".xacro", ".urdf", ".yaml", ".yml"))
 USED = re.compile(r"\$\(arg\s+([\w.-]+)\s*\)")  # it may be declared nowhere
 
 
@@ -127,4 +128,8 @@ class FileSubject(Subject):
         return (self.name, *(f"{a}:={b}" for a, b in sorted(arguments)))
 
     def _own_files(self) -> Iterable[Path]:
+        """The file, and where an argument may choose what it includes, those around it."""
         yield self._file
+        if self._reader.kind == "xacro":
+            folder = self._file.absolute().parent
+            yield from (one for one in folder.iterdir() if one.suffix in INCLUDED)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from wsgen.errors import NotFoundError
@@ -207,10 +206,7 @@ def _draw_cells(figure: Any, plot: Any, cells: Cells, groups: Sequence[Group]) -
             edgecolors="white",
             linewidth=0.4,
         )
-        xs, ys = (
-            _middles(edges, axis)
-            for edges, axis in ((cells.x_edges, cells.x), (cells.y_edges, cells.y))
-        )
+        xs, ys = cells.x_values, cells.y_values
         largest = max(len(xs), len(ys))
         size = min(90.0, (260.0 / largest) ** 2 / 6) if largest <= FEW_CELLS else 0.0
         for group in groups if size else ():
@@ -229,13 +225,6 @@ def _draw_cells(figure: Any, plot: Any, cells: Cells, groups: Sequence[Group]) -
             )
     _scale(plot, cells.x, "x")
     _scale(plot, cells.y, "y")
-
-
-def _middles(edges: Sequence[float], axis: Axis) -> list[float]:
-    pairs = pairwise(edges)
-    if axis.is_log:
-        return [(low * high) ** 0.5 for low, high in pairs]
-    return [(low + high) / 2 for low, high in pairs]
 
 
 def _pale(color: str) -> str:

@@ -125,31 +125,26 @@ class Subject(ABC):
         """
         return None
 
-    def settings(self, values: Mapping[str, Value]) -> tuple[str, ...]:
-        """What varies, as NAME=VALUE; `--set` and `--arg` take it, the latter with `:=`."""
-        return tuple(
-            f"{name}={write_value(value)}" for name, value in subject_values(values).items()
-        )
-
-    def digest(self, engine: str, values: Mapping[str, Value] | None = None) -> str:
+    def digest(self, engine: str, some: Iterable[Mapping[str, Value]] = ()) -> str:
         """A hash over all that a result depends on beside what varies.
 
-        That is the content of the files that are read with these values, what stays the same of
-        launch arguments and answers, and the versions of wsgen and of the engine.
+        That is the content of the files that are read, by default and with each of `some` values,
+        what stays the same of launch arguments and answers, and the versions of wsgen and of the
+        engine.
         """
         found = sha256()
         for part in (__version__, engine, engine_version(engine), self.kind, *self._fixed()):
             found.update(f"{len(part)}:{part}".encode())
-        prepared = self._prepared(values or {})
-        files = {*self._own_files(), *prepared.files()}
-        files |= set(mesh_files(prepared.blueprint.prepared))
-        digests = {
-            sha256(content).hexdigest()
-            for file in files
-            if not file.is_relative_to(self.folder) and (content := _content(file)) is not None
-        }
-        for digest in sorted(digests):
-            found.update(digest.encode())
+        files = {*self._own_files()}
+        first: Mapping[str, Value] = {}
+        for values in (first, *some):
+            prepared = self._prepared(values)
+            files |= {*prepared.files(), *mesh_files(prepared.blueprint.prepared)}
+        for file in sorted(files):
+            if not file.is_relative_to(self.folder) and (content := _content(file)) is not None:
+                # Not where the folder lies: it may be moved.
+                name = "/".join(file.parts[-2:])
+                found.update(f"{name}:{sha256(content).hexdigest()}".encode())
         return found.hexdigest()
 
     def _prepared(self, values: Mapping[str, Value]) -> Prepared:

@@ -10,10 +10,13 @@ from typing import TYPE_CHECKING
 
 from wsgen.model.sweep import Column
 from wsgen.pipeline.engines import check_engines
+from wsgen.pipeline.load_scene import BrokenSceneError
+from wsgen.rules.catalogue import without_allowed
 from wsgen.sweeping.design import Variants
 from wsgen.sweeping.figures import columns
 from wsgen.sweeping.journal import Header
 from wsgen.sweeping.parameters import OWN, subject_values
+from wsgen.sweeping.run_variant import can_run
 from wsgen.sweeping.runner import run_all
 from wsgen.sweeping.subjects import open_subject
 from wsgen.sweeping.summary import summarize
@@ -38,7 +41,9 @@ if TYPE_CHECKING:
 
 
 DEFAULT_SECONDS = 3.0  # simulated
-TRIED = 20  # variants, spread over the sweep, until one has a robot: its figures are the columns
+TRIED = 8  # variants, spread over the sweep, whose figures are the columns
+FEW_TEXTS = 20  # of a parameter, whose files are looked at before the first run
+NAMED = 3  # parameters in the name of the table
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,8 +89,11 @@ def sweep(
     environment: Mapping[str, str],
     listener: Listener | None = None,
     on_progress: Callable[[Progress], None] = lambda _: None,
+    on_table: Callable[[SweepOutcome], None] = lambda _: None,
 ) -> SweepOutcome:
     """Run all variants that the table does not have yet, and sum the table up.
+
+    `on_table` gets the outcome before the worst variants are written.
 
     Rows are in the table or its journal as they end: interrupted, by whatever, the sweep goes on
     with the same request.
@@ -107,9 +115,14 @@ def sweep(
         )
         design = subject.check(request.design)
         variants = Variants(design)
-        out = request.out or Path(f"{subject.name}-sweep.csv")
+        varied = "-".join(design.names[:NAMED])
+        out = request.out or Path(f"{subject.name}-sweep-{varied}.csv")
         header = Header(runs=len(variants), inputs=_inputs(request, design, subject))
         made = _columns(design, subject, variants)
+        if request.worst is not None:
+            from wsgen.sweeping.worst import check_choice  # noqa: PLC0415  it draws
+
+            check_choice(request.worst, made, out)
         with open_table(out, made, header) as table:
             if not table.is_complete:
                 executor = _executor(request)
@@ -124,34 +137,33 @@ def sweep(
                 )
             was_complete = table.was_complete
         data = read_table(out)
-        worst: tuple[WorstVariant, ...] = ()
-        if request.worst is not None:
-            from wsgen.sweeping.worst import choose, write_worst  # noqa: PLC0415  it draws
+        outcome = SweepOutcome(
+            name=subject.name,
+            out=out,
+            was_complete=was_complete,
+            data=data,
+            summary=summarize(data),
+            hint=variants.hint,
+        )
+        on_table(outcome)
+        if request.worst is None:
+            return outcome
+        from wsgen.sweeping.worst import choose, write_worst  # noqa: PLC0415  as above
 
-            rows = choose(data, request.worst)
-            drawn = replace(request.subject, is_drawn=True, kept=1)
-            subject = stack.enter_context(open_subject(drawn, environment=environment))
-            worst = tuple(
-                write_worst(
-                    request,
-                    rows,
-                    subject,
-                    variants,
-                    data,
-                    out=out,
-                    inputs=header.inputs,
-                    listener=listener,
-                )
-            )
-    return SweepOutcome(
-        name=subject.name,
-        out=out,
-        was_complete=was_complete,
-        data=data,
-        summary=summarize(data),
-        hint=variants.hint,
-        worst=worst,
-    )
+        rows = choose(data, request.worst)
+        drawn = replace(request.subject, is_drawn=True, kept=1)
+        subject = stack.enter_context(open_subject(drawn, environment=environment))
+        worst = write_worst(
+            request,
+            rows,
+            subject,
+            variants,
+            data,
+            out=out,
+            inputs=header.inputs,
+            listener=listener,
+        )
+        return replace(outcome, worst=tuple(worst))
 
 
 def _inputs(request: SweepRequest, design: Design, subject: Subject) -> dict[str, str]:
@@ -165,12 +177,20 @@ def _inputs(request: SweepRequest, design: Design, subject: Subject) -> dict[str
         },
     }
     return {
-        "the files of the robot and its world": subject.digest(request.engine),
-        "the simulated seconds": f"{request.seconds:g}",
+        "the files of the robot and its world": subject.digest(request.engine, _texts(design)),
+        "the simulated seconds": repr(request.seconds),
         "the engine": request.engine,
         "the behaviors": "simulated" if request.subject.has_behaviors else "left out",
         **{f"the parameter {name}": text for name, text in varied.items()},
     }
+
+
+def _texts(design: Design) -> Iterator[Mapping[str, Value]]:
+    """The texts that parameters have, as far as they are few: they may choose among files."""
+    values = [(axis.name, axis.values) for axis in design.axes]
+    values += [(one.name, one.choices) for one in design.distributions]
+    for name, some in values:
+        yield from ({name: value} for value in some[:FEW_TEXTS] if isinstance(value, str))
 
 
 def _columns(design: Design, subject: Subject, variants: Variants) -> tuple[Column, ...]:
@@ -185,7 +205,7 @@ def _columns(design: Design, subject: Subject, variants: Variants) -> tuple[Colu
         )
         for name in design.names
     )
-    return (*given, *columns(_nominal(subject, variants)))
+    return (*given, *_figures(subject, variants))
 
 
 def _kind(design: Design, name: str) -> str:
@@ -204,17 +224,23 @@ def _kind(design: Design, name: str) -> str:
     return "number" if values <= {int, float} else "text"
 
 
-def _nominal(subject: Subject, variants: Variants) -> Blueprint:
-    """The first blueprint that has a robot; the first one where none has."""
+def _figures(subject: Subject, variants: Variants) -> tuple[Column, ...]:
+    """The figures of some variants from all over the sweep.
+
+    Raises:
+        BrokenSceneError: None of them has a robot.
+    """
     tried: dict[tuple[tuple[str, Value], ...], Blueprint] = {}
     for variant in _spread(variants):
         values = subject_values(variant.values)
         key = tuple(values.items())
         if key not in tried:
             tried[key] = subject.prepare(values)
-            if tried[key].world is not None and tried[key].prepared:
-                return tried[key]
-    return next(iter(tried.values()))
+    usable = [one for one in tried.values() if can_run(one)]
+    if not usable:
+        first = next(iter(tried.values()))
+        raise BrokenSceneError(subject.name, without_allowed(first.diagnostics, first.allow))
+    return tuple(dict.fromkeys(one for blueprint in usable for one in columns(blueprint)))
 
 
 def _spread(variants: Variants) -> Iterator[Variant]:

@@ -115,9 +115,14 @@ class TemplateSubject(Subject):
                     self._spec({name: value})
         return checked
 
-    def _render(self, values: Mapping[str, Value]) -> tuple[RenderedTree, tuple[Diagnostic, ...]]:
+    def _render(
+        self, values: Mapping[str, Value], *, is_whole: bool = False
+    ) -> tuple[RenderedTree, tuple[Diagnostic, ...]]:
+        """The files of the package; unless it is to be whole, those that a simulation reads."""
         spec = self._spec(values)
         if self._template.is_shipped:
+            if is_whole:
+                return render_tree(spec, self._template)
             return render_tree(
                 spec, self._template, environment=self._environment_of_template, wanted=_is_read
             )
@@ -125,7 +130,7 @@ class TemplateSubject(Subject):
 
     def package(self, values: Mapping[str, Value]) -> tuple[str, Mapping[str, str]] | None:
         """The package that `wsgen new` writes with these values."""
-        tree, diagnostics = self._render(subject_values(values))
+        tree, diagnostics = self._render(subject_values(values), is_whole=True)
         return None if diagnostics else (self._package, tree)
 
     def _read(self, values: Mapping[str, Value], folder: Path) -> Prepared:

@@ -14,6 +14,9 @@ from wsgen.diagnostics import Severity
 from wsgen.errors import RequestError, WouldOverwriteError
 from wsgen.events import StepEnded, StepStarted, post
 from wsgen.files import write_file
+from wsgen.fixes.source import Edit
+from wsgen.fixes.source import apply as apply_edits
+from wsgen.fixes.xml_source import read_tags
 from wsgen.isolation import parent
 from wsgen.pipeline.run_robots import simulate_robots
 from wsgen.pipeline.selection import ValidateRequest
@@ -42,7 +45,7 @@ if TYPE_CHECKING:
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.events import Listener
-    from wsgen.model.sweep import Value, Variant
+    from wsgen.model.sweep import Column, Value, Variant
     from wsgen.sweeping.design import Variants
     from wsgen.sweeping.subject import Subject
     from wsgen.sweeping.sweep import SweepRequest
@@ -50,6 +53,8 @@ if TYPE_CHECKING:
 
 
 RECORD = "variant.json"  # in each folder: which run of which sweep it is
+NUMBERS = ("number", "integer")  # kinds of columns
+NOTICEABLE_TILT = 0.01  # rad
 PICTURE = "robot.png"
 VIDEO = "robot.gif"
 NOT_IN_THE_ROBOT = frozenset(one.name for one in OWN) - {
@@ -78,7 +83,6 @@ class WorstVariant:
     folder: Path
     picture: Path | None
     video: Path | None
-    was_there: bool  # from an earlier command
 
 
 def read_choice(word: str) -> Choice:
@@ -97,32 +101,44 @@ def read_choice(word: str) -> Choice:
     return Choice(count=int(count), column=column or None)
 
 
-def choose(data: TableData, choice: Choice) -> list[int]:
-    """The rows of the worst variants, the worst first; those without a robot come last.
+def check_choice(choice: Choice, columns: Sequence[Column], out: Path) -> None:
+    """Check before the first run that the worst variants can be chosen and written.
 
     Raises:
-        RequestError: The table has no such column of numbers.
+        RequestError: The table will have no such column of numbers.
+        WouldOverwriteError: A file is in the place of the folder.
     """
-    figures = [one for one in data.figures if one.column.kind in {"number", "integer"}]
+    names = [one.name for one in columns if one.kind in NUMBERS and not one.is_parameter]
+    if choice.column is not None and choice.column not in names:
+        raise RequestError(
+            f"The table has no column `{choice.column}` of numbers.",
+            hint=f"{ask_for_nearest(choice.column, names)}Columns: {', '.join(names)}.",
+        )
+    folder = _folder(out)
+    if os.path.lexists(folder) and not folder.is_dir():
+        raise WouldOverwriteError(
+            f"{folder}, where the worst variants go, is a file.",
+            hint="Remove it, or choose another --out.",
+        )
+
+
+def _folder(out: Path) -> Path:
+    return out.with_name(f"{out.name}-worst" if out.suffix != ".csv" else f"{out.stem}-worst")
+
+
+def choose(data: TableData, choice: Choice) -> list[int]:
+    """The rows of the worst variants, the worst first; those without a robot come last."""
+    figures = [one for one in data.figures if one.column.kind in NUMBERS]
+    tilt, drift = _largest(data, figures, "tilt"), _largest(data, figures, "drift")
     if choice.column is not None:
-        keys = [-np.abs(_named(figures, choice.column).numbers)]
+        (named,) = (one.numbers for one in figures if one.column.name == choice.column)
+        keys = [-np.abs(named)]
     else:
-        keys = [data.passed, -_largest(data, figures, "tilt"), -_largest(data, figures, "drift")]
-    has_robot = ~np.isnan(_largest(data, figures, "tilt"))
+        # Less is noise of the engine.
+        keys = [data.passed, -np.round(tilt / NOTICEABLE_TILT), -drift]
     # Of equal variants the first run; NaN comes last.
-    order = np.lexsort((data.numbers, *reversed(keys), ~has_robot))
+    order = np.lexsort((data.numbers, *reversed(keys), np.isnan(tilt)))
     return [int(row) for row in order[: choice.count]]
-
-
-def _named(figures: list[Series], column: str) -> Series:
-    for one in figures:
-        if one.column.name == column:
-            return one
-    names = [one.column.name for one in figures]
-    raise RequestError(
-        f"The table has no column `{column}` of numbers.",
-        hint=f"{ask_for_nearest(column, names)}Columns: {', '.join(names)}.",
-    )
 
 
 def _largest(data: TableData, figures: list[Series], name: str) -> NDArray[np.float64]:
@@ -153,13 +169,12 @@ def write_worst(  # noqa: PLR0913  of what, which, and where
         WouldOverwriteError: A folder of this name has something else.
         NotReadableError: It cannot be written.
     """
-    parent_folder = out.with_name(f"{out.stem}-worst")
+    parent_folder = _folder(out)
     for row in rows:
         variant = variants.variant(int(data.numbers[row]))
         folder = parent_folder / f"run-{variant.number}"
         record = _record(variant, inputs)
-        was_there = os.path.lexists(folder)
-        if was_there:
+        if os.path.lexists(folder):
             _refuse_other(folder, record)
         else:
             step = ("worst", f"run {variant.number}")
@@ -175,7 +190,6 @@ def write_worst(  # noqa: PLR0913  of what, which, and where
             folder=folder,
             picture=_if_there(folder / PICTURE),
             video=_if_there(folder / VIDEO),
-            was_there=was_there,
         )
 
 
@@ -224,11 +238,14 @@ def _write(
 def _fill(request: SweepRequest, subject: Subject, variant: Variant, folder: Path) -> None:
     """Put the robots, the package of a template, a picture, a video and a text into a folder."""
     own = own_values(variant.values)
-    robots = []
+    robots: list[tuple[str, Path | None]] = []
     for entity, text, file in subject.texts(variant.values):
-        is_sdf = "<sdf" in text
-        name = f"{_file_name(entity)}.{'sdf' if is_sdf else 'urdf'}"
-        write_file(folder / name, _varied(text, own))
+        tags = read_tags(text)
+        suffix = "sdf" if tags and tags[0].name == "sdf" else "urdf"
+        name = f"{_file_name(entity)}.{suffix}"
+        if any(name == other for other, _ in robots):
+            name = f"{_file_name(entity)}-{len(robots)}.{suffix}"
+        write_file(folder / name, _varied(text if file is None else _with_meshes(text, file), own))
         robots.append((name, file))
     package = subject.package(variant.values)
     if package is not None:
@@ -255,12 +272,32 @@ def _fill(request: SweepRequest, subject: Subject, variant: Variant, folder: Pat
         found = simulated.diagnostics_after(varied.diagnostics)
     reported = without_allowed(found, varied.allow)
     text = _read_me(subject, variant, robots, package and package[0], reported)
+    text += "".join(
+        f"\n![{what}]({name})\n"
+        for what, name in (
+            ("The robot at the end of the simulation", PICTURE),
+            ("The simulation", VIDEO),
+        )
+        if (folder / name).is_file()
+    )
     write_file(folder / "README.md", text)
 
 
 def _file_name(entity: str) -> str:
     """The name of an entity, as far as it can be that of a file."""
     return re.sub(r"[^\w.-]", "_", entity).lstrip(".") or "robot"
+
+
+def _with_meshes(text: str, file: Path) -> str:
+    """The text with the whole paths of meshes that it names beside its file."""
+    edits = []
+    for tag in read_tags(text):
+        named = tag.attributes.get("filename") if tag.name == "mesh" else None
+        if named is not None and "://" not in named.text:
+            whole = file.absolute().parent / named.text
+            if whole.is_file():
+                edits.append(Edit(start=named.value.start, end=named.value.end, text=str(whole)))
+    return apply_edits(text, edits)
 
 
 def _varied(text: str, own: Mapping[str, float]) -> str:
@@ -272,6 +309,11 @@ def _varied(text: str, own: Mapping[str, float]) -> str:
         friction=own.get(FRICTION_SCALE, 1.0),
         ground=own.get(FRICTION),
     )
+
+
+def _in_table(value: Value) -> str:
+    """A value in a table of Markdown."""
+    return write_value(value).replace("\\", "\\\\").replace("|", "\\|").replace("\n", " ")
 
 
 def _read_me(
@@ -287,14 +329,10 @@ def _read_me(
         "",
         "| parameter | value |",
         "|---|---|",
-        *(f"| {name} | {write_value(value)} |" for name, value in variant.values.items()),
+        *(f"| {name} | {_in_table(value)} |" for name, value in variant.values.items()),
         "",
         *(f"- {one.code} {one.name}: {one.message}" for one in errors),
         *(["- The variant passes."] if not errors else []),
-        "",
-        f"![The robot at the end of the simulation]({PICTURE})",
-        "",
-        f"![The simulation]({VIDEO})",
         "",
     ]
     for name, file in robots:
@@ -304,7 +342,8 @@ def _read_me(
         lines += [f"`src/{package}` is its package: `wsgen build && wsgen validate`", ""]
     if any(name in NOT_IN_THE_ROBOT for name in own_values(variant.values)):
         lines += [
-            "World, spawn pose and push are in the picture and the video alone.",
+            "World, spawn pose and push count in the picture and the video alone.",
+            "On a slope gravity is tilted, so that the ground looks level.",
             "",
         ]
     return "\n".join(lines)

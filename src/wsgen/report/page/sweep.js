@@ -132,12 +132,6 @@ function drawPanel(chart, plot, panel) {
   ];
 }
 
-function middles(edges, isLog) {
-  return edges
-    .slice(1)
-    .map((high, index) => (isLog ? Math.sqrt(high * edges[index]) : (high + edges[index]) / 2));
-}
-
 function drawCells(chart, plot, cells) {
   const base = { type: "heatmap", x: cells.x_edges, y: cells.y_edges };
   const axes = { xaxis: scaled(cells.x, 0), yaxis: scaled(cells.y, 0), showlegend: false };
@@ -165,8 +159,8 @@ function drawCells(chart, plot, cells) {
     ];
   });
   const nameOf = new Map(chart.groups.map((group) => [group.number, shown(group.name)]));
-  const xs = middles(cells.x_edges, cells.x.is_log);
-  const ys = middles(cells.y_edges, cells.y.is_log);
+  const xs = cells.x_values;
+  const ys = cells.y_values;
   const traces = [
     {
       ...base,
