@@ -14,7 +14,7 @@ from wsgen.model.robot import Sphere
 from wsgen.model.transform import Pose
 from wsgen.model.world import SpawnHeight
 from wsgen.sweeping import parameters
-from wsgen.sweeping.apply import APPLIED, apply
+from wsgen.sweeping.apply import apply
 
 if TYPE_CHECKING:
     from wsgen.sweeping.blueprint import Blueprint
@@ -28,8 +28,11 @@ def plate_of(made: Blueprint) -> tuple[float, tuple[float, ...], float, float]:
     return link.inertial.mass, link.inertial.inertia, surface.mu1, surface.mu2
 
 
-def test_its_names_are_those_that_can_be_given() -> None:
-    assert set(APPLIED) == {one.name for one in parameters.OWN}
+@pytest.mark.parametrize("name", sorted(parameters.OWN_NAMES))
+def test_each_name_that_can_be_given_has_an_effect(name: str) -> None:
+    made = blueprint()
+    pushed = {"push.force": 2.0} if name in parameters.NEED_A_FORCE else {}
+    assert apply(made, {**pushed, name: 0.3}) != apply(made, pushed)
 
 
 def test_other_parameters_change_nothing() -> None:
@@ -93,5 +96,5 @@ def test_a_push_is_horizontal() -> None:
 
 def test_models_of_the_world_stay_as_they_are() -> None:
     model = replace(blueprint().prepared[0], is_static_model=True)
-    everything = dict.fromkeys(APPLIED, 0.5)
+    everything = dict.fromkeys(parameters.OWN_NAMES, 0.5)
     assert apply(blueprint(model), everything).prepared == (model,)

@@ -17,8 +17,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wsgen.errors import NotFoundError, RequestError
-from wsgen.model.sweep import Axis, Design, Distribution, Variant
-from wsgen.sweeping.design import SAMPLERS, Variants
+from wsgen.model.sweep import SAMPLERS, Axis, Design, Distribution, Variant
+from wsgen.sweeping.design import Variants
 from wsgen.sweeping.words import make_design, read_axes, read_distributions
 
 ALL_KINDS = (

@@ -10,6 +10,12 @@ from wsgen.values import dataclass
 Value = str | int | float | bool  # of a parameter
 Figure = float | int | bool | str | None  # of a row; None where it was not measured
 
+SAMPLERS = ("random", "lhs", "sobol")
+MOST_VARIANTS = 10_000_000  # a year on a core, of runs of 3 s
+LEAST_INTEGER, MOST_INTEGER = -(2**63), 2**63 - 1  # of what a column of integers has
+MOST_SEED = MOST_INTEGER
+SHORTEST_RUN, LONGEST_RUN = 0.1, 600.0  # s, simulated
+
 
 @dataclass(frozen=True, kw_only=True)
 class Axis:
@@ -36,7 +42,7 @@ class Design:
     axes: tuple[Axis, ...] = ()
     distributions: tuple[Distribution, ...] = ()
     samples: int = 1  # of the distributions; 1 without any
-    sampler: str = "random"  # or "lhs" or "sobol"
+    sampler: str = "random"  # one of SAMPLERS
     seed: int = 0
 
     @property

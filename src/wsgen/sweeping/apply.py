@@ -27,6 +27,7 @@ from wsgen.sweeping.parameters import (
     SPAWN_Y,
     SPAWN_YAW,
     SPAWN_Z,
+    own_values,
 )
 
 if TYPE_CHECKING:
@@ -43,8 +44,6 @@ if TYPE_CHECKING:
 OF_THE_SPAWN_POSE = (SPAWN_X, SPAWN_Y, SPAWN_Z, SPAWN_ROLL, SPAWN_PITCH, SPAWN_YAW)
 OF_THE_WORLD = (SLOPE, GRAVITY)
 OF_THE_LINKS = (FRICTION, MASS_SCALE, INERTIA_SCALE, FRICTION_SCALE)
-OF_A_PUSH = (PUSH_FORCE, PUSH_DIRECTION, PUSH_SECONDS)
-APPLIED = (*OF_THE_WORLD, *OF_THE_LINKS, *OF_THE_SPAWN_POSE, *OF_A_PUSH)
 
 
 def apply(blueprint: Blueprint, values: Mapping[str, Value]) -> Blueprint:
@@ -53,7 +52,7 @@ def apply(blueprint: Blueprint, values: Mapping[str, Value]) -> Blueprint:
     Models of the world around the robots stay as they are. Parameters of other names, which have
     had their effect on the blueprint already, are left out.
     """
-    own = {name: float(values[name]) for name in APPLIED if name in values}
+    own = own_values(values)
     if not own:
         return blueprint
     world = blueprint.world

@@ -6,16 +6,12 @@ import math
 from typing import TYPE_CHECKING
 
 from wsgen.errors import RequestError
-from wsgen.model.sweep import Variant
+from wsgen.model.sweep import MOST_VARIANTS, Variant
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from wsgen.model.sweep import Design
-
-
-MOST_VARIANTS = 10_000_000  # a year on a core, of runs of 3 s
-SAMPLERS = ("random", "lhs", "sobol")
 
 
 class Variants:

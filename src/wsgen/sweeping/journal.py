@@ -63,16 +63,6 @@ def journal_of(table: Path) -> Path:
     return table.resolve().with_name(f"{table.resolve().name}{SUFFIX}")
 
 
-def hash_inputs(*parts: str | bytes) -> str:
-    """Hash texts and bytes, for `Header.inputs`, each with its length."""
-    digest = hashlib.sha256()
-    for part in parts:
-        data = part if isinstance(part, bytes) else part.encode("utf-8", "surrogatepass")
-        digest.update(len(data).to_bytes(8, "little"))
-        digest.update(data)
-    return digest.hexdigest()
-
-
 def write_line(known: Known) -> bytes:
     """Write the first line of a journal."""
     value = {

@@ -182,7 +182,7 @@ OWN: tuple[Parameter, ...] = (
     ),
 )
 OWN_NAMES = frozenset(one.name for one in OWN)
-OF_PUSH = (PUSH_DIRECTION, PUSH_SECONDS)  # they need PUSH_FORCE
+NEED_A_FORCE = (PUSH_DIRECTION, PUSH_SECONDS)
 
 
 def own_values(values: Mapping[str, Value]) -> dict[str, float]:
@@ -225,10 +225,10 @@ def check_design(
     for name in design.names:
         if name not in parameters:
             raise _unknown(name, known, subject, others)
-    of_push = [name for name in design.names if name in OF_PUSH]
-    if of_push and PUSH_FORCE not in design.names:
+    idle = [name for name in design.names if name in NEED_A_FORCE]
+    if idle and PUSH_FORCE not in design.names:
         raise RequestError(
-            f"{of_push[0]} has no effect without {PUSH_FORCE}.",
+            f"{idle[0]} has no effect without {PUSH_FORCE}.",
             hint=f"Add a force in N, for example --over {PUSH_FORCE}=0:50:11",
         )
     checked = replace(

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 from wsgen.errors import RequestError
 from wsgen.files import explain_write_error, irregular_kind, replace_file
-from wsgen.model.sweep import Column
+from wsgen.model.sweep import LEAST_INTEGER, MOST_INTEGER, Column
 from wsgen.printable import clean
 from wsgen.suggestions import nearest
 from wsgen.sweeping.journal import Header, Journal, Known
@@ -39,7 +39,6 @@ CODES = Column(name="codes", kind="text", meaning="codes of errors and warnings"
 DIAGNOSTIC = Column(name="diagnostic", kind="text", meaning="the first error")
 PARAMETER_PREFIX = "parameter."  # of a parameter that has the name of another column
 _to_json = json.JSONEncoder(ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode
-MOST_INTEGER = 2**63  # of what a column of integers has
 # What no reader of tables takes: a null byte, and what UTF-8 cannot have.
 _UNWRITABLE = {0: "\u2400", **dict.fromkeys(range(0xD800, 0xE000), "\ufffd")}
 
@@ -256,7 +255,7 @@ def _stored(column: Column, value: Any) -> Any:
     if column.kind == "boolean":
         return bool(value)
     integer = int(value)
-    if not -MOST_INTEGER <= integer < MOST_INTEGER:
+    if not LEAST_INTEGER <= integer <= MOST_INTEGER:
         raise RequestError(
             f"`{column.name}` is {value}, which does not fit the 64 bits of a column of integers.",
             hint="Write it as a number with a point.",

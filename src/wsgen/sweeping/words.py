@@ -12,9 +12,15 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from wsgen.errors import RequestError
-from wsgen.model.sweep import Axis, Design, Distribution
+from wsgen.model.sweep import (
+    MOST_SEED,
+    MOST_VARIANTS,
+    SAMPLERS,
+    Axis,
+    Design,
+    Distribution,
+)
 from wsgen.suggestions import ask_for_nearest
-from wsgen.sweeping.design import MOST_VARIANTS, SAMPLERS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -24,7 +30,6 @@ if TYPE_CHECKING:
 
 OVER, RANDOM = "--over", "--random"
 DEFAULT_SAMPLES = 100
-MOST_SEEDS = 2**63
 # The numbers that each distribution takes.
 NUMBERS = {
     "uniform": ("LOW", "HIGH"),
@@ -102,9 +107,9 @@ def make_design(
             f"--sampler {sampler}: there is no such sampler.",
             hint=f"{ask_for_nearest(sampler, SAMPLERS)}Give one of {', '.join(SAMPLERS)}.",
         )
-    if seed is not None and not 0 <= seed < MOST_SEEDS:
+    if seed is not None and not 0 <= seed <= MOST_SEED:
         raise RequestError(
-            f"--seed {seed}: it must be from 0 to {MOST_SEEDS - 1}.",
+            f"--seed {seed}: it must be from 0 to {MOST_SEED}.",
             hint="Write for example --seed 1.",
         )
     return Design(

@@ -24,6 +24,7 @@ from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
 from wsgen.model.outcome import ENGINE_NAMES
+from wsgen.model.sweep import LONGEST_RUN, MOST_SEED, MOST_VARIANTS, SAMPLERS, SHORTEST_RUN
 from wsgen.suggestions import advice
 from wsgen.tomlfile import find_line
 from wsgen.values import dataclass
@@ -38,9 +39,6 @@ if TYPE_CHECKING:
 
 TABLE = "sweep"
 EXAMPLE = 'Write for example: [sweep], over = { "world.slope" = "0:30deg:31" }'
-LONGEST, SHORTEST = 600.0, 0.1  # s, as of --seconds
-MOST_SAMPLES = 10_000_000
-SAMPLERS = ("random", "lhs", "sobol")
 KEYS = ("over", "random", "samples", "sampler", "seed", "seconds", "engine", "out")
 
 
@@ -88,9 +86,9 @@ def read_sweep(
             **{name: reader.line("over", name) for name in over},
             **{name: reader.line("random", name) for name in random},
         },
-        samples=reader.integer(table, "samples", least=1, most=MOST_SAMPLES),
+        samples=reader.integer(table, "samples", least=1, most=MOST_VARIANTS),
         sampler=reader.word(table, "sampler", SAMPLERS),
-        seed=reader.integer(table, "seed", least=0, most=2**63 - 1),
+        seed=reader.integer(table, "seed", least=0, most=MOST_SEED),
         seconds=reader.seconds(table),
         engine=reader.word(table, "engine", tuple(ENGINE_NAMES)),
         out=reader.out(table),
@@ -197,9 +195,9 @@ class _Reader:
         if value is None:
             return None
         is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
-        if not is_number or not SHORTEST <= value <= LONGEST:
+        if not is_number or not SHORTEST_RUN <= value <= LONGEST_RUN:
             self.report(
-                f"`seconds` is no number from {SHORTEST:g} to {LONGEST:g}.",
+                f"`seconds` is no number from {SHORTEST_RUN:g} to {LONGEST_RUN:g}.",
                 "Write for example: seconds = 5.0",
                 "seconds",
             )
