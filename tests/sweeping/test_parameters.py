@@ -126,6 +126,24 @@ def test_a_normal_distribution_is_checked_by_what_it_draws() -> None:
     assert check(random=("world=normal(0,1e9)",), samples=1000)
 
 
+@pytest.mark.parametrize("name", ["world", "radius"])
+def test_a_normal_distribution_draws_finite_numbers(name: str) -> None:
+    error = refused(random=(f"{name}=normal(1e308,1e308)",))
+    assert "normal(1e+308, 1e+308) draws" in error.message
+    assert "smaller deviation" in error.hint
+    assert check(random=("world=normal(1e307,1e300)",))
+
+
+def test_integers_keep_their_digits() -> None:
+    number = Parameter(name="id", kind="integer")
+    for word, expected in (("id=9007199254740993", 2**53 + 1), ("id=8.0", 8)):
+        design = make_design(read_axes([word]), ())
+        (axis,) = check_design(design, [number], subject="The file x").axes
+        assert axis.values == (expected,)
+    with pytest.raises(RequestError, match="must be an integer"):
+        check_design(make_design(read_axes(["id=1e300"]), ()), [number], subject="The file x")
+
+
 def test_a_push_needs_a_force() -> None:
     for word in ("push.direction=0:1:3", "push.seconds=0.1,0.2"):
         assert "has no effect without push.force" in refused(word).message

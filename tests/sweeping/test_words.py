@@ -12,6 +12,7 @@ from wsgen.model.sweep import Axis, Distribution
 from wsgen.sweeping.parameters import write_value
 from wsgen.sweeping.words import (
     DEFAULT_SAMPLES,
+    make_axis,
     make_design,
     read_axes,
     read_axis,
@@ -132,6 +133,48 @@ def test_a_distribution_that_is_none(word: str, message: str) -> None:
         read_distributions([word])
     assert message in caught.value.message
     assert word in caught.value.message
+
+
+HUGE, LONG = "1" + 400 * "0", 5_000 * "7"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        f"{HUGE},1",
+        f"1.5,-{HUGE}",
+        f"0:{HUGE}:3",
+        f"-{HUGE}:1.5:3",
+        f"0:1:{LONG}",
+        f"{LONG}",
+        f"{LONG}deg,1",
+        f"0:{LONG}:3",
+        "9223372036854775808,1",
+        "-9223372036854775809",
+        "0:9223372036854775808:2",
+    ],
+)
+def test_numbers_that_nothing_can_hold(text: str) -> None:
+    with pytest.raises(RequestError, match=r"is too large|64 bits|COUNT is 7") as caught:
+        read_axis("x", text)
+    assert len(caught.value.message) < 600
+    assert caught.value.hint
+    for kind in ("uniform(0,{})", "choice(1,{})"):
+        with pytest.raises(RequestError, match=r"is too large|64 bits"):
+            read_distribution("x", kind.format(LONG))
+    with pytest.raises(RequestError, match="64 bits"):
+        make_axis("x", [10**400, 1], "x")
+
+
+def test_numbers_that_are_just_not_too_large() -> None:
+    assert values("9223372036854775807,-9223372036854775808") == (2**63 - 1, -(2**63))
+    assert values("1e20,1.5") == (1e20, 1.5)
+    assert values(f"{5_000 * '0'}1") == (1,)
+    assert values(f"0:0.{5_000 * '3'}:2") == (0.0, 1 / 3)
+    assert values("1:1e-999999999:3") == (1.0, 0.5, 0.0)
+    assert values(f"'{HUGE}'") == (HUGE,)
+    with pytest.raises(RequestError, match=r"the difference of LOW, -1e.308, and HIGH"):
+        read_distribution("x", "uniform(-1e308,1e308)")
 
 
 def test_hints_ask_for_what_was_meant() -> None:

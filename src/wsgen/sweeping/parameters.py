@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wsgen.errors import RequestError
+from wsgen.model.sweep import LEAST_INTEGER, MOST_INTEGER
 from wsgen.suggestions import ask_for_nearest, some_of
 from wsgen.values import dataclass
 
@@ -79,6 +80,7 @@ PUSH_SECONDS = "push.seconds"
 _FAR = 1e6  # m; farther away, the engines' numbers lose millimeters
 _MUCH = 1e6
 MOST_NAMED = 12  # parameters in a hint
+MOST_DEVIATIONS = 10.0  # from the mean; more than any normal distribution draws
 LONGEST_PUSH = 60.0  # s, as the longest behavior
 
 OWN: tuple[Parameter, ...] = (
@@ -308,7 +310,10 @@ def _to_number(value: Value) -> float | None:
 
 def _to_integer(value: Value) -> int | None:
     number = _to_number(value)
-    return None if number is None or not number.is_integer() else int(number)
+    if number is None or not number.is_integer():
+        return None
+    integer = value if isinstance(value, int) else int(number)  # a float has fewer digits
+    return integer if LEAST_INTEGER <= integer <= MOST_INTEGER else None
 
 
 def _to_boolean(value: Value) -> bool | None:
@@ -344,28 +349,30 @@ def _refused(value: str, parameter: Parameter) -> RequestError:
 
 def _check_drawn(design: Design, parameters: Mapping[str, Parameter]) -> None:
     """Check what normal distributions draw, which have no bounds."""
-    unbounded = [
+    doubtful = [
         (index, one)
         for index, one in enumerate(design.distributions)
         if one.kind == "normal"
-        and any(
-            math.isfinite(bound)
-            for bound in (parameters[one.name].minimum, parameters[one.name].maximum)
+        and (
+            math.isfinite(parameters[one.name].minimum)
+            or math.isfinite(parameters[one.name].maximum)
+            or not math.isfinite(abs(one.numbers[0]) + MOST_DEVIATIONS * one.numbers[1])
         )
     ]
-    if not unbounded:
+    if not doubtful:
         return
     from wsgen.sweeping.samples import Samples, quantile  # noqa: PLC0415  a grid needs no NumPy
 
     samples = Samples(design)
-    for index, one in unbounded:
+    for index, one in doubtful:
         parameter = parameters[one.name]
         for place in samples.extremes(index):
-            value = quantile(one, place)
-            if not parameter.is_within(float(value)):
+            value = float(quantile(one, place))
+            if not math.isfinite(value) or not parameter.is_within(value):
                 mean, deviation = one.numbers
                 raise RequestError(
                     f"{one.name}: normal({mean:g}, {deviation:g}) draws {value:g} in one of the "
-                    f"{design.samples} samples; it must be {parameter.expected}.",
+                    f"{design.samples} samples; it must be "
+                    f"{'finite' if math.isinf(value) else parameter.expected}.",
                     hint="Give a smaller deviation, or use uniform or loguniform.",
                 )

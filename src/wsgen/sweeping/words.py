@@ -8,11 +8,14 @@ from __future__ import annotations
 
 import math
 import re
+from decimal import Decimal
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from wsgen.errors import RequestError
 from wsgen.model.sweep import (
+    LEAST_INTEGER,
+    MOST_INTEGER,
     MOST_SEED,
     MOST_VARIANTS,
     SAMPLERS,
@@ -43,6 +46,7 @@ EXAMPLES = {
     "loguniform": "loguniform(0.01, 10)",
     "choice": "choice(1, 2, 5)",
 }
+LONGEST_SHOWN = 100  # characters of what a user wrote
 GRID_EXAMPLE = "world.slope=0:30deg:31 or wheel_radius=0.03,0.04,0.05"
 
 _ITEM = re.compile(r"""\s*(?:"([^"]*)"|'([^']*)'|([^,"']*?))\s*(,|\Z)""")
@@ -145,7 +149,7 @@ def read_axis(name: str, text: str, *, option: str = OVER) -> Axis:
     Raises:
         RequestError: The text is neither; a value is no number, or is there twice.
     """
-    shown = f"{option} {name}={text}"
+    shown = f"{option} {name}={_clip(text)}"
     call = _CALL.fullmatch(text)
     if call is not None and call[1].lower() in KINDS:
         raise RequestError(
@@ -170,6 +174,11 @@ def make_axis(name: str, values: Sequence[Value], shown: str) -> Axis:
     for value in values:
         if isinstance(value, float) and not math.isfinite(value):
             raise RequestError(f"{shown}: {value} is no number.", hint="Give finite numbers.")
+        if isinstance(value, int) and not LEAST_INTEGER <= value <= MOST_INTEGER:
+            raise RequestError(
+                f"{shown}: an integer does not fit into 64 bits.",
+                hint="Write it with a point, or in quotes if it is a text.",
+            )
         if value in before:
             raise RequestError(f"{shown}: {value} is given twice.", hint="Remove one of the two.")
         before.add(value)
@@ -182,7 +191,7 @@ def read_distribution(name: str, text: str, *, option: str = RANDOM) -> Distribu
     Raises:
         RequestError: The distribution is unknown, or its numbers make none.
     """
-    shown = f"{option} {name}={text}"
+    shown = f"{option} {name}={_clip(text)}"
     call = _CALL.fullmatch(text)
     if call is None:
         raise RequestError(
@@ -226,6 +235,9 @@ def _check_numbers(kind: str, first: float, second: float, shown: str) -> None:
     elif kind == "loguniform" and first <= 0.0:
         problem = f"LOW, {first:g}, is not greater than 0, and has no logarithm"
         hint = "Give a small positive number, or use uniform."
+    elif kind == "uniform" and not math.isfinite(second - first):
+        problem = f"the difference of LOW, {first:g}, and HIGH, {second:g}, is too large"
+        hint = "Give numbers that are nearer to each other."
     if problem:
         raise RequestError(f"{shown}: {problem}.", hint=hint)
 
@@ -275,19 +287,37 @@ def _read_number(text: str, shown: str) -> int | float | None:
     found = _NUMBER.fullmatch(text)
     if found is None:
         return None
-    if found[2] is None and _INTEGER.fullmatch(text):
-        return int(text)
     value = float(found[1])
     if not math.isfinite(value):
-        raise RequestError(f"{shown}: {text} is too large.", hint="Give finite numbers.")
+        raise RequestError(
+            f"{shown}: {_clip(text)} is too large.",
+            hint="Give finite numbers, or write it in quotes if it is a text.",
+        )
+    if found[2] is None and _INTEGER.fullmatch(text):
+        integer = _integer(text)
+        if not LEAST_INTEGER <= integer <= MOST_INTEGER:
+            raise RequestError(
+                f"{shown}: the integer {_clip(text)} does not fit into 64 bits.",
+                hint="Write it with a point, or in quotes if it is a text.",
+            )
+        return integer
     return math.radians(value) if found[2] else value
+
+
+def _integer(text: str) -> int:
+    """An integer of any length: `int` refuses texts of more than some thousand digits."""
+    return int(Decimal(text))
+
+
+def _clip(text: str) -> str:
+    return text if len(text) <= LONGEST_SHOWN else f"{text[:LONGEST_SHOWN]}…"
 
 
 def _require_number(item: str, is_quoted: bool, shown: str) -> int | float:  # noqa: FBT001
     number = None if is_quoted else _read_number(item, shown)
     if number is None:
         raise RequestError(
-            f"{shown}: {item!r} is no number.",
+            f"{shown}: {_clip(item)!r} is no number.",
             hint="Write numbers as 0.5, 5e-3 or 30deg.",
         )
     return number
@@ -312,11 +342,12 @@ def _range(text: str, shown: str, name: str) -> tuple[Value, ...]:
             f"{shown}: one end is in degrees, the other is not.", hint="Write `deg` at both ends."
         )
     if not _INTEGER.fullmatch(parts[2]):
-        raise RequestError(f"{shown}: COUNT, {parts[2]!r}, is no integer.", hint=example)
-    count = int(parts[2])
+        raise RequestError(f"{shown}: COUNT, {_clip(parts[2])!r}, is no integer.", hint=example)
+    count = _integer(parts[2])
     if not _LEAST_COUNT <= count <= MOST_VARIANTS:
         raise RequestError(
-            f"{shown}: COUNT is {count}; it must be from {_LEAST_COUNT} to {MOST_VARIANTS:,}.",
+            f"{shown}: COUNT is {_clip(parts[2])}; it must be from {_LEAST_COUNT} to "
+            f"{MOST_VARIANTS:,}.",
             hint=f"{example}; for a single value, write {name}={parts[0]}",
         )
     if start == stop:
@@ -342,7 +373,9 @@ def _range(text: str, shown: str, name: str) -> tuple[Value, ...]:
 
 def _exact(text: str) -> Fraction:
     """The number as it is written: a tenth of it is then a tenth, and not nearly one."""
-    return Fraction(text.removesuffix("deg").strip())
+    number = text.removesuffix("deg").strip()
+    # What is nearer to 0 than any float may have a denominator that no memory holds.
+    return Fraction(Decimal(number)) if float(number) else Fraction(0)
 
 
 def _refuse_twice(names: Sequence[str]) -> None:

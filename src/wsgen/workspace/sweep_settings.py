@@ -24,7 +24,15 @@ from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
 from wsgen.model.outcome import ENGINE_NAMES
-from wsgen.model.sweep import LONGEST_RUN, MOST_SEED, MOST_VARIANTS, SAMPLERS, SHORTEST_RUN
+from wsgen.model.sweep import (
+    LEAST_INTEGER,
+    LONGEST_RUN,
+    MOST_INTEGER,
+    MOST_SEED,
+    MOST_VARIANTS,
+    SAMPLERS,
+    SHORTEST_RUN,
+)
 from wsgen.suggestions import advice
 from wsgen.tomlfile import find_line
 from wsgen.values import dataclass
@@ -123,6 +131,13 @@ class _Reader:
             values = value if isinstance(value, list) else [value]
             if isinstance(value, str):
                 read[name] = value
+            elif any(_is_too_large(one) for one in values):
+                self.report(
+                    f"A value of `{name}` is too large: integers must fit into 64 bits.",
+                    f'Write it with a point, for example: "{name}" = [1e20, 2e20]',
+                    "over",
+                    name,
+                )
             elif self._are_values(values):
                 read[name] = tuple(values)
             else:
@@ -137,7 +152,7 @@ class _Reader:
     def _are_values(self, values: list[Any]) -> bool:
         """Whether they are one or more numbers, or texts, or booleans."""
         kinds = {type(value) for value in values}
-        is_finite = all(math.isfinite(one) for one in values if isinstance(one, (int, float)))
+        is_finite = all(math.isfinite(one) for one in values if isinstance(one, float))
         return is_finite and (kinds in ({str}, {bool}) or (bool(kinds) and kinds <= {int, float}))
 
     def random(self, table: Mapping[str, Any], over: Mapping[str, object]) -> dict[str, str]:
@@ -224,6 +239,10 @@ class _Reader:
             return value
         self.report("`out` is not a path.", 'Write for example: out = "rover.csv"', "out")
         return None
+
+
+def _is_too_large(value: object) -> bool:
+    return isinstance(value, int) and not LEAST_INTEGER <= value <= MOST_INTEGER
 
 
 def _flat(table: Mapping[str, Any], before: str = "") -> list[tuple[str, Any]]:
