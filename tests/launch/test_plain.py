@@ -292,6 +292,24 @@ def test_a_robot_is_expanded_again_where_it_may_have_changed(
     assert is_expanded
 
 
+@pytest.mark.slow
+def test_the_origin_of_a_robot_that_two_command_lines_expand_alike(
+    together: PlainLaunches, apart: Counted, tmp_path: Path
+) -> None:
+    xacro = tmp_path / "robot.xacro"
+    xacro.write_text(ROBOT.format('<xacro:arg name="a" default="1"/><link name="l$(arg a)"/>'))
+    imports = "from launch.substitutions import Command"
+    given = COMMAND.format(file=f"{xacro} a:=1")
+    both = write(tmp_path, "both", imports, f"{COMMAND.format(file=xacro)}, {given}")
+    second = write(tmp_path, "second", imports, given)
+    before = apart.count
+    plans = [plan(file, together.run) for file in (both, second)]
+    assert apart.count == before
+    assert plans == [plan(file, apart.run) for file in (both, second)]
+    sources = [process.description_file for one in plans for process in one.processes]
+    assert sources == [xacro] * 3
+
+
 ROBOT = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{}</robot>'
 XACRO_FILES = {
     "sound": '<xacro:arg name="size" default="1"/><link name="a$(arg size)"/>',

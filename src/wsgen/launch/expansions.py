@@ -15,7 +15,7 @@ from wsgen.launch.record import RECORD, CommandOutcome
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from wsgen.launch.record import CommandRunner
+    from wsgen.launch.record import CommandRunner, Record
 
 
 MOST_KNOWN = 16  # expansions that are kept
@@ -54,8 +54,6 @@ class Expansions:
     def _expand(self, key: tuple[str, ...], words: Sequence[str]) -> CommandOutcome:
         from ament_index_python import packages  # of the shim
 
-        notes = _count_notes()
-        texts, opened = dict(RECORD.texts), len(RECORD.opened)
         environment = dict(os.environ)
         prefixes: dict[str, str | None] = {}
         find = packages.find_prefix
@@ -67,20 +65,20 @@ class Expansions:
         RECORD.opened_by_xacro = []
         packages.find_prefix = find_and_note
         try:
-            outcome = self._run_xacro(words)
+            # What it notes is the same whatever the launch file has had noted before.
+            with RECORD.apart() as noted:
+                outcome = self._run_xacro(words)
         finally:
             packages.find_prefix = find
             files, RECORD.opened_by_xacro = RECORD.opened_by_xacro, None
         # What it notes beyond its texts, it has to note again.
-        if outcome.code == 0 and notes == _count_notes() and None not in prefixes.values():
+        if outcome.code == 0 and not _has_more(noted) and None not in prefixes.values():
             while len(self._known) >= MOST_KNOWN:
                 del self._known[next(iter(self._known))]
             self._known[key] = _Known(
                 outcome=outcome,
-                texts={
-                    text: file for text, file in RECORD.texts.items() if texts.get(text) != file
-                },
-                opened=RECORD.opened[opened:],
+                texts=noted.texts,
+                opened=noted.opened,
                 environment=environment,
                 files={file: _state(file) for file in files},
                 prefixes=prefixes,
@@ -88,15 +86,17 @@ class Expansions:
         return outcome
 
 
-def _count_notes() -> tuple[int, ...]:
-    record = RECORD
-    return (
-        len(record.unresolved),
-        len(record.diagnostics),
-        len(record.lookups),
-        len(record.unset),
-        len(record.unused_xacro_arguments),
-        len(record.left_out),
+def _has_more(noted: Record) -> bool:
+    """Whether an expansion has noted more than its texts and the robots that it opened."""
+    return any(
+        (
+            noted.unresolved,
+            noted.diagnostics,
+            noted.lookups,
+            noted.unset,
+            noted.unused_xacro_arguments,
+            noted.left_out,
+        )
     )
 
 

@@ -37,6 +37,16 @@ if TYPE_CHECKING:
     CommandRunner = Callable[[Sequence[str]], "CommandOutcome"]
 
 
+_OF_EXPANSIONS = (  # what is noted while xacro runs
+    "texts",
+    "opened",
+    "lookups",
+    "unset",
+    "unresolved",
+    "diagnostics",
+    "unused_xacro_arguments",
+    "left_out",
+)
 _NAME = re.compile(r"[^\W\d]\w*")
 _MACHINERY = os.path.dirname(os.path.dirname(__file__)) + os.sep  # all of wsgen
 _NOT_THE_USERS = (_MACHINERY, "<frozen importlib")
@@ -159,6 +169,33 @@ class Record:
         """Make it as new, for another launch file."""
         vars(self).clear()
         vars(self).update(vars(Record()))
+
+    @contextlib.contextmanager
+    def apart(self) -> Iterator[Record]:
+        """Give what an expansion notes in this context, without what was noted before it.
+
+        At the end it is added to what was noted before.
+        """
+        noted = Record()
+        before = {name: vars(self)[name] for name in _OF_EXPANSIONS}
+        vars(self).update({name: vars(noted)[name] for name in _OF_EXPANSIONS})
+        try:
+            yield noted
+        finally:
+            vars(self).update(before)
+            self._add(noted)
+
+    def _add(self, noted: Record) -> None:
+        self.texts.update(noted.texts)
+        self.opened.extend(noted.opened)
+        self.unset.update(noted.unset)
+        self.left_out.extend(noted.left_out)
+        self.unused_xacro_arguments.extend(noted.unused_xacro_arguments)
+        for package, location in noted.lookups.items():
+            self.lookups.setdefault(package, location)
+        self.unresolved.extend(one for one in noted.unresolved if one not in self.unresolved)
+        for diagnostic in noted.diagnostics:
+            self.report(diagnostic)
 
     def require_plain(self, is_plain: Callable[[], bool]) -> None:
         """Refuse to execute what is not plain in a process that is shared."""
