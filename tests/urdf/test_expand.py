@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import os
+import sys
+import time
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from wsgen.source_shares import is_used, serve_sources
 from wsgen.xacro.expansion import expand, expand_for_parent, run_command, warm_up
 from wsgen.xacro.result import Expansion, ExpansionRequest
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from pathlib import Path
 
 
@@ -128,3 +134,55 @@ def test_the_arguments_that_files_declare(tmp_path: Path) -> None:
         answer = expand_for_parent(ExpansionRequest(file=str(file), arguments=given))
         assert isinstance(answer, Expansion)
         assert answer.arguments == expected
+
+
+@pytest.fixture
+def finding(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> ExpansionRequest:
+    """A file that looks up the package `demo`, whose source is served."""
+    source = tmp_path / "demo"
+    source.mkdir()
+    variables = serve_sources({"demo": source}, tmp_path / "served", {})
+    for name, value in variables.items():
+        monkeypatch.setenv(name, value)
+    packages: Any = ModuleType("ament_index_python.packages")
+    packages.get_package_share_directory = "/share/{}".format
+    monkeypatch.setitem(sys.modules, "ament_index_python", ModuleType("ament_index_python"))
+    monkeypatch.setitem(sys.modules, packages.__name__, packages)
+    file = write(tmp_path, '<link name="$(find demo)"/>')
+    return ExpansionRequest(file=str(file), arguments={})
+
+
+def test_packages_that_are_found_are_noted(finding: ExpansionRequest) -> None:
+    assert not is_used("demo", os.environ)
+    answer = expand_for_parent(finding)
+    assert isinstance(answer, Expansion)
+    assert '"/share/demo"' in answer.urdf
+    assert is_used("demo", os.environ)
+
+
+def test_one_process_expands_any_number_of_files(finding: ExpansionRequest) -> None:
+    first = expand_for_parent(finding)
+    assert isinstance(first, Expansion)
+    args: Any = sys.modules["xacro.substitution_args"]
+    for find in (args._eval_find, args._eval_dict["find"]):
+        assert wrapped(find) == 1
+    before = [args._eval_find, args._eval_dict["find"]]
+    for _ in range(3):
+        assert expand_for_parent(finding) == first
+    assert [args._eval_find, args._eval_dict["find"]] == before
+
+
+@pytest.mark.slow
+def test_twelve_hundred_expansions(finding: ExpansionRequest) -> None:
+    """More than Python lets functions call each other."""
+    first = expand_for_parent(finding)
+    assert isinstance(first, Expansion)
+    started = time.process_time()
+    assert all(expand_for_parent(finding) == first for _ in range(1200))
+    assert time.process_time() - started < 10.0
+
+
+def wrapped(function: Callable[..., Any]) -> int:
+    """How many functions a function calls one through the other."""
+    cells = [cell.cell_contents for cell in function.__closure__ or ()]
+    return sum(1 + wrapped(one) for one in cells if callable(one))

@@ -7,6 +7,7 @@ hold expressions that never end: call this in a child process (`wsgen.isolation`
 from __future__ import annotations
 
 import contextlib
+import functools
 import io
 import os
 import sys
@@ -161,8 +162,8 @@ def expand(file: Path, mappings: Mapping[str, str]) -> CommandResult:
 
 
 def expand_for_parent(request: ExpansionRequest) -> Expansion | ExpansionError:
-    """`expand` in a child process."""
-    _note_finds()
+    """`expand` in a child process, which may expand any number of files."""
+    _note_finds_once()
     result = expand(Path(request.file), request.arguments)
     if result.code == 0:
         unused = tuple(UnusedArgument(**one) for one in result.unused)
@@ -172,7 +173,8 @@ def expand_for_parent(request: ExpansionRequest) -> Expansion | ExpansionError:
     return ExpansionError(**{name: error[name] for name in fields if name in error})
 
 
-def _note_finds() -> None:
+@functools.cache
+def _note_finds_once() -> None:
     """Note which packages `$(find …)` looks up; launch files have their own way to find them."""
     # It loads yaml, which launch files seldom need.
     from xacro import substitution_args  # noqa: PLC0415
