@@ -347,3 +347,19 @@ def test_one_child_expands_as_many(together: PlainLaunches, apart: Counted, tmp_
     assert failing == ["wants a property", "wants a macro", "wants an argument", "is broken"]
     # What fails is expanded in a child of its own, which explains it.
     assert apart.count - before == 5 * len(failing)
+
+
+@pytest.mark.slow
+def test_a_launch_file_leaves_xacro_its_way_to_find_packages(
+    together: PlainLaunches, apart: Counted, tmp_path: Path
+) -> None:
+    """Launch files may look up packages that are not installed."""
+    file = tmp_path / "robot.xacro"
+    file.write_text(ROBOT.format('<link name="$(find nav2_bringup)"/>'))
+    variables = {**os.environ, "AMENT_PREFIX_PATH": str(tmp_path)}
+    alone = expand_file(file, {}, environment=variables, run=apart.run)
+    assert alone[0] is None
+    before = apart.count
+    assert plan(write(tmp_path, "first", ""), together.run).is_complete
+    assert apart.count == before
+    assert expand_file(file, {}, environment=variables, run=together.run) == alone

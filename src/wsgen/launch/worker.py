@@ -143,6 +143,10 @@ class _Process:
     """What an evaluation changes in its process."""
 
     def __init__(self) -> None:
+        from ament_index_python import packages  # of the shim
+
+        self._packages = packages
+        self._find_prefix = packages.find_prefix
         self._path = sys.path[:]
         self._finders = sys.meta_path[:]
         self._streams = sys.stdin, sys.stdout, sys.stderr
@@ -152,6 +156,7 @@ class _Process:
 
     def restore(self) -> None:
         """Set it back, but for the environment, which the next one sets."""
+        self._packages.find_prefix = self._find_prefix  # xacro files that it expands have another
         sys.path[:] = self._path
         sys.meta_path[:] = self._finders
         sys.stdin, sys.stdout, sys.stderr = self._streams
