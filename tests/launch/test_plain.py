@@ -326,6 +326,22 @@ XACRO_FILES = {
 
 
 @pytest.mark.slow
+def test_a_robot_is_expanded_again_where_it_includes_a_new_file(
+    together: PlainLaunches, tmp_path: Path
+) -> None:
+    parts = tmp_path / "parts"
+    parts.mkdir()
+    xacro = tmp_path / "robot.xacro"
+    xacro.write_text(XACRO.format(included=parts / "*.xacro"))
+    imports = "from launch.substitutions import Command"
+    file = write(tmp_path, "a", imports, COMMAND.format(file=xacro))
+    for name in ("first", "another"):
+        (parts / f"{name}.xacro").write_text(f'<robot><link name="{name}"/></robot>')
+        (process,) = plan(file, together.run).processes
+        assert f'"{name}"' in process.parameters["robot_description"]
+
+
+@pytest.mark.slow
 def test_one_child_expands_as_many(together: PlainLaunches, apart: Counted, tmp_path: Path) -> None:
     assert TASK_OF_XACRO == XACRO_TASK
     for name, text in XACRO_FILES.items():

@@ -146,7 +146,7 @@ class Record:
         self.read: dict[str, str] = {}  # absolute paths of files that were read, and their use
         self.made: dict[str, str] = {}  # files that the evaluation writes -> what they are made of
         self.opened: list[str] = []  # robots and worlds that the launch file opened itself
-        self.opened_by_xacro: list[str] | None = None  # all files; None while it does not run
+        self.opened_by_xacro: list[str] | None = None  # files and folders; None: it does not run
         self.argument_use = ArgumentUse()
         self.unused_xacro_arguments: list[tuple[Mapping[str, str], Location | None]] = []
         self.visited: Location | None = None  # the line of the entity that is visited

@@ -276,9 +276,10 @@ def _watch(event: str, arguments: tuple[Any, ...]) -> None:
         raise PermissionError("nothing is removed, because nothing runs")
     if event in ("os.fork", "os.forkpty"):
         raise ForkError
+    # Folders are searched for files to include: <xacro:include filename="parts/*.xacro"/>.
+    if event in ("open", "os.scandir") and RECORD.opened_by_xacro is not None:
+        RECORD.opened_by_xacro.append(os.path.abspath(str(arguments[0])))
     if event == "open":
-        if RECORD.opened_by_xacro is not None:
-            RECORD.opened_by_xacro.append(os.path.abspath(str(arguments[0])))
         if str(arguments[0]).endswith(_DESCRIPTIONS):
             RECORD.opened.append(os.path.abspath(str(arguments[0])))
         if RECORD.with_origins:
