@@ -144,6 +144,16 @@ def test_integers_keep_their_digits() -> None:
         check_design(make_design(read_axes(["id=1e300"]), ()), [number], subject="The file x")
 
 
+def test_a_parameter_with_the_name_of_one_of_wsgen() -> None:
+    known = [Parameter(name="world.slope", kind="number")]
+    design = make_design(read_axes(["world.slope=0,1"]), ())
+    with pytest.raises(RequestError, match=r"has a parameter `world\.slope`") as caught:
+        check_design(design, known, subject="The file x")
+    assert "Rename the argument, for example `world_slope`" in caught.value.hint
+    other = make_design(read_axes(["world.friction=0,1"]), ())
+    assert check_design(other, known, subject="The file x").names == ("world.friction",)
+
+
 def test_a_push_needs_a_force() -> None:
     for word in ("push.direction=0:1:3", "push.seconds=0.1,0.2"):
         assert "has no effect without push.force" in refused(word).message

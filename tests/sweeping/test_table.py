@@ -23,7 +23,7 @@ from sweeping.row_writer import COLUMNS, SURFACES, header, open_sweep, row, vari
 from wsgen.errors import NotFoundError, NotReadableError, RequestError, WouldOverwriteError
 from wsgen.model.sweep import Column, Row, Variant
 from wsgen.sweeping import journal, parquet
-from wsgen.sweeping.table import FORMATS, open_table
+from wsgen.sweeping.table import FORMATS, full_columns, headings, open_table
 from wsgen.sweeping.table_data import read_table
 
 SUFFIXES = [*FORMATS]
@@ -234,6 +234,34 @@ def test_a_parameter_with_the_name_of_another_column(file: Path) -> None:
     assert data.figures[0].numbers.tolist() == [3.5]
     if file.suffix == ".csv":
         assert file.read_text().startswith("run,parameter.passed,parameter.tilt,passed,codes,tilt,")
+
+
+def test_parameters_with_the_names_of_headings(file: Path) -> None:
+    names = ["run", "tilt", "parameter.run", "parameter.parameter.tilt", "parameter.tilt"]
+    columns = [
+        *(Column(name=name, kind="number", is_parameter=True) for name in names),
+        Column(name="tilt", kind="number"),
+    ]
+    values = {name: float(place) for place, name in enumerate(names)}
+    for number in range(2):  # the second time it is resumed
+        with open_table(file, columns, header(2)) as table:
+            table.write(
+                Variant(number=number, values=values),
+                Row(number=number, passed=True, figures={"tilt": 9.0}),
+            )
+    assert headings(full_columns(columns)) == (
+        "run",
+        "parameter.parameter.run",
+        "parameter.parameter.parameter.tilt",
+        *names[2:],
+        "passed",
+        "codes",
+        "tilt",
+        "diagnostic",
+    )
+    data = read_table(file)
+    assert [one.numbers.tolist() for one in data.parameters] == [[one] * 2 for one in range(5)]
+    assert data.figures[0].numbers.tolist() == [9.0, 9.0]
 
 
 def test_an_integer_that_does_not_fit(tmp_path: Path) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping  # noqa: TC003  the type hints of answers are read
+from collections.abc import Collection, Mapping  # noqa: TC003  type hints of answers are read
 from dataclasses import field
 
 from wsgen.values import dataclass
@@ -83,3 +83,10 @@ class Row:
     codes: tuple[str, ...] = ()  # of the errors and warnings that are reported, sorted
     diagnostic: str | None = None  # the first error, with its code
     figures: Mapping[str, Figure] = field(default_factory=dict)  # by column; others are None
+
+
+def free_name(name: str, taken: Collection[str], prefix: str, before: str = "") -> str:
+    """The name after `before`, with as many prefixes as it needs not to be taken."""
+    while f"{before}{name}" in taken:
+        name = f"{prefix}{name}"
+    return f"{before}{name}"

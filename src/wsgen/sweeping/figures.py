@@ -6,12 +6,12 @@ import math
 from typing import TYPE_CHECKING
 
 from wsgen.model.behavior import Drive
-from wsgen.model.sweep import Column
+from wsgen.model.sweep import Column, free_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
-    from wsgen.model.behavior import Behavior, BehaviorOutcome
+    from wsgen.model.behavior import Behavior, BehaviorOutcome, Reach
     from wsgen.model.outcome import RobotOutcome
     from wsgen.model.sweep import Figure
     from wsgen.simulation.scene import RobotRun
@@ -61,8 +61,16 @@ def _of_behavior(behavior: Behavior) -> Iterator[Column]:
         yield Column(name=f"{name}.y", kind="number", meaning=f"m, moved along y {frame}")
         yield Column(name=f"{name}.yaw", kind="number", meaning="rad, turned, whole turns included")
         return
-    for joint in behavior.task.positions:
-        yield Column(name=f"{name}.{joint}", kind="number", meaning="rad or m, at its end")
+    for heading in _of_joints(name, behavior.task).values():
+        yield Column(name=heading, kind="number", meaning="rad or m, at its end")
+
+
+def _of_joints(name: str, task: Reach) -> dict[str, str]:
+    """The columns of a behavior's joints, by joint; one may be called `passed`."""
+    headings = {joint: f"{name}.{joint}" for joint in task.positions}
+    if "passed" in headings:
+        headings["passed"] = free_name("passed", headings.values(), "joint.", f"{name}.")
+    return headings
 
 
 def figures_of(
@@ -111,7 +119,9 @@ def _of_outcome(behavior: BehaviorOutcome) -> Mapping[str, Figure]:
             f"{name}.{part}": moved
             for part, moved in zip(("x", "y", "yaw"), behavior.moved, strict=True)
         }
-    figures |= {f"{name}.{joint}": at for joint, at in (behavior.positions or {}).items()}
+    if behavior.positions and not isinstance(behavior.task, Drive):
+        headings = _of_joints(name, behavior.task)
+        figures |= {headings[joint]: at for joint, at in behavior.positions.items()}
     return figures
 
 

@@ -219,14 +219,20 @@ def check_design(
         The design with the types of the parameters.
 
     Raises:
-        RequestError: A name is unknown; a value, or one that would be drawn, has another type or is
-            out of bounds; or a push has no force.
+        RequestError: A name is unknown, or one of wsgen's and of the subject's; a value, or one
+            that would be drawn, has another type or is out of bounds; or a push has no force.
         NotFoundError: The sampler needs scipy, which is not installed.
     """
     parameters = {one.name: one for one in (*known, *OWN)}
     for name in design.names:
         if name not in parameters:
             raise _unknown(name, known, subject, others)
+        if name in OWN_NAMES and any(one.name == name for one in known):
+            raise RequestError(
+                f"{subject} has a parameter `{name}`, which is also the name of one of wsgen's.",
+                hint=f"Rename the argument, for example `{name.replace('.', '_')}`: `{name}` "
+                "always is that of wsgen.",
+            )
     idle = [name for name in design.names if name in NEED_A_FORCE]
     if idle and PUSH_FORCE not in design.names:
         raise RequestError(

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 from wsgen.errors import RequestError
 from wsgen.files import explain_write_error, irregular_kind, replace_file
-from wsgen.model.sweep import LEAST_INTEGER, MOST_INTEGER, Column
+from wsgen.model.sweep import LEAST_INTEGER, MOST_INTEGER, Column, free_name
 from wsgen.printable import clean
 from wsgen.suggestions import nearest
 from wsgen.sweeping.journal import Header, Journal, Known
@@ -53,13 +53,19 @@ def full_columns(columns: Sequence[Column]) -> tuple[Column, ...]:
 def headings(columns: Sequence[Column]) -> tuple[str, ...]:
     """Return the headings of the columns of a table, which differ.
 
-    A parameter of a user may have the name of another column: it gets a prefix.
+    A parameter of a user may have the name of another column: it gets a prefix, and one more where
+    another parameter has that name.
     """
-    taken = {one.name for one in columns if not one.is_parameter}
-    return tuple(
-        f"{PARAMETER_PREFIX}{one.name}" if one.is_parameter and one.name in taken else one.name
-        for one in columns
-    )
+    others = {one.name for one in columns if not one.is_parameter}
+    taken = {one.name for one in columns}
+    found = []
+    for one in columns:
+        heading = one.name
+        if one.is_parameter and heading in others:
+            heading = free_name(heading, taken, PARAMETER_PREFIX)
+            taken.add(heading)
+        found.append(heading)
+    return tuple(found)
 
 
 def open_table(file: Path, columns: Sequence[Column], header: Header) -> TableWriter:
