@@ -118,7 +118,7 @@ def test_somebody_else_there(monkeypatch: pytest.MonkeyPatch) -> None:
     "address", ["", "x", "nonsense://x:1", "127.0.0.1:99999", "host:port", ":8786", "http://a:1"]
 )
 def test_what_is_no_address(address: str) -> None:
-    with pytest.raises(RequestError, match="is no address of a Dask scheduler"):
+    with pytest.raises(RequestError, match=f"^`{address}` is not the address of a Dask scheduler"):
         dask_cluster.connect(address)
 
 

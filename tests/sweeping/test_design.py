@@ -192,6 +192,7 @@ def test_sobol_wants_a_power_of_two(
     variants = Variants(drawn("sobol", samples))
     assert sum(1 for _ in variants) == samples
     assert (variants.hint is not None) == has_hint
+    assert "100 is not a power of two" in (variants.hint or "100 is not a power of two")
     assert "--samples 64 or 128" in (variants.hint or "--samples 64 or 128")
     assert not recwarn
     assert Variants(drawn("random", 100)).hint is None

@@ -91,7 +91,9 @@ def test_an_unknown_name() -> None:
         ("world.friction=-0.1,1", "must be a number from 0"),
         ("world.slope=0:90deg:2", "less than pi/2 rad"),
         ("world.gravity=-9.8", "must be a number from 0 to 1000 m/s²"),
-        ("robot.mass_scale=0,1", "greater than 0"),
+        ("robot.mass_scale=0,1", "greater than 0 and less than 1,000,000"),
+        ("world.friction=1000001", "1,000,001 is not allowed; it must be a number from 0 to 1,000"),
+        ("push.force=1e300", "1e+300 is not allowed; it must be a number from 0 to 1,000,000,000"),
         ("robot.mass_scale=x", "x is not allowed"),
     ],
 )

@@ -132,7 +132,7 @@ def _check_address(scheduler: str) -> None:
     host, _, port = place.strip("/").rpartition(":")
     if scheme not in SCHEMES or not host or not port.isdecimal() or not 0 < int(port) < MOST_PORTS:
         raise RequestError(
-            f"{scheduler!r} is no address of a Dask scheduler.",
+            f"`{scheduler}` is not the address of a Dask scheduler.",
             hint="Give the address that `dask scheduler` prints: --scheduler tcp://HOST:8786",
         )
     try:

@@ -59,8 +59,8 @@ class Variants:
             return None
         low = 1 << (samples.bit_length() - 1)
         return (
-            f"Sobol' samples fill their space evenly if their number is a power of two: {samples} "
-            f"is none. Give --samples {low} or {2 * low}."
+            f"Sobol' samples fill their space evenly if their number is a power of two; {samples} "
+            f"is not a power of two. Give --samples {low} or {2 * low}."
         )
 
     def variant(self, number: int) -> Variant:

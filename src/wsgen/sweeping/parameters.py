@@ -62,7 +62,13 @@ def _short(value: float) -> str:
     for factor, name in ((2.0, "2 pi"), (1.0, "pi"), (0.5, "pi/2")):
         if abs(value) == math.pi * factor:
             return f"{'-' if value < 0 else ''}{name}"
-    return f"{value:g}"
+    return _plain(value)
+
+
+def _plain(value: float) -> str:
+    """A number without an exponent, as far as a person reads it easily that way."""
+    is_long = LEAST_WITH_COMMAS <= abs(value) < MOST_WITH_COMMAS and value.is_integer()
+    return f"{value:,.0f}" if is_long else f"{value:g}"
 
 
 FRICTION = "world.friction"
@@ -80,6 +86,7 @@ PUSH_SECONDS = "push.seconds"
 _FAR = 1e6  # m; farther away, the engines' numbers lose millimeters
 _MUCH = 1e6
 MOST_NAMED = 12  # parameters in a hint
+LEAST_WITH_COMMAS, MOST_WITH_COMMAS = 1e4, 1e15
 MOST_DEVIATIONS = 10.0  # from the mean; more than any normal distribution draws
 LONGEST_PUSH = 60.0  # s, as the longest behavior
 
@@ -342,7 +349,7 @@ _CONVERSIONS: Mapping[str, Callable[[Value], Value | None]] = {
 
 def _check_bounds(value: float, parameter: Parameter) -> None:
     if not parameter.is_within(value):
-        raise _refused(f"{value:g}", parameter)
+        raise _refused(_plain(value), parameter)
 
 
 def _refused(value: str, parameter: Parameter) -> RequestError:
