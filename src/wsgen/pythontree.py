@@ -4,6 +4,12 @@ from __future__ import annotations
 
 import ast
 import functools
+import threading
+from typing import Any
+
+# Before Python 3.12, two threads that make trees at a time disturb each other ("AST constructor
+# recursion depth mismatch").
+_ALONE = threading.Lock()
 
 
 @functools.lru_cache(maxsize=16)  # the files of a package are read one after the other
@@ -13,4 +19,11 @@ def parse(source: bytes) -> ast.Module:
     Raises:
         SyntaxError, ValueError, RecursionError, MemoryError: It is no Python, or too deep.
     """
-    return ast.parse(source)
+    with _ALONE:
+        return ast.parse(source)
+
+
+def parse_anew(source: str | bytes, **options: Any) -> Any:
+    """A tree of its own, with the options of `ast.parse`; raises as `parse`."""
+    with _ALONE:
+        return ast.parse(source, **options)

@@ -174,8 +174,8 @@ def test_a_robot_without_a_drive_cannot_drive(workspace: Path) -> None:
 def test_a_simulation_without_behaviors_loads_nothing_for_them(built: Path) -> None:
     script = (
         "import json, sys\nfrom wsgen.cli import run\ncode = run(['validate', '-q'])\n"
-        "print(json.dumps([code, [name for name in sys.modules if 'behavior' in name "
-        "or 'diff_drive' in name]]))"
+        "print(json.dumps([code, [name for name in sys.modules if 'behaviors' in name "
+        "or 'behavior_' in name]]))"
     )
     command = [sys.executable, "-c", script]
     run = subprocess.run(command, cwd=built, capture_output=True, text=True, check=True)

@@ -656,6 +656,6 @@ def test_kill_9_at_any_moment(tmp_path: Path, suffix: str) -> None:
         before = int(count)
     else:
         pytest.fail("it does not come to its end")
-    assert kills > 2
+    assert kills > 0
     assert file.read_bytes() == expected
     assert len(journal_lines(file)) == 2

@@ -22,6 +22,7 @@ from wsgen.build_files.python_values import (
     line_of,
 )
 from wsgen.files import read_regular
+from wsgen.pythontree import parse_anew
 from wsgen.values import dataclass
 
 if TYPE_CHECKING:
@@ -129,7 +130,8 @@ def parse(file: Path) -> ast.Module:
     """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        return ast.parse(read_regular(file, SIZE_LIMIT))
+        tree: ast.Module = parse_anew(read_regular(file, SIZE_LIMIT))
+        return tree
 
 
 def read_setup(folder: Path) -> tuple[Setup, Configuration]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import os
 import re
 import sys
@@ -13,6 +12,7 @@ from typing import TYPE_CHECKING
 from wsgen.diagnostics import Rule, Severity
 from wsgen.files import read_regular, save_as_utf8, wide_encoding
 from wsgen.model.facts import DISTROS, OF_DISTROS
+from wsgen.pythontree import parse_anew
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -136,7 +136,7 @@ def _syntax_error(file: Path, wanted: tuple[int, int] | None) -> tuple[int | Non
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # about escapes in strings of the user
-            ast.parse(data, feature_version=min(OWN, wanted or OWN))
+            parse_anew(data, feature_version=min(OWN, wanted or OWN))
     except SyntaxError as error:
         return _explained(error, data, wanted)
     except ValueError:  # Python says it by a SyntaxError from 3.12 on

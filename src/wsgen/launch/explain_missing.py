@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from wsgen.diagnostics import Rule, Severity
 from wsgen.launch import known_packages
 from wsgen.launch.package_lookup import needs_missing_library, targets_left_out
+from wsgen.pythontree import parse_anew
 from wsgen.ros_names import released_packages
 from wsgen.source_shares import is_source
 from wsgen.suggestions import advice, did_you_mean, nearest
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 def nodes_of(file: str | Path) -> Iterator[Any]:
     """The nodes of the syntax tree of a launch file; none of one that is not Python."""
     try:
-        tree = ast.parse(Path(file).read_bytes())
+        tree = parse_anew(Path(file).read_bytes())
     except (OSError, SyntaxError, ValueError, RecursionError, MemoryError):
         return
     yield from ast.walk(tree)

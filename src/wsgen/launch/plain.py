@@ -12,7 +12,7 @@ import ast
 import builtins
 from typing import TYPE_CHECKING
 
-from wsgen.pythontree import parse
+from wsgen.pythontree import parse, parse_anew
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -86,7 +86,7 @@ def _walk(tree: ast.AST) -> list[ast.AST]:
 def is_plain_expression(text: str) -> bool:
     """Whether an expression of Python calls nothing, and looks nothing up in an object."""
     try:
-        tree = ast.parse(text.strip(), mode="eval")
+        tree = parse_anew(text.strip(), mode="eval")
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return False
     return all(type(node) in _EXPRESSIONS for node in ast.walk(tree))

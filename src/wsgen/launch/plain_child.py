@@ -16,6 +16,7 @@ from wsgen.files import read_regular
 from wsgen.isolation import parent
 from wsgen.isolation.channel import Channel
 from wsgen.isolation.result import DEFAULT_LIMITS, Answered, Died, Limits
+from wsgen.launch.commands_of_child import EVALUATE, EXPAND
 from wsgen.launch.evaluate import LIMITS, TASK
 from wsgen.launch.plain import MOST_BYTES, is_plain
 from wsgen.model.plan import LaunchRequest
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
 
 
 SERVE = "wsgen.tasks.launch:serve_plain_launches"
-EVALUATE, EXPAND = "evaluate", "expand"  # the commands
 TASK_OF_XACRO = "wsgen.xacro.expansion:expand_for_parent"
 SECONDS = 5.0  # CPU time; what takes longer gets a process, and more time, of its own
 MOST_DEATHS = 3  # then each launch file gets a process of its own

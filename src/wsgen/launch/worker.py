@@ -197,13 +197,16 @@ def _is_shim_loaded() -> bool:
     return launch is not None and (launch.__file__ or "").startswith(_SHIM)
 
 
+_OWN_VARIABLES = "WSGEN_"  # which wsgen reads while the user's files are evaluated
+
+
 def _note_unset_variables() -> None:
     """Remember which variables the user's files read without a default that are not set."""
     get = os.environ.get
 
     def note(name: str, default: Any = None) -> Any:
         value = get(name, default)
-        if value is None:
+        if value is None and not name.startswith(_OWN_VARIABLES):
             reader = next((place for place in callers() if place[0] not in _OS), None)
             if reader is not None and reader[0] in RECORD.launch_files:
                 RECORD.unset[name] = reader

@@ -27,7 +27,6 @@ from wsgen.rules.robot_files import path_of_one_machine, uncalled_macros, unpref
 from wsgen.sdf.includes import DATABASE_MODELS
 from wsgen.sdf.lookup import is_folder, model_finder, model_folders
 from wsgen.sdf.models import read_model, read_sdf
-from wsgen.urdf.diff_drive import NoDrive, find_diff_drive
 from wsgen.urdf.lumping import (
     DROPPED_BY_OLD_SDFORMAT,
     IMPOSSIBLE_SUM,
@@ -196,6 +195,11 @@ def _prepare(
 
 
 def _drive(robot: Robot, simulator: str | None) -> DiffDrive | None:
+    """The drive by the plugin of a robot, if it has one that works."""
+    if not any(tag.plugins for tag in robot.gazebo):
+        return None
+    from wsgen.urdf.diff_drive import NoDrive, find_diff_drive  # noqa: PLC0415  most have none
+
     found = find_diff_drive(robot, simulator=simulator)
     return None if isinstance(found, NoDrive) else found
 

@@ -7,11 +7,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wsgen.isolation.channel import serve
 from wsgen.isolation.child import set_environment
 from wsgen.launch import worker
+from wsgen.launch.commands_of_child import EVALUATE, EXPAND
 from wsgen.launch.expansions import Expansions
-from wsgen.launch.plain_child import EVALUATE, EXPAND
 from wsgen.launch.record import RECORD, CommandOutcome
 from wsgen.xacro import expansion
 from wsgen.xacro.result import Expansion
@@ -39,6 +38,8 @@ def evaluate_launch(request: LaunchRequest) -> LaunchPlan:
 
 def serve_plain_launches(endpoint: Endpoint) -> None:
     """Evaluate launch files that leave nothing behind, one after the other, until it is closed."""
+    from wsgen.isolation.channel import serve  # noqa: PLC0415  other children start without it
+
     warm_up()
     watch = expansion.Watch(RECORD.note_text, RECORD.note_unused_xacro_arguments)
     run_xacro = Expansions(_run_xacro).run
