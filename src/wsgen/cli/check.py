@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from wsgen.cli.completion import complete_rules
-from wsgen.cli.options import ExampleCommand, output_options, workspace_option
+from wsgen.cli.options import ExampleCommand, jobs_option, output_options, workspace_option
 from wsgen.cli.report_files import append_summary, require_places, summary_option, with_files
 from wsgen.errors import EXIT_FAILED, EXIT_PASSED, RequestError
 
@@ -77,15 +77,7 @@ FORMATS = ("text", "json", "github", "sarif", "junit")
     help="Report only files that changed since this git commit or branch, and errors in their "
     "packages.",
 )
-@click.option(
-    "-j",
-    "--jobs",
-    type=click.IntRange(min=1, max=256),
-    default=1,
-    show_default=True,
-    metavar="N",
-    help="Number of packages to check in parallel.",
-)
+@jobs_option("Number of packages to check in parallel.")
 @click.option(
     "--format",
     "output_format",

@@ -120,6 +120,20 @@ engine_option = click.option(
     "[default: bullet, or mujoco where PyBullet is not available]",
 )
 
+
+def jobs_option(what: str) -> Callable[[Function], Function]:
+    """-j, with a help that says what is done so many at a time."""
+    return click.option(
+        "-j",
+        "--jobs",
+        type=click.IntRange(min=1, max=256),
+        default=1,
+        show_default=True,
+        metavar="N",
+        help=what,
+    )
+
+
 picture_option = click.option(
     "--picture",
     type=click.Path(),

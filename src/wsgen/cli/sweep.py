@@ -17,6 +17,7 @@ from wsgen.cli.options import (
     distro_option,
     engine_option,
     format_option,
+    jobs_option,
     output_options,
     sim_option,
     workspace_option,
@@ -116,15 +117,7 @@ class SweepCommand(ExampleCommand):
     help="Also write the K worst variants, as robots or packages with picture and video: those "
     "that fail and tilt most, or that have the largest values in a column.",
 )
-@click.option(
-    "-j",
-    "--jobs",
-    type=click.IntRange(min=1, max=256),
-    default=1,
-    show_default=True,
-    metavar="N",
-    help="Number of runs at a time.",
-)
+@jobs_option("Number of runs at a time.")
 @click.option(
     "--scheduler",
     metavar="ADDRESS|local",

@@ -15,6 +15,7 @@ from wsgen.cli.options import (
     chosen_engines,
     engine_option,
     github_format_option,
+    jobs_option,
     output_options,
     picture_option,
     seconds_option,
@@ -65,15 +66,7 @@ MOST_SEARCHED = 100  # folders, for packages and files to suggest
 @answer_option
 @seconds_option
 @engine_option
-@click.option(
-    "-j",
-    "--jobs",
-    type=click.IntRange(min=1, max=256),
-    default=1,
-    show_default=True,
-    metavar="N",
-    help="Number of packages or files to process in parallel; of one alone, its engines.",
-)
+@jobs_option("Number of packages or files to process in parallel; of one alone, its engines.")
 @click.option(
     "--scheduler",
     metavar="ADDRESS|local",

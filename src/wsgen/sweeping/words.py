@@ -108,7 +108,7 @@ def make_design(
         )
     if sampler is not None and sampler not in SAMPLERS:
         raise RequestError(
-            f"--sampler {sampler}: there is no such sampler.",
+            f"--sampler {sampler}: wsgen has no such sampler.",
             hint=f"{ask_for_nearest(sampler, SAMPLERS)}Give one of {', '.join(SAMPLERS)}.",
         )
     if seed is not None and not 0 <= seed <= MOST_SEED:
