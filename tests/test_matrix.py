@@ -38,6 +38,7 @@ ENTITIES = {next(case for case in ALL if ALL[case][0] == "simple"): "simple_robo
 BEHAVIORS = {
     "arm": ["holds its pose", "reaches another pose"],
     "diff_drive": ["drives straight", "turns in place"],
+    "wanderer": ["drives straight", "turns in place"],
 }
 
 
@@ -140,7 +141,9 @@ def test_controllers_start_one_after_the_other(
     assert controller["starts"] == "exit of spawner"
 
 
-@pytest.mark.parametrize("case", [case for case in ALL if case.startswith(("arm-", "diff_drive-"))])
+@pytest.mark.parametrize(
+    "case", [case for case in ALL if case.startswith(("arm-", "diff_drive-", "wanderer-"))]
+)
 def test_display(case: str, workspace: Path, capsys: pytest.CaptureFixture[str]) -> None:
     plan = launch(capsys, workspace, PACKAGES[case], file="display.launch.py")
     assert plan["arguments"] == plan["includes"] == []

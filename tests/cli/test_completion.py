@@ -62,7 +62,7 @@ def completions(*words: str) -> list[str]:
         (("launch", "robot_arm", ""), ["robot_arm.launch.py"]),  # it is not built
         (("launch", "nothing", ""), []),
         (("launch", "rover", "drive.launch.py", ""), []),
-        (("new", "my_robot", "-t", ""), ["<dir>", "arm", "diff_drive", "simple"]),
+        (("new", "my_robot", "-t", ""), ["<dir>", "arm", "diff_drive", "simple", "wanderer"]),
         (("templates", "s"), ["<dir>", "simple"]),
         (("build", "-w", ""), ["<dir>"]),
         (("validate", "--engine", ""), ["bullet", "dart", "mujoco", "all"]),

@@ -138,8 +138,11 @@ def test_mistakes(
 
 
 GOLDEN = Path(__file__).parents[1] / "golden"
-# What brings them: ros2 launch, gz_ros2_control, ros2_controllers, joint_state_publisher_gui.
-BROUGHT = {"launch", "launch_ros", "ros2launch", "controller_manager", "joint_state_publisher"}
+# What brings them: ros2 launch, gz_ros2_control, ros2_controllers, joint_state_publisher_gui,
+# sensor_msgs.
+BROUGHT = {"launch", "launch_ros", "ros2launch", "controller_manager", "joint_state_publisher"} | {
+    "geometry_msgs"
+}
 INSTEAD = {"ros2_controllers": "joint_trajectory_controller"}
 
 
@@ -161,7 +164,8 @@ def check_text(package: Path, folder: Path, text: str) -> list[Diagnostic]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "golden", ["simple-iron-classic", "simple-jazzy-gz", "diff_drive-jazzy-gz", "arm-jazzy-gz"]
+    "golden",
+    ["simple-iron-classic", "simple-jazzy-gz", "wanderer-jazzy-gz", "arm-jazzy-gz"],
 )
 def test_each_dependency_of_a_generated_package(golden: str, tmp_path: Path) -> None:
     (file,) = (GOLDEN / golden).rglob("package.xml")

@@ -139,7 +139,7 @@ def test_the_page_of_new_has_every_template(template: str) -> None:
     assert f"\n| `{template}` | " in (ROOT / "docs/new.md").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("template", ["simple", "diff_drive", "arm"])
+@pytest.mark.parametrize("template", ["simple", "diff_drive", "wanderer", "arm"])
 def test_there_is_a_golden_for_every_target(template: str) -> None:
     assert {f"{template}-{target.name}" for target in TARGETS} <= set(CASES)
 

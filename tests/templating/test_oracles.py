@@ -208,8 +208,9 @@ def test_dependencies_are_what_the_files_use(case: str, package: Path) -> None:
     root = ET.parse(package / "package.xml").getroot()
     needed = {element.text for element in root.iter("exec_depend")}
     launch = "".join(file.read_text() for file in sorted((package / "launch").iterdir()))
-    used = set(re.findall(r"^(?:from|import) (\w+)", launch, re.MULTILINE))
-    used |= set(re.findall(r"package='(\w+)'", launch))
+    nodes = "".join(file.read_text() for file in sorted(package.glob("scripts/*.py")))
+    used = set(re.findall(r"^(?:from|import) (\w+)", launch + nodes, re.MULTILINE))
+    used |= set(re.findall(r"package='(\w+)'", launch)) - {PACKAGE}
     used |= set(re.findall(r"FindPackageShare\('(\w+)'\)", launch)) - {PACKAGE}
     used |= {"ros2launch", "xacro"}  # without ros2launch nobody starts the file
     for library in re.findall(r'filename="([^"]+)"', (package / "model/robot.gazebo").read_text()):
@@ -266,7 +267,7 @@ def test_the_linters_of_ament_find_nothing(linter: str, tmp_path: Path) -> None:
     """As `colcon test` runs them where ROS is; in one process, with all files of each template."""
     pytest.importorskip(linter)
     files = sorted(GOLDENS.glob("*-*/ws_gazebo/src/*/*/*.py"))
-    assert {file.parent.name for file in files} == {"launch", "test"}
+    assert {file.parent.name for file in files} == {"launch", "scripts", "test"}
     command = [sys.executable, "-m", f"{linter}.main"]
     answer = subprocess.run(
         [*command, *files], capture_output=True, text=True, check=False, cwd=tmp_path
@@ -308,19 +309,21 @@ def test_world_is_valid_for_gazebo(
             f"<model><name>{name}</name><sdf version='1.5'>model.sdf</sdf></model>"
         )
         (folder / "model.sdf").write_text(f"<sdf version='1.5'>{content}</sdf>")
-    world = package / "model" / "empty_world.world"
     models = str(tmp_path)
-    assert "Valid." in ask_gazebo("-k", world, SDF_PATH=models)
-    read = ET.fromstring(ask_gazebo("-p", world, SDF_PATH=models))
-    assert {element.get("name") for element in read.iter("model")} == {"ground_plane"}
-    assert {element.get("name") for element in read.iter("light")} == {"sun"}
-    plugins = {(one.get("filename"), one.get("name")) for one in read.iter("plugin")}
     wanted = ["physics", "user_commands", "scene_broadcaster"]
-    if case.startswith("diff_drive"):
+    if case.startswith(("diff_drive", "wanderer")):
         wanted += ["sensors", "imu"]
     if target.simulator == "classic":
         wanted = []
-    assert plugins == {tuple(target.plugins[role]) for role in wanted}
+    for world in sorted(package.glob("model/*.world")):
+        assert "Valid." in ask_gazebo("-k", world, SDF_PATH=models)
+        read = ET.fromstring(ask_gazebo("-p", world, SDF_PATH=models))
+        has_boxes = world.name == "boxes.world"
+        assert len(list(read.iter("model"))) == (10 if has_boxes else 1)
+        assert "ground_plane" in {element.get("name") for element in read.iter("model")}
+        assert {element.get("name") for element in read.iter("light")} == {"sun"}
+        plugins = {(one.get("filename"), one.get("name")) for one in read.iter("plugin")}
+        assert plugins == {tuple(target.plugins[role]) for role in wanted}
 
 
 @pytest.mark.slow

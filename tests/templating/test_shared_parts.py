@@ -44,7 +44,12 @@ def gz(_name: str, target: Target) -> bool:
 
 def with_joints(name: str, _target: Target) -> bool:
     """The templates whose robots move."""
-    return name in {"arm", "diff_drive"}
+    return name in {"arm", "diff_drive", "wanderer"}
+
+
+def with_lidar(name: str, _target: Target) -> bool:
+    """The templates whose robots have a lidar."""
+    return name in {"diff_drive", "wanderer"}
 
 
 @pytest.mark.slow
@@ -69,7 +74,7 @@ def with_joints(name: str, _target: Target) -> bool:
         ("base/wsgen.toml.j2", ["wsgen.toml"], every),
         ("base/licenses/Apache-2.0.txt.j2", ["LICENSE"], none),  # rendered with MIT
         ("arm/robot.xacro.j2", ["model/robot.xacro"], lambda name, _: name == "arm"),
-        ("diff_drive/lidar.xml.j2", ["model/robot.gazebo"], lambda name, _: name == "diff_drive"),
+        ("diff_drive/lidar.xml.j2", ["model/robot.gazebo"], with_lidar),
     ],
 )
 def test_a_change_reaches_exactly_the_packages_that_it_concerns(
@@ -81,9 +86,15 @@ def test_a_change_reaches_exactly_the_packages_that_it_concerns(
 ) -> None:
     changed = changed_by(source, tmp_path, monkeypatch)
     assert changed == {
-        case: set(paths) if concerns(name, target) else set()
+        case: with_worlds(name, paths) if concerns(name, target) else set()
         for case, (name, target) in CASES.items()
     }
+
+
+def with_worlds(name: str, paths: list[str]) -> set[str]:
+    """The paths, and the world of the template that extends the empty one."""
+    extends = name == "wanderer" and "model/empty_world.world" in paths
+    return {*paths, "model/boxes.world"} if extends else set(paths)
 
 
 @pytest.mark.slow

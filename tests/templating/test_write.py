@@ -258,3 +258,9 @@ def test_disk_without_locks(folder: Path, monkeypatch: pytest.MonkeyPatch) -> No
     assert read(folder) == TREE
     # Whether somebody is at work there cannot be known.
     assert len(names(folder.parent)) == 2
+
+
+def test_a_program_may_be_executed_by_who_may_read_it(tmp_path: Path) -> None:
+    write_package({"scripts/node.py": "#!/usr/bin/env python3\n", "a.py": "a\n"}, tmp_path / "new")
+    modes = {name: (tmp_path / "new" / name).stat().st_mode for name in ("scripts/node.py", "a.py")}
+    assert (modes["scripts/node.py"] ^ modes["a.py"]) & 0o777 == (modes["a.py"] & 0o444) >> 2

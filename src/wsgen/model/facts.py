@@ -78,11 +78,13 @@ RELEASED_FOR_ALL = (
     "ament_lint_auto",
     "ament_lint_common",
     "controller_manager",
+    "geometry_msgs",
     "gz_ros2_control",
     "joint_state_publisher",
     "joint_state_publisher_gui",
     "launch",
     "launch_ros",
+    "rclpy",
     "robot_state_publisher",
     "ros2_control",
     "ros2_controllers",
@@ -91,6 +93,7 @@ RELEASED_FOR_ALL = (
     "ros_gz_bridge",
     "ros_gz_sim",
     "rviz2",
+    "sensor_msgs",
     "xacro",
 )
 

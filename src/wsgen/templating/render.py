@@ -188,7 +188,7 @@ MAXIMUM_TREE = 2**23
 # A package needs the first, and `wsgen update` will need the second.
 NEEDED = ("package.xml", "wsgen.toml")
 # Folders that only the build reads.
-ONLY_FOR_BUILDING = {"cmake", "hooks", "test"}
+ONLY_FOR_BUILDING = {"cmake", "hooks", "scripts", "test"}
 
 
 class TooLargeError(Exception):

@@ -143,6 +143,9 @@ def write_files(tree: Mapping[str, str], folder: Path) -> None:
             stream.flush()
             # Some disks report only now that they are full; after a power cut no file is empty.
             os.fsync(stream.fileno())
+        if text.startswith("#!"):  # a program, also where an installation links to it
+            mode = file.stat().st_mode
+            file.chmod(mode | (mode & 0o444) >> 2)  # who may read it may execute it
 
 
 def _publish(unfinished: Path, folder: Path) -> None:
