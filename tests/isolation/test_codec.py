@@ -9,7 +9,7 @@ import sys
 from collections.abc import Mapping  # noqa: TC003  type hints are read
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import pytest
 
@@ -30,6 +30,11 @@ class Other:
     x: float
 
 
+class Named(NamedTuple):
+    point: Point
+    names: tuple[str, ...] = ()
+
+
 @dataclass(frozen=True, kw_only=True)
 class Everything:
     place: Point | Other | None = None
@@ -42,6 +47,7 @@ class Everything:
     word: Literal["a", "b"] = "a"
     number_or_name: int | str = 0
     is_so: bool = False
+    named: tuple[Named, ...] = ()
 
 
 @pytest.mark.parametrize(
@@ -57,6 +63,7 @@ class Everything:
             lists=[(), (1.0, 2.0)],
             severity=Severity.ERROR,
             file=Path("a b/c"),
+            named=(Named(Point(1.0), ("a",)), Named(Point(2.0))),
             word="b",
             number_or_name="seven",
             is_so=True,

@@ -26,8 +26,8 @@ def sdf(content: str) -> str:
     return f'<sdf version="1.9">\n{content}</sdf>'
 
 
-def read(content: str | bytes, **arguments: Pose | None) -> SdfFile:
-    return read_model(content, file=None, find_model=lambda _: None, **arguments)
+def read(content: str | bytes, pose_in_world: Pose | None = None) -> SdfFile:
+    return read_model(content, file=None, find_model=lambda _: None, pose_in_world=pose_in_world)
 
 
 @pytest.mark.parametrize("content", [sdf(MODEL.format("")), sdf(MODEL.format("")).encode()])

@@ -1,9 +1,9 @@
 """Dataclasses as JSON and back, for what a child process answers.
 
 Nothing that foreign code touched is unpickled: a child writes its answer as JSON, and the parent
-makes of it what the type hints say. A dataclass becomes an object with its fields and its name, so
-that a union says which of its members it holds. The module of such a dataclass imports the types
-of its fields when it is loaded, not for type checkers alone.
+makes of it what the type hints say. A named tuple becomes a list, a dataclass an object with its
+fields and its name, so that a union says which of its members it holds. The module of either
+imports the types of its fields when it is loaded, not for type checkers alone.
 """
 
 from __future__ import annotations
@@ -66,6 +66,10 @@ def _decode(value: Any, kind: Any) -> Any:
         return _decode_generic(value, kind, origin, arguments)
     if hasattr(kind, "__dataclass_fields__"):
         return _decode_fields(value, kind)
+    if hasattr(kind, "_fields"):  # a named tuple
+        hints = _hints(kind)
+        _check(isinstance(value, list) and len(value) == len(hints), value, kind)
+        return kind(*map(_decode, value, hints.values()))
     return value if kind is Any else _decode_plain(value, types.NoneType if kind is None else kind)
 
 

@@ -7,14 +7,10 @@ those of this axis on the ground. A differential drive is that of Gazebo's plugi
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping  # noqa: TC003  the file of a live run is decoded by type hints
 from dataclasses import field
-from typing import TYPE_CHECKING
 
 from wsgen.values import dataclass
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
 
 LEAST_TOLERANCE = 0.02  # m or rad; no engine is more exact
 

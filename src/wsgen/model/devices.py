@@ -6,11 +6,19 @@ the link that it became a part of. SI units; poses are seen from the frame of th
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping  # noqa: TC003  answers are decoded by type hints
 from dataclasses import field
+from typing import TYPE_CHECKING
 
-from wsgen.model.transform import IDENTITY, Pose
+from wsgen.model.transform import IDENTITY, Pose, rotation_of_quaternion, rpy_of_rotation
 from wsgen.values import dataclass
+
+if TYPE_CHECKING:
+    from wsgen import xmltree
+
+NUMBERS_OF_POSE = 6
+NUMBERS_OF_QUATERNION_POSE = 7
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,3 +81,50 @@ class Devices:
     # For each link of the description, lumped ones too; the values of a fixed frame.
     frames: Mapping[str, Carried] = field(default_factory=dict)
     ros2_control: tuple[Element, ...] = ()  # <ros2_control> of the URDF
+
+
+def copied(element: xmltree.Element) -> Element:
+    """An element of a document that is read, with all that is in it."""
+    line = element.sourceline
+    return Element(
+        tag=element.tag,
+        text=(element.text or "").strip(),
+        attributes={str(name): str(value) for name, value in element.attrib.items()},
+        children=tuple(copied(child) for child in element if isinstance(child.tag, str)),
+        line=line if isinstance(line, int) else None,
+    )
+
+
+def pose_of(element: Element | None) -> Pose:
+    """The pose that a `<pose>` says, in whatever frame it is; the identity for what says none.
+
+    The rotation is roll, pitch and yaw in rad (in degrees with `degrees="true"`), or with
+    `rotation_format="quat_xyzw"` a quaternion.
+    """
+    numbers = [] if element is None else numbers_of(element.text)
+    if element is None or not all(map(math.isfinite, numbers)):
+        return IDENTITY
+    if element.attributes.get("rotation_format") == "quat_xyzw":
+        if len(numbers) != NUMBERS_OF_QUATERNION_POSE:
+            return IDENTITY
+        x, y, z, *turn = numbers
+        length = math.hypot(*turn)
+        if not length:
+            return Pose(xyz=(x, y, z))
+        i, j, k, w = (part / length for part in turn)
+        return Pose(xyz=(x, y, z), rpy=rpy_of_rotation(rotation_of_quaternion((i, j, k, w))))
+    if len(numbers) != NUMBERS_OF_POSE:
+        return IDENTITY
+    x, y, z, *angles = numbers
+    if element.attributes.get("degrees", "").lower() in {"true", "1"}:
+        angles = [math.radians(angle) for angle in angles]
+    roll, pitch, yaw = angles
+    return Pose(xyz=(x, y, z), rpy=(roll, pitch, yaw))
+
+
+def numbers_of(text: str) -> list[float]:
+    """The numbers of a text; none where one of its words is none."""
+    try:
+        return [float(word) for word in text.split()]
+    except ValueError:
+        return []

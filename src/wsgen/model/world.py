@@ -6,14 +6,13 @@ What a plan puts into the simulator, and which simulator it starts.
 from __future__ import annotations
 
 import math
+from pathlib import Path  # noqa: TC003  the file of a live run is decoded by type hints
 from typing import TYPE_CHECKING
 
 from wsgen.model.transform import IDENTITY, Pose
 from wsgen.values import dataclass
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from wsgen.model.plan import Process
 
 

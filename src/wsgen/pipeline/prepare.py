@@ -47,6 +47,7 @@ if TYPE_CHECKING:
     from wsgen.isolation.parent import Run
     from wsgen.markup import Written
     from wsgen.model.behavior import DiffDrive
+    from wsgen.model.devices import Devices
     from wsgen.model.package import ShareOf
     from wsgen.model.world import Spawn, SpawnHeight
     from wsgen.sdf.models import SdfFile, SdfModel
@@ -104,6 +105,7 @@ class PrepareContext:
     folder: Path  # for mesh files that are written anew; there until the simulation is over
     run: Run  # starts the child process that reads meshes
     with_colors: bool = False  # also read what meshes look like, for a picture
+    with_devices: bool = False  # also read their sensors and plugins, for a live run
     known: KnownRobots | None = None  # that were prepared before; None: each is prepared
 
 
@@ -123,6 +125,8 @@ class PreparedRobot:
     may_move: bool = False  # a model of a world file: it may roll or tip over
     drive: DiffDrive | None = None  # by the plugin of its description, if that works
     diagnostics: tuple[Diagnostic, ...] = ()  # about its description, as they have been reported
+    devices: Devices | None = None  # sensors and plugins, if they are wanted
+    description: str | None = None  # its URDF, likewise; None: it is of SDF
 
 
 def prepare_robot(  # noqa: PLR0913  most have defaults
@@ -184,6 +188,8 @@ def _prepare(
             can_run=not has_errors(found),
             drive=_drive(lumped, simulator),
         )
+        if context.with_devices:
+            prepared = _with_devices(prepared, text)
     sources = [] if file is None else written_elements(file, context.share_of)
     if not isinstance(text, bytes):  # those are of the file itself, where every line is its own
         found = place_in_source(
@@ -192,6 +198,17 @@ def _prepare(
     if written is not None and file is not None:
         found += _of_files(sources, written, file, found)
     return prepared and replace(prepared, diagnostics=found), found
+
+
+def _with_devices(prepared: PreparedRobot, text: str | bytes) -> PreparedRobot:
+    """The robot with what its URDF says for a live run."""
+    from wsgen.urdf.devices import read_devices  # noqa: PLC0415  live runs alone
+
+    return replace(
+        prepared,
+        devices=read_devices(text, prepared.written, prepared.lumped),
+        description=text.decode("utf-8", "replace") if isinstance(text, bytes) else text,
+    )
 
 
 def _drive(robot: Robot, simulator: str | None) -> DiffDrive | None:
@@ -378,6 +395,7 @@ def read_file(
         find_model=_finder(file, context, environment),
         read_robot=lambda urdf: _read_included(urdf, context),
         content=content,
+        with_devices=context.with_devices,
     )
 
 
@@ -389,6 +407,7 @@ def read_spawned(spawn: Spawn, context: PrepareContext, environment: Mapping[str
         file=file,
         find_model=_finder(file, context, environment),
         pose_in_world=spawn.pose_in_world,
+        with_devices=context.with_devices,
     )
 
 
@@ -465,6 +484,7 @@ def prepare_models(
             is_static_model=is_static_model,
             may_move=found.world is not None,
             drive=_drive(robot, None),
+            devices=model.devices,
             diagnostics=_about(model, models, (*found.diagnostics, *more)),
         )
         for model, robot in zip(models, robots, strict=True)

@@ -23,6 +23,7 @@ from wsgen.xmltree import child_texts, children
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from wsgen.model.devices import Devices
     from wsgen.sdf.frames import Node, Poses, Scope
     from wsgen.sdf.includes import Includes
     from wsgen.sdf.joints import Edge
@@ -341,6 +342,7 @@ class Assembled(NamedTuple):
     robot: Robot | None  # None: it has no link
     root_in_model: Pose = IDENTITY
     is_ground: bool = False  # a plane of it is the ground of the world; the robot is without it
+    devices: Devices | None = None  # if they are wanted
 
 
 def assemble(includes: Includes, model: Scope, model_in_world: Pose, resolved: Poses) -> Assembled:
@@ -375,6 +377,12 @@ def assemble(includes: Includes, model: Scope, model_in_world: Pose, resolved: P
         if edge.type is None:
             tree.report_left_out(name, edge)
     robot = tree.robot(links, edges)
+    devices = None
+    if includes.with_devices:
+        from wsgen.sdf.devices import read_devices  # noqa: PLC0415  live runs alone
+
+        parts = {"link": nodes, "joint": joints, "frame": _named(model, "frame")}
+        devices = read_devices(model, parts, poses, {name: tree.frame(name) for name in links})
     return Assembled(
         robot=replace(
             robot,
@@ -383,6 +391,7 @@ def assemble(includes: Includes, model: Scope, model_in_world: Pose, resolved: P
         ),
         root_in_model=tree.frame(robot.root),
         is_ground=any(found.is_ground for found in planes.values()),
+        devices=devices,
     )
 
 

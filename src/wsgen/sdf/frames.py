@@ -80,6 +80,7 @@ class Node:
 
     __slots__ = (
         "element",
+        "include",
         "inside",
         "is_static",
         "kind",
@@ -102,6 +103,7 @@ class Node:
         self.pose: Pose = IDENTITY  # as written, in the frame called `relative_to`
         self.relative_to = ""  # empty: the default of its kind
         self.uri: str | None = None  # of a model: what it was included by
+        self.include: Element | None = None  # of a model, likewise
         # Of a model: what is in it; None: its element is the <robot> of a URDF.
         self.inside: Scope | None = None
         self.is_static = False  # of a model

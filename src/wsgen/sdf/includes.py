@@ -125,6 +125,7 @@ class Includes:
             none.
         diagnostics: The list to which diagnostics are added.
         read_robot: Reads a URDF file as Gazebo has it, which SDF may include as well.
+        with_devices: Whether sensors and plugins are wanted, too.
     """
 
     def __init__(
@@ -132,7 +133,10 @@ class Includes:
         find_model: Callable[[str], Path | None],
         diagnostics: list[Diagnostic],
         read_robot: ReadRobot | None = None,
+        *,
+        with_devices: bool = False,
     ) -> None:
+        self.with_devices = with_devices
         self._find_model = find_model
         self._diagnostics = diagnostics
         self._read_robot = read_robot

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from wsgen.diagnostics import Diagnostic
+    from wsgen.model.devices import Devices
     from wsgen.model.robot import Robot
     from wsgen.model.world import World
     from wsgen.sdf.frames import Poses
@@ -196,7 +197,7 @@ class Contents:
         if name is None:
             return None
         node = Node("model", name, scope, source=source, element=element)
-        node.uri = uri
+        node.uri, node.include = uri, include
         is_placed = first(include, "pose") is not None
         node.pose, node.relative_to = (
             read_pose(scope.source, include) if is_placed else read_pose(source, element)
@@ -269,6 +270,7 @@ class SdfModel(NamedTuple):
     # A static plane of it is level at z = 0. That is the ground, which an engine has by itself
     # (`World.has_ground_plane`): the robot is without it.
     is_ground: bool = False
+    devices: Devices | None = None  # if they are wanted; None also of a URDF that is included
 
 
 class WorldModels(NamedTuple):
@@ -339,6 +341,7 @@ def _read_node(includes: Includes, node: Node, poses: Poses) -> SdfModel:
         file=node.source.file,
         line=line_of(node.element),
         is_ground=assembled.is_ground,
+        devices=assembled.devices,
     )
 
 
@@ -399,6 +402,7 @@ class SdfFile(NamedTuple):
     world: World | None = None  # None: a single model, or nothing that can be used
     models: tuple[SdfModel, ...] = ()  # but for sun and ground, which are in `world`
     diagnostics: tuple[Diagnostic, ...] = ()
+    devices: Devices | None = None  # of the world, if they are wanted
 
     @property
     def files(self) -> frozenset[Path]:
@@ -414,6 +418,7 @@ def read_sdf(
     find_model: Callable[[str], Path | None],
     read_robot: ReadRobot | None = None,
     content: str | None = None,
+    with_devices: bool = False,
 ) -> SdfFile:
     """Read a world or a model file, with the models that it includes.
 
@@ -427,10 +432,11 @@ def read_sdf(
         read_robot: Reads a URDF file that is included in a world, as Gazebo has it. Without it such
             a model is left out, with a diagnostic.
         content: SDF that is made from the file; None: the file itself is read.
+        with_devices: Whether sensors and plugins are wanted, too.
     """
     diagnostics: list[Diagnostic] = []
     source = load(file, diagnostics) if content is None else parse_text(content, file, diagnostics)
-    includes = Includes(find_model, diagnostics, read_robot)
+    includes = Includes(find_model, diagnostics, read_robot, with_devices=with_devices)
     found = None if source is None else _read(source, includes)
     includes.report_left_to_gazebo()
     return _finished(diagnostics, found)
@@ -442,6 +448,7 @@ def read_model(
     file: Path | None,
     find_model: Callable[[str], Path | None],
     pose_in_world: Pose | None = None,
+    with_devices: bool = False,
 ) -> SdfFile:
     """Read the text of a model that is spawned; only one that has no world is taken.
 
@@ -450,10 +457,11 @@ def read_model(
         file: Where the text comes from, for diagnostics and relative paths.
         find_model: As for `read_sdf`.
         pose_in_world: Where it is spawned; None: at the pose that the model gives itself.
+        with_devices: Whether sensors and plugins are wanted, too.
     """
     diagnostics: list[Diagnostic] = []
     source = parse_text(content, file, diagnostics)
-    includes = Includes(find_model, diagnostics)
+    includes = Includes(find_model, diagnostics, with_devices=with_devices)
     found = None if source is None else _read_spawned(source, includes, pose_in_world)
     includes.report_left_to_gazebo()
     return _finished(diagnostics, found)
@@ -554,4 +562,9 @@ def _read_world(source: Source, element: Element, includes: Includes) -> SdfFile
         if includes.blame_misspelled_ground() or includes.left_out or includes.has_left_to_gazebo:
             world = replace(world, has_ground_plane=True)  # what was meant, for the simulation
         check_ground(source, element, world)
-    return SdfFile(world=world, models=world_models.models)
+    devices = None
+    if includes.with_devices:
+        from wsgen.sdf.devices import read_world_devices  # noqa: PLC0415  live runs alone
+
+        devices = read_world_devices(element)
+    return SdfFile(world=world, models=world_models.models, devices=devices)

@@ -162,6 +162,13 @@ def read_urdf(
     return (robot if robot.root else None), tuple(collector.diagnostics)
 
 
+def read_document(text: str | bytes) -> Element | None:
+    """The element <robot> of a text, as `read_urdf` reads it; None where that reports why."""
+    collector = Collector(None)
+    text = _decode(collector, text) or "" if isinstance(text, bytes) else _storable(text)
+    return None if collector.has_errors else _read_document(collector, text)
+
+
 def _mark_doubtful(robot: Robot, diagnostics: Iterable[Diagnostic]) -> Robot:
     """The robot with those links marked that have an error, a misspelling or a shape left out.
 
