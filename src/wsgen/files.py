@@ -85,6 +85,12 @@ def remembering() -> Iterator[None]:
         _memory = before
 
 
+def forget_remembered() -> None:
+    """Remember nothing any more, in a process that was forked from one that did."""
+    global _memory  # noqa: PLW0603  same
+    _memory = None
+
+
 def remembered(make: Callable[[Path], Made], path: Path, *files: Path) -> Made:
     """What a function makes of a path; once where that is remembered, while the files are the same.
 

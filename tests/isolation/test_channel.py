@@ -42,7 +42,7 @@ COMMANDS = {
 BODY = "serve(arguments[-1], COMMANDS)"
 
 
-@pytest.fixture(params=["inherited", "loopback", "macos"])
+@pytest.fixture(params=["inherited", "loopback", "macos", "forked"])
 def channel(
     request: pytest.FixtureRequest, task: Task, monkeypatch: pytest.MonkeyPatch
 ) -> Iterator[Channel]:
@@ -50,7 +50,10 @@ def channel(
         monkeypatch.setattr("wsgen.isolation.system.has_guards", lambda: False)
     if request.param == "loopback":
         monkeypatch.setattr("wsgen.isolation.system.can_inherit", lambda: False)
-    channel = Channel(task(BODY, before=COMMANDS), "first argument")
+    if request.param == "forked":  # the test runner's threads hold no lock that it needs
+        monkeypatch.setattr("wsgen.isolation.system.can_fork", lambda: True)
+    made = task(BODY, before=COMMANDS)
+    channel = Channel(made, "first argument", is_forked=request.param == "forked")
     yield channel
     channel.close()
 

@@ -118,9 +118,17 @@ def apart() -> Iterator[Counted]:
 
 
 @pytest.fixture
-def together(apart: Counted) -> Iterator[PlainLaunches]:
-    with PlainLaunches(apart.run) as launches:
+def together(
+    apart: Counted, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
+) -> Iterator[PlainLaunches]:
+    is_forked = getattr(request, "param", "started") == "forked"
+    if is_forked:  # the test runner's threads hold no lock that a child needs
+        monkeypatch.setattr("wsgen.isolation.system.can_fork", lambda: True)
+    with PlainLaunches(apart.run, is_forked=is_forked) as launches:
         yield launches
+
+
+BOTH = pytest.mark.parametrize("together", ["started", "forked"], indirect=True)
 
 
 def plan(file: Path, run: Run, limits: Limits = LIMITS, **environment: str) -> LaunchPlan:
@@ -139,6 +147,7 @@ def write(folder: Path, name: str, lines: str, entities: str = "") -> Path:
 
 
 @pytest.mark.slow
+@BOTH
 def test_one_child_plans_as_many(together: PlainLaunches, apart: Counted, tmp_path: Path) -> None:
     """All launch files of the tests, one after the other: nothing of one is met by the next."""
     manifests = [
@@ -342,6 +351,7 @@ def test_a_robot_is_expanded_again_where_it_includes_a_new_file(
 
 
 @pytest.mark.slow
+@BOTH
 def test_one_child_expands_as_many(together: PlainLaunches, apart: Counted, tmp_path: Path) -> None:
     assert TASK_OF_XACRO == XACRO_TASK
     for name, text in XACRO_FILES.items():

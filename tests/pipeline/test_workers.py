@@ -12,7 +12,6 @@ import pytest
 
 from wsgen.events import Event, OneAtATime, StepProgressed, post
 from wsgen.isolation.parent import Run
-from wsgen.pipeline import workers
 from wsgen.pipeline.parallel import run_parallel
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="only Linux forks")
@@ -23,7 +22,7 @@ COUNT = 7
 @pytest.fixture(autouse=True)
 def _as_with_one_thread(monkeypatch: pytest.MonkeyPatch) -> None:
     """Threads of the test runner do not matter: workers use nothing of them."""
-    monkeypatch.setattr(workers, "can_fork", lambda: True)
+    monkeypatch.setattr("wsgen.isolation.system.can_fork", lambda: True)
 
 
 def run(

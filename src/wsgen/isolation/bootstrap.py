@@ -5,7 +5,6 @@ request, and the parent-death pipe as standard input. Before the search path is 
 what performs the task.
 """
 
-import os
 import pickle
 import sys
 from pathlib import Path
@@ -13,22 +12,15 @@ from pathlib import Path
 from wsgen.isolation import child
 from wsgen.isolation.parent_death import take_parent_death_pipe
 
-
-def set_search_path(own: list[str]) -> None:
-    """Search modules where wsgen does, then in PYTHONPATH."""
-    overlay = os.environ.get("PYTHONPATH", "").split(os.pathsep)
-    sys.path[:] = own + [entry for entry in overlay if entry and entry not in own]
-
-
 request = pickle.loads(Path(sys.argv[1]).read_bytes())  # noqa: S301  the parent wrote it
 request["parent_death_pipe"] = take_parent_death_pipe()
-set_search_path(request["path"])
+child.set_search_path(request["path"])
 
 
 if "control" in request:
     from wsgen.isolation.fork_server_process import serve
 
     request = serve(request)  # returns in each child that the server forks
-    set_search_path(request["path"])
+    child.set_search_path(request["path"])
 
 child.perform(request)

@@ -73,8 +73,11 @@ class Channel:
         memory: int = DEFAULT_LIMITS.memory,
         environment: Mapping[str, str] | None = None,
         folder: Path | None = None,
+        is_forked: bool = False,
     ) -> None:
         """Start the child.
+
+        With `is_forked` it is forked from this process, where that can be; see `forked`.
 
         Raises:
             NotReadableError: The folder or the memory for it is missing.
@@ -87,7 +90,7 @@ class Channel:
             parent_death_pipe = self._stack.enter_context(open_parent_death_pipe())
             with ExitStack() as starting:
                 listener, theirs, endpoint = _open(starting)
-                self._child = parent.start_interpreter(
+                self._child = _starter(is_forked=is_forked)(
                     parent.make_request(task, (*arguments, endpoint), self._limits, self._scratch),
                     parent_death_pipe=parent_death_pipe,
                     descriptors=() if theirs is None else (theirs.fileno(),),
@@ -186,6 +189,15 @@ class Channel:
         ours, theirs = socket.socketpair()
         theirs.close()
         return ours
+
+
+def _starter(*, is_forked: bool) -> Callable[..., parent.Process]:
+    """What starts a child."""
+    if is_forked and system.can_fork():
+        from wsgen.isolation.forked import fork_child  # noqa: PLC0415  only on Linux
+
+        return fork_child
+    return parent.start_interpreter
 
 
 def _open(starting: ExitStack) -> tuple[socket.socket, socket.socket | None, Endpoint]:

@@ -25,10 +25,12 @@ except ImportError:  # on Windows
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+    from types import FrameType
 
 SPARE_CPU_SECONDS = 5  # between the soft and the hard limit
 
 _scratch: Path | None = None
+_first_frame: FrameType | None = None
 _answering = _thread.allocate_lock()  # who has it answers, and ends the process
 
 
@@ -43,6 +45,14 @@ def scratch_folder() -> Path | None:
     return _scratch
 
 
+def first_frame() -> FrameType | None:
+    """Return the frame below which the task runs; None outside of a child.
+
+    Above it are the first lines of the child or, in one that was forked, those of its parent.
+    """
+    return _first_frame
+
+
 def set_environment(variables: Mapping[str, str]) -> None:
     """Set the environment; writing only what differs is ten times as fast."""
     for name in os.environ.keys() - variables.keys():
@@ -52,9 +62,17 @@ def set_environment(variables: Mapping[str, str]) -> None:
             os.environ[name] = value
 
 
+def set_search_path(own: list[str]) -> None:
+    """Search modules where wsgen does, then in PYTHONPATH."""
+    overlay = os.environ.get("PYTHONPATH", "").split(os.pathsep)
+    sys.path[:] = own + [entry for entry in overlay if entry and entry not in own]
+
+
 def perform(request: dict[str, Any]) -> None:
     """Perform the task, write its answer into the scratch folder, and end the process."""
-    global _scratch  # noqa: PLW0603  the process has one task; its functions announce from anywhere
+    # The process has one task; its functions announce from anywhere.
+    global _first_frame, _scratch  # noqa: PLW0603
+    _first_frame = sys._getframe()  # noqa: SLF001  as `inspect.currentframe`, which loads more
     _scratch = Path(request["scratch"])
     if request["is_guarded"]:
         from wsgen.isolation.guard import stand_guard  # noqa: PLC0415  only on Linux

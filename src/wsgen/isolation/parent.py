@@ -185,7 +185,23 @@ def not_started(error: OSError) -> NotReadableError:
     )
 
 
-def end(child: subprocess.Popen[bytes]) -> None:
+class Process(Protocol):
+    """A child: a `subprocess.Popen`, or a `forked.ForkedProcess`."""
+
+    pid: int
+    returncode: Any  # None while it runs, or nobody has asked
+
+    def poll(self) -> int | None:
+        """Its exit code, None while it runs."""
+
+    def wait(self, timeout: float | None = None) -> int:
+        """Wait for its end; `subprocess.TimeoutExpired` after so many seconds."""
+
+    def kill(self) -> None:
+        """Send SIGKILL, unless it has ended."""
+
+
+def end(child: Process) -> None:
     """End the child and every process it started; nothing outlives the call."""
     if system.has_guards():
         _end_with_guard(child)
@@ -194,7 +210,7 @@ def end(child: subprocess.Popen[bytes]) -> None:
     child.wait()
 
 
-def _end_with_guard(guard: subprocess.Popen[bytes]) -> None:
+def _end_with_guard(guard: Process) -> None:
     """Make the guard end its child; a guard that has ended has done so."""
     from wsgen.isolation.guard import end_guard  # noqa: PLC0415  only on Linux
 

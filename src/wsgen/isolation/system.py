@@ -13,6 +13,12 @@ def has_guards() -> bool:
     return sys.platform == "linux"
 
 
+def can_fork() -> bool:
+    """Whether this process can be forked: on Linux, while it has one thread."""
+    # A lock that another thread holds during the fork would never be released in the child.
+    return has_guards() and len(os.listdir("/proc/self/task")) == 1  # noqa: PTH208  quicker
+
+
 def can_inherit() -> bool:
     """Whether a child gets open files of its parent: not on Windows."""
     return os.name == "posix"

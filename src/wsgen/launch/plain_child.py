@@ -7,6 +7,7 @@ plain, what fails, and what the child dies of, is evaluated in a process of its 
 
 from __future__ import annotations
 
+import sys
 import threading
 from contextlib import AbstractContextManager, suppress
 from pathlib import Path
@@ -31,6 +32,8 @@ if TYPE_CHECKING:
 SERVE = "wsgen.tasks.launch:serve_plain_launches"
 TASK_OF_XACRO = "wsgen.xacro.expansion:expand_for_parent"
 SECONDS = 5.0  # CPU time; what takes longer gets a process, and more time, of its own
+# What somebody else imported here is not what a launch file is to meet in a child.
+_FOREIGN = frozenset(("ament_index_python", "launch", "launch_ros", "xacro"))
 MOST_DEATHS = 3  # then each launch file gets a process of its own
 
 
@@ -40,8 +43,10 @@ class PlainLaunches(AbstractContextManager["PlainLaunches"]):
     Threads may share it: each has a child. `end` has calls that wait come back.
     """
 
-    def __init__(self, run: Run) -> None:
+    def __init__(self, run: Run, *, is_forked: bool = False) -> None:
+        """Children are forked from this process where `is_forked`, and where that can be."""
         self._run = run
+        self._is_forked = is_forked
         self._children: dict[int, Channel] = {}  # by the threads that use them
         self._lock = threading.Lock()
         self._deaths = 0
@@ -107,7 +112,9 @@ class PlainLaunches(AbstractContextManager["PlainLaunches"]):
             here = threading.get_ident()
             child = self._children.get(here)
             if child is None:
-                child = self._children[here] = Channel(SERVE, memory=LIMITS.memory)
+                is_forked = self._is_forked and sys.modules.keys().isdisjoint(_FOREIGN)
+                child = Channel(SERVE, memory=LIMITS.memory, is_forked=is_forked)
+                self._children[here] = child
             return child
 
 

@@ -23,6 +23,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from wsgen.files import refuse_irregular
+from wsgen.isolation import child
 from wsgen.launch.requests import requested_texts
 from wsgen.model.plan import Origin, Unresolved
 
@@ -304,7 +305,8 @@ def caller() -> Location | None:
 def callers() -> Iterator[Location]:
     """The lines of the user's files, and of libraries, that are being executed, innermost first."""
     frame: FrameType | None = sys._getframe(1)  # noqa: SLF001  no stack has to be built for it
-    while frame is not None:
+    first = child.first_frame()
+    while frame is not first and frame is not None:
         # Not by its code at first: who reads that has Python call the audit hook each time.
         names = frame.f_globals
         if id(names) not in _namespaces:
@@ -312,7 +314,7 @@ def callers() -> Iterator[Location]:
             if _is_machinery(file):
                 if vars(sys.modules.get(name, _NO_MODULE)) is names:
                     _namespaces[id(names)] = names
-            elif name != "__main__":  # the child's own first lines have no other name
+            else:
                 yield file, frame.f_lineno
         frame = frame.f_back
 

@@ -32,14 +32,15 @@ def run_parallel(
     `calls` makes them, with what runs their child processes. Their results are added to `ended` in
     this order, also when the calls are interrupted. `serial` receives no event afterwards.
 
-    With `in_workers`, several jobs are processes where the system has them (Linux): for calls that
-    do most of their work themselves, change nothing that others see, and return what can be
-    pickled. Then `calls` is called in each of them.
+    With `in_workers`, several jobs are processes where the system has them (Linux), and children of
+    launch files are forked from this one: for calls that do most of their work themselves, change
+    nothing that others see, and return what can be pickled. Then `calls` is called in each of them.
     """
     if in_workers and jobs > 1:
-        from wsgen.pipeline.workers import can_fork, run_in_workers  # noqa: PLC0415  for some jobs
+        from wsgen.isolation import system  # noqa: PLC0415  for several jobs
+        from wsgen.pipeline.workers import run_in_workers  # noqa: PLC0415  same
 
-        if can_fork():
+        if system.can_fork():
             results: dict[int, Result] = {}
             try:
                 run_in_workers(calls, jobs, serial, start_children, results)
@@ -51,7 +52,7 @@ def run_parallel(
                 serial.close()
                 ended += [results[index] for index in sorted(results)]
             return
-    _run_in_threads(calls, jobs, serial, ended)
+    _run_in_threads(calls, jobs, serial, ended, is_forked=in_workers)
 
 
 @contextmanager
@@ -60,7 +61,7 @@ def start_children() -> Iterator[Run]:
     from wsgen.isolation.fork_server import ForkServer  # noqa: PLC0415  of no use for one
     from wsgen.launch.plain_child import PlainLaunches  # noqa: PLC0415  same
 
-    with ForkServer() as fork_server, PlainLaunches(fork_server.run) as launches:
+    with ForkServer() as fork_server, PlainLaunches(fork_server.run, is_forked=True) as launches:
         yield launches.run
 
 
@@ -69,6 +70,8 @@ def _run_in_threads(
     jobs: int,
     serial: OneAtATime,
     ended: list[Result],
+    *,
+    is_forked: bool,
 ) -> None:
     from wsgen.isolation.fork_server import ForkServer  # noqa: PLC0415  of no use for one
     from wsgen.launch.plain_child import PlainLaunches  # noqa: PLC0415  same
@@ -76,7 +79,7 @@ def _run_in_threads(
     # Leaving these ends the children for which the threads wait.
     fork_server = ForkServer()
     with ExitStack() as stack:
-        launches = stack.enter_context(PlainLaunches(fork_server.run))
+        launches = stack.enter_context(PlainLaunches(fork_server.run, is_forked=is_forked))
         pool = _thread_pool(stack, jobs)
         stack.enter_context(fork_server)
         stack.callback(launches.end)

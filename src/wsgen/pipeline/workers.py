@@ -16,7 +16,6 @@ from multiprocessing.connection import Connection, Pipe, wait
 from typing import TYPE_CHECKING, NamedTuple, NoReturn, TypeVar
 
 from wsgen.events import post
-from wsgen.isolation import system
 from wsgen.isolation.parent_death import end_with_parent
 
 if TYPE_CHECKING:
@@ -31,12 +30,6 @@ if TYPE_CHECKING:
 
 SECONDS_TO_END = 10.0  # wall-clock, for a worker after SIGTERM
 EVENT, RESULT, FAILURE = "event", "result", "failure"  # what a worker sends
-
-
-def can_fork() -> bool:
-    """Whether this process can be forked: on Linux, while it has one thread."""
-    # A lock that another thread holds during the fork would never be released in the worker.
-    return system.has_guards() and len(os.listdir("/proc/self/task")) == 1  # noqa: PTH208  quicker
 
 
 def run_in_workers(
