@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+import pytest
+
 from simulation.robots import pendulum
 from wsgen.model.transform import Pose
-from wsgen.simulation.engine import Engine, Loaded, Overlap, Refused, State
+from wsgen.simulation.engine import Engine, Loaded, Motor, Overlap, Refused, State
 from wsgen.simulation.fake import FakeEngine
 from wsgen.simulation.scene import SpawnedRobot
 
@@ -57,3 +60,26 @@ def test_what_else_it_is_told() -> None:
     assert not engine.is_closed
     engine.close()
     assert engine.is_closed
+
+
+def test_efforts_and_motors_take_each_others_place() -> None:
+    engine = FakeEngine(sinking, positions=lambda _: {"arm": 0.0})
+    engine.set_efforts("e", {"arm": 2.0})
+    assert engine.joint_efforts("e") == {"arm": 2.0}
+    engine.drive("e", {"arm": Motor(1.0, 5.0)})
+    assert engine.joint_efforts("e") == {"arm": 0.0}
+    engine.set_efforts("e", {"arm": 1.0})
+    assert engine.motors["e"] == {}
+    engine.release("e")
+    assert engine.joint_efforts("e") == {"arm": 0.0}
+
+
+def test_rays_and_velocities_follow_the_script() -> None:
+    engine = FakeEngine(
+        sinking,
+        rays=lambda starts, _: np.full(len(starts), 0.5),
+    )
+    assert engine.cast_rays([(0, 0, 0)] * 3, [(1, 0, 0)] * 3).tolist() == [0.5, 0.5, 0.5]
+    linear, angular = engine.link_velocities("e")["root"]
+    assert linear == pytest.approx((0.0, 0.0, -1.0))
+    assert angular == (0.0, 0.0, 0.0)

@@ -15,6 +15,7 @@ from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pybullet
 
 from wsgen.model.kinematics import split_trees
@@ -42,8 +43,10 @@ from wsgen.simulation.engine import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
 
+    from numpy.typing import NDArray
+
     from wsgen.model.world import World
-    from wsgen.simulation.engine import Motor, Place
+    from wsgen.simulation.engine import Motor, Place, Points
     from wsgen.simulation.scene import SpawnedRobot
 
 
@@ -122,6 +125,7 @@ SEPARATION_FROM_TRIANGLES = 0.05  # m/s; their edges push in several directions 
 LIMIT_SHARE = 0.01  # of the way back to a limit, in one step; DART's error reduction parameter
 SEPARATION_STRIDE = 10  # steps between two looks at the overlap while it is large
 
+MOST_RAYS = 16_000  # at a time; PyBullet takes a few more
 FAR = 100.0  # m; no robot is as large
 
 
@@ -233,6 +237,21 @@ class BulletEngine:
         for body, _ in self._bodies[entity]:
             body.release()
 
+    def set_efforts(self, entity: str, efforts: Mapping[str, float]) -> None:
+        """From now on, have these efforts (N m or N) act in joints, which lose their motors."""
+        for body, _ in self._bodies[entity]:
+            body.set_efforts(efforts)
+            if body.pulls and body not in self._pulled:
+                self._pulled.append(body)
+
+    def joint_efforts(self, entity: str) -> dict[str, float]:
+        """What acted in the movable joints in the last step, by name, N m or N."""
+        return {
+            name: effort if self._has_stepped else 0.0
+            for body, _ in self._bodies[entity]
+            for name, effort in zip(body.movable, body.joint_efforts(), strict=True)
+        }
+
     def state(self, entity: str) -> State:
         """Where the robot is and how it moves."""
         return self.look(entity).state()
@@ -328,6 +347,27 @@ class BulletEngine:
             for body, _ in self._bodies[entity]
             for name, pose in body.link_poses().items()
         }
+
+    def link_velocities(self, entity: str) -> dict[str, tuple[Vector, Vector]]:
+        """How the links of a robot move, by name, seen from the world: m/s and rad/s."""
+        return {
+            name: velocity
+            for body, _ in self._bodies[entity]
+            for name, velocity in body.link_velocities().items()
+        }
+
+    def cast_rays(self, starts: Points, ends: Points) -> NDArray[np.float64]:
+        """How far rays get through what can touch something: fractions of their ways, shape (n,).
+
+        Meshes of what moves are their convex hulls. The shape that a ray begins in it does not see.
+        """
+        fractions = []
+        for place in range(0, len(starts), MOST_RAYS):
+            hits = self.client.rayTestBatch(
+                starts[place : place + MOST_RAYS], ends[place : place + MOST_RAYS]
+            )
+            fractions += [hit[2] if hit[0] >= 0 else math.inf for hit in hits]
+        return np.array(fractions, dtype=np.float64)
 
     def overlaps(self) -> list[Overlap]:
         """Links in each other, of two robots or of one, whether or not they may collide."""

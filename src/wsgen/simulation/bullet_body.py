@@ -55,7 +55,10 @@ class Dampers:
     indices: list[int]  # PyBullet's, of the joints
     damping: list[float]  # N m s/rad or N s/m
     friction: list[float]  # N m or N
-    speeds: list[float]  # rad/s or m/s, smoothed
+    speeds: list[float]  # rad/s or m/s, smoothed, against those below
+    # rad/s or m/s; with an effort, the speed at which the damper takes all of it: so much faster is
+    # what the damper would have stand still.
+    targets: list[float]
 
     def without(self, driven: Collection[int]) -> Dampers:
         """Those of the other joints: one that has a motor cannot have a second one."""
@@ -65,20 +68,28 @@ class Dampers:
             damping=[self.damping[place] for place in left],
             friction=[self.friction[place] for place in left],
             speeds=[self.speeds[place] for place in left],
+            targets=[self.targets[place] for place in left],
         )
+
+    def set_efforts(self, efforts: Mapping[int, float], frictions: Mapping[int, float]) -> None:
+        """Have efforts act on those of the joints that are named, with these frictions."""
+        for place, index in enumerate(self.indices):
+            if index in efforts:
+                self.friction[place] = frictions[index]
+                self.targets[place] = efforts[index] / self.damping[place]
 
     def apply(self, client: Client, body: int) -> None:
         """Make the motors as strong as dampers and friction are at this speed."""
         states = client.getJointStates(body, self.indices)
         self.speeds = [
-            before + SMOOTHING * (abs(state[1]) - before)
-            for before, state in zip(self.speeds, states, strict=True)
+            before + SMOOTHING * (abs(state[1] - target) - before)
+            for before, state, target in zip(self.speeds, states, self.targets, strict=True)
         ]
         client.setJointMotorControlArray(
             body,
             self.indices,
             client.VELOCITY_CONTROL,
-            targetVelocities=[0.0] * len(self.indices),
+            targetVelocities=self.targets,
             forces=[
                 friction + damping * speed
                 for friction, damping, speed in zip(
@@ -259,6 +270,9 @@ class BulletBody:
             joint.name: self._index_of[joint.child] for joint in self.tree.movable_joints
         }
         self._moving = list(self.movable.values())
+        self._held = {
+            self.movable[joint.name] for joint in self.tree.movable_joints if joint.is_held
+        }
         self._balls = {
             self.movable[joint.name]
             for joint in self.tree.movable_joints
@@ -272,7 +286,11 @@ class BulletBody:
             damping=[joint.damping for joint in stiff],
             friction=[_at_rest(joint) for joint in stiff],
             speeds=[0.0] * len(stiff),
+            targets=[0.0] * len(stiff),
         )
+        self._efforts: dict[int, float] = {}  # N m or N, by index, of joints without a motor
+        self._torques: dict[int, float] = {}  # those that no damper takes into account
+        self._motors: set[int] = set()  # indices of joints
         self._root_from_base = invert(_pose(*self._dynamics[ROOT][3:5]))
         self._set_properties()
         self._springs = [
@@ -328,7 +346,7 @@ class BulletBody:
     @property
     def pulls(self) -> bool:
         """Whether `pull` must be called before every step."""
-        return bool(self._springs or self._weightless)
+        return bool(self._springs or self._weightless or self._torques)
 
     def drive(self, motors: Mapping[str, Motor]) -> None:
         """Put motors into those of the joints that are in this tree."""
@@ -340,11 +358,51 @@ class BulletBody:
                 set_motor(self._client, self.number, index, rest, motors[joint.name])
         driven = {self.movable[name] for name in motors if name in self.movable}
         self.dampers = self.dampers.without(driven)
+        self._motors |= driven
+        if self._efforts:
+            for left in (self._efforts, self._torques):
+                for index in driven & left.keys():
+                    del left[index]
 
     def release(self) -> None:
-        """Take all motors away."""
+        """Take all motors and efforts away."""
         release_joints(self._client, self.number, self.tree, self.movable)
         self.dampers = self._dampers
+        self._motors, self._efforts, self._torques = set(), {}, {}
+
+    def set_efforts(self, efforts: Mapping[str, float]) -> None:
+        """Have efforts act in those of the joints that are in this tree, instead of motors."""
+        given = {
+            self.movable[joint.name]: joint
+            for joint in self.tree.movable_joints
+            if joint.name in efforts
+        }
+        new = given.keys() - self._efforts.keys()
+        self._efforts |= {index: efforts[joint.name] for index, joint in given.items()}
+        for index in new:
+            self._client.setJointMotorControl2(
+                self.number, index, self._client.VELOCITY_CONTROL, force=given[index].friction
+            )
+        if new & self._motors:
+            self._motors -= new
+            self.dampers = self._dampers.without(self._motors)
+        elif self._dampers.indices and self.dampers is self._dampers:
+            self.dampers = self._dampers.without(())
+        frictions = {index: joint.friction for index, joint in given.items()}
+        self.dampers.set_efforts({index: self._efforts[index] for index in given}, frictions)
+        stiff = set(self.dampers.indices)
+        self._torques = {
+            index: effort for index, effort in self._efforts.items() if index not in stiff
+        }
+
+    def joint_efforts(self) -> list[float]:
+        """What motors and efforts gave in the last step, of the movable joints in their order."""
+        # Of joints that have a motor, or that one holds.
+        moving = list(self._motors | (self._held - self._efforts.keys()))
+        states = self._client.getJointStates(self.number, moving) if moving else ()
+        given = {index: float(state[3]) for index, state in zip(moving, states, strict=True)}
+        given |= self._efforts
+        return [given.get(index, 0.0) for index in self.movable.values()]
 
     def damp(self) -> None:
         """For the next steps, set what its stiff dampers do."""
@@ -352,8 +410,18 @@ class BulletBody:
             self.dampers.apply(self._client, self.number)
 
     def pull(self, gravity: Vector) -> None:
-        """For the next step, apply what PyBullet has no notion of: springs, missing gravity."""
+        """For the next step, apply what PyBullet forgets or has no notion of.
+
+        That are efforts, springs and missing gravity.
+        """
         client = self._client
+        if self._torques:
+            client.setJointMotorControlArray(
+                self.number,
+                list(self._torques),
+                client.TORQUE_CONTROL,
+                forces=list(self._torques.values()),
+            )
         for index, stiffness, reference in self._springs:
             position = client.getJointState(self.number, index)[0]
             client.setJointMotorControl2(
@@ -441,6 +509,31 @@ class BulletBody:
                 state = client.getLinkState(self.number, index, computeForwardKinematics=1)
                 poses[name] = _pose(state[4], state[5])
         return poses
+
+    def link_velocities(self) -> dict[str, tuple[Vector, Vector]]:
+        """How the frames of all links move, by name: m/s and rad/s, in the world."""
+        client, velocities = self._client, {}
+        for name, index in self.indices.items():
+            if index == ROOT:
+                linear, angular = client.getBaseVelocity(self.number)
+                (center, _), origin = self.place_of_base(), self.root_pose().xyz
+            else:
+                state = client.getLinkState(
+                    self.number, index, computeLinkVelocity=1, computeForwardKinematics=1
+                )
+                center, origin, linear, angular = state[0], state[4], state[6], state[7]
+            # PyBullet has the velocity of the center of mass.
+            x, y, z = (there - here for there, here in zip(origin, center, strict=True))
+            a, b, c = angular
+            velocities[name] = (
+                (
+                    linear[0] + b * z - c * y,
+                    linear[1] + c * x - a * z,
+                    linear[2] + a * y - b * x,
+                ),
+                angular,
+            )
+        return velocities
 
     def energy(self, gravity: Vector) -> float:
         """Kinetic and potential energy, that of its springs included, J."""

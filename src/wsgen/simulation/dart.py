@@ -7,6 +7,7 @@ from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 import dartpy
+import numpy as np
 from dartpy import dynamics, simulation, utils
 from dartpy.math import Isometry3
 
@@ -41,10 +42,12 @@ from wsgen.simulation.urdf_writer import quoted
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from numpy.typing import NDArray
+
     from wsgen.model.robot import Collision, Geometry, Inertial, Joint, Link, Robot
     from wsgen.model.transform import Vector
     from wsgen.model.world import World
-    from wsgen.simulation.engine import Look, Motor
+    from wsgen.simulation.engine import Look, Motor, Points
     from wsgen.simulation.scene import SpawnedRobot
 
 
@@ -77,6 +80,7 @@ class DartBody:
         self._bases: list[tuple[Any, Pose]] = []  # of what is not fixed, with its pose in the robot
         self._pose_of_world = IDENTITY  # seen from the world, of a root that is the world
         self._speeds: dict[str, float] = {}  # rad/s or m/s, of the motors, by joint
+        self._efforts: dict[str, float] = {}  # N m or N, by joint
         self._held: set[str] = set()  # joints that stay where they are, unless they are driven
         self._fixed: list[tuple[Any, Pose]] = []  # of what is fixed to the world, likewise
         for tree, pose_in_robot in split_trees(robot):
@@ -201,21 +205,41 @@ class DartBody:
             joint.setForceLowerLimit(0, -motor.effort)
             joint.setForceUpperLimit(0, motor.effort)
             self._speeds[name] = motor.speed
+            self._efforts.pop(name, None)
 
     def release(self) -> None:
         """Take all motors away."""
-        for name in self._speeds:
-            joint = self.joints[name]
-            if name not in self._held:
-                joint.setActuatorType(dynamics.ActuatorType.FORCE)
-            joint.setForceLowerLimit(0, -math.inf)
-            joint.setForceUpperLimit(0, math.inf)
-        self._speeds = dict.fromkeys(self._held, 0.0)
+        for name in (*self._speeds, *self._efforts):
+            kind = dynamics.ActuatorType
+            self._set_actuator(name, kind.SERVO if name in self._held else kind.FORCE)
+        self._speeds, self._efforts = dict.fromkeys(self._held, 0.0), {}
+
+    def set_efforts(self, efforts: Mapping[str, float]) -> None:
+        """Have efforts act in joints, instead of motors."""
+        for name, effort in efforts.items():
+            if name not in self._efforts:
+                self._set_actuator(name, dynamics.ActuatorType.FORCE)
+                self._speeds.pop(name, None)
+            self._efforts[name] = effort
+
+    def _set_actuator(self, name: str, kind: Any) -> None:
+        joint = self.joints[name]
+        joint.setActuatorType(kind)
+        joint.setForceLowerLimit(0, -math.inf)
+        joint.setForceUpperLimit(0, math.inf)
 
     def command(self) -> None:
-        """Tell the motors their speeds for the next step; DART forgets commands."""
+        """Tell the motors their speeds and efforts for the next step; DART forgets commands."""
         for name, speed in self._speeds.items():
             self.joints[name].setCommand(0, speed)
+        for name, effort in self._efforts.items():
+            self.joints[name].setCommand(0, effort)
+
+    def efforts(self, step_seconds: float) -> dict[str, float]:
+        """What motors and efforts gave in the last step, by joint, N m or N."""
+        impulses = {name: self.joints[name].getConstraintImpulse(0) for name in self._speeds}
+        given = {name: float(impulse) / step_seconds for name, impulse in impulses.items()}
+        return dict.fromkeys(self.joints, 0.0) | given | self._efforts
 
     def link_pose(self, link: str) -> Pose:
         """The frame of a link, seen from the world."""
@@ -287,6 +311,7 @@ def _shape_of(geometry: Geometry) -> Any:
 # A large box, as Gazebo makes of a plane.
 GROUND_SIZE = (1000.0, 1000.0, 10.0)  # m
 
+STILL = (0.0, 0.0, 0.0)
 MOST_CONTACTS = 10_000  # of a search for overlaps; no robot has as many shapes in each other
 
 
@@ -299,6 +324,9 @@ class DartEngine:
         self._driven: dict[str, DartBody] = {}  # those with motors
         self._pushes: dict[tuple[str, str], Vector] = {}  # N, by entity and link
         self._has_stepped = False  # since something was placed
+        self._ground: Any = None  # the frame of its shape
+        self._rays_group: Any = None  # all shapes, for rays
+        self._shapes_in_rays = 0
         self._world = simulation.World()
         self._world.setTimeStep(world.step)
         self._world.setGravity(world.gravity)
@@ -316,7 +344,8 @@ class DartEngine:
         skeleton = dynamics.Skeleton("ground")
         joint, body = skeleton.createWeldJointAndBodyNodePair()
         joint.setTransformFromParentBodyNode(matrix_of(Pose(xyz=(0, 0, -GROUND_SIZE[2] / 2))))
-        add_shape(body, dynamics.BoxShape(GROUND_SIZE), GROUND_FRICTION, "ground")
+        shape = dynamics.BoxShape(GROUND_SIZE)
+        self._ground = add_shape(body, shape, GROUND_FRICTION, "ground")
         skeleton.setMobile(False)
         self._world.addSkeleton(skeleton)
 
@@ -360,6 +389,16 @@ class DartEngine:
         """Take all motors out of a robot: its joints are passive again."""
         self._robots[entity].release()
         self._driven.pop(entity, None)
+
+    def set_efforts(self, entity: str, efforts: Mapping[str, float]) -> None:
+        """From now on, have these efforts (N m or N) act in joints, which lose their motors."""
+        self._driven[entity] = self._robots[entity]
+        self._driven[entity].set_efforts(efforts)
+
+    def joint_efforts(self, entity: str) -> dict[str, float]:
+        """What acted in the movable joints in the last step, by name, N m or N."""
+        efforts = self._robots[entity].efforts(self.step_seconds)
+        return efforts if self._has_stepped else dict.fromkeys(efforts, 0.0)
 
     def state(self, entity: str) -> State:
         """Where the robot is and how it moves."""
@@ -415,6 +454,46 @@ class DartEngine:
         """The frames of all links of a robot by name, seen from the world."""
         body = self._robots[entity]
         return {link.name: body.link_pose(link.name) for link in body.robot.links}
+
+    def link_velocities(self, entity: str) -> dict[str, tuple[Vector, Vector]]:
+        """How the links of a robot move, by name, seen from the world: m/s and rad/s."""
+        body = self._robots[entity]
+        velocities: dict[str, tuple[Vector, Vector]] = {}
+        for link in body.robot.links:
+            node = body.nodes.get(link.name)
+            velocities[link.name] = (
+                (STILL, STILL)
+                if node is None
+                else (
+                    tuple(node.getLinearVelocity().tolist()),
+                    tuple(node.getAngularVelocity().tolist()),
+                )
+            )
+        return velocities
+
+    def cast_rays(self, starts: Points, ends: Points) -> NDArray[np.float64]:
+        """How far rays get through what can touch something: fractions of their ways, shape (n,).
+
+        The shape that a ray begins in it does not see.
+        """
+        group, shapes = self._rays_group, sum(len(body.shapes) for body in self._robots.values())
+        if group is None or shapes != self._shapes_in_rays:
+            # ODE's detector, which the world has, casts none.
+            detector = dartpy.collision.BulletCollisionDetector()
+            group = self._rays_group = detector.createCollisionGroup()
+            for body in self._robots.values():
+                for _, frame in body.shapes:
+                    group.addShapeFrame(frame)
+            if self._ground is not None:
+                group.addShapeFrame(self._ground)
+            self._shapes_in_rays = shapes
+        option, result = dartpy.collision.RaycastOption(), dartpy.collision.RaycastResult()
+        fractions = []
+        for start, end in zip(starts, ends, strict=True):
+            result.clear()
+            is_hit = group.raycast(start, end, option, result)
+            fractions.append(result.mRayHits[0].mFraction if is_hit else math.inf)
+        return np.array(fractions, dtype=np.float64)
 
     def overlaps(self) -> list[Overlap]:
         """Links in each other, of two robots or of one, whether or not they may collide."""

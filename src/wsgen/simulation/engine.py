@@ -11,9 +11,14 @@ from wsgen.values import dataclass
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
+    import numpy as np
+    from numpy.typing import NDArray
+
     from wsgen.model.robot import Robot
     from wsgen.model.transform import Pose, Vector
     from wsgen.simulation.scene import SpawnedRobot
+
+    Points = Sequence[Sequence[float]] | NDArray[np.float64]
 
 
 # Gazebo's engine takes the smaller friction of two touching bodies, PyBullet the product: with 1
@@ -183,8 +188,35 @@ class Engine(Protocol):
     def release(self, entity: str) -> None:
         """Take all motors out of a robot: its joints are passive again."""
 
+    def set_efforts(self, entity: str, efforts: Mapping[str, float]) -> None:
+        """From now on, have these efforts (N m or N) act in joints, which lose their motors.
+
+        Those that are not named keep theirs. A motor takes the place of an effort.
+        """
+
+    def joint_efforts(self, entity: str) -> dict[str, float]:
+        """What acted in the movable joints in the last step, by name, N m or N.
+
+        That is what a motor gave, or the effort that was set; 0 for passive joints.
+        """
+
     def link_poses(self, entity: str) -> dict[str, Pose]:
         """The frames of all links of a robot by name, seen from the world."""
+
+    def link_velocities(self, entity: str) -> dict[str, tuple[Vector, Vector]]:
+        """How the links of a robot move, by name, seen from the world.
+
+        The first is the velocity of the origin of the link's frame (m/s), the second how it turns
+        (rad/s).
+        """
+
+    def cast_rays(self, starts: Points, ends: Points) -> NDArray[np.float64]:
+        """How far rays get through what can touch something, the ground too: their first hits.
+
+        Both are points in the world (m), shape (n, 3). Of each ray the answer has the fraction of
+        its way that it gets, infinity where it hits nothing. The shape that a ray begins in it may
+        see or not.
+        """
 
     def corners(self, entity: str) -> list[Vector]:
         """Corners of boxes along the world's axes around all that can touch something, m."""

@@ -5,14 +5,18 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from wsgen.model.transform import Pose
 from wsgen.simulation.engine import Loaded, Refused, State, look_at
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
+    from numpy.typing import NDArray
+
     from wsgen.model.transform import Vector
-    from wsgen.simulation.engine import Contact, HullGap, Look, Motor, Overlap
+    from wsgen.simulation.engine import Contact, HullGap, Look, Motor, Overlap, Points
     from wsgen.simulation.scene import SpawnedRobot
 
 
@@ -22,7 +26,8 @@ class FakeEngine:
     So do `positions` (of joints) and `energy`. Robots whose names are in `refuses` are refused;
     what touches lies `reach` below the root. A robot that is placed somewhere moves as if the
     script had begun there. `motors` are those that it has been given, by entity and joint, `pushes`
-    the forces, by entity and link.
+    the forces, by entity and link, `efforts` those in joints, by entity. Rays hit what `rays` says,
+    a function from where they begin and end to fractions.
     """
 
     def __init__(  # noqa: PLR0913  what a script can say
@@ -37,6 +42,7 @@ class FakeEngine:
         overlapping: Sequence[Overlap] = (),
         gaps: Mapping[str, Sequence[HullGap]] | None = None,
         touching: Mapping[str, Sequence[Contact]] | None = None,
+        rays: Callable[[Points, Points], NDArray[np.float64]] | None = None,
     ) -> None:
         self.step_seconds = step_seconds
         self.motion = motion
@@ -51,6 +57,8 @@ class FakeEngine:
         self.steps = 0
         self.motors: dict[str, dict[str, Motor]] = {}
         self.pushes: dict[tuple[str, str], Vector] = {}
+        self.efforts: dict[str, dict[str, float]] = {}
+        self.rays = rays
         self.is_closed = False
 
     def spawn(self, robot: SpawnedRobot) -> Loaded | Refused:
@@ -87,10 +95,23 @@ class FakeEngine:
     def drive(self, entity: str, motors: Mapping[str, Motor]) -> None:
         """Remember them; what moves is up to the script."""
         self.motors.setdefault(entity, {}).update(motors)
+        for name in motors:
+            self.efforts.get(entity, {}).pop(name, None)
 
     def release(self, entity: str) -> None:
         """Forget them."""
         self.motors.pop(entity, None)
+        self.efforts.pop(entity, None)
+
+    def set_efforts(self, entity: str, efforts: Mapping[str, float]) -> None:
+        """Remember them; what moves is up to the script."""
+        self.efforts.setdefault(entity, {}).update(efforts)
+        for name in efforts:
+            self.motors.get(entity, {}).pop(name, None)
+
+    def joint_efforts(self, entity: str) -> dict[str, float]:
+        """Those that were set; motors give none."""
+        return dict.fromkeys(self.joint_positions(entity), 0.0) | self.efforts.get(entity, {})
 
     def joint_positions(self, entity: str) -> dict[str, float]:  # noqa: ARG002  as for `state`
         """What the script says for now."""
@@ -130,6 +151,18 @@ class FakeEngine:
     def link_poses(self, entity: str) -> dict[str, Pose]:
         """The root's alone."""
         return {"root": Pose(xyz=self.state(entity).xyz)}
+
+    def link_velocities(self, entity: str) -> dict[str, tuple[Vector, Vector]]:
+        """The root's alone, as the script moves it, without turning."""
+        now, after = self.state(entity).xyz, self.motion((self.steps + 1) * self.step_seconds).xyz
+        shifted = (after[0], after[1], after[2] + self.shift)
+        x, y, z = (b - a for a, b in zip(now, shifted, strict=True))
+        step = self.step_seconds
+        return {"root": ((x / step, y / step, z / step), (0.0, 0.0, 0.0))}
+
+    def cast_rays(self, starts: Points, ends: Points) -> NDArray[np.float64]:
+        """What the script says; without one, nothing is hit."""
+        return np.full(len(starts), np.inf) if self.rays is None else self.rays(starts, ends)
 
     def corners(self, entity: str) -> list[tuple[float, float, float]]:
         """The root's alone."""

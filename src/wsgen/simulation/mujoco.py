@@ -48,7 +48,7 @@ if TYPE_CHECKING:
 
     from wsgen.model.transform import Pose, Vector
     from wsgen.model.world import World
-    from wsgen.simulation.engine import Look, Motor, Place
+    from wsgen.simulation.engine import Look, Motor, Place, Points
     from wsgen.simulation.scene import SpawnedRobot
 
 
@@ -164,6 +164,10 @@ class MujocoEngine:
                 dof = dofs_of(self._model, joint)
                 losses[dof], speeds[dof] = strength, speed
         self._speeds = speeds[losses > 0]
+        self._data.qfrc_applied[:] = 0.0
+        for body in self._robots.values():
+            for name, effort in body.efforts.items():
+                self._data.qfrc_applied[dofs_of(self._model, body.joints[name])] = effort
 
     def _set_pushes(self) -> None:
         self._data.xfrc_applied[:] = 0.0
@@ -189,13 +193,38 @@ class MujocoEngine:
 
     def drive(self, entity: str, motors: Mapping[str, Motor]) -> None:
         """Put motors into joints of a robot; those that are not named keep theirs."""
-        self._robots[entity].motors.update(motors)
+        body = self._robots[entity]
+        body.motors.update(motors)
+        if body.efforts:
+            body.efforts = {name: one for name, one in body.efforts.items() if name not in motors}
         self._set_motors()
 
     def release(self, entity: str) -> None:
         """Take all motors out of a robot: its joints are passive again."""
         self._robots[entity].motors.clear()
+        self._robots[entity].efforts.clear()
         self._set_motors()
+
+    def set_efforts(self, entity: str, efforts: Mapping[str, float]) -> None:
+        """From now on, have these efforts (N m or N) act in joints, which lose their motors."""
+        body = self._robots[entity]
+        body.efforts.update(efforts)
+        for name in efforts:
+            body.motors.pop(name, None)
+        self._set_motors()
+
+    def joint_efforts(self, entity: str) -> dict[str, float]:
+        """What acted in the movable joints in the last step, by name, N m or N."""
+        body, data = self._robots[entity], self._data
+        rows = data.efc_type == library.mjtConstraint.mjCNSTR_FRICTION_DOF
+        forces = dict(zip(data.efc_id[rows].tolist(), data.efc_force[rows].tolist(), strict=True))
+        efforts = dict.fromkeys(body.joints, 0.0)
+        for joint in body.robot.movable_joints:
+            moves = joint.name in body.motors or joint.is_held
+            if moves and joint.name in body.joints:
+                dof = int(self._model.jnt_dofadr[body.joints[joint.name].id])
+                efforts[joint.name] = forces.get(dof, 0.0)
+        return efforts | body.efforts
 
     def advance(self, steps: int) -> None:
         """Let time pass; overlapping bodies are pushed apart no faster than the bound."""
@@ -381,6 +410,37 @@ class MujocoEngine:
         """The frames of all links of a robot by name, seen from the world."""
         body, data = self._robots[entity], self._here()
         return {link.name: body.link_pose(data, link.name) for link in body.robot.links}
+
+    def link_velocities(self, entity: str) -> dict[str, tuple[Vector, Vector]]:
+        """How the links of a robot move, by name, seen from the world: m/s and rad/s."""
+        body, model, data = self._robots[entity], self._model, self._here()
+        kind = library.mjtObj.mjOBJ_XBODY  # at the origin of the frame
+        velocities: dict[str, tuple[Vector, Vector]] = {}
+        for link in body.robot.links:
+            velocity = np.zeros(6)
+            if link.name in body.bodies:
+                number = body.bodies[link.name].id
+                library.mj_objectVelocity(model, data, kind, number, velocity, 0)
+            a, b, c, x, y, z = velocity.tolist()
+            velocities[link.name] = (x, y, z), (a, b, c)
+        return velocities
+
+    def cast_rays(self, starts: Points, ends: Points) -> NDArray[np.float64]:
+        """How far rays get through what can touch something: fractions of their ways, shape (n,).
+
+        Meshes of what moves are their convex hulls. A ray sees the shape that it begins in.
+        """
+        model, data = self._model, self._here()
+        begins, ways = np.asarray(starts, dtype=np.float64), np.asarray(ends, dtype=np.float64)
+        ways = ways - begins
+        geom = np.zeros(1, dtype=np.int32)
+        found = [
+            library.mj_ray(model, data, begin, way, None, 1, -1, geom)
+            for begin, way in zip(begins, ways, strict=True)
+        ]
+        fractions = np.array(found, dtype=np.float64)
+        fractions[(fractions < 0.0) | (fractions > 1.0)] = math.inf
+        return np.minimum(fractions, self._triangles.cast_rays(begins, ways))
 
     def overlaps(self) -> list[Overlap]:
         """Links in each other, of two robots or of one, whether or not they may collide."""

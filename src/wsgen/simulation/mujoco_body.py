@@ -133,6 +133,7 @@ class MujocoBody:
         self.static_meshes: list[StaticMesh] = []
         self.free: list[Any] = []  # the joints above the trees that are not fixed
         self.motors: dict[str, Motor] = {}
+        self.efforts: dict[str, float] = {}  # N m or N, by joint
         self._bases: list[tuple[Any, Pose]] = []  # bodies below the world, with their poses in it
         self._spec, self._name, self._bit = spec, name, bit
         self._step = float(spec.option.timestep)
@@ -283,7 +284,8 @@ class MujocoBody:
                 continue
             made, motor = self.joints[joint.name], self.motors.get(joint.name)
             if motor is None:
-                yield made, STRONGEST if joint.is_held else joint.friction, 0.0
+                is_held = joint.is_held and joint.name not in self.efforts
+                yield made, STRONGEST if is_held else joint.friction, 0.0
             else:
                 left = min(motor.effort, STRONGEST) - joint.friction
                 yield made, abs(left), motor.speed if left > 0 else 0.0

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wsgen.simulation.mujoco_body import placed
-from wsgen.simulation.surfaces import triangles_of
+from wsgen.simulation.surfaces import cast_rays, triangles_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -52,6 +52,15 @@ class StaticTriangles:
             is_one = (triangles != np.roll(triangles, 1, axis=1)).any(axis=2).all(axis=1)
             self._all.append(((entity, link), triangles[is_one], surface))
         self._boxes = np.empty((0, 2, 3))
+
+    def cast_rays(
+        self, begins: NDArray[np.float64], ways: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """How far rays get, shape (n,), as `surfaces.cast_rays` says."""
+        fractions = np.full(len(begins), np.inf)
+        for _, triangles, _ in self._all:
+            fractions = np.minimum(fractions, cast_rays(begins, ways, triangles))
+        return fractions
 
     def have(self, boxes: NDArray[np.float64]) -> bool:
         """Whether those near these boxes, shape (m, 2, 3), are in the specification."""

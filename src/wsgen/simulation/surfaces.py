@@ -125,6 +125,40 @@ def _box_around(geometry: Touchable) -> Iterator[Vector]:
         yield from box_around(geometry)
 
 
+MOST_PAIRS = 1 << 18  # of a ray and a triangle, at a time
+
+
+def cast_rays(
+    begins: NDArray[np.float64], ways: NDArray[np.float64], triangles: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """The fractions of their ways that rays get through triangles, shape (n,); infinity if through.
+
+    Rays are where they begin and their ways, each of shape (n, 3); triangles are three corners,
+    shape (m, 3, 3). All are in one frame, m. After Möller and Trumbore, "Fast, Minimum Storage
+    Ray/Triangle Intersection" (1997).
+    """
+    fractions = np.full(len(begins), np.inf)
+    if not len(triangles):
+        return fractions
+    corner = triangles[:, 0]
+    first, second = triangles[:, 1] - corner, triangles[:, 2] - corner
+    stride = max(1, MOST_PAIRS // len(triangles))
+    for place in range(0, len(begins), stride):
+        some = slice(place, place + stride)
+        way = ways[some, None]
+        normal = np.cross(way, second)
+        offset = begins[some, None] - corner
+        other = np.cross(offset, first)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            scale = 1.0 / (first * normal).sum(axis=2)
+            u = (offset * normal).sum(axis=2) * scale
+            v = (way * other).sum(axis=2) * scale
+            at = (second * other).sum(axis=2) * scale
+            is_hit = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0) & (at >= 0.0) & (at <= 1.0)
+        fractions[some] = np.where(is_hit, at, np.inf).min(axis=1)
+    return fractions
+
+
 def hull_gaps(
     robot: Robot, poses: Mapping[str, Pose], touched: Iterable[tuple[str, str, Vector]]
 ) -> list[HullGap]:
