@@ -1,0 +1,165 @@
+"""The simulator's side of ROS: nodes, and messages that arrive, taken when it suits the simulator.
+
+Nothing spins in a thread: the simulator takes what has arrived between two steps (`poll`), and
+waits for messages while it has nothing to simulate (`wait`). An executor costs 30 times as much as
+a look at a subscription, so that it is asked seldom while the simulator is busy.
+"""
+
+from __future__ import annotations
+
+import time
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any
+
+import rclpy
+import rclpy.logging
+from builtin_interfaces.msg import Time
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+EXECUTOR_EVERY = 0.02  # s of wall-clock time, between two calls of the executor while busy
+MOST_AT_ONCE = 100  # messages of one topic that one look takes
+
+
+class Ros:
+    """The nodes of this process."""
+
+    def __init__(self, arguments: Sequence[str] = ()) -> None:
+        """Join the ROS domain; `arguments` are those of the process, of ROS or not."""
+        rclpy.init(args=list(arguments) or None, **_no_handlers())
+        self._executor = _executor()
+        self._subscriptions: list[tuple[Any, Callable[[Any], None]]] = []
+        self._services: list[tuple[Any, Callable[[Any, Any], Any]]] = []
+        self._next_executor = 0.0
+        self._nodes: list[Any] = []
+
+    def node(self, name: str, namespace: str = "", arguments: Sequence[str] = ()) -> Any:
+        """A node; `arguments` are some like `-r`, `a:=b`, that hold for it alone."""
+        node = rclpy.create_node(
+            name,
+            namespace=namespace,
+            cli_args=list(arguments) or None,
+            start_parameter_services=False,
+            automatically_declare_parameters_from_overrides=True,
+        )
+        self._executor.add_node(node)
+        self._nodes.append(node)
+        return node
+
+    def subscription(
+        self, node: Any, message_type: type, topic: str, callback: Callable[[Any], None], qos: Any
+    ) -> Any:
+        """Have messages of a topic given to a function, one after the other."""
+        made = node.create_subscription(message_type, topic, callback, qos)
+        self._subscriptions.append((made, callback))
+        return made
+
+    def service(
+        self, node: Any, service_type: Any, name: str, callback: Callable[[Any, Any], Any]
+    ) -> Any:
+        """Answer requests; `callback` takes request and response and gives the response."""
+        made = node.create_service(service_type, name, callback)
+        self._services.append((made, callback))
+        return made
+
+    def forget(self, node: Any, made: Any) -> None:
+        """End a publisher, subscription or service of a node."""
+        self._subscriptions = [one for one in self._subscriptions if one[0] is not made]
+        self._services = [one for one in self._services if one[0] is not made]
+        for destroy in (node.destroy_publisher, node.destroy_subscription, node.destroy_service):
+            if destroy(made):  # it is of that kind
+                return
+
+    def forget_node(self, node: Any) -> None:
+        """End a node with all that it has."""
+        for made in (*node.subscriptions, *node.services):
+            self.forget(node, made)
+        self._executor.remove_node(node)
+        self._nodes = [one for one in self._nodes if one is not node]
+        node.destroy_node()
+
+    @staticmethod
+    def time(seconds: float) -> Any:
+        """A `builtin_interfaces/Time`."""
+        whole, nanoseconds = divmod(round(seconds * 1e9), 1_000_000_000)
+        return Time(sec=whole, nanosec=nanoseconds)
+
+    @staticmethod
+    def parameter(node: Any, name: str, default: float) -> float:
+        """A number that the command line of the process gives to a node."""
+        if not node.has_parameter(name):
+            return default
+        value = node.get_parameter(name).value
+        return float(value) if isinstance(value, int | float) else default
+
+    @staticmethod
+    def clock_qos() -> QoSProfile:
+        """That of `/clock`, as `rclcpp::ClockQoS`."""
+        return QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+
+    @staticmethod
+    def keeps(qos: Any) -> bool:
+        """Whether those who subscribe later get the last messages, too."""
+        return bool(getattr(qos, "durability", None) == DurabilityPolicy.TRANSIENT_LOCAL)
+
+    @staticmethod
+    def log(level: str, name: str, text: str) -> None:
+        """Print a line as nodes do."""
+        logger = rclpy.logging.get_logger(name)
+        # In lines of their own: rclpy knows a caller by its line, and lets it keep to one level.
+        if level == "info":
+            logger.info(text)
+        elif level == "warning":
+            logger.warning(text)
+        else:
+            logger.error(text)
+
+    def poll(self) -> None:
+        """Take what has arrived."""
+        for subscription, callback in tuple(self._subscriptions):
+            for _ in range(MOST_AT_ONCE):
+                with subscription.handle:
+                    taken = subscription.handle.take_message(subscription.msg_type, False)
+                if taken is None:
+                    break
+                callback(taken[0])
+        for service, answer in tuple(self._services):
+            with service.handle:
+                request, header = service.handle.service_take_request(service.srv_type.Request)
+            if header is not None:
+                service.send_response(answer(request, service.srv_type.Response()), header)
+        if time.monotonic() >= self._next_executor:
+            self.wait(0.0)
+
+    def wait(self, seconds: float) -> None:
+        """Wait for something to arrive, no longer than that; timers, actions and the like run."""
+        self._executor.spin_once(timeout_sec=seconds)
+        self._next_executor = time.monotonic() + EXECUTOR_EVERY
+
+    def close(self) -> None:
+        """Leave the domain."""
+        self._executor.shutdown()
+        for node in self._nodes:
+            node.destroy_node()
+        rclpy.try_shutdown()
+
+
+def _no_handlers() -> dict[str, Any]:
+    """The process handles its own signals."""
+    with suppress(ImportError):
+        from rclpy.signals import SignalHandlerOptions  # noqa: PLC0415  not in every release
+
+        return {"signal_handler_options": SignalHandlerOptions.NO}
+    return {}
+
+
+def _executor() -> Any:
+    """The cheapest that this release has: Kilted and later have one of C++."""
+    with suppress(ImportError):
+        from rclpy.experimental import EventsExecutor  # noqa: PLC0415  not in every release
+
+        return EventsExecutor()
+    return SingleThreadedExecutor()

@@ -1,0 +1,218 @@
+"""The simulated world of a live run: robots come and go, plugins are updated, time passes."""
+
+from __future__ import annotations
+
+import importlib
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from wsgen.model.devices import Devices
+from wsgen.model.gazebo_plugins import stem
+from wsgen.ros_nodes.simulator.host import CannotWorkError, Due, Host, RobotHandle
+from wsgen.ros_nodes.simulator.plugins import DONE_BY_SIMULATOR, PLUGINS
+from wsgen.ros_nodes.simulator.sensors import SENSORS
+from wsgen.simulation.simulate import spawn_robots
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from wsgen.model.transform import Pose
+    from wsgen.ros_nodes.simulator.host import Plugin
+    from wsgen.ros_nodes.simulator.ros import Ros
+    from wsgen.simulation.engine import Engine
+    from wsgen.simulation.live_scene import LiveScene
+
+LOOK_EVERY = 0.1  # s, simulated, between two looks at whether a robot has exploded
+TINY = 1e-9  # s; what sums of steps are off
+
+
+class RefusedError(Exception):
+    """A command cannot be done; `hint` is what to do."""
+
+    def __init__(self, message: str, hint: str) -> None:
+        super().__init__(message)
+        self.message = message
+        self.hint = hint
+
+
+class LiveSimulation:
+    """A world with its robots and their plugins."""
+
+    def __init__(
+        self, scene: LiveScene, engine: Engine, ros: Ros, announce: Callable[[str], None]
+    ) -> None:
+        """Put into the world what is there from the beginning."""
+        self.scene = scene
+        self.engine = engine
+        self.host = Host(
+            engine,
+            ros,
+            simulator=scene.simulator,
+            world=scene.scene.world,
+            world_name=scene.world,
+        )
+        self._announce = announce
+        self._known = {robot.entity: robot for robot in scene.scene.robots}
+        self._poses: dict[str, Pose] = {}  # where robots were spawned
+        self._due: list[Due] = []
+        self._steps = 0  # since the time was 0
+        self._next_look = 0.0
+        for robot in scene.scene.robots:
+            if robot.is_static_model or robot.entity in scene.in_world:
+                self.spawn(robot.entity)
+
+    @property
+    def now(self) -> float:
+        """The simulated time, s."""
+        return self.host.now
+
+    def spawn(self, entity: str) -> None:
+        """Put a robot into the world.
+
+        Raises:
+            RefusedError: There is no such robot, or it is there already, or the engine does not
+                take it.
+        """
+        robot = self._known.get(entity)
+        if robot is None:
+            raise RefusedError(
+                f"The launch file spawns no robot `{entity}` that wsgen has prepared.",
+                f"Robots: {', '.join(self._known) or 'none'}.",
+            )
+        if entity in self.host.robots:
+            raise RefusedError(
+                f"The entity `{entity}` exists already.", "Give each robot a name of its own."
+            )
+        spawned, refused = spawn_robots(
+            self.engine, replace(self.scene.scene, robots=(robot,)), self._announce
+        )
+        if entity in refused:
+            raise RefusedError(
+                f"The engine refuses `{entity}`: {refused[entity].reason}.", refused[entity].hint
+            )
+        ((_, _, pose),) = spawned
+        self._poses[entity] = pose
+        self.host.moment += 1
+        handle = RobotHandle(
+            self.host,
+            robot,
+            self.scene.devices.get(entity, Devices()),
+            self.scene.descriptions.get(entity),
+        )
+        self.host.robots[entity] = handle
+        self._due += self._plugins(handle)
+
+    def add(self, due: Due) -> None:
+        """Update one more plugin, before those of robots."""
+        self._due.insert(0, due)
+
+    def delete(self, entity: str) -> None:
+        """Take a robot out of the world.
+
+        Raises:
+            RefusedError: It is not there.
+        """
+        robot = self.host.robots.pop(entity, None)
+        if robot is None:
+            raise RefusedError(
+                f"No entity `{entity}` is in the world.",
+                f"Entities: {', '.join(self.host.robots) or 'none'}.",
+            )
+        for due in self._due:
+            if due.robot is robot:
+                due.plugin.close()
+        self._due = [due for due in self._due if due.robot is not robot]
+        for end in reversed(robot.ends):
+            end()
+        remove: Any = getattr(self.engine, "remove", None)
+        remove(entity)
+        self.host.moment += 1
+
+    def reset(self, *, with_time: bool) -> None:
+        """Have all robots where they were spawned, and the time at 0."""
+        if with_time:
+            self._steps = 0
+            self.host.now = self._next_look = 0.0
+        for entity, robot in self.host.robots.items():
+            if not robot.robot.is_static:
+                self.engine.place(entity, self._poses[entity])
+        self.host.moment += 1
+        for due in self._due:
+            due.next = self.host.now
+            due.plugin.reset()
+
+    def advance(self, until: float) -> None:
+        """Let time pass until then (s, simulated), with the updates of plugins that are due."""
+        while self.host.now < until - TINY:
+            self._update()
+            target = min([until, *(due.next for due in self._due)])
+            step = self.host.step_seconds
+            steps = max(1, math.ceil((target - self.host.now) / step - TINY / step))
+            self.engine.advance(steps)
+            self._steps += steps
+            self.host.now = round(self._steps * step, 9)
+            self.host.moment += 1
+            if self.host.now >= self._next_look:
+                self._next_look = self.host.now + LOOK_EVERY
+                self._remove_exploded()
+
+    def _update(self) -> None:
+        now = self.host.now
+        for due in tuple(self._due):
+            if due.next <= now + TINY:
+                due.plugin.update()
+                period = due.plugin.period
+                every = self.host.update_seconds if period is None else period
+                due.next = max(due.next + every, now + TINY)
+
+    def _remove_exploded(self) -> None:
+        for entity, robot in tuple(self.host.robots.items()):
+            if not robot.robot.is_static and not self.engine.look(entity).is_finite:
+                self.host.warn(
+                    f"`{entity}` exploded at {self.host.now:.2f} s: its state is not a number any "
+                    "more. It was taken out of the world. `wsgen validate` says what may be wrong "
+                    "with it."
+                )
+                self.delete(entity)
+
+    def _plugins(self, robot: RobotHandle) -> Iterator[Due]:
+        for element in robot.devices.plugins:
+            filename = element.attributes.get("filename", "")
+            yield from self._plugin(
+                robot, PLUGINS.get(stem(filename)), element, f"plugin `{filename}`", stem(filename)
+            )
+        for sensor in robot.devices.sensors:
+            name = f"{sensor.kind} sensor `{sensor.name}`"
+            yield from self._plugin(robot, SENSORS.get(sensor.kind), sensor, name, sensor.kind)
+
+    def _plugin(
+        self, robot: RobotHandle, where: str | None, element: Any, name: str, known_as: str
+    ) -> Iterator[Due]:
+        if where is None:
+            if known_as not in DONE_BY_SIMULATOR:
+                self.host.warn(f"`{robot.entity}`: wsgen does not simulate the {name}.")
+            return
+        module, _, attribute = where.partition(":")
+        try:
+            made: Plugin = getattr(importlib.import_module(module), attribute)(
+                self.host, robot, element
+            )
+        except CannotWorkError as problem:
+            self.host.warn(f"`{robot.entity}`: the {name} does not work: {problem}")
+            return
+        except ModuleNotFoundError as problem:
+            if (problem.name or "").startswith("wsgen"):
+                raise
+            self.host.warn(
+                f"`{robot.entity}`: the {name} does not work: the ROS package "
+                f"`{(problem.name or '').partition('.')[0]}` is not installed."
+            )
+            return
+        yield Due(plugin=made, robot=robot, name=name, next=self.host.now)
+
+    def close(self) -> None:
+        """End everything."""
+        for due in self._due:
+            due.plugin.close()
+        self.engine.close()

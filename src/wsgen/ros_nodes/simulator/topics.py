@@ -1,0 +1,236 @@
+"""Topics of plugins: ROS's at once for those of Gazebo Classic, through a bridge for Gazebo Sim's.
+
+A topic of Gazebo Sim is a name in this process. What plugins publish on it goes to those rules of
+bridges that name it, and what arrives from ROS by a rule goes to the plugins that read it.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+
+from wsgen.ros_nodes.simulator.gz_messages import (
+    PAIRS,
+    conversion,
+    message_class,
+    name_of,
+    short_gz_type,
+    short_ros_type,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from wsgen.ros_nodes.simulator.ros import Ros
+
+DEPTH = 10  # of the queues of a bridge
+
+
+class Publisher(Protocol):
+    """What a plugin publishes with."""
+
+    @property
+    def is_wanted(self) -> bool:
+        """Whether somebody gets what is published now."""
+
+    def publish(self, message: Any) -> None:
+        """Send a message to all who want it; nothing happens where nobody does."""
+
+
+class RosPublisher:
+    """On a topic of ROS."""
+
+    def __init__(self, publisher: Any, *, keeps: bool) -> None:
+        """`keeps` is whether those who come later get the last messages, too."""
+        self.ros = publisher
+        self._keeps = keeps
+
+    @property
+    def is_wanted(self) -> bool:
+        """Whether somebody has subscribed, or may yet for this message."""
+        return self._keeps or self.ros.get_subscription_count() > 0
+
+    def publish(self, message: Any) -> None:
+        """Send it."""
+        if self.is_wanted:
+            self.ros.publish(message)
+
+
+class GzPublisher:
+    """On a topic of Gazebo Sim."""
+
+    def __init__(self, message_type: type) -> None:
+        self.type = name_of(message_type)
+        self.outputs: list[tuple[_Way, Callable[[Any], Any]]] = []
+
+    @property
+    def is_wanted(self) -> bool:
+        """Whether somebody has subscribed on the other side of a bridge."""
+        return any(way.publisher.is_wanted for way, _ in self.outputs)
+
+    def publish(self, message: Any) -> None:
+        """Send it over all bridges."""
+        for way, convert in self.outputs:
+            if way.publisher.is_wanted:
+                way.publisher.publish(convert(message))
+
+
+class Rule(NamedTuple):
+    """What a bridge connects."""
+
+    ros_topic: str
+    gz_topic: str
+    ros_type: str  # sensor_msgs/msg/LaserScan
+    gz_type: str  # gz.msgs.LaserScan
+    direction: str = "both"  # or "to_ros", "to_gz"
+
+
+class _Way(NamedTuple):
+    """From Gazebo to ROS, by one rule."""
+
+    rule: Rule
+    publisher: RosPublisher
+
+
+class _Reader(NamedTuple):
+    """A plugin that reads a topic."""
+
+    type: str
+    callback: Callable[[Any], None]
+
+
+class Bridge(NamedTuple):
+    """What is connected by one process of the user's launch file."""
+
+    node: Any
+    made: list[Any]  # publishers and subscriptions of ROS
+    ways: list[_Way]
+
+
+class GzTopics:
+    """All topics of Gazebo Sim."""
+
+    def __init__(self, ros: Ros, warn: Callable[[str], None]) -> None:
+        self._ros = ros
+        self._warn = warn
+        self._publishers: dict[str, list[GzPublisher]] = {}
+        self._readers: dict[str, list[_Reader]] = {}
+        self._ways: list[_Way] = []
+
+    def publisher(self, message_type: type, topic: str) -> GzPublisher:
+        """Publish on a topic."""
+        made = GzPublisher(message_type)
+        self._publishers.setdefault(gz_name(topic), []).append(made)
+        for way in self._ways:
+            if gz_name(way.rule.gz_topic) == gz_name(topic):
+                self._connect(way, made)
+        return made
+
+    def subscription(
+        self, message_type: type, topic: str, callback: Callable[[Any], None]
+    ) -> _Reader:
+        """Read a topic."""
+        reader = _Reader(name_of(message_type), callback)
+        self._readers.setdefault(gz_name(topic), []).append(reader)
+        return reader
+
+    def forget(self, made: object) -> None:
+        """End a publisher or a subscription."""
+        for publishers in self._publishers.values():
+            publishers[:] = [one for one in publishers if one is not made]
+        for readers in self._readers.values():
+            readers[:] = [one for one in readers if one is not made]
+
+    @property
+    def names(self) -> set[str]:
+        """The topics that somebody has here."""
+        return {
+            topic for table in (self._publishers, self._readers) for topic in table if table[topic]
+        }
+
+    def open(self, node: Any, rules: list[Rule]) -> Bridge:
+        """Connect topics; `node` is that of the bridge."""
+        bridge = Bridge(node, [], [])
+        for rule in rules:
+            problem = problem_of(rule)
+            if problem is not None:
+                self._warn(problem)
+                continue
+            self._open(bridge, rule)
+        return bridge
+
+    def _open(self, bridge: Bridge, rule: Rule) -> None:
+        kind = message_class(rule.ros_type)
+        if rule.direction != "to_gz":
+            made = bridge.node.create_publisher(kind, rule.ros_topic, DEPTH)
+            way = _Way(rule, RosPublisher(made, keeps=False))
+            bridge.made.append(made)
+            bridge.ways.append(way)
+            self._ways.append(way)
+            for publisher in self._publishers.get(gz_name(rule.gz_topic), ()):
+                self._connect(way, publisher)
+        if rule.direction != "to_ros":
+            source, topic = short_ros_type(rule.ros_type), gz_name(rule.gz_topic)
+
+            def deliver(message: Any) -> None:
+                for reader in tuple(self._readers.get(topic, ())):
+                    convert = conversion(source, reader.type)
+                    if convert is None:
+                        self._warn(_mismatch(rule, reader.type))
+                    else:
+                        reader.callback(convert(message))
+
+            assert kind is not None  # noqa: S101  `problem_of` looked
+            bridge.made.append(
+                self._ros.subscription(bridge.node, kind, rule.ros_topic, deliver, DEPTH)
+            )
+
+    def _connect(self, way: _Way, publisher: GzPublisher) -> None:
+        convert = conversion(publisher.type, short_ros_type(way.rule.ros_type))
+        if convert is None:
+            self._warn(_mismatch(way.rule, publisher.type))
+        else:
+            publisher.outputs.append((way, convert))
+
+    def close(self, bridge: Bridge) -> None:
+        """End a bridge."""
+        ended = {id(way) for way in bridge.ways}
+        self._ways = [way for way in self._ways if id(way) not in ended]
+        for publishers in self._publishers.values():
+            for publisher in publishers:
+                publisher.outputs = [one for one in publisher.outputs if id(one[0]) not in ended]
+        self._ros.forget_node(bridge.node)
+
+
+def gz_name(topic: str) -> str:
+    """The whole name of a topic of Gazebo Sim."""
+    return "/" + topic.strip("/")
+
+
+def problem_of(rule: Rule) -> str | None:
+    """Why a rule cannot be followed; None where it can."""
+    gz_type = short_gz_type(rule.gz_type)
+    if gz_type is None or gz_type not in PAIRS:
+        return (
+            f"bridge of `{rule.ros_topic}`: there is no message type `{rule.gz_type}` of Gazebo. "
+            "Write one like gz.msgs.LaserScan."
+        )
+    types = PAIRS[gz_type]
+    if short_ros_type(rule.ros_type) not in types:
+        known = " or ".join(one.replace("/", "/msg/") for one in types)
+        return (
+            f"bridge of `{rule.ros_topic}`: {rule.gz_type} cannot be bridged to {rule.ros_type}. "
+            f"Write {known}."
+        )
+    if message_class(rule.ros_type) is None:
+        return (
+            f"bridge of `{rule.ros_topic}`: the ROS package of {rule.ros_type} is not installed. "
+            "Build it in the workspace."
+        )
+    return None
+
+
+def _mismatch(rule: Rule, kind: str) -> str:
+    return (
+        f"bridge of `{rule.ros_topic}`: on Gazebo's topic `{rule.gz_topic}` are messages like "
+        f"{kind.replace('/', '/msg/')}, which cannot be bridged as {rule.ros_type}."
+    )
