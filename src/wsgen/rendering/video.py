@@ -90,21 +90,28 @@ TITLE_SECONDS = 0.8  # how long the name of a behavior is shown before it
 
 
 def draw_video(
-    scene_renderer: SceneRenderer, recorder: Recorder, file: Path, announce: Callable[[str], None]
+    scene_renderer: SceneRenderer,
+    recorder: Recorder,
+    file: Path,
+    announce: Callable[[str], None],
+    *,
+    looks: int = 3,
 ) -> Video:
     """Write a video of what was recorded; `announce` gets how far it is.
 
-    The camera stands still and sees the robots as they are at the beginning, in the middle and at
-    the end of each clip. A clip with a name begins with it on a title card: else the cut would look
-    like a jump of the robot. What takes long to draw gets a smaller picture, then fewer
-    frames.
+    The camera stands still and sees the robots as they are at the beginning and the end of each
+    clip and at moments between, `looks` in all. A clip with a name begins with it on a title card:
+    else the cut would look like a jump of the robot. What takes long to draw gets a smaller
+    picture, then fewer frames.
     """
     clips = recorder.shown
     count = sum(len(clip.frames) for clip in clips)
     size, cost = _quality(scene_renderer.renderer.triangles, count)
     stride = max(1, -int(-count * cost // BUDGET))
     rate = recorder.rate / stride
-    setup = _set_up(scene_renderer, [moment for clip in clips for moment in _moments(clip)], size)
+    setup = _set_up(
+        scene_renderer, [moment for clip in clips for moment in _moments(clip, looks)], size
+    )
     titles = max(1, round(TITLE_SECONDS * rate))
     total = sum(len(clip.frames[::stride]) for clip in clips)
     written = total + titles * sum(bool(clip.name) for clip in clips)
@@ -142,8 +149,10 @@ def _quality(triangles: int, frames: int) -> tuple[Size, float]:
     return size, cost
 
 
-def _moments(clip: Clip) -> list[Poses]:
-    return [clip.frames[0], clip.frames[len(clip.frames) // 2], clip.frames[-1]]
+def _moments(clip: Clip, count: int = 3) -> list[Poses]:
+    """The first frame, the last one, and others evenly between them."""
+    frames, gaps = len(clip.frames), count - 1
+    return [clip.frames[min(frames * number // gaps, frames - 1)] for number in range(count)]
 
 
 def _set_up(scene_renderer: SceneRenderer, moments: Sequence[Poses], size: Size) -> CameraSetup:

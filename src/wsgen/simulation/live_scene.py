@@ -32,6 +32,7 @@ class LiveScene:
     descriptions: Mapping[str, str] = field(default_factory=dict)  # by entity: its URDF, if it has
     is_paused: bool = False  # at the beginning
     rate: float | None = 1.0  # simulated seconds a second; None: as many as possible
+    is_filmed: bool = False  # a film is left in the folder, see `wsgen.simulation.film`
     seconds: float | None = None  # simulated, until the simulator ends; None: when it is told
 
 

@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 from wsgen.isolation.codec import decode
 from wsgen.ros_nodes.simulator.commands import CommandServer
+from wsgen.ros_nodes.simulator.filming import Filming
+from wsgen.ros_nodes.simulator.host import Due
 from wsgen.ros_nodes.simulator.pace import Pace
 from wsgen.ros_nodes.simulator.ros import Ros
 from wsgen.ros_nodes.simulator.services import offer_services
@@ -64,6 +66,8 @@ def simulate(folder: Path, arguments: list[str]) -> None:
     engine = make_engine(scene.scene.engine, scene.scene.world)
     ros = Ros(arguments)
     simulation = LiveSimulation(scene, engine, ros, lambda _: None)
+    if scene.is_filmed:
+        simulation.add(Due(plugin=Filming(simulation.host, folder), robot=None, name="film"))
     server = CommandServer(folder, simulation)
     try:
         run(simulation, server, ros)
