@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import re
 from contextlib import suppress
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 from xml.parsers import expat
 
 from wsgen.files import read_regular
+from wsgen.values import NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

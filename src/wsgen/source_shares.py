@@ -39,9 +39,8 @@ def serve_sources(
 
 def serve_source(prefix: Path, package: str, source: Path) -> None:
     """Let a source folder serve as the share folder of a package in a prefix."""
-    (prefix / INDEX).mkdir(parents=True, exist_ok=True)
-    (prefix / INDEX / package).write_text(str(source), encoding="utf-8")
-    _link(prefix / "share" / package, source)
+    _announce(prefix, package, str(source))
+    _link(f"{prefix}/share/{package}", source)
 
 
 def note_use(package: str, environment: Mapping[str, str]) -> None:
@@ -61,15 +60,23 @@ def is_used(package: str, environment: Mapping[str, str]) -> bool:
     return folder is not None and Path(folder, package, USED).exists()
 
 
-def _link(place: Path, folder: Path) -> None:
+def _announce(prefix: Path, package: str, text: str) -> None:
+    """Write the marker of a package."""
+    index = os.path.join(prefix, INDEX)  # noqa: PTH118  of many packages
+    os.makedirs(index, exist_ok=True)  # noqa: PTH103
+    with open(f"{index}/{package}", "w", encoding="utf-8") as marker:  # noqa: PTH123
+        marker.write(text)
+
+
+def _link(place: str, folder: Path) -> None:
     try:
-        place.symlink_to(folder, target_is_directory=True)
+        os.symlink(folder, place, target_is_directory=True)  # noqa: PTH211
     except OSError as error:
         if not hasattr(error, "winerror"):  # Windows lets only administrators make links
             raise
         from _winapi import CreateJunction  # type: ignore[attr-defined]  # noqa: PLC0415
 
-        CreateJunction(str(folder), str(place))
+        CreateJunction(str(folder), place)
 
 
 def serve_installed(  # noqa: PLR0913  what a package installs
@@ -94,9 +101,7 @@ def serve_installed(  # noqa: PLR0913  what a package installs
         modules: Python modules by their path below the prefix, and their source.
         is_whole: whether these are all. If not, what else the source has is there, too.
     """
-    marker = prefix / INDEX / package
-    marker.parent.mkdir(parents=True, exist_ok=True)
-    marker.write_text("" if is_whole else str(source), encoding="utf-8")
+    _announce(prefix, package, "" if is_whole else str(source))
     share = f"share/{package}/"
     known: set[str] = set()
     os.makedirs(prefix / share, exist_ok=True)  # noqa: PTH103  of many files

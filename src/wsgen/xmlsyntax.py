@@ -6,10 +6,10 @@ It uses only expat of the standard library, which reads nothing but the bytes it
 from __future__ import annotations
 
 import re
-from typing import NamedTuple
 from xml.parsers import expat
 
 from wsgen.suggestions import nearest
+from wsgen.values import NamedTuple
 
 ERRORS = expat.errors
 UNCLOSED = frozenset({ERRORS.XML_ERROR_NO_ELEMENTS, ERRORS.XML_ERROR_UNCLOSED_TOKEN})

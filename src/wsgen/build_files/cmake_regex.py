@@ -11,7 +11,8 @@ from __future__ import annotations
 
 import re
 from functools import lru_cache
-from typing import NamedTuple
+
+from wsgen.values import NamedTuple
 
 LONGEST = 2_000  # letters of a pattern
 DEEPEST = 40  # groups in each other; KWSys has 32

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from wsgen.files import read_regular
+from wsgen.values import NamedTuple
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from wsgen.build_files.cmake_checks import (
     GIT_KEEPS_NO_EMPTY_FOLDERS,
@@ -18,6 +18,7 @@ from wsgen.build_files.cmake_values import is_known
 from wsgen.diagnostics import Rule, Severity
 from wsgen.files import read_regular
 from wsgen.suggestions import ask_for_nearest, nearest, some_of
+from wsgen.values import NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator, Sequence

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import pickle
-import secrets
 import socket
 import struct
 import subprocess
@@ -173,6 +173,8 @@ class Channel:
 
     def _accept(self, listener: socket.socket, endpoint: Endpoint) -> socket.socket:
         """The connection of the child; one without an end, if it does not connect."""
+        import secrets  # noqa: PLC0415  takes as long as the rest of this module
+
         waited = 0.0
         listener.settimeout(0.1)
         while self._child.poll() is None and waited < SECONDS_TO_START:
@@ -210,7 +212,7 @@ def _open(starting: ExitStack) -> tuple[socket.socket, socket.socket | None, End
         starting.enter_context(theirs)  # only the child is to have it
         return ours, theirs, Endpoint(descriptor=theirs.fileno())
     listener = starting.enter_context(socket.create_server(("127.0.0.1", 0)))
-    token = secrets.token_bytes(TOKEN_BYTES)
+    token = os.urandom(TOKEN_BYTES)
     return listener, None, Endpoint(port=listener.getsockname()[1], token=token)
 
 

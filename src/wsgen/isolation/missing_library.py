@@ -7,7 +7,8 @@ Debian or a computer in a robot has no desktop.
 from __future__ import annotations
 
 import re
-from typing import NamedTuple
+
+from wsgen.values import NamedTuple
 
 # Debian's and Ubuntu's package of each library that the wheels for Linux may leave to the system.
 DEBIAN_PACKAGES = {

@@ -7,6 +7,10 @@ import signal
 import sys
 from contextlib import suppress
 
+SHARED_MEMORY = "/dev/shm"  # noqa: S108  folders in it are made as any temporary ones
+ROOM_IN_MEMORY, LINKS_IN_MEMORY = 256 * 2**20, 100_000  # bytes and files that must be free
+CHOSEN = frozenset(("TMPDIR", "TEMP", "TMP"))  # variables by which users choose another folder
+
 
 def has_guards() -> bool:
     """Whether children are forked, and have guards (`wsgen.isolation.guard`): only on Linux."""
@@ -22,6 +26,24 @@ def can_fork() -> bool:
 def can_inherit() -> bool:
     """Whether a child gets open files of its parent: not on Windows."""
     return os.name == "posix"
+
+
+def memory_folder() -> str | None:
+    """A folder whose files are in memory, on Linux; None where files are to be elsewhere.
+
+    It has room, and programs in it can be run.
+    """
+    if not has_guards() or not CHOSEN.isdisjoint(os.environ):
+        return None
+    try:
+        found = os.statvfs(SHARED_MEMORY)
+    except OSError:
+        return None
+    has_room = found.f_bavail * found.f_frsize > ROOM_IN_MEMORY
+    has_files = not found.f_files or found.f_favail > LINKS_IN_MEMORY
+    is_usable = not found.f_flag & (os.ST_NOEXEC | os.ST_RDONLY)
+    is_writable = os.access(SHARED_MEMORY, os.W_OK | os.X_OK)
+    return SHARED_MEMORY if has_room and has_files and is_usable and is_writable else None
 
 
 def end_tree(pid: int, number: int | None = None) -> None:

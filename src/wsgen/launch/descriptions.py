@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.files import after_scheme
@@ -15,6 +15,7 @@ from wsgen.launch.missing_actions import or_unused_action
 from wsgen.launch.simulators import PACKAGES_OF_GAZEBO, find_simulator
 from wsgen.model.plan import STARTS_UNKNOWN
 from wsgen.suggestions import advice, nearest
+from wsgen.values import NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

@@ -9,7 +9,7 @@ import ast
 import os
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.launch import known_packages
@@ -18,6 +18,7 @@ from wsgen.pythontree import parse_anew
 from wsgen.ros_names import released_packages
 from wsgen.source_shares import is_source
 from wsgen.suggestions import advice, did_you_mean, nearest
+from wsgen.values import NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

@@ -39,7 +39,8 @@ if TYPE_CHECKING:
 _SHIM = os.path.join(os.path.dirname(os.path.dirname(__file__)), "launch_shim")
 _ROS_PACKAGES = os.path.join(os.path.dirname(__file__), "ros_packages")
 _DESCRIPTIONS = (".urdf", ".xacro", ".sdf", ".xml")
-_OFTEN_IMPORTED = (
+FIRST_IMPORTED = ("ament_index_python.packages", "launch")  # every evaluation uses them
+OFTEN_IMPORTED = (
     *("ament_index_python.packages", "launch", "launch.actions", "launch.conditions"),
     *("launch.event_handlers", "launch.launch_description_sources", "launch.substitutions"),
     *("launch_ros.actions", "launch_ros.parameter_descriptions", "launch_ros.substitutions"),
@@ -184,10 +185,10 @@ def _install() -> None:
     packages.find_prefix = package_lookup.find_prefix
 
 
-def load_shim() -> None:
+def load_shim(names: Sequence[str] = OFTEN_IMPORTED) -> None:
     """Import what nearly every launch file does, ahead of the processes that evaluate one each."""
     sys.path.insert(0, _SHIM)
-    for name in _OFTEN_IMPORTED:
+    for name in names:
         importlib.import_module(name)
     sys.path.remove(_SHIM)
 

@@ -8,13 +8,14 @@ import re
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 from urllib.parse import unquote
 
 from wsgen.description_rules import MISSING_COLLISION_MESH, MISSING_VISUAL_MESH
 from wsgen.files import after_scheme, irregular_kind
 from wsgen.markup import read_text
 from wsgen.model.robot import Mesh, Robot
+from wsgen.values import NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -6,7 +6,7 @@ Names and parameters are those that the sources of gazebo_plugins and of gz-sim'
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from wsgen.values import NamedTuple
 
 CLASSIC, SIM = "classic", "gz"
 SIMULATOR_NAMES = {CLASSIC: "Gazebo Classic", SIM: "Gazebo Sim"}

@@ -9,11 +9,10 @@ from __future__ import annotations
 from collections.abc import Mapping  # noqa: TC003  the file of a live run is decoded by type hints
 from dataclasses import field
 from enum import Enum
-from typing import NamedTuple
 
 from wsgen.model.control import ControlSystem, Transmission  # noqa: TC001  as `Pose`
 from wsgen.model.transform import IDENTITY, Pose
-from wsgen.values import dataclass
+from wsgen.values import NamedTuple, dataclass
 
 # Of a tree in PyBullet: MAX_DEGREE_OF_FREEDOM in its SharedMemoryCommands.h; with more, reading a
 # pose raises.

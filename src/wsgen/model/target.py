@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from wsgen.errors import RequestError
 from wsgen.model.facts import (
@@ -15,7 +15,7 @@ from wsgen.model.facts import (
     ROS2_CONTROL_HARDWARE,
 )
 from wsgen.suggestions import nearest
-from wsgen.values import dataclass
+from wsgen.values import NamedTuple, dataclass
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

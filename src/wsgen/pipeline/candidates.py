@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Severity, has_errors
 from wsgen.events import OneAtATime, StepEnded, StepProgressed, StepStarted, post
@@ -14,6 +14,7 @@ from wsgen.isolation import parent
 from wsgen.launch.spawning import names_spawner
 from wsgen.pipeline.parallel import run_parallel
 from wsgen.pipeline.started import waits_for_description, with_description
+from wsgen.values import NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator, Sequence

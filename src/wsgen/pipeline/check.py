@@ -98,7 +98,7 @@ def _check(
     serial = OneAtATime(listener)
     ended: list[tuple[Diagnostic, ...]] = []
     with ExitStack() as stack:
-        scratch = stack.enter_context(make_scratch())
+        scratch = stack.enter_context(make_scratch(in_memory=True))
         installed = lay_out(targets, scratch, environment)
 
         def calls(run: Run) -> list[Callable[[], tuple[Diagnostic, ...]]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from wsgen import yamlfile
 from wsgen.files import read_regular, real_path
@@ -26,6 +26,7 @@ from wsgen.rules.spawn_heights import check_spawn_height
 from wsgen.sdf.includes import DATABASE_MODELS, MODEL_LEFT_OUT
 from wsgen.sdf.lookup import find_world, model_finder
 from wsgen.sdf.source import SIZE_LIMIT, load, read_document
+from wsgen.values import NamedTuple
 from wsgen.xacro.source import written_elements
 from wsgen.xmltree import child_text, children
 

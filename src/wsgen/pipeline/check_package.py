@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from wsgen.build_files.cmake_checks import check_for_distro
 from wsgen.build_files.python_sources import check_python_syntax
@@ -40,6 +40,7 @@ from wsgen.pipeline.selection import SelectedPackage, ValidateRequest
 from wsgen.pipeline.started import start
 from wsgen.rules import launch_files
 from wsgen.rules.target import target_of
+from wsgen.values import NamedTuple
 from wsgen.workspace.layout import find_launch_files
 from wsgen.workspace.package_xml import check_package_xml
 from wsgen.workspace.robot_files import find_descriptions

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from wsgen.errors import NotFoundError
 from wsgen.source_shares import INDEX
+from wsgen.values import NamedTuple
 from wsgen.workspace.layout import (
     INSTALL_LAYOUT,
     PackageFolder,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity, has_errors
 from wsgen.files import read_regular
@@ -13,6 +13,7 @@ from wsgen.launch.simulators import find_simulator
 from wsgen.launch.spawning import assume_spawn, find_spawns
 from wsgen.pipeline.prepare import PrepareContext, find_model, read_file
 from wsgen.sdf.lookup import file_of_model, find_world, is_file, is_folder, is_of_gazebo
+from wsgen.values import NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

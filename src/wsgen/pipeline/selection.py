@@ -7,7 +7,7 @@ import re
 from collections import Counter
 from dataclasses import field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from wsgen.build.request import refuse_empty
 from wsgen.build_files.cmake_text import read_calls
@@ -23,7 +23,7 @@ from wsgen.pipeline.candidates import (
 )
 from wsgen.pipeline.started import start
 from wsgen.suggestions import ask_for_nearest
-from wsgen.values import dataclass
+from wsgen.values import NamedTuple, dataclass
 from wsgen.workspace.layout import find_launch_files, find_packages, read_package
 from wsgen.workspace.overlay import require_share
 from wsgen.workspace.robot_files import find_robot_files

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity, has_errors
 from wsgen.launch.descriptions import (
@@ -16,6 +16,7 @@ from wsgen.launch.descriptions import (
 from wsgen.launch.evaluate import evaluate
 from wsgen.launch.simulators import find_simulator
 from wsgen.pipeline.gazebo_models import find_robots
+from wsgen.values import NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

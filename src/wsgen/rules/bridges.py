@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from wsgen import yamlfile
 from wsgen.diagnostics import Diagnostic, Rule, Severity
@@ -13,6 +13,7 @@ from wsgen.launch.commands import started_launch_files, started_programs
 from wsgen.markup import read_text
 from wsgen.rules.simulators import BRIDGES
 from wsgen.suggestions import advice, did_you_mean, nearest
+from wsgen.values import NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Sequence

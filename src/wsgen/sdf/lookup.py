@@ -8,10 +8,11 @@ from __future__ import annotations
 import os
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 from urllib.parse import unquote, urlsplit
 
 from wsgen.files import irregular_kind, read_regular
+from wsgen.values import NamedTuple
 from wsgen.xmltree import Malformed, children, parse
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ half-spaces in Gazebo, become the ground or large boxes.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from wsgen.description_rules import (
     MAKE_IT_THICK,
@@ -49,6 +49,7 @@ from wsgen.sdf.values import (
     triple,
     word,
 )
+from wsgen.values import NamedTuple
 from wsgen.xmltree import children
 
 if TYPE_CHECKING:

@@ -40,7 +40,7 @@ def serve_plain_launches(endpoint: Endpoint) -> None:
     """Evaluate launch files that leave nothing behind, one after the other, until it is closed."""
     from wsgen.isolation.channel import serve  # noqa: PLC0415  other children start without it
 
-    warm_up()
+    worker.load_shim(worker.FIRST_IMPORTED)  # the rest when a launch file asks for it
     watch = expansion.Watch(RECORD.note_text, RECORD.note_unused_xacro_arguments)
     run_xacro = Expansions(_run_xacro).run
 

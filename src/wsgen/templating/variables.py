@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 import string
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from wsgen.errors import RequestError
 from wsgen.suggestions import ask_for_nearest
+from wsgen.values import NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

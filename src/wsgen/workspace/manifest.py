@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import errno
 from dataclasses import field
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 from xml.parsers import expat
 
 from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.files import read_regular
-from wsgen.values import dataclass
+from wsgen.values import NamedTuple, dataclass
 from wsgen.workspace.conditions import holds
 from wsgen.xmlsyntax import find_mistake
 
@@ -147,29 +147,37 @@ class Manifest:
         )
 
 
-@dataclass
 class _Handler:
     """Collects the elements by their path below the root."""
 
-    parser: Any  # expat's
-    root: str | None = None
-    entries: dict[tuple[str, ...], list[Entry]] = field(default_factory=dict)
-    # And not closed yet: tag, line, attributes, text.
-    opened: list[tuple[str, int, dict[str, str], list[str]]] = field(default_factory=list)
-    dependencies: list[Dependency] = field(default_factory=list)
+    def __init__(self, parser: Any) -> None:
+        self.parser = parser  # expat's
+        self.root: str | None = None
+        self.entries: dict[tuple[str, ...], list[Entry]] = {}
+        self.dependencies: list[Dependency] = []
+        # And not closed yet: path, line, attributes, text.
+        self.opened: list[tuple[tuple[str, ...], int, dict[str, str], list[str]]] = []
+        parser.buffer_text = True  # one call for a text
+        parser.StartElementHandler = self.start
+        parser.EndElementHandler = self.end
+        parser.CharacterDataHandler = self.text
 
     def start(self, tag: str, attributes: dict[str, str]) -> None:
         if self.root is None:
             self.root = tag
-        self.opened.append((tag, self.parser.CurrentLineNumber, attributes, []))
+            path: tuple[str, ...] = ()
+        else:
+            path = self.opened[-1][0]
+            # What lies deeper than any element of a manifest is not looked up by its path.
+            if len(self.opened) < DEEPEST:
+                path = (*path, tag)
+        self.opened.append((path, self.parser.CurrentLineNumber, attributes, []))
 
     def text(self, data: str) -> None:
         self.opened[-1][3].append(data)
 
     def end(self, tag: str) -> None:
-        # What lies deeper than any element of a manifest is not looked up by its path.
-        path = tuple(entry[0] for entry in self.opened[1:DEEPEST])
-        _, line, attributes, texts = self.opened.pop()
+        path, line, attributes, texts = self.opened.pop()
         text = "".join(texts).strip()
         self.entries.setdefault(path, []).append(Entry(text, line, attributes))
         if len(path) == 1 and tag in DEPENDENCY_TAGS and text:
@@ -181,9 +189,6 @@ def read_manifest(file: Path) -> Manifest | Diagnostic:
     """Read a package.xml, or report why it cannot be read."""
     parser = expat.ParserCreate()
     handler = _Handler(parser)
-    parser.StartElementHandler = handler.start
-    parser.EndElementHandler = handler.end
-    parser.CharacterDataHandler = handler.text
     parser.EntityDeclHandler = _refuse_entity  # no bombs: ROS manifests declare none
     data = b""
     try:

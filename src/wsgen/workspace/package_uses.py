@@ -10,12 +10,13 @@ import ast
 import os
 import re
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from wsgen.files import irregular_kind, real_path
 from wsgen.markup import read_text, without_comments
 from wsgen.pythontree import parse
 from wsgen.ros_names import released_packages
+from wsgen.values import NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator

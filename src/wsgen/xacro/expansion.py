@@ -13,12 +13,13 @@ import os
 import sys
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import xacro
 
 from wsgen.files import refuse_irregular
 from wsgen.source_shares import note_use
+from wsgen.values import NamedTuple
 from wsgen.xacro.result import Expansion, ExpansionError, UnusedArgument
 
 if TYPE_CHECKING:
