@@ -1,4 +1,4 @@
-"""`wsgen validate --scheduler` says and draws what it does without."""
+"""`wsgen validate` and `check` with `--scheduler` say and draw what they do without."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from kind_workspaces import copy_workspace
 from simulation.robots import cube_mesh
+from wsgen.pipeline.check import CheckRequest, check
 from wsgen.pipeline.selection import ValidateRequest
 from wsgen.pipeline.validate import validate
 
@@ -76,3 +78,14 @@ def test_it_says_and_draws_the_same(executor: DaskExecutor, tmp_path: Path) -> N
     assert here == there
     assert len(here) == 2
     assert not outcomes[0].passed  # the pin tips over
+
+
+def test_packages_are_checked_the_same(
+    executor: DaskExecutor, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    workspace = copy_workspace("spawn_by_include", tmp_path)
+    monkeypatch.chdir(workspace.root)
+    environment = {"PATH": os.environ["PATH"]}
+    here = check(CheckRequest(), environment=environment)
+    there = check(CheckRequest(), environment=environment, executor=executor)
+    assert there.diagnostics == here.diagnostics != ()

@@ -19,6 +19,7 @@ from wsgen.cli.options import (
     format_option,
     jobs_option,
     output_options,
+    scheduler_option,
     sim_option,
     workspace_option,
 )
@@ -118,12 +119,7 @@ class SweepCommand(ExampleCommand):
     "that fail and tilt most, or that have the largest values in a column.",
 )
 @jobs_option("Number of runs at a time.")
-@click.option(
-    "--scheduler",
-    metavar="ADDRESS|local",
-    help="Run on the workers of a Dask scheduler, such as tcp://192.168.1.5:8786; `local` starts "
-    "one on this machine (pip install 'wsgen[sweep]').",
-)
+@scheduler_option("Run")
 @click.option(
     "--launch",
     "launch_file",

@@ -18,6 +18,7 @@ from wsgen.cli.options import (
     jobs_option,
     output_options,
     picture_option,
+    scheduler_option,
     seconds_option,
     workspace_option,
 )
@@ -67,12 +68,7 @@ MOST_SEARCHED = 100  # folders, for packages and files to suggest
 @seconds_option
 @engine_option
 @jobs_option("Number of packages or files to process in parallel; of one alone, its engines.")
-@click.option(
-    "--scheduler",
-    metavar="ADDRESS|local",
-    help="Simulate on the workers of a Dask scheduler, such as tcp://192.168.1.5:8786; `local` "
-    "starts one on this machine (pip install 'wsgen[sweep]').",
-)
+@scheduler_option("Simulate")
 @picture_option
 @click.option(
     "--json", "json_file", type=click.Path(), metavar="FILE", help="File for the result as JSON."

@@ -223,9 +223,14 @@ class LaunchFileShim:
         return arguments
 
 
+ALL_PREFIXES = "/opt/ros"  # where ROS is installed, a folder for each distribution
+PREFIXES = "WSGEN_ROS_PREFIXES"  # in the environment: that folder, if it is elsewhere
+
+
 def prefix() -> str:
     """The prefix of packages that are not installed: where ROS would have installed them."""
-    return f"/opt/ros/{os.environ.get('ROS_DISTRO', 'iron')}"
+    folder = os.environ.get(PREFIXES, ALL_PREFIXES)
+    return f"{folder}/{os.environ.get('ROS_DISTRO', 'iron')}"
 
 
 def is_known(package: str) -> bool:

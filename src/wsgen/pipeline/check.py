@@ -33,6 +33,8 @@ if TYPE_CHECKING:
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.events import Listener
+    from wsgen.executors.dask_cluster import DaskExecutor
+    from wsgen.executors.local import LocalExecutor
     from wsgen.isolation.parent import Run
 
 
@@ -76,20 +78,31 @@ def _refuse_unknown_distro(distro: str) -> None:
 
 
 def check(
-    request: CheckRequest, *, environment: Mapping[str, str], listener: Listener | None = None
+    request: CheckRequest,
+    *,
+    environment: Mapping[str, str],
+    listener: Listener | None = None,
+    executor: DaskExecutor | LocalExecutor | None = None,
 ) -> CheckOutcome:
     """Check packages and files without building or simulating them.
 
+    With the executor of a cluster, its workers check the packages.
+
     Raises:
         NotFoundError: a path does not exist, or a folder has no package.
-        RequestError: the current folder has several workspaces, or the target does not exist.
+        NotReadableError: the connection to the cluster is lost.
+        RequestError: the current folder has several workspaces, or the target does not exist; what
+            is to be sent to a cluster is too much.
     """
     with remembering():
-        return _check(request, environment, listener)
+        return _check(request, environment, listener, executor)
 
 
 def _check(
-    request: CheckRequest, environment: Mapping[str, str], listener: Listener | None
+    request: CheckRequest,
+    environment: Mapping[str, str],
+    listener: Listener | None,
+    executor: DaskExecutor | LocalExecutor | None,
 ) -> CheckOutcome:
     before = time.perf_counter()
     if request.distro is not None:
@@ -99,9 +112,10 @@ def _check(
     ended: list[tuple[Diagnostic, ...]] = []
     with ExitStack() as stack:
         scratch = stack.enter_context(make_scratch(in_memory=True))
-        installed = lay_out(targets, scratch, environment)
 
         def calls(run: Run) -> list[Callable[[], tuple[Diagnostic, ...]]]:
+            # With processes, here already: each has it.
+            installed = laid_out or lay_out(targets, scratch, environment)
             return [
                 *(
                     partial(_check_package, package, installed, request.distro, serial, run)
@@ -110,7 +124,17 @@ def _check(
                 *(partial(_check_file, file, installed, serial, run) for file in targets.files),
             ]
 
-        run_parallel(calls, request.jobs, serial, ended, in_workers=True)
+        laid_out = None
+        if executor is None:
+            laid_out = lay_out(targets, scratch, environment)
+            run_parallel(calls, request.jobs, serial, ended, in_workers=True)
+        else:
+            from wsgen.pipeline.remote_check import check_remotely  # noqa: PLC0415  seldom wanted
+
+            sent = stack.enter_context(make_scratch())
+            ended += check_remotely(
+                targets, request.distro, environment, sent, executor, calls, serial
+            )
         reported = _once(found for each in ended for found in each)
     return CheckOutcome(
         diagnostics=_in_order(_wanted(reported, targets)),

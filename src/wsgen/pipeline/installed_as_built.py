@@ -90,7 +90,7 @@ def lay_out(targets: Targets, scratch: Path, environment: Mapping[str, str]) -> 
             if not package.diagnostics:
                 packages.setdefault(package.name, package)
     # Merged: where each package has a prefix, what looks one up passes over all others.
-    folder = Path(os.path.realpath(scratch)) / "install"
+    folder = Path(os.path.realpath(scratch)) / FOLDER
     if targets.files or targets.installed:
         reached = frozenset(packages)  # what they look up is known when they are evaluated
     else:
@@ -132,6 +132,7 @@ def lay_out(targets: Targets, scratch: Path, environment: Mapping[str, str]) -> 
     )
 
 
+FOLDER = "install"  # of the install space, in a scratch folder
 MODULES = "python"  # folder for the Python modules of all packages, below the prefix
 
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 SIZE_LIMIT = 2**20  # bytes; larger files are data
-_WORDS = re.compile(rb"[A-Za-z0-9_-]+")
+WORDS = re.compile(rb"[A-Za-z0-9_-]+")
 _HOOKS = b"ament_environment_hooks"  # sets what others find files by, without a name
 # Of meshes and pictures, which name no package.
 _BINARY = frozenset(
@@ -53,7 +53,9 @@ def find_reached(checked: Iterable[str], packages: Mapping[str, PackageFolder]) 
         reached.add(name)
         if len(reached) == len(packages):
             break
-        words = {word for text in _texts(packages[name].path) for word in _WORDS.findall(text)}
+        words = {
+            word for _, text in texts_below(packages[name].path) for word in WORDS.findall(text)
+        }
         waiting += [names[word] for word in words & names.keys()]
     return frozenset(reached)
 
@@ -62,12 +64,14 @@ def _sets_environment(package: PackageFolder) -> bool:
     return _HOOKS in _read(package.path / "CMakeLists.txt")
 
 
-def _texts(folder: Path) -> Iterator[bytes]:
+def texts_below(folder: Path) -> Iterator[tuple[Path, bytes]]:
+    """The files of a package that may name another one, and what they hold."""
     for here, folders, files in os.walk(folder):
         folders[:] = [one for one in folders if not one.startswith(".") and one not in OF_BUILDS]
         for name in files:
             if os.path.splitext(name)[1].lower() not in _BINARY:  # noqa: PTH122  of many files
-                yield _read(Path(here, name))
+                file = Path(here, name)
+                yield file, _read(file)
 
 
 def _read(file: Path) -> bytes:

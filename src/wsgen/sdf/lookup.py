@@ -155,7 +155,8 @@ EMPTY_WORLDS = {
     "empty_bullet.world",
 }
 OF_GAZEBO = re.compile(r"(?:/usr/share/(?:gazebo|ignition|gz)\b.*/)?(?:worlds/)?([^/]+)")
-OF_ROS = re.compile(r"(/opt/ros/[^/]+/share/([^/]+))/.*?([^/]+)")
+# An archive of another machine has its folders below one of this machine.
+OF_ROS = re.compile(r"((?:/.*)?/opt/ros/[^/]+/share/([^/]+))/.*?([^/]+)")
 
 
 def is_brought_along(world: str) -> bool:
