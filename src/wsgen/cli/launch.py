@@ -25,18 +25,36 @@ from wsgen.errors import EXIT_FAILED, EXIT_PASSED, RequestError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
+    from typing import Any
 
     from wsgen.model.plan import LaunchPlan
     from wsgen.pipeline.plan_launch import SelectedLaunchFile
     from wsgen.pipeline.selection import ValidateRequest
 
 
+class RateType(click.ParamType):  # type: ignore[type-arg,unused-ignore]  # newer ones have some
+    """A factor of real time; `max`, which becomes None, is as fast as possible."""
+
+    name = "rate"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float | None:
+        """The factor of a text."""
+        if value == "max":
+            return None
+        rate = click.FLOAT.convert(value, param, ctx)
+        if not 0.0 < rate < float("inf"):
+            self.fail("A rate is a number above 0, or `max`.", param, ctx)
+        return float(rate)
+
+
 @click.command(
     cls=ExampleCommand,
     epilog="Evaluating a launch file runs its Python code in a child process with limits on time "
-    "and memory. The processes that it describes are not started.",
+    "and memory. The processes that it describes are started with --run alone.",
     examples=(
-        "wsgen launch my_robot gazebo_model.launch.py z:=0.5",
+        "wsgen launch my_robot gazebo_model.launch.py --run z:=0.5",
         "wsgen launch launch/gazebo_model.launch.py --play --record fall.gif",
     ),
 )
@@ -75,6 +93,39 @@ if TYPE_CHECKING:
     help="With --play: show the simulation in the browser while it runs (pip install "
     "'wsgen[view]').",
 )
+@click.option(
+    "--run",
+    "is_run",
+    is_flag=True,
+    help="Start the launch file as `ros2 launch` does, with wsgen in the place of Gazebo (pip "
+    "install 'wsgen[ros]').",
+)
+@click.option(
+    "--rate",
+    type=RateType(),
+    default="1",
+    show_default=True,
+    metavar="RATE",
+    help="With --run: simulated seconds a second, or `max`.",
+)
+@click.option(
+    "--for",
+    "run_seconds",
+    type=click.FloatRange(min=0.0, min_open=True),
+    metavar="SECONDS",
+    help="With --run: end after so many simulated seconds.",
+)
+@click.option(
+    "--until-exit",
+    metavar="NODE",
+    help="With --run: end when this node or program ends, with exit code 1 if it failed.",
+)
+@click.option(
+    "--strict",
+    "is_strict",
+    is_flag=True,
+    help="With --run: report what cannot run here as an error, instead of leaving it out.",
+)
 @page_options
 @picture_option
 @html_option
@@ -91,6 +142,11 @@ def command(
     play: bool,
     record: str | None,
     is_viewed: bool,
+    is_run: bool,
+    rate: float | None,
+    run_seconds: float | None,
+    until_exit: str | None,
+    is_strict: bool,
     host: str,
     port: int | None,
     no_browser: bool,
@@ -106,7 +162,8 @@ def command(
 
     The arguments are those of `ros2 launch`: an installed package and the name of one of its launch
     files, or the path of a launch file; then launch arguments. With --play, simulate the
-    robots as `wsgen validate` does; with --play --view, in the browser, as long as you like.
+    robots as `wsgen validate` does; with --play --view, in the browser, as long as you like. With
+    --run, start its nodes, and simulate what they drive.
     """
     from click.core import ParameterSource
 
@@ -120,11 +177,28 @@ def command(
     arguments = split_launch_arguments(selected.words)
     if play and show_arguments:
         raise RequestError("--show-args and --play cannot be combined.", hint="Remove one of them.")
+    if is_run:
+        _refuse_beside_run(context)
+    else:
+        _refuse_without_run(context)
     if is_viewed:
         _refuse_beside_view(context)
     else:
         _refuse_without_view(context)
     request = _request(arguments, answers, record, picture, seconds, engine)
+    if is_run:
+        from wsgen.cli.live_run import run
+
+        return run(
+            selected,
+            request,
+            rate=rate,
+            seconds=run_seconds,
+            until_exit=until_exit,
+            is_strict=is_strict,
+            quiet=quiet,
+            verbose=verbose,
+        )
     if play and is_viewed:
         from wsgen.cli.play_view import view_simulation
 
@@ -158,6 +232,44 @@ def command(
         )
     _write(plan, output_format=output_format, show_arguments=show_arguments, quiet=quiet)
     return EXIT_FAILED if has_errors(plan.diagnostics) else EXIT_PASSED
+
+
+NOT_WITH_RUN = (
+    *("show_arguments", "play", "record", "is_viewed", "picture", "html_file", "seconds"),
+    "output_format",
+)
+OF_RUN = ("rate", "run_seconds", "until_exit", "is_strict")
+
+
+def _refuse_beside_run(context: click.Context) -> None:
+    """Refuse what a launch that is started has no use for."""
+    from click.core import ParameterSource
+
+    if context.params["engine"] == "all":
+        raise RequestError("--run simulates in one engine.", hint="Name it: --engine bullet")
+    for name in NOT_WITH_RUN:
+        if context.get_parameter_source(name) is not ParameterSource.DEFAULT:
+            option = _option(context, name)
+            hint = "End it with --for SECONDS." if name == "seconds" else "Remove one of them."
+            raise RequestError(f"--run and {option} cannot be combined.", hint=hint)
+
+
+def _refuse_without_run(context: click.Context) -> None:
+    """Refuse what only a launch that is started has a use for."""
+    from click.core import ParameterSource
+
+    for name in OF_RUN:
+        if context.get_parameter_source(name) is not ParameterSource.DEFAULT:
+            option = _option(context, name)
+            raise RequestError(
+                f"Without --run nothing is started, and {option} has no effect.",
+                hint=f"Add --run, or remove {option}.",
+            )
+
+
+def _option(context: click.Context, name: str) -> str:
+    """The option of a parameter, as users write it."""
+    return next(one.opts[-1] for one in context.command.params if one.name == name)
 
 
 NOT_WITH_VIEW = ("record", "picture", "html_file", "seconds", "output_format")

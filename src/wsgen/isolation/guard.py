@@ -10,6 +10,7 @@ child's group outlives the child.
 
 from __future__ import annotations
 
+import math
 import os
 import resource
 import signal
@@ -83,7 +84,7 @@ def _watch(pid: int, cpu_seconds: float) -> int:
     code, next_check = None, time.monotonic() + _least_wall_clock(cpu_seconds)
     while code is None and not _reap_orphans(pid):
         # Other signals must not delay the next check.
-        event = signal.sigtimedwait(WATCHED, max(0.0, next_check - time.monotonic()))
+        event = _wait(next_check - time.monotonic())
         if event is not None and event.si_signo == signal.SIGTERM:
             code = -signal.SIGTERM
         elif time.monotonic() >= next_check:
@@ -94,6 +95,13 @@ def _watch(pid: int, cpu_seconds: float) -> int:
         os.killpg(pid, signal.SIGKILL)
     status = _end_children(pid)
     return os.waitstatus_to_exitcode(status) if code is None else code
+
+
+def _wait(seconds: float) -> signal.struct_siginfo | None:
+    """Wait for a signal; None where none came. Without end where the CPU time is not limited."""
+    if math.isinf(seconds):
+        return signal.sigwaitinfo(WATCHED)
+    return signal.sigtimedwait(WATCHED, max(0.0, seconds))
 
 
 def _least_wall_clock(cpu_seconds: float) -> float:

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from types import FrameType
 
     from wsgen.diagnostics import Diagnostic
+    from wsgen.launch.live import Live
     from wsgen.model.plan import Include, LaunchArgument, Process
 
     Location = tuple[str, int]  # file, 1-based line
@@ -139,6 +140,7 @@ class Record:
         self.reading: Location | None = None  # element of an XML or YAML file that is made into one
         self.made_at: tuple[Location | None] | None = None  # what the shim itself makes
         self.run_xacro: CommandRunner | None = None
+        self.live: Live | None = None  # starts what is described; None: a plan is made
         self.environment: dict[str, str] = {}  # as it was before the launch file ran
         self.unset: dict[str, Location] = {}  # variables that are None for the user's files
         self.unknown_texts: set[str] = set()  # what stands in texts for what is not known
@@ -376,7 +378,7 @@ _GLUED = re.compile(r"xacro\S+\.(?:xacro|urdf|xml)")
 
 
 def run_command(words: Sequence[str], location: Location | None) -> CommandOutcome:
-    """What a command line prints; a placeholder where that cannot be known."""
+    """What a command line prints; for a plan, a placeholder where that cannot be known."""
     if not words:
         return CommandOutcome("", stderr="the command line is empty", code=127)
     xacro = xacro_words(words)
@@ -387,6 +389,10 @@ def run_command(words: Sequence[str], location: Location | None) -> CommandOutco
     if _GLUED.fullmatch(words[0]):
         why = f"no program is named '{words[0]}'"
         return CommandOutcome("", stderr=why, code=127, error={"glued": words[0]})
+    return _run_other(words, location) if RECORD.live is None else RECORD.live.run_command(words)
+
+
+def _run_other(words: Sequence[str], location: Location | None) -> CommandOutcome:
     program = os.path.basename(words[0])
     if program == "cat":
         return _cat(words[1:])

@@ -13,8 +13,10 @@ import builtins
 import functools
 import importlib
 import io
+import logging
 import os
 import sys
+import traceback
 from importlib.machinery import ModuleSpec, PathFinder
 from pathlib import Path
 from types import ModuleType
@@ -30,6 +32,9 @@ from wsgen.ros_names import rosdep_keys
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
+    from launch.actions import IncludeLaunchDescription
+    from launch.launch_context import LaunchContext
+    from wsgen.launch.live import Live
     from wsgen.launch.record import CommandRunner
     from wsgen.model.plan import LaunchRequest
 
@@ -167,7 +172,7 @@ class _Process:
         os.chdir(self._folder)
 
 
-def _install() -> None:
+def _install(*, for_processes: bool = True) -> None:
     """Put the shim before all other modules, here and in what the launch file starts."""
     if not _is_shim_loaded():
         for name in [name for name in sys.modules if name.partition(".")[0] in _SHIM_PACKAGES]:
@@ -175,8 +180,9 @@ def _install() -> None:
     sys.path.insert(0, _SHIM)
     sys.path.append(_ROS_PACKAGES)
     sys.meta_path.append(_MissingModules())
-    inherited = os.environ.get("PYTHONPATH")
-    os.environ["PYTHONPATH"] = os.pathsep.join([inherited, _SHIM] if inherited else [_SHIM])
+    if for_processes:
+        inherited = os.environ.get("PYTHONPATH")
+        os.environ["PYTHONPATH"] = os.pathsep.join([inherited, _SHIM] if inherited else [_SHIM])
     # Where wsgen is installed there is an xacro, for launch files that start it themselves.
     beside = os.path.dirname(sys.executable)
     os.environ["PATH"] = os.pathsep.join([os.environ.get("PATH", os.defpath), beside])
@@ -380,13 +386,84 @@ def _report_unused_arguments(launch_file: str, arguments: Mapping[str, str]) -> 
 
 def _play(launch_file: str, arguments: Mapping[str, str]) -> None:
     """What `ros2 launch` does with a launch file and arguments."""
+    from launch.launch_description import play
+
+    play(*_root(launch_file, arguments))
+
+
+def _root(
+    launch_file: str, arguments: Mapping[str, str]
+) -> tuple[IncludeLaunchDescription, LaunchContext]:
+    """What is played, and the state that it begins with."""
     from launch.actions import IncludeLaunchDescription
     from launch.launch_context import LaunchContext
-    from launch.launch_description import play
     from launch.launch_description_sources import AnyLaunchDescriptionSource
 
     source = AnyLaunchDescriptionSource(launch_file)
     root = IncludeLaunchDescription(source, launch_arguments=tuple(arguments.items()))
     words = [f"{name}:={value}" for name, value in arguments.items()]
     sys.argv = ["ros2", "launch", RECORD.package or "", os.path.basename(launch_file), *words]
-    play(root, LaunchContext(argv=words))
+    return root, LaunchContext(argv=words)
+
+
+def play_live(
+    request: LaunchRequest, live: Live, *, run_xacro: CommandRunner, explain_xacro: Explainer
+) -> bool:
+    """Play a launch file in the time that passes, until it is shut down; whether it went well.
+
+    `live` starts what the launch file describes. An exception is reported in the words of
+    `ros2 launch`, and shuts it down.
+    """
+    RECORD.package, RECORD.run_xacro, RECORD.live = request.package, run_xacro, live
+    _install(for_processes=False)
+    _take_answers(request.answers)
+    RECORD.environment = dict(os.environ)
+    launch_file = str(request.launch_file)
+    RECORD.ends_branch = lambda error: _is_left_out(error, live)
+    from launch._events import Shutdown
+    from launch.launch_description import play, play_on
+
+    root, context = _root(launch_file, request.arguments)
+    live.begin(context)
+    went_well = True
+
+    def survive(play: Callable[[], None]) -> None:
+        nonlocal went_well
+        try:
+            play()
+        except Exception as error:  # noqa: BLE001  foreign code
+            went_well = False
+            reason = f"Caught exception in launch (see debug for traceback): {error}"
+            logger = logging.getLogger("launch")
+            logger.debug("%s", traceback.format_exc())
+            logger.error("%s", reason)  # noqa: TRY400  its traceback is not for users
+            _tell_place(error, explain_xacro)
+            if not context.is_shutdown:
+                context.shut_down(Shutdown(reason=reason))
+            survive(lambda: play_on(context))
+
+    survive(lambda: play(root, context))
+    return went_well
+
+
+def _tell_place(error: Exception, explain_xacro: Explainer) -> None:
+    """Say which line of the user's an exception is about, which `ros2 launch` does not."""
+    found = explain_xacro(error)
+    location = (
+        (found.get("file"), found.get("line")) if found else getattr(error, "wsgen_location", None)
+    )
+    if location and location[0]:
+        place = ":".join(str(part) for part in location if part is not None)
+        logging.getLogger("launch").error("%s", f"It was raised at {place}")
+
+
+def _is_left_out(error: Exception, live: Live) -> bool:
+    """Whether the launch goes on without a program that was not compiled, which is named."""
+    from wsgen.launch.explain_missing import uncompiled
+
+    program = uncompiled(error)
+    if program is None:
+        return False
+    name, package = program
+    live.leave_out(f"{name} of {package}", "it is not compiled")
+    return True

@@ -32,7 +32,7 @@ def warm_up() -> None:
 def evaluate_launch(request: LaunchRequest) -> LaunchPlan:
     """Evaluate a launch file, with the real xacro for its xacro commands."""
     watch = expansion.Watch(RECORD.note_text, RECORD.note_unused_xacro_arguments)
-    plan = worker.evaluate(request, run_xacro=_run_xacro, explain_xacro=expansion.explain_error)
+    plan = worker.evaluate(request, run_xacro=run_xacro, explain_xacro=expansion.explain_error)
     return replace(plan, seconds_in_xacro=watch.seconds)
 
 
@@ -42,13 +42,13 @@ def serve_plain_launches(endpoint: Endpoint) -> None:
 
     worker.load_shim(worker.FIRST_IMPORTED)  # the rest when a launch file asks for it
     watch = expansion.Watch(RECORD.note_text, RECORD.note_unused_xacro_arguments)
-    run_xacro = Expansions(_run_xacro).run
+    run_kept = Expansions(run_xacro).run
 
     def evaluate(request: LaunchRequest, environment: Mapping[str, str]) -> LaunchPlan | None:
         watch.seconds = 0.0
         expansion.reset()
         plan = worker.evaluate_plain(
-            request, environment, run_xacro=run_xacro, explain_xacro=expansion.explain_error
+            request, environment, run_xacro=run_kept, explain_xacro=expansion.explain_error
         )
         return plan and replace(plan, seconds_in_xacro=watch.seconds)
 
@@ -70,6 +70,7 @@ def _expand(
     return answer if isinstance(answer, Expansion) else None
 
 
-def _run_xacro(words: Sequence[str]) -> CommandOutcome:
+def run_xacro(words: Sequence[str]) -> CommandOutcome:
+    """The outcome of a command line that begins with `xacro`."""
     result = expansion.run_command(words)
     return CommandOutcome(result.stdout, result.stderr, result.code, result.error, result.unused)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from launch.base import Event
+from wsgen.launch.record import RECORD
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -38,6 +39,11 @@ class Shutdown(Event):
         self.reason = reason
         self.due_to_sigint = due_to_sigint
 
+    def wsgen_happen(self, context: LaunchContext) -> None:
+        """End what runs, where something does."""
+        if RECORD.live is not None:
+            RECORD.live.shut_down(context, due_to_sigint=self.due_to_sigint)
+
 
 class TimerEvent(Event):
     """The period of a timer action is over."""
@@ -47,13 +53,18 @@ class TimerEvent(Event):
     def __init__(self, *, timer_action: TimerAction) -> None:
         self.timer_action = timer_action
 
+    @property
+    def wsgen_is_void(self) -> bool:  # type: ignore[override]  # of others it never changes
+        """Whether the timer was canceled."""
+        return self.timer_action.wsgen_is_canceled
+
     def wsgen_happen(self, context: LaunchContext) -> Any:
         """The actions of the timer."""
         return self.timer_action.handle(context)
 
 
 class RunningProcessEvent(Event):
-    """An event of one process; the process number is invented, because nothing runs."""
+    """An event of one process; in a plan nothing runs, and the process number is 0."""
 
     name = "launch.events.process.RunningProcessEvent"
 
@@ -77,7 +88,7 @@ class RunningProcessEvent(Event):
 
 
 class ProcessExited(RunningProcessEvent):
-    """A process ended; here always well."""
+    """A process ended; in a plan always well."""
 
     name = "launch.events.process.ProcessExited"
 
@@ -134,9 +145,8 @@ def matches_name(name: str) -> Callable[[ExecuteLocal], bool]:
 
 
 def matches_pid(pid: int) -> Callable[[ExecuteLocal], bool]:
-    """No process has a number here."""
-    del pid
-    return lambda _action: False
+    """Whether a process has this number; in a plan none has one."""
+    return lambda action: (action.process_details or {}).get("pid") == pid
 
 
 class ProcessStarted(RunningProcessEvent):
@@ -159,6 +169,12 @@ class ShutdownProcess(ProcessTargetedEvent):
 
     name = "launch.events.process.ShutdownProcess"
 
+    def wsgen_happen(self, context: LaunchContext) -> None:
+        """End it, where it runs."""
+        del context
+        if RECORD.live is not None:
+            RECORD.live.end(self.process_matcher)
+
 
 class SignalProcess(ProcessTargetedEvent):
     """Send a signal to a process."""
@@ -170,3 +186,17 @@ class SignalProcess(ProcessTargetedEvent):
     ) -> None:
         super().__init__(process_matcher=process_matcher)
         self.signal = signal_number
+
+    @property
+    def signal_name(self) -> str:
+        """The name of the signal."""
+        import signal
+
+        number = self.signal
+        return number if isinstance(number, str) else signal.Signals(number).name
+
+    def wsgen_happen(self, context: LaunchContext) -> None:
+        """Send it, where something runs."""
+        del context
+        if RECORD.live is not None:
+            RECORD.live.send_signal(self.signal, self.process_matcher)

@@ -237,7 +237,7 @@ class EmitEvent(Action):
             context.emit_event_sync(self.__event)
 
 
-# How a process is run, which decides nothing about what is run.
+# How a process is run, which decides nothing about what is run: a plan does not look at it.
 _RUNNING = {
     "cached_output",
     "emulate_tty",
@@ -253,7 +253,7 @@ _RUNNING = {
 
 
 class ExecuteLocal(Action):
-    """A process; it is recorded instead of started, and its events happen."""
+    """A process; for a plan it is recorded instead of started, and its events happen."""
 
     wsgen_keywords = _RUNNING  # that are taken and say nothing
 
@@ -269,6 +269,12 @@ class ExecuteLocal(Action):
         self.process_description = process_description
         self.shell = shell
         self.process_name = ""
+        self.process_details: dict[str, Any] | None = None
+        self.wsgen_running = {name: value for name, value in kwargs.items() if name in _RUNNING}
+        self.wsgen_prefix: list[str] = []  # of the command; what follows is known when prepared
+        self.wsgen_folder: str | None = None
+        self.wsgen_environment: dict[str, str] = {}
+        self.wsgen_cached: dict[int, Callable[[], str]] = {}
         self.__on_exit = on_exit
         self.__executed = False
         self.return_code: int | None = None
@@ -283,7 +289,8 @@ class ExecuteLocal(Action):
         if self.__executed:
             raise RuntimeError("ExecuteLocal action executed more than once")
         self.__executed = True
-        written_files.note(process, self.wsgen_location, shell=bool(self.shell))
+        if RECORD.live is None:
+            written_files.note(process, self.wsgen_location, shell=bool(self.shell))
         if self.__on_exit is not None:
             from launch.event_handlers import OnProcessExit
 
@@ -300,8 +307,30 @@ class ExecuteLocal(Action):
                 line=line,
             )
         )
-        self._happen(context, process)
+        if RECORD.live is None:
+            self._happen(context, process)
+        elif not context.is_shutdown:
+            from launch._live import starting_of
+
+            RECORD.live.start(starting_of(self, context, process))
         return None
+
+    def wsgen_words(self, process: Process) -> list[str]:
+        """What follows the prefix in its command line; of a node, what follows its path."""
+        return list(process.command or ())[len(self.wsgen_prefix) :]
+
+    def get_stdout(self) -> str:
+        """What it has printed, with `cached_output`."""
+        return self._cached(1)
+
+    def get_stderr(self) -> str:
+        """What it has printed on standard error, with `cached_output`."""
+        return self._cached(2)
+
+    def _cached(self, stream: int) -> str:
+        if not self.wsgen_running.get("cached_output"):
+            raise RuntimeError("cached output must be true to be able to get what a process prints")
+        return self.wsgen_cached[stream]() if stream in self.wsgen_cached else ""
 
     def wsgen_give_up(self, context: LaunchContext) -> None:
         """Let it start and exit all the same: others may wait for it."""
@@ -347,6 +376,7 @@ class ExecuteProcess(ExecuteLocal):
         self.__prefix = None if prefix is None else normalize_to_list_of_substitutions(prefix)
         self.__name = None if name is None else normalize_to_list_of_substitutions(name)
         self.__cwd = None if cwd is None else normalize_to_list_of_substitutions(cwd)
+        self.__replaces_environment = env is not None
         self.__environment = _variables({**(env or {}), **(additional_env or {})})
 
     @property
@@ -382,23 +412,24 @@ class ExecuteProcess(ExecuteLocal):
             words = shlex.split(context.launch_configurations.get("launch-prefix", ""))
         else:
             words = shlex.split(perform_substitutions(context, prefix))
+        self.wsgen_prefix = list(words)
         words += [perform_substitutions(context, word) for word in self.cmd]
         if self.__cwd is not None:
-            perform_substitutions(context, self.__cwd)
+            self.wsgen_folder = perform_substitutions(context, self.__cwd)
         name = None if self.__name is None else perform_substitutions(context, self.__name)
+        variables = {
+            perform_substitutions(context, name): perform_substitutions(context, value)
+            for name, value in self.__environment
+        }
+        inherited = {} if self.__replaces_environment else dict(os.environ)
+        self.wsgen_environment = {**inherited, **variables}
         return Process(
             package=None,
             executable=None,
             name=name,
             command=tuple(words),
             is_shell=bool(self.shell),
-            environment={
-                **RECORD.changed_environment(),
-                **{
-                    perform_substitutions(context, name): perform_substitutions(context, value)
-                    for name, value in self.__environment
-                },
-            },
+            environment={**RECORD.changed_environment(), **variables},
         )
 
 
@@ -728,9 +759,9 @@ class _Entrance(Action):
 class _Exit(Action):
     """Records what a launch file that is not installed would have seen."""
 
-    def execute(self, context: LaunchContext) -> None:
+    def execute(self, context: LaunchContext) -> Iterable[LaunchDescriptionEntity] | None:
         """Add the configurations that it was not given, and has all the same."""
-        RECORD.includes[-1] = replace(
+        include = replace(
             RECORD.includes[-1],
             configurations={
                 name: value
@@ -738,6 +769,8 @@ class _Exit(Action):
                 if isinstance(value, str)
             },
         )
+        RECORD.includes[-1] = include
+        return None if RECORD.live is None else RECORD.live.included(include)
 
 
 def _text(context: LaunchContext, name: Any) -> str:
@@ -764,7 +797,9 @@ def _require_arguments(description: LaunchDescription, given: list[str]) -> None
 
 
 class LogInfo(Action):
-    """A message; it is performed, because that can fail, and not printed."""
+    """A message; for a plan it is performed, because that can fail, and not printed."""
+
+    wsgen_level = "INFO"
 
     def __init__(self, *, msg: SomeSubstitutionsType, **kwargs: Any) -> None:
         super().__init__(**kwargs)
@@ -777,7 +812,16 @@ class LogInfo(Action):
 
     def execute(self, context: LaunchContext) -> None:
         """Perform the message."""
-        perform_substitutions(context, self.__msg)
+        message = perform_substitutions(context, self.__msg)
+        if RECORD.live is not None:
+            import logging
+
+            logger = logging.getLogger("launch.user")
+            logger.log(logging.getLevelName(self._level(context)), "%s", message)
+
+    def _level(self, context: LaunchContext) -> str:
+        del context
+        return self.wsgen_level
 
 
 class Log(LogInfo):
@@ -789,24 +833,38 @@ class Log(LogInfo):
         super().__init__(msg=msg, **kwargs)
         self.level = normalize_to_list_of_substitutions(level)
 
+    def _level(self, context: LaunchContext) -> str:
+        level = perform_substitutions(context, self.level).upper()
+        if level not in {"DEBUG", "INFO", "WARNING", "ERROR"}:
+            raise KeyError(
+                "Invalid log level, expected one of ['DEBUG', 'INFO', 'WARNING', 'ERROR']"
+            )
+        return level
+
 
 class LogDebug(LogInfo):
     """A message for developers."""
+
+    wsgen_level = "DEBUG"
 
 
 class LogWarning(LogInfo):
     """A warning."""
 
+    wsgen_level = "WARNING"
+
 
 class LogError(LogInfo):
     """An error message."""
+
+    wsgen_level = "ERROR"
 
 
 LONGEST_WAIT = 1.0  # s of real time, for what never comes because nothing runs
 
 
 class OpaqueCoroutine(Action):
-    """Runs after what is being done; it sleeps in virtual time, which is not long."""
+    """Runs after what is being done; for a plan it sleeps in virtual time, which is not long."""
 
     def __init__(
         self,
@@ -838,6 +896,12 @@ class OpaqueCoroutine(Action):
         import asyncio
 
         first = () if self.__ignore_context else (context,)
+        if RECORD.live is not None:
+            coroutine = self.__coroutine(*first, *self.__args, **self.__kwargs)
+            RECORD.live.run_coroutine(
+                lambda: asyncio.run(coroutine), lambda: self.announce_completion(context)
+            )
+            return
         sleep = asyncio.sleep
         asyncio.sleep = lambda _delay, result=None: sleep(0, result)
         try:
@@ -866,7 +930,8 @@ class _Turn(Event):
     def wsgen_happen(self, context: LaunchContext) -> None:
         """Run it."""
         self.action.run(context)
-        self.action.announce_completion(context)
+        if RECORD.live is None:
+            self.action.announce_completion(context)
 
 
 class OpaqueFunction(Action):
@@ -946,7 +1011,9 @@ class Shutdown(EmitEvent):
 
 
 class TimerAction(Action):
-    """Its actions, after a period of virtual time."""
+    """Its actions, after a period; of virtual time in a plan."""
+
+    wsgen_is_simulated = False  # whether it is the time of the simulation
 
     def __init__(
         self,
@@ -966,8 +1033,9 @@ class TimerAction(Action):
         )
         self.__actions = list(actions)
         self.__locals: dict[str, Any] = {}
-        self.__canceled = False
-        del cancel_on_shutdown  # a launch that is shut down has nothing to come here
+        self.wsgen_is_canceled = False
+        self.__cancel_on_shutdown = normalize_typed_substitution(cancel_on_shutdown, bool)
+        self.wsgen_outlives_shutdown = False
 
     @property
     def actions(self) -> list[LaunchDescriptionEntity]:
@@ -981,7 +1049,7 @@ class TimerAction(Action):
 
     def cancel(self) -> None:
         """Do nothing when the time comes."""
-        self.__canceled = True
+        self.wsgen_is_canceled = True
 
     def describe_conditional_sub_entities(
         self,
@@ -996,11 +1064,14 @@ class TimerAction(Action):
         self.__locals = context.get_locals_as_dict()
         fires = TimerEvent(timer_action=self)
         fires.wsgen_cause = f"timer {seconds}"
-        context.timeline.post(fires, delay=seconds)
+        self.wsgen_outlives_shutdown = not perform_typed_substitution(
+            context, self.__cancel_on_shutdown, bool
+        )
+        context.timeline.post(fires, delay=seconds, is_simulated=self.wsgen_is_simulated)
 
     def handle(self, context: LaunchContext) -> list[LaunchDescriptionEntity]:
         """Give the actions."""
-        if self.__canceled:
+        if self.wsgen_is_canceled:
             return []
         context.extend_locals(self.__locals)
         self.announce_completion(context)

@@ -143,6 +143,7 @@ class Event:
 
     name = "launch.Event"
     wsgen_cause: str | None = None  # what to name as the reason for what it starts
+    wsgen_is_void = False  # it need not happen any more
 
     def wsgen_happen(self, context: LaunchContext) -> Any:
         """What the event brings about by itself, before its handlers are asked."""

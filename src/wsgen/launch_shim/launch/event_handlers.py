@@ -5,7 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-from launch._events import ExecutionComplete, ProcessExited, ProcessStarted, Shutdown
+from launch._events import (
+    ExecutionComplete,
+    ProcessExited,
+    ProcessIO,
+    ProcessStarted,
+    Shutdown,
+)
 from launch._finder import show_public_names
 from launch.actions import ExecuteLocal
 from launch.base import Action, BaseEventHandler, LaunchDescriptionEntity
@@ -119,8 +125,8 @@ class OnProcessExit(OnActionEventBase):
         )
 
 
-class OnProcessIO(BaseEventHandler):
-    """Never handles anything, because nothing runs; what waits for output is unresolved."""
+class OnProcessIO(OnActionEventBase):
+    """What is done about what a process writes; unresolved in a plan, for which nothing runs."""
 
     def __init__(
         self,
@@ -131,11 +137,23 @@ class OnProcessIO(BaseEventHandler):
         on_stderr: Any = None,
         **kwargs: Any,
     ) -> None:
-        del target_action, on_stdin, on_stdout, on_stderr
-        super().__init__(matcher=lambda _event: False, **kwargs)
-        RECORD.note_unresolved(
-            "OnProcessIO", "what a process writes is known only when it runs", caller()
+        functions = (on_stdin, on_stdout, on_stderr)
+
+        def handle(event: ProcessIO, _context: LaunchContext) -> Any:
+            function = functions[event.fd]
+            return None if function is None else function(event)
+
+        super().__init__(
+            action_matcher=target_action,
+            on_event=handle,
+            target_event_cls=ProcessIO,
+            target_action_cls=ExecuteLocal,
+            **kwargs,
         )
+        if RECORD.live is None:
+            RECORD.note_unresolved(
+                "OnProcessIO", "what a process writes is known only when it runs", caller()
+            )
 
 
 class OnProcessStart(OnActionEventBase):

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 PROCESS_TIME = 0.001  # s
 NEVER = float("inf")
+# More than any launch needs; a handler that starts what it waits for would go on for ever.
+MOST_EVENTS = 20_000
 
 
 class Timeline:
@@ -31,18 +33,32 @@ class Timeline:
         self.now = 0.0  # s since the launch
         self.cause = "launch"  # of what happens at this moment
         self._order = itertools.count()
+        self._events = 0
         self._coming: list[tuple[float, int, Event]] = []
 
-    def post(self, event: Event, *, delay: float = 0.0) -> None:
-        """Let the event happen after a delay in seconds; `NEVER` means last of all."""
+    def post(self, event: Event, *, delay: float = 0.0, is_simulated: bool = False) -> None:
+        """Let the event happen after a delay in seconds; `NEVER` means last of all.
+
+        Virtual time is both that of the launch and that of a simulation.
+        """
+        del is_simulated
         if event.wsgen_cause is None:
             event.wsgen_cause = self.cause
         heapq.heappush(self._coming, (self.now + max(0.0, delay), next(self._order), event))
 
     def next(self) -> Event | None:
-        """Move on to the next event, if there is one."""
+        """Move on to the next event, if there is one.
+
+        Raises:
+            RuntimeError: There is no end of events.
+        """
         if not self._coming:
             return None
+        self._events += 1
+        if self._events > MOST_EVENTS:
+            raise RuntimeError(
+                f"the launch does not come to an end: more than {MOST_EVENTS} events"
+            )
         time, _, event = heapq.heappop(self._coming)
         if time != NEVER:
             self.now = time
@@ -124,7 +140,7 @@ class LaunchContext:
         self.noninteractive = noninteractive
         self.is_shutdown = False
         self.asyncio_loop = None
-        self.timeline = Timeline()
+        self.timeline = Timeline() if RECORD.live is None else RECORD.live.make_timeline()
         self._event_handlers: deque[BaseEventHandler] = deque()
         self._globals: dict[str, Any] = {}
         self._locals: dict[str, Any] = {}
@@ -207,6 +223,9 @@ class LaunchContext:
 
     def shut_down(self, event: Event) -> None:
         """End the launch: what was to come is dropped, then the event happens."""
+        if RECORD.live is not None:  # what runs is yet to end
+            self.timeline.post(event)
+            return
         self.is_shutdown = RECORD.is_ending = True
         self.timeline.clear()
         self.timeline.post(event)

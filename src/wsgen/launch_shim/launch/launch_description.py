@@ -222,19 +222,16 @@ class LaunchService:
         return self.run(shutdown_when_idle=shutdown_when_idle)
 
 
-# More than any launch needs; a handler that starts what it waits for would go on for ever.
-MOST_EVENTS = 20_000
-
-
 def play(entity: LaunchDescriptionEntity, context: LaunchContext) -> None:
     """Visit the entity and everything that events, timers and exits bring about."""
     visit(entity, context)
-    for _ in range(MOST_EVENTS):
-        event = context.timeline.next()
-        if event is None:
-            return
+    play_on(context)
+
+
+def play_on(context: LaunchContext) -> None:
+    """Let all events happen that are to come, and what they bring about."""
+    while (event := context.timeline.next()) is not None:
         _handle(event, context)
-    raise RuntimeError(f"the launch does not come to an end: more than {MOST_EVENTS} events")
 
 
 def visit(entity: LaunchDescriptionEntity, context: LaunchContext) -> None:

@@ -20,6 +20,7 @@ from launch.substitutions import LaunchConfiguration
 from launch_ros._events import ChangeState, StateTransition, matches_node_name
 from launch_ros.substitutions import ExecutableInPackage
 from launch_ros.utilities import (
+    Evaluated,
     add_global_parameters,
     evaluate_parameters,
     global_parameters,
@@ -35,6 +36,7 @@ from launch_ros.utilities import (
     validate_namespace,
     written_at,
 )
+from wsgen.launch.live import joined
 from wsgen.launch.record import RECORD, locate
 
 if TYPE_CHECKING:
@@ -83,6 +85,8 @@ class Node(ExecuteProcess):
             normalize_to_list_of_substitutions(word) for word in ros_arguments or []
         ]
         self.__full_name: str | None = None
+        self.__given_ros_arguments: list[str] = []
+        self.wsgen_path: str | None = None
 
     @property
     def node_name(self) -> str:
@@ -110,14 +114,17 @@ class Node(ExecuteProcess):
             )
         )
         remappings = perform_remap_rules(context, self.__remappings)
-        for word in self.__ros_arguments:
-            perform_substitutions(context, word)
+        self.__given_ros_arguments = [
+            perform_substitutions(context, word) for word in self.__ros_arguments
+        ]
         executable = perform_substitutions(context, self.__executable)
         package = None
         if self.__package is not None:
             package = perform_substitutions(context, self.__package)
             try:
-                context.perform_substitution(ExecutableInPackage(executable, package))
+                self.wsgen_path = context.perform_substitution(
+                    ExecutableInPackage(executable, package)
+                )
             except SubstitutionFailure as error:  # a node that is not there is in the plan as well
                 locate(error, self.wsgen_location)
                 if not RECORD.ends_branch(error):
@@ -143,6 +150,25 @@ class Node(ExecuteProcess):
             ),
             command=None,
         )
+
+    def wsgen_words(self, process: Process) -> list[str]:
+        """Its arguments, then those for ROS, in the order of the original."""
+        words = list(process.arguments)
+        if self.__given_ros_arguments:
+            words += ["--ros-args", *self.__given_ros_arguments]
+        words.append("--ros-args")
+        if process.name is not None:
+            words += ["-r", f"__node:={process.name}"]
+        if process.namespace:
+            words += ["-r", f"__ns:={process.namespace}"]
+        full_name = "" if UNSPECIFIED_NAME in self.node_name else self.node_name
+        if RECORD.live is not None and isinstance(process.parameters, Evaluated):
+            for group in joined(process.parameters.groups):
+                file = RECORD.live.write_parameters(group, full_name)
+                words += ["--params-file", file] if file else []
+        for source, target in process.remappings:
+            words += ["-r", f"{source}:={target}"]
+        return words
 
 
 def _configuration(context: LaunchContext, word: list[Substitution]) -> str | None:
@@ -334,7 +360,9 @@ PushRosNamespace = PushROSNamespace
 
 
 class RosTimer(TimerAction):
-    """Its actions, after a period; the time of ROS passes as virtual time does."""
+    """Its actions, after a period of the time of ROS."""
+
+    wsgen_is_simulated = True
 
 
 ROSTimer = RosTimer

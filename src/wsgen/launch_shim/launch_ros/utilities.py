@@ -13,6 +13,7 @@ from launch._utilities import normalize_to_list_of_substitutions, perform_substi
 from launch.base import Substitution, TextSubstitution
 from launch_ros.parameter_descriptions import Parameter, ParameterFile, ParameterValue
 from wsgen.files import refuse_irregular
+from wsgen.launch.live import ParameterGroup
 from wsgen.launch.record import RECORD, caller, split_location
 from wsgen.model.plan import Process
 
@@ -165,18 +166,27 @@ class Evaluated(dict[str, Any]):
     def __init__(self) -> None:
         super().__init__()
         self.places: dict[str, Location] = {}  # where they are written, as far as that is known
+        self.groups: list[ParameterGroup] = []  # as they are given to the node, in order
 
-    def put(self, name: str, value: Any, place: Location | None) -> None:
+    def put(
+        self, name: str, value: Any, place: Location | None, *, is_for_all: bool = False
+    ) -> None:
         """Set one, which comes after all that it has."""
-        self[name] = value
-        self.places.pop(name, None)
-        if place is not None:
-            self.places[name] = place
+        self._set(name, value, place)
+        group = ParameterGroup(values={name: value}, is_for_all=is_for_all)
+        self.groups.append(group)
 
     def add(self, others: Evaluated) -> None:
         """Set all of others, which come after those that it has."""
         for name, value in others.items():
-            self.put(name, value, others.places.get(name))
+            self._set(name, value, others.places.get(name))
+        self.groups += others.groups
+
+    def _set(self, name: str, value: Any, place: Location | None) -> None:
+        self[name] = value
+        self.places.pop(name, None)
+        if place is not None:
+            self.places[name] = place
 
     def origins(self) -> dict[str, Origin]:
         """Where each is written, for the plan; nothing if nobody asked for it."""
@@ -210,7 +220,8 @@ def evaluate_parameters(
     for parameter in parameters:
         if isinstance(parameter, Parameter):
             name, value = parameter.evaluate(context)
-            evaluated.put(name, _as_json(value), parameter.wsgen_location or location)
+            place = parameter.wsgen_location or location
+            evaluated.put(name, _as_json(value), place, is_for_all=True)
         elif isinstance(parameter, ParameterFile):
             evaluated.add(
                 read(context, parameter, node=node, location=location, in_container=in_container)
@@ -257,7 +268,7 @@ def global_parameters(context: LaunchContext, *, node: str, location: Location |
             found.add(evaluate_parameters(context, [entry], node=node, location=location))
         else:
             name, value = entry
-            found.put(name, value, getattr(entry, "wsgen_location", None))
+            found.put(name, value, getattr(entry, "wsgen_location", None), is_for_all=True)
     return found
 
 
@@ -463,25 +474,26 @@ def note_composable_node(
         )
     )
     remappings = perform_remap_rules(context, node.remappings)
-    RECORD.processes.append(
-        Process(
-            package=perform_substitutions(context, node.package),
-            executable=perform_substitutions(context, node.plugin),
-            name=name,
-            namespace=namespace or "",
-            parameters=parameters,
-            parameter_origins=parameters.origins(),
-            remappings=tuple(remappings),
-            remapping_origins=item_origins(
-                "remappings", places_of(remappings), len(node.remappings), place
-            ),
-            container=container,
-            starts=context.timeline.cause,
-            start_time=round(context.timeline.now, 6),
-            file=file,
-            line=line,
-        )
+    process = Process(
+        package=perform_substitutions(context, node.package),
+        executable=perform_substitutions(context, node.plugin),
+        name=name,
+        namespace=namespace or "",
+        parameters=parameters,
+        parameter_origins=parameters.origins(),
+        remappings=tuple(remappings),
+        remapping_origins=item_origins(
+            "remappings", places_of(remappings), len(node.remappings), place
+        ),
+        container=container,
+        starts=context.timeline.cause,
+        start_time=round(context.timeline.now, 6),
+        file=file,
+        line=line,
     )
+    RECORD.processes.append(process)
+    if RECORD.live is not None:
+        RECORD.live.load(process)
 
 
 def read(
@@ -499,6 +511,7 @@ def read(
     """
     path = parameter_file.evaluate(context)
     found = Evaluated()
+    found.groups.append(ParameterGroup(file=path))
     if RECORD.is_unknown(str(path)):
         return found
     try:
@@ -513,6 +526,7 @@ def read(
         from launch.frontend.template import parse_substitution
 
         text = perform_substitutions(context, parse_substitution(text))
+        found.groups = [ParameterGroup(text=text)]
     import yaml  # see launch.utilities.type_utils
 
     try:

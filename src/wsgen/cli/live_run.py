@@ -1,0 +1,76 @@
+"""`wsgen launch --run`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterable
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.pipeline.plan_launch import SelectedLaunchFile
+    from wsgen.pipeline.selection import ValidateRequest
+    from wsgen.ros_environment import RosEnvironment
+
+
+def run(
+    selected: SelectedLaunchFile,
+    request: ValidateRequest,
+    *,
+    rate: float | None,
+    seconds: float | None,
+    until_exit: str | None,
+    is_strict: bool,
+    quiet: bool,
+    verbose: bool,
+) -> int:
+    """Start a launch file, and wait for its end; gives the exit code of `ros2 launch`."""
+    import sys
+
+    import click
+
+    from wsgen.cli.progress import listening
+    from wsgen.live.run import RunRequest, run_launch
+    from wsgen.pipeline.engines import check_engines
+    from wsgen.ros_environment import open_ros
+
+    check_engines(request.engines)
+    context = click.get_current_context()
+    # Only what is started prints on a terminal that shows progress, and only when that has ended.
+    progress = listening(quiet=quiet, verbose=verbose, is_short=True)
+    listener = progress.__enter__()
+
+    def open_environment(messages: Collection[str]) -> RosEnvironment:
+        environment = selected.overlay.environment
+        return open_ros(environment, messages=messages, listener=listener or (lambda _event: None))
+
+    def show(diagnostics: Iterable[Diagnostic]) -> None:
+        progress.__exit__(None, None, None)
+        _print(tuple(diagnostics), verbose=verbose)
+
+    is_terminal = sys.stdout is not None and sys.stdout.isatty()
+    return run_launch(
+        selected,
+        RunRequest(
+            prepared_as=request,
+            rate=rate,
+            seconds=seconds,
+            until_exit=until_exit,
+            is_strict=is_strict,
+            is_colored=is_terminal if context.color is None else context.color,
+        ),
+        open_environment,
+        show=show,
+        listener=listener,
+    )
+
+
+def _print(diagnostics: tuple[Diagnostic, ...], *, verbose: bool) -> None:
+    import click
+
+    from wsgen.alike import summed_up
+    from wsgen.cli.output import MOST_ALIKE, render_diagnostics
+
+    most_alike = None if verbose else MOST_ALIKE
+    for line in render_diagnostics(summed_up(diagnostics), most_alike=most_alike):
+        click.echo(line, err=True)

@@ -1,0 +1,282 @@
+"""Run a launch file: its robots prepared, its processes started and ended."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from wsgen.diagnostics import Diagnostic, Rule, Severity, has_errors
+from wsgen.files import write_file
+from wsgen.isolation import parent
+from wsgen.isolation.codec import encode
+from wsgen.launch import commands, known_packages
+from wsgen.launch.evaluate import DISTRO_OF_LAUNCHES
+from wsgen.live.programs import LeftOut, find_stand
+from wsgen.live.request import ServiceRequest
+from wsgen.live.service_child import start_service
+from wsgen.model.plan import LaunchRequest
+from wsgen.pipeline.package_validation import Validation
+from wsgen.pipeline.run_robots import spawned_robots
+from wsgen.pipeline.validate import selected_package
+from wsgen.sdf.source import is_sdf
+from wsgen.simulation.live_scene import SCENE_FILE, LiveScene
+from wsgen.simulation.scene import Scene
+from wsgen.values import dataclass
+from wsgen.workspace.layout import find_packages
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+
+    from wsgen.events import Listener
+    from wsgen.model.world import Spawn
+    from wsgen.pipeline.plan_launch import SelectedLaunchFile
+    from wsgen.pipeline.prepare import PreparedRobot
+    from wsgen.pipeline.selection import ValidateRequest
+    from wsgen.ros_environment import RosEnvironment
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunRequest:
+    """How a launch file is run."""
+
+    prepared_as: ValidateRequest  # how its robots are read: arguments, answers, engine
+    rate: float | None = 1.0  # simulated seconds a second; None: as many as possible
+    seconds: float | None = None  # simulated; None: without end
+    until_exit: str | None = None  # the node or process whose end ends the run
+    is_strict: bool = False  # what cannot run here is an error
+    is_colored: bool = False
+
+
+class BrokenRunError(Exception):
+    """The launch is not started; what was shown says why."""
+
+
+def run_launch(
+    selected: SelectedLaunchFile,
+    request: RunRequest,
+    open_ros: Callable[[Collection[str]], RosEnvironment],
+    *,
+    show: Callable[[Iterable[Diagnostic]], None],
+    listener: Listener | None = None,
+) -> int:
+    """Run a launch file until it ends, or the user ends it; gives the exit code of `ros2 launch`.
+
+    The process of the launch service starts while the robots are prepared. `show` is given what is
+    reported of them before the launch begins; with errors that keep a robot from being simulated,
+    the launch is not started. `open_ros` gives what processes run with, for the packages of
+    messages that it is given.
+
+    Raises:
+        NotFoundError: The engine is not installed.
+        NotReadableError: A file cannot be written, or a process not be started.
+    """
+    with contextlib.ExitStack() as stack:
+        folder = stack.enter_context(parent.make_scratch())
+        live_folder = folder / "live"
+        live_folder.mkdir()
+        answers = _Answers(request.prepared_as.answers)
+        request = replace(request, prepared_as=replace(request.prepared_as, answers=answers))
+        environment = _environment(selected.overlay.environment)
+        service = stack.enter_context(start_service(live_folder, environment))
+        ros = open_ros(messages_of(selected))
+        try:
+            prepare(
+                selected,
+                request,
+                live_folder,
+                folder,
+                is_sourced=ros.is_sourced,
+                show=show,
+                listener=listener,
+            )
+        except BrokenRunError:
+            return 1
+        launch = LaunchRequest(
+            launch_file=selected.file.absolute(),
+            package=selected.package,
+            arguments=dict(request.prepared_as.launch_arguments),
+            answers=answers.given,
+        )
+        service.go(
+            ServiceRequest(
+                launch=launch,
+                folder=live_folder,
+                python=ros.python,
+                is_sourced=ros.is_sourced,
+                environment=environment,
+                variables=_with_shim(ros, environment),
+                is_colored=request.is_colored,
+                is_strict=request.is_strict,
+                until_exit=request.until_exit,
+            )
+        )
+        code = service.wait()
+    return code if code >= 0 else _tell_death(-code)
+
+
+class _Answers:
+    """The answers to the questions of the launch file, which it asks of the launch service, too."""
+
+    def __init__(self, answers: Callable[[], Sequence[str]]) -> None:
+        self._answers = answers
+        self.given: tuple[str, ...] = ()
+
+    def __call__(self) -> Sequence[str]:
+        """Those that the user gives, who is asked where they are needed."""
+        self.given = tuple(self._answers())
+        return self.given
+
+
+MESSAGES = ("_msgs", "_interfaces", "_srvs")
+
+
+def messages_of(selected: SelectedLaunchFile) -> frozenset[str]:
+    """The packages of messages that the packages of the workspace depend on."""
+    workspace = selected.workspace
+    return frozenset(
+        dependency.name
+        for package in (find_packages(workspace) if workspace else ())
+        for dependency in (package.manifest.dependencies if package.manifest else ())
+        if dependency.name.endswith(MESSAGES)
+    )
+
+
+def _tell_death(number: int) -> int:
+    return 128 + number
+
+
+def prepare(  # noqa: PLR0913  what to prepare, where, how
+    selected: SelectedLaunchFile,
+    request: RunRequest,
+    live_folder: Path,
+    folder: Path,
+    *,
+    is_sourced: bool,
+    show: Callable[[Iterable[Diagnostic]], None],
+    listener: Listener | None = None,
+) -> None:
+    """Write what the simulator of a live run reads.
+
+    Args:
+        selected: The launch file.
+        request: How it is run.
+        live_folder: For the scene.
+        folder: For files that engines read; there until the run is over.
+        is_sourced: Whether the programs of a ROS run that the user sourced.
+        show: Is given what is reported.
+        listener: Hears of the steps.
+
+    Raises:
+        BrokenRunError: Something keeps the launch from being started.
+    """
+    package = selected_package(
+        selected.file, selected.package, selected.overlay, selected.workspace
+    )
+    subject = Validation(package, selected.overlay, request.prepared_as, listener)
+    world, robots = subject.read(folder)
+    started = subject.started
+    if started is None or not started.is_evaluated:
+        show(subject.reported())
+        raise BrokenRunError
+    has_simulation = started.simulator is not None or bool(robots)
+    found = subject.reported() if has_simulation else subject.named(started.plan.diagnostics)
+    if request.is_strict:
+        found = (*found, *cannot_run(subject, is_sourced=is_sourced))
+    show((*found, *selected.overlay.not_built()))
+    broken = [robot for robot in robots if not robot.can_run]
+    is_stopped = request.is_strict and has_errors(found)
+    if broken or is_stopped or (has_simulation and world is None):
+        raise BrokenRunError
+    if not has_simulation or world is None:
+        return
+    scene = Scene(world=world, robots=spawned_robots(robots), engine=request.prepared_as.engines[0])
+    live = LiveScene(
+        scene=scene,
+        simulator=subject.simulator_kind or "gz",
+        world=world.name,
+        in_world=tuple(_in_world(robots, started.spawns)),
+        descriptions={
+            spawn.entity: spawn.description
+            for spawn in started.spawns
+            if spawn.description and not is_sdf(spawn.description)
+        },
+        rate=request.rate,
+        seconds=request.seconds,
+    )
+    write_file(live_folder / SCENE_FILE, encode(live))
+
+
+def _in_world(robots: Iterable[PreparedRobot], spawns: Iterable[Spawn]) -> Iterator[str]:
+    """What is in the world from the beginning: what no process spawns."""
+    spawned = {spawn.entity for spawn in spawns if spawn.process is not None}
+    return (robot.entity for robot in robots if robot.entity not in spawned)
+
+
+CANNOT_RUN = Rule(
+    code="LCH080",
+    name="cannot-run",
+    severity=Severity.ERROR,
+    summary="A program that the launch file starts cannot run here.",
+    what="Looks, with `wsgen launch --run --strict`, for programs of packages that are not "
+    "installed, and for what needs a window of Gazebo or libraries that PyPI does not have.",
+    why="Without --strict the program is left out: what it would do is not done, and what waits "
+    "for it waits for ever.",
+    example="Node(package='rviz2', executable='rviz2')",
+    instead="Node(package='rviz2', executable='rviz2', condition=IfCondition(use_rviz))",
+)
+
+
+def cannot_run(subject: Validation, *, is_sourced: bool) -> Iterator[Diagnostic]:
+    """Report the programs of a plan that would be left out."""
+    plan = subject.started.plan if subject.started else None
+    for process in plan.processes if plan else ():
+        for program in commands.programs(process):
+            name = program.executable or ""
+            stand = find_stand(program.package, name, program.arguments, is_sourced=is_sourced)
+            left_out = stand.stand if stand else None
+            if isinstance(left_out, LeftOut) and left_out.is_missed:
+                of = f" of {program.package}" if program.package else ""
+                yield CANNOT_RUN.at(
+                    process.file,
+                    process.line,
+                    name,
+                    message=f"{name}{of} cannot run here: {left_out.why}.",
+                    hint="Start it under a condition, or leave --strict out.",
+                )
+
+
+def _environment(overlay: Mapping[str, str]) -> dict[str, str]:
+    """The environment that the launch file is evaluated in: that of its plan."""
+    return {
+        "ROS_DISTRO": DISTRO_OF_LAUNCHES,
+        "ROS_VERSION": "2",
+        "ROS_PYTHON_VERSION": "3",
+        **overlay,
+    }
+
+
+# Fast DDS keeps queues in shared memory, which stay there when a process is killed.
+NO_SHARED_MEMORY = {"FASTDDS_BUILTIN_TRANSPORTS": "UDPv4"}
+
+
+def _with_shim(ros: RosEnvironment, environment: Mapping[str, str]) -> dict[str, str]:
+    """What processes have in their environment beside what the launch has."""
+    variables = dict(ros.variables)
+    if ros.is_sourced:
+        return variables
+    for name, value in NO_SHARED_MEMORY.items():
+        if name not in environment:
+            variables.setdefault(name, value)
+    import wsgen  # noqa: PLC0415  for its folder
+
+    shim = Path(wsgen.__file__).with_name("ros_shim")
+    path = variables.get("PYTHONPATH", environment.get("PYTHONPATH", ""))
+    variables["PYTHONPATH"] = os.pathsep.join([*([path] if path else []), str(shim)])
+    stub = known_packages.prefix()
+    prefixes = variables.get("AMENT_PREFIX_PATH", environment.get("AMENT_PREFIX_PATH", ""))
+    kept = [one for one in prefixes.split(os.pathsep) if one and one != stub]
+    variables["AMENT_PREFIX_PATH"] = os.pathsep.join(kept)
+    return variables

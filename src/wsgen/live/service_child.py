@@ -1,0 +1,142 @@
+"""Start the process of the launch service, tell it what to do, and leave nothing behind."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from typing import TYPE_CHECKING
+
+from wsgen.files import write_file
+from wsgen.isolation import parent
+from wsgen.isolation.codec import encode
+from wsgen.isolation.guard import adopt_orphans, kill_children
+from wsgen.isolation.parent_death import open_parent_death_pipe
+from wsgen.live.request import GO, INTERRUPT, REQUEST_FILE, TERMINATE
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping
+    from pathlib import Path
+
+    from wsgen.live.request import ServiceRequest
+
+SECONDS_TO_END = 5.0  # for what a guard that was killed has left behind
+
+
+class ServiceChild:
+    """The running launch service."""
+
+    def __init__(
+        self, guard: subprocess.Popen[bytes], control: socket.socket, folder: Path
+    ) -> None:
+        self._guard = guard
+        self._control = control
+        self._folder = folder
+
+    def go(self, request: ServiceRequest) -> None:
+        """Let it play a launch: all else that it needs is in the folder."""
+        write_file(self._folder / REQUEST_FILE, encode(request))
+        self._tell(GO)
+
+    def interrupt(self) -> None:
+        """Tell it that the user has pressed Ctrl-C."""
+        self._tell(INTERRUPT)
+
+    def terminate(self) -> None:
+        """Tell it to end."""
+        self._tell(TERMINATE)
+
+    def wait(self) -> int:
+        """Wait for its end, and hand on the signals to this process; gives its exit code.
+
+        That of a service that a signal has ended is minus the number of the signal.
+        """
+        with self._handing_on():
+            return self._guard.wait()
+
+    def end(self) -> None:
+        """End it with all that it has started."""
+        parent.end(self._guard)
+        self._control.close()
+
+    def _tell(self, word: bytes) -> None:
+        with contextlib.suppress(OSError):  # it has ended
+            self._control.send(word)
+
+    @contextlib.contextmanager
+    def _handing_on(self) -> Iterator[None]:
+        tell: dict[int, Callable[[], None]] = {
+            signal.SIGINT: self.interrupt,
+            signal.SIGTERM: self.terminate,
+            signal.SIGHUP: self.terminate,
+        }
+        before = {}
+        for number, one in tell.items():
+            if signal.getsignal(number) is not signal.SIG_IGN:  # as nohup has it for SIGHUP
+                before[number] = signal.signal(number, lambda *_, one=one: one())
+        try:
+            yield
+        finally:
+            for number, handler in before.items():
+                signal.signal(number, handler)
+
+
+@contextlib.contextmanager
+def start_service(folder: Path, environment: Mapping[str, str]) -> Iterator[ServiceChild]:
+    """Start the service; all that it has started ends with the context.
+
+    Args:
+        folder: Of the live run.
+        environment: That the launch file is evaluated in.
+
+    Raises:
+        NotReadableError: The folder or the memory for it is missing.
+    """
+    adopt_orphans()  # what a guard that was killed leaves behind comes to this process
+    ours, theirs = socket.socketpair()
+    with open_parent_death_pipe() as pipe:
+        try:
+            guard = subprocess.Popen(
+                [
+                    sys.executable,
+                    "-I",
+                    "-m",
+                    "wsgen.live.service_process",
+                    str(folder),
+                    str(theirs.fileno()),
+                    os.pathsep.join(parent.search_path()),
+                ],
+                stdin=pipe,
+                pass_fds=(theirs.fileno(),),
+                env=dict(environment),
+                # Ctrl-C is for this process, which hands it on.
+                start_new_session=True,
+            )
+        except OSError as error:
+            ours.close()
+            raise parent.not_started(error) from error
+        finally:
+            theirs.close()
+        child = ServiceChild(guard, ours, folder)
+        try:
+            yield child
+        finally:
+            child.end()
+            _end_orphans()
+
+
+def _end_orphans() -> None:
+    """End what a guard has left that was killed."""
+    end = time.monotonic() + SECONDS_TO_END
+    while time.monotonic() < end:
+        try:
+            reaped, _ = os.waitpid(-1, os.WNOHANG)
+        except ChildProcessError:
+            return
+        if reaped == 0:
+            kill_children()
+            time.sleep(0.01)

@@ -1,0 +1,69 @@
+"""The process of the launch service.
+
+    python -I -m wsgen.live.service_process FOLDER DESCRIPTOR SEARCH_PATH
+
+Its standard input is the parent-death pipe; the descriptor is a socket, by which its parent tells
+it what to do. It imports what it needs, and then waits for the request in the folder. Before it
+does anything, a guard stands between it and its parent, which ends all that the launch has started
+when this process or the parent ends, however they end.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import socket
+import sys
+from pathlib import Path
+
+from wsgen.errors import EXIT_FAILED, EXIT_PASSED, EXIT_SIGNALLED
+from wsgen.isolation.codec import decode
+from wsgen.isolation.guard import stand_guard
+from wsgen.isolation.parent_death import take_parent_death_pipe
+from wsgen.live.request import GO, REQUEST_FILE, ServiceRequest
+
+SIGTERM = 15
+
+
+def main() -> int:
+    """Play the launch of the request in the folder; gives the exit code."""
+    folder, descriptor = Path(sys.argv[1]), int(sys.argv[2])
+    stand_guard(take_parent_death_pipe(), math.inf)
+    control = socket.socket(fileno=descriptor)
+    _set_search_path(sys.argv[3].split(os.pathsep))
+    for stream in (sys.stdout, sys.stderr):  # what the launch file prints
+        stream.reconfigure(line_buffering=True, errors="replace")  # type: ignore[union-attr]  # files
+
+    from wsgen.launch import worker  # noqa: PLC0415  the guard need not have it
+    from wsgen.live.service import Service  # noqa: PLC0415  same
+    from wsgen.tasks.launch import run_xacro  # noqa: PLC0415  same
+    from wsgen.xacro import expansion  # noqa: PLC0415  same
+
+    worker.load_shim()
+    if control.recv(1) != GO:
+        return EXIT_FAILED
+    text = (folder / REQUEST_FILE).read_text(encoding="utf-8")
+    request = decode(json.loads(text), ServiceRequest)
+    service = Service(request, control)
+    service.prepare()
+    went_well = worker.play_live(
+        request.launch, service, run_xacro=run_xacro, explain_xacro=expansion.explain_error
+    )
+    service.close()
+    if service.is_terminated:
+        return EXIT_SIGNALLED + SIGTERM
+    return EXIT_PASSED if went_well and service.went_well else EXIT_FAILED
+
+
+def _set_search_path(own: list[str]) -> None:
+    """Search modules where wsgen does, then in PYTHONPATH of the launch."""
+    overlay = os.environ.get("PYTHONPATH", "").split(os.pathsep)
+    sys.path[:] = own + [entry for entry in overlay if entry and entry not in own]
+
+
+if __name__ == "__main__":
+    code = main()
+    sys.stdout.flush()
+    # Threads of the launch file may still run.
+    os._exit(code)
