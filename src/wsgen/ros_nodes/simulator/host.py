@@ -44,6 +44,7 @@ class Host:
         world: The name of the world.
         step_seconds: The step of the engine, s.
         update_seconds: Between two updates of a plugin without a period, s, simulated.
+        gravity: m/s², in the world.
         now: The simulated time, s: that of the state that the robots have.
         robots: Those that are in the world, static models as well, by entity.
     """
@@ -55,6 +56,7 @@ class Host:
         self.world = world_name
         self.step_seconds = engine.step_seconds
         self.update_seconds = max(UPDATE, engine.step_seconds)
+        self.gravity = world.gravity
         self.now = 0.0
         self.robots: dict[str, RobotHandle] = {}
         self.ros = ros

@@ -6,4 +6,9 @@ a robot has such a sensor. It takes the `MountedSensor` where that of a plugin t
 
 from __future__ import annotations
 
-SENSORS: dict[str, str] = {}
+_HERE = "wsgen.ros_nodes.simulator.sensors"
+
+SENSORS: dict[str, str] = {
+    **dict.fromkeys(("ray", "gpu_ray", "lidar", "gpu_lidar"), f"{_HERE}.lidar:Lidar"),
+    "imu": f"{_HERE}.imu:Imu",
+}

@@ -1,0 +1,176 @@
+"""Lidars: `ray`, `gpu_ray`, `lidar`, `gpu_lidar`.
+
+Gazebo Classic's `libgazebo_ros_ray_sensor.so` publishes on `~/out` what its <output_type> says,
+sensor_msgs/PointCloud2 without one, in the frame of the link or <frame_name>, reliably with depth 5
+(ros-simulation/gazebo_ros_pkgs, branch ros2, gazebo_plugins/src/gazebo_ros_ray_sensor.cpp, and
+gazebo_ros/include/gazebo_ros/conversions/sensor_msgs.hpp). Gazebo Sim publishes a LaserScan on
+<topic>, else `/world/…/sensor/NAME/scan`, and a cloud on the same with `/points` behind it
+(gazebosim/gz-sensors, src/Lidar.cc and src/GpuLidarSensor.cc; the scan of several rows is the
+middle one: gazebosim/ros_gz, ros_gz_bridge/src/convert/sensor_msgs.cpp).
+
+All of them see collisions here; those of a GPU see visuals in Gazebo. Intensities are 0: no
+`laser_retro` is read.
+"""
+
+from __future__ import annotations
+
+import array
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from sensor_msgs.msg import ChannelFloat32, LaserScan, PointCloud, PointCloud2, Range
+
+from wsgen.ros_nodes.simulator.elements import number
+from wsgen.ros_nodes.simulator.host import CannotWorkError
+from wsgen.ros_nodes.simulator.sensors.clouds import FLOAT32, UINT16, fill_cloud, layout
+from wsgen.ros_nodes.simulator.sensors.lidar_scan import Scanner, read_lidar
+from wsgen.ros_nodes.simulator.sensors.mounting import NEVER, Sensor, sensor_qos
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from wsgen.model.devices import Element, MountedSensor
+    from wsgen.ros_nodes.simulator.host import Host, RobotHandle
+
+    Floats = NDArray[np.float64]
+
+RAY_SENSOR = ("gazebo_ros_ray_sensor",)
+CLASSIC_FIELDS = {
+    "x": (0, FLOAT32),
+    "y": (4, FLOAT32),
+    "z": (8, FLOAT32),
+    "intensity": (12, FLOAT32),
+}
+CLASSIC_STEP = 16
+GZ_FIELDS = {**CLASSIC_FIELDS, "ring": (16, UINT16)}
+GZ_STEP = 18
+TYPES = {
+    "sensor_msgs/LaserScan": LaserScan,
+    "sensor_msgs/PointCloud": PointCloud,
+    "sensor_msgs/PointCloud2": PointCloud2,
+    "sensor_msgs/Range": Range,
+}
+RADIATION = {"infrared": Range.INFRARED, "ultrasound": Range.ULTRASOUND}
+
+
+class Output:
+    """One topic of a lidar."""
+
+    def __init__(self, publisher: Any, kind: type, frame: str) -> None:
+        self.publisher = publisher
+        self.kind = kind
+        self.frame = frame
+        self.least_intensity = 0.0
+        self.radiation: int = Range.INFRARED
+
+
+class Lidar(Sensor):
+    """A lidar."""
+
+    def __init__(self, host: Host, robot: RobotHandle, sensor: MountedSensor) -> None:
+        super().__init__(host, robot, sensor)
+        self.outputs: list[Output] = []
+        spec = read_lidar(self.of("lidar", "ray"))
+        self.scanner = Scanner(spec, np.random.default_rng(self.seed))
+        if host.simulator == "classic":
+            for plugin in self.classic_plugins(RAY_SENSOR):
+                self.outputs.append(self._classic(plugin))
+        else:
+            topic, frame = self.topic("/scan"), self.gz_frame
+            for kind, name in ((LaserScan, topic), (PointCloud2, f"{topic}/points")):
+                self.outputs.append(Output(host.publisher(robot, kind, name), kind, frame))
+        if not self.outputs:
+            self.period = NEVER
+
+    def _classic(self, plugin: Element) -> Output:
+        written = plugin.get("output_type", "sensor_msgs/PointCloud2")
+        kind = TYPES.get(written)
+        if kind is None:
+            raise CannotWorkError(
+                f"its <output_type> is `{written}`. Write one of {', '.join(TYPES)}."
+            )
+        radiation = plugin.get("radiation_type", "infrared")
+        if radiation not in RADIATION:
+            raise CannotWorkError(
+                f"its <radiation_type> is `{radiation}`. Write ultrasound or infrared."
+            )
+        publisher = self.host.publisher(
+            self.robot,
+            kind,
+            "~/out",
+            node=self.classic_node(plugin),
+            qos=sensor_qos(plugin, "~/out"),
+        )
+        output = Output(publisher, kind, self.classic_frame(plugin))
+        output.least_intensity = number(plugin, "min_intensity", 0.0)
+        output.radiation = RADIATION[radiation]
+        return output
+
+    def update(self) -> None:
+        """Scan, if somebody wants it."""
+        wanted = [output for output in self.outputs if output.publisher.is_wanted]
+        if not wanted:
+            return
+        ranges = self.scanner.measure(self.pose(), self.robot.cast_rays)
+        for output in wanted:
+            message = output.kind()
+            message.header.stamp = self.host.stamp()
+            message.header.frame_id = output.frame
+            if output.kind is LaserScan:
+                self._fill_scan(message, ranges, output)
+            elif output.kind is Range:
+                self._fill_range(message, ranges, output)
+            elif output.kind is PointCloud:
+                self._fill_old_cloud(message, ranges, output)
+            else:
+                self._fill_cloud(message, ranges, output)
+            output.publisher.publish(message)
+
+    def _fill_scan(self, message: Any, ranges: Floats, output: Output) -> None:
+        spec = self.scanner.spec
+        middle = spec.up.count // 2
+        message.angle_min, message.angle_max = spec.across.least, spec.across.most
+        message.angle_increment = spec.across.step
+        message.range_min, message.range_max = spec.nearest, spec.farthest
+        message.ranges = _floats(ranges[middle])
+        message.intensities = _floats(np.full(spec.across.count, output.least_intensity))
+
+    def _fill_range(self, message: Any, ranges: Floats, output: Output) -> None:
+        spec = self.scanner.spec
+        message.radiation_type = output.radiation
+        widths = (angles.most - angles.least for angles in (spec.across, spec.up))
+        message.field_of_view = max(widths)
+        message.min_range, message.max_range = spec.nearest, spec.farthest
+        # Where nothing is seen, Gazebo leaves the largest number of the type.
+        nearest = float(ranges.min())
+        message.range = float(np.finfo(np.float32).max) if nearest == math.inf else nearest
+
+    def _fill_cloud(self, message: Any, ranges: Floats, output: Output) -> None:
+        points = self.scanner.points(ranges).astype(np.float32)
+        if self.host.simulator == "classic":
+            seen = points[np.isfinite(ranges)]
+            cloud = np.zeros((1, len(seen)), layout(CLASSIC_FIELDS, CLASSIC_STEP))
+            cloud["x"], cloud["y"], cloud["z"] = seen.T
+            cloud["intensity"] = output.least_intensity
+            fill_cloud(message, CLASSIC_FIELDS, cloud, is_dense=True)
+            return
+        cloud = np.zeros(self.scanner.spec.shape, layout(GZ_FIELDS, GZ_STEP))
+        for place, axis in enumerate("xyz"):
+            cloud[axis] = points[..., place]
+        cloud["ring"] = np.arange(len(cloud))[:, None]
+        is_dense = bool(np.isfinite(ranges).all())
+        fill_cloud(message, GZ_FIELDS, cloud, is_dense=is_dense)
+
+    def _fill_old_cloud(self, message: Any, ranges: Floats, output: Output) -> None:
+        from geometry_msgs.msg import Point32  # noqa: PLC0415  few use it
+
+        seen = self.scanner.points(ranges)[np.isfinite(ranges)].tolist()
+        message.points = [Point32(x=x, y=y, z=z) for x, y, z in seen]
+        values = _floats(np.full(len(seen), output.least_intensity))
+        message.channels = [ChannelFloat32(name="intensity", values=values)]
+
+
+def _floats(numbers: Floats) -> array.array[float]:
+    """What a message takes without a look at each number."""
+    return array.array("f", numbers.astype(np.float32).tobytes())

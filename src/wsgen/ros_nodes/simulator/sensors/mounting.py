@@ -1,0 +1,165 @@
+"""What all sensors have in common: where they are, what they are called, when they measure.
+
+Sources: gazebosim/gz-sim, src/rendering/RenderUtil.cc and src/systems/imu/Imu.cc (topics and names
+of sensors), gazebosim/ros_gz, ros_gz_bridge/src/convert/utils.cpp (`::` becomes `/` in frames);
+ros-simulation/gazebo_ros_pkgs, branch ros2, gazebo_ros/src/utils.cpp (`SensorFrameID`) and
+gazebo_ros/src/qos.cpp.
+"""
+
+from __future__ import annotations
+
+import math
+import zlib
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wsgen.model.gazebo_plugins import stem
+from wsgen.model.transform import compose, rotation_of_rpy
+from wsgen.ros_nodes.simulator.elements import number
+from wsgen.ros_nodes.simulator.host import CannotWorkError, Plugin
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterator
+
+    from numpy.typing import NDArray
+
+    from wsgen.model.devices import Element, MountedSensor
+    from wsgen.model.transform import Pose, Vector
+    from wsgen.ros_nodes.simulator.host import Host, RobotHandle
+
+    Floats = NDArray[np.float64]
+
+NEVER = math.inf  # s
+FASTEST_PERIOD = 0.01  # s, of a sensor that gives no rate: Gazebo's measures in every step
+FRAME_NAMES = ("frame_id", "gz_frame_id", "ignition_frame_id")
+# ROS 1's plugins for sensors, and what ROS 2 has instead.
+OF_ROS_1 = {
+    "gazebo_ros_laser": "libgazebo_ros_ray_sensor.so",
+    "gazebo_ros_gpu_laser": "libgazebo_ros_ray_sensor.so",
+    "gazebo_ros_block_laser": "libgazebo_ros_ray_sensor.so",
+    "gazebo_ros_range": "libgazebo_ros_ray_sensor.so",
+    "gazebo_ros_imu": "libgazebo_ros_imu_sensor.so",
+    "gazebo_ros_depth_camera": "libgazebo_ros_camera.so",
+    "gazebo_ros_openni_kinect": "libgazebo_ros_camera.so",
+    "gazebo_ros_multicamera": "libgazebo_ros_camera.so",
+}
+
+
+class Sensor(Plugin):
+    """A sensor of a robot."""
+
+    def __init__(self, host: Host, robot: RobotHandle, sensor: MountedSensor) -> None:
+        self.host = host
+        self.robot = robot
+        self.sensor = sensor
+        rate = number(sensor.element, "update_rate", 0.0)
+        self.period = 1.0 / rate if rate > 0 else max(FASTEST_PERIOD, host.step_seconds)
+        # The same noise in every run.
+        self.seed = zlib.crc32(f"{robot.entity}/{sensor.link}/{sensor.name}".encode())
+
+    def reset(self) -> None:
+        """Nothing: what was measured before does not matter."""
+
+    def pose(self) -> Pose:
+        """Where it is in the world."""
+        return compose(self.robot.link_poses()[self.sensor.link], self.sensor.pose_in_link)
+
+    def velocity(self) -> tuple[Floats, Floats]:
+        """How its origin moves (m/s), and how it turns (rad/s), in the world."""
+        linear, angular = map(np.array, self.robot.link_velocities()[self.sensor.link])
+        arm = np.subtract(self.pose().xyz, self.robot.link_poses()[self.sensor.link].xyz)
+        return linear + np.cross(angular, arm), angular
+
+    def topic(self, suffix: str, name: str = "") -> str:
+        """Gazebo Sim's: what the sensor says, or one by all that it is in."""
+        return name or self.sensor.element.get("topic") or f"/{self.scoped_name('/')}{suffix}"
+
+    def scoped_name(self, delimiter: str) -> str:
+        """World, models, link and sensor, each with its kind before it."""
+        *models, link = self.sensor.link.split("::")
+        parts = ["world", self.host.world]
+        for model in (self.robot.entity, *models):
+            parts += ["model", model]
+        return delimiter.join((*parts, "link", link, "sensor", self.sensor.name))
+
+    @property
+    def gz_frame(self) -> str:
+        """The frame in messages of Gazebo Sim, as a bridge has it."""
+        given = (self.sensor.element.get(name) for name in FRAME_NAMES)
+        own = f"{self.robot.entity}::{self.sensor.link}::{self.sensor.name}"
+        return (next(filter(None, given), "") or own).replace("::", "/")
+
+    def classic_frame(self, plugin: Element) -> str:
+        """The frame in messages of a plugin of Gazebo Classic."""
+        return plugin.get("frame_name") or self.sensor.link.rpartition("::")[2]
+
+    def classic_plugins(self, names: Collection[str]) -> Iterator[Element]:
+        """The plugins in the sensor that have one of these names; the others are named.
+
+        Raises:
+            CannotWorkError: A plugin is of ROS 1.
+        """
+        for plugin in self.sensor.plugins:
+            filename = plugin.attributes.get("filename", "")
+            instead = OF_ROS_1.get(stem(filename))
+            if stem(filename) in names:
+                yield plugin
+            elif instead is not None:
+                raise CannotWorkError(f"`{filename}` is of ROS 1. Write {instead}.")
+            else:
+                self.host.warn(
+                    f"`{self.robot.entity}`: wsgen does not simulate the plugin `{filename}` of "
+                    f"the sensor `{self.sensor.name}`."
+                )
+
+    def classic_node(self, plugin: Element) -> Any:
+        """The node of a plugin of Gazebo Classic."""
+        return self.host.node(name=plugin.attributes.get("name"), ros=plugin.find("ros"))
+
+    def of(self, *names: str) -> Element:
+        """The element that describes this kind of sensor.
+
+        Raises:
+            CannotWorkError: There is none.
+        """
+        found = (self.sensor.element.find(name) for name in names)
+        element = next((one for one in found if one is not None), None)
+        if element is None:
+            raise CannotWorkError(f"it has no <{names[0]}>. Describe the sensor in it.")
+        return element
+
+
+def sensor_qos(plugin: Element | None = None, topic: str = "", depth: int = 5) -> Any:
+    """The QoS of a sensor's topic: reliable, of that depth, or what the <qos> of a plugin says."""
+    from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy  # noqa: PLC0415  nodes
+
+    reliability, durability = "reliable", "volatile"
+    for one in () if plugin is None else plugin.find_all("ros/qos/topic"):
+        if one.attributes.get("name", "") == topic:
+            reliability = one.get("publisher/reliability", reliability)
+            durability = one.get("publisher/durability", durability)
+            written = one.get("publisher/history/depth") or one.get("publisher/depth")
+            history = one.find("publisher/history")
+            if not written and history is not None:
+                written = history.attributes.get("depth", "")
+            depth = int(written) if written.isdigit() else depth
+    return QoSProfile(
+        depth=depth,
+        reliability=ReliabilityPolicy.BEST_EFFORT
+        if reliability == "best_effort"
+        else ReliabilityPolicy.RELIABLE,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL
+        if durability == "transient_local"
+        else DurabilityPolicy.VOLATILE,
+    )
+
+
+def rotation(pose: Pose) -> Floats:
+    """The rotation of a frame as a matrix, which takes its vectors to where the pose is seen."""
+    return np.array(rotation_of_rpy(pose.rpy))
+
+
+def put(vector: Any, values: Vector | Floats) -> None:
+    """Set x, y and z of a message."""
+    vector.x, vector.y, vector.z = map(float, values)
