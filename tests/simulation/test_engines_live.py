@@ -259,3 +259,39 @@ def test_other_robots_keep_what_they_have(new_engine: NewEngine) -> None:
         engine.advance(100)
         assert engine.joint_velocities("o")["bar"] == pytest.approx(0.0, abs=1e-6)
         assert engine.joint_efforts("o") == {"bar": 0.0}
+
+
+def test_a_removed_robot_leaves_the_others_as_they_are(
+    new_engine: NewEngine, tmp_path: Path
+) -> None:
+    box = single(body(Box(size=(0.4, 0.4, 0.4))))
+    wall = replace(single(body(cube_mesh(tmp_path), moment=1.0)), is_static=True)
+    engine = new_engine(GROUND)
+    for entity, robot, x in (("a", box, 0.0), ("wall", wall, 4.0), ("b", box, 2.0)):
+        engine.spawn(SpawnedRobot(entity=entity, robot=robot, pose_in_world=Pose((x, 0.0, 1.0))))
+    engine.push("a", "base", (1.0, 0.0, 0.0))
+    engine.advance(100)
+    before = engine.state("b")
+    engine.remove("a")
+    engine.remove("wall")
+    after = engine.state("b")
+    assert after.xyz == pytest.approx(before.xyz, abs=1e-9)
+    assert after.speed == pytest.approx(before.speed, abs=1e-9)
+    assert range_along(engine, (0.0, 0.0, 1.0), (0.0, 0.0, 0.3)) == math.inf
+    # The name is free again, and what bears it is touched and seen.
+    below = Pose((2.0, 0.0, 0.2))
+    engine.spawn(SpawnedRobot(entity="a", robot=box, pose_in_world=below))
+    engine.advance(900)
+    assert engine.state("b").xyz[2] == pytest.approx(0.6, abs=0.01)
+    engine.close()
+
+
+def test_a_robot_takes_a_velocity_as_that_of_its_frame(new_engine: NewEngine) -> None:
+    box = single(body(Box(size=(0.4, 0.4, 0.4)), at=Pose((0.3, 0.0, 0.1))))
+    with spawned(
+        new_engine, box, Pose((0.0, 0.0, 5.0), (0.0, 0.0, math.pi / 2)), world=SPACE
+    ) as engine:
+        engine.set_velocity("e", (0.5, 0.2, 0.0), (0.0, 0.1, 1.0))
+        ((linear, angular),) = engine.link_velocities("e").values()
+        assert linear == pytest.approx((0.5, 0.2, 0.0), abs=1e-9)
+        assert angular == pytest.approx((0.0, 0.1, 1.0), abs=1e-9)

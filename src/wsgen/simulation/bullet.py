@@ -227,6 +227,21 @@ class BulletEngine:
             body.place(compose(pose_in_world, pose_in_robot))
         self._separating, self._has_stepped = True, False
 
+    def remove(self, entity: str) -> None:
+        """Take a robot out of the world; its name may be used again."""
+        del self._robots[entity]
+        removed = [body for body, _ in self._bodies.pop(entity)]
+        for body in removed:
+            self.client.removeBody(body.number)
+        self._pulled = [body for body in self._pulled if body not in removed]
+        self._damped = [body for body in self._damped if body not in removed]
+        self._triangles -= {body.number for body in removed}
+        self._pushes = {place: one for place, one in self._pushes.items() if place[0] != entity}
+
+    def set_velocity(self, entity: str, linear: Vector, angular: Vector) -> None:
+        """Have the root link move and turn like that now, seen from the world: m/s and rad/s."""
+        self._bodies[entity][0][0].set_velocity(linear, angular)
+
     def drive(self, entity: str, motors: Mapping[str, Motor]) -> None:
         """Put motors into joints of a robot; those that are not named keep theirs."""
         for body, _ in self._bodies[entity]:

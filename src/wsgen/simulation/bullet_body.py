@@ -457,6 +457,20 @@ class BulletBody:
             else:
                 client.resetJointState(self.number, index, 0.0)
 
+    def set_velocity(self, linear: Vector, angular: Vector) -> None:
+        """Have the root move (m/s, the origin of its frame) and turn (rad/s), in the world."""
+        if self.tree.fixed_to_world or self.tree.is_static:
+            return
+        center, _ = self.place_of_base()
+        x, y, z = (there - here for there, here in zip(center, self.root_pose().xyz, strict=True))
+        a, b, c = angular
+        of_center = (
+            linear[0] + b * z - c * y,
+            linear[1] + c * x - a * z,
+            linear[2] + a * y - b * x,
+        )
+        self._client.resetBaseVelocity(self.number, of_center, angular)
+
     def root_pose(self) -> Pose:
         """The frame of the root link; PyBullet's base is the frame at its center of mass."""
         return self.root_pose_at(self.place_of_base())

@@ -78,7 +78,7 @@ class DiffDriveController:
         """
         if self._drive.torque is not None:
             return Motor(speed, self._drive.torque)
-        return _limited(self._joints[name], speed)
+        return limited_motor(self._joints[name], speed)
 
 
 class PositionController:
@@ -126,10 +126,10 @@ def _rest(joint: Joint, target: float | None) -> float:
 
 
 def _towards(joint: Joint, positions: Mapping[str, float], target: float) -> Motor:
-    return _limited(joint, GAIN * (target - positions[joint.name]))
+    return limited_motor(joint, GAIN * (target - positions[joint.name]))
 
 
-def _limited(joint: Joint, speed: float) -> Motor:
+def limited_motor(joint: Joint, speed: float) -> Motor:
     """A motor that keeps to the joint's limits; below 0 they are none."""
     limit = joint.limit
     fastest, effort = (

@@ -197,6 +197,13 @@ class DartBody:
             base.setPositions(dynamics.FreeJoint.convertToPositions(place))
         self._pose_of_world = pose_in_world
 
+    def set_velocity(self, linear: Vector, angular: Vector) -> None:
+        """Have the root move (m/s, the origin of its frame) and turn (rad/s), in the world."""
+        if not self.robot.fixed_to_world and not self.robot.is_static:
+            base, _ = self._bases[0]
+            base.setLinearVelocity(linear)
+            base.setAngularVelocity(angular)
+
     def drive(self, motors: Mapping[str, Motor]) -> None:
         """Put motors into joints, as Gazebo Sim does for a velocity command."""
         for name, motor in motors.items():
@@ -379,6 +386,16 @@ class DartEngine:
         """Put a robot elsewhere, as if it had been spawned there."""
         self._robots[entity].place(pose_in_world)
         self._has_stepped = False
+
+    def remove(self, entity: str) -> None:
+        """Take a robot out of the world; its name may be used again."""
+        self._world.removeSkeleton(self._robots.pop(entity).skeleton)
+        self._driven.pop(entity, None)
+        self._pushes = {place: one for place, one in self._pushes.items() if place[0] != entity}
+
+    def set_velocity(self, entity: str, linear: Vector, angular: Vector) -> None:
+        """Have the root link move and turn like that now, seen from the world: m/s and rad/s."""
+        self._robots[entity].set_velocity(linear, angular)
 
     def drive(self, entity: str, motors: Mapping[str, Motor]) -> None:
         """Put motors into joints of a robot; those that are not named keep theirs."""

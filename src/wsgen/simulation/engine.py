@@ -130,6 +130,15 @@ class Engine(Protocol):
     def place(self, entity: str, pose_in_world: Pose) -> None:
         """Put a robot elsewhere, as if it had been spawned there."""
 
+    def remove(self, entity: str) -> None:
+        """Take a robot out of the world; its name may be used again."""
+
+    def set_velocity(self, entity: str, linear: Vector, angular: Vector) -> None:
+        """Have the root link move and turn like that now, seen from the world: m/s and rad/s.
+
+        The first is the velocity of the origin of its frame. What is fixed to the world stays.
+        """
+
     def state(self, entity: str) -> State:
         """Where the robot is and how it moves."""
 

@@ -59,6 +59,8 @@ class FakeEngine:
         self.pushes: dict[tuple[str, str], Vector] = {}
         self.efforts: dict[str, dict[str, float]] = {}
         self.rays = rays
+        self.removed: list[str] = []
+        self.velocities: dict[str, tuple[Vector, Vector]] = {}  # as they were set, by entity
         self.is_closed = False
 
     def spawn(self, robot: SpawnedRobot) -> Loaded | Refused:
@@ -91,6 +93,14 @@ class FakeEngine:
     def place(self, entity: str, pose_in_world: Pose) -> None:
         """Shift the script to that height."""
         self.shift += pose_in_world.xyz[2] - self.state(entity).xyz[2]
+
+    def remove(self, entity: str) -> None:
+        """Remember it."""
+        self.removed.append(entity)
+
+    def set_velocity(self, entity: str, linear: Vector, angular: Vector) -> None:
+        """Remember it; what moves is up to the script."""
+        self.velocities[entity] = linear, angular
 
     def drive(self, entity: str, motors: Mapping[str, Motor]) -> None:
         """Remember them; what moves is up to the script."""

@@ -36,6 +36,7 @@ from wsgen.simulation.mujoco_body import (
     MujocoBody,
     dofs_of,
     library,
+    places_of,
     solver,
     surface,
 )
@@ -112,7 +113,12 @@ class MujocoEngine:
             return Refused("no link of it has mass")
         before = {kind: len(getattr(spec, kind)) for kind in ("excludes", "meshes")}
         bases = len(spec.worldbody.bodies)
-        bit = 1 << min(len(self._robots), MOST_BITS - 1)
+        used = {body.bit for body in self._robots.values()}
+        bit = next(
+            1 << place
+            for place in range(MOST_BITS)
+            if 1 << place not in used or place == MOST_BITS - 1
+        )
         try:
             body = MujocoBody(spec, model, robot.pose_in_world, robot.entity, bit)
             self._compile()
@@ -190,6 +196,42 @@ class MujocoEngine:
         self._set_model()
         if body.static_meshes:
             self._triangles.put(entity, body, self.link_poses(entity))
+
+    def remove(self, entity: str) -> None:
+        """Take a robot out of the world; its name may be used again."""
+        body, model, data = self._robots.pop(entity), self._model, self._data
+        self._pushes = {place: one for place, one in self._pushes.items() if place[0] != entity}
+        joints = [
+            joint
+            for other in self._robots.values()
+            for joint in (*other.free, *other.joints.values())
+        ]
+        before = [
+            (data.qpos[positions].copy(), data.qvel[dofs].copy(), data.qacc_warmstart[dofs].copy())
+            for positions, dofs in (places_of(model, joint) for joint in joints)
+        ]
+        body.remove()
+        if body.static_meshes:
+            self._triangles.remove(entity)
+            self._triangles.surround(self._spec, np.empty((0, 2, 3)), 1.0)
+        self._model = model = self._spec.compile()
+        self._data = data = library.MjData(model)
+        for joint, (qpos, qvel, warm) in zip(joints, before, strict=True):
+            positions, dofs = places_of(model, joint)
+            data.qpos[positions], data.qvel[dofs], data.qacc_warmstart[dofs] = qpos, qvel, warm
+        self._separating, self._is_current, self._has_stepped = True, False, False
+        self._set_model()
+
+    def set_velocity(self, entity: str, linear: Vector, angular: Vector) -> None:
+        """Have the root link move and turn like that now, seen from the world: m/s and rad/s."""
+        body = self._robots[entity]
+        if body.robot.fixed_to_world or body.robot.is_static:
+            return
+        _, dofs = places_of(self._model, body.free[0])
+        rotation = self._here().xmat[body.bodies[body.robot.root].id].reshape(3, 3)
+        # MuJoCo's free joints turn as seen from the body.
+        self._data.qvel[dofs] = (*linear, *(rotation.T @ np.array(angular)))
+        self._is_current = False
 
     def drive(self, entity: str, motors: Mapping[str, Motor]) -> None:
         """Put motors into joints of a robot; those that are not named keep theirs."""

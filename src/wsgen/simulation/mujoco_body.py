@@ -135,7 +135,9 @@ class MujocoBody:
         self.motors: dict[str, Motor] = {}
         self.efforts: dict[str, float] = {}  # N m or N, by joint
         self._bases: list[tuple[Any, Pose]] = []  # bodies below the world, with their poses in it
-        self._spec, self._name, self._bit = spec, name, bit
+        self._excludes: list[Any] = []
+        self._meshes: list[Any] = []
+        self._spec, self._name, self.bit = spec, name, bit
         self._step = float(spec.option.timestep)
         self._meets_own = bit > ROBOT_BITS // 2 or any(link.self_collide for link in robot.links)
         for tree, pose_in_robot in split_trees(robot):
@@ -208,11 +210,11 @@ class MujocoBody:
     def _add_shape(
         self, body: Any, link: str, geometry: Touchable, collision: Collision, *, is_outer: bool
     ) -> None:
-        meets = ROBOT_BITS if self._meets_own else ROBOT_BITS & ~self._bit
+        meets = ROBOT_BITS if self._meets_own else ROBOT_BITS & ~self.bit
         if is_outer:
             meets |= GROUND_BIT
         how = surface(collision.surface.mu1, self._step) | {
-            "contype": self._bit,
+            "contype": self.bit,
             "conaffinity": meets,
         }
         pose, parts = collision.pose_in_link, [0.0]
@@ -238,6 +240,7 @@ class MujocoBody:
         mesh = self._spec.add_mesh(
             name=f"hull of {geom.name}", inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX
         )
+        self._meshes.append(mesh)
         mesh.uservert = np.unique(points.astype(np.float32), axis=0).ravel()
         geom.type, geom.meshname = mjtGeom.mjGEOM_MESH, mesh.name
 
@@ -247,12 +250,25 @@ class MujocoBody:
             if isinstance(geometry, Box) and geom.type == mjtGeom.mjGEOM_BOX:
                 self._make_hull(geom, np.array(list(box_around(geometry))))
 
+    def remove(self) -> None:
+        """Take it out of the specification, which must be compiled then."""
+        for exclude in self._excludes:
+            self._spec.delete(exclude)
+        for base, _ in self._bases:
+            self._spec.delete(base)
+        for mesh in self._meshes:
+            self._spec.delete(mesh)
+
     def _keep_apart(self) -> None:
         """Let only those links touch each other that touch each other in Gazebo."""
         touching = may_touch(self.robot)
         for one, other in combinations(self.bodies, 2):
             if frozenset((one, other)) not in touching:
-                self._spec.add_exclude(bodyname1=self._unique(one), bodyname2=self._unique(other))
+                self._excludes.append(
+                    self._spec.add_exclude(
+                        bodyname1=self._unique(one), bodyname2=self._unique(other)
+                    )
+                )
 
     def place(self, model: Any, data: Any, pose_in_world: Pose) -> None:
         """Put it somewhere, at rest, its joints at zero."""
@@ -306,6 +322,13 @@ class MujocoBody:
             return float(data.qpos[at])
         w, *xyz = data.qpos[at : at + 4].tolist()
         return 2 * math.atan2(math.hypot(*xyz), abs(w))
+
+
+def places_of(model: Any, joint: Any) -> tuple[slice, slice]:
+    """Where the position of a joint is, and where its speeds are."""
+    first = int(model.jnt_qposadr[joint.id])
+    count = {int(mjtJoint.mjJNT_FREE): 7, int(mjtJoint.mjJNT_BALL): 4}.get(int(joint.type), 1)
+    return slice(first, first + count), dofs_of(model, joint)
 
 
 def dofs_of(model: Any, joint: Any) -> slice:

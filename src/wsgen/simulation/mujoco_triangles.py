@@ -53,6 +53,11 @@ class StaticTriangles:
             self._all.append(((entity, link), triangles[is_one], surface))
         self._boxes = np.empty((0, 2, 3))
 
+    def remove(self, entity: str) -> None:
+        """Forget those of one."""
+        self._all = [one for one in self._all if one[0][0] != entity]
+        self._boxes = np.empty((0, 2, 3))
+
     def cast_rays(
         self, begins: NDArray[np.float64], ways: NDArray[np.float64]
     ) -> NDArray[np.float64]:
