@@ -88,14 +88,14 @@ def make_engine(name: str, world: World) -> Engine:
 def run(simulation: LiveSimulation, server: CommandServer, ros: Ros) -> None:
     """Let time pass, as fast as the scene says."""
     pace = Pace(simulation.scene.rate)
-    control = offer_services(simulation)
-    control.is_paused = simulation.scene.is_paused
+    control = simulation.control
+    offer_services(simulation)
     last = simulation.scene.seconds
     begun = simulation.now
     while last is None or simulation.now < last:
         server.answer()
         ros.poll()
-        if control.is_paused and not control.steps:
+        if not control.passes:
             ros.wait(IDLE)
             pace.begin(simulation.now)
             continue

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from wsgen.ros_nodes.simulator.simulation import RefusedError
 from wsgen.ros_nodes.simulator.topics import Rule
+from wsgen.ros_nodes.simulator_client import short_name
 from wsgen.simulation.live_scene import socket_path
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from wsgen.ros_nodes.simulator.simulation import LiveSimulation
     from wsgen.ros_nodes.simulator.topics import Bridge
 
-DIRECTIONS = ("both", "to_ros", "to_gz")
+DIRECTIONS = ("both", "to_ros", "to_gz", "service")
 
 
 class _Connection:
@@ -45,7 +46,7 @@ class CommandServer:
         with contextlib.suppress(FileNotFoundError):
             self._path.unlink()
         self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-        with _short(self._path) as name:
+        with short_name(self._path) as name:
             self._socket.bind(name)
         self._socket.listen()
         threading.Thread(target=self._accept, daemon=True).start()
@@ -110,6 +111,9 @@ class CommandServer:
         if command == "delete":
             simulation.delete(str(request["entity"]))
             return {}
+        if command in {"pause", "unpause"}:
+            simulation.control.is_paused = command == "pause"
+            return {}
         if command == "bridge":
             rules = [_rule(one) for one in request["rules"]]
             node = host.ros.node(
@@ -132,7 +136,8 @@ class CommandServer:
                 "gz_topics": sorted(host.gz.names),
             }
         raise RefusedError(
-            f"The simulator has no command `{command}`.", "Commands: spawn, delete, bridge, state."
+            f"The simulator has no command `{command}`.",
+            "Commands: spawn, delete, bridge, pause, unpause, state.",
         )
 
 
@@ -141,15 +146,3 @@ def _rule(given: dict[str, str]) -> Rule:
     if rule.direction not in DIRECTIONS:
         raise ValueError(f"the direction is {rule.direction!r}")
     return rule
-
-
-@contextlib.contextmanager
-def _short(path: Path) -> Any:
-    """A name of a socket that the system takes: one of 108 bytes at most."""
-    import os  # noqa: PLC0415
-
-    folder = os.open(path.parent, os.O_RDONLY | os.O_DIRECTORY)
-    try:
-        yield f"/proc/self/fd/{folder}/{path.name}"
-    finally:
-        os.close(folder)

@@ -204,14 +204,13 @@ class RobotHandle:
         self.spawned = spawned
         self.ends: list[Callable[[], None]] = []
         self._host = host
-        self._engine: Any = host.engine  # not every engine has all that live runs need
+        self._engine = host.engine
         self._moment = -1
         self._known: dict[str, Any] = {}
 
     def state(self) -> State:
         """Where it is and how it moves."""
-        found: State = self._once("state", lambda: self._engine.state(self.entity))
-        return found
+        return self._once("state", lambda: self._engine.state(self.entity))
 
     def link_poses(self) -> Mapping[str, Pose]:
         """The frames of its links."""
@@ -220,6 +219,10 @@ class RobotHandle:
     def link_velocities(self) -> Mapping[str, tuple[Vector, Vector]]:
         """How the origins of its links' frames move (m/s), and how these turn (rad/s)."""
         return self._once("velocities", lambda: self._engine.link_velocities(self.entity))
+
+    def root_velocity(self) -> tuple[Vector, Vector]:
+        """That of its root link, of these."""
+        return self.link_velocities()[self.robot.root]
 
     def joint_positions(self) -> Mapping[str, float]:
         """The positions of its movable joints, rad or m."""
@@ -253,10 +256,10 @@ class RobotHandle:
 
     def release(self, joints: Iterable[str]) -> None:
         """Take the motors out of these joints."""
-        self._engine.release_joints(self.entity, tuple(joints))
+        self._engine.set_efforts(self.entity, dict.fromkeys(joints, 0.0))
 
     def set_efforts(self, efforts: Mapping[str, float]) -> None:
-        """Have efforts (N m or N) act on joints without motors, until the next call."""
+        """Have efforts (N m or N) act on joints, which lose their motors, until the next call."""
         self._engine.set_efforts(self.entity, efforts)
 
     def set_velocity(self, linear: Vector, angular: Vector) -> None:
@@ -275,8 +278,7 @@ class RobotHandle:
 
         Starts and ends have the shape (n, 3), m. A ray does not hit what it begins in.
         """
-        found: NDArray[np.float64] = self._engine.cast_rays(starts, ends)
-        return found
+        return self._engine.cast_rays(starts, ends)
 
 
 def _sane(motor: Motor) -> Motor:

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 from rosgraph_msgs.msg import Clock
 
 from wsgen.ros_nodes.simulator.host import Due, Plugin
-from wsgen.ros_nodes.simulator.simulation import TINY
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -20,22 +19,6 @@ if TYPE_CHECKING:
     from wsgen.ros_nodes.simulator.simulation import LiveSimulation
 
 PUBLISH_RATE = 10.0  # Hz, of Gazebo Classic's /clock
-
-
-class Control:
-    """What services say about the time."""
-
-    def __init__(self) -> None:
-        self.is_paused = False
-        self.steps = 0.0  # s, simulated, that pass although it is paused
-
-    def next(self, now: float, slice_seconds: float) -> float:
-        """Until when time passes next, s, simulated."""
-        if not self.is_paused:
-            return now + slice_seconds
-        passes = min(self.steps, slice_seconds)
-        self.steps = 0.0 if self.steps - passes < TINY else self.steps - passes
-        return now + passes
 
 
 class ClockPublisher(Plugin):
@@ -69,9 +52,9 @@ class ClockPublisher(Plugin):
 GZ_PERIOD = 0.004  # s, simulated
 
 
-def offer_services(simulation: LiveSimulation) -> Control:
+def offer_services(simulation: LiveSimulation) -> None:
     """Publish the time, and offer the services of the simulator."""
-    control, host = Control(), simulation.host
+    control, host = simulation.control, simulation.host
     clock = ClockPublisher(host)
     simulation.add(Due(plugin=clock, robot=None, name="clock"))
     if host.simulator == "classic":
@@ -90,7 +73,6 @@ def offer_services(simulation: LiveSimulation) -> Control:
             ("unpause_physics", unpause),
         ):
             host.service(None, Empty, name, _answer(function))
-    return control
 
 
 def _answer(function: Callable[[], object]) -> Callable[[Any, Any], Any]:

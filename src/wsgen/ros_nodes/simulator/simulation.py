@@ -27,6 +27,27 @@ LOOK_EVERY = 0.1  # s, simulated, between two looks at whether a robot has explo
 TINY = 1e-9  # s; what sums of steps are off
 
 
+class Control:
+    """Whether time passes, as commands and services say."""
+
+    def __init__(self, *, is_paused: bool) -> None:
+        self.is_paused = is_paused
+        self.seconds = 0.0  # simulated, that pass although it is paused
+
+    @property
+    def passes(self) -> bool:
+        """Whether any time passes now."""
+        return not self.is_paused or self.seconds > 0
+
+    def next(self, now: float, slice_seconds: float) -> float:
+        """Until when time passes next, s, simulated."""
+        if not self.is_paused:
+            return now + slice_seconds
+        passing = min(self.seconds, slice_seconds)
+        self.seconds = 0.0 if self.seconds - passing < TINY else self.seconds - passing
+        return now + passing
+
+
 class RefusedError(Exception):
     """A command cannot be done; `hint` is what to do."""
 
@@ -52,6 +73,7 @@ class LiveSimulation:
             world=scene.scene.world,
             world_name=scene.world,
         )
+        self.control = Control(is_paused=scene.is_paused)
         self._announce = announce
         self._known = {robot.entity: robot for robot in scene.scene.robots}
         self._poses: dict[str, Pose] = {}  # where robots were spawned
@@ -125,8 +147,7 @@ class LiveSimulation:
         self._due = [due for due in self._due if due.robot is not robot]
         for end in reversed(robot.ends):
             end()
-        remove: Any = getattr(self.engine, "remove", None)
-        remove(entity)
+        self.engine.remove(entity)
         self.host.moment += 1
 
     def reset(self, *, with_time: bool) -> None:

@@ -6,7 +6,18 @@ systems put around it. The class follows its module, which is imported when a ro
 
 from __future__ import annotations
 
-PLUGINS: dict[str, str] = {}
+_HERE = "wsgen.ros_nodes.simulator.plugins"
+PLUGINS: dict[str, str] = {
+    "gazebo_ros_diff_drive": f"{_HERE}.diff_drive:ClassicDiffDrive",
+    "gazebo_ros_joint_state_publisher": f"{_HERE}.joint_states:ClassicJointStates",
+    "gazebo_ros_p3d": f"{_HERE}.odometry:GroundTruth",
+    "gazebo_ros_planar_move": f"{_HERE}.planar_move:PlanarMove",
+    "diff-drive": f"{_HERE}.diff_drive:GzDiffDrive",
+    "joint-state-publisher": f"{_HERE}.joint_states:GzJointStates",
+    "odometry-publisher": f"{_HERE}.odometry:OdometryPublisher",
+    "pose-publisher": f"{_HERE}.odometry:PosePublisher",
+    "velocity-control": f"{_HERE}.planar_move:VelocityControl",
+}
 
 # What the simulator does by itself, or what needs nothing done, by the same names.
 DONE_BY_SIMULATOR = frozenset(

@@ -1,0 +1,273 @@
+"""`python -m wsgen.ros_nodes.create`: spawns a robot, in the place of two programs.
+
+`--as spawn_entity.py` takes the arguments of gazebo_ros's spawner, `--as create` those of
+ros_gz_sim's. What they print, how long they wait and how they end is theirs: sources are
+ros-simulation/gazebo_ros_pkgs, gazebo_ros/scripts/spawn_entity.py (branch ros2) and
+gazebosim/ros_gz, ros_gz_sim/src/create.cpp. The robot and its pose are those that wsgen read in
+the launch file: descriptions are only waited for.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import re
+import signal
+import sys
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import rclpy
+import rclpy.utilities
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from std_msgs.msg import String
+
+from wsgen.ros_nodes.simulator_client import SimulatorClient, SimulatorError, live_folder
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+CLASSIC, SIM = "spawn_entity.py", "create"
+GZ_FAILED = 255  # -1
+WAIT = 5.0  # s, for Gazebo Sim, between two messages
+LOOK_EVERY = 0.2  # s, for entities that others spawn
+NAME = re.compile(r"<(?:robot|model)\b[^>]*\bname\s*=\s*[\"']([^\"']*)[\"']")
+
+
+def main() -> int:
+    """Spawn a robot; gives the exit code."""
+    arguments = sys.argv[1:]
+    program = SIM
+    if arguments[:1] == ["--as"]:
+        program, arguments = arguments[1], arguments[2:]
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    client = None
+    try:
+        client = SimulatorClient(live_folder())
+        rclpy.init(args=[program, *arguments])
+        words = rclpy.utilities.remove_ros_args([program, *arguments])[1:]
+        return (_spawn_entity if program == CLASSIC else _create)(words, client)
+    except SimulatorError as error:
+        sys.stderr.write(f"{error.message}\n{error.hint}\n")
+        return 1
+    except KeyboardInterrupt:
+        return 130
+    finally:
+        if client is not None:
+            client.close()
+        rclpy.try_shutdown()
+
+
+def _spawn_entity(words: list[str], client: SimulatorClient) -> int:
+    """As gazebo_ros does."""
+    options = _classic_options().parse_args(words)
+    node = rclpy.create_node("spawn_entity")
+    log = node.get_logger()
+    log.info("Spawn Entity started")
+    if options.wait:
+        log.info(f"Waiting for entity {options.wait} before proceeding.")
+        client.connect(math.inf)
+        while options.wait not in client.ask("state")["entities"]:
+            time.sleep(LOOK_EVERY)
+    problem = _classic_source(options, node)
+    if problem:
+        log.error(problem)
+        return 1
+    timeout = options.timeout
+    if options.spawn_service_timeout is not None:
+        log.warning("'-spawn_service_timeout' is deprecated, use '-timeout' instead")
+        timeout = options.spawn_service_timeout
+    service = f"{options.gazebo_namespace}/spawn_entity"
+    if timeout < 0:
+        log.error("spawn_entity timeout must be greater than zero")
+        log.error("Spawn service failed. Exiting.")
+        return 1
+    log.info(f"Waiting for service {service}, timeout = {timeout:.0f}")
+    log.info(f"Waiting for service {service}")
+    if not client.connect(timeout):
+        log.error(f"Service {service} unavailable. Was Gazebo started with GazeboRosFactory?")
+        log.error("Spawn service failed. Exiting.")
+        return 1
+    log.info(f"Calling service {service}")
+    try:
+        client.ask("spawn", entity=options.entity)
+    except SimulatorError as error:
+        log.info(f"Spawn status: {error.message} {error.hint}")
+        log.error("Spawn service failed. Exiting.")
+        return 1
+    log.info(f"Spawn status: SpawnEntity: Successfully spawned entity [{options.entity}]")
+    if options.unpause:
+        log.info(f"Calling service {options.gazebo_namespace}/unpause_physics")
+        client.ask("unpause")
+    if options.bond:
+        _stay(options, client, log)
+    return 0
+
+
+def _stay(options: argparse.Namespace, client: SimulatorClient, log: Any) -> None:
+    """Delete the robot when this program is interrupted."""
+    log.info(f"Waiting for shutdown to delete entity [{options.entity}]")
+    try:
+        client.wait_until_it_ends()
+    except KeyboardInterrupt:
+        log.info("Ctrl-C detected")
+    log.info(f"Deleting entity [{options.entity}]")
+    log.info(f"Calling service {options.gazebo_namespace}/delete_entity")
+    try:
+        client.ask("delete", entity=options.entity)
+    except SimulatorError as error:
+        log.info(f"Deleting status: {error.message}")
+    else:
+        log.info(f"Deleting status: Successfully deleted entity [{options.entity}]")
+
+
+def _classic_options() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog=CLASSIC,
+        description="Spawn an entity in Gazebo. wsgen simulates in the place of Gazebo.",
+    )
+    source = parser.add_mutually_exclusive_group(required=True)
+    source.add_argument("-file", metavar="FILE_NAME")
+    source.add_argument("-topic", metavar="TOPIC_NAME")
+    source.add_argument("-database", metavar="ENTITY_NAME")
+    source.add_argument("-stdin", action="store_true")
+    parser.add_argument("-entity", required=True, metavar="ENTITY_NAME")
+    for name in ("-reference_frame", "-gazebo_namespace", "-robot_namespace"):
+        parser.add_argument(name, default="")
+    parser.add_argument("-timeout", type=float, default=30.0)
+    parser.add_argument("-unpause", action="store_true")
+    parser.add_argument("-wait", metavar="ENTITY_NAME")
+    parser.add_argument("-spawn_service_timeout", type=float, metavar="TIMEOUT")
+    for name in ("-x", "-y", "-z", "-R", "-P", "-Y"):
+        parser.add_argument(name, type=float, default=0.0)
+    parser.add_argument("-package_to_model", action="store_true")
+    parser.add_argument("-b", dest="bond", action="store_true")
+    return parser
+
+
+def _classic_source(options: argparse.Namespace, node: Any) -> str:
+    """Wait for the description; gives what is wrong with where it is, if anything is."""
+    log = node.get_logger()
+    if options.file:
+        log.info(f"Loading entity XML from file {options.file}")
+        file = Path(options.file)
+        if not file.exists():
+            return f"Error: specified file {options.file} does not exist"
+        if not file.is_file():
+            return f"Error: specified file {options.file} is not a file"
+        if not file.stat().st_size:
+            return f"Error: file {options.file} is empty"
+    elif options.topic:
+        log.info(f"Loading entity published on topic {options.topic}")
+        _description_on(node, options.topic, f"Waiting for entity xml on {options.topic}")
+    elif options.database:
+        log.info("Loading entity XML from Gazebo Model Database")
+    elif not sys.stdin.read():
+        return "Error: stdin buffer was empty"
+    return ""
+
+
+def _description_on(node: Any, topic: str, waiting: str, every: float | None = None) -> str:
+    """What is published on a topic, as robot_state_publisher does; says that it waits."""
+    found: list[str] = []
+    qos = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    node.create_subscription(String, topic, lambda message: found.append(message.data), qos)
+    while not any(found):
+        node.get_logger().info(waiting)
+        rclpy.spin_once(node, timeout_sec=every)
+    return next(text for text in found if text)
+
+
+def _create(words: list[str], client: SimulatorClient) -> int:
+    """As ros_gz_sim does."""
+    node = rclpy.create_node("ros_gz_sim", automatically_declare_parameters_from_overrides=True)
+    log = node.get_logger()
+    given = _Given(node, _gz_flags(words))
+    world = given.value("world")
+    while not client.connect(WAIT):
+        if world:
+            log.warning(_waiting(world))
+        else:
+            log.info("Requesting list of world names.")
+    actual = client.ask("state")["world"]
+    description = _gz_description(given)
+    if description is None:
+        return GZ_FAILED
+    while world not in {"", actual}:
+        time.sleep(WAIT)
+        log.warning(_waiting(world))
+    found = NAME.search(description)
+    entity = given.value("name") or (found[1] if found else "")
+    try:
+        client.ask("spawn", entity=entity)
+    except SimulatorError as error:
+        log.error(f"Entity creation failed.\n {error.message} {error.hint}")
+        return 1
+    log.info("Entity creation successful.")
+    return 0
+
+
+class _Given(NamedTuple):
+    """What the launch file gives to ros_gz_sim's program."""
+
+    node: Any
+    flags: Mapping[str, str]
+
+    def value(self, name: str) -> str:
+        """A parameter of ROS, or else a flag; empty without them."""
+        is_there = self.node.has_parameter(name)
+        parameter = self.node.get_parameter(name).value if is_there else ""
+        return str(parameter) or self.flags.get(name, "")
+
+
+def _gz_description(given: _Given) -> str | None:
+    """The text of the robot, waited for if it must be; None where nothing says where it is."""
+    log = given.node.get_logger()
+    if given.value("file"):
+        file = Path(given.value("file"))
+        return file.read_text(errors="replace") if file.is_file() else ""
+    if given.value("string"):
+        return given.value("string")
+    parameter = given.flags.get("param", "")
+    if parameter:
+        text = given.value(parameter)
+        if not text:
+            log.error(f"Failed to get XML from param [{parameter}].")
+        return text or None
+    topic = given.value("topic")
+    if topic:
+        return _description_on(given.node, topic, f"Waiting messages on topic [{topic}].", 1.0)
+    kinds = "file, string or topic as ROS 2 parameters"
+    if given.flags:
+        kinds = "either -file, -param, -string or -topic"
+    log.error(f"Must specify {kinds}")
+    return None
+
+
+def _waiting(world: str) -> str:
+    return f"Waiting for service [/world/{world}/create] to become available ..."
+
+
+def _gz_flags(words: list[str]) -> dict[str, str]:
+    """What gflags makes of the arguments: `-name a`, `--name=a`; it ignores what it does not know.
+
+    `-allow_renaming` is a flag without a value.
+    """
+    flags: dict[str, str] = {}
+    rest = iter(words)
+    for word in rest:
+        if not word.startswith("-"):
+            continue
+        name, equals, value = word.lstrip("-").partition("=")
+        if equals:
+            flags[name] = value
+        elif name == "allow_renaming":
+            flags[name] = "true"
+        else:
+            flags[name] = next(rest, "")
+    return flags
+
+
+if __name__ == "__main__":
+    sys.exit(main())

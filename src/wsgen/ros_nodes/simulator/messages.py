@@ -1,0 +1,80 @@
+"""Parts of messages that several plugins fill in or check."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from wsgen.model.transform import quaternion_of_rpy
+
+if TYPE_CHECKING:
+    from wsgen.model.transform import Pose, Vector
+    from wsgen.ros_nodes.simulator.host import Host
+
+Quaternion = tuple[float, float, float, float]
+
+# What Classic's plugins have where a motion in the plane says nothing.
+UNKNOWN = 1e12
+
+
+def set_pose(pose: Any, xyz: Vector, xyzw: Quaternion) -> None:
+    """Fill in a `geometry_msgs/Pose`."""
+    position, orientation = pose.position, pose.orientation
+    position.x, position.y, position.z = xyz
+    orientation.x, orientation.y, orientation.z, orientation.w = xyzw
+
+
+def set_transform(transform: Any, xyz: Vector, xyzw: Quaternion) -> None:
+    """Fill in a `geometry_msgs/Transform`."""
+    translation, rotation = transform.translation, transform.rotation
+    translation.x, translation.y, translation.z = xyz
+    rotation.x, rotation.y, rotation.z, rotation.w = xyzw
+
+
+def set_transform_to(transform: Any, pose: Pose) -> None:
+    """Likewise."""
+    set_transform(transform, pose.xyz, quaternion_of_rpy(pose.rpy))
+
+
+def set_twist(twist: Any, linear: Vector, angular: Vector) -> None:
+    """Fill in a `geometry_msgs/Twist`."""
+    twist.linear.x, twist.linear.y, twist.linear.z = linear
+    twist.angular.x, twist.angular.y, twist.angular.z = angular
+
+
+def planar_covariance(x: float, y: float, yaw: float) -> list[float]:
+    """Of a pose or twist in the plane, 6 by 6."""
+    covariance = [0.0] * 36
+    for place, value in zip(range(0, 36, 7), (x, y, UNKNOWN, UNKNOWN, UNKNOWN, yaw), strict=True):
+        covariance[place] = value
+    return covariance
+
+
+def of_yaw(yaw: float) -> Quaternion:
+    """The rotation about z by an angle (rad)."""
+    return 0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)
+
+
+def yaw_of(xyzw: Quaternion) -> float:
+    """The heading of a rotation, rad."""
+    x, y, z, w = xyzw
+    return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+
+
+def in_heading(yaw: float, linear: Vector) -> tuple[float, float]:
+    """A velocity of the world, ahead and to the left of a heading."""
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    return cos * linear[0] + sin * linear[1], cos * linear[1] - sin * linear[0]
+
+
+def is_finite_twist(host: Host, message: Any, topic: str) -> bool:
+    """Whether an engine can compute with a `geometry_msgs/Twist`; if not, it is named."""
+    linear, angular = message.linear, message.angular
+    total = linear.x + linear.y + linear.z + angular.x + angular.y + angular.z
+    if math.isfinite(total):
+        return True
+    host.warn(
+        f"A message on {topic} has a velocity that is not a finite number (NaN or infinity). It "
+        "and all others like it are ignored."
+    )
+    return False

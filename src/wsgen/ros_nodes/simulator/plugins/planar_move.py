@@ -1,0 +1,147 @@
+"""Robots that move as they are told, whatever drives them: Classic's planar move, Sim's velocities.
+
+Sources: ros-simulation/gazebo_ros_pkgs, gazebo_plugins/src/gazebo_ros_planar_move.cpp (branch
+ros2); gazebosim/gz-sim, src/systems/velocity_control/VelocityControl.cc.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from geometry_msgs.msg import TransformStamped, Twist
+from nav_msgs.msg import Odometry
+from tf2_msgs.msg import TFMessage
+
+from wsgen.model.transform import rotate, rotation_of_quaternion
+from wsgen.ros_nodes.simulator.elements import boolean, number, vector
+from wsgen.ros_nodes.simulator.host import Plugin
+from wsgen.ros_nodes.simulator.messages import (
+    in_heading,
+    is_finite_twist,
+    planar_covariance,
+    set_pose,
+    set_transform,
+    set_twist,
+    yaw_of,
+)
+from wsgen.ros_nodes.simulator.timing import Timer, until_next
+
+if TYPE_CHECKING:
+    from wsgen.model.devices import Element
+    from wsgen.ros_nodes.simulator.host import Host, RobotHandle
+
+
+class PlanarMove(Plugin):
+    """`libgazebo_ros_planar_move.so`.
+
+    Between two of its updates friction slows the robot down, as in Gazebo.
+    """
+
+    def __init__(self, host: Host, robot: RobotHandle, element: Element) -> None:
+        self._host, self._robot = host, robot
+        self._control, self._publishing = (
+            Timer(1 / rate if rate > 0 else host.step_seconds, host.now)
+            for rate in (number(element, name, 20.0) for name in ("update_rate", "publish_rate"))
+        )
+        self._node = host.node(name=element.attributes.get("name"), ros=element.find("ros"))
+        self._command = (0.0, 0.0, 0.0)  # m/s, m/s, rad/s
+        host.subscription(robot, Twist, "cmd_vel", self._take, node=self._node, depth=1)
+        self._publisher = (
+            host.publisher(robot, Odometry, "odom", node=self._node, depth=1)
+            if boolean(element, "publish_odom", default=True)
+            else None
+        )
+        self._tf = (
+            host.publisher(robot, TFMessage, "/tf", node=self._node, depth=100)
+            if boolean(element, "publish_odom_tf", default=True)
+            else None
+        )
+        base = element.get("robot_base_frame", "base_footprint")
+        self._odometry = Odometry(child_frame_id=base)
+        self._odometry.header.frame_id = element.get("odometry_frame", "odom")
+        self._odometry.pose.covariance = self._odometry.twist.covariance = planar_covariance(
+            number(element, "covariance_x", 1e-5),
+            number(element, "covariance_y", 1e-5),
+            number(element, "covariance_yaw", 1e-3),
+        )
+        self._transforms = TFMessage(transforms=[TransformStamped(child_frame_id=base)])
+
+    def _take(self, message: Any) -> None:
+        if is_finite_twist(self._host, message, self._node.resolve_topic_name("cmd_vel")):
+            self._command = message.linear.x, message.linear.y, message.angular.z
+
+    def update(self) -> None:
+        """Set the velocity, and publish where the robot is."""
+        now = self._host.now
+        if self._control.is_due(now):
+            ahead, left, turning = self._command
+            yaw = yaw_of(self._robot.state().xyzw)
+            cos, sin = math.cos(yaw), math.sin(yaw)
+            self._robot.set_velocity(
+                (ahead * cos - left * sin, left * cos + ahead * sin, 0.0), (0.0, 0.0, turning)
+            )
+        if self._publishing.is_due(now):
+            self._publish()
+        self.period = until_next(now, self._control, self._publishing)
+
+    def _publish(self) -> None:
+        message, state = self._odometry, self._robot.state()
+        linear, angular = self._robot.root_velocity()
+        message.header.stamp = self._host.stamp()
+        set_pose(message.pose.pose, state.xyz, state.xyzw)
+        ahead, left = in_heading(yaw_of(state.xyzw), linear)
+        set_twist(message.twist.twist, (ahead, left, 0.0), (0.0, 0.0, angular[2]))
+        if self._publisher is not None:
+            self._publisher.publish(message)
+        if self._tf is not None:
+            transform = self._transforms.transforms[0]
+            transform.header = message.header
+            set_transform(transform.transform, state.xyz, state.xyzw)
+            self._tf.publish(self._transforms)
+
+    def reset(self) -> None:
+        """Stand still."""
+        self._command = (0.0, 0.0, 0.0)
+        for timer in (self._control, self._publishing):
+            timer.reset(self._host.now)
+
+    def close(self) -> None:
+        """End its node."""
+        self._host.ros.forget_node(self._node)
+
+
+class VelocityControl(Plugin):
+    """`gz-sim-velocity-control-system`, for the whole model: its <link_name>s are not simulated."""
+
+    def __init__(self, host: Host, robot: RobotHandle, element: Element) -> None:
+        self._host, self._robot = host, robot
+        self.period = host.step_seconds  # nothing slows the robot down
+        still = (0.0, 0.0, 0.0)
+        self._initial = tuple(
+            vector(element, f"initial_{kind}", still) for kind in ("linear", "angular")
+        )
+        self._linear, self._angular = self._initial
+        self._topic = element.get("topic") or f"/model/{robot.entity}/cmd_vel"
+        host.subscription(robot, Twist, self._topic, self._take)
+        if element.find("link_name") is not None:
+            host.warn(
+                f"`{robot.entity}`: wsgen does not simulate the <link_name>s of its velocity "
+                "control; commands to the whole model are."
+            )
+
+    def _take(self, message: Any) -> None:
+        if is_finite_twist(self._host, message, self._topic):
+            linear, angular = message.linear, message.angular
+            self._linear = linear.x, linear.y, linear.z
+            self._angular = angular.x, angular.y, angular.z
+
+    def update(self) -> None:
+        """Set the velocity, which is given in the robot's frame."""
+        rotation = rotation_of_quaternion(self._robot.state().xyzw)
+        linear, angular = (rotate(rotation, (x, y, z)) for x, y, z in (self._linear, self._angular))
+        self._robot.set_velocity(linear, angular)
+
+    def reset(self) -> None:
+        """Begin again."""
+        self._linear, self._angular = self._initial
