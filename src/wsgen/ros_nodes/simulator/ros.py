@@ -41,7 +41,7 @@ class Ros:
         node = rclpy.create_node(
             name,
             namespace=namespace,
-            cli_args=list(arguments) or None,
+            cli_args=["--ros-args", *arguments] if arguments else None,
             start_parameter_services=False,
             automatically_declare_parameters_from_overrides=True,
         )
