@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import signal
 import sys
+import time
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -19,7 +20,7 @@ from wsgen import yamlfile
 from wsgen.ros_nodes.simulator_client import SimulatorClient, SimulatorError, live_folder
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
 NODE = "ros_gz_bridge"
 IMAGES = "--images"
@@ -47,11 +48,13 @@ def main() -> int:
     client = None
     try:
         words, of_ros = split(sys.argv[1:])
-        rules = read_rules(words, of_ros, lambda text: sys.stderr.write(f"{text}\n"))
+        rules = read_rules(words, of_ros, lambda text: _log("ERROR", text))
         client = SimulatorClient(live_folder())
         while not client.connect(WAIT):
             sys.stderr.write("Waiting for the simulator.\n")
-        client.ask("bridge", rules=rules, node=NODE, arguments=of_ros)
+        answer = client.ask("bridge", rules=rules, node=NODE, arguments=of_ros)
+        for rule, problem in zip(rules, answer["problems"], strict=True):
+            _tell(rule, problem)
         client.wait_until_it_ends()
     except BadBridgeError as error:
         sys.stderr.write(f"{error}\n")
@@ -65,6 +68,24 @@ def main() -> int:
         if client is not None:
             client.close()
     return 0
+
+
+def _tell(rule: Mapping[str, str], problem: str | None) -> None:
+    """Print what the real bridge does for a rule, and what is wrong with it."""
+    ros, gz = f"{rule['ros_topic']} ({rule['ros_type']})", f"{rule['gz_topic']} ({rule['gz_type']})"
+    if problem is not None:
+        _log("WARN", f"Failed to create a bridge for {ros} to {gz}: {problem}")
+        return
+    if rule["direction"] in {"both", "to_ros"}:
+        _log("INFO", f"Creating GZ->ROS Bridge: [{gz} -> {ros}] (Lazy 0)")
+    if rule["direction"] in {"both", "to_gz"}:
+        _log("INFO", f"Creating ROS->GZ Bridge: [{ros} -> {gz}] (Lazy 0)")
+    if rule["direction"] == "service":
+        _log("INFO", f"Creating ROS->GZ service bridge [{ros} -> {rule['gz_topic']}]")
+
+
+def _log(level: str, text: str) -> None:
+    sys.stderr.write(f"[{level}] [{time.time():.9f}] [{NODE}]: {text}\n")
 
 
 def split(arguments: list[str]) -> Split:

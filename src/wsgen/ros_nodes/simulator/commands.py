@@ -13,8 +13,9 @@ import socket
 import threading
 from typing import TYPE_CHECKING, Any
 
+from wsgen.ros_nodes.simulator.services import SERVICE, GzServices
 from wsgen.ros_nodes.simulator.simulation import RefusedError
-from wsgen.ros_nodes.simulator.topics import Rule
+from wsgen.ros_nodes.simulator.topics import Rule, problem_of
 from wsgen.ros_nodes.simulator_client import short_name
 from wsgen.simulation.live_scene import socket_path
 
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
     from wsgen.ros_nodes.simulator.simulation import LiveSimulation
     from wsgen.ros_nodes.simulator.topics import Bridge
 
-DIRECTIONS = ("both", "to_ros", "to_gz", "service")
+DIRECTIONS = ("both", "to_ros", "to_gz", SERVICE)
 
 
 class _Connection:
@@ -41,6 +42,7 @@ class CommandServer:
     def __init__(self, folder: Path, simulation: LiveSimulation) -> None:
         """Listen from now on."""
         self._simulation = simulation
+        self._services = GzServices(simulation)
         self._waiting: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
         self._path = socket_path(folder)
         with contextlib.suppress(FileNotFoundError):
@@ -93,56 +95,98 @@ class CommandServer:
     def _do(self, line: bytes, connection: _Connection) -> dict[str, Any]:
         try:
             request = json.loads(line)
-            return {"ok": True, **self._command(request, connection)}
-        except RefusedError as error:
-            return {"error": error.message, "hint": error.hint}
-        except (ValueError, KeyError, TypeError, AttributeError) as error:
-            return {
-                "error": f"The simulator does not understand the request: {error!r}",
-                "hint": "Send one JSON object a line, with a command as `do`.",
-            }
-
-    def _command(self, request: dict[str, Any], connection: _Connection) -> dict[str, Any]:
-        simulation, host = self._simulation, self._simulation.host
-        command = request["do"]
-        if command == "spawn":
-            simulation.spawn(str(request["entity"]))
-            return {}
-        if command == "delete":
-            simulation.delete(str(request["entity"]))
-            return {}
-        if command in {"pause", "unpause"}:
-            simulation.control.is_paused = command == "pause"
-            return {}
-        if command == "bridge":
-            rules = [_rule(one) for one in request["rules"]]
-            node = host.ros.node(
-                str(request.get("node", "ros_gz_bridge")),
-                str(request.get("namespace", "")),
-                [str(one) for one in request.get("arguments", ())],
+        except ValueError:
+            request = None
+        if not isinstance(request, dict):
+            return _error(
+                "The simulator does not understand the request: it is no JSON object.",
+                'Send one like {"do": "state"} a line.',
             )
-            connection.bridges.append(host.gz.open(node, rules))
-            return {}
-        if command == "state":
-            return {
-                "seconds": simulation.now,
-                "world": host.world,
-                "simulator": host.simulator,
-                "entities": list(host.robots),
-                "poses": {
-                    entity: [*robot.state().xyz, *robot.state().xyzw]
-                    for entity, robot in host.robots.items()
-                },
-                "gz_topics": sorted(host.gz.names),
-            }
-        raise RefusedError(
-            f"The simulator has no command `{command}`.",
-            "Commands: spawn, delete, bridge, pause, unpause, state.",
+        known = {
+            "spawn": self._spawn,
+            "delete": self._delete,
+            "bridge": self._bridge,
+            "pause": self._pause,
+            "unpause": self._unpause,
+            "state": self._state,
+        }
+        command = str(request.get("do"))
+        if command not in known:
+            return _error(
+                f"The simulator has no command `{command}`.", f"Commands: {', '.join(known)}."
+            )
+        try:
+            return {"ok": True, **known[command](request, connection)}
+        except RefusedError as error:
+            return _error(error.message, error.hint)
+
+    def _spawn(self, request: dict[str, Any], _: _Connection) -> dict[str, Any]:
+        self._simulation.spawn(str(request.get("entity", "")))
+        return {}
+
+    def _delete(self, request: dict[str, Any], _: _Connection) -> dict[str, Any]:
+        self._simulation.delete(str(request.get("entity", "")))
+        return {}
+
+    def _pause(self, _: dict[str, Any], __: _Connection) -> dict[str, Any]:
+        self._simulation.control.is_paused = True
+        return {}
+
+    def _unpause(self, _: dict[str, Any], __: _Connection) -> dict[str, Any]:
+        self._simulation.control.is_paused = False
+        return {}
+
+    def _bridge(self, request: dict[str, Any], connection: _Connection) -> dict[str, Any]:
+        """Connect topics; the answer has what is wrong with each rule, null where nothing is."""
+        host = self._simulation.host
+        rules = [_rule(given) for given in request.get("rules", ())]
+        problems = [self._services.problem_of(rule) or problem_of(rule) for rule in rules]
+        node = host.ros.node(
+            str(request.get("node", "ros_gz_bridge")),
+            str(request.get("namespace", "")),
+            [str(one) for one in request.get("arguments", ())],
         )
+        good = [rule for rule, problem in zip(rules, problems, strict=True) if problem is None]
+        connection.bridges.append(
+            host.gz.open(node, [rule for rule in good if rule.direction != SERVICE])
+        )
+        for rule in good:
+            if rule.direction == SERVICE:
+                self._services.offer(rule, node)
+        return {"problems": problems}
+
+    def _state(self, _: dict[str, Any], __: _Connection) -> dict[str, Any]:
+        simulation, host = self._simulation, self._simulation.host
+        return {
+            "seconds": simulation.now,
+            "world": host.world,
+            "simulator": host.simulator,
+            "is_paused": simulation.control.is_paused,
+            "entities": list(host.robots),
+            # m, and a unit quaternion x, y, z, w: the root links' frames in the world
+            "poses": {
+                entity: [*robot.state().xyz, *robot.state().xyzw]
+                for entity, robot in host.robots.items()
+            },
+            "gz_topics": sorted(host.gz.names),
+        }
 
 
-def _rule(given: dict[str, str]) -> Rule:
-    rule = Rule(**given)
-    if rule.direction not in DIRECTIONS:
-        raise ValueError(f"the direction is {rule.direction!r}")
-    return rule
+def _error(message: str, hint: str) -> dict[str, Any]:
+    return {"error": message, "hint": hint}
+
+
+def _rule(given: Any) -> Rule:
+    """The rule that a request has.
+
+    Raises:
+        RefusedError: It is none.
+    """
+    fields = ("ros_topic", "gz_topic", "ros_type", "gz_type", "direction")
+    values = [given.get(name) for name in fields] if isinstance(given, dict) else [None]
+    if not all(isinstance(value, str) for value in values) or values[-1] not in DIRECTIONS:
+        raise RefusedError(
+            f"The simulator does not understand the rule {json.dumps(given)}.",
+            f"Give it {', '.join(fields)}; the last one is one of {', '.join(DIRECTIONS)}.",
+        )
+    return Rule(*values)

@@ -6,17 +6,21 @@ gazebo_ros/src/gazebo_ros_init.cpp) and of gz-sim's SimulationRunner.
 
 from __future__ import annotations
 
+import importlib
 from typing import TYPE_CHECKING, Any
 
 from rosgraph_msgs.msg import Clock
 
+from wsgen.model.transform import Pose, rotation_of_quaternion, rpy_of_rotation
 from wsgen.ros_nodes.simulator.host import Due, Plugin
+from wsgen.ros_nodes.simulator.simulation import RefusedError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from wsgen.ros_nodes.simulator.host import Host
     from wsgen.ros_nodes.simulator.simulation import LiveSimulation
+    from wsgen.ros_nodes.simulator.topics import Rule
 
 PUBLISH_RATE = 10.0  # Hz, of Gazebo Classic's /clock
 
@@ -83,3 +87,84 @@ def _answer(function: Callable[[], object]) -> Callable[[Any, Any], Any]:
         return response
 
     return answer
+
+
+SERVICE = "service"  # the direction of a rule of a bridge
+_PACKAGE = "ros_gz_interfaces/srv/"
+
+
+class GzServices:
+    """The services of Gazebo Sim that bridges offer to ROS.
+
+    Source: gazebosim/ros_gz, ros_gz_bridge/src/service_factories/ros_gz_interfaces.cpp; gz-sim,
+    src/SimulationRunner.cc (control) and src/systems/user_commands/UserCommands.cc (the others).
+    """
+
+    def __init__(self, simulation: LiveSimulation) -> None:
+        self._simulation = simulation
+        world = f"/world/{simulation.host.world}"
+        self._known: dict[str, tuple[str, Callable[[Any, Any], Any]]] = {
+            f"{world}/control": ("ControlWorld", self._control),
+            f"{world}/remove": ("DeleteEntity", self._remove),
+            f"{world}/set_pose": ("SetEntityPose", self._set_pose),
+        }
+
+    def problem_of(self, rule: Rule) -> str | None:
+        """Why a rule about a service cannot be followed, and what to do; None where it can."""
+        if rule.direction != SERVICE:
+            return None
+        name = self._known.get(rule.gz_topic, ("", None))[0]
+        if not name or rule.ros_type != _PACKAGE + name:
+            known = ", ".join(f"{one}@{_PACKAGE}{kind}" for one, (kind, _) in self._known.items())
+            return f"wsgen's simulator has no service {rule.gz_topic} of that type. It has {known}."
+        if service_class(name) is None:
+            return "The ROS package ros_gz_interfaces is not installed. Build it in the workspace."
+        return None
+
+    def offer(self, rule: Rule, node: Any) -> None:
+        """Offer a service without a problem; it ends with the node."""
+        name, answer = self._known[rule.gz_topic]
+        self._simulation.host.ros.service(node, service_class(name), rule.ros_topic, answer)
+
+    def _control(self, request: Any, response: Any) -> Any:
+        simulation, wanted = self._simulation, request.world_control
+        control = simulation.control
+        control.is_paused = wanted.pause
+        steps = wanted.multi_step or int(wanted.step)
+        control.seconds = steps * simulation.host.step_seconds
+        if steps:
+            control.is_paused = True
+        reset = wanted.reset
+        if reset.all or reset.model_only or reset.time_only:
+            simulation.reset(with_time=reset.all or reset.time_only)
+        response.success = True
+        return response
+
+    def _remove(self, request: Any, response: Any) -> Any:
+        try:
+            self._simulation.delete(request.entity.name)
+        except RefusedError as error:
+            self._simulation.host.warn(f"{error.message} {error.hint}")
+            response.success = False
+        else:
+            response.success = True
+        return response
+
+    def _set_pose(self, request: Any, response: Any) -> Any:
+        robot = self._simulation.host.robots.get(request.entity.name)
+        response.success = robot is not None
+        if robot is not None:
+            position, turn = request.pose.position, request.pose.orientation
+            rotation = rotation_of_quaternion((turn.x, turn.y, turn.z, turn.w))
+            robot.place(
+                Pose(xyz=(position.x, position.y, position.z), rpy=rpy_of_rotation(rotation))
+            )
+        return response
+
+
+def service_class(name: str) -> Any:
+    """The class of a service of ros_gz_interfaces; None where that is not installed."""
+    try:
+        return getattr(importlib.import_module("ros_gz_interfaces.srv"), name, None)
+    except ImportError:
+        return None

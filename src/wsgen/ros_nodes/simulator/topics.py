@@ -148,13 +148,9 @@ class GzTopics:
         }
 
     def open(self, node: Any, rules: list[Rule]) -> Bridge:
-        """Connect topics; `node` is that of the bridge."""
+        """Connect topics; `node` is that of the bridge, and the rules have no problem."""
         bridge = Bridge(node, [], [])
         for rule in rules:
-            problem = problem_of(rule)
-            if problem is not None:
-                self._warn(problem)
-                continue
             self._open(bridge, rule)
         return bridge
 
@@ -207,25 +203,19 @@ def gz_name(topic: str) -> str:
 
 
 def problem_of(rule: Rule) -> str | None:
-    """Why a rule cannot be followed; None where it can."""
+    """Why a rule cannot be followed, and what to do; None where it can."""
     gz_type = short_gz_type(rule.gz_type)
     if gz_type is None or gz_type not in PAIRS:
         return (
-            f"bridge of `{rule.ros_topic}`: there is no message type `{rule.gz_type}` of Gazebo. "
-            "Write one like gz.msgs.LaserScan."
+            f"Gazebo has no message type {rule.gz_type} that can be bridged. Write one like "
+            "gz.msgs.LaserScan."
         )
     types = PAIRS[gz_type]
     if short_ros_type(rule.ros_type) not in types:
         known = " or ".join(one.replace("/", "/msg/") for one in types)
-        return (
-            f"bridge of `{rule.ros_topic}`: {rule.gz_type} cannot be bridged to {rule.ros_type}. "
-            f"Write {known}."
-        )
+        return f"{rule.gz_type} cannot be bridged to {rule.ros_type}. Write {known}."
     if message_class(rule.ros_type) is None:
-        return (
-            f"bridge of `{rule.ros_topic}`: the ROS package of {rule.ros_type} is not installed. "
-            "Build it in the workspace."
-        )
+        return f"The ROS package of {rule.ros_type} is not installed. Build it in the workspace."
     return None
 
 
