@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 
 import wsgen.cli
+from wsgen.cli.options import RUN_SECONDS
+from wsgen.model.sweep import LONGEST_RUN, SHORTEST_RUN
 
 BOX = """\
 <robot name="box" xmlns:xacro="http://www.ros.org/wiki/xacro">
@@ -97,6 +99,13 @@ def test_a_variant_that_does_not_expand_is_a_row(
         (("--over", "height=1,2", "--out", "nowhere/t.csv"), 4, "nowhere"),
         (("--over", "height=1,2", "--set", "a=1"), 2, "--set has no effect"),
         (("--over", "height=1,2", "-t", "simple"), 2, "2 are given"),
+        (
+            ("--over", "height=1,2", "--arg", "height:=3"),
+            2,
+            "so that --arg height:=3 has no effect",
+        ),
+        (("--over", "world.slope=0:45:10"), 2, "It is in radians; of degrees, write 5deg."),
+        (("--over", "world.friction=0.1,high"), 2, "world.friction: high is not allowed"),
     ],
 )
 def test_what_is_refused_before_anything_runs(
@@ -112,6 +121,18 @@ def test_what_is_refused_before_anything_runs(
     assert message in err
     assert "Traceback" not in err
     assert [file.name for file in box.parent.iterdir()] == [box.name]
+
+
+def test_what_a_push_cannot_move(box: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert sweep("--over", "push.force=0,1", "--over", "height=0.1") == 0
+    assert "still acts at the end of runs of 0.5 s. Give --seconds 2" in capsys.readouterr().err
+    assert sweep("--over", "push.force=0,1", "--over", "push.seconds=0.1,0.3", "-q") == 0
+    assert "still acts" not in capsys.readouterr().err
+    text = BOX.replace("<link name=", '<link name="world"/>\n  <link name=', 1)
+    joint = '<joint name="bolt" type="fixed"><parent link="world"/><child link="base"/></joint>'
+    box.write_text(text.replace("</robot>", f"{joint}</robot>"))
+    assert sweep("--over", "push.force=0,1", "--out", "fixed.csv") == 2
+    assert "push.force has no effect: box is fixed to the world." in capsys.readouterr().err
 
 
 @pytest.mark.slow
@@ -218,3 +239,7 @@ def test_files_that_only_some_variants_read_count(
         small.write_text(texts[1])
     assert sweep(*words) == 3
     assert "the files of the robot and its world" in capsys.readouterr().err
+
+
+def test_a_run_takes_as_long_as_in_wsgen_toml() -> None:
+    assert (RUN_SECONDS.min, RUN_SECONDS.max) == (SHORTEST_RUN, LONGEST_RUN)

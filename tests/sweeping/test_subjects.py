@@ -296,8 +296,9 @@ def test_a_blueprint_can_be_pickled(tower: Path) -> None:
 def test_the_digest_is_of_all_files_and_of_what_stays(tower: Path, tmp_path: Path) -> None:
     def digest(engine: str = "bullet", **fields: object) -> str:
         with opened(file=tower, **fields) as subject:
-            return subject.digest(engine)
+            return subject.digest(engine, environment=environment)
 
+    environment = {"SIZE": "1", "COLOR": "red", "OTHER": "x"}
     first = digest()
     assert digest() == first
     assert digest(launch_arguments={"mass": "9"}) != first
@@ -306,6 +307,14 @@ def test_the_digest_is_of_all_files_and_of_what_stays(tower: Path, tmp_path: Pat
     assert digest() == first
     (tmp_path / "part.xacro").write_text(f"{PART}<!-- another -->")
     assert digest() != first
+    (tmp_path / "part.xacro").write_text(f"{PART}<!-- $(env SIZE) $(optenv COLOR blue) -->")
+    first = digest()
+    environment["OTHER"] = "y"
+    assert digest() == first
+    for name in ("SIZE", "COLOR"):
+        environment[name] += "2"
+        assert digest() != first
+        first = digest()
 
 
 # Templates
@@ -339,6 +348,9 @@ def test_answers_of_a_template_stay_where_they_do_not_vary() -> None:
         assert mass_of(subject.prepare({"length": 0.5})) == 4.0
         assert mass_of(subject.prepare({"mass": 2.0})) == 2.0
         first = subject.digest("bullet")
+        with pytest.raises(RequestError, match="mass varies, so that --set mass=4 has no effect"):
+            subject.check(grid("mass=1,2"))
+        assert subject.check(grid("length=1,2")).names == ("length",)
     with opened(template="simple") as subject:
         assert subject.digest("bullet") != first
     with pytest.raises(RequestError, match="mass"):
@@ -422,3 +434,40 @@ def test_launch_arguments_vary(tmp_path: Path) -> None:
         assert subject.digest("bullet") != first
     with pytest.raises(RequestError, match="No launch file of crane_description spawns a robot"):
         opened(package="crane_description", workspace=place).__enter__()
+
+
+def test_an_argument_that_only_the_source_has(tmp_path: Path) -> None:
+    name, index = "cart", "share/ament_index/resource_index/packages"
+    launch = """from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument
+from launch_ros.actions import Node
+def generate_launch_description():
+    return LaunchDescription([
+        {}Node(package='gazebo_ros', executable='spawn_entity.py', arguments=['-entity', 'cart',
+             '-file', '{}']),
+    ])
+"""
+    robot = tmp_path / "cart.urdf"
+    robot.write_text(PART)
+    source, share = tmp_path / "ws/src/cart", tmp_path / "ws/install/cart/share/cart"
+    for folder, declared in (
+        (source, "DeclareLaunchArgument('mass', default_value='1'),\n        "),
+        (share, ""),
+    ):
+        (folder / "launch").mkdir(parents=True)
+        (folder / "launch" / "cart.launch.py").write_text(launch.format(declared, robot))
+        (folder / "package.xml").write_text(
+            f"<package format='3'><name>{name}</name><version>0.0.1</version></package>"
+        )
+    marker = tmp_path / "ws/install/cart" / index / name
+    marker.parent.mkdir(parents=True)
+    marker.touch()
+    prefix = tmp_path / "ws/install/cart"
+    (tmp_path / "ws/install/setup.sh").write_text(f"export AMENT_PREFIX_PATH={prefix}\n")
+    with opened(package=name, workspace=Workspace(root=tmp_path / "ws")) as subject:
+        with pytest.raises(RequestError) as caught:
+            subject.check(grid("mass=1,2"))
+        assert "Its source has the argument `mass`: run `wsgen build`." in (caught.value.hint or "")
+        with pytest.raises(RequestError) as caught:
+            subject.check(grid("size=1,2"))
+        assert "DeclareLaunchArgument" in (caught.value.hint or "")

@@ -92,6 +92,26 @@ def test_several_parameters() -> None:
     assert sum(share.passed for share in shares) == passed.sum()
 
 
+def test_each_rule_has_its_border() -> None:
+    sets: tuple[tuple[str, ...], ...] = ((), ("SPN058", "SPN059"), ("SPN059",))
+    numbers = np.select([GRID < 0.1, GRID < 0.41], [1, 0], 2)
+    passed = numbers == 0
+    summary = summarize(make_table({SLOPE: GRID}, passed, code_set=numbers, code_sets=sets))
+    lines = [*render_summary(summary)]
+    first = lines.index("what it depends on") + 1
+    assert lines[first].startswith("  world.slope  passes from ")
+    assert lines[first + 1].startswith("               SPN059 tips-over passes from 0.")
+    assert lines[first + 2].startswith("               SPN058 keeps-moving passes above 0.")
+    (parameter,) = summary_as_json(summary)["parameters"]
+    assert [one["code"] for one in parameter["rules"]] == ["SPN059", "SPN058"]
+    assert [len(one["borders"]) for one in parameter["rules"]] == [2, 1]
+    assert "SPN" not in parameter["summary"]
+    # Rules that fail the same runs have the border of all.
+    numbers = np.where(GRID > 0.3, 1, 0)
+    summary = summarize(make_table({SLOPE: GRID}, GRID <= 0.3, code_set=numbers, code_sets=sets))
+    assert summary.parameters[0].rules == ()
+
+
 def test_an_interval_with_a_longer_side() -> None:
     border = Border(at=0.31, low=0.22, high=0.56, passes_below=True)
     assert write_border(border, "kg") == "0.31 kg (from 0.22 to 0.56)"

@@ -19,6 +19,7 @@ sampler = "sobol"
 seed = 7
 seconds = 5
 engine = "mujoco"
+behaviors = false
 out = "rover.parquet"
 """
 
@@ -37,6 +38,7 @@ def test_a_whole_table(tmp_path: Path) -> None:
         seed=7,
         seconds=5.0,
         engine="mujoco",
+        behaviors=False,
         out="rover.parquet",
     )
 

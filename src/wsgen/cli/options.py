@@ -89,9 +89,12 @@ answer_option = click.option(
     "[default: lines of standard input, unless that is a terminal]",
 )
 
+# Of `wsgen.model.sweep`, which only sweeps load; a test compares them.
+RUN_SECONDS = click.FloatRange(min=0.1, max=600.0)
+
 seconds_option = click.option(
     "--seconds",
-    type=click.FloatRange(min=0.1, max=600.0),
+    type=RUN_SECONDS,
     default=3.0,
     show_default=True,
     help="Simulated time in seconds.",

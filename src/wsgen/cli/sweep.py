@@ -12,6 +12,7 @@ from wsgen.cli.completion import (
     complete_templates,
 )
 from wsgen.cli.options import (
+    RUN_SECONDS,
     ExampleCommand,
     argument_option,
     distro_option,
@@ -139,13 +140,13 @@ class SweepCommand(ExampleCommand):
 @sim_option
 @click.option(
     "--seconds",
-    type=click.FloatRange(min=0.1, max=600.0),
+    type=RUN_SECONDS,
     help="Simulated time of each run in seconds.  [default: 3.0]",
 )
 @engine_option
 @click.option(
     "--behaviors/--no-behaviors",
-    default=True,
+    default=None,
     help="Whether each variant also shows the behaviors in wsgen.toml.  [default: behaviors]",
 )
 @workspace_option
@@ -174,7 +175,7 @@ def command(
     sim: str | None,
     seconds: float | None,
     engine: str | None,
-    behaviors: bool,
+    behaviors: bool | None,
     workspace: str | None,
     output_format: str,
     quiet: bool,
@@ -223,7 +224,7 @@ def command(
             launch_arguments=split_launch_arguments(arguments),
             settings=settings,
             target=_target(ctx, template, distro, sim),
-            has_behaviors=behaviors,
+            has_behaviors=_first(behaviors, defaults.behaviors, default=True),
         ),
         design=make_design_with(
             defaults,
@@ -324,6 +325,11 @@ def _target(
     return chosen_target(ctx, distro, sim) if template is not None or is_given else None
 
 
+def _first(*values: bool | None, default: bool) -> bool:
+    """The first that is given."""
+    return next((value for value in values if value is not None), default)
+
+
 def _engine(given: str | None) -> str:
     from wsgen.cli.options import chosen_engines
 
@@ -344,8 +350,8 @@ def _print_text(outcome: SweepOutcome, plots: Sequence[Path], *, quiet: bool) ->
         click.echo(line)
     if quiet:
         return
-    if outcome.hint is not None:
-        click.echo(f"note: {outcome.hint}", err=True)
+    for hint in outcome.hints:
+        click.echo(f"note: {hint}", err=True)
     runs = f"{outcome.summary.done:,} runs"
     kept = ", as it was" if outcome.was_complete else ""
     click.echo(f"Table: {short_name(outcome.out)} ({runs}{kept})", err=True)

@@ -83,7 +83,7 @@ class FileSubject(Subject):
         for name in dict.fromkeys((*written, *read)):
             yield Parameter(name=name, default=read.get(name, written.get(name)))
 
-    def _advice(self) -> str:
+    def _advice(self, name: str) -> str:  # noqa: ARG002
         if self._reader.kind != "xacro":
             return "Only a xacro file has parameters of its own."
         return 'Declare it in the file: <xacro:arg name="NAME" default="VALUE"/>'

@@ -17,7 +17,7 @@ from wsgen.sweeping.blueprint import Blueprint
 from wsgen.sweeping.kept_answers import KeptAnswers
 from wsgen.sweeping.parameters import Parameter, write_value
 from wsgen.sweeping.subject import Prepared, RobotText, Subject, files_below
-from wsgen.workspace.layout import Workspace
+from wsgen.workspace.layout import Workspace, find_launch_files
 from wsgen.workspace.overlay import require_share
 from wsgen.xacro.source import written_elements
 
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
     from wsgen.events import Listener
     from wsgen.isolation.parent import Run
+    from wsgen.model.plan import LaunchArgument
     from wsgen.model.sweep import Value
     from wsgen.model.world import World
     from wsgen.pipeline.prepare import PreparedRobot
@@ -78,23 +79,31 @@ class PackageSubject(Subject):
         file = self._selected.launch_file
         if file is None:
             return
-        share = self._selected.share
-        declared = evaluate(
+        started = self._selected.started
+        played = () if started is None else started.plan.arguments
+        arguments = {one.name: one for one in (*self._declared(file), *played)}
+        for one in arguments.values():
+            yield Parameter(name=one.name, meaning=one.description, default=one.default)
+
+    def _advice(self, name: str) -> str:
+        file, source = self._selected.launch_file, self._selected.source
+        if file is not None and source is not None and self._selected.share is not None:
+            written = (one for one in find_launch_files(source) if one.name == file.name)
+            newer = (one for one in written if not one.samefile(file))
+            if any(one.name == name for other in newer for one in self._declared(other)):
+                return f"Its source has the argument `{name}`: run `wsgen build`."
+        return "Declare it in the launch file, with DeclareLaunchArgument."
+
+    def _declared(self, file: Path) -> Sequence[LaunchArgument]:
+        """The arguments that a launch file declares, and those that it includes."""
+        return evaluate(
             file,
-            package=self._selected.name if share else None,
+            package=self._selected.name if self._selected.share else None,
             arguments={},
             environment=self._overlay.environment,
             only_arguments=True,
             run=self._run,
-        )
-        started = self._selected.started
-        played = () if started is None else started.plan.arguments
-        arguments = {one.name: one for one in (*declared.arguments, *played)}
-        for one in arguments.values():
-            yield Parameter(name=one.name, meaning=one.description, default=one.default)
-
-    def _advice(self) -> str:
-        return "Declare it in the launch file, with DeclareLaunchArgument."
+        ).arguments
 
     def _read(self, values: Mapping[str, Value], folder: Path) -> Prepared:
         written = {name: write_value(value) for name, value in values.items()}

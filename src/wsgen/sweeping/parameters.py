@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -190,6 +191,9 @@ OWN: tuple[Parameter, ...] = (
         is_open=True,
     ),
 )
+_NUMBER = re.compile(
+    r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(deg)?"
+)  # as words.py reads it
 OWN_NAMES = frozenset(one.name for one in OWN)
 NEED_A_FORCE = (PUSH_DIRECTION, PUSH_SECONDS)
 
@@ -268,6 +272,7 @@ def _unknown(name: str, known: Iterable[Parameter], subject: str, others: str) -
 
 
 def _fit_axis(axis: Axis, parameter: Parameter) -> Axis:
+    _refuse_texts(axis.values, parameter)
     values = tuple(_fit(value, parameter) for value in axis.values)
     return replace(axis, values=_without_change(values, axis.name))
 
@@ -278,8 +283,17 @@ def _without_change(values: tuple[Value, ...], name: str) -> tuple[Value, ...]:
     return values
 
 
+def _refuse_texts(values: Iterable[Value], parameter: Parameter) -> None:
+    """Refuse the value that is no number: with it, the others have been read as texts, too."""
+    if parameter.kind in {"number", "integer"}:
+        for value in values:
+            if isinstance(value, str) and _NUMBER.fullmatch(value.strip()) is None:
+                raise _refused(value or '""', parameter)
+
+
 def _fit_distribution(distribution: Distribution, parameter: Parameter) -> Distribution:
     if distribution.kind == "choice":
+        _refuse_texts(distribution.choices, parameter)
         values = tuple(_fit(value, parameter) for value in distribution.choices)
         return replace(distribution, choices=_without_change(values, distribution.name))
     if parameter.kind not in {"number", "any"}:
@@ -354,9 +368,13 @@ def _check_bounds(value: float, parameter: Parameter) -> None:
 
 def _refused(value: str, parameter: Parameter) -> RequestError:
     meaning = f"It is the {parameter.meaning}." if parameter.name in OWN_NAMES else ""
+    hint = meaning or f"Give other values of {parameter.name}."
+    number = _NUMBER.fullmatch(value.replace(",", "").strip())
+    in_degrees = parameter.unit == "rad" and number is not None and not number[2]
+    if number is not None and in_degrees and parameter.is_within(math.radians(float(number[1]))):
+        hint = f"It is in radians; of degrees, write {number[1]}deg. {hint}"
     return RequestError(
-        f"{parameter.name}: {value} is not allowed; it must be {parameter.expected}.",
-        hint=meaning or f"Give other values of {parameter.name}.",
+        f"{parameter.name}: {value} is not allowed; it must be {parameter.expected}.", hint=hint
     )
 
 

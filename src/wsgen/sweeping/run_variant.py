@@ -81,6 +81,14 @@ def can_run(blueprint: Blueprint) -> bool:
     )
 
 
+def can_be_pushed(blueprint: Blueprint) -> bool:
+    """Whether a push moves one of its robots."""
+    return any(
+        not (robot.is_static_model or robot.lumped.fixed_to_world or robot.lumped.is_static)
+        for robot in blueprint.prepared
+    )
+
+
 def _run(blueprint: Blueprint, variant: Variant, seconds: float, engine: str, run: Run) -> Row:
     varied = apply(blueprint, variant.values)
     if varied.world is None or not can_run(varied):

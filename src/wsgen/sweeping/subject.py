@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import re
 import shutil
 import tempfile
 import threading
@@ -12,11 +14,13 @@ from dataclasses import field, replace
 from hashlib import sha256
 from importlib import metadata
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen import __version__
+from wsgen.errors import RequestError
 from wsgen.model.robot import Mesh
-from wsgen.sweeping.parameters import check_design, subject_values, write_value
+from wsgen.sweeping.parameters import OWN_NAMES, check_design, subject_values, write_value
 from wsgen.values import dataclass
 
 if TYPE_CHECKING:
@@ -88,6 +92,11 @@ class Subject(ABC):
         self.parameters = tuple(parameters)  # without wsgen's own
         self.folder = folder  # scratch, until the subject is closed
         self._kept = request.kept
+        # What gives a parameter one value, by its name: as a user writes it.
+        self._given = {
+            **{name: f"--arg {name}:={value}" for name, value in request.launch_arguments.items()},
+            **{word.partition("=")[0].strip(): f"--set {word}" for word in request.settings},
+        }
         self._has_behaviors = request.has_behaviors
         self._lock = threading.Lock()
         self._slots: OrderedDict[tuple[tuple[str, str, str], ...], _Slot] = OrderedDict()
@@ -101,10 +110,22 @@ class Subject(ABC):
         """The design with values of the types of the parameters; see `check_design`.
 
         Raises:
-            RequestError: A name is unknown, or a value is not allowed.
+            RequestError: A name is unknown, a value is not allowed, or an option gives a parameter
+                that varies one value.
             NotFoundError: The sampler needs scipy, which is not installed.
         """
-        return check_design(design, self.parameters, subject=self.title, others=self._advice())
+        known = {*self.own_names, *OWN_NAMES}
+        unknown = next((name for name in design.names if name not in known), None)
+        others = "" if unknown is None else self._advice(unknown)
+        checked = check_design(design, self.parameters, subject=self.title, others=others)
+        for name in subject_values(dict.fromkeys(design.names, 0)):
+            if name in self._given:
+                raise RequestError(
+                    f"{name} varies, so that {self._given[name]} has no effect.",
+                    hint=f"Remove {self._given[name]}, or have {name} not vary: leave it out of "
+                    "--over, --random and [sweep] in wsgen.toml.",
+                )
+        return checked
 
     def prepare(self, values: Mapping[str, Value]) -> Blueprint:
         """What `wsgen validate` would simulate with these values; those of wsgen's own are ignored.
@@ -125,12 +146,17 @@ class Subject(ABC):
         """
         return None
 
-    def digest(self, engine: str, some: Iterable[Mapping[str, Value]] = ()) -> str:
+    def digest(
+        self,
+        engine: str,
+        some: Iterable[Mapping[str, Value]] = (),
+        environment: Mapping[str, str] = MappingProxyType({}),
+    ) -> str:
         """A hash over all that a result depends on beside what varies.
 
         That is the content of the files that are read, by default and with each of `some` values,
-        what stays the same of launch arguments and answers, and the versions of wsgen and of the
-        engine.
+        the environment variables that they ask for, what stays the same of launch arguments and
+        answers, and the versions of wsgen and of the engine.
         """
         found = sha256()
         for part in (__version__, engine, engine_version(engine), self.kind, *self._fixed()):
@@ -140,11 +166,16 @@ class Subject(ABC):
         for values in (first, *some):
             prepared = self._prepared(values)
             files |= {*prepared.files(), *mesh_files(prepared.blueprint.prepared)}
+        asked: set[bytes] = set()
         for file in sorted(files):
             if not file.is_relative_to(self.folder) and (content := _content(file)) is not None:
                 # Not where the folder lies: it may be moved.
                 name = "/".join(file.parts[-2:])
                 found.update(f"{name}:{sha256(content).hexdigest()}".encode())
+                asked.update(_ASKED.findall(content))
+        for name in sorted(map(os.fsdecode, asked)):
+            if name in environment:
+                found.update(os.fsencode(f"{name}={environment[name]}"))
         return found.hexdigest()
 
     def _prepared(self, values: Mapping[str, Value]) -> Prepared:
@@ -188,7 +219,7 @@ class Subject(ABC):
     def _own_files(self) -> Iterable[Path]:
         """The files of the subject that may be read, whatever the values are."""
 
-    def _advice(self) -> str:
+    def _advice(self, name: str) -> str:  # noqa: ARG002
         """What to do about a name that is unknown."""
         return ""
 
@@ -218,6 +249,11 @@ def mesh_files(prepared: Iterable[PreparedRobot]) -> Iterator[Path]:
                     yield Path(mesh.path)
 
 
+# How files of xacro and launch files ask for an environment variable by its name.
+_ASKED = re.compile(
+    rb"""(?:\$\((?:opt)?env\s+|(?:environ(?:\.get\(|\[)|getenv\(|EnvironmentVariable\()"""
+    rb"""\s*(?:name\s*=\s*)?\[?['"])([A-Za-z_]\w*)"""
+)
 # Folders that no result depends on, and files that only people read.
 NOT_READ = frozenset(("__pycache__", "build", "install", "log", "test", "tests"))
 TEXTS = frozenset((".md", ".rst", ".pyc"))

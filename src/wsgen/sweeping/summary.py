@@ -17,6 +17,8 @@ from wsgen.values import dataclass
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from numpy.typing import NDArray
+
     from wsgen.model.sweep import Column
     from wsgen.sweeping.borders import Border
     from wsgen.sweeping.table_data import Series, TableData
@@ -54,6 +56,15 @@ class ValueShare:
 
 
 @dataclass(frozen=True, kw_only=True)
+class RuleDependence:
+    """How it depends on a parameter whether a rule reports an error."""
+
+    code: str
+    name: str
+    dependence: Dependence  # a run passes where the rule reports nothing
+
+
+@dataclass(frozen=True, kw_only=True)
 class ParameterSummary:
     """What a parameter does to the result."""
 
@@ -63,6 +74,8 @@ class ParameterSummary:
     highest: float | None
     dependence: Dependence | None  # of a number
     shares: tuple[ValueShare, ...]  # of a text, a boolean or a number with two values
+    # Of rules that have a clear border, where several fail, and not in the same runs.
+    rules: tuple[RuleDependence, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,15 +95,32 @@ def summarize(data: TableData) -> Summary:
     A parameter with one value tells nothing, and is left out of what the borders depend on.
     """
     varying = [one for one in data.parameters if _varies(one)]
+    codes = tuple(_codes(data))
+    absent = _absent(data, codes)
     return Summary(
         runs=data.runs,
         done=data.count,
         passed=int(data.passed.sum()),
-        codes=tuple(_codes(data)),
+        codes=codes,
         parameters=tuple(
-            _parameter(one, data.passed, is_alone=len(varying) == 1) for one in varying
+            _parameter(one, data.passed, absent, is_alone=len(varying) == 1) for one in varying
         ),
     )
+
+
+def _absent(
+    data: TableData, codes: Sequence[CodeCount]
+) -> list[tuple[CodeCount, NDArray[np.bool_]]]:
+    """The rules that fail runs, and the runs in which each reports nothing.
+
+    Of rules that fail the same runs, the first one counts for all. None where all do.
+    """
+    kept: dict[bytes, tuple[CodeCount, NDArray[np.bool_]]] = {}
+    for one in codes[:MOST_CODES]:
+        sets = [index for index, found in enumerate(data.code_sets) if one.code in found]
+        absent = ~np.isin(data.code_set, sets) | data.passed
+        kept.setdefault(absent.tobytes(), (one, absent))
+    return [*kept.values()] if len(kept) > 1 else []
 
 
 def unit_of(column: Column) -> str:
@@ -104,7 +134,11 @@ def _varies(series: Series) -> bool:
 
 
 def _parameter(
-    series: Series, passed: np.ndarray[Any, np.dtype[np.bool_]], *, is_alone: bool
+    series: Series,
+    passed: NDArray[np.bool_],
+    absent: Sequence[tuple[CodeCount, NDArray[np.bool_]]],
+    *,
+    is_alone: bool,
 ) -> ParameterSummary:
     column, numbers = series.column, series.numbers
     is_number = column.kind in {"number", "integer"}
@@ -120,7 +154,20 @@ def _parameter(
         highest=float(values[-1]) if is_number else None,
         dependence=None if has_shares else dependence,
         shares=tuple(_shares(series, values, passed)) if has_shares else (),
+        rules=() if has_shares else tuple(_of_rules(numbers, absent, is_alone=is_alone)),
     )
+
+
+def _of_rules(
+    numbers: NDArray[np.float64],
+    absent: Sequence[tuple[CodeCount, NDArray[np.bool_]]],
+    *,
+    is_alone: bool,
+) -> Iterator[RuleDependence]:
+    for one, runs in absent:
+        dependence = find_borders(numbers, runs, is_alone=is_alone)
+        if dependence.borders and (dependence.is_certain or dependence.is_clear):
+            yield RuleDependence(code=one.code, name=one.name, dependence=dependence)
 
 
 def _shares(
@@ -218,7 +265,15 @@ def _render_codes(summary: Summary) -> Iterator[str]:
 
 
 def describe_parameter(one: ParameterSummary) -> list[str]:
-    """Say what a parameter does to the result: a line, or one for each value."""
+    """Say what a parameter does to the result: a line, or one for each value; then each rule."""
+    of_rules = (
+        f"{f'{rule.code} {rule.name}'.rstrip()} {describe_dependence(rule.dependence, one)}"
+        for rule in one.rules
+    )
+    return [*_describe_result(one), *of_rules]
+
+
+def _describe_result(one: ParameterSummary) -> list[str]:
     if one.dependence is None:
         return _describe_shares(one.shares)
     return [describe_dependence(one.dependence, one)]
@@ -355,19 +410,31 @@ def _parameter_as_json(one: ParameterSummary) -> dict[str, Any]:
         "unit": one.unit or None,
         "lowest": one.lowest,
         "highest": one.highest,
-        "summary": "; ".join(describe_parameter(one)),
+        "summary": "; ".join(_describe_result(one)),
         "is_certain": dependence.is_certain if dependence else None,
         "borders": [
+            _border_as_json(border) for border in (dependence.borders if dependence else ())
+        ],
+        "rules": [
             {
-                "at": border.at,
-                "low": border.low,
-                "high": border.high,
-                "passes": "below" if border.passes_below else "above",
+                "code": rule.code,
+                "name": rule.name or None,
+                "summary": describe_dependence(rule.dependence, one),
+                "borders": [_border_as_json(border) for border in rule.dependence.borders],
             }
-            for border in (dependence.borders if dependence else ())
+            for rule in one.rules
         ],
         "shares": [
             {"value": share.value, "runs": share.runs, "passed": share.passed}
             for share in one.shares
         ],
+    }
+
+
+def _border_as_json(border: Border) -> dict[str, Any]:
+    return {
+        "at": border.at,
+        "low": border.low,
+        "high": border.high,
+        "passes": "below" if border.passes_below else "above",
     }

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import time
 from contextlib import ExitStack, closing
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from wsgen.errors import RequestError
 from wsgen.model.sweep import Column
 from wsgen.pipeline.engines import check_engines
 from wsgen.pipeline.load_scene import BrokenSceneError
@@ -15,8 +17,8 @@ from wsgen.rules.catalogue import without_allowed
 from wsgen.sweeping.design import Variants
 from wsgen.sweeping.figures import columns
 from wsgen.sweeping.journal import Header
-from wsgen.sweeping.parameters import OWN, subject_values
-from wsgen.sweeping.run_variant import can_run
+from wsgen.sweeping.parameters import OWN, PUSH_FORCE, PUSH_SECONDS, subject_values
+from wsgen.sweeping.run_variant import PUSHED_AFTER, can_be_pushed, can_run
 from wsgen.sweeping.runner import run_all
 from wsgen.sweeping.subjects import open_subject
 from wsgen.sweeping.summary import summarize
@@ -42,6 +44,7 @@ if TYPE_CHECKING:
 
 DEFAULT_SECONDS = 3.0  # simulated
 TRIED = 8  # variants, spread over the sweep, whose figures are the columns
+PUSH_LASTS = next(float(one.default or 0.0) for one in OWN if one.name == PUSH_SECONDS)
 FEW_TEXTS = 20  # of a parameter, whose files are looked at before the first run
 NAMED = 3  # parameters in the name of the table
 
@@ -79,7 +82,7 @@ class SweepOutcome:
     was_complete: bool  # before this command
     data: TableData
     summary: Summary
-    hint: str | None = None  # about the samples
+    hints: tuple[str, ...] = ()  # about the samples, and what varies
     worst: tuple[WorstVariant, ...] = ()
 
 
@@ -117,7 +120,7 @@ def sweep(
         variants = Variants(design)
         varied = "-".join(design.names[:NAMED])
         out = request.out or Path(f"{subject.name}-sweep-{varied}.csv")
-        header = Header(runs=len(variants), inputs=_inputs(request, design, subject))
+        header = Header(runs=len(variants), inputs=_inputs(request, design, subject, environment))
         made = _columns(design, subject, variants)
         if request.worst is not None:
             from wsgen.sweeping.worst import check_choice  # noqa: PLC0415  it draws
@@ -143,7 +146,7 @@ def sweep(
             was_complete=was_complete,
             data=data,
             summary=summarize(data),
-            hint=variants.hint,
+            hints=tuple(filter(None, (variants.hint, _late_push(design, request.seconds)))),
         )
         on_table(outcome)
         if request.worst is None:
@@ -166,7 +169,9 @@ def sweep(
         return replace(outcome, worst=tuple(worst))
 
 
-def _inputs(request: SweepRequest, design: Design, subject: Subject) -> dict[str, str]:
+def _inputs(
+    request: SweepRequest, design: Design, subject: Subject, environment: Mapping[str, str]
+) -> dict[str, str]:
     """What the results depend on, in words for a person."""
     varied = {
         **{axis.name: f"{len(axis.values)} values: {axis.values}" for axis in design.axes},
@@ -177,7 +182,9 @@ def _inputs(request: SweepRequest, design: Design, subject: Subject) -> dict[str
         },
     }
     return {
-        "the files of the robot and its world": subject.digest(request.engine, _texts(design)),
+        "the files of the robot and its world": subject.digest(
+            request.engine, _texts(design), environment
+        ),
         "the simulated seconds": repr(request.seconds),
         "the engine": request.engine,
         "the behaviors": "simulated" if request.subject.has_behaviors else "left out",
@@ -240,7 +247,42 @@ def _figures(subject: Subject, variants: Variants) -> tuple[Column, ...]:
     if not usable:
         first = next(iter(tried.values()))
         raise BrokenSceneError(subject.name, without_allowed(first.diagnostics, first.allow))
+    if PUSH_FORCE in variants.variant(0).values and not any(map(can_be_pushed, usable)):
+        raise RequestError(
+            f"{PUSH_FORCE} has no effect: {subject.name} is fixed to the world.",
+            hint=f"Leave {PUSH_FORCE} out, or have the robot stand free: remove its fixed joint to "
+            "`world`.",
+        )
     return tuple(dict.fromkeys(one for blueprint in usable for one in columns(blueprint)))
+
+
+def _late_push(design: Design, seconds: float) -> str | None:
+    """Say that a push still acts at the end of a run, and is part of what is measured there."""
+    if PUSH_FORCE not in design.names:
+        return None
+    longest = max(
+        [
+            *(
+                float(value)
+                for axis in design.axes
+                if axis.name == PUSH_SECONDS
+                for value in axis.values
+            ),
+            *(
+                max(map(float, one.choices or one.numbers))
+                for one in design.distributions
+                if one.name == PUSH_SECONDS
+            ),
+        ],
+        default=PUSH_LASTS,
+    )
+    enough = longest / (1 - PUSHED_AFTER)
+    if seconds >= enough:
+        return None
+    return (
+        f"A push of {longest:g} s, from a third of the run on, still acts at the end of runs of "
+        f"{seconds:g} s. Give --seconds {math.ceil(2 * enough):g} for the robot to come to rest."
+    )
 
 
 def _spread(variants: Variants) -> Iterator[Variant]:

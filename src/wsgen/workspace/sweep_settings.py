@@ -10,6 +10,7 @@ The table says what `wsgen sweep PACKAGE` varies, in the words of its options:
     seed = 7
     seconds = 5.0
     engine = "mujoco"
+    behaviors = false
     out = "rover.parquet"
 
 A name with a dot stands in quotes. A value of `over` is a text as after `--over NAME=`, a value, or
@@ -47,7 +48,7 @@ if TYPE_CHECKING:
 
 TABLE = "sweep"
 EXAMPLE = 'Write for example: [sweep], over = { "world.slope" = "0:30deg:31" }'
-KEYS = ("over", "random", "samples", "sampler", "seed", "seconds", "engine", "out")
+KEYS = ("over", "random", "samples", "sampler", "seed", "seconds", "engine", "behaviors", "out")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,6 +65,7 @@ class SweepSettings:
     seed: int | None = None
     seconds: float | None = None
     engine: str | None = None
+    behaviors: bool | None = None
     out: str | None = None
 
 
@@ -99,6 +101,7 @@ def read_sweep(
         seed=reader.integer(table, "seed", least=0, most=MOST_SEED),
         seconds=reader.seconds(table),
         engine=reader.word(table, "engine", tuple(ENGINE_NAMES)),
+        behaviors=reader.boolean(table, "behaviors"),
         out=reader.out(table),
     )
     return settings, tuple(reader.found)
@@ -218,6 +221,14 @@ class _Reader:
             )
             return None
         return float(value)
+
+    def boolean(self, table: Mapping[str, Any], key: str) -> bool | None:
+        """Read true or false."""
+        value = table.get(key)
+        if value is None or isinstance(value, bool):
+            return value
+        self.report(f"`{key}` is neither true nor false.", f"Write for example: {key} = false", key)
+        return None
 
     def word(self, table: Mapping[str, Any], key: str, known: tuple[str, ...]) -> str | None:
         """Read one of some words."""
