@@ -24,12 +24,14 @@ from wsgen.isolation.result import (
     conclude,
     read_lateness,
 )
+from wsgen.isolation.stale import PREFIX, held, remove_stale
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
 
 
 __all__ = ["Answered", "Died", "Limits", "run"]
+
 
 BOOTSTRAP = str(Path(__file__).with_name("bootstrap.py"))
 # Robots are written on Linux, where this is the encoding of files and streams anyway.
@@ -87,24 +89,36 @@ def make_scratch(*, in_memory: bool = False) -> Iterator[Path]:
     With `in_memory` it is there, if the system has a place for that and nobody chose another one
     (TMPDIR): for many links, which a disk takes ten times as long to make.
 
-    A signal that arrives while it is made or removed waits until that is done.
+    A signal that arrives while it is made or removed waits until that is done. The first folder of
+    a process in a place removes those that killed processes left behind there.
     """
     before = _hold_signals()
     try:
         # A process that a killed guard or server left behind may still write into the folder.
         folder = tempfile.TemporaryDirectory(
-            prefix="wsgen-",
+            prefix=PREFIX,
             ignore_cleanup_errors=True,
             dir=system.memory_folder() if in_memory else None,
         )
-        try:
-            _release_signals(before)
-            yield Path(folder.name)
-        finally:
-            before = _hold_signals()
-            folder.cleanup()
+        with held(folder.name):
+            try:
+                _release_signals(before)
+                _remove_stale_once(str(Path(folder.name).parent))
+                yield Path(folder.name)
+            finally:
+                before = _hold_signals()
+                folder.cleanup()
     finally:
         _release_signals(before)
+
+
+_cleaned: set[str] = set()  # the places where this process has removed what others left
+
+
+def _remove_stale_once(place: str) -> None:
+    if place not in _cleaned:
+        _cleaned.add(place)
+        remove_stale(place)
 
 
 def _hold_signals() -> set[int]:
