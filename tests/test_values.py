@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import dataclasses
 import pickle
+import re
 from dataclasses import FrozenInstanceError, field, replace
 from typing import TYPE_CHECKING, Any, get_type_hints
 
@@ -15,6 +16,8 @@ if TYPE_CHECKING:
     from typing import NamedTuple
 else:
     from wsgen.values import NamedTuple, dataclass
+
+from wsgen.values import lazy_pattern
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -179,3 +182,18 @@ def test_named_tuples_refuse() -> None:
         make("a", 1).line = 2
     with pytest.raises(AttributeError):
         make("a", 1).place = 2
+
+
+def test_lazy_patterns() -> None:
+    pattern = lazy_pattern(r"(?P<first>a+)b", re.IGNORECASE)
+    found = pattern.fullmatch("AAb")
+    assert found is not None
+    assert found["first"] == "AA"
+    assert pattern.sub("c", "ab ab") == "c c"
+    assert (pattern.pattern, pattern.groups) == (r"(?P<first>a+)b", 1)
+    assert lazy_pattern(rb"\w").findall(b"ab") == [b"a", b"b"]
+    wrong = lazy_pattern("(")
+    with pytest.raises(re.error, match="unterminated"):
+        wrong.search("a")
+    with pytest.raises(AttributeError):
+        _ = lazy_pattern("a").__wrapped__  # type: ignore[attr-defined]

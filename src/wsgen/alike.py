@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from wsgen.values import NamedTuple
+from wsgen.values import NamedTuple, lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -16,10 +15,10 @@ if TYPE_CHECKING:
 MANY = 3  # so many are one
 NAMED = 3  # of the others in the message
 # What is quoted, addresses, paths.
-NAMES = re.compile(r"`[^`]*`|\b\w+://[^\s`']+|(?<!\w)'[^']*'(?!\w)|(?<=[\s(])/[^\s)]+")
-NAMED_IN = re.compile(r"@name='([^']*)'")
+NAMES = lazy_pattern(r"`[^`]*`|\b\w+://[^\s`']+|(?<!\w)'[^']*'(?!\w)|(?<=[\s(])/[^\s)]+")
+NAMED_IN = lazy_pattern(r"@name='([^']*)'")
 QUOTES = "`'"
-NUMBERS = re.compile(r"\d+(\.\d+)?(e[+-]?\d+)?")
+NUMBERS = lazy_pattern(r"\d+(\.\d+)?(e[+-]?\d+)?")
 
 
 class _Cause(NamedTuple):

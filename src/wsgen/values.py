@@ -1,4 +1,4 @@
-"""`dataclass` and `NamedTuple` as the standard library's, for classes that are cheaper to define.
+"""Classes and patterns that are cheaper to define than those of the standard library.
 
 `dataclasses` compiles nine methods for each frozen class, which takes half a millisecond that every
 command pays for every class that it loads. Here all classes share those that compare, hash, show
@@ -6,12 +6,14 @@ and refuse changes, and a class has its `__init__` compiled when the first objec
 classes that a command loads it does not use.
 
 `typing.NamedTuple` compiles each annotation and a `__new__`, which takes a fifth of a millisecond.
-Here they stay texts, and `__new__` is compiled when the first tuple is made.
+Here they stay texts, and `__new__` is compiled when the first tuple is made. A `lazy_pattern` is
+compiled when it is first used.
 """
 
 from __future__ import annotations
 
 import dataclasses
+import re
 import typing
 from collections import _tuplegetter  # type: ignore[attr-defined]  # what its `namedtuple` uses
 from functools import cache
@@ -23,7 +25,13 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
     from dataclasses import dataclass as dataclass  # noqa: PLC0414, TID251  type checkers know it
     from typing import NamedTuple as NamedTuple  # noqa: PLC0414  same
+
+    lazy_pattern = re.compile
 else:
+
+    def lazy_pattern(pattern: str | bytes, flags: int = 0) -> Any:
+        """As `re.compile`; what is wrong with a pattern is raised when it is first used."""
+        return _LazyPattern(pattern, flags)
 
     class _NamedTupleType(type):
         """Makes of a class with annotations one of named tuples, as `typing.NamedTuple` does."""
@@ -215,3 +223,27 @@ def _replaced(self: Any, /, **values: Any) -> Any:
     if values:
         raise TypeError(f"Got unexpected field names: {list(values)!r}")
     return made
+
+
+_OF_PATTERNS = (
+    *("pattern", "flags", "groups", "groupindex", "scanner", "search", "match", "fullmatch"),
+    *("split", "findall", "finditer", "sub", "subn"),
+)
+
+
+class _Pattern:
+    """Has the attributes of a pattern as its own."""
+
+
+class _LazyPattern(_Pattern):
+    def __init__(self, pattern: str | bytes, flags: int) -> None:
+        self._given = pattern, flags
+
+    def __getattr__(self, name: str) -> Any:
+        if name not in _OF_PATTERNS:
+            raise AttributeError(f"a pattern has no attribute {name!r}")
+        made: Any = re.compile(*self._given)
+        vars(self).update({one: getattr(made, one) for one in _OF_PATTERNS})
+        # Who asks for an attribute of a class with `__getattr__` waits twice as long.
+        self.__class__ = _Pattern  # type: ignore[assignment]
+        return getattr(made, name)

@@ -9,17 +9,17 @@ import re
 from xml.parsers import expat
 
 from wsgen.suggestions import nearest
-from wsgen.values import NamedTuple
+from wsgen.values import NamedTuple, lazy_pattern
 
 ERRORS = expat.errors
 UNCLOSED = frozenset({ERRORS.XML_ERROR_NO_ELEMENTS, ERRORS.XML_ERROR_UNCLOSED_TOKEN})
-LAST_TAG = re.compile(rb"<([\w.:-]+)(?:[^<>\"']|\"[^\"]*\"|'[^']*')*$")  # up to the error
-OPEN_VALUE = re.compile(
+LAST_TAG = lazy_pattern(rb"<([\w.:-]+)(?:[^<>\"']|\"[^\"]*\"|'[^']*')*$")  # up to the error
+OPEN_VALUE = lazy_pattern(
     rb"<([\w.:-]+)(?:[^<>\"']|\"[^\"]*\"|'[^']*')*?([\w.:-]+)\s*=\s*[\"'][^<]*$"
 )
 # The closing quote is missing, and the value goes on up to the quote of the next attribute.
-LONG_VALUE = re.compile(rb"([\w.:-]+)\s*=\s*([\"'])(?:(?!\2).)*\s[\w.:-]+\s*=\s*\2$", re.DOTALL)
-BARE_VALUE = re.compile(rb"([\w.:-]+)\s*=\s*$")
+LONG_VALUE = lazy_pattern(rb"([\w.:-]+)\s*=\s*([\"'])(?:(?!\2).)*\s[\w.:-]+\s*=\s*\2$", re.DOTALL)
+BARE_VALUE = lazy_pattern(rb"([\w.:-]+)\s*=\s*$")
 LONGEST_TAG = 2000  # bytes; the patterns take their time
 
 

@@ -7,12 +7,11 @@ or grow without end.
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING
 
 from lxml import etree
 
-from wsgen.values import dataclass
+from wsgen.values import dataclass, lazy_pattern
 from wsgen.xmlsyntax import find_mistake
 
 if TYPE_CHECKING:
@@ -79,7 +78,7 @@ def parse_as_tinyxml(text: str) -> Element | None:
     return root if is_harmless else None
 
 
-QUOTED = re.compile(rb"""=\s*("[^"]*"|'[^']*')""")
+QUOTED = lazy_pattern(rb"""=\s*("[^"]*"|'[^']*')""")
 
 
 def parse_numbers(content: bytes) -> Element | Malformed:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -13,6 +12,7 @@ from wsgen.build_files.cmake_commands import is_harmless
 from wsgen.build_files.cmake_values import is_known, version
 from wsgen.diagnostics import Rule, Severity
 from wsgen.suggestions import ask_for_nearest, did_you_mean, nearest
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
@@ -568,7 +568,7 @@ def misspelled(reader: Reader) -> Iterator[Diagnostic]:
 
 
 SURELY = 0.9  # how similar two names of commands are, of which one is misspelled
-_OF_AMENT = re.compile(
+_OF_AMENT = lazy_pattern(
     "ament_(add_|cmake_|copyright|cppcheck|cpplint|flake8|find_|generate_|get_|has_|include_|index_"
     "|lint_cmake|libraries_|mypy|package_xml|pep257|pclint|pycodestyle|register_|uncrustify"
     "|xmllint|clang|python_install_module|auto_|execute_|export_|black|environment_|vitis|ros)"

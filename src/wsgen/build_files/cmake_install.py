@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from wsgen.build_files.cmake_calls import InstallRule, sections
 from wsgen.build_files.cmake_text import UNQUOTED, Argument, read_text
 from wsgen.build_files.cmake_values import BUILD, PREFIX, UNKNOWN, is_known
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -282,7 +283,7 @@ def _environment_hooks(reader: Reader, mention: Mention) -> None:
 
 
 # A line of a .dsv file, or one of a .sh file that calls a function of ament.
-_HOOK = re.compile(
+_HOOK = lazy_pattern(
     r"""(?mx)^\s*(?:prepend-non-duplicate(?:-if-exists)?;|ament_\w+_unique_value\s+)
     (\w+)(?:;|\s+)["']?([^"'\n;]*?)["']?\s*$"""
 )

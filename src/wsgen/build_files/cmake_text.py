@@ -6,7 +6,7 @@ import re
 from typing import TYPE_CHECKING
 
 from wsgen.files import read_regular
-from wsgen.values import NamedTuple
+from wsgen.values import NamedTuple, lazy_pattern
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 # cmake-language(7), "Lexical Elements". An unquoted argument may hold quoted parts, as in
 # -DA="b c", and $(NAME).
 _BRACKET = r"\[(?P<{0}>=*)\[.*?\](?P={0})\]"
-_TOKEN = re.compile(
+_TOKEN = lazy_pattern(
     rf"""
     (?P<blank>[ \t\r\n]+)
   | (?P<comment>\#{_BRACKET.format("equals")}|\#[^\n]*)
@@ -27,7 +27,7 @@ _TOKEN = re.compile(
     """,
     re.DOTALL | re.VERBOSE,
 )
-_NAME = re.compile(r"[A-Za-z_]\w*")
+_NAME = lazy_pattern(r"[A-Za-z_]\w*")
 SIZE_LIMIT = 2**20  # bytes; build files are written by hand
 
 BLOCKS = ("block", "foreach", "function", "if", "macro", "while")  # each ends with end...()
@@ -210,8 +210,8 @@ def open_block(calls: tuple[Call, ...]) -> tuple[Call | None, Call | None]:
 
 
 _QUOTED = r'"(?:[^"\\]|\\.)*"'
-_COMMENT = re.compile(rf"{_QUOTED}|(#\[(=*)\[.*?\]\2\]|#[^\n]*)", re.DOTALL)
-_STRING = re.compile(rf'{_QUOTED}|".*\Z', re.DOTALL)  # the last one may have no end
+_COMMENT = lazy_pattern(rf"{_QUOTED}|(#\[(=*)\[.*?\]\2\]|#[^\n]*)", re.DOTALL)
+_STRING = lazy_pattern(rf'{_QUOTED}|".*\Z', re.DOTALL)  # the last one may have no end
 
 
 def _find_open_quote(text: str) -> int | None:

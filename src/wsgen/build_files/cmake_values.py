@@ -7,6 +7,7 @@ import re
 from typing import TYPE_CHECKING
 
 from wsgen.build_files.cmake_text import QUOTED, UNQUOTED, Argument
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -17,8 +18,8 @@ SEMICOLON = "\ue001"  # one that does not separate elements
 BUILD = "/\ue002build"  # stands for the build folder
 PREFIX = "/\ue002prefix"  # stands for the install prefix
 
-_PLAIN = re.compile(r"[^$\\]*")
-_REFERENCE = re.compile(r"\$(ENV|CACHE)?\{")
+_PLAIN = lazy_pattern(r"[^$\\]*")
+_REFERENCE = lazy_pattern(r"\$(ENV|CACHE)?\{")
 _ESCAPES = {"n": "\n", "t": "\t", "r": "\r", "0": "\0", ";": SEMICOLON}
 
 

@@ -18,7 +18,7 @@ from wsgen.build_files.cmake_values import is_known
 from wsgen.diagnostics import Rule, Severity
 from wsgen.files import read_regular
 from wsgen.suggestions import ask_for_nearest, nearest, some_of
-from wsgen.values import NamedTuple
+from wsgen.values import NamedTuple, lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
@@ -199,7 +199,7 @@ def find_resources(source: Path) -> tuple[Folder, ...]:
 
 
 # Files that a folder may have and nobody looks up.
-_NOT_LOOKED_UP = re.compile(
+_NOT_LOOKED_UP = lazy_pattern(
     r"(?:^|/)(?:\.[^/]*|readme[^/]*|CMakeLists\.txt|[^/]*\.md)$", re.IGNORECASE
 )
 MOST_FILES = 2000  # that are looked at in a folder
@@ -380,8 +380,8 @@ def _base(path: str) -> str:
     return os.path.basename(path.rstrip("/"))
 
 
-_NO_DOLLAR = re.compile(r"(?<!\$)(?:\{PROJECT_NAME\}|\$?\(PROJECT_NAME\)|\$PROJECT_NAME\b)")
-_VARIABLE = re.compile(r"\$\{(\w+)\}")
+_NO_DOLLAR = lazy_pattern(r"(?<!\$)(?:\{PROJECT_NAME\}|\$?\(PROJECT_NAME\)|\$PROJECT_NAME\b)")
+_VARIABLE = lazy_pattern(r"\$\{(\w+)\}")
 
 
 def destination(rule: InstallRule, reader: Reader) -> Iterator[Diagnostic]:
@@ -510,7 +510,7 @@ def _are_started(folder: Folder, source: Path) -> bool:
     return not any(_BY_PATH.search(_text(file)) for file in source.glob("README*"))
 
 
-_BY_PATH = re.compile(rb"ros2 launch\s+\S*/\S*launch\.(?:py|xml|ya?ml)")
+_BY_PATH = lazy_pattern(rb"ros2 launch\s+\S*/\S*launch\.(?:py|xml|ya?ml)")
 
 
 def _is_launch_file(file: Path) -> bool:
@@ -545,7 +545,7 @@ def _uninstalled_launch_files(
         )
 
 
-_LAUNCH_FILE = re.compile(r"launch\.(py|xml|ya?ml)$")
+_LAUNCH_FILE = lazy_pattern(r"launch\.(py|xml|ya?ml)$")
 TEXTS = (".launch", ".py", ".sdf", ".srdf", ".urdf", ".world", ".xacro", ".xml", ".yaml", ".yml")
 MOST_TEXTS = 300  # that are searched
 MOST_LETTERS = 300_000  # of each
@@ -583,7 +583,9 @@ def _used_by_build(reader: Reader) -> set[str]:
     }
 
 
-_NO_PROGRAM = re.compile(r"test|example|demo|bench|sample|playground|tutorial|tool", re.IGNORECASE)
+_NO_PROGRAM = lazy_pattern(
+    r"test|example|demo|bench|sample|playground|tutorial|tool", re.IGNORECASE
+)
 
 
 def programs(
@@ -645,7 +647,7 @@ def _outside(target: Target, rule: InstallRule, place: str, package: str) -> Dia
     )
 
 
-_RUNS = re.compile(rb"(?m)^if\s+__name__\s*==|^(?:rclpy\.init|main)\s*\(")
+_RUNS = lazy_pattern(rb"(?m)^if\s+__name__\s*==|^(?:rclpy\.init|main)\s*\(")
 MOST_BYTES = 1_000_000  # of a script
 
 

@@ -19,6 +19,7 @@ from wsgen.build_files.install_checks import (
 from wsgen.build_files.python_setup import folder_of, parse
 from wsgen.diagnostics import Rule, Severity
 from wsgen.suggestions import ask_for_nearest, did_you_mean, nearest
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -442,7 +443,7 @@ def entry_points(
 
 
 # Module and function, or the module alone, which has a diagnostic of its own.
-_TARGET = re.compile(r"(?:[\w.]+\s*(?::\s*[\w.]+)?)?\s*:?\s*")
+_TARGET = lazy_pattern(r"(?:[\w.]+\s*(?::\s*[\w.]+)?)?\s*:?\s*")
 
 
 def _unread_script(script: Script, package: str) -> Diagnostic:

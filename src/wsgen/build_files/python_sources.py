@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 import sys
 import warnings
 from pathlib import Path
@@ -13,6 +12,7 @@ from wsgen.diagnostics import Rule, Severity
 from wsgen.files import read_regular, save_as_utf8, wide_encoding
 from wsgen.model.facts import DISTROS, OF_DISTROS
 from wsgen.pythontree import parse_anew
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -38,18 +38,18 @@ PYTHON_SYNTAX = Rule(
 MOST_FILES = 500  # that are looked at in a package
 MOST_BYTES = 500_000  # of each; what is larger is generated
 OWN = sys.version_info[:2]
-_PYTHON = re.compile(rb"#![^\n]*\bpython(?:3(?:\.\d+)?)?\s*(?:\n|$)")
-_OTHER_PYTHON = re.compile(rb"#![^\n]*\bpython2")
+_PYTHON = lazy_pattern(rb"#![^\n]*\bpython(?:3(?:\.\d+)?)?\s*(?:\n|$)")
+_OTHER_PYTHON = lazy_pattern(rb"#![^\n]*\bpython2")
 # What Python 3.11 to 3.14 brought: except*, *args in an index, type aliases, type parameters,
 # quotes and lines in f-strings, template strings, several exceptions without parentheses.
-_NEWER = re.compile(
+_NEWER = lazy_pattern(
     r"\bexcept\s*\*|\[\s*\*|,\s*\*[^,\]]*\]|^\s*type\s+\w|^\s*(?:async\s+)?(?:def|class)\s+\w+\s*\["
     r"|\b[rRbB]?[fFtT][rR]?[\"']|^\s*except\s+[^(:]+,"
 )
 _NEWER_AROUND = 3  # lines before the error in which a newer syntax may begin
-_LONG_TEXT = re.compile(r"\b[rR]?[fFtT][rR]?(?:\"\"\"|''')")
-_TEMPLATE = re.compile(r"\{\{|\{%|@\(|@\[")  # Jinja, empy
-_FEATURE = re.compile(r"(.+) (?:is|are) only supported in Python (\d+\.\d+) and greater")
+_LONG_TEXT = lazy_pattern(r"\b[rR]?[fFtT][rR]?(?:\"\"\"|''')")
+_TEMPLATE = lazy_pattern(r"\{\{|\{%|@\(|@\[")  # Jinja, empy
+_FEATURE = lazy_pattern(r"(.+) (?:is|are) only supported in Python (\d+\.\d+) and greater")
 
 
 def check_python_syntax(facts: BuildFacts, distro: str | None) -> Iterator[Diagnostic]:

@@ -6,9 +6,7 @@ Debian or a computer in a robot has no desktop.
 
 from __future__ import annotations
 
-import re
-
-from wsgen.values import NamedTuple
+from wsgen.values import NamedTuple, lazy_pattern
 
 # Debian's and Ubuntu's package of each library that the wheels for Linux may leave to the system.
 DEBIAN_PACKAGES = {
@@ -33,8 +31,8 @@ DEBIAN_PACKAGES = {
     "libxcb.so.1": "libxcb1",
     "libz.so.1": "zlib1g",
 }
-ON_LINUX = re.compile(r"([\w.+-]+\.so[\w.]*): cannot open shared object file")  # of glibc
-ON_MACOS = re.compile(r"Library not loaded: (?:\S*/)?(\S+)")
+ON_LINUX = lazy_pattern(r"([\w.+-]+\.so[\w.]*): cannot open shared object file")  # of glibc
+ON_MACOS = lazy_pattern(r"Library not loaded: (?:\S*/)?(\S+)")
 # It names the module, and not what is missing: nearly always the runtime of Microsoft's compiler.
 ON_WINDOWS = "DLL load failed while importing"
 WINDOWS_RUNTIME = "the Visual C++ runtime"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import os
-import re
 import shlex
 from dataclasses import replace
 from pathlib import Path
@@ -13,6 +12,7 @@ from typing import TYPE_CHECKING
 from wsgen.diagnostics import Rule, Severity
 from wsgen.launch import known_packages
 from wsgen.model.plan import Include, Process
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -67,8 +67,10 @@ _TERMINALS = {
     "xterm": ("-e",),
 }
 # What a shell puts in place of it is the path of the program that it names.
-_LOOKED_UP = re.compile(r"\$\(\s*(?:which|command -v)\s+([\w./-]+)\s*\)|`\s*which\s+([\w./-]+)\s*`")
-_ASSIGNMENT = re.compile(r"[A-Za-z_]\w*=")
+_LOOKED_UP = lazy_pattern(
+    r"\$\(\s*(?:which|command -v)\s+([\w./-]+)\s*\)|`\s*which\s+([\w./-]+)\s*`"
+)
+_ASSIGNMENT = lazy_pattern(r"[A-Za-z_]\w*=")
 # `gz` and `ign` have commands that exit at once, too.
 _GZ = frozenset(("gz", "ign"))
 _GZ_SERVERS = (("sim",), ("gazebo",))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +14,7 @@ from wsgen.launch.missing_actions import or_unused_action
 from wsgen.launch.simulators import PACKAGES_OF_GAZEBO, find_simulator
 from wsgen.model.plan import STARTS_UNKNOWN
 from wsgen.suggestions import advice, nearest
-from wsgen.values import NamedTuple
+from wsgen.values import NamedTuple, lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -112,7 +111,7 @@ class Description(NamedTuple):
 
 PUBLISHER = "robot_state_publisher"
 PARAMETER = "robot_description"
-_MODEL_NAME = re.compile(r"[\w-]+(/[\w-]+)*")  # of Gazebo Sim, which opens it like model://NAME
+_MODEL_NAME = lazy_pattern(r"[\w-]+(/[\w-]+)*")  # of Gazebo Sim, which opens it like model://NAME
 _SCHEMES = ("model://", "https://", "http://", "package://")
 
 

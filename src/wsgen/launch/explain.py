@@ -25,6 +25,7 @@ from wsgen.launch.explain_missing import (
 from wsgen.launch.explain_names import RAISES, REFUSED_BY_LAUNCH
 from wsgen.launch.record import RECORD, ForkError, last_user_line, unknown_in_line
 from wsgen.suggestions import advice
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -167,7 +168,7 @@ NOT_UTF_8 = Rule(
     instead="iconv -f UTF-16 -t UTF-8 saved_as_utf_16.launch.py > robot.launch.py",
 )
 # What is said of bytes that are no text, by Python, by YAML and by XML.
-_ABOUT_BYTES = re.compile(
+_ABOUT_BYTES = lazy_pattern(
     r"null byte|codec|utf-8|encoding|character|not well-formed", re.IGNORECASE
 )
 # What a page or a word processor makes of what is typed -> what Python reads.
@@ -176,8 +177,8 @@ _TYPOGRAPHIC = {
     **dict.fromkeys("\u201c\u201d\u201e\u2033\u00ab\u00bb", '"'),
     **dict.fromkeys("\u2010\u2011\u2013\u2014\u2212", "-"),
 }
-_NONE = re.compile(r"(?<![A-Za-z])None(?:Type)?(?![A-Za-z])")
-_PATH_WITH_NONE = re.compile(r"'(/[^']*None[^']*)'")
+_NONE = lazy_pattern(r"(?<![A-Za-z])None(?:Type)?(?![A-Za-z])")
+_PATH_WITH_NONE = lazy_pattern(r"'(/[^']*None[^']*)'")
 LEAST_NULLS = 0.25  # of the bytes of a text in UTF-16 that is mostly of Latin letters
 BRIEF = 150  # characters of what an exception says behind an explanation
 LONGEST = 400  # characters of what an exception says; a whole robot may be in it
@@ -305,7 +306,7 @@ def _markup_error(error: BaseException) -> Explanation | None:
 
 # What ROS 1 calls it -> what ROS 2 does.
 _OF_ROS_1 = {"find": "$(find-pkg-share PACKAGE)", "arg": "$(var NAME)", "optenv": "$(env NAME '')"}
-_ATTRIBUTE = re.compile(r"Attribute 'exec' of .* not found in Entity 'node'")
+_ATTRIBUTE = lazy_pattern(r"Attribute 'exec' of .* not found in Entity 'node'")
 
 
 def _of_ros_1(error: BaseException) -> Explanation | None:

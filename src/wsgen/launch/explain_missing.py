@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import ast
 import os
-import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +17,7 @@ from wsgen.pythontree import parse_anew
 from wsgen.ros_names import released_packages
 from wsgen.source_shares import is_source
 from wsgen.suggestions import advice, did_you_mean, nearest
-from wsgen.values import NamedTuple
+from wsgen.values import NamedTuple, lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -362,7 +361,7 @@ def _glued_package(path: str) -> str | None:
     return max(glued, key=len, default=None)
 
 
-_NO_EXECUTABLE = re.compile(r"executable '(.*)' not found on the libexec directory '(.*)'")
+_NO_EXECUTABLE = lazy_pattern(r"executable '(.*)' not found on the libexec directory '(.*)'")
 
 
 def uncompiled(error: BaseException) -> tuple[str, str] | None:

@@ -9,12 +9,12 @@ distribution does differently is named.
 from __future__ import annotations
 
 import os
-import re
 from functools import cache
 from typing import TYPE_CHECKING
 
 from wsgen.ros_names import released_packages
 from wsgen.suggestions import nearest
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -284,7 +284,7 @@ def declare(package: str) -> None:
     _declared.add(package)
 
 
-_DRIVE = re.compile("[A-Za-z]:")
+_DRIVE = lazy_pattern("[A-Za-z]:")
 
 
 def shim_of(file: str) -> LaunchFileShim | None:

@@ -22,6 +22,7 @@ from wsgen.launch.undeclared import UNDECLARED_PACKAGE, is_brought, listed, unde
 from wsgen.markup import read_text, without_comments
 from wsgen.model.plan import Lookup
 from wsgen.source_shares import is_source, note_use
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -42,7 +43,7 @@ NOT_HERE = Rule(
     "'/launch/navigation_launch.py'])",
     instead="source /opt/ros/iron/setup.bash",
 )
-_DEPENDENCY = re.compile(r"<(\w*depend)\b[^>]*>\s*([\w.-]+)\s*</")
+_DEPENDENCY = lazy_pattern(r"<(\w*depend)\b[^>]*>\s*([\w.-]+)\s*</")
 LEFT_OUT = "wsgen_left_out.txt"  # left_out.cmake of wsgen.build writes it
 _FOR_BUILD = ("depend", "build_depend")
 

@@ -14,7 +14,6 @@ import contextlib
 import functools
 import linecache
 import os
-import re
 import shlex
 import sys
 from dataclasses import replace
@@ -26,6 +25,7 @@ from wsgen.files import refuse_irregular
 from wsgen.isolation import child
 from wsgen.launch.requests import requested_texts
 from wsgen.model.plan import Origin, Unresolved
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -49,7 +49,7 @@ _OF_EXPANSIONS = (  # what is noted while xacro runs
     "unused_xacro_arguments",
     "left_out",
 )
-_NAME = re.compile(r"[^\W\d]\w*")
+_NAME = lazy_pattern(r"[^\W\d]\w*")
 _MACHINERY = os.path.dirname(os.path.dirname(__file__)) + os.sep  # all of wsgen
 _NOT_THE_USERS = (_MACHINERY, "<frozen importlib")
 
@@ -374,7 +374,7 @@ def _is_unknown(value: Any) -> bool:
 
 
 # The blank is missing between xacro and the file.
-_GLUED = re.compile(r"xacro\S+\.(?:xacro|urdf|xml)")
+_GLUED = lazy_pattern(r"xacro\S+\.(?:xacro|urdf|xml)")
 
 
 def run_command(words: Sequence[str], location: Location | None) -> CommandOutcome:

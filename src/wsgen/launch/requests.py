@@ -9,12 +9,14 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any
 
+from wsgen.values import lazy_pattern
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
 SPAWNING_REQUESTS = {"SpawnEntity": "xml", "EntityFactory": "sdf"}  # type -> field for a text
-ROBOT = re.compile(r"<(?:robot|sdf)\b")
-_TOKEN = re.compile(
+ROBOT = lazy_pattern(r"<(?:robot|sdf)\b")
+_TOKEN = lazy_pattern(
     r"""(?P<space>[\s,;]+)
     |(?P<brace>[{}\[\]])
     |"(?P<double>(?:[^"\\]|\\.)*)"
@@ -24,7 +26,7 @@ _TOKEN = re.compile(
     re.DOTALL | re.VERBOSE,
 )
 _ESCAPES = {"n": "\n", "t": "\t", "r": "\r", "0": "\0"}
-_ESCAPE = re.compile(r"\\(.)", re.DOTALL)
+_ESCAPE = lazy_pattern(r"\\(.)", re.DOTALL)
 
 
 def read_request(text: str) -> dict[str, Any] | None:

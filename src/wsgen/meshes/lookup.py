@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import os
-import re
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
@@ -15,7 +14,7 @@ from wsgen.description_rules import MISSING_COLLISION_MESH, MISSING_VISUAL_MESH
 from wsgen.files import after_scheme, irregular_kind
 from wsgen.markup import read_text
 from wsgen.model.robot import Mesh, Robot
-from wsgen.values import NamedTuple
+from wsgen.values import NamedTuple, lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -26,7 +25,7 @@ if TYPE_CHECKING:
 
 
 FORMATS = (".stl", ".obj", ".dae", ".glb", ".gltf", ".ply")  # see `wsgen.meshes.worker`
-ON_WINDOWS = re.compile(r"[A-Za-z]:[\\/]")
+ON_WINDOWS = lazy_pattern(r"[A-Za-z]:[\\/]")
 IN_PACKAGE = "Put the mesh into the package, and write package://PACKAGE/meshes/…"
 MANY = 3  # meshes in a folder that does not exist are reported with it
 MACHINE_PARTS = 3  # of /home/somebody/…: if it does not exist, the path is of another machine
@@ -149,7 +148,7 @@ def _missing_folder(path: Path) -> Path | None:
 
 _LEVELS = 8  # of folders above a robot, among which its package is looked for
 _FOLDERS = 200  # of a package, among which a mesh is looked for
-_NAME = re.compile(r"<name>\s*([\w-]+)\s*</name>")
+_NAME = lazy_pattern(r"<name>\s*([\w-]+)\s*</name>")
 
 
 def address_in_package(name: str, folder: Path) -> str | None:

@@ -9,7 +9,7 @@ import re
 from functools import cache
 
 from wsgen.suggestions import nearest
-from wsgen.values import NamedTuple
+from wsgen.values import NamedTuple, lazy_pattern
 
 # Library, without its prefix and suffix -> its class; where that is not the name in CamelCase, it
 # follows the name after a colon.
@@ -34,10 +34,10 @@ thermal-sensor thruster touchplugin:TouchPlugin track-controller tracked-vehicle
 trajectory-follower triggered-publisher user-commands velocity-control websocket-server wheel-slip
 wind-effects
 """
-_LIBRARY = re.compile(r"(?:lib)?(gz-sim|ignition-gazebo)(\d*)-(.+?)-system(?:\.so)?")
-_CLASS = re.compile(r"(?:gz::sim|ignition::gazebo)(?:::v\d+)?::systems::(\w+)")
+_LIBRARY = lazy_pattern(r"(?:lib)?(gz-sim|ignition-gazebo)(\d*)-(.+?)-system(?:\.so)?")
+_CLASS = lazy_pattern(r"(?:gz::sim|ignition::gazebo)(?:::v\d+)?::systems::(\w+)")
 # What another prefix or a missing `-system` still tells: it is meant to be a system of Gazebo.
-_NEARLY = re.compile(r"(?:lib)?((?:gz-sim|ignition-gazebo)\d*-[\w-]+)(?:\.so)?")
+_NEARLY = lazy_pattern(r"(?:lib)?((?:gz-sim|ignition-gazebo)\d*-[\w-]+)(?:\.so)?")
 _MARKERS = (
     *("gz-sim", "gz::sim", "ignition-gazebo", "ignition::gazebo"),
     *("gz_ros2_control", "ign_ros2_control"),

@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import json
 import os
-import re
 from collections import Counter
 from typing import TYPE_CHECKING
 
 from wsgen.errors import NotFoundError, NotReadableError, RequestError
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 VERSION = 1
-LINES = re.compile(r"\b(lines?) \d+")
+LINES = lazy_pattern(r"\b(lines?) \d+")
 FIELDS = ("code", "file", "element", "message")
 
 

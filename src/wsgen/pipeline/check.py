@@ -7,7 +7,6 @@ install space would be after a build, with links to the sources.
 from __future__ import annotations
 
 import os
-import re
 import time
 from contextlib import ExitStack
 from dataclasses import field, replace
@@ -25,7 +24,7 @@ from wsgen.pipeline.installed_as_built import lay_out
 from wsgen.pipeline.parallel import run_parallel
 from wsgen.ros_names import released_packages
 from wsgen.suggestions import advice
-from wsgen.values import dataclass
+from wsgen.values import dataclass, lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -154,7 +153,7 @@ def _check_file(*arguments: Any) -> tuple[Diagnostic, ...]:
     return FileCheck(*arguments).run()
 
 
-_SCOPE = re.compile(r"(?<=`)(?:[\w.-]+::)+")  # the models that a link is in
+_SCOPE = lazy_pattern(r"(?<=`)(?:[\w.-]+::)+")  # the models that a link is in
 
 
 def _once(diagnostics: Iterable[Diagnostic]) -> list[Diagnostic]:

@@ -7,7 +7,6 @@ has is unknown.
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -35,6 +34,7 @@ from wsgen.sdf.shapes import SHAPE_LEFT_OUT
 from wsgen.sdf.worlds import NO_GROUND
 from wsgen.suggestions import misspelled_as, suggested
 from wsgen.urdf.gazebo import SDF_NOT_SIMULATED
+from wsgen.values import lazy_pattern
 from wsgen.xacro.reader import XACRO_FILE_FAILS
 
 if TYPE_CHECKING:
@@ -100,7 +100,7 @@ def of_launch(one: Candidate, beside: Iterable[Candidate]) -> Iterator[Diagnosti
             yield found
 
 
-DEVICE = re.compile(r"/dev/(?!shm\b|null\b)\w")
+DEVICE = lazy_pattern(r"/dev/(?!shm\b|null\b)\w")
 OF_NO_PACKAGE = "Look it up in the share folder of a package"  # the hint for other paths
 
 
@@ -122,10 +122,10 @@ def is_included(one: Candidate, beside: Iterable[Candidate]) -> bool:
     return any(file in other.included for other in beside if other is not one)
 
 
-QUOTED = re.compile(r"'([^']+)'")
+QUOTED = lazy_pattern(r"'([^']+)'")
 # Of xacro, where a launch file or another xacro file gives what the file needs.
 UNDEFINED_ARGUMENT = "Undefined substitution argument"
-NOT_FOUND = re.compile(r"the package '[^']+' is not found")
+NOT_FOUND = lazy_pattern(r"the package '[^']+' is not found")
 
 
 def of_file_alone(diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
@@ -150,7 +150,7 @@ _OF_PACKAGES = frozenset(
     rule.code
     for rule in (MISSING_COLLISION_MESH, MISSING_VISUAL_MESH, PACKAGE_NOT_FOUND, XACRO_FILE_FAILS)
 )
-_ABSENT = re.compile(
+_ABSENT = lazy_pattern(
     r"package ['`]([^'`]+)['`](?: is not found|, which was not found| is needed, and the package)"
 )
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 from wsgen.files import irregular_kind, read_regular
 from wsgen.urdf.reader import TEXT_LIMIT
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -15,12 +16,12 @@ if TYPE_CHECKING:
 
 Kind = Literal["urdf", "xacro", "sdf"]
 
-ROOT = re.compile(
+ROOT = lazy_pattern(
     rb"(?:\xef\xbb\xbf)?(?:\s|<\?.*?\?>|<!--.*?-->|<![^>-]*>)*<(robot|sdf)\b", re.DOTALL
 )
-XACRO = re.compile(rb"xmlns:xacro.*(?:<xacro:|\$[({])", re.DOTALL)
-MACRO = re.compile(rb"<xacro:macro\s[^>]*?name\s*=\s*[\"']([^\"']+)")
-INCLUDE = re.compile(rb"<xacro:include\s[^>]*?filename\s*=\s*[\"'](?:[^\"']*/)?([^\"'/]+)[\"']")
+XACRO = lazy_pattern(rb"xmlns:xacro.*(?:<xacro:|\$[({])", re.DOTALL)
+MACRO = lazy_pattern(rb"<xacro:macro\s[^>]*?name\s*=\s*[\"']([^\"']+)")
+INCLUDE = lazy_pattern(rb"<xacro:include\s[^>]*?filename\s*=\s*[\"'](?:[^\"']*/)?([^\"'/]+)[\"']")
 OF_SUFFIX: dict[str, Kind] = {".urdf": "urdf", ".xacro": "xacro", ".sdf": "sdf", ".world": "sdf"}
 MOST_LEVELS = 10  # of files that include each other
 

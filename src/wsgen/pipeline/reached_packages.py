@@ -6,12 +6,12 @@ Reading the build files of a hundred packages to check one takes longer than eve
 from __future__ import annotations
 
 import os
-import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.files import read_regular
 from wsgen.source_shares import OF_BUILDS
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 SIZE_LIMIT = 2**20  # bytes; larger files are data
-WORDS = re.compile(rb"[A-Za-z0-9_-]+")
+WORDS = lazy_pattern(rb"[A-Za-z0-9_-]+")
 _HOOKS = b"ament_environment_hooks"  # sets what others find files by, without a name
 # Of meshes and pictures, which name no package.
 _BINARY = frozenset(

@@ -16,7 +16,7 @@ from wsgen.model.inertia import as_attributes, of_solid, principal_moments
 from wsgen.model.robot import Box, Capsule, Cylinder, JointType, Mesh, Sphere
 from wsgen.model.transform import Pose, compose
 from wsgen.rules.robots import HEAVIEST, IMPLAUSIBLE_INERTIA, LARGEST, ratio
-from wsgen.values import NamedTuple
+from wsgen.values import NamedTuple, lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Sequence
@@ -38,8 +38,8 @@ SMALLEST_BOX = 0.02  # m, diagonal; below it nothing can be said
 HIGHEST_DENSITY = 25_000.0  # kg/m³; gold and tungsten have 19,300
 LOWEST_DENSITY = 0.5  # of a shape without holes; aerogel has more than 1
 UNLIKE = (500.0, 2000.0)  # how many times larger a mesh in millimeters is, give or take
-WHEELS = re.compile(r"wheel|tyre|tire|caster|castor", re.IGNORECASE)
-ROLLS_FREELY = re.compile(r"cast[eo]r|omni|mecanum|roller|passive|free", re.IGNORECASE)
+WHEELS = lazy_pattern(r"wheel|tyre|tire|caster|castor", re.IGNORECASE)
+ROLLS_FREELY = lazy_pattern(r"cast[eo]r|omni|mecanum|roller|passive|free", re.IGNORECASE)
 SLIPPERY = 1e-3  # friction coefficient
 
 
@@ -507,7 +507,7 @@ def dragging_casters(
             )
 
 
-_CASTER = re.compile(r"cast[eo]r", re.IGNORECASE)
+_CASTER = lazy_pattern(r"cast[eo]r", re.IGNORECASE)
 
 
 def _is_wheel(names: str) -> bool:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,7 +12,7 @@ from wsgen.launch.commands import started_launch_files, started_programs
 from wsgen.markup import read_text
 from wsgen.rules.simulators import BRIDGES
 from wsgen.suggestions import advice, did_you_mean, nearest
-from wsgen.values import NamedTuple
+from wsgen.values import NamedTuple, lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Sequence
@@ -140,7 +139,7 @@ _KEYS = frozenset(
 )
 _GZ_PREFIXES = ("gz.msgs.", "ignition.msgs.")
 _PROGRAMS = frozenset(("parameter_bridge", "bridge_node", "ros_gz_bridge::RosGzBridge"))
-_MISTYPED = re.compile(r"(?:gz|ign|ignition)(?:\.|::|/)(?:msgs?)(?:\.|::|/)(\w+)")
+_MISTYPED = lazy_pattern(r"(?:gz|ign|ignition)(?:\.|::|/)(?:msgs?)(?:\.|::|/)(\w+)")
 ALIKE = 0.65  # as below, where a topic of the same model has no other name that is near
 SURELY = 0.8  # so alike two names are, as difflib counts, that one is the other misspelled
 
@@ -335,8 +334,8 @@ def other_type(bridge: Bridge, known: Iterable[GazeboTopic]) -> Iterator[Diagnos
         )
 
 
-_IN_WORLD = re.compile(r"/world/([^/]+)/(?:model/([^/]+)/)?.*")
-_OF_MODEL = re.compile(r"/model/([^/]+)/.*")
+_IN_WORLD = lazy_pattern(r"/world/([^/]+)/(?:model/([^/]+)/)?.*")
+_OF_MODEL = lazy_pattern(r"/model/([^/]+)/.*")
 
 
 def unknown_topic(

@@ -6,12 +6,11 @@ the parameter files of ros2_controllers.
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.suggestions import did_you_mean, nearest, some_of
-from wsgen.values import NamedTuple
+from wsgen.values import NamedTuple, lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Sequence
@@ -26,7 +25,7 @@ if TYPE_CHECKING:
 MANAGER = "controller_manager"
 MOST_LEVELS = 8  # of namespaces
 MISSPELLED = 0.8  # so alike two names are, as difflib counts
-NAME = re.compile(r"[\w.-]+")  # of a joint; not of an interface of another controller
+NAME = lazy_pattern(r"[\w.-]+")  # of a joint; not of an interface of another controller
 
 
 class Claim(NamedTuple):

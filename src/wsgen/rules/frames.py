@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from wsgen.diagnostics import Rule, Severity
 from wsgen.launch.commands import started_programs
 from wsgen.suggestions import did_you_mean, nearest
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator
@@ -34,17 +35,17 @@ UNPUBLISHED_FRAME = Rule(
     instead="amcl:\n  ros__parameters:\n    base_frame_id: base_link",
 )
 
-_PARAMETER = re.compile(
+_PARAMETER = lazy_pattern(
     r"^[ \t]*-?[ \t]*(robot_base_frame|base_frame_id|base_frame|base_link_frame)[ \t]*:[ \t]*"
     r"([\"']?)/?([A-Za-z_][\w-]*)\2[ \t]*(?:#.*)?\r?$",
     re.MULTILINE,
 )
-_FIXED_FRAME = re.compile(
+_FIXED_FRAME = lazy_pattern(
     r"^[ \t]*(Fixed Frame)[ \t]*:[ \t]*([\"']?)/?([A-Za-z_][\w-]*)\2[ \t]*\r?$", re.MULTILINE
 )
 _CONVENTIONAL = frozenset(("base_link", "base_footprint"))  # as ROS calls the base of a robot
 SURELY = 0.8  # so alike two names are, as difflib counts, that one is the other misspelled
-_OF_FRAME = re.compile(r"(?:^|_)frame(?:_|$)|[fF]rame")
+_OF_FRAME = lazy_pattern(r"(?:^|_)frame(?:_|$)|[fF]rame")
 
 
 def known_frames(robots: Iterable[Robot], plans: Iterable[LaunchPlan]) -> frozenset[str] | None:

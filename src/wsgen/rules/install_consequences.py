@@ -22,6 +22,7 @@ from wsgen.build_files.install_checks import (
 from wsgen.build_files.python_checks import BROKEN_SCRIPT
 from wsgen.diagnostics import Severity
 from wsgen.launch.explain_missing import EXECUTABLE_NOT_FOUND
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -38,8 +39,8 @@ _OF_PROGRAMS = frozenset(
     rule.code for rule in (BROKEN_SCRIPT, PROGRAM_NOT_EXECUTABLE, PROGRAM_NOT_INSTALLED)
 )
 _FOLLOWING = ("LCH", "ROB", "SPN", "WLD")  # families
-_PLACE = re.compile(r"(?<![\w.-])share/([\w-]+)/([\w.-]+)")
-_PACKAGE = re.compile(r"package '([\w-]+)'")
+_PLACE = lazy_pattern(r"(?<![\w.-])share/([\w-]+)/([\w.-]+)")
+_PACKAGE = lazy_pattern(r"package '([\w-]+)'")
 _ORDER = list(Severity)
 
 

@@ -13,6 +13,7 @@ from wsgen.launch.explain import ROS_1_LAUNCH_FILE
 from wsgen.launch.explain_missing import first_missing, nodes_of
 from wsgen.markup import read_text, without_comments
 from wsgen.suggestions import advice, some_of
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -66,11 +67,11 @@ ROS_1_COMMAND = Rule(
     instead="ExecuteProcess(cmd=['ros2', 'run', 'my_robot', 'driver'])",
 )
 
-_SHARE = re.compile(r"(?:[\w./-]+:=)?(?:file://)?(/.*/share/([a-z][\w-]*)/.+\.\w+)")
-_HOME = re.compile(r"(?:file://)?(?:/home|/Users)/[A-Za-z_][\w.-]*/[^\s\"'<>]+")
-_HOME_IN_LINE = re.compile(rf"(?:^|[\s\"'=>])({_HOME.pattern})")
-_YAML_COMMENT = re.compile(r"(?:^|(?<=\s))#.*", re.MULTILINE)
-_OF_ROS_1 = re.compile(r"\$\((?:find|arg|optenv)\s|<node\b[^>]*\stype\s*=|<rosparam\b")
+_SHARE = lazy_pattern(r"(?:[\w./-]+:=)?(?:file://)?(/.*/share/([a-z][\w-]*)/.+\.\w+)")
+_HOME = lazy_pattern(r"(?:file://)?(?:/home|/Users)/[A-Za-z_][\w.-]*/[^\s\"'<>]+")
+_HOME_IN_LINE = lazy_pattern(rf"(?:^|[\s\"'=>])({_HOME.pattern})")
+_YAML_COMMENT = lazy_pattern(r"(?:^|(?<=\s))#.*", re.MULTILINE)
+_OF_ROS_1 = lazy_pattern(r"\$\((?:find|arg|optenv)\s|<node\b[^>]*\stype\s*=|<rosparam\b")
 _CHECKED_ELSEWHERE = frozenset(("spawn_entity.py", "create"))  # and worlds, which are no nodes'
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.markup import read_text
-from wsgen.values import NamedTuple
+from wsgen.values import NamedTuple, lazy_pattern
 from wsgen.workspace.manifest import BUILD_TAGS, EXPORT_TAGS, RUN_TAGS
 
 if TYPE_CHECKING:
@@ -106,10 +106,10 @@ GENERATORS = (
     "rosidl_core_generators",
 )
 RUNTIMES = ("rosidl_default_runtime", "rosidl_core_runtime")
-_TODO = re.compile(r"\btodo\b", re.IGNORECASE)
+_TODO = lazy_pattern(r"\btodo\b", re.IGNORECASE)
 # Options of rosidl_generate_interfaces() with which it does not ask for the group.
-_WITHOUT_GROUP = re.compile(r"\bSKIP_(?:GROUP_MEMBERSHIP_CHECK|INSTALL)\b")
-_INTERFACE = re.compile(r"(?:msg|srv|action)/[^/]+\.(?:msg|srv|action)$")
+_WITHOUT_GROUP = lazy_pattern(r"\bSKIP_(?:GROUP_MEMBERSHIP_CHECK|INSTALL)\b")
+_INTERFACE = lazy_pattern(r"(?:msg|srv|action)/[^/]+\.(?:msg|srv|action)$")
 
 
 class Interfaces(NamedTuple):

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.meshes.lookup import ON_WINDOWS, address_in_package
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -42,7 +42,7 @@ MODEL_ADDRESS_IN_RVIZ = Rule(
 )
 
 RVIZ = "rviz2"  # the program
-_MESH = re.compile(r"<mesh\b[^>]*?\bfilename\s*=\s*(?:\"([^\"]*)\"|'([^']*)')")
+_MESH = lazy_pattern(r"<mesh\b[^>]*?\bfilename\s*=\s*(?:\"([^\"]*)\"|'([^']*)')")
 
 
 def mesh_addresses(text: str) -> tuple[str, ...]:

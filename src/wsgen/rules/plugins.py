@@ -26,7 +26,7 @@ from wsgen.model.gazebo_plugins import (
 from wsgen.model.gazebo_systems import remark_on
 from wsgen.model.robot import JointType
 from wsgen.suggestions import did_you_mean, nearest, some_of
-from wsgen.values import NamedTuple
+from wsgen.values import NamedTuple, lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Sequence
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 ALIKE = 0.88
 MOST_LETTERS = 2  # more or fewer
 LIKE_PARAMETER = 0.8
-CAPITAL = re.compile(r"(?<=[a-z0-9])([A-Z])")
+CAPITAL = lazy_pattern(r"(?<=[a-z0-9])([A-Z])")
 FIRST_WITHOUT_CLASSIC = ("jazzy", "kilted", "lyrical", "rolling")
 # In what a frame may be named beside the links: what localization and the simulation bring.
 OTHER_FRAMES = frozenset(("world", "map", "odom"))

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.suggestions import some_of
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
@@ -35,8 +35,8 @@ VARIABLES = {
     "classic": ("GAZEBO_MODEL_PATH", "GAZEBO_RESOURCE_PATH", "SDF_PATH"),
 }
 # What a package writes that sets one, in package.xml, a hook or a launch file.
-SETTING = re.compile(rb"gazebo_model_path|RESOURCE_PATH|GAZEBO_MODEL_PATH|GZ_FILE_PATH|SDF_PATH")
-_MESH = re.compile(r"<mesh\b[^>]*?\bfilename\s*=\s*[\"']package://([\w-]+)/")
+SETTING = lazy_pattern(rb"gazebo_model_path|RESOURCE_PATH|GAZEBO_MODEL_PATH|GZ_FILE_PATH|SDF_PATH")
+_MESH = lazy_pattern(r"<mesh\b[^>]*?\bfilename\s*=\s*[\"']package://([\w-]+)/")
 
 
 def no_resource_path(

@@ -5,10 +5,10 @@ The parameters of a check are the elements as they are written.
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 # Of another machine or user; /opt and /usr/share are where packages are installed.
-OF_SOMEBODY = re.compile(r"(?:file://)?(/(?:home|Users|root|mnt|media|tmp)/|[A-Za-z]:[\\/]|~/)")
+OF_SOMEBODY = lazy_pattern(r"(?:file://)?(/(?:home|Users|root|mnt|media|tmp)/|[A-Za-z]:[\\/]|~/)")
 WITH_FILES = ("mesh", "texture")
 # Elements of xacro, with the attribute without which they are something else.
 OF_XACRO = {

@@ -11,6 +11,7 @@ from wsgen.launch.explain_missing import where_written
 from wsgen.launch.simulators import CLASSIC, GZ
 from wsgen.launch.spawner_options import CREATE, read_options
 from wsgen.suggestions import did_you_mean
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator
@@ -136,8 +137,8 @@ _WITH_STAMPS = {
     "nav2_planner": None,
     "nav2_bt_navigator": None,
 }
-_GLUED = re.compile(r"-[rsg]+[/~][\w./~-]*")
-_SERVICE = re.compile(r"/world/([^/]+)/create(?:_multiple)?(?:/blocking)?")
+_GLUED = lazy_pattern(r"-[rsg]+[/~][\w./~-]*")
+_SERVICE = lazy_pattern(r"/world/([^/]+)/create(?:_multiple)?(?:/blocking)?")
 BRIDGES = frozenset(("ros_gz_bridge", "ros_ign_bridge"))
 
 

@@ -6,13 +6,12 @@ Models of Fuel, Gazebo's online library, are found only if Gazebo has already do
 from __future__ import annotations
 
 import os
-import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import unquote, urlsplit
 
 from wsgen.files import irregular_kind, read_regular
-from wsgen.values import NamedTuple
+from wsgen.values import NamedTuple, lazy_pattern
 from wsgen.xmltree import Malformed, children, parse
 
 if TYPE_CHECKING:
@@ -106,7 +105,7 @@ SEARCH_PATHS = ("GAZEBO_RESOURCE_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESO
 MODEL_PATHS = ("GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH")
 AROUND = 6  # number of folders above a file that may be its package, or have its models
 SCHEMES = ("model", "package")
-_MODEL_NAME = re.compile(r"\w[\w.-]*")
+_MODEL_NAME = lazy_pattern(r"\w[\w.-]*")
 
 
 GAZEBO_FOLDERS = (".gazebo", ".gz", ".ignition")  # in the home directory
@@ -154,9 +153,9 @@ EMPTY_WORLDS = {
     "empty_sky.world",
     "empty_bullet.world",
 }
-OF_GAZEBO = re.compile(r"(?:/usr/share/(?:gazebo|ignition|gz)\b.*/)?(?:worlds/)?([^/]+)")
+OF_GAZEBO = lazy_pattern(r"(?:/usr/share/(?:gazebo|ignition|gz).*/)?(?:worlds/)?([^/]+)")
 # An archive of another machine has its folders below one of this machine.
-OF_ROS = re.compile(r"((?:/.*)?/opt/ros/[^/]+/share/([^/]+))/.*?([^/]+)")
+OF_ROS = lazy_pattern(r"((?:/.*)?/opt/ros/[^/]+/share/([^/]+))/.*?([^/]+)")
 
 
 def is_brought_along(world: str) -> bool:

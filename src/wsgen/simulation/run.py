@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import time
 from dataclasses import replace
 from importlib.util import find_spec
@@ -26,6 +25,7 @@ from wsgen.simulation.scene import (
     SimulationOutcome,
     Video,
 )
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -118,7 +118,7 @@ TASKS = {
 }
 MANY_TRIANGLES = 20_000  # with fewer, a frame's time goes into its pixels
 LAST_OUTPUT = 600  # characters of an engine's output that are reported
-COLORS = re.compile(r"\x1b\[[0-9;]*m")  # DART's warnings are yellow
+COLORS = lazy_pattern(r"\x1b\[[0-9;]*m")  # DART's warnings are yellow
 GREETINGS = ("pybullet build time",)  # what PyBullet prints when all is well
 
 

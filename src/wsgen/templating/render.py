@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import unicodedata
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,8 +12,10 @@ from wsgen.model.package import WINDOWS_DEVICES
 from wsgen.templating.environment import Environment, describe_error, syntax_place
 from wsgen.templating.sources import ENDING, SourceError, find_source
 from wsgen.templating.template import MANIFEST, refuse
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
+    import re
     from collections.abc import Callable, Iterable, Iterator, Mapping
     from types import TracebackType
 
@@ -65,7 +66,7 @@ RESERVED_FOLDERS = frozenset({"build", "install", "log", ".git"})
 # colcon would ignore the package.
 RESERVED_FILES = frozenset({"colcon_ignore", "ament_ignore", "catkin_ignore"})
 
-_NAME = re.compile(r"\{\{ *([a-z_.0-9]+) *\}\}")
+_NAME = lazy_pattern(r"\{\{ *([a-z_.0-9]+) *\}\}")
 _WINDOWS_CANNOT = frozenset('<>:"|?*\\')
 
 

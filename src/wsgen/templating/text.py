@@ -10,6 +10,7 @@ import re
 from typing import TYPE_CHECKING
 
 from wsgen.errors import RequestError
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from wsgen.model.package import Answer
@@ -28,7 +29,7 @@ _USABLE = (
 # ament_cmake writes the maintainer into a quoted CMake string as it is.
 _BREAKS_CMAKE = ('"', "\\", "${", "$ENV{", "$CACHE{")
 # EmailType of package_common.xsd.
-_EMAIL = re.compile(
+_EMAIL = lazy_pattern(
     r"[-\w%+]+(\.[-\w%+]+)*@[-a-z0-9%]+(\.[-a-z0-9%]+)*\.[a-z]{2,}", re.ASCII | re.IGNORECASE
 )
 # Characters that are special in Markdown; the second group at the start of a paragraph.

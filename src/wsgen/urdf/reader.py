@@ -33,6 +33,7 @@ from wsgen.urdf.lumping import WORLD
 from wsgen.urdf.structure import check_inertias, check_mimics, check_names, find_root
 from wsgen.urdf.unknown_elements import check_spelling
 from wsgen.urdf.values import LEFT_OVER, Collector, line_of
+from wsgen.values import lazy_pattern
 from wsgen.xmltree import Malformed, children, parse, parse_as_tinyxml
 
 if TYPE_CHECKING:
@@ -48,15 +49,15 @@ if TYPE_CHECKING:
 TEXT_LIMIT = 8 * 2**20  # characters, read in some seconds; the largest public URDF has 4 % of it
 VERSION = "1.0"
 # Gazebo's parser does not mind a version that does not exist, nor an empty line before it.
-DECLARATION = re.compile(r"^\ufeff?\s*<\?xml\s[^>]*\?>")
-INSTRUCTIONS_AHEAD = re.compile(r"(?:\s*<\?.*?\?>)*", re.DOTALL)
-CDATA = re.compile(r"<!\[CDATA\[.*?\]\]>", re.DOTALL)
+DECLARATION = lazy_pattern(r"^\ufeff?\s*<\?xml\s[^>]*\?>")
+INSTRUCTIONS_AHEAD = lazy_pattern(r"(?:\s*<\?.*?\?>)*", re.DOTALL)
+CDATA = lazy_pattern(r"<!\[CDATA\[.*?\]\]>", re.DOTALL)
 # XML says that a line break in an attribute is a blank. Gazebo's parser does not know that, and
 # splits these at blanks alone.
-BROKEN_LINE = re.compile(
+BROKEN_LINE = lazy_pattern(
     r"""\b(xyz|rpy|size|scale)\s*=\s*("[^"<]*[\t\n\r][^"<]*"|'[^'<]*[\t\n\r][^'<]*')"""
 )
-LINK = re.compile(r"\blink\[@name='([^']*)'\]")
+LINK = lazy_pattern(r"\blink\[@name='([^']*)'\]")
 MISSPELLED = frozenset((MISSPELLED_ELEMENT.code, MISSPELLED_ATTRIBUTE.code))
 
 NOT_A_ROBOT = Rule(

@@ -23,6 +23,7 @@ from wsgen.model.robot import JointType
 from wsgen.suggestions import did_you_mean
 from wsgen.urdf.lumping import WORLD, is_impossible, joints_that_say, parts_of_impossible_sums
 from wsgen.urdf.unknown_elements import nearest_element
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
     from wsgen.xmltree import Element
 
 
-RESERVED = re.compile(r"__.*__", re.DOTALL)  # of SDF, as are `world` and a few that only SDF has
+RESERVED = lazy_pattern(r"__.*__", re.DOTALL)  # of SDF, as are `world` and a few that only SDF has
 NAMED = 5  # at most so many names stand in a message
 
 SEVERAL_ROOTS = Rule(

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, cast
 
 from wsgen.description_rules import NOT_A_NUMBER
 from wsgen.diagnostics import Severity, has_errors
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -24,18 +25,18 @@ if TYPE_CHECKING:
 
 
 # Python's float() takes more than C's strtod in the C locale: `1_000`, digits of other scripts.
-NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
-LEFT_OVER = re.compile(r"\$\{|\$\(")  # of xacro
+NUMBER = lazy_pattern(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+LEFT_OVER = lazy_pattern(r"\$\{|\$\(")  # of xacro
 # What C++'s std::stod and std::stoi take from the beginning of a text; what follows is ignored.
-LEADING = re.compile(
+LEADING = lazy_pattern(
     r"\s*([+-]?)(?:(0x(?:[0-9a-f]+\.?[0-9a-f]*|\.[0-9a-f]+)(?:p[+-]?\d+)?)"
     r"|((?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)|(inf(?:inity)?)|(nan(?:\(\w*\))?))",
     re.ASCII | re.IGNORECASE,
 )
-LEADING_INTEGER = re.compile(r"\s*[+-]?\d+", re.ASCII)
+LEADING_INTEGER = lazy_pattern(r"\s*[+-]?\d+", re.ASCII)
 SMALLEST = 2.2250738585072014e-308  # std::stod throws below it, as it does above the largest
 INT_LOWEST, INT_HIGHEST = -(2**31), 2**31 - 1
-NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)", re.IGNORECASE)
+NOT_FINITE = lazy_pattern(r"[+-]?(nan|inf|infinity)", re.IGNORECASE)
 
 
 def parse_number(text: str) -> float | str:

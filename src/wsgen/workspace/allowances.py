@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wsgen.files import read_regular
-from wsgen.values import dataclass
+from wsgen.values import dataclass, lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -26,7 +26,7 @@ SUFFIXES = (
     *(".sdf", ".world", ".txt", ".cmake", ".cfg", ".toml", ".rviz"),
 )
 MARK = b"wsgen:"
-COMMENT = re.compile(
+COMMENT = lazy_pattern(
     r"(?:#|<!--)[ \t]*wsgen:[ \t]*allow[ \t]+(?P<rules>[\w-]+(?:[ \t]*,[ \t]*[\w-]+)*)"
     r"[ \t]*(?::[ \t]*(?P<reason>(?:(?!-->)[^\n])*))?",
 )

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import operator
-import re
 from typing import TYPE_CHECKING
+
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
 
-_TOKEN = re.compile(r"""\s*(?:(\(|\)|<=|>=|==|!=|<|>)|\$(\w+)|"([^"]*)"|'([^']*)'|([\w./+-]+))""")
+_TOKEN = lazy_pattern(r"""\s*(?:(\(|\)|<=|>=|==|!=|<|>)|\$(\w+)|"([^"]*)"|'([^']*)'|([\w./+-]+))""")
 _COMPARISONS: dict[str, Callable[[str, str], bool]] = {
     "<=": operator.le,
     ">=": operator.ge,

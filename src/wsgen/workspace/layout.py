@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 import shlex
 from dataclasses import field
 from itertools import islice
@@ -13,7 +12,7 @@ from typing import TYPE_CHECKING
 from wsgen.diagnostics import Diagnostic
 from wsgen.errors import NotFoundError, RequestError
 from wsgen.files import real_path
-from wsgen.values import dataclass
+from wsgen.values import dataclass, lazy_pattern
 from wsgen.workspace.manifest import FOREIGN_MANIFEST, read_manifest
 
 if TYPE_CHECKING:
@@ -370,7 +369,7 @@ def _holds_packages(folder: Path, package: Path | None = None) -> bool:
 
 
 # The options of spawn_entity.py and of create, with a name that is written out after them.
-NAMED = re.compile(r"""['"]-(?:entity|name)['"]\s*,\s*['"]([^'"]+)['"]""")
+NAMED = lazy_pattern(r"""['"]-(?:entity|name)['"]\s*,\s*['"]([^'"]+)['"]""")
 
 
 def spawned_entities(workspace: Workspace) -> frozenset[str]:

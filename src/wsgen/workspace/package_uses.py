@@ -16,7 +16,7 @@ from wsgen.files import irregular_kind, real_path
 from wsgen.markup import read_text, without_comments
 from wsgen.pythontree import parse
 from wsgen.ros_names import released_packages
-from wsgen.values import NamedTuple
+from wsgen.values import NamedTuple, lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator
@@ -171,7 +171,7 @@ _STARTERS = frozenset(
         *("ExecutableInPackage", "MoveItConfigsBuilder"),
     )
 )
-_XACRO = re.compile(r"xacro(?:\s|$)")
+_XACRO = lazy_pattern(r"xacro(?:\s|$)")
 # Modules that ros2launch brings: who reads a launch file has them.
 OF_LAUNCH = frozenset(
     (
@@ -184,7 +184,7 @@ OF_LAUNCH = frozenset(
         "osrf_pycommon",
     )
 )
-_UNKNOWN_TEST = re.compile(r"distro|environ|getenv|version|exists|isfile|isdir", re.IGNORECASE)
+_UNKNOWN_TEST = lazy_pattern(r"distro|environ|getenv|version|exists|isfile|isdir", re.IGNORECASE)
 
 # Python packages of ROS whose modules have the name of the package; those of messages come by
 # their endings, as many other names are those of modules on PyPI, too.
@@ -344,14 +344,14 @@ def _first_word(call: ast.Call) -> ast.expr | None:
 
 # Markup.
 
-_IN_LAUNCH = re.compile(
+_IN_LAUNCH = lazy_pattern(
     r"\$\(find-pkg-(?:share|prefix)\s+([\w-]+)\s*\)|\$\(exec-in-package\s+\S+\s+([\w-]+)\s*\)"
     r"|\bpkg\s*=\s*[\"']([\w-]+)[\"']|^\s*-?\s*pkg:\s*[\"']?([\w-]+)[\"']?\s*$",
     re.MULTILINE,
 )
-_COMMAND = re.compile(r"\$\(command\s+[\"']?(?:\$\(find-exec\s+)?xacro\b")
+_COMMAND = lazy_pattern(r"\$\(command\s+[\"']?(?:\$\(find-exec\s+)?xacro\b")
 _SIGNS = ("package://", "$(find ", "_ros2_control", "libgazebo_ros_")
-_IN_DESCRIPTION = re.compile(r"\$\(find\s+([\w-]+)\s*\)|\bpackage://([\w-]+)/")
+_IN_DESCRIPTION = lazy_pattern(r"\$\(find\s+([\w-]+)\s*\)|\bpackage://([\w-]+)/")
 
 
 def looked_up_in_markup(text: str) -> Iterator[tuple[str, int]]:
@@ -363,14 +363,14 @@ def looked_up_in_markup(text: str) -> Iterator[tuple[str, int]]:
 
 
 # Controllers of ros2_control: `type: diff_drive_controller/DiffDriveController`.
-_CONTROLLER_TYPE = re.compile(
+_CONTROLLER_TYPE = lazy_pattern(
     r"^[ \t]*type:[ \t]*[\"']?(\w+_(?:controllers?|broadcaster))/\w+", re.MULTILINE
 )
-_CONTROL_PLUGIN = re.compile(
+_CONTROL_PLUGIN = lazy_pattern(
     r"\blib((?:gazebo|gz|ign)_ros2_control)(?:-system)?\.so\b"
     r"|\b((?:gz|ign)_ros2_control)-system\b|>\s*((?:gazebo|gz|ign)_ros2_control)/\w+\s*<"
 )
-_CLASSIC_PLUGIN = re.compile(r"\blibgazebo_ros_(\w+)\.so\b")
+_CLASSIC_PLUGIN = lazy_pattern(r"\blibgazebo_ros_(\w+)\.so\b")
 # Of gazebo_ros itself.
 _OF_GAZEBO_ROS = frozenset(("init", "factory", "force_system", "state", "properties", "node"))
 

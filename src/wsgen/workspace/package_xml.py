@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Diagnostic, Rule, Severity
 from wsgen.suggestions import did_you_mean, nearest
+from wsgen.values import lazy_pattern
 from wsgen.workspace.manifest import DEPENDENCY_TAGS, read_manifest
 
 if TYPE_CHECKING:
@@ -51,7 +52,7 @@ HINTS = (
     (r'"format" attribute|invalid literal for int', 'Write: <package format="3">'),
     (r'The "(\w+)" tag must have the attribute "(\w+)"', 'Write: <{0} {1}="...">'),
 )
-MISSING = re.compile(
+MISSING = lazy_pattern(
     r'(?:exactly one "|at least one "?|Package |The )'
     r'(name|version|description|maintainer|license)(?:"| tag must| must not be empty|$)'
 )
@@ -112,10 +113,10 @@ QUESTIONABLE_MANIFEST = Rule(
 ELEMENTS = ("maintainer", "author", "description", "license", "version", "name", "format")
 
 
-_NAME = re.compile(r"[a-z][a-z0-9_-]*")
-_VERSION = re.compile(r"(?:(?:0|[1-9][0-9]*)\.){2}(?:0|[1-9][0-9]*)")
+_NAME = lazy_pattern(r"[a-z][a-z0-9_-]*")
+_VERSION = lazy_pattern(r"(?:(?:0|[1-9][0-9]*)\.){2}(?:0|[1-9][0-9]*)")
 _WORD = r"[-a-zA-Z0-9_%+]+"
-_ADDRESS = re.compile(rf"{_WORD}(?:\.{_WORD})*@[a-zA-Z0-9-]+(?:\.[a-zA-Z0-9-]+)*\.[a-zA-Z]{{2,}}")
+_ADDRESS = lazy_pattern(rf"{_WORD}(?:\.{_WORD})*@[a-zA-Z0-9-]+(?:\.[a-zA-Z0-9-]+)*\.[a-zA-Z]{{2,}}")
 FORMAT = 3  # the newest
 # The attributes that elements may have: in format 2 and 3, and in format 3 alone.
 _OF_PEOPLE = {"maintainer": ("email",), "author": ("email",), "url": ("type",)}

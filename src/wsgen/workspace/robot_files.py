@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.files import irregular_kind
 from wsgen.markup import read_text, without_comments
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -14,11 +15,11 @@ if TYPE_CHECKING:
 
 
 SUFFIXES = (".urdf", ".xacro")
-ROBOT = re.compile(r"<robot\b[^>]*?\sname\s*=")  # a file of macros has no name
-INCLUDED = re.compile(r"<xacro:include\b[^>]*?\sfilename\s*=\s*[\"']([^\"']+)")
+ROBOT = lazy_pattern(r"<robot\b[^>]*?\sname\s*=")  # a file of macros has no name
+INCLUDED = lazy_pattern(r"<xacro:include\b[^>]*?\sfilename\s*=\s*[\"']([^\"']+)")
 # What describes a robot: files of macros have nothing of it outside of them.
-MACRO = re.compile(r"<xacro:macro\b.*?</xacro:macro>", re.DOTALL)
-PART = re.compile(r"<(?:link|joint|xacro:(?!arg\b|property\b|macro\b)\w+)\b")
+MACRO = lazy_pattern(r"<xacro:macro\b.*?</xacro:macro>", re.DOTALL)
+PART = lazy_pattern(r"<(?:link|joint|xacro:(?!arg\b|property\b|macro\b)\w+)\b")
 
 
 def find_descriptions(folder: Path) -> Iterator[Path]:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.description_rules import NOT_A_NUMBER
 from wsgen.markup import elements, read_text
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -23,15 +24,15 @@ if TYPE_CHECKING:
     from wsgen.model.package import ShareOf
 
 
-FIND = re.compile(r"\$\(find\s+([\w-]+)\s*\)")
-COMPUTED = re.compile(r"\$\{[^}]*\}|\$\([^)]*\)")  # by xacro
-NAMED = re.compile(r"(\w+)\[@(\w+)='([^']*)'\]")  # link[@name='base_link']
-ONE_NAME = re.compile(r"\s*\$\{\s*(\w+)\s*\}\s*")  # the value of a property, and nothing else
-STEP = re.compile(r"(?:[^/'\[]|\[@\w+='[^']*'\])+")
+FIND = lazy_pattern(r"\$\(find\s+([\w-]+)\s*\)")
+COMPUTED = lazy_pattern(r"\$\{[^}]*\}|\$\([^)]*\)")  # by xacro
+NAMED = lazy_pattern(r"(\w+)\[@(\w+)='([^']*)'\]")  # link[@name='base_link']
+ONE_NAME = lazy_pattern(r"\s*\$\{\s*(\w+)\s*\}\s*")  # the value of a property, and nothing else
+STEP = lazy_pattern(r"(?:[^/'\[]|\[@\w+='[^']*'\])+")
 PROPERTY = "xacro:property"
 MACRO = "xacro:macro "  # before its name, in a path
 PARTS = frozenset(("link", "joint"))
-CALLED = re.compile(r" The macro `[^`]*` is called in line \d+(?: of \S+)?\.$")
+CALLED = lazy_pattern(r" The macro `[^`]*` is called in line \d+(?: of \S+)?\.$")
 OTHERS = frozenset(("ros2_control", "transmission", "gazebo"))  # have parts of the same names
 MOST_FILES = 100  # a description in more files than this includes itself
 
