@@ -14,7 +14,7 @@ from wsgen.launch import known_packages
 from wsgen.launch.record import RECORD, caller, locate
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
 
     from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription
     from launch.base import Event, SomeSubstitutionsType, Substitution
@@ -74,33 +74,42 @@ class LaunchDescription(LaunchDescriptionEntity):
         conditional_inclusion: bool = False,  # noqa: FBT001, FBT002  as the original
     ) -> list[Declared]:
         """The declared arguments, each with the includes that lie between."""
-        by_name: dict[str, Declared] = {}
-        for argument, includes in _declared(self.entities, (), conditional_inclusion):
-            by_name.setdefault(argument.name, (argument, includes))
-        return list(by_name.values())
+        return list(_Declarations().find(self.entities, (), conditional_inclusion).values())
 
 
-def _declared(
-    entities: Iterable[LaunchDescriptionEntity],
-    includes: tuple[IncludeLaunchDescription, ...],
-    conditional: bool,  # noqa: FBT001  handed through
-) -> Iterator[Declared]:
-    from launch.actions import (
-        DeclareLaunchArgument,
-        IncludeLaunchDescription,
-        ResetLaunchConfigurations,
-    )
+class _Declarations:
+    """Finds the arguments that entities, and those inside of them, declare."""
 
-    for entity in entities:
-        if isinstance(entity, DeclareLaunchArgument):
-            entity.conditionally_included = entity.conditionally_included or conditional
-            yield entity, includes
-        if isinstance(entity, ResetLaunchConfigurations):
-            return
-        path = (*includes, entity) if isinstance(entity, IncludeLaunchDescription) else includes
-        yield from _declared(entity.describe_sub_entities(), path, conditional)
-        for _, group in entity.describe_conditional_sub_entities():
-            yield from _declared(group, path, conditional=True)
+    def __init__(self) -> None:
+        from launch.actions import (  # once for all entities: it takes as long as one of them
+            DeclareLaunchArgument,
+            IncludeLaunchDescription,
+            ResetLaunchConfigurations,
+        )
+
+        self._declares = DeclareLaunchArgument
+        self._includes = IncludeLaunchDescription
+        self._resets = ResetLaunchConfigurations
+        self._found: dict[str, Declared] = {}  # the first of each name
+
+    def find(
+        self,
+        entities: Iterable[LaunchDescriptionEntity],
+        includes: tuple[IncludeLaunchDescription, ...],
+        conditional: bool,  # noqa: FBT001  handed through
+    ) -> dict[str, Declared]:
+        """Those of the entities too; all by name."""
+        for entity in entities:
+            if isinstance(entity, self._declares):
+                entity.conditionally_included = entity.conditionally_included or conditional
+                self._found.setdefault(entity.name, (entity, includes))
+            if isinstance(entity, self._resets):
+                break
+            path = (*includes, entity) if isinstance(entity, self._includes) else includes
+            self.find(entity.describe_sub_entities(), path, conditional)
+            for _, group in entity.describe_conditional_sub_entities():
+                self.find(group, path, conditional=True)
+        return self._found
 
 
 class LaunchDescriptionSource:
