@@ -153,7 +153,7 @@ EMPTY_WORLDS = {
     "empty_sky.world",
     "empty_bullet.world",
 }
-OF_GAZEBO = lazy_pattern(r"(?:/usr/share/(?:gazebo|ignition|gz).*/)?(?:worlds/)?([^/]+)")
+OF_GAZEBO = lazy_pattern(r"(?:/usr/share/(?:gazebo|ignition|gz)\b.*/)?(?:worlds/)?([^/]+)")
 # An archive of another machine has its folders below one of this machine.
 OF_ROS = lazy_pattern(r"((?:/.*)?/opt/ros/[^/]+/share/([^/]+))/.*?([^/]+)")
 
