@@ -3,6 +3,7 @@
 import signal
 import sys
 
+import hypothesis
 import pytest
 
 if sys.platform == "linux":
@@ -13,6 +14,10 @@ for _name, _handler in (("SIGINT", signal.default_int_handler), ("SIGHUP", signa
     _signal = getattr(signal, _name, None)  # Windows has no SIGHUP
     if _signal is not None and signal.getsignal(_signal) is signal.SIG_IGN:
         signal.signal(_signal, _handler)
+
+# A busy machine takes its time.
+hypothesis.settings.register_profile("wsgen", deadline=None)
+hypothesis.settings.load_profile("wsgen")
 
 # Bytes that a process of the tests, or one that it has started, may grow to. What needs more than
 # a few hundred MB does it in a process of its own.
