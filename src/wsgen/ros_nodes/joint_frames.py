@@ -1,0 +1,146 @@
+"""Where a joint puts its child: the transforms that robot_state_publisher sends.
+
+A rotation is a unit quaternion x, y, z, w.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+from wsgen.description_rules import MALFORMED_XML, NO_LINK, NOT_A_NUMBER, UNKNOWN_JOINT_TYPE
+from wsgen.diagnostics import Severity
+from wsgen.model.robot import JointType
+from wsgen.model.transform import (
+    quaternion_of_rpy,
+    rotate,
+    rotation_of_rpy,
+)
+from wsgen.urdf.joints import INCOMPLETE_JOINT, MISSING_LIMIT
+from wsgen.urdf.reader import (
+    DUPLICATE_JOINT,
+    DUPLICATE_LINK,
+    NOT_A_ROBOT,
+    UNKNOWN_URDF_VERSION,
+    UNNAMED_ROBOT,
+    read_urdf,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.model.robot import Joint, Mimic, Robot
+    from wsgen.model.transform import Vector
+
+Quaternion = tuple[float, float, float, float]
+
+# What urdfdom refuses; Gazebo refuses more, which does not matter to robot_state_publisher.
+REFUSED = frozenset(
+    rule.code
+    for rule in (
+        MALFORMED_XML,
+        NOT_A_ROBOT,
+        UNNAMED_ROBOT,
+        UNKNOWN_URDF_VERSION,
+        NO_LINK,
+        DUPLICATE_LINK,
+        DUPLICATE_JOINT,
+        INCOMPLETE_JOINT,
+        UNKNOWN_JOINT_TYPE,
+        MISSING_LIMIT,
+        NOT_A_NUMBER,
+    )
+)
+
+
+class RefusedDescriptionError(Exception):
+    """A text that no robot can be read from, as urdfdom sees it; the message says why."""
+
+
+class JointFrame(NamedTuple):
+    """A joint, ready to say where its child is."""
+
+    parent: str
+    child: str
+    xyz: Vector  # m, of the child in the parent at position 0
+    xyzw: Quaternion
+    axis_in_parent: Vector  # unit
+    axis_in_child: Vector  # unit
+    slides: bool  # along the axis; otherwise it turns about it
+
+    def at(self, position: float) -> tuple[Vector, Quaternion]:
+        """The child in its parent, m and unit quaternion, at a position in m or rad."""
+        if self.slides:
+            (x, y, z), (ax, ay, az) = self.xyz, self.axis_in_parent
+            return (x + position * ax, y + position * ay, z + position * az), self.xyzw
+        sine, cosine = math.sin(position / 2), math.cos(position / 2)
+        ax, ay, az = self.axis_in_child
+        bx, by, bz, bw = sine * ax, sine * ay, sine * az, cosine
+        x, y, z, w = self.xyzw
+        return self.xyz, (
+            w * bx + x * bw + y * bz - z * by,
+            w * by - x * bz + y * bw + z * bx,
+            w * bz + x * by - y * bx + z * bw,
+            w * bw - x * bx - y * by - z * bz,
+        )
+
+
+class JointFrames(NamedTuple):
+    """The joints of a robot as written, as robot_state_publisher and KDL see them."""
+
+    moving: Mapping[str, JointFrame]  # by joint name: revolute, continuous and prismatic ones
+    fixed: tuple[JointFrame, ...]  # planar ones among them, as in KDL; floating ones are left out
+    mimics: Mapping[str, Mimic]
+
+    def positions(self, names: Iterable[str], values: Iterable[float]) -> dict[str, float]:
+        """The positions of joints that were sent, and of those that mimic one of them."""
+        found: dict[str, float] = {}
+        for name, value in zip(names, values, strict=True):
+            found.setdefault(name, value)
+        for name, mimic in self.mimics.items():
+            if mimic.joint in found:
+                found.setdefault(name, found[mimic.joint] * mimic.multiplier + mimic.offset)
+        return found
+
+
+def read_joint_frames(text: str) -> tuple[Robot, JointFrames]:
+    """The robot of a URDF, and its joints.
+
+    Raises:
+        RefusedDescriptionError: urdfdom refuses the text.
+    """
+    robot, diagnostics = read_urdf(text, file=None)
+    errors = [
+        found
+        for found in diagnostics
+        if found.severity is Severity.ERROR and (robot is None or found.code in REFUSED)
+    ]
+    if robot is None or errors:
+        raise RefusedDescriptionError("\n".join(map(_line, errors)) or "It describes no robot.")
+    moves = (JointType.REVOLUTE, JointType.CONTINUOUS, JointType.PRISMATIC)
+    stays = (JointType.FIXED, JointType.PLANAR)
+    return robot, JointFrames(
+        moving={joint.name: joint_frame(joint) for joint in robot.joints if joint.type in moves},
+        fixed=tuple(joint_frame(joint) for joint in robot.joints if joint.type in stays),
+        mimics={joint.name: joint.mimic for joint in robot.joints if joint.mimic is not None},
+    )
+
+
+def joint_frame(joint: Joint) -> JointFrame:
+    """A joint, ready to say where its child is."""
+    pose, axis = joint.pose_in_parent, joint.axis_in_joint
+    return JointFrame(
+        parent=joint.parent,
+        child=joint.child,
+        xyz=pose.xyz,
+        xyzw=quaternion_of_rpy(pose.rpy),
+        axis_in_parent=rotate(rotation_of_rpy(pose.rpy), axis),
+        axis_in_child=axis,
+        slides=joint.type is JointType.PRISMATIC,
+    )
+
+
+def _line(found: Diagnostic) -> str:
+    place = "" if found.line is None else f"line {found.line}: "
+    return f"{place}{found.message} {found.hint or ''}".rstrip()
