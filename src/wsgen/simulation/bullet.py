@@ -242,6 +242,12 @@ class BulletEngine:
         """Have the root link move and turn like that now, seen from the world: m/s and rad/s."""
         self._bodies[entity][0][0].set_velocity(linear, angular)
 
+    def set_joint_positions(self, entity: str, positions: Mapping[str, float]) -> None:
+        """Put joints of a robot there, at rest."""
+        for body, _ in self._bodies[entity]:
+            body.set_joint_positions(positions)
+        self._separating, self._has_stepped = True, False
+
     def drive(self, entity: str, motors: Mapping[str, Motor]) -> None:
         """Put motors into joints of a robot; those that are not named keep theirs."""
         for body, _ in self._bodies[entity]:

@@ -471,6 +471,13 @@ class BulletBody:
         )
         self._client.resetBaseVelocity(self.number, of_center, angular)
 
+    def set_joint_positions(self, positions: Mapping[str, float]) -> None:
+        """Put those of the joints that are in this tree there, rad or m, at rest."""
+        for name, position in positions.items():
+            index = self.movable.get(name)
+            if index is not None and index not in self._balls:
+                self._client.resetJointState(self.number, index, position)
+
     def root_pose(self) -> Pose:
         """The frame of the root link; PyBullet's base is the frame at its center of mass."""
         return self.root_pose_at(self.place_of_base())

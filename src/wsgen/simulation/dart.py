@@ -204,6 +204,14 @@ class DartBody:
             base.setLinearVelocity(linear)
             base.setAngularVelocity(angular)
 
+    def set_joint_positions(self, positions: Mapping[str, float]) -> None:
+        """Put joints there, rad or m, at rest."""
+        for name, position in positions.items():
+            joint = self.joints[name]
+            if joint.getNumDofs() == 1:
+                joint.setPosition(0, position)
+                joint.setVelocity(0, 0.0)
+
     def drive(self, motors: Mapping[str, Motor]) -> None:
         """Put motors into joints, as Gazebo Sim does for a velocity command."""
         for name, motor in motors.items():
@@ -396,6 +404,11 @@ class DartEngine:
     def set_velocity(self, entity: str, linear: Vector, angular: Vector) -> None:
         """Have the root link move and turn like that now, seen from the world: m/s and rad/s."""
         self._robots[entity].set_velocity(linear, angular)
+
+    def set_joint_positions(self, entity: str, positions: Mapping[str, float]) -> None:
+        """Put joints of a robot there, at rest."""
+        self._robots[entity].set_joint_positions(positions)
+        self._has_stepped = False
 
     def drive(self, entity: str, motors: Mapping[str, Motor]) -> None:
         """Put motors into joints of a robot; those that are not named keep theirs."""

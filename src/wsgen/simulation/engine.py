@@ -191,6 +191,12 @@ class Engine(Protocol):
         Two links that touch each other are listed from either side.
         """
 
+    def set_joint_positions(self, entity: str, positions: Mapping[str, float]) -> None:
+        """Put joints of a robot there (rad or m), at rest; the others and the root stay.
+
+        Motors and efforts stay, too. Ball joints are left alone.
+        """
+
     def drive(self, entity: str, motors: Mapping[str, Motor]) -> None:
         """Put motors into joints of a robot; those that are not named keep theirs."""
 

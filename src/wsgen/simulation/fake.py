@@ -58,6 +58,7 @@ class FakeEngine:
         self.motors: dict[str, dict[str, Motor]] = {}
         self.pushes: dict[tuple[str, str], Vector] = {}
         self.efforts: dict[str, dict[str, float]] = {}
+        self.put: dict[str, dict[str, float]] = {}  # positions that joints were put at
         self.rays = rays
         self.removed: list[str] = []
         self.velocities: dict[str, tuple[Vector, Vector]] = {}  # as they were set, by entity
@@ -101,6 +102,10 @@ class FakeEngine:
     def set_velocity(self, entity: str, linear: Vector, angular: Vector) -> None:
         """Remember it; what moves is up to the script."""
         self.velocities[entity] = linear, angular
+
+    def set_joint_positions(self, entity: str, positions: Mapping[str, float]) -> None:
+        """Remember them; what moves is up to the script."""
+        self.put.setdefault(entity, {}).update(positions)
 
     def drive(self, entity: str, motors: Mapping[str, Motor]) -> None:
         """Remember them; what moves is up to the script."""

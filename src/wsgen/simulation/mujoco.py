@@ -233,6 +233,16 @@ class MujocoEngine:
         self._data.qvel[dofs] = (*linear, *(rotation.T @ np.array(angular)))
         self._is_current = False
 
+    def set_joint_positions(self, entity: str, positions: Mapping[str, float]) -> None:
+        """Put joints of a robot there, at rest."""
+        model, joints = self._model, self._robots[entity].joints
+        for name, position in positions.items():
+            number = joints[name].id
+            if model.jnt_type[number] != library.mjtJoint.mjJNT_BALL:
+                self._data.qpos[model.jnt_qposadr[number]] = position
+                self._data.qvel[model.jnt_dofadr[number]] = 0.0
+        self._separating, self._is_current, self._has_stepped = True, False, False
+
     def drive(self, entity: str, motors: Mapping[str, Motor]) -> None:
         """Put motors into joints of a robot; those that are not named keep theirs."""
         body = self._robots[entity]

@@ -262,6 +262,11 @@ class RobotHandle:
         """Have efforts (N m or N) act on joints, which lose their motors, until the next call."""
         self._engine.set_efforts(self.entity, efforts)
 
+    def set_joint_positions(self, positions: Mapping[str, float]) -> None:
+        """Put joints there (rad or m), at rest."""
+        self._engine.set_joint_positions(self.entity, positions)
+        self._host.moment += 1
+
     def set_velocity(self, linear: Vector, angular: Vector) -> None:
         """Have its root link move (m/s, of the frame's origin) and turn (rad/s) like that now."""
         self._engine.set_velocity(self.entity, linear, angular)

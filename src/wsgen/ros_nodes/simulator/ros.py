@@ -15,10 +15,11 @@ import rclpy
 import rclpy.logging
 from builtin_interfaces.msg import Time
 from rclpy.executors import SingleThreadedExecutor
+from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
 EXECUTOR_EVERY = 0.02  # s of wall-clock time, between two calls of the executor while busy
 MOST_AT_ONCE = 100  # messages of one topic that one look takes
@@ -36,13 +37,26 @@ class Ros:
         self._next_executor = 0.0
         self._nodes: list[Any] = []
 
-    def node(self, name: str, namespace: str = "", arguments: Sequence[str] = ()) -> Any:
-        """A node; `arguments` are some like `-r`, `a:=b`, that hold for it alone."""
+    def node(
+        self,
+        name: str,
+        namespace: str = "",
+        arguments: Sequence[str] = (),
+        parameters: Mapping[str, Any] | None = None,
+    ) -> Any:
+        """A node; `arguments` are some like `-r`, `a:=b`, that hold for it alone.
+
+        With `parameters`, it has these, and services by which everybody reads and sets them and
+        others. `use_sim_time` among them does not make it read `/clock`: it is in this process.
+        """
+        given = {key: one for key, one in (parameters or {}).items() if key != "use_sim_time"}
         node = rclpy.create_node(
             name,
             namespace=namespace,
             cli_args=["--ros-args", *arguments] if arguments else None,
-            start_parameter_services=False,
+            start_parameter_services=parameters is not None,
+            allow_undeclared_parameters=parameters is not None,
+            parameter_overrides=parameters_of(given),
             automatically_declare_parameters_from_overrides=True,
         )
         self._executor.add_node(node)
@@ -145,6 +159,24 @@ class Ros:
         for node in self._nodes:
             node.destroy_node()
         rclpy.try_shutdown()
+
+
+def parameters_of(values: Mapping[str, Any]) -> list[Any]:
+    """Parameters for a node; those of which ROS has no type are left out."""
+    found = []
+    for name, value in values.items():
+        plain = value
+        if isinstance(value, list):
+            if not value:
+                continue  # ROS cannot tell of what it is a list
+            numbers = [isinstance(one, (int, float)) and type(one) is not bool for one in value]
+            if all(numbers) and any(isinstance(one, float) for one in value):
+                plain = [float(one) for one in value]
+        try:
+            found.append(Parameter(name, value=plain))
+        except (TypeError, ValueError):
+            continue
+    return found
 
 
 def _no_handlers() -> dict[str, Any]:

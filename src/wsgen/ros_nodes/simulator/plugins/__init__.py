@@ -17,6 +17,10 @@ PLUGINS: dict[str, str] = {
     "odometry-publisher": f"{_HERE}.odometry:OdometryPublisher",
     "pose-publisher": f"{_HERE}.odometry:PosePublisher",
     "velocity-control": f"{_HERE}.planar_move:VelocityControl",
+    **dict.fromkeys(
+        ("gazebo_ros2_control", "gz_ros2_control-system", "ign_ros2_control-system"),
+        f"{_HERE}.ros2_control:Ros2Control",
+    ),
 }
 
 # What the simulator does by itself, or what needs nothing done, by the same names.

@@ -1,0 +1,49 @@
+"""The controllers that the simulator has, by their types."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from wsgen.ros_nodes.simulator.ros2_control.controllers.base import Controller
+
+_HERE = __name__
+# Type -> module and class.
+TYPES: dict[str, tuple[str, str]] = {
+    "diff_drive_controller/DiffDriveController": ("diff_drive", "DiffDriveController"),
+    "effort_controllers/JointGroupEffortController": ("forward_command", "EffortController"),
+    "forward_command_controller/ForwardCommandController": (
+        "forward_command",
+        "ForwardCommandController",
+    ),
+    "forward_command_controller/MultiInterfaceForwardCommandController": (
+        "forward_command",
+        "MultiInterfaceController",
+    ),
+    "joint_state_broadcaster/JointStateBroadcaster": (
+        "joint_state_broadcaster",
+        "JointStateBroadcaster",
+    ),
+    "joint_trajectory_controller/JointTrajectoryController": (
+        "joint_trajectory",
+        "JointTrajectoryController",
+    ),
+    "parallel_gripper_action_controller/GripperActionController": (
+        "gripper",
+        "ParallelGripperController",
+    ),
+    "effort_controllers/GripperActionController": ("gripper", "EffortGripperController"),
+    "position_controllers/GripperActionController": ("gripper", "PositionGripperController"),
+    "position_controllers/JointGroupPositionController": ("forward_command", "PositionController"),
+    "velocity_controllers/JointGroupVelocityController": ("forward_command", "VelocityController"),
+}
+
+
+def controller_class(kind: str) -> type[Controller] | None:
+    """The class of a type of controllers; None of one that the simulator does not have."""
+    if kind not in TYPES:
+        return None
+    module, name = TYPES[kind]
+    found: type[Controller] = getattr(import_module(f"{_HERE}.{module}"), name)
+    return found
