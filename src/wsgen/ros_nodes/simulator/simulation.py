@@ -74,6 +74,7 @@ class LiveSimulation:
             world_name=scene.world,
         )
         self.control = Control(is_paused=scene.is_paused)
+        self.host.rate = scene.rate
         self._announce = announce
         self._known = {robot.entity: robot for robot in scene.scene.robots}
         self._poses: dict[str, Pose] = {}  # where robots were spawned

@@ -11,4 +11,8 @@ _HERE = "wsgen.ros_nodes.simulator.sensors"
 SENSORS: dict[str, str] = {
     **dict.fromkeys(("ray", "gpu_ray", "lidar", "gpu_lidar"), f"{_HERE}.lidar:Lidar"),
     "imu": f"{_HERE}.imu:Imu",
+    **dict.fromkeys(
+        ("camera", "multicamera", "depth", "depth_camera", "rgbd", "rgbd_camera"),
+        f"{_HERE}.camera:Camera",
+    ),
 }

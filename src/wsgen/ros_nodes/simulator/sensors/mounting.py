@@ -54,7 +54,9 @@ class Sensor(Plugin):
         self.robot = robot
         self.sensor = sensor
         rate = number(sensor.element, "update_rate", 0.0)
-        self.period = 1.0 / rate if rate > 0 else max(FASTEST_PERIOD, host.step_seconds)
+        # s, simulated, between two measurements, as the description has it
+        self.rated_period = 1.0 / rate if rate > 0 else max(FASTEST_PERIOD, host.step_seconds)
+        self.period = self.rated_period
         # The same noise in every run.
         self.seed = zlib.crc32(f"{robot.entity}/{sensor.link}/{sensor.name}".encode())
 
