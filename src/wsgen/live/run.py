@@ -21,7 +21,6 @@ from wsgen.model.plan import LaunchRequest
 from wsgen.pipeline.package_validation import Validation
 from wsgen.pipeline.run_robots import spawned_robots
 from wsgen.pipeline.validate import selected_package
-from wsgen.sdf.source import is_sdf
 from wsgen.simulation.live_scene import SCENE_FILE, LiveScene
 from wsgen.simulation.scene import Scene
 from wsgen.values import dataclass
@@ -78,12 +77,13 @@ def run_launch(
         live_folder = folder / "live"
         live_folder.mkdir()
         answers = _Answers(request.prepared_as.answers)
-        request = replace(request, prepared_as=replace(request.prepared_as, answers=answers))
+        prepared_as = replace(request.prepared_as, answers=answers, is_live=True)
+        request = replace(request, prepared_as=prepared_as)
         environment = _environment(selected.overlay.environment)
         service = stack.enter_context(start_service(live_folder, environment))
         ros = open_ros(messages_of(selected))
         try:
-            prepare(
+            is_simulated = prepare(
                 selected,
                 request,
                 live_folder,
@@ -111,6 +111,8 @@ def run_launch(
                 is_colored=request.is_colored,
                 is_strict=request.is_strict,
                 until_exit=request.until_exit,
+                # The simulator knows when the time of the simulation is over.
+                seconds=None if is_simulated else request.seconds,
             )
         )
         code = service.wait()
@@ -157,8 +159,8 @@ def prepare(  # noqa: PLR0913  what to prepare, where, how
     is_sourced: bool,
     show: Callable[[Iterable[Diagnostic]], None],
     listener: Listener | None = None,
-) -> None:
-    """Write what the simulator of a live run reads.
+) -> bool:
+    """Write what the simulator of a live run reads; whether something is simulated.
 
     Args:
         selected: The launch file.
@@ -191,22 +193,23 @@ def prepare(  # noqa: PLR0913  what to prepare, where, how
     if broken or is_stopped or (has_simulation and world is None):
         raise BrokenRunError
     if not has_simulation or world is None:
-        return
+        return False
     scene = Scene(world=world, robots=spawned_robots(robots), engine=request.prepared_as.engines[0])
     live = LiveScene(
         scene=scene,
         simulator=subject.simulator_kind or "gz",
         world=world.name,
+        devices={robot.entity: robot.devices for robot in robots if robot.devices is not None},
+        world_devices=subject.world_devices,
         in_world=tuple(_in_world(robots, started.spawns)),
         descriptions={
-            spawn.entity: spawn.description
-            for spawn in started.spawns
-            if spawn.description and not is_sdf(spawn.description)
+            robot.entity: robot.description for robot in robots if robot.description is not None
         },
         rate=request.rate,
         seconds=request.seconds,
     )
     write_file(live_folder / SCENE_FILE, encode(live))
+    return True
 
 
 def _in_world(robots: Iterable[PreparedRobot], spawns: Iterable[Spawn]) -> Iterator[str]:

@@ -49,6 +49,7 @@ if TYPE_CHECKING:
 
     from wsgen.events import Listener
     from wsgen.isolation.parent import Run
+    from wsgen.model.devices import Devices
     from wsgen.model.plan import LaunchPlan
     from wsgen.model.world import Spawn, World
     from wsgen.pipeline.behavior_plan import BehaviorPlan
@@ -257,6 +258,7 @@ class Validation:
         self.clock = Clock(self.label, listener)
         self.started: Started | None = None
         self.simulator_kind: str | None = None  # "classic" or "gz"
+        self.world_devices: Devices | None = None  # of a live run
         self.diagnostics: list[Diagnostic] = []
         self.sdf_files: set[Path] = set()  # that the world and what is spawned were read from
         self.written: dict[Path, Path] = {}  # a copy of what a process writes -> its xacro file
@@ -318,7 +320,8 @@ class Validation:
             share_of=lambda package: self.overlay.look_up(package) or on_model_path(package),
             folder=folder,
             run=self.run_task,
-            with_colors=self.request.is_drawn,
+            with_colors=self.request.is_drawn or self._has_cameras(started),
+            with_devices=self.request.is_live,
             known=self.known,
         )
         world, models = self._read_world(started, context, environment)
@@ -330,6 +333,10 @@ class Validation:
         }
         prepared = self._describe(started, context, environment, in_world)
         return world, [*without_taken(models, [robot.entity for robot in prepared]), *prepared]
+
+    def _has_cameras(self, started: Started) -> bool:
+        """Whether robots of a live run look at one another."""
+        return self.request.is_live and any("camera" in one.description for one in started.spawns)
 
     def named(self, diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
         """Diagnostics with the files of the source in place of copies and of what is installed."""
@@ -424,6 +431,7 @@ class Validation:
             step.succeeded = not has_errors((*found.diagnostics, *more))
         self.diagnostics += (*found.diagnostics, *more)
         world = found.world
+        self.world_devices = found.devices
         if world is not None and world.file in self.written:
             world = replace(world, file=self.written[world.file])
         return world, as_robots(models, robots_of_world(found, environment))

@@ -452,6 +452,7 @@ class ValidateRequest:
     view_triangles: int = 0
     samples: int = 0  # of how each robot moves, over the simulated time and in each behavior
     is_viewed: bool = False  # the robots are shown, in a browser
+    is_live: bool = False  # their sensors and plugins work, for ROS
 
     def for_page(self) -> ValidateRequest:
         """The same, with what a page shows."""
