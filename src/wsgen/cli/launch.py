@@ -82,9 +82,12 @@ class RateType(click.ParamType):  # type: ignore[type-arg,unused-ignore]  # newe
 )
 @click.option(
     "--record",
+    "recordings",
     type=click.Path(),
+    multiple=True,
     metavar="FILE",
-    help="With --play: file for a video, .gif or .mp4 (pip install 'wsgen[video]').",
+    help="With --play or --run: file for a video, .gif or .mp4 (pip install 'wsgen[video]'). With "
+    "--run also: .mcap for all topics.",
 )
 @click.option(
     "--view",
@@ -140,7 +143,7 @@ def command(
     show_arguments: bool,
     answers: tuple[str, ...],
     play: bool,
-    record: str | None,
+    recordings: tuple[str, ...],
     is_viewed: bool,
     is_run: bool,
     rate: float | None,
@@ -185,9 +188,13 @@ def command(
         _refuse_beside_view(context)
     else:
         _refuse_without_view(context)
-    request = _request(arguments, answers, record, picture, seconds, engine)
     if is_run:
+        from pathlib import Path
+
         from wsgen.cli.live_run import run
+        from wsgen.live.recording import choose_recordings
+
+        request = _request(arguments, answers, None, picture, seconds, engine)
 
         return run(
             selected,
@@ -196,9 +203,12 @@ def command(
             seconds=run_seconds,
             until_exit=until_exit,
             is_strict=is_strict,
+            recordings=choose_recordings([Path(file) for file in recordings]),
             quiet=quiet,
             verbose=verbose,
         )
+    video = _only_video(recordings)
+    request = _request(arguments, answers, video, picture, seconds, engine)
     if play and is_viewed:
         from wsgen.cli.play_view import view_simulation
 
@@ -217,7 +227,7 @@ def command(
             verbose=verbose,
         )
     asked = context.get_parameter_source("seconds")
-    if record or picture or html_file or engine or asked is not ParameterSource.DEFAULT:
+    if video or picture or html_file or engine or asked is not ParameterSource.DEFAULT:
         raise RequestError(
             "Without --play nothing is simulated.", hint="Add --play, or remove the option."
         )
@@ -234,8 +244,17 @@ def command(
     return EXIT_FAILED if has_errors(plan.diagnostics) else EXIT_PASSED
 
 
+def _only_video(recordings: Sequence[str]) -> str | None:
+    """The file of the video that --play makes."""
+    if len(recordings) > 1:
+        raise RequestError(
+            "--play makes one video.", hint="Write --record once, with a .gif or an .mp4 file."
+        )
+    return next(iter(recordings), None)
+
+
 NOT_WITH_RUN = (
-    *("show_arguments", "play", "record", "is_viewed", "picture", "html_file", "seconds"),
+    *("show_arguments", "play", "is_viewed", "picture", "html_file", "seconds"),
     "output_format",
 )
 OF_RUN = ("rate", "run_seconds", "until_exit", "is_strict")
@@ -272,7 +291,7 @@ def _option(context: click.Context, name: str) -> str:
     return next(one.opts[-1] for one in context.command.params if one.name == name)
 
 
-NOT_WITH_VIEW = ("record", "picture", "html_file", "seconds", "output_format")
+NOT_WITH_VIEW = ("recordings", "picture", "html_file", "seconds", "output_format")
 
 
 def _refuse_beside_view(context: click.Context) -> None:

@@ -5,9 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable
+    from collections.abc import Callable, Collection, Iterable
 
     from wsgen.diagnostics import Diagnostic
+    from wsgen.events import Listener
+    from wsgen.live.recording import Recordings
     from wsgen.pipeline.plan_launch import SelectedLaunchFile
     from wsgen.pipeline.selection import ValidateRequest
     from wsgen.ros_environment import RosEnvironment
@@ -21,6 +23,7 @@ def run(
     seconds: float | None,
     until_exit: str | None,
     is_strict: bool,
+    recordings: Recordings,
     quiet: bool,
     verbose: bool,
 ) -> int:
@@ -48,6 +51,11 @@ def run(
         progress.__exit__(None, None, None)
         _print(tuple(diagnostics), verbose=verbose)
 
+    def finish(remains: Callable[[Listener | None], Iterable[Diagnostic]]) -> None:
+        with listening(quiet=quiet, verbose=verbose) as listener:
+            found = remains(listener)
+        _print(tuple(found), verbose=verbose)
+
     is_terminal = sys.stdout is not None and sys.stdout.isatty()
     return run_launch(
         selected,
@@ -57,10 +65,12 @@ def run(
             seconds=seconds,
             until_exit=until_exit,
             is_strict=is_strict,
+            recordings=recordings,
             is_colored=is_terminal if context.color is None else context.color,
         ),
         open_environment,
         show=show,
+        finish=finish,
         listener=listener,
     )
 

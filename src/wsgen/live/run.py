@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,7 +15,9 @@ from wsgen.isolation import parent
 from wsgen.isolation.codec import encode
 from wsgen.launch import commands, known_packages
 from wsgen.launch.evaluate import DISTRO_OF_LAUNCHES
+from wsgen.live.film import draw_film
 from wsgen.live.programs import LeftOut, find_stand
+from wsgen.live.recording import Recordings, recording_topics
 from wsgen.live.request import ServiceRequest
 from wsgen.live.service_child import start_service
 from wsgen.model.plan import LaunchRequest
@@ -47,26 +50,29 @@ class RunRequest:
     until_exit: str | None = None  # the node or process whose end ends the run
     is_strict: bool = False  # what cannot run here is an error
     is_colored: bool = False
+    recordings: Recordings = Recordings()
 
 
 class BrokenRunError(Exception):
     """The launch is not started; what was shown says why."""
 
 
-def run_launch(
+def run_launch(  # noqa: PLR0913  what to run, and who hears of it
     selected: SelectedLaunchFile,
     request: RunRequest,
     open_ros: Callable[[Collection[str]], RosEnvironment],
     *,
     show: Callable[[Iterable[Diagnostic]], None],
+    finish: Callable[[Callable[[Listener | None], Iterable[Diagnostic]]], None],
     listener: Listener | None = None,
 ) -> int:
     """Run a launch file until it ends, or the user ends it; gives the exit code of `ros2 launch`.
 
     The process of the launch service starts while the robots are prepared. `show` is given what is
     reported of them before the launch begins; with errors that keep a robot from being simulated,
-    the launch is not started. `open_ros` gives what processes run with, for the packages of
-    messages that it is given.
+    the launch is not started. `finish` is given what remains to be done when it has ended, which
+    takes a listener and gives what is to be reported. `open_ros` gives what processes run with, for
+    the packages of messages that it is given.
 
     Raises:
         NotFoundError: The engine is not installed.
@@ -100,22 +106,26 @@ def run_launch(
             arguments=dict(request.prepared_as.launch_arguments),
             answers=answers.given,
         )
-        service.go(
-            ServiceRequest(
-                launch=launch,
-                folder=live_folder,
-                python=ros.python,
-                is_sourced=ros.is_sourced,
-                environment=environment,
-                variables=_with_shim(ros, environment),
-                is_colored=request.is_colored,
-                is_strict=request.is_strict,
-                until_exit=request.until_exit,
-                # The simulator knows when the time of the simulation is over.
-                seconds=None if is_simulated else request.seconds,
+        variables = _with_shim(ros, environment)
+        with recording_topics(request.recordings.mcap, ros.python, environment | variables):
+            service.go(
+                ServiceRequest(
+                    launch=launch,
+                    folder=live_folder,
+                    python=ros.python,
+                    is_sourced=ros.is_sourced,
+                    environment=environment,
+                    variables=variables,
+                    is_colored=request.is_colored,
+                    is_strict=request.is_strict,
+                    until_exit=request.until_exit,
+                    # The simulator knows when the time of the simulation is over.
+                    seconds=None if is_simulated else request.seconds,
+                )
             )
-        )
-        code = service.wait()
+            code = service.wait()
+        if request.recordings.video is not None:
+            finish(partial(draw_film, live_folder, request.recordings.video))
     return code if code >= 0 else _tell_death(-code)
 
 
@@ -207,6 +217,7 @@ def prepare(  # noqa: PLR0913  what to prepare, where, how
         },
         rate=request.rate,
         seconds=request.seconds,
+        is_filmed=request.recordings.video is not None,
     )
     write_file(live_folder / SCENE_FILE, encode(live))
     return True

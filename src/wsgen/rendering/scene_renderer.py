@@ -244,8 +244,11 @@ class SceneRenderer:
     def _near(self) -> dict[int, Floats]:
         """Points of the static models that are near the robots, by their number."""
         points = self.subject_points()
+        return self.around(points, max(AROUND_LEAST, AROUND_SIZES * extent(points)))
+
+    def around(self, points: Floats, room: float) -> dict[int, Floats]:
+        """Points of the static models that are within a room (m) around points, by their number."""
         middle = (points.min(axis=0) + points.max(axis=0)) / 2
-        room = max(AROUND_LEAST, AROUND_SIZES * extent(points))
         return {
             number: of_it
             for number, of_it in self.renderer.points(is_no_subject).items()

@@ -6,15 +6,15 @@ Pillow writes a GIF, PyAV an MP4.
 from __future__ import annotations
 
 import io
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from PIL import Image
 
 from wsgen.files import write_file
-from wsgen.rendering.camera import Size
+from wsgen.rendering.camera import Size, extent
 from wsgen.rendering.picture import CAPTION_COLOR, TITLE_COLOR, draw_title, write_caption
-from wsgen.rendering.scene_renderer import CameraSetup, is_no_subject
+from wsgen.rendering.scene_renderer import VIEWS, CameraSetup, is_no_subject
 from wsgen.simulation.scene import Video
 
 if TYPE_CHECKING:
@@ -86,32 +86,34 @@ LARGE, SMALL = Size(480, 360), Size(320, 240)
 # that the same things get the same videos on every machine, however busy it is.
 FRAME_SECONDS, PIXEL_SECONDS, TRIANGLE_SECONDS = 0.006, 0.1e-6, 0.15e-6
 
+AROUND_LEAST = 1.0  # m around the way of the robots, and the size of that
 TITLE_SECONDS = 0.8  # how long the name of a behavior is shown before it
 
 
-def draw_video(
+def draw_video(  # noqa: PLR0913  what to draw, where, and how
     scene_renderer: SceneRenderer,
     recorder: Recorder,
     file: Path,
     announce: Callable[[str], None],
     *,
     looks: int = 3,
+    with_surroundings: bool = False,
 ) -> Video:
     """Write a video of what was recorded; `announce` gets how far it is.
 
     The camera stands still and sees the robots as they are at the beginning and the end of each
     clip and at moments between, `looks` in all. A clip with a name begins with it on a title card:
-    else the cut would look like a jump of the robot. What takes long to draw gets a smaller
-    picture, then fewer frames.
+    else the cut would look like a jump of the robot. `with_surroundings` the camera looks from
+    above, over walls, and sees the static models near the robots, too. What takes long to draw gets
+    a smaller picture, then fewer frames.
     """
     clips = recorder.shown
     count = sum(len(clip.frames) for clip in clips)
     size, cost = _quality(scene_renderer.renderer.triangles, count)
     stride = max(1, -int(-count * cost // BUDGET))
     rate = recorder.rate / stride
-    setup = _set_up(
-        scene_renderer, [moment for clip in clips for moment in _moments(clip, looks)], size
-    )
+    moments = [moment for clip in clips for moment in _moments(clip, looks)]
+    setup = _set_up(scene_renderer, moments, size, with_surroundings=with_surroundings)
     titles = max(1, round(TITLE_SECONDS * rate))
     total = sum(len(clip.frames[::stride]) for clip in clips)
     written = total + titles * sum(bool(clip.name) for clip in clips)
@@ -155,18 +157,20 @@ def _moments(clip: Clip, count: int = 3) -> list[Poses]:
     return [clip.frames[min(frames * number // gaps, frames - 1)] for number in range(count)]
 
 
-def _set_up(scene_renderer: SceneRenderer, moments: Sequence[Poses], size: Size) -> CameraSetup:
-    points = []
+def _set_up(
+    scene_renderer: SceneRenderer, moments: Sequence[Poses], size: Size, *, with_surroundings: bool
+) -> CameraSetup:
+    seen = []
     for moment in moments:
         scene_renderer.renderer.arrange(moment)
-        points.append(scene_renderer.subject_points())
+        seen.append(scene_renderer.subject_points())
+    points = np.vstack(seen)
+    options: dict[str, Any] = {"without_shadow": is_no_subject}
+    if with_surroundings:
+        around = scene_renderer.around(points, AROUND_LEAST + extent(points))
+        points, options = np.vstack([points, *around.values()]), {"towards": VIEWS[0]}
     return CameraSetup(
-        scene_renderer.renderer,
-        scene_renderer.world,
-        np.vstack(points),
-        size,
-        samples=2,
-        without_shadow=is_no_subject,
+        scene_renderer.renderer, scene_renderer.world, points, size, samples=2, **options
     )
 
 

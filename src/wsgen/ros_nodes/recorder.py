@@ -1,16 +1,19 @@
 """Record all topics into an MCAP file, which Foxglove and `ros2 bag` open.
 
-    python -m wsgen.ros_nodes.recorder FILE
+    python -m wsgen.ros_nodes.recorder FILE [PARENT]
 
 Like `ros2 bag record --all --use-sim-time`: topics are found as they appear, hidden ones are left
 out, and messages are stored as they came, with the simulated time at which they did. The file has
-its name when it is complete; until then `.part` is behind it.
+its name when it is complete; until then `.part` is behind it. It is completed at
+SIGINT or SIGTERM, and when the process PARENT ends.
 """
 
 from __future__ import annotations
 
 import contextlib
+import ctypes
 import importlib
+import os
 import signal
 import sys
 from pathlib import Path
@@ -37,6 +40,7 @@ LOOK_SECONDS = 0.2  # wall-clock, between two looks for new topics
 DEPTH = 1000  # messages that wait for the recorder, at most; a full queue loses the oldest
 UNFINISHED = ".part"
 LIBRARY = "wsgen"
+PR_SET_PDEATHSIG = 1  # linux/prctl.h
 
 
 class Recorder(Node):
@@ -146,13 +150,22 @@ def _duration_as_yaml(duration: Duration) -> str:
     return f"{{sec: {seconds}, nsec: {nanoseconds}}}"
 
 
+def _end_with(parent: int) -> None:
+    """Have SIGINT come when the process that has started this one ends."""
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGINT, 0, 0, 0)
+    if os.getppid() != parent:  # it has ended already
+        os.kill(os.getpid(), signal.SIGINT)
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Record until SIGINT or SIGTERM comes; give the exit code."""
-    (name,) = sys.argv[1:] if arguments is None else arguments
+    name, *parent = sys.argv[1:] if arguments is None else arguments
     file = Path(name)
     unfinished = file.with_name(file.name + UNFINISHED)
     for ending in (signal.SIGINT, signal.SIGTERM):
         signal.signal(ending, signal.default_int_handler)
+    if parent:
+        _end_with(int(parent[0]))
     try:
         stream = unfinished.open("wb")
     except OSError as error:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 FILM_FILE = "film.jsonl"  # in the folder of a live run
-RATE = 20.0  # frames a simulated second
+RATE = 10.0  # frames a simulated second
 DIGITS = 5  # of m and rad
 
 

@@ -179,7 +179,7 @@ def _blame(scene: Scene, death: Died) -> tuple[Diagnostic, Scene | None]:
         found = _no_picture("picture", f"the engine {death.reason} while it drew it")
         return found, replace(scene, picture=None, world_picture=None, view_triangles=0)
     if death.step.startswith(RECORDING):
-        found = _no_video(f"the engine {death.reason} while it was {death.step}")
+        found = no_video(f"the engine {death.reason} while it was {death.step}")
         return found, replace(scene, record=None)
     for behavior_run in scene.behavior_runs:
         name = behavior_run.behavior.name
@@ -240,7 +240,7 @@ def _undrawn(result: SceneResult) -> Iterator[Diagnostic]:
     if isinstance(result.world_picture, NotDrawn):
         yield _no_picture("picture of the world", result.world_picture.problem)
     if isinstance(result.video, NotDrawn):
-        yield _no_video(result.video.problem)
+        yield no_video(result.video.problem)
 
 
 def _no_picture(what: str, problem: str) -> Diagnostic:
@@ -252,7 +252,8 @@ def _no_picture(what: str, problem: str) -> Diagnostic:
     )
 
 
-def _no_video(problem: str) -> Diagnostic:
+def no_video(problem: str) -> Diagnostic:
+    """Say that there is no video; `problem` goes on after "Cannot record a video:"."""
     missing = find_missing_library(problem)
     if missing is not None:
         return NO_VIDEO.at(

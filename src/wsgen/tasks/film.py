@@ -40,7 +40,12 @@ def draw(scene: Scene, film_file: Path, file: Path) -> Video | NotDrawn:
     def make() -> Video:
         renderer = SceneRenderer(scene, film.frames[-1], film.corners, never_seen)
         return draw_video(
-            renderer, recorder, file, lambda text: announce(f"{RECORDING}: {text}"), looks=LOOKS
+            renderer,
+            recorder,
+            file,
+            lambda text: announce(f"{RECORDING}: {text}"),
+            looks=LOOKS,
+            with_surroundings=True,
         )
 
     announce(RECORDING)

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class Filming(Plugin):
-    """Writes a frame every twentieth of a simulated second, from when the first robot is there."""
+    """Writes a frame every tenth of a simulated second, from when the first robot is there."""
 
     period = 1 / RATE
 

@@ -1,0 +1,111 @@
+"""Record a live run: its topics as MCAP while it goes on, a video of its robots afterwards."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import subprocess
+from importlib.util import find_spec
+from typing import TYPE_CHECKING
+
+from wsgen.errors import NotFoundError, RequestError
+from wsgen.isolation import parent
+from wsgen.rendering.recording import why_no_video
+from wsgen.values import dataclass
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+    from pathlib import Path
+
+
+MODULE = "wsgen.ros_nodes.recorder"
+SECONDS_TO_FINISH = 20.0  # wall-clock, for the index at the end of the file
+
+
+@dataclass(frozen=True, kw_only=True)
+class Recordings:
+    """The files that are made of a live run."""
+
+    mcap: Path | None = None
+    video: Path | None = None
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """All of them."""
+        return tuple(file for file in (self.mcap, self.video) if file is not None)
+
+
+def choose_recordings(files: Sequence[Path]) -> Recordings:
+    """What the files are for, by their endings; cheap, and asked before the run.
+
+    Raises:
+        RequestError: A file cannot be written, or nobody knows its ending, or two are of one kind.
+        NotFoundError: A library for it is not installed.
+    """
+    mcap = [file for file in files if file.suffix.lower() == ".mcap"]
+    videos = [file for file in files if file not in mcap]
+    for one in (mcap, videos):
+        if len(one) > 1:
+            raise RequestError(
+                f"{one[0]} and {one[1]} would be the same recording twice.",
+                hint="Name one .mcap file for the topics, and one .gif or .mp4 file for a video.",
+            )
+    for file in videos:
+        problem = why_no_video(file)
+        if file.suffix.lower() not in {".gif", ".mp4"}:
+            problem = f"`{file.name}` is neither an .mcap, nor a .gif, nor an .mp4 file"
+        if problem is not None:
+            raise RequestError(
+                f"The run cannot be recorded: {problem}.",
+                hint="Name an .mcap file for the topics, or a .gif or .mp4 file for a video.",
+            )
+    for file in mcap:
+        if not file.parent.is_dir() or not os.access(file.parent, os.W_OK) or file.is_dir():
+            raise RequestError(
+                f"{file} cannot be written: its folder does not exist or is not writable.",
+                hint="Name a file in a folder of yours.",
+            )
+        if find_spec("mcap") is None:
+            raise NotFoundError(
+                "Recording topics needs the Python package mcap, which is not installed.",
+                hint="pip install 'wsgen[ros]'",
+            )
+    return Recordings(
+        mcap=mcap[0] if mcap else None,
+        video=videos[0] if videos else None,
+    )
+
+
+@contextlib.contextmanager
+def recording_topics(
+    file: Path | None, python: Path, environment: Mapping[str, str]
+) -> Iterator[None]:
+    """Record all topics while the context is open; the file is complete when it closes.
+
+    The recorder finishes its file also when this process is killed.
+
+    Raises:
+        NotReadableError: The process cannot be started.
+    """
+    if file is None:
+        yield
+        return
+    try:
+        recorder = subprocess.Popen(
+            [str(python), "-m", MODULE, str(file.absolute()), str(os.getpid())],
+            stdin=subprocess.DEVNULL,
+            env={**environment, "PYTHONUNBUFFERED": "1"},
+            start_new_session=True,  # Ctrl-C ends the launch, and that ends the recording
+        )
+    except OSError as error:
+        raise parent.not_started(error) from error
+    try:
+        yield
+    finally:
+        recorder.send_signal(signal.SIGINT)
+        try:
+            recorder.wait(SECONDS_TO_FINISH)
+        except subprocess.TimeoutExpired:
+            recorder.kill()
+            recorder.wait()
