@@ -28,6 +28,8 @@ CAPTION_SIZE, CAPTION_MARGIN = 1 / 40, 1 / 51  # of the picture's height
 CAPTION_LEADING = 4  # pixels between lines
 CAPTION_SCALE = 4  # so many times as large the letters are drawn
 TITLE_COLOR = (30, 36, 44)
+ARROW_COLOR = (200, 30, 60)
+ARROW_WIDTH = 1 / 110  # of the picture's height
 TITLE_PALENESS = 0.75  # of the image behind a title
 TITLE_SIZE, TITLE_WIDTH = 1 / 9, 0.9  # of the picture's height; of its width, the most
 
@@ -66,6 +68,24 @@ def _letters(text: str, size: int) -> Image.Image:
         (0, large.height), text, fill=255, font=font, anchor="ld", spacing=spacing
     )
     return large.reduce(CAPTION_SCALE)
+
+
+def draw_arrow(image: Image.Image, tail: tuple[float, float], head: tuple[float, float]) -> None:
+    """Draw an arrow from a place to another one, each a column and a row."""
+    along = np.subtract(head, tail)
+    length = float(np.hypot(*along))
+    width = max(2, round(image.height * ARROW_WIDTH))
+    if length < width:  # it points at the camera, or away from it
+        return
+    along = along / length
+    across = np.array([-along[1], along[0]])
+    neck = np.array(head) - min(4.0 * width, length) * along
+    half, wide = width / 2 * across, 2.0 * width * across
+    corners = [tail + half, neck + half, neck + wide, head, neck - wide, neck - half, tail - half]
+    outline = [(float(x), float(y)) for x, y in corners]
+    draw = ImageDraw.Draw(image)
+    draw.line([*outline, *outline[:2]], fill="white", width=max(2, width // 2), joint="curve")
+    draw.polygon(outline, fill=ARROW_COLOR)
 
 
 def draw_title(image: Image.Image, title: str) -> Image.Image:

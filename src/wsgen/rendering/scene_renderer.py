@@ -15,10 +15,11 @@ from wsgen.model.scene_view import SceneView
 from wsgen.model.world import SUN_DIRECTION
 from wsgen.rendering.backdrop import Backdrop, tile_for
 from wsgen.rendering.camera import FROM, Size, extent, eye_camera, sun_view
-from wsgen.rendering.picture import image_of, write_caption, write_png
+from wsgen.rendering.picture import draw_arrow, image_of, write_caption, write_png
 from wsgen.rendering.render_items import list_render_items, subjects
 from wsgen.rendering.renderer import Light, Renderer, Shadow
 from wsgen.rendering.scene_view import as_webp, view_of
+from wsgen.rendering.tilted import TurnedCamera, slope_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Container, Iterator, Mapping, Sequence
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
     from wsgen.model.world import World
     from wsgen.rendering.camera import Floats, Floats32
     from wsgen.rendering.render_items import Poses, RenderItem
-    from wsgen.simulation.scene import Scene
+    from wsgen.simulation.scene import Push, Scene
 
 
 SAME_SUN = 0.999  # cosine of an angle
@@ -40,6 +41,7 @@ SHADOW = 0.7  # of a picture's height, how many pixels wide its shadow is drawn
 EDGE = 0.03  # of the light: pixels that differ by more are drawn more finely
 NOOK = 0.08  # of the robots' size: things nearer than that take light of the sky from each other
 UNSEEN = 0.05  # of a pixel: how far things move that look as before
+ARROW = 0.35  # of the robots' size, how long an arrow is
 SUNK = 1e-4  # of the farthest distance: what is not deeper under the ground lies on it
 STEEP = 0.15  # sine of how high the light must stand to draw a shadow that is not endless
 
@@ -82,7 +84,9 @@ class CameraSetup:
         """
         self.renderer = renderer
         everything = renderer.points().values()
-        self.camera = eye_camera(points, size, behind=everything, towards=towards)
+        self._turned = TurnedCamera(points, size, world.gravity, behind=everything, towards=towards)
+        self.camera = self._turned.camera
+        self._length = ARROW * extent(points)  # m, of an arrow
         tile = tile_for(extent(points))
         self.backdrop = Backdrop(self.camera, tile=tile, has_ground=world.has_ground_plane)
         sun, is_high = sun_of(world)
@@ -128,7 +132,18 @@ class CameraSetup:
             self.renderer.paint(samples, closer, light)
             total = colors[:, pixels] + samples.reshape(3, self._samples, -1).sum(axis=1)
             colors[:, pixels] = total / np.float32(self._samples + 1)
-        return image_of(colors.reshape(shape), is_seen if dither else None)
+        return self._turned.turned(image_of(colors.reshape(shape), is_seen if dither else None))
+
+    def draw_push(self, image: Image, push: Push, poses: Poses) -> None:
+        """Draw the arrow of a push into a picture: its head is where the link is."""
+        pose = poses.get(push.entity, {}).get(push.link)
+        strength = math.hypot(*push.force)
+        if pose is None or not strength or not np.isfinite(pose.xyz).all():
+            return
+        head = np.array(pose.xyz)
+        tail = head - self._length / strength * np.array(push.force)
+        (left, right), (top, bottom) = self._turned.places(np.stack([tail, head]))
+        draw_arrow(image, (float(left), float(top)), (float(right), float(bottom)))
 
 
 def _edges(colors: Floats32, is_seen: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -178,6 +193,8 @@ class SceneRenderer:
         refused: Container[str] = (),
     ) -> None:
         self.world = scene.world
+        self.pushes = scene.pushes
+        self._poses = poses
         items = list_render_items(scene, refused)
         self.renderer = Renderer(items, towards_light=sun_of(scene.world)[0])
         self.renderer.arrange(poses)
@@ -202,6 +219,8 @@ class SceneRenderer:
             self.renderer, self.world, points, PICTURE, without_shadow=is_no_subject
         )
         image = setup.take(dither=True)
+        for push in self.pushes:
+            setup.draw_push(image, push, self._poses)
         write_caption(image, [*self._captions(points), *_legend(setup.backdrop.tile)])
         return image, setup.backdrop.tile
 
@@ -285,6 +304,12 @@ class SceneRenderer:
 
     def _captions(self, points: Floats) -> Iterator[str]:
         """What a person would not see in the picture."""
+        slope = slope_of(self.world.gravity)
+        if slope:
+            yield f"slope of {math.degrees(slope):.3g} degrees"
+        for push in self.pushes:
+            force, end = math.hypot(*push.force), push.begin + push.seconds
+            yield f"arrow: push of {force:.3g} N, {push.begin:.3g} s to {end:.3g} s"
         shown = [render_item for render_item in self.renderer.items if render_item.is_subject]
         if not shown:
             yield "no visual, no collision"

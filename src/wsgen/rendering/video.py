@@ -13,7 +13,13 @@ from PIL import Image
 
 from wsgen.files import write_file
 from wsgen.rendering.camera import Size, extent
-from wsgen.rendering.picture import CAPTION_COLOR, TITLE_COLOR, draw_title, write_caption
+from wsgen.rendering.picture import (
+    ARROW_COLOR,
+    CAPTION_COLOR,
+    TITLE_COLOR,
+    draw_title,
+    write_caption,
+)
 from wsgen.rendering.scene_renderer import VIEWS, CameraSetup, is_no_subject
 from wsgen.simulation.scene import Video
 
@@ -24,6 +30,7 @@ if TYPE_CHECKING:
     from wsgen.rendering.recording import Clip, Recorder
     from wsgen.rendering.render_items import Poses
     from wsgen.rendering.scene_renderer import SceneRenderer
+    from wsgen.simulation.scene import Push
 
 
 COLORS = 255  # and one that says that a pixel is as before
@@ -125,11 +132,16 @@ def draw_video(  # noqa: PLR0913  what to draw, where, and how
                 number += 1
                 announce(f"frame {number} of {total}")
                 image = _draw(setup, now, clip.name, seconds=place / rate)
+                if not clip.name:  # the pushes act while the robots stand
+                    _draw_pushes(setup, scene_renderer.pushes, image, now, place / rate)
                 if place == 0 and clip.name:
                     yield from [draw_title(image, clip.name)] * titles
                 yield image
 
-    write_video(file, draw_all(), _samples(setup, clips), rate)
+    samples = _samples(setup, clips)
+    if scene_renderer.pushes:  # else no color of so few pixels would be that of the arrow
+        samples.append(Image.new("RGB", samples[0].size, ARROW_COLOR))
+    write_video(file, draw_all(), samples, rate)
     return Video(
         file=file,
         frames=written,
@@ -178,6 +190,14 @@ def _samples(setup: CameraSetup, clips: Sequence[Clip]) -> list[Image.Image]:
     """Three images that have the colors of all."""
     samples = [_draw(setup, moment, "", seconds=0.0) for moment in _moments(clips[0])]
     return [*samples, *(draw_title(samples[0], clip.name) for clip in clips[:1] if clip.name)]
+
+
+def _draw_pushes(
+    setup: CameraSetup, pushes: Sequence[Push], image: Image.Image, poses: Poses, seconds: float
+) -> None:
+    for push in pushes:
+        if push.begin <= seconds < push.begin + push.seconds:
+            setup.draw_push(image, push, poses)
 
 
 def _draw(setup: CameraSetup, poses: Poses, name: str, *, seconds: float) -> Image.Image:

@@ -342,8 +342,8 @@ def _read_me(
         lines += [f"`src/{package}` is its package: `wsgen build && wsgen validate`", ""]
     if any(name in NOT_IN_THE_ROBOT for name in own_values(variant.values)):
         lines += [
-            "World, spawn pose and push count in the picture and the video alone.",
-            "On a slope gravity is tilted, so that the ground looks level.",
+            "World, spawn pose and push count in the picture and the video alone. These show a",
+            "slope as steep as it is, and a push as an arrow.",
             "",
         ]
     return "\n".join(lines)
