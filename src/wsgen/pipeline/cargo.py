@@ -63,6 +63,7 @@ class Header(NamedTuple):
     workspaces: tuple[str, ...]
     paths: tuple[tuple[str, ...], ...]  # of each call: what does not exist here
     folder: str  # the current one
+    scratch: str  # where the packages are laid out
     distro: str | None
     environment: tuple[tuple[str, str], ...]
 
@@ -100,7 +101,9 @@ class Cargo:
         """Whether a package is not about this machine."""
         return package.name not in self._needed_here
 
-    def header(self, packages: Sequence[PackageFolder], distro: str | None) -> Header:
+    def header(
+        self, packages: Sequence[PackageFolder], distro: str | None, scratch: Path
+    ) -> Header:
         """What workers are to know."""
         return Header(
             packages=tuple(str(one.path) for one in self._targets.packages),
@@ -110,6 +113,7 @@ class Cargo:
             workspaces=tuple(str(one.root) for one in self._targets.workspaces),
             paths=tuple(tuple(sorted(self._texts[one.name].paths)) for one in packages),
             folder=str(Path.cwd()),
+            scratch=real_path(scratch),
             distro=distro,
             environment=tuple(
                 (name, value)

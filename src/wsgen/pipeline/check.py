@@ -132,7 +132,7 @@ def _check(
 
             sent = stack.enter_context(make_scratch())
             ended += check_remotely(
-                targets, request.distro, environment, sent, executor, calls, serial
+                targets, request.distro, environment, scratch, sent, executor, calls, serial
             )
         reported = _once(found for each in ended for found in each)
     return CheckOutcome(

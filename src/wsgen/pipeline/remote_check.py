@@ -85,6 +85,7 @@ def check_remotely(  # noqa: PLR0913, PLR0917  what `check` has, and where to ru
     distro: str | None,
     environment: Mapping[str, str],
     scratch: Path,
+    sent: Path,
     executor: DaskExecutor | LocalExecutor,
     calls: Callable[[Run], Sequence[Callable[[], tuple[Diagnostic, ...]]]],
     serial: OneAtATime,
@@ -95,7 +96,8 @@ def check_remotely(  # noqa: PLR0913, PLR0917  what `check` has, and where to ru
         targets: What is checked.
         distro: The target, where packages do not say it.
         environment: The variables of this process.
-        scratch: A folder for the archive.
+        scratch: The folder where packages are laid out.
+        sent: A folder for the archive.
         executor: That of a cluster.
         calls: makes the calls for all packages and files in their order, to be run here.
         serial: receives the events.
@@ -114,8 +116,8 @@ def check_remotely(  # noqa: PLR0913, PLR0917  what `check` has, and where to ru
     remote = {number for number, one in enumerate(packages) if cargo.is_sendable(one)}
     shared = None
     if remote:
-        header = cargo.header(packages, distro)
-        parts = cargo.archive.write(scratch, pickle.dumps(tuple(header)))
+        header = cargo.header(packages, distro, scratch)
+        parts = cargo.archive.write(sent, pickle.dumps(tuple(header)))
         shared = share(Shipment(parts=parts), map(str, parts))
     results: dict[int, tuple[Diagnostic, ...]] = {}
     futures = {
@@ -187,8 +189,7 @@ class _Opened:
         os.chdir(at(self.root, self.header.folder))
         set_environment(self._environment())
         stack.enter_context(remembering())
-        # As long a path as it is elsewhere: messages may cut it.
-        scratch = scratch_folder() or Path.cwd()
+        scratch = _as_long(scratch_folder() or Path.cwd(), self.header.scratch)
         stack.callback(shutil.rmtree, scratch / FOLDER, ignore_errors=True)
         self.targets = Targets(
             packages=tuple(self._packages(self.header.packages)),
@@ -224,6 +225,16 @@ class _Opened:
         there = f"{self.root}{entry}"
         is_moved = name in OF_FOLDERS or os.path.lexists(there)
         return there if len(entry) > 1 and entry.startswith("/") and is_moved else entry
+
+
+def _as_long(folder: Path, path: str) -> Path:
+    """A folder whose path is as long as the given one, if it can be: messages may cut it."""
+    folder = Path(os.path.realpath(folder))
+    missing = len(path) - len(str(folder)) - 1
+    if missing > 0:
+        folder /= "_" * missing
+        folder.mkdir(exist_ok=True)
+    return folder
 
 
 def _unpacked(parts: Sequence[Path]) -> Path:
