@@ -121,7 +121,7 @@ class _Runs:
             self._seconds,
             self._engine,
             max(LONGEST_CALL, LONGEST_CALL_A_CALL * self._executor.window),
-            limits=_limits(blueprint, self._seconds),
+            limits=limits_of(blueprint, self._seconds),
         )
         self.running[future] = variants, blueprint
         future.add_done_callback(self._ended.put)
@@ -178,7 +178,7 @@ def _files(blueprint: Blueprint) -> Iterator[str]:
                     yield shape.geometry.path
 
 
-def _limits(blueprint: Blueprint, seconds: float) -> Limits:
+def limits_of(blueprint: Blueprint, seconds: float) -> Limits:
     """As `wsgen validate` has them: before each behavior the robots stand again."""
     simulated = seconds
     plan = blueprint.behavior_plan

@@ -18,8 +18,9 @@ from wsgen.sweeping.design import Variants
 from wsgen.sweeping.figures import columns
 from wsgen.sweeping.journal import Header
 from wsgen.sweeping.parameters import OWN, PUSH_FORCE, PUSH_SECONDS, subject_values
+from wsgen.sweeping.run_apart import WORTH, Order, run_apart
 from wsgen.sweeping.run_variant import PUSHED_AFTER, can_be_pushed, can_run
-from wsgen.sweeping.runner import run_all
+from wsgen.sweeping.runner import limits_of, run_all
 from wsgen.sweeping.subjects import open_subject
 from wsgen.sweeping.summary import summarize
 from wsgen.sweeping.table import check_format, open_table
@@ -27,12 +28,12 @@ from wsgen.sweeping.table_data import read_table
 from wsgen.values import dataclass
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
+    from collections.abc import Callable, Generator, Iterator, Mapping
 
     from wsgen.events import Listener
     from wsgen.executors.dask_cluster import DaskExecutor
     from wsgen.executors.local import LocalExecutor
-    from wsgen.model.sweep import Design, Value, Variant
+    from wsgen.model.sweep import Design, Row, Value, Variant
     from wsgen.sweeping.blueprint import Blueprint
     from wsgen.sweeping.runner import RunExecutor
     from wsgen.sweeping.subject import Subject, SubjectRequest
@@ -45,6 +46,7 @@ if TYPE_CHECKING:
 DEFAULT_SECONDS = 3.0  # simulated
 TRIED = 8  # variants, spread over the sweep, whose figures are the columns
 PUSH_LASTS = next(float(one.default or 0.0) for one in OWN if one.name == PUSH_SECONDS)
+PREPARING_SECONDS = 120.0  # CPU time that opening a subject and preparing a variant may take
 FEW_TEXTS = 20  # of a parameter, whose files are looked at before the first run
 NAMED = 3  # parameters in the name of the table
 
@@ -135,6 +137,7 @@ def sweep(
                     subject,
                     variants,
                     table,
+                    environment,
                     executor=executor,
                     on_progress=on_progress,
                 )
@@ -292,11 +295,43 @@ def _spread(variants: Variants) -> Iterator[Variant]:
         yield variants.variant(place * (len(variants) - 1) // max(1, count - 1))
 
 
+def _rows(  # noqa: PLR0913, PLR0917  what is run, and where
+    request: SweepRequest,
+    subject: Subject,
+    variants: Variants,
+    todo: Iterator[Variant],
+    count: int,
+    environment: Mapping[str, str],
+    executor: RunExecutor,
+) -> Generator[Row, None, None]:
+    """Run variants; where robots differ, they are prepared by as many processes as run them."""
+
+    def blueprint_of(variant: Variant) -> Blueprint:
+        return subject.prepare(variant.values)
+
+    seconds, engine = request.seconds, request.engine
+    varies = bool(subject_values(variants.variant(0).values))
+    if varies and request.scheduler is None and 1 < request.jobs <= count // WORTH:
+        limits = limits_of(blueprint_of(variants.variant(0)), seconds)
+        return run_apart(
+            executor,
+            Order(subject=request.subject, environment=dict(environment)),
+            blueprint_of,
+            todo,
+            seconds=seconds,
+            engine=engine,
+            limits=replace(limits, seconds=limits.seconds + PREPARING_SECONDS),
+            count=count,
+        )
+    return run_all(executor, blueprint_of, todo, seconds=seconds, engine=engine, count=count)
+
+
 def _run(  # noqa: PLR0913  what is run, where, and who is told
     request: SweepRequest,
     subject: Subject,
     variants: Variants,
     table: TableWriter,
+    environment: Mapping[str, str],
     *,
     executor: RunExecutor,
     on_progress: Callable[[Progress], None],
@@ -318,14 +353,8 @@ def _run(  # noqa: PLR0913  what is run, where, and who is told
 
     tell()
     todo = (variant for variant in variants if variant.number not in table)
-    rows = run_all(
-        executor,
-        lambda variant: subject.prepare(variant.values),
-        todo,
-        seconds=request.seconds,
-        engine=request.engine,
-        count=variants.count - before,
-    )
+    count = variants.count - before
+    rows = _rows(request, subject, variants, todo, count, environment, executor)
     known = {one.name for one in table.known.columns}
     with closing(rows):
         for row in rows:
