@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.build.colcon import STEP, Finished, PackageResult, Progress, run_colcon
 from wsgen.build.installed import NEW_CACHE, check_installed, find_relocated
+from wsgen.build.messages import MessageSupport, message_support
 from wsgen.build.request import (
     block_extensions,
     blocked_extensions,
@@ -248,10 +249,14 @@ def _run(
             job.inventory.packages, prefixes=prefixes, built_here=siblings
         )
     cmake_arguments: tuple[str, ...] = (WITHOUT_TESTS,) if missing else ()
+    support = MessageSupport(variables={})
     is_without_ros = not isinstance(toolchain, SourcedRos)
     if is_without_ros and any(one.build_type == "ament_cmake" for one in job.inventory.packages):
+        support = message_support(job.inventory.packages, environment, progress.listener)
         variables = {**OLD_PACKAGES, **SOURCED_VARIABLES, **variables, **without_ros_variables()}
+        variables.update(support.variables)
         cmake_arguments += without_ros_arguments(variables, job.colcon_arguments)
+        cmake_arguments += support.arguments
         configure_again((job.workspace.build / name for name in siblings), prefixes, siblings)
 
     def run(
@@ -283,7 +288,9 @@ def _run(
     built = [package.name for package in progress.results if package.outcome == "built"]
     without_tests = {name: missing[name] for name in built if name in missing}
     folders = {package.name: package.path for package in job.inventory.packages}
-    left_out = report_left_out(progress.results, folders=folders, strict=job.strict)
+    left_out = report_left_out(
+        progress.results, folders=folders, strict=job.strict, no_messages=support.why_not
+    )
     return finished, (*tests_left_out(without_tests), *left_out)
 
 

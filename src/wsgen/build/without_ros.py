@@ -44,6 +44,7 @@ NOT_COMPILED = Rule(
 
 FILE = Path(__file__).with_name("cmake") / "without_ros.cmake"
 OPTION = "CMAKE_PROJECT_TOP_LEVEL_INCLUDES"  # of CMake 3.24; older ones do not read it
+MESSAGES = "messages"  # as what is left out is named
 LEFT_OUT = "wsgen_left_out.txt"  # in the build folder of a package; wsgen.launch looks for it
 LAST_ARGUMENTS = "cmake_args.last"  # colcon configures again without this file
 COMPILERS = ("c++", "CC", "g++", "clang++")  # the names CMake looks for
@@ -99,16 +100,21 @@ def add_left_out(package: PackageResult, build: Path) -> PackageResult:
     needs = [name for name in missing if not name.startswith("ament_")] or missing
     left_out = [*found.get("target", ()), *found.get("call", ())]
     if "interfaces" in found:
-        left_out.append("messages")
+        left_out.append(MESSAGES)
     return replace(package, left_out=tuple(left_out), needs=tuple(needs))
 
 
 def report_left_out(
-    packages: Iterable[PackageResult], *, folders: Mapping[str, Path], strict: bool
+    packages: Iterable[PackageResult],
+    *,
+    folders: Mapping[str, Path],
+    strict: bool,
+    no_messages: str = "",
 ) -> Iterator[Diagnostic]:
     """Report, for each package that was built in part, what is left out and why.
 
-    `folders` has the folder of each package by its name.
+    `folders` has the folder of each package by its name; `no_messages` says what to do to have
+    messages.
     """
     for package in packages:
         if package.left_out:
@@ -118,7 +124,9 @@ def report_left_out(
                 severity=Severity.ERROR if strict else Severity.INFO,
                 message=f"{package.name} is built without {some_of(package.left_out)} "
                 f"(not compiled: needs {some_of(package.needs)}).",
-                hint="Source a ROS that has what is missing (source /opt/ros/<distro>/setup.bash) "
+                hint=no_messages
+                if no_messages and MESSAGES in package.left_out
+                else "Source a ROS that has what is missing (source /opt/ros/<distro>/setup.bash) "
                 "to compile it; everything else is installed.",
             )
 

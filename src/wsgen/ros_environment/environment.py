@@ -34,6 +34,7 @@ class RosEnvironment:
     is_sourced: bool  # a ROS that the user sourced; its own nodes are used
     python: Path  # the interpreter of nodes: wsgen's own, which has the physics engine
     variables: Mapping[str, str]  # complete values of those that differ
+    prefixes: tuple[Path, ...] = ()  # that wsgen made: of messages, then of ROS
 
 
 def open_ros(
@@ -56,8 +57,15 @@ def open_ros(
             downloaded, or messages cannot be built.
         NotReadableError: the cache cannot be used.
     """
-    if (prefix := sourced_prefix(environment)) is not None:
-        return _sourced(prefix, environment)
+    if (sourced := sourced_prefix(environment)) is not None:
+        return _sourced(sourced, environment)
+    return open_private(environment, messages={ALWAYS, *messages}, listener=listener)
+
+
+def open_private(
+    environment: Mapping[str, str], *, messages: Collection[str], listener: Listener
+) -> RosEnvironment:
+    """Open the ROS of PyPI, whether one is sourced or not; see `open_ros`."""
     from wsgen.ros_environment.interfaces import buildable  # noqa: PLC0415  a sourced ROS has them
     from wsgen.ros_environment.messages import make_messages  # noqa: PLC0415  as above
 
@@ -65,9 +73,9 @@ def open_ros(
     if not prefix.exists():
         require_extra()
         make_private(environment, listener)
-    base = {**environment, **_variables([prefix], environment)}
+    base = {**environment, **variables_of([prefix], environment)}
     built = make_messages(
-        {ALWAYS, *messages}.intersection(buildable()),
+        set(messages).intersection(buildable()),
         prefix,
         compiler=lambda: find_compiler(environment, listener),
         environment=base,
@@ -77,7 +85,8 @@ def open_ros(
         distro=DISTRO,
         is_sourced=False,
         python=Path(sys.executable),
-        variables=_variables([*built, prefix], environment),
+        variables=variables_of([*built, prefix], environment),
+        prefixes=(*built, prefix),
     )
 
 
@@ -120,8 +129,13 @@ def _sourced(prefix: Path, environment: Mapping[str, str]) -> RosEnvironment:
     )
 
 
-def _variables(prefixes: list[Path], environment: Mapping[str, str]) -> dict[str, str]:
-    """Return the variables that differ; `prefixes` come after those of the user."""
+def variables_of(prefixes: list[Path], environment: Mapping[str, str]) -> dict[str, str]:
+    """Return the variables that differ from those of an environment.
+
+    Args:
+        prefixes: of messages, and of ROS at the end; they come after those of the user.
+        environment: the user's.
+    """
 
     def joined(name: str, added: list[Path]) -> str:
         given = [entry for entry in environment.get(name, "").split(os.pathsep) if entry]

@@ -24,13 +24,13 @@ from wsgen.ros_environment.wheels import site_packages
 from wsgen.values import dataclass
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterable, Mapping
+    from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 
     from wsgen.events import Listener
     from wsgen.ros_environment.compiler import Compiler
 
 GENERATOR = Path(__file__).with_name("message_generator.py")
-RECIPE = "1"  # of the libraries; one more when they are built otherwise
+RECIPE = "2"  # of the libraries; one more when they are built otherwise
 PER_FILE = 16  # sources of C++ that are compiled as one
 LARGEST = 40  # the same for C
 INDEX = "share/ament_index/resource_index"
@@ -140,17 +140,24 @@ def _make(package: str, target: Path, prefixes: list[Path], means: _Means) -> No
     try:
         with being_made(target, means.listener, step) as folder:
             if folder is not None:
-                work = _Work(
-                    package=package,
-                    folder=folder,
-                    prefixes=tuple(prefixes),
+                sources = folder / "share" / package
+                write_interfaces(package, sources)
+                build_messages(
+                    MessagePackage(
+                        name=package,
+                        sources=sources,
+                        files=tuple(sorted(file for file in sources.glob("*/*"))),
+                        uses=frozenset(dependencies(package)),
+                    ),
+                    folder,
+                    prefixes=prefixes,
                     compiler=means.compiler(),
                     environment=means.environment,
                     listener=means.listener,
                 )
-                work.generate()
-                work.compile()
-                work.install()
+                marker = folder / INDEX / "packages" / package
+                marker.parent.mkdir(parents=True, exist_ok=True)
+                marker.touch()
         succeeded = True
     finally:
         seconds = time.monotonic() - started
@@ -158,15 +165,65 @@ def _make(package: str, target: Path, prefixes: list[Path], means: _Means) -> No
 
 
 @dataclass(frozen=True, kw_only=True)
+class MessagePackage:
+    """A package of messages."""
+
+    name: str
+    sources: Path  # folder with msg, srv, action
+    files: tuple[Path, ...]  # below `sources`
+    uses: frozenset[str]  # packages of messages whose types they use, and those of the generators
+
+
+def build_messages(  # noqa: PLR0913  a request
+    package: MessagePackage,
+    folder: Path,
+    *,
+    prefixes: Sequence[Path],
+    compiler: Compiler,
+    environment: Mapping[str, str],
+    listener: Listener | None,
+) -> None:
+    """Build a package of messages into a folder that is then a prefix: lib, include, share.
+
+    Args:
+        package: what is built.
+        folder: is created; files of the same names are replaced.
+        prefixes: where messages are that it uses; that of ROS is the first.
+        compiler: that of C and C++.
+        environment: variables of the environment of ROS.
+        listener: receives progress.
+
+    Raises:
+        NotFoundError: the files are wrong, or the compiler does not work.
+    """
+    build = folder / "build"
+    shutil.rmtree(build, ignore_errors=True)
+    build.mkdir(parents=True)
+    work = _Work(
+        package=package.name,
+        request=package,
+        folder=folder,
+        prefixes=tuple(prefixes),
+        compiler=compiler,
+        environment=environment,
+        listener=listener,
+    )
+    work.generate()
+    work.compile()
+    work.install()
+
+
+@dataclass(frozen=True, kw_only=True)
 class _Work:
     """The build of one package in a folder that becomes its prefix."""
 
     package: str
+    request: MessagePackage
     folder: Path
     prefixes: tuple[Path, ...]  # of ROS, and of messages built before
     compiler: Compiler
     environment: Mapping[str, str]
-    listener: Listener
+    listener: Listener | None
 
     @property
     def _share(self) -> Path:
@@ -180,15 +237,19 @@ class _Work:
     def _include(self) -> Path:
         return self.folder / "include" / self.package
 
+    @property
+    def _introspection(self) -> Path:
+        """Beside the other headers: files of both have the same names."""
+        return self.folder / "include" / f"{self.package}__introspection"
+
     def _progress(self, detail: str) -> None:
         post(self.listener, StepProgressed(step=("ros", self.package), detail=detail))
 
     def generate(self) -> None:
-        """Write interface files, and have ROS generate code of them."""
+        """Have ROS generate code."""
         self._progress("generate its code")
-        self._build.mkdir()
-        self._include.mkdir(parents=True)
-        write_interfaces(self.package, self._share)
+        for folder in (self._include, self._introspection):
+            folder.mkdir(parents=True, exist_ok=True)
         shares = [
             (share.name, str(share))
             for prefix in self.prefixes
@@ -196,10 +257,11 @@ class _Work:
         ]
         request = {
             "package": self.package,
-            "source": str(self._share),
+            "source": str(self.request.sources),
+            "files": [str(file.relative_to(self.request.sources)) for file in self.request.files],
             "share": str(self._share),
             "code": str(self._include),
-            "introspection": str(self._build),
+            "introspection": str(self._introspection),
             "python": str(site_packages(self.folder)),
             "resources": str(self.prefixes[0] / "share"),
             "shares": shares,
@@ -223,8 +285,8 @@ class _Work:
                 )
             said = (done.stderr.strip().splitlines() or ["they say nothing"])[-1]
             raise NotFoundError(
-                f"The generators of ROS do not generate {self.package}: {said}",
-                hint="This is a mistake of wsgen: please report it.",
+                f"The generators of ROS refuse the interfaces of {self.package}: {said}",
+                hint="Fix the file that they name.",
             )
 
     def compile(self) -> None:
@@ -253,21 +315,16 @@ class _Work:
     def install(self) -> None:
         """Remove what only the build needs, and write the package into the ament index."""
         shutil.rmtree(self._build)
-        for folder in (self._include, site_packages(self.folder)):
+        for folder in (self._include, self._introspection, site_packages(self.folder)):
             for file in [*folder.rglob("*.c"), *folder.rglob("*.cpp"), *folder.glob("*.json")]:
                 file.unlink()
-        names = [
-            str(file.relative_to(self._share))
-            for file in sorted(self._share.glob("*/*"))
-            if file.suffix in {".msg", ".srv", ".action"}
-        ]
-        for resource, content in {"packages": "", "rosidl_interfaces": "\n".join(names)}.items():
-            marker = self.folder / INDEX / resource / self.package
-            marker.parent.mkdir(parents=True)
-            marker.write_text(content, encoding="utf-8")
+        names = [str(file.relative_to(self.request.sources)) for file in self.request.files]
+        marker = self.folder / INDEX / "rosidl_interfaces" / self.package
+        marker.parent.mkdir(parents=True, exist_ok=True)
+        marker.write_text("\n".join(names), encoding="utf-8")
 
     def _needs(self, library: _Library) -> list[str]:
-        others = sorted(dependencies(self.package))
+        others = sorted(self.request.uses)
         return [
             *(f"{self.package}__{kind}" for kind in library.own),
             *(f"{other}__{kind}" for kind in library.of_others for other in others),
@@ -287,7 +344,7 @@ class _Work:
         """Return the object files by the kind of their library, and what compiles them."""
         code = self._include / self.package
         python = site_packages(self.folder) / self.package
-        includes = [f"-I{self._include}", f"-I{self._build}"]
+        includes = [f"-I{self._include}", f"-I{self._introspection}"]
         for prefix in self.prefixes:
             root = prefix / "include"
             folders = [root, *(entry for entry in sorted(root.iterdir()) if entry.is_dir())]
@@ -320,7 +377,7 @@ class _Work:
         extension = found(python, "_*_s.ep.rosidl_typesupport_c.c")
         add("extension", extension, 1, [*fast, *of_python])
         add("rosidl_typesupport_c", found(code, "*/*__type_support.cpp"), LARGEST, ["-O0"])
-        described = found(self._build / self.package, "*/detail/*__type_support.c")
+        described = found(self._introspection / self.package, "*/detail/*__type_support.c")
         add("rosidl_typesupport_introspection_c", described, LARGEST, ["-O0"])
         add("rosidl_generator_c", found(code, "*/detail/*__functions.c"), LARGEST, fast)
         add("rosidl_generator_c", found(code, "*/detail/*__type_support.c"), LARGEST, ["-O0"])

@@ -10,6 +10,7 @@
 #   WSGEN_NAMES   files with the names of packages, a list; lines that begin with # are comments
 #   WSGEN_FAILED  the packages of the workspace whose build failed, a list
 #   WSGEN_PYTHON  the Python with the modules that ament_cmake imports
+#   WSGEN_ROS     see interfaces.cmake; empty if messages are left out
 # WSGEN_HAS_COMPILER is an argument, so that colcon configures again when it changes.
 
 set(wsgen_stand_in_file "${CMAKE_BINARY_DIR}/wsgen_without_compiler.txt")
@@ -183,6 +184,13 @@ macro(wsgen_find_or_assume package)
     endif()
   endif()
 endmacro()
+
+# Those of the real generators replace it, if they are found. The argument of the same name makes
+# colcon configure again when the ROS is another one; CMake warns of arguments that nobody reads.
+set(wsgen_ros "${WSGEN_ROS}")
+if(NOT "$ENV{WSGEN_ROS}" STREQUAL "")
+  include("${CMAKE_CURRENT_LIST_DIR}/interfaces.cmake")
+endif()
 
 cmake_language(
   SET_DEPENDENCY_PROVIDER wsgen_find_package SUPPORTED_METHODS FIND_PACKAGE
