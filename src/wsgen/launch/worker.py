@@ -452,7 +452,7 @@ def _tell_place(error: Exception, explain_xacro: Explainer) -> None:
     location = (
         (found.get("file"), found.get("line")) if found else getattr(error, "wsgen_location", None)
     )
-    if location and location[0]:
+    if location and location[0] and os.path.isfile(location[0]):
         place = ":".join(str(part) for part in location if part is not None)
         logging.getLogger("launch").error("%s", f"It was raised at {place}")
 

@@ -22,6 +22,7 @@ READ = 1 << 16  # bytes at once
 LONGEST_LINE = 1 << 16  # bytes; what is longer is cut into several
 PRINTED_A_SECOND = 1 << 18  # bytes that a process may print for long
 PRINTED_AT_ONCE = 1 << 21  # bytes that it may print without waiting
+A_LINE = 50  # bytes more that a line counts, for what is written before it
 MOST_CACHED = 1 << 24  # bytes that are kept for the launch file
 STDOUT, STDERR = 1, 2
 STREAMS = {STDOUT: "stdout", STDERR: "stderr"}
@@ -99,8 +100,8 @@ class Output:
         while len(self._rest) > LONGEST_LINE:
             lines.append(self._rest[:LONGEST_LINE])
             self._rest = self._rest[LONGEST_LINE:]
-        for line in lines:
-            self._write(line.rstrip(b"\r"))
+        if lines:
+            self._write([line.rstrip(b"\r") for line in lines])
 
     def hear(self, data: bytes, *, is_last: bool = False) -> bytes:
         """What those who listen are told: whole lines, as programs print them that do not flush."""
@@ -112,24 +113,28 @@ class Output:
     def finish(self) -> None:
         """Write what has no line break."""
         if self._rest:
-            self._write(self._rest)
+            self._write([self._rest])
             self._rest = b""
 
     def text(self) -> str:
         """What was printed, where it is kept."""
         return b"".join(self.cached).decode(errors="replace")
 
-    def _write(self, line: bytes) -> None:
+    def _write(self, lines: list[bytes]) -> None:
         if self._start.output_format is None:
-            shown = b"[%s] %s" % (self.name.encode(), line)
+            before = b"[%s] " % self.name.encode()
+            shown = [before + line for line in lines]
         else:
-            text = line.decode(errors="replace")
-            shown = self._start.output_format.format(line=text, this=self._start.action).encode()
+            texts = (line.decode(errors="replace") for line in lines)
+            form, action = self._start.output_format, self._start.action
+            shown = [form.format(line=text, this=action).encode() for text in texts]
         if "screen" in self._to:
-            self._screen.write(shown)
-        if "log" in self._to or self._files:
-            stamped = f"{time.time():.7f} ".encode() + shown
-            for file in [*(["launch.log"] if "log" in self._to else []), *self._files]:
+            self._screen.write(b"\n".join(shown))
+        files = [*(["launch.log"] if "log" in self._to else []), *self._files]
+        if files:
+            stamp = f"{time.time():.7f} ".encode()
+            stamped = b"\n".join([stamp + line for line in shown])
+            for file in files:
                 self._logs.write(file, stamped)
 
 
@@ -141,10 +146,10 @@ class Budget:
         self._time = time.monotonic()
         self.was_exceeded = False
 
-    def spend(self, size: int) -> bool:
+    def spend(self, data: bytes) -> bool:
         """Count what was read; whether that is now too much for the first time."""
         self._refill()
-        self._left -= size
+        self._left -= len(data) + A_LINE * data.count(b"\n")
         first = self._left < 0.0 and not self.was_exceeded
         self.was_exceeded |= first
         return first

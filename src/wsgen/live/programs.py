@@ -100,13 +100,23 @@ COMMANDS: dict[str, Stand] = {
     "rqt": LeftOut(why=_DRAWS),
 }
 
-# Plugins that a container loads -> what stands in their place.
-PLUGINS: dict[str, Stand] = {
-    "ros_gz_sim::GzServer": _GAZEBO,
-    "ros_gz_bridge::RosGzBridge": _BRIDGE,
-    "robot_state_publisher::RobotStatePublisher": PROGRAMS[
-        "robot_state_publisher", "robot_state_publisher"
-    ],
+_CONTAINER = LeftOut(
+    why="containers load C++ nodes, which PyPI does not have; with ROS 2 installed and sourced "
+    "it runs",
+    is_missed=False,  # what it would load is named, or started alone
+)
+for _name in ("component_container", "component_container_mt", "component_container_isolated"):
+    PROGRAMS["rclcpp_components", _name] = _CONTAINER
+
+# Plugins that a container loads -> the program that does the same alone: package and executable.
+PLUGINS: dict[str, tuple[str, str]] = {
+    "ros_gz_sim::GzServer": ("ros_gz_sim", "gzserver"),
+    "ros_gz_bridge::RosGzBridge": ("ros_gz_bridge", "bridge_node"),
+    "robot_state_publisher::RobotStatePublisher": (
+        "robot_state_publisher",
+        "robot_state_publisher",
+    ),
+    "tf2_ros::StaticTransformBroadcasterNode": ("tf2_ros", "static_transform_publisher"),
 }
 
 # What `ros2 COMMAND` is here.

@@ -109,6 +109,13 @@ class LogFiles:
         else:
             self._sizes[name] = size + len(line) + 1
 
+    def close(self) -> None:
+        """Close the files."""
+        for stream in self._streams.values():
+            with suppress(OSError):
+                stream.close()
+        self._streams.clear()
+
     def flush(self) -> None:
         """Let others read what was written."""
         for stream in self._streams.values():

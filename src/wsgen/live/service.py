@@ -10,6 +10,7 @@ import json
 import logging
 import os
 import selectors
+import shutil
 import signal
 import socket
 import subprocess
@@ -106,7 +107,7 @@ class Service:
 
     def close(self) -> None:
         """Write what is left to be written."""
-        self.logs.flush()
+        self.logs.close()
         self.screen.close()
 
     # What the shim asks for: `wsgen.launch.live.Live`.
@@ -161,13 +162,26 @@ class Service:
         return str(path)
 
     def load(self, process: Process) -> None:
-        """Start what stands in the place of a node of a container; others are named."""
+        """Start the program that does the same as a node of a container; others are named."""
         plugin = process.executable or ""
         if plugin not in PLUGINS:
-            self.leave_out(
-                f"{plugin} of {process.package}",
-                "it is a C++ node for a container, and containers do not run here",
-            )
+            why = "it is a C++ node for a container, and containers do not run here"
+            self.leave_out(f"{plugin} of {process.package}", why)
+            return
+        from launch.launch_description import visit  # noqa: PLC0415  the shim's
+        from launch_ros.actions import Node  # noqa: PLC0415  same
+
+        package, executable = PLUGINS[plugin]
+        node = Node(
+            package=package,
+            executable=executable,
+            name=process.name,
+            namespace=process.namespace or None,
+            parameters=[dict(process.parameters)] if process.parameters else None,
+            remappings=list(process.remappings),
+            output="screen",
+        )
+        visit(node, self._context)
 
     def included(self, include: Include) -> Iterable[Any]:
         """What a launch file of Gazebo starts, that is not installed."""
@@ -263,15 +277,16 @@ class Service:
     def _name_of(self, start: Start) -> str:
         if start.name is not None:
             return start.name
-        first = (*start.prefix, start.executable or "")[0] if start.package else ""
-        first = first or (*start.prefix, *start.words, "")[0]
-        return Path(first).name
+        command = (start.executable or "",) if _is_node(start) else (*start.words, "")
+        return Path((*start.prefix, *command)[0]).name
 
     def _resolve(self, start: Start) -> Resolved | LeftOut | None:
         """What is started in the place of a process; None: the launch file is played here, too."""
         programs = commands.programs(start.process)
         if any(commands.nested_launch(program) for program in programs):
             return None
+        if start.prefix and shutil.which(start.prefix[0]) is None:
+            return LeftOut(why=f"{start.prefix[0]}, which is to run it, is not installed")
         only = programs[0] if len(programs) == 1 else None
         found = None if only is None else self._stand_of(only, start)
         if found is None:
@@ -375,7 +390,7 @@ class Service:
 
     def _leave_out_process(self, start: Start, left_out: LeftOut) -> None:
         """Name what is not started: who waits for its start goes on, not who waits for its end."""
-        what = start.executable if start.package else start.words[0] if start.words else ""
+        what = start.executable if _is_node(start) else " ".join(start.words[:1])
         of = f" of {start.package}" if start.package else ""
         self.leave_out(f"{what}{of}", left_out.why, is_missed=left_out.is_missed)
         from launch._events import ProcessStarted  # noqa: PLC0415  the shim's, of this process
@@ -408,7 +423,6 @@ class Service:
             reason = error.strerror if isinstance(error, OSError) else str(error)
             text = f"exception occurred while executing process: {shown}: {reason}"
             logger.error("%s", text)  # noqa: TRY400  its traceback is not for users
-            self.went_well = False
             return
         self._processes[process.pid] = process
         if resolved.is_simulator:
@@ -584,11 +598,11 @@ class Service:
             process.outputs[descriptor].finish()
             return
         self._take_output(process, descriptor, data)
-        if process.budget.spend(len(data)):
+        if process.budget.spend(data):
             logging.getLogger(process.name).warning(
                 "%s",
-                f"process prints more than {PRINTED_A_SECOND >> 10} kB a second; it waits until "
-                "its lines have been shown at this rate",
+                f"process prints more than {PRINTED_A_SECOND >> 10} kB a second; it has to wait, "
+                "so that others are seen and heard",
             )
         if process.budget.is_spent:
             self._selector.unregister(descriptor)

@@ -9,6 +9,7 @@ import socket
 import subprocess
 import sys
 import time
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.files import write_file
@@ -20,10 +21,10 @@ from wsgen.live.request import GO, INTERRUPT, REQUEST_FILE, TERMINATE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
-    from pathlib import Path
 
     from wsgen.live.request import ServiceRequest
 
+SERVICE_PROCESS = str(Path(__file__).with_name("service_process.py"))
 SECONDS_TO_END = 5.0  # for what a guard that was killed has left behind
 
 
@@ -104,8 +105,7 @@ def start_service(folder: Path, environment: Mapping[str, str]) -> Iterator[Serv
                 [
                     sys.executable,
                     "-I",
-                    "-m",
-                    "wsgen.live.service_process",
+                    SERVICE_PROCESS,
                     str(folder),
                     str(theirs.fileno()),
                     os.pathsep.join(parent.search_path()),

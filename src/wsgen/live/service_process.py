@@ -1,6 +1,6 @@
 """The process of the launch service.
 
-    python -I -m wsgen.live.service_process FOLDER DESCRIPTOR SEARCH_PATH
+    python -I service_process.py FOLDER DESCRIPTOR SEARCH_PATH
 
 Its standard input is the parent-death pipe; the descriptor is a socket, by which its parent tells
 it what to do. It imports what it needs, and then waits for the request in the folder. Before it

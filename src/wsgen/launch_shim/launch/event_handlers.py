@@ -61,7 +61,7 @@ class OnActionEventBase(BaseEventHandler):
         super().handle(event, context)
         if isinstance(event, ProcessExited) and self._actions:
             (first, *_) = self._actions
-            if not isinstance(first, LaunchDescriptionEntity):
+            if not isinstance(first, LaunchDescriptionEntity) and RECORD.live is None:
                 # The launch fails when the process ends, and as long as it runs it does not.
                 from wsgen.launch.launch_warnings import report_no_action
 

@@ -255,6 +255,12 @@ class LifecycleNode(Node):
     def change_state(self, transition: int, context: LaunchContext) -> None:
         """Make a transition if its first state is the node's, and emit its events."""
         states = _STATES.get(transition)
+        if RECORD.live is not None:
+            RECORD.live.leave_out(
+                f"transition {transition} of the lifecycle node {self.process_name}",
+                "nothing here asks nodes for their transitions",
+            )
+            return
         if states is None or states[0] != self.__state:
             return
         for start, goal in itertools.pairwise(states):

@@ -1,0 +1,137 @@
+"""Where the output of processes goes."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from wsgen.live.process import PRINTED_AT_ONCE, Budget, Output, destinations
+from wsgen.live.screen import LogFiles
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from live_launch import Launch
+
+BOTH = "import sys; print('out'); sys.stderr.write('err\\n')"
+
+
+def test_output_goes_where_launch_sends_it(launch: Callable[..., Launch]) -> None:
+    run = launch(
+        f"""
+        code = {BOTH!r}
+        return LaunchDescription([
+            python(code, name='screen', output='screen'),
+            python(code, name='log', output='log'),
+            python(code, name='both', output='both'),
+            python(code, name='own', output={{'stdout': 'own_log', 'both': 'screen'}}),
+            python(code, name='formatted', output_format='<{{line}}>'),
+        ])
+        """
+    )
+    assert run.wait() == 0
+    shown = [line for line in run.lines if not line.startswith(("[INFO]", "[ERROR]"))]
+    assert sorted(shown) == sorted(
+        [
+            *("[screen-1] out", "[screen-1] err", "[log-2] err"),
+            *("[both-3] out", "[both-3] err", "[own-4] out", "[own-4] err", "<out>", "<err>"),
+        ]
+    )
+    logged = [line.partition(" ")[2] for line in run.log.splitlines()]
+    kept = [line for line in logged if not line.startswith("[INFO]")]
+    assert sorted(kept) == ["[both-3] err", "[both-3] out", "[log-2] err", "[log-2] out"]
+    assert run.read_log("own-4-stdout.log").endswith(" [own-4] out\n")
+
+
+def test_a_process_that_prints_without_end_is_named_and_keeps_nobody_waiting(
+    launch: Callable[..., Launch],
+) -> None:
+    run = launch(
+        """
+        end = python("import time; time.sleep(1); print('the other one')", name='other',
+                     on_exit=Shutdown())
+        return LaunchDescription([ExecuteProcess(cmd=['yes'], output='screen'), end])
+        """
+    )
+    assert run.wait() == 0
+    assert "[WARNING] [yes-1]: process prints more than 256 kB a second" in run.output
+    assert run.lines.count("[other-2] the other one") == 1
+    assert run.screen.stat().st_size < 8 * PRINTED_AT_ONCE  # with the name before each line
+
+
+def test_a_screen_that_nobody_reads_keeps_no_process_running(launch: Callable[..., Launch]) -> None:
+    run = launch(
+        """
+        import os
+        ours, theirs = os.pipe()
+        os.dup2(theirs, 1)  # nobody reads this
+        return LaunchDescription([ExecuteProcess(cmd=['yes'], output='screen'),
+                                  TimerAction(period=1.0, actions=[Shutdown()])])
+        """
+    )
+    begun = time.monotonic()
+    assert run.wait() == 0
+    assert time.monotonic() - begun < 30.0
+
+
+def test_long_lines_and_lines_without_end(launch: Callable[..., Launch]) -> None:
+    run = launch(
+        """
+        return LaunchDescription([
+            python("import sys; sys.stdout.buffer.write(b'x' * 200000 + b'\\\\xff\\\\n')")])
+        """
+    )
+    assert run.wait() == 0
+    parts = [line for line in run.lines if line.startswith("[node-1] x")]
+    assert sum(line.count("x") for line in parts) == 200000
+    assert max(map(len, parts)) < 70000
+
+
+@pytest.mark.parametrize(
+    "config", ["nowhere", {"stdin": "screen"}, {"stdout": {"printer"}}, {"both": "terminal"}]
+)
+def test_other_destinations_are_refused(config: Any) -> None:
+    with pytest.raises(ValueError, match="is not a valid"):
+        destinations(config)
+
+
+def test_a_process_may_print_much_at_once_and_little_for_long() -> None:
+    budget = Budget()
+    half = b"x" * (PRINTED_AT_ONCE // 2)
+    assert not budget.spend(half)
+    assert not budget.is_spent
+    assert budget.spend(half + b"\n" * 1000)
+    assert budget.is_spent
+    assert not budget.spend(half)  # it is named once
+
+
+class _Start:
+    output = "screen"
+    output_format = None
+    is_cached = False
+    action = None
+
+
+def test_listeners_hear_whole_lines() -> None:
+    output = Output("node-1", 1, _Start(), None, None)  # type: ignore[arg-type]  # it writes nothing
+    assert output.hear(b"hel") == b""
+    assert output.hear(b"lo\nwor") == b"hello\n"
+    assert output.hear(b"", is_last=True) == b"wor"
+    assert output.hear(b"", is_last=True) == b""
+
+
+def test_a_log_is_not_larger_than_it_may_be(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("wsgen.live.screen.LARGEST_LOG", 100)
+    logs = LogFiles(tmp_path)
+    for _ in range(100):
+        logs.write("launch.log", b"\x1b[31mtwenty characters 12\x1b[0m")
+    logs.close()
+    text = (tmp_path / "launch.log").read_text()
+    assert len(text) < 200
+    assert text.endswith("The log ends here: it would become too large.\n")
+    assert "\x1b" not in text
