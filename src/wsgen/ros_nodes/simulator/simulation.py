@@ -12,6 +12,7 @@ from wsgen.model.gazebo_plugins import stem
 from wsgen.ros_nodes.simulator.host import CannotWorkError, Due, Host, RobotHandle
 from wsgen.ros_nodes.simulator.plugins import DONE_BY_SIMULATOR, PLUGINS
 from wsgen.ros_nodes.simulator.sensors import SENSORS
+from wsgen.ros_nodes.simulator.timing import TINY, following
 from wsgen.simulation.simulate import spawn_robots
 
 if TYPE_CHECKING:
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
     from wsgen.simulation.live_scene import LiveScene
 
 LOOK_EVERY = 0.1  # s, simulated, between two looks at whether a robot has exploded
-TINY = 1e-9  # s; what sums of steps are off
 
 
 class Control:
@@ -186,7 +186,7 @@ class LiveSimulation:
                 due.plugin.update()
                 period = due.plugin.period
                 every = self.host.update_seconds if period is None else period
-                due.next = max(due.next + every, now + TINY)
+                due.next = following(due.next, every, now)
 
     def _remove_exploded(self) -> None:
         for entity, robot in tuple(self.host.robots.items()):

@@ -5,6 +5,11 @@ from __future__ import annotations
 TINY = 1e-9  # s; what sums of steps are off
 
 
+def following(due: float, period: float, now: float) -> float:
+    """When it is due next; what was missed is not made up for."""
+    return due + period if due + period > now else now + period
+
+
 class Timer:
     """Something that a plugin does every so often, in simulated time."""
 
@@ -17,7 +22,7 @@ class Timer:
         """Whether it is time for it; if so, the next time is a period later."""
         if now < self.next - TINY:
             return False
-        self.next = max(self.next + self.period, now)
+        self.next = following(self.next, self.period, now)
         return True
 
     def reset(self, now: float) -> None:

@@ -1,0 +1,122 @@
+"""Gazebo's topics, and the bridges between them and ROS's."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from ros_nodes.fake_ros import FakeRos
+
+pytestmark = pytest.mark.usefixtures("messages")
+TWIST = "geometry_msgs/msg/Twist"
+
+
+def topics() -> tuple[Any, FakeRos, list[str]]:
+    from wsgen.ros_nodes.simulator.topics import GzTopics  # noqa: PLC0415  with fakes of messages
+
+    ros = FakeRos()
+    warnings: list[str] = []
+    return GzTopics(ros, warnings.append), ros, warnings  # type: ignore[arg-type]
+
+
+def rule(*values: str) -> Any:
+    from wsgen.ros_nodes.simulator.topics import Rule  # noqa: PLC0415
+
+    return Rule(*values)
+
+
+def twist(x: float) -> Any:
+    from geometry_msgs.msg import Twist  # noqa: PLC0415
+
+    made = Twist()
+    made.linear.x = x
+    return made
+
+
+@pytest.mark.parametrize("is_bridged_first", [True, False])
+def test_what_plugins_publish_reaches_ros_by_a_rule(*, is_bridged_first: bool) -> None:
+    gz, ros, warnings = topics()
+    kind = type(twist(0.0))
+    node = ros.node("bridge")
+    rules = [rule("/out", "model/a/speed", TWIST, "gz.msgs.Twist", "to_ros")]
+    bridge = gz.open(node, rules) if is_bridged_first else None
+    publisher, other = gz.publisher(kind, "/model/a/speed"), gz.publisher(kind, "/model/b/speed")
+    bridge = bridge or gz.open(node, rules)
+    assert publisher.is_wanted
+    assert not other.is_wanted
+    publisher.publish(twist(1.0))
+    other.publish(twist(2.0))
+    assert [message.linear.x for message in ros.published("/out")] == [1.0]
+    node.publishers["/out"].subscribers = 0
+    assert not publisher.is_wanted
+    node.publishers["/out"].subscribers = 1
+    gz.close(bridge)
+    assert not publisher.is_wanted
+    assert not ros.nodes
+    assert not warnings
+
+
+def test_what_ros_publishes_reaches_plugins_by_a_rule() -> None:
+    gz, ros, _ = topics()
+    got: list[float] = []
+    reader = gz.subscription(type(twist(0.0)), "cmd_vel", lambda one: got.append(one.linear.x))
+    bridge = gz.open(ros.node("b"), [rule("/in", "/cmd_vel", TWIST, "gz.msgs.Twist", "to_gz")])
+    assert not bridge.ways
+    ros.send("/in", twist(3.0))
+    gz.forget(reader)
+    ros.send("/in", twist(4.0))
+    assert got == [3.0]
+
+
+def test_a_bridge_makes_of_a_message_the_one_that_its_rule_wants() -> None:
+    from geometry_msgs.msg import TransformStamped, TwistStamped  # noqa: PLC0415
+    from tf2_msgs.msg import TFMessage  # noqa: PLC0415
+
+    gz, ros, warnings = topics()
+    got: list[float] = []
+    gz.subscription(type(twist(0.0)), "/cmd_vel", lambda one: got.append(one.linear.x))
+    poses = gz.publisher(TFMessage, "/pose")
+    gz.open(
+        ros.node("b"),
+        [
+            rule("/in", "/cmd_vel", f"{TWIST}Stamped", "gz.msgs.Twist", "both"),
+            rule("/poses", "/pose", "geometry_msgs/msg/PoseArray", "gz.msgs.Pose_V", "to_ros"),
+        ],
+    )
+    ros.send("/in", TwistStamped(twist=twist(5.0)))
+    assert got == [5.0]
+    transform = TransformStamped()
+    transform.header.frame_id, transform.transform.translation.y = "odom", 2.0
+    poses.publish(TFMessage(transforms=[transform]))
+    (array,) = ros.published("/poses")
+    assert (array.header.frame_id, array.poses[0].position.y) == ("odom", 2.0)
+    assert not warnings
+
+
+def test_another_type_than_the_plugin_has_is_named() -> None:
+    from std_msgs.msg import Bool  # noqa: PLC0415
+
+    gz, ros, warnings = topics()
+    gz.publisher(Bool, "/a")
+    gz.open(ros.node("b"), [rule("/a", "/a", TWIST, "gz.msgs.Twist", "to_ros")])
+    assert "cannot be bridged as geometry_msgs/msg/Twist" in warnings[0]
+
+
+@pytest.mark.parametrize(
+    ("ros_type", "gz_type", "message"),
+    [
+        (TWIST, "gz.msgs.Twist", None),
+        ("geometry_msgs/Twist", "ignition.msgs.Twist", None),
+        ("std_msgs/msg/Bool", "gz.msgs.Twist", "Write geometry_msgs/msg/Twist or"),
+        (TWIST, "gz.msgs.Twisted", "no message type gz.msgs.Twisted"),
+        (TWIST, "Twist", "no message type Twist"),
+        ("actuator_msgs/msg/Actuators", "gz.msgs.Actuators", "is not installed"),
+    ],
+)
+def test_types_are_checked(ros_type: str, gz_type: str, message: str | None) -> None:
+    from wsgen.ros_nodes.simulator.topics import problem_of  # noqa: PLC0415
+
+    problem = problem_of(rule("/a", "/a", ros_type, gz_type))
+    assert (problem is None) == (message is None)
+    assert message is None or message in str(problem)
