@@ -51,6 +51,18 @@ def test_without_a_rate_nothing_waits() -> None:
     assert Pace(None, Clock()).early(1000.0) == 0.0
 
 
+def test_a_machine_that_is_too_slow_is_named() -> None:
+    clock = Clock()
+    pace = Pace(1.0, clock)
+    clock.now += 4.0
+    assert pace.rate_reached(1.0) is None  # too early to say
+    clock.now += 1.0
+    assert pace.rate_reached(2.0) == pytest.approx(0.4)
+    clock.now += 5.0
+    assert pace.rate_reached(6.9) is None  # 0.98 since then
+    assert Pace(None, clock).rate_reached(0.0) is None
+
+
 def test_timers() -> None:
     timer, every = Timer(0.03, now=1.0), Timer(0.0, now=1.0)
     due = [now for now in (1.0, 1.01, 1.02, 1.03, 1.05, 1.06) if timer.is_due(now)]

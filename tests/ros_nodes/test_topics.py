@@ -103,6 +103,21 @@ def test_another_type_than_the_plugin_has_is_named() -> None:
     assert "cannot be bridged as geometry_msgs/msg/Twist" in warnings[0]
 
 
+def test_topics_that_nobody_has_are_named() -> None:
+    gz, ros, _ = topics()
+    gz.publisher(type(twist(0.0)), "/model/rover/speed")
+    rules = [
+        rule("/a", "/model/rover/sped", TWIST, "gz.msgs.Twist", "to_ros"),
+        rule("/b", "/model/rover/speed", TWIST, "gz.msgs.Twist", "to_ros"),
+    ]
+    bridge = gz.open(ros.node("b"), rules)
+    (problem,) = gz.unconnected()
+    assert "bridge of `/a`" in problem
+    assert "Did you mean `/model/rover/speed`" in problem
+    gz.close(bridge)
+    assert not list(gz.unconnected())
+
+
 @pytest.mark.parametrize(
     ("ros_type", "gz_type", "message"),
     [

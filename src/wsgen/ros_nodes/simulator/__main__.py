@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import json
 import os
@@ -10,6 +11,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from wsgen.errors import EXIT_BUG
 from wsgen.isolation.codec import decode
 from wsgen.ros_nodes.simulator.commands import CommandServer
 from wsgen.ros_nodes.simulator.filming import Filming
@@ -21,11 +23,14 @@ from wsgen.ros_nodes.simulator.simulation import LiveSimulation
 from wsgen.simulation.live_scene import FOLDER_VARIABLE, SCENE_FILE, LiveScene
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from wsgen.model.world import World
     from wsgen.simulation.engine import Engine
 
 SLICE = 0.01  # s, simulated, between two looks at what has arrived
 IDLE = 0.02  # s, that a paused simulator waits for what arrives
+TRACEBACK = "WSGEN_TRACEBACK"  # a variable; set, bugs have tracebacks
 ENGINES = {
     "bullet": "wsgen.simulation.bullet:BulletEngine",
     "dart": "wsgen.simulation.dart:DartEngine",
@@ -52,6 +57,15 @@ def main() -> int:
         simulate(Path(folder), sys.argv[1:])
     except Ended:
         return 0
+    except Exception as error:
+        if os.environ.get(TRACEBACK):
+            raise
+        sys.stderr.write(
+            f"The simulator cannot go on: {type(error).__name__}: {error}\n"
+            f"This is a bug in wsgen. Set {TRACEBACK}=1, run the command again and report the "
+            "output.\n"
+        )
+        return EXIT_BUG
     return 0
 
 
@@ -80,9 +94,26 @@ def simulate(folder: Path, arguments: list[str]) -> None:
 def make_engine(name: str, world: World) -> Engine:
     """The world in an engine."""
     module, _, attribute = ENGINES[name].partition(":")
-    made: Any = getattr(importlib.import_module(module), attribute)
+    with _quiet():  # PyBullet tells when it was built
+        made: Any = getattr(importlib.import_module(module), attribute)
     engine: Engine = made(world)
     return engine
+
+
+@contextlib.contextmanager
+def _quiet() -> Iterator[None]:
+    """Let nothing be printed, not by libraries of C either."""
+    kept = [(number, os.dup(number)) for number in (1, 2)]
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    try:
+        for number, _ in kept:
+            os.dup2(nowhere, number)
+        yield
+    finally:
+        for number, copy in kept:
+            os.dup2(copy, number)
+            os.close(copy)
+        os.close(nowhere)
 
 
 def run(simulation: LiveSimulation, server: CommandServer, ros: Ros) -> None:
@@ -103,6 +134,11 @@ def run(simulation: LiveSimulation, server: CommandServer, ros: Ros) -> None:
             pace.begin(simulation.now)
         begun = simulation.now
         simulation.advance(control.next(simulation.now, SLICE))
+        rate = pace.rate_reached(simulation.now)
+        if rate is not None:
+            simulation.host.warn(
+                f"This machine simulates {rate:.2g} s a second, slower than --rate {pace.rate:g}."
+            )
         while (left := pace.early(simulation.now)) > 0:
             ros.wait(left)
             if left > IDLE:

@@ -9,6 +9,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 BEHIND = 0.25  # s; what a machine is late by more is not made up for
+LOOK_EVERY = 5.0  # s of the clock
+SLOW = 0.9  # of the rate; less than this is reported
 
 
 class Pace:
@@ -25,11 +27,25 @@ class Pace:
         self._clock = clock
         self._wall = clock()
         self._simulated = 0.0
+        self._looked = (self._wall, 0.0)
 
     def begin(self, simulated: float) -> None:
         """It is that time (s) now: after a pause, or after a reset."""
         self._wall = self._clock()
         self._simulated = simulated
+        self._looked = (self._wall, simulated)
+
+    def rate_reached(self, simulated: float) -> float | None:
+        """The rate of the last `LOOK_EVERY` seconds, where it is clearly lower than it should be.
+
+        None of any other time.
+        """
+        now, (wall, before) = self._clock(), self._looked
+        if self.rate is None or now < wall + LOOK_EVERY:
+            return None
+        self._looked = (now, simulated)
+        reached = (simulated - before) / (now - wall)
+        return reached if reached < SLOW * self.rate else None
 
     def early(self, simulated: float) -> float:
         """How many seconds are left until it should be that time."""

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from wsgen.simulation.engine import Engine
     from wsgen.simulation.live_scene import LiveScene
 
+BRIDGES_AFTER = 5.0  # s, simulated, after a robot came, until what nobody has is named
 LOOK_EVERY = 0.1  # s, simulated, between two looks at whether a robot has exploded
 
 
@@ -81,6 +82,7 @@ class LiveSimulation:
         self._due: list[Due] = []
         self._steps = 0  # since the time was 0
         self._next_look = 0.0
+        self._bridges_checked = math.inf  # s, simulated
         for robot in scene.scene.robots:
             if robot.is_static_model or robot.entity in scene.in_world:
                 self.spawn(robot.entity)
@@ -125,6 +127,7 @@ class LiveSimulation:
         )
         self.host.robots[entity] = handle
         self._due += self._plugins(handle)
+        self._bridges_checked = self.host.now + BRIDGES_AFTER
 
     def add(self, due: Due) -> None:
         """Update one more plugin, before those of robots."""
@@ -178,6 +181,10 @@ class LiveSimulation:
             if self.host.now >= self._next_look:
                 self._next_look = self.host.now + LOOK_EVERY
                 self._remove_exploded()
+            if self.host.now >= self._bridges_checked:
+                self._bridges_checked = math.inf
+                for problem in self.host.gz.unconnected():
+                    self.host.warn(problem)
 
     def _update(self) -> None:
         now = self.host.now

@@ -16,9 +16,10 @@ from wsgen.ros_nodes.simulator.gz_messages import (
     short_gz_type,
     short_ros_type,
 )
+from wsgen.suggestions import did_you_mean, nearest
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from wsgen.ros_nodes.simulator.ros import Ros
 
@@ -104,6 +105,7 @@ class Bridge(NamedTuple):
     node: Any
     made: list[Any]  # publishers and subscriptions of ROS
     ways: list[_Way]
+    rules: list[Rule]
 
 
 class GzTopics:
@@ -115,6 +117,7 @@ class GzTopics:
         self._publishers: dict[str, list[GzPublisher]] = {}
         self._readers: dict[str, list[_Reader]] = {}
         self._ways: list[_Way] = []
+        self._rules: list[Rule] = []
 
     def publisher(self, message_type: type, topic: str) -> GzPublisher:
         """Publish on a topic."""
@@ -147,14 +150,29 @@ class GzTopics:
             topic for table in (self._publishers, self._readers) for topic in table if table[topic]
         }
 
+    def unconnected(self) -> Iterator[str]:
+        """What is wrong with rules whose topics of Gazebo nobody here has."""
+        for rule in self._rules:
+            topic = gz_name(rule.gz_topic)
+            if self._publishers.get(topic) or self._readers.get(topic):
+                continue
+            near = nearest(topic, sorted(self.names))
+            yield (
+                f"bridge of `{rule.ros_topic}`: nothing in the simulation publishes or reads "
+                f"Gazebo's topic `{topic}`. "
+                + (did_you_mean(near) if near else f"Topics: {', '.join(sorted(self.names))}.")
+            )
+
     def open(self, node: Any, rules: list[Rule]) -> Bridge:
         """Connect topics; `node` is that of the bridge, and the rules have no problem."""
-        bridge = Bridge(node, [], [])
+        bridge = Bridge(node, [], [], [])
         for rule in rules:
             self._open(bridge, rule)
         return bridge
 
     def _open(self, bridge: Bridge, rule: Rule) -> None:
+        self._rules.append(rule)
+        bridge.rules.append(rule)
         kind = message_class(rule.ros_type)
         if rule.direction != "to_gz":
             made = bridge.node.create_publisher(kind, rule.ros_topic, DEPTH)
@@ -194,6 +212,8 @@ class GzTopics:
         for publishers in self._publishers.values():
             for publisher in publishers:
                 publisher.outputs = [one for one in publisher.outputs if id(one[0]) not in ended]
+        ended = {id(rule) for rule in bridge.rules}
+        self._rules = [rule for rule in self._rules if id(rule) not in ended]
         self._ros.forget_node(bridge.node)
 
 
