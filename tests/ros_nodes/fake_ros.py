@@ -7,13 +7,14 @@ import json
 import math
 import sys
 import types
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from ros_nodes.sensor_texts import element
-from simulation.robots import GROUND, body, joint, tree
+from simulation.robots import GROUND, body, joint, shape, tree
 from wsgen.isolation.codec import decode, encode
 from wsgen.model.devices import Devices
-from wsgen.model.robot import Box, Cylinder, JointType
+from wsgen.model.robot import Box, Cylinder, JointType, Sphere
 from wsgen.model.transform import Pose
 from wsgen.simulation.engine import State
 from wsgen.simulation.fake import FakeEngine
@@ -200,16 +201,28 @@ class FakeRos:
         return [text for level, text in self.lines if level == "warning"]
 
 
+# Its axle is in the middle; behind it slides a ball.
+BASE = body(Box(size=(0.4, 0.3, 0.1)), mass=5.0)
+BALL = shape(Sphere(radius=0.05), mu=0.0, at=Pose((-0.15, 0.0, -0.05)))
 ROVER = tree(
-    body(Box(size=(0.4, 0.3, 0.1))),
+    replace(BASE, collisions=(*BASE.collisions, BALL)),
     *(
         (
             joint(
-                "base", f"{side}_wheel", JointType.CONTINUOUS, name=side, axis_in_joint=(0, 1, 0)
+                "base",
+                f"{side}_wheel",
+                JointType.CONTINUOUS,
+                Pose((0.0, y, 0.0)),
+                name=side,
+                axis_in_joint=(0.0, 1.0, 0.0),
             ),
-            body(Cylinder(radius=0.1, length=0.05), name=f"{side}_wheel"),
+            body(
+                Cylinder(radius=0.1, length=0.02),
+                name=f"{side}_wheel",
+                at=Pose(rpy=(math.pi / 2, 0.0, 0.0)),
+            ),
         )
-        for side in ("left", "right")
+        for side, y in (("left", 0.2), ("right", -0.2))
     ),
 )
 
