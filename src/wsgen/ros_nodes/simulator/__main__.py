@@ -122,9 +122,10 @@ def run(simulation: LiveSimulation, server: CommandServer, ros: Ros) -> None:
     control = simulation.control
     offer_services(simulation)
     last = simulation.scene.seconds
-    begun = simulation.now
+    begun, is_told = simulation.now, False
     while last is None or simulation.now < last:
-        server.answer()
+        if server.answer():  # it takes its time to load a robot
+            pace.begin(simulation.now)
         ros.poll()
         if not control.passes:
             ros.wait(IDLE)
@@ -135,14 +136,13 @@ def run(simulation: LiveSimulation, server: CommandServer, ros: Ros) -> None:
         begun = simulation.now
         simulation.advance(control.next(simulation.now, SLICE))
         rate = pace.rate_reached(simulation.now)
-        if rate is not None:
+        if rate is not None and not is_told:
+            is_told = True
             simulation.host.warn(
                 f"This machine simulates {rate:.2g} s a second, slower than --rate {pace.rate:g}."
             )
         while (left := pace.early(simulation.now)) > 0:
             ros.wait(left)
-            if left > IDLE:
-                server.answer()
 
 
 if __name__ == "__main__":

@@ -53,11 +53,13 @@ class CommandServer:
         self._socket.listen()
         threading.Thread(target=self._accept, daemon=True).start()
 
-    def answer(self) -> None:
-        """Do what was asked for."""
+    def answer(self) -> bool:
+        """Do what was asked for; gives whether there was anything."""
+        is_asked = not self._waiting.empty()
         with contextlib.suppress(queue.Empty):
             while True:
                 self._waiting.get_nowait()()
+        return is_asked
 
     def close(self) -> None:
         """Stop listening."""
