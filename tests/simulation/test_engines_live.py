@@ -295,3 +295,15 @@ def test_a_robot_takes_a_velocity_as_that_of_its_frame(new_engine: NewEngine) ->
         ((linear, angular),) = engine.link_velocities("e").values()
         assert linear == pytest.approx((0.5, 0.2, 0.0), abs=1e-9)
         assert angular == pytest.approx((0.0, 0.1, 1.0), abs=1e-9)
+
+
+def test_joints_are_put_somewhere_at_rest(new_engine: NewEngine) -> None:
+    with spawned(new_engine, pendulum(), world=SPACE) as engine:
+        engine.drive("e", {"bar": Motor(1.0, 100.0)})
+        engine.advance(100)
+        engine.set_joint_positions("e", {"bar": 0.7})
+        assert engine.joint_positions("e")["bar"] == pytest.approx(0.7, abs=1e-9)
+        assert engine.joint_velocities("e")["bar"] == pytest.approx(0.0, abs=1e-9)
+        assert engine.link_poses("e")["bar"].rpy == pytest.approx((0.0, 0.7, 0.0), abs=1e-6)
+        engine.advance(100)  # the motor goes on
+        assert engine.joint_positions("e")["bar"] == pytest.approx(0.8, abs=5e-3)

@@ -6,9 +6,6 @@ controller_manager_services.py (Humble to Kilted).
 
 from __future__ import annotations
 
-import ast
-import os
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +16,7 @@ from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
 
 from wsgen import yamlfile
+from wsgen.ros_nodes.colors import colored
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -26,19 +24,10 @@ if TYPE_CHECKING:
 PATIENCE = 10.0  # s, between two messages about a service that is not there
 ATTEMPTS = 3  # of a call
 BEST_EFFORT, STRICT = 1, 2
-_COLORS = {"magenta": 95, "blue": 94, "cyan": 96, "green": 92, "yellow": 93, "red": 91, "bold": 1}
 
 
 class ServiceMissingError(Exception):
     """The controller manager did not answer."""
-
-
-def colored(text: str, *names: str) -> str:
-    """The text in colors, where ROS's own tools would color it."""
-    wanted = os.environ.get("RCUTILS_COLORIZED_OUTPUT")
-    if wanted == "0" or (wanted != "1" and not sys.stdout.isatty()):
-        return text
-    return "".join(f"\033[{_COLORS[name]}m" for name in names) + text + "\033[0m"
 
 
 class ManagerClient:
@@ -203,11 +192,3 @@ def _sections_of(content: object, controller: str, namespace: str) -> list[yamlf
     found = [section for name in names if (section := content.get(name)) is not None]
     deep = content.get(*full.strip("/").split("/"))
     return [*found, deep] if deep is not None and deep not in found else found
-
-
-def literal(text: str) -> Any:
-    """The value that a text on the command line stands for: a list, a number, or itself."""
-    try:
-        return ast.literal_eval(text)
-    except (ValueError, SyntaxError):
-        return text

@@ -15,6 +15,7 @@ import time
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
+from wsgen.ros_nodes.colors import colored
 from wsgen.values import dataclass
 
 if TYPE_CHECKING:
@@ -83,7 +84,7 @@ def read_arguments(arguments: Sequence[str], files: Sequence[str] = ()) -> Order
 
 
 def _shared() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(add_help=False)
+    parser = argparse.ArgumentParser(prog="spawner", add_help=False, allow_abbrev=False)
     add = parser.add_argument
     add("-c", "--controller-manager", default="controller_manager")
     add("-n", "--namespace", default=None)
@@ -98,7 +99,7 @@ def _shared() -> argparse.ArgumentParser:
 
 
 def _own() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(add_help=False)
+    parser = argparse.ArgumentParser(prog="spawner", add_help=False, allow_abbrev=False)
     add = parser.add_argument
     add("-p", "--param-file", action="append", default=[])
     add("--load-only", action="store_true")
@@ -131,8 +132,6 @@ def _each(arguments: list[str]) -> Any:
 
 def spawn(order: Order, client: ManagerClient, namespace: str) -> int:
     """Load, configure and activate; gives the exit code."""
-    from wsgen.ros_nodes.controller_services import colored  # noqa: PLC0415  with ROS alone
-
     group = []
     for one in order.controllers:
         if not _prepare(order, one, client, namespace):
@@ -164,8 +163,6 @@ def spawn(order: Order, client: ManagerClient, namespace: str) -> int:
 
 def _prepare(order: Order, one: Wanted, client: ManagerClient, namespace: str) -> bool:
     """Load and configure a controller."""
-    from wsgen.ros_nodes.controller_services import colored  # noqa: PLC0415  with ROS alone
-
     if any(loaded.name == one.name for loaded in client.controllers()):
         client.warn(colored("Controller already loaded, skipping load_controller", "yellow"))
     elif not _load(order, one, client, namespace):
@@ -177,8 +174,6 @@ def _prepare(order: Order, one: Wanted, client: ManagerClient, namespace: str) -
 
 
 def _load(order: Order, one: Wanted, client: ManagerClient, namespace: str) -> bool:
-    from wsgen.ros_nodes.controller_services import colored  # noqa: PLC0415  with ROS alone
-
     if order.kind and not client.set_parameter(one.name, "type", order.kind):
         return False
     if one.ros_arguments and not client.set_parameter(
@@ -198,8 +193,6 @@ def _load(order: Order, one: Wanted, client: ManagerClient, namespace: str) -> b
 
 def unload_when_interrupted(order: Order, client: ManagerClient) -> int:
     """Wait for the end, then take back what was started."""
-    from wsgen.ros_nodes.controller_services import colored  # noqa: PLC0415  with ROS alone
-
     client.info("Waiting until interrupt to unload controllers")
     try:
         while True:

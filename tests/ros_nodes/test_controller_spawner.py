@@ -1,0 +1,134 @@
+"""The arguments of the spawner, and what it asks the controller manager for."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from wsgen.ros_nodes.controller_spawner import (
+    Wanted,
+    full_manager,
+    read_arguments,
+    spawn,
+    unspawn,
+)
+
+
+def test_names_and_options() -> None:
+    order = read_arguments(
+        ["a", "b", "-c", "/arm/controller_manager", "--inactive", "-p", "x.yaml"], ["y.yaml"]
+    )
+    assert order.controllers == (
+        Wanted("a", ("x.yaml", "y.yaml"), stays_inactive=True),
+        Wanted("b", ("x.yaml", "y.yaml"), stays_inactive=True),
+    )
+    assert order.manager == "/arm/controller_manager"
+
+
+def test_options_of_former_and_newer_releases() -> None:
+    order = read_arguments(["a", "--stopped", "-t", "some/Type", "-n", "/arm"])
+    assert order.controllers[0].stays_inactive
+    assert (order.kind, order.namespace, order.says_stopped) == ("some/Type", "/arm", True)
+    order = read_arguments(["a", "--controller-ros-args", "-r a:=b", "--activate-as-group"])
+    assert order.controllers[0].ros_arguments == ("-r", "a:=b")
+    assert order.as_group
+
+
+def test_each_controller_may_have_options_of_its_own() -> None:
+    order = read_arguments(
+        ["-c", "/cm", "--controller", "a", "--inactive", "--controller", "b", "-p", "x.yaml"]
+    )
+    assert order.manager == "/cm"
+    assert order.controllers == (Wanted("a", stays_inactive=True), Wanted("b", ("x.yaml",)))
+
+
+def test_wrong_arguments_end_as_with_argparse(capsys: pytest.CaptureFixture[str]) -> None:
+    for arguments, code in (([], 2), (["a", "--nonsense"], 2), (["--controller"], 1)):
+        with pytest.raises(SystemExit) as ended:
+            read_arguments(arguments)
+        assert ended.value.code == code
+    assert "--nonsense" in capsys.readouterr().err
+
+
+def test_names_of_managers() -> None:
+    assert full_manager("controller_manager", "/") == "/controller_manager"
+    assert full_manager("controller_manager", "/arm") == "/arm/controller_manager"
+    assert full_manager("/controller_manager", "/arm") == "/controller_manager"
+
+
+class Client:
+    """A controller manager that does as it is told, but for one thing."""
+
+    def __init__(self, refuses: str = "") -> None:
+        self.asked: list[tuple[Any, ...]] = []
+        self.refuses = refuses
+
+    def controllers(self) -> list[Any]:
+        return [SimpleNamespace(name="there")]
+
+    def switch(self, activate: Any = (), deactivate: Any = (), **_: Any) -> Any:
+        self.asked.append(("switch", list(activate), list(deactivate)))
+        return SimpleNamespace(ok=self.refuses != "switch")
+
+    def __getattr__(self, name: str) -> Any:
+        def do(*arguments: Any) -> bool:
+            if name not in {"info", "warn", "error", "fatal"}:
+                self.asked.append((name, *arguments))
+            return name != self.refuses
+
+        return do
+
+
+def asked_by(*arguments: str, refuses: str = "") -> tuple[int, list[tuple[Any, ...]]]:
+    client = Client(refuses)
+    code = spawn(read_arguments(arguments), client, "/")  # type: ignore[arg-type]
+    return code, client.asked
+
+
+def test_controllers_are_loaded_configured_and_activated_one_by_one() -> None:
+    assert asked_by("a", "b") == (
+        0,
+        [
+            *[("load", "a"), ("configure", "a"), ("switch", ["a"], [])],
+            *[("load", "b"), ("configure", "b"), ("switch", ["b"], [])],
+        ],
+    )
+
+
+def test_as_a_group_they_are_activated_together() -> None:
+    assert asked_by("a", "b", "--activate-as-group")[1][-1] == ("switch", ["a", "b"], [])
+
+
+def test_what_is_loaded_is_not_loaded_again() -> None:
+    assert asked_by("there")[1][0] == ("configure", "there")
+
+
+def test_less_may_be_wanted() -> None:
+    assert asked_by("a", "--load-only")[1] == [("load", "a")]
+    assert asked_by("a", "--inactive")[1] == [("load", "a"), ("configure", "a")]
+
+
+def test_type_arguments_and_files_are_set_before() -> None:
+    _, asked = asked_by("a", "-t", "x/Y", "-p", "f.yaml", "--controller-ros-args", "-r c:=d")
+    assert asked[:3] == [
+        ("set_parameter", "a", "type", "x/Y"),
+        ("set_parameter", "a", "node_options_args", ["-r", "c:=d"]),
+        ("set_from_files", "a", ("f.yaml",), "/"),
+    ]
+
+
+@pytest.mark.parametrize("refuses", ["load", "configure", "switch"])
+def test_a_refusal_ends_with_1(refuses: str) -> None:
+    code, asked = asked_by("a", "b", refuses=refuses)
+    assert code == 1
+    assert asked[-1][0] == refuses
+    assert ("load", "b") not in asked
+
+
+def test_unspawning_deactivates_and_unloads() -> None:
+    client = Client()
+    assert unspawn(["a"], client, 5.0) == 0  # type: ignore[arg-type]
+    assert client.asked == [("switch", [], ["a"]), ("unload", "a")]
+    assert unspawn(["a"], Client("unload"), 5.0) == 1  # type: ignore[arg-type]
