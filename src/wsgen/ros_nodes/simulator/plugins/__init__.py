@@ -9,11 +9,15 @@ from __future__ import annotations
 _HERE = "wsgen.ros_nodes.simulator.plugins"
 PLUGINS: dict[str, str] = {
     "gazebo_ros_diff_drive": f"{_HERE}.diff_drive:ClassicDiffDrive",
+    "gazebo_ros_joint_pose_trajectory": f"{_HERE}.joint_control:ClassicPoseTrajectory",
     "gazebo_ros_joint_state_publisher": f"{_HERE}.joint_states:ClassicJointStates",
     "gazebo_ros_p3d": f"{_HERE}.odometry:GroundTruth",
     "gazebo_ros_planar_move": f"{_HERE}.planar_move:PlanarMove",
     "diff-drive": f"{_HERE}.diff_drive:GzDiffDrive",
+    "joint-controller": f"{_HERE}.joint_control:GzJointVelocity",
+    "joint-position-controller": f"{_HERE}.joint_control:GzJointPosition",
     "joint-state-publisher": f"{_HERE}.joint_states:GzJointStates",
+    "joint-trajectory-controller": f"{_HERE}.joint_control:GzJointTrajectory",
     "odometry-publisher": f"{_HERE}.odometry:OdometryPublisher",
     "pose-publisher": f"{_HERE}.odometry:PosePublisher",
     "velocity-control": f"{_HERE}.planar_move:VelocityControl",
