@@ -106,7 +106,7 @@ def test_worlds_and_includes_bring_plugins(tmp_path: Path) -> None:
     world = tmp_path / "w.sdf"
     world.write_text(
         '<sdf version="1.9"><world name="w"><plugin name="physics" filename="gz-sim-physics"/>'
-        "<include><uri>model://bot</uri>"
+        "<magnetic_field>1e-5 2e-5 0</magnetic_field><include><uri>model://bot</uri>"
         '<plugin name="of_include" filename="libi.so"/></include></world></sdf>'
     )
 
@@ -114,6 +114,9 @@ def test_worlds_and_includes_bring_plugins(tmp_path: Path) -> None:
 
     assert read.devices is not None
     assert [one.attributes["name"] for one in read.devices.plugins] == ["physics"]
+    assert [(one.tag, one.text) for one in read.devices.surroundings] == [
+        ("magnetic_field", "1e-5 2e-5 0")
+    ]
     (bot,) = read.models
     assert bot.devices is not None
     assert [one.attributes["name"] for one in bot.devices.plugins] == ["of_include"]

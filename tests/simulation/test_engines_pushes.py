@@ -76,6 +76,8 @@ def test_contacts_with_the_ground_carry_the_weight(new_engine: NewEngine) -> Non
         }
         assert sum(one.force for one in contacts) == pytest.approx(2.0 * G, rel=0.05)
         assert all(abs(one.point[2]) < 0.003 for one in contacts)
+        assert all(one.normal == pytest.approx((0.0, 0.0, 1.0), abs=1e-2) for one in contacts)
+        assert all(0.0 <= one.depth < 0.003 for one in contacts)
         assert {(one.point[0] > 0, one.point[1] > 0) for one in contacts} == {
             (x, y) for x in (True, False) for y in (True, False)
         }
@@ -101,6 +103,8 @@ def test_contacts_of_two_robots_are_seen_from_either(new_engine: NewEngine) -> N
         assert sum(one.force for one in from_above) == pytest.approx(3.0 * G, rel=0.05)
         met = [one for one in from_below if one.other_entity == "o"]
         assert {one.other_link for one in met} == {"plate"}
+        assert all(one.normal[2] == pytest.approx(1.0, abs=1e-2) for one in from_above)
+        assert all(one.normal[2] == pytest.approx(-1.0, abs=1e-2) for one in met)
         assert sum(one.force for one in met) == pytest.approx(3.0 * G, rel=0.05)
         under = [one for one in from_below if one.other_entity is None]
         assert sum(one.force for one in under) == pytest.approx(4.0 * G, rel=0.05)

@@ -17,6 +17,8 @@ from wsgen.values import dataclass
 if TYPE_CHECKING:
     from wsgen import xmltree
 
+# Elements of a world that sensors measure.
+SURROUNDINGS = ("spherical_coordinates", "magnetic_field", "atmosphere")
 NUMBERS_OF_POSE = 6
 NUMBERS_OF_QUATERNION_POSE = 7
 
@@ -81,6 +83,7 @@ class Devices:
     # For each link of the description, lumped ones too; the values of a fixed frame.
     frames: Mapping[str, Carried] = field(default_factory=dict)
     ros2_control: tuple[Element, ...] = ()  # <ros2_control> of the URDF
+    surroundings: tuple[Element, ...] = ()  # of a world: what its sensors measure, by SURROUNDINGS
 
 
 def copied(element: xmltree.Element) -> Element:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from wsgen.model.devices import Carried, Devices, MountedSensor, copied, pose_of
+from wsgen.model.devices import SURROUNDINGS, Carried, Devices, MountedSensor, copied, pose_of
 from wsgen.model.transform import compose, invert
 from wsgen.sdf.frames import link_of
 from wsgen.xmltree import children
@@ -23,8 +23,11 @@ if TYPE_CHECKING:
 
 
 def read_world_devices(world: XmlElement) -> Devices:
-    """The plugins of a world."""
-    return Devices(plugins=tuple(map(copied, children(world, "plugin"))))
+    """The plugins of a world, and what its sensors measure."""
+    return Devices(
+        plugins=tuple(map(copied, children(world, "plugin"))),
+        surroundings=tuple(map(copied, children(world, *SURROUNDINGS))),
+    )
 
 
 def read_devices(

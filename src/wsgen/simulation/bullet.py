@@ -35,6 +35,7 @@ from wsgen.simulation.engine import (
     Overlap,
     Refused,
     State,
+    Touch,
     contacts_of,
     deepest_overlaps,
     meeting,
@@ -462,11 +463,13 @@ class BulletEngine:
         return contacts_of(
             entity,
             (
-                (
+                Touch(
                     places.get((contact[1], contact[3])),
                     places.get((contact[2], contact[4])),
                     contact[5],
                     max(0.0, contact[9]),
+                    contact[7],
+                    max(0.0, -contact[8]),
                 )
                 for contact in self.client.getContactPoints()
                 # PyBullet keeps points that are about to touch.

@@ -32,6 +32,7 @@ from wsgen.simulation.engine import (
     Overlap,
     Refused,
     State,
+    Touch,
     contacts_of,
     deepest_overlaps,
     look_at,
@@ -584,7 +585,9 @@ class DartEngine:
                 for touching in (contact.collisionObject1, contact.collisionObject2)
             )
             force = abs(float(contact.force @ contact.normal))
-            found.append((one, met, contact.point.tolist(), force))
+            point, normal = contact.point.tolist(), contact.normal.tolist()
+            depth = max(0.0, float(contact.penetrationDepth))
+            found.append(Touch(one, met, point, force, normal, depth))
         return contacts_of(entity, found)
 
     def close(self) -> None:

@@ -106,6 +106,9 @@ class Contact:
     other_link: str | None
     point: tuple[float, float, float]  # m, in the world
     force: float  # N, that presses the two against each other: along the normal, never negative
+    # Of length 1, in the world, from the other one to the link; all 0 where it is not known.
+    normal: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    depth: float = 0.0  # m, that they are in each other
 
 
 class Motor(NamedTuple):
@@ -284,19 +287,28 @@ def deepest_overlaps(
     return [Overlap(*one, *other, depth=depth) for (one, other), depth in deepest.items()]
 
 
-def contacts_of(
-    entity: str, found: Iterable[tuple[Place | None, Place | None, Sequence[float], float]]
-) -> list[Contact]:
-    """The contacts of a robot, of all that an engine has; two links of it are seen from either.
+class Touch(NamedTuple):
+    """Where two places touch each other, as an engine has it; None is the ground."""
 
-    Each is two places, None for the ground, the point (m, in the world) and the force (N).
-    """
+    one: Place | None
+    other: Place | None
+    point: Sequence[float]  # m, in the world
+    force: float  # N
+    normal: Sequence[float]  # from the other to the one
+    depth: float  # m
+
+
+def contacts_of(entity: str, found: Iterable[Touch]) -> list[Contact]:
+    """The contacts of a robot, of all that an engine has; two links of it are seen from either."""
     contacts = []
-    for one, other, (x, y, z), force in found:
-        for place, met in ((one, other), (other, one)):
+    for one, other, (x, y, z), force, (a, b, c), depth in found:
+        for place, met, sign in ((one, other, 1.0), (other, one, -1.0)):
             if place is not None and place[0] == entity:
                 other_entity, other_link = met or (None, None)
-                contacts.append(Contact(place[1], other_entity, other_link, (x, y, z), force))
+                normal = (sign * a, sign * b, sign * c)
+                contacts.append(
+                    Contact(place[1], other_entity, other_link, (x, y, z), force, normal, depth)
+                )
     return contacts
 
 

@@ -22,6 +22,7 @@ from wsgen.simulation.engine import (
     Overlap,
     Refused,
     State,
+    Touch,
     contacts_of,
     deepest_overlaps,
     look_at,
@@ -313,7 +314,12 @@ class MujocoEngine:
             touching += [owners[flex] for flex in contact.flex.tolist() if flex >= 0]
             one, other = touching
             library.mj_contactForce(self._model, self._data, number, force)
-            found.append((one, other, contact.pos.tolist(), abs(float(force[0]))))
+            # From the first to the second; what is a flex comes last here.
+            is_turned = contact.geom[0] < 0 <= contact.geom[1]
+            normal = (contact.frame[:3] * (1.0 if is_turned else -1.0)).tolist()
+            depth = max(0.0, -float(contact.dist))
+            pressure = abs(float(force[0]))
+            found.append(Touch(one, other, contact.pos.tolist(), pressure, normal, depth))
         return contacts_of(entity, found)
 
     def _places(self) -> dict[int, Place]:

@@ -45,6 +45,7 @@ class Host:
         step_seconds: The step of the engine, s.
         update_seconds: Between two updates of a plugin without a period, s, simulated.
         gravity: m/s², in the world.
+        surroundings: Elements of the world that its sensors measure, by their tags.
         rate: Simulated seconds that are to pass in one second; None: as many as possible.
         now: The simulated time, s: that of the state that the robots have.
         robots: Those that are in the world, static models as well, by entity.
@@ -59,6 +60,7 @@ class Host:
         self.update_seconds = max(UPDATE, engine.step_seconds)
         self.gravity = world.gravity
         self.rate: float | None = None
+        self.surroundings: Mapping[str, Element] = {}
         self.now = 0.0
         self.robots: dict[str, RobotHandle] = {}
         self.ros = ros

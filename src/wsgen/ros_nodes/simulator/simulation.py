@@ -76,6 +76,8 @@ class LiveSimulation:
         )
         self.control = Control(is_paused=scene.is_paused)
         self.host.rate = scene.rate
+        around = scene.world_devices.surroundings if scene.world_devices is not None else ()
+        self.host.surroundings = {element.tag: element for element in around}
         self._announce = announce
         self._known = {robot.entity: robot for robot in scene.scene.robots}
         self._poses: dict[str, Pose] = {}  # where robots were spawned

@@ -11,6 +11,11 @@ _HERE = "wsgen.ros_nodes.simulator.sensors"
 SENSORS: dict[str, str] = {
     **dict.fromkeys(("ray", "gpu_ray", "lidar", "gpu_lidar"), f"{_HERE}.lidar:Lidar"),
     "imu": f"{_HERE}.imu:Imu",
+    "contact": f"{_HERE}.contact:ContactSensor",
+    **dict.fromkeys(("gps", "navsat"), f"{_HERE}.navsat:NavSat"),
+    "altimeter": f"{_HERE}.altimeter:Altimeter",
+    "air_pressure": f"{_HERE}.air_pressure:AirPressure",
+    "magnetometer": f"{_HERE}.magnetometer:Magnetometer",
     **dict.fromkeys(
         ("camera", "multicamera", "depth", "depth_camera", "rgbd", "rgbd_camera"),
         f"{_HERE}.camera:Camera",
