@@ -447,3 +447,18 @@ def test_a_pose_in_a_camera_is_added() -> None:
     meters = np.frombuffer(bytes(ros.published("/d")[-1].data), dtype="<f4").reshape(30, 40)
     assert meters[5] == pytest.approx(1.0, abs=1e-3)
     assert pose_of(None) == IDENTITY
+
+
+def test_a_slow_machine_measures_less_often(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A scan that takes 0.2 s, ten times a second: at real time it is done 2.5 times a second."""
+    import time  # noqa: PLC0415
+
+    clock = iter(range(10_000))
+    monkeypatch.setattr(time, "perf_counter", lambda: 0.2 * next(clock))
+    for simulation, ros in simulated(mounted(LASER.format(SCAN))):
+        (output,) = [one for node in ros.nodes for one in node.publishers.values()]
+        simulation.advance(4.0)
+        assert len(output.messages) == pytest.approx(11, abs=2)
+        (warning,) = ros.warnings
+        assert "less often than 10 times a second" in warning
+        assert "200 ms" in warning

@@ -9,8 +9,7 @@ depth camera the depth (32FC1) there, and `…/points`; an RGB-D camera `…/ima
 `…/points` and `…/camera_info` (gazebosim/gz-sensors, src/CameraSensor.cc, src/DepthCameraSensor.cc,
 src/RgbdCameraSensor.cc).
 
-Distortion is told in camera_info and not drawn. At a rate of simulation that is not `max`, a camera
-takes no more than a share of the time: what it gives less of is said.
+Distortion is told in camera_info and not drawn.
 """
 
 from __future__ import annotations
@@ -53,9 +52,6 @@ if TYPE_CHECKING:
 CAMERA_PLUGIN = ("gazebo_ros_camera",)
 DEPTH_KINDS = ("depth", "depth_camera")
 RGBD_KINDS = ("rgbd_camera", "rgbd")
-SHARE = 0.5  # of the time, that all cameras together take for drawing
-FORGETTING = 0.3  # of the mean time of a picture, with each picture
-TELL_AFTER = 5  # pictures, until the time of one is known
 CLASSIC_NEAREST = 0.4  # m, of a depth camera without <min_depth>
 
 
@@ -83,7 +79,6 @@ class _Drawing:
     """What all cameras of a simulator share."""
 
     def __init__(self) -> None:
-        self.cameras = 0
         self._robots: tuple[Any, ...] = ()
         self._scene: SensorScene | None = None
 
@@ -107,9 +102,6 @@ class Camera(Sensor):
         self.is_rgbd = sensor.kind in RGBD_KINDS
         self.eyes: list[Eye] = []
         self._random = np.random.default_rng(self.seed)
-        self._nominal = self.rated_period
-        self._seconds = 0.0  # of wall-clock time, that a picture takes
-        self._pictures = 0
         self._triggers: int | None = None  # pictures to take; None: it needs none
         cameras = list(sensor.element.find_all("camera")) or [self.of("camera")]
         if host.simulator == "classic":
@@ -117,16 +109,9 @@ class Camera(Sensor):
                 self._open_classic(plugin, cameras)
         else:
             self._open_gz(cameras[0])
-        if self.eyes:
-            self._drawing = _drawings.setdefault(host, _Drawing())
-            self._drawing.cameras += 1
-        else:
+        self._drawing = _drawings.setdefault(host, _Drawing())
+        if not self.eyes:
             self.period = NEVER
-
-    def close(self) -> None:
-        """Leave the others more time."""
-        if self.eyes:
-            self._drawing.cameras -= 1
 
     def _open_classic(self, plugin: Element, cameras: list[Element]) -> None:
         node = self.classic_node(plugin)
@@ -213,26 +198,7 @@ class Camera(Sensor):
             if eye.is_wanted:
                 begun = time.perf_counter()
                 self._take(eye)
-                self._pace(time.perf_counter() - begun)
-
-    def _pace(self, seconds: float) -> None:
-        """Take pictures as often as the time allows."""
-        self._pictures += 1
-        if self._pictures == 1:  # what is seen was loaded for it
-            return
-        share = 1.0 if self._pictures == 2 else FORGETTING  # noqa: PLR2004
-        self._seconds += share * (seconds - self._seconds)
-        rate = self.host.rate
-        if rate is None:
-            return
-        together = self._seconds * len(self.eyes) * self._drawing.cameras
-        period = self.period = max(self._nominal, together * rate / SHARE)
-        if self._pictures == TELL_AFTER and period > self._nominal:
-            self.host.warn(
-                f"`{self.robot.entity}`: the camera `{self.sensor.name}` takes about "
-                f"{1 / period:.2g} pictures a second instead of {1 / self._nominal:.3g}: this "
-                f"machine draws one in {1000 * self._seconds:.0f} ms. Make <image> smaller."
-            )
+                self.keep_pace(time.perf_counter() - begun, "Make <image> smaller.")
 
     def _take(self, eye: Eye) -> None:
         view = self.host.view()

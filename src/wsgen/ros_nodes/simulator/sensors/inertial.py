@@ -95,7 +95,10 @@ class InertialUnit:
         return Measured(self._reference.T @ to_world, turning, felt)
 
     def _noisy(self, channel: str, true: Floats, elapsed: float) -> Floats:
-        parts = zip(self.noises[channel], true, strict=True)
+        noises = self.noises[channel]
+        if not any(noise.is_there for noise in noises):
+            return true
+        parts = zip(noises, true, strict=True)
         return np.array([float(noise.apply(np.array(part), elapsed)) for noise, part in parts])
 
 

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import array
 import math
+import time
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -112,6 +113,7 @@ class Lidar(Sensor):
         wanted = [output for output in self.outputs if output.publisher.is_wanted]
         if not wanted:
             return
+        begun = time.perf_counter()
         ranges = self.scanner.measure(self.pose(), self.robot.cast_rays)
         for output in wanted:
             message = output.kind()
@@ -126,6 +128,7 @@ class Lidar(Sensor):
             else:
                 self._fill_cloud(message, ranges, output)
             output.publisher.publish(message)
+        self.keep_pace(time.perf_counter() - begun, "Write fewer <samples>.")
 
     def _fill_scan(self, message: Any, ranges: Floats, output: Output) -> None:
         spec = self.scanner.spec

@@ -11,11 +11,12 @@ from __future__ import annotations
 import math
 import zlib
 from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from wsgen.model.gazebo_plugins import stem
-from wsgen.model.transform import compose, rotation_of_rpy
+from wsgen.model.transform import compose, rotate, rotation_of_rpy
 from wsgen.ros_nodes.simulator.elements import number
 from wsgen.ros_nodes.simulator.host import CannotWorkError, Plugin
 
@@ -31,6 +32,10 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 NEVER = math.inf  # s
+SHARE = 0.5  # of wall-clock time, that all sensors together take
+MEMORY = 10  # measurements, of whose times the mean is known
+TELL_AFTER = 5  # measurements
+ENOUGH = 1.2  # times the period of the description: what is not longer is not told
 FASTEST_PERIOD = 0.01  # s, of a sensor that gives no rate: Gazebo's measures in every step
 FRAME_NAMES = ("frame_id", "gz_frame_id", "ignition_frame_id")
 # ROS 1's plugins for sensors, and what ROS 2 has instead.
@@ -45,6 +50,9 @@ OF_ROS_1 = {
     "gazebo_ros_multicamera": "libgazebo_ros_camera.so",
 }
 
+# By simulator and sensor: how many seconds of wall-clock time a simulated one takes of it.
+_loads: WeakKeyDictionary[Host, WeakKeyDictionary[Sensor, float]] = WeakKeyDictionary()
+
 
 class Sensor(Plugin):
     """A sensor of a robot."""
@@ -57,6 +65,8 @@ class Sensor(Plugin):
         # s, simulated, between two measurements, as the description has it
         self.rated_period = 1.0 / rate if rate > 0 else max(FASTEST_PERIOD, host.step_seconds)
         self.period = self.rated_period
+        self._measured = 0
+        self._seconds = 0.0  # of wall-clock time, that a measurement takes
         # The same noise in every run.
         self.seed = zlib.crc32(f"{robot.entity}/{sensor.link}/{sensor.name}".encode())
 
@@ -69,9 +79,37 @@ class Sensor(Plugin):
 
     def velocity(self) -> tuple[Floats, Floats]:
         """How its origin moves (m/s), and how it turns (rad/s), in the world."""
-        linear, angular = map(np.array, self.robot.link_velocities()[self.sensor.link])
-        arm = np.subtract(self.pose().xyz, self.robot.link_poses()[self.sensor.link].xyz)
-        return linear + np.cross(angular, arm), angular
+        (u, v, w), angular = self.robot.link_velocities()[self.sensor.link]
+        link = self.robot.link_poses()[self.sensor.link]
+        x, y, z = rotate(rotation_of_rpy(link.rpy), self.sensor.pose_in_link.xyz)
+        a, b, c = angular
+        linear = (u + b * z - c * y, v + c * x - a * z, w + a * y - b * x)
+        return np.array(linear), np.array(angular)
+
+    def keep_pace(self, seconds: float, advice: str) -> None:
+        """Measure as often as the time allows, where a measurement has taken so long (s).
+
+        At a rate of simulation that is not `max`, all sensors together take no more than a share of
+        the time; what one gives less of is said once, with an advice. The first measurement, for
+        which things are loaded, does not count.
+        """
+        self._measured += 1
+        if self._measured == 1:
+            return
+        loads = _loads.setdefault(self.host, WeakKeyDictionary())
+        self._seconds += (seconds - self._seconds) / min(self._measured - 1, MEMORY)
+        loads[self] = self._seconds / self.rated_period
+        if self.host.rate is None:
+            return
+        # Of a second of wall-clock time, what all take if they measure as often as they should.
+        taken = sum(loads.values()) * self.host.rate
+        period = self.period = self.rated_period * max(1.0, taken / SHARE)
+        if self._measured > TELL_AFTER and period > ENOUGH * self.rated_period:
+            self.host.warn(
+                f"`{self.robot.entity}`: the {self.sensor.kind} sensor `{self.sensor.name}` "
+                f"measures less often than {1 / self.rated_period:g} times a second: on this "
+                f"machine it takes {1000 * self._seconds:.0f} ms. {advice}"
+            )
 
     def topic(self, suffix: str, name: str = "") -> str:
         """Gazebo Sim's: what the sensor says, or one by all that it is in."""
