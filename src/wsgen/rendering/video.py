@@ -93,7 +93,7 @@ LARGE, SMALL = Size(480, 360), Size(320, 240)
 # that the same things get the same videos on every machine, however busy it is.
 FRAME_SECONDS, PIXEL_SECONDS, TRIANGLE_SECONDS = 0.006, 0.1e-6, 0.15e-6
 
-AROUND_LEAST = 1.0  # m around the way of the robots, and the size of that
+AROUND_LEAST = 3.0  # m around the way of the robots, and the size of that
 TITLE_SECONDS = 0.8  # how long the name of a behavior is shown before it
 
 
