@@ -48,6 +48,7 @@ if TYPE_CHECKING:
 
 COMMAND_SECONDS = 60.0  # wall-clock, for a Command() that is executed
 SOCKET_SECONDS = 0.2  # for the answer of the simulator about its time
+MIDDLEWARE = "RMW_IMPLEMENTATION"  # of which the ROS of PyPI has one
 _PATHS = ("AMENT_PREFIX_PATH", "LD_LIBRARY_PATH", "PATH", "PYTHONPATH")
 
 
@@ -78,6 +79,7 @@ class Service:
         self._processes: dict[int, RunningProcess] = {}  # by pid
         self._coroutines = 0
         self._count = 0
+        self._has_told_middleware = False
         self._left_out: set[str] = set()
         self._is_interrupted = False
         self._selector = selectors.DefaultSelector()
@@ -325,7 +327,9 @@ class Service:
         return Resolved(command=command, shown=(*start.prefix, path, *start.words))
 
     def _ours(self, stand: Ours, arguments: tuple[str, ...], start: Start) -> Resolved:
-        shown = (*start.prefix, *([start.path] if start.path else []), *start.words)
+        # Its path on a machine with ROS is none of this one.
+        name = [Path(start.path).name] if start.path else []
+        shown = (*start.prefix, *name, *start.words)
         words = arguments if stand.keeps_arguments else _ros_arguments(arguments)
         python = str(self.request.python)
         command = (*start.prefix, python, "-m", stand.module, *stand.arguments, *words)
@@ -375,6 +379,10 @@ class Service:
             own = found.get(name)
             if own is None or own == before.get(name):
                 found[name] = value
+            elif name == MIDDLEWARE and not self.request.is_sourced:
+                found[name] = value
+                if own != value:
+                    self._tell_middleware(own, value)
             elif name in _PATHS:  # the launch file has added to it
                 found[name] = os.pathsep.join([own, value])
         if not self.request.is_sourced:
@@ -387,6 +395,11 @@ class Service:
         if self.logs.folder is not None:
             found.setdefault("ROS_LOG_DIR", str(self.logs.folder))
         return found
+
+    def _tell_middleware(self, wanted: str, used: str) -> None:
+        if not self._has_told_middleware:
+            self._has_told_middleware = True
+            self._logger.info("%s", f"{wanted} is not on PyPI: nodes use {used}")
 
     def _leave_out_process(self, start: Start, left_out: LeftOut) -> None:
         """Name what is not started: who waits for its start goes on, not who waits for its end."""
