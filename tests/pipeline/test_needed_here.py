@@ -23,7 +23,7 @@ def texts_of(folder: Path, text: str, name: str = "urdf/robot.xacro") -> Texts:
     file = folder / "pkg" / name
     file.parent.mkdir(parents=True)
     file.write_text(text.replace("@HOME@", str(folder / "home")))
-    return read_texts(folder / "pkg", [folder / "pkg"])
+    return read_texts(folder / "pkg", (f"{folder / 'pkg'}/",))
 
 
 @pytest.mark.parametrize(

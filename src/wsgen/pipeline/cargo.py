@@ -133,7 +133,7 @@ class Cargo:
 
     def _read_texts(self) -> dict[str, Texts]:
         """What the files of each package name; of those that have one name, together."""
-        roots = [Path(real_path(path)) for path in self._packages]
+        roots = tuple(f"{real_path(path)}/" for path in self._packages)
         texts: dict[str, Texts] = {}
         for one in (*self._packages.values(), *self._targets.installed):
             found = read_texts(one.path, roots)
@@ -188,14 +188,14 @@ class Cargo:
         home = self._environment.get("HOME")
         if home:
             yield Path(home, ".gazebo", "models")
-        for path in self._packages:
-            above = path.absolute().parents
-            for folder in above[:AROUND]:
-                for pattern in ("*/model.config", "models/*/model.config"):
-                    for file in folder.glob(pattern):
-                        self.archive.add(file)
-            for folder in above[:-1]:
-                yield from (folder, folder / "models", folder / "share")
+        # Many packages lie in one folder.
+        above = [path.absolute().parents for path in self._packages]
+        for around in dict.fromkeys(folder for folders in above for folder in folders[:AROUND]):
+            for pattern in ("*/model.config", "models/*/model.config"):
+                for file in around.glob(pattern):
+                    self.archive.add(file)
+        for folder in dict.fromkeys(folder for folders in above for folder in folders[:-1]):
+            yield from (folder, folder / "models", folder / "share")
 
     def _marked(self) -> Iterator[str]:
         """The packages with files that cannot be sent, or with models in folders of the system."""

@@ -15,7 +15,7 @@ from wsgen.pipeline.reached_packages import WORDS, texts_below
 from wsgen.values import dataclass
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Mapping
+    from collections.abc import Collection, Mapping
 
 
 # Not after a variable, another path or the scheme of an address; `file://` alone comes before one.
@@ -59,14 +59,13 @@ class Texts:
         )
 
 
-def read_texts(folder: Path, shipped: Iterable[Path]) -> Texts:
-    """Read the files of a package; `shipped` are the real paths of folders that are sent."""
+def read_texts(folder: Path, roots: tuple[str, ...]) -> Texts:
+    """Read the files of a package; `roots` are folders that are sent, real paths with a slash."""
     words: set[bytes] = set()
     models: set[bytes] = set()
     addresses: set[bytes] = set()
     paths: set[str] = set()
     is_of_machine = False
-    roots = tuple(f"{root}/" for root in shipped)
     for file, text in texts_below(folder):
         words.update(WORDS.findall(text))
         models.update(_MODEL.findall(text))
