@@ -6,8 +6,12 @@ import sys
 import hypothesis
 import pytest
 
+from ros_for_tests import ros
+
 if sys.platform == "linux":
     import resource
+
+__all__ = ["ros"]  # a fixture
 
 # What `nohup` and a shell's `&` let be ignored, the processes that tests start would ignore, too.
 for _name, _handler in (("SIGINT", signal.default_int_handler), ("SIGHUP", signal.SIG_DFL)):

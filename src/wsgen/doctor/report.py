@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.build.toolchain import MAKE_PROGRAMS, SourcedRos, fetch_arguments
 from wsgen.doctor.machine import Requirement, names_in_apt, read_os_release, ros_prefixes
+from wsgen.errors import WsgenError
 from wsgen.isolation.missing_library import find_missing_library
 from wsgen.model.facts import DISTROS, RELEASED_FOR
 from wsgen.model.installation import (
@@ -24,6 +25,8 @@ from wsgen.model.installation import (
     ros_packages,
 )
 from wsgen.model.target import Target, end_of_life_note
+from wsgen.ros_environment.private import why_not
+from wsgen.ros_environment.sourced import check_rclpy, sourced_prefix
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -255,6 +258,7 @@ def _extras(machine: Machine) -> Iterator[Requirement]:
         fix="" if has_plotly else _pip(machine, "wsgen[report]"),
     )
     yield _sweeps(machine)
+    yield _live_runs(machine)
     for name, programs, purpose, package in (
         ("C++ compiler", ("c++", "g++", "clang++"), "packages with C++", "build-essential"),
         ("git", ("git",), "the maintainer's name and address", "git"),
@@ -287,6 +291,27 @@ def _sweeps(machine: Machine) -> Requirement:
         is_met=not lacking,
         text=f"missing: {without}; only for `wsgen sweep`" if lacking else "installed",
         fix=_pip(machine, "wsgen[sweep]") if lacking else "",
+    )
+
+
+def _live_runs(machine: Machine) -> Requirement:
+    """Check whether launch files can be started: with a sourced ROS, or with that of PyPI."""
+    name = "live runs"
+    if (prefix := sourced_prefix(machine.environment)) is not None:
+        distro = machine.environment.get("ROS_DISTRO", prefix.name)
+        try:
+            check_rclpy(prefix, distro, machine.environment)
+        except WsgenError as error:
+            return Requirement(name, is_met=False, text=error.message)
+        return Requirement(name, is_met=True, text=f"with ROS {distro}, which is sourced")
+    reason = why_not(machine.system, machine.architecture, machine.python)
+    if reason is not None:
+        return Requirement(name, is_met=False, text=reason.message)
+    if not all(machine.has_module(module) for module in ("pip", "mcap")):
+        text = "missing; only for nodes that run (ROS 2 from PyPI)"
+        return Requirement(name, is_met=False, text=text, fix=_pip(machine, "wsgen[ros]"))
+    return Requirement(
+        name, is_met=True, text="with ROS 2 from PyPI, which comes into the cache when first needed"
     )
 
 

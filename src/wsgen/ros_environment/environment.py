@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -96,9 +97,7 @@ def require_extra() -> None:
     Raises:
         NotFoundError: wsgen[ros] is not installed.
     """
-    import importlib.util  # noqa: PLC0415  a sourced ROS needs none
-
-    if not all(importlib.util.find_spec(name) for name in ("pip", "mcap")):
+    if not all(find_spec(name) for name in ("pip", "mcap")):
         raise NotFoundError(
             "No ROS is sourced, and wsgen is installed without the one from PyPI.",
             hint=f"Install it: {EXTRA}. Or source a ROS: source /opt/ros/<distro>/setup.bash.",
