@@ -9,14 +9,14 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wsgen.diagnostics import Diagnostic, Rule, Severity, has_errors
+from wsgen.diagnostics import has_errors
 from wsgen.files import write_file
 from wsgen.isolation import parent
 from wsgen.isolation.codec import encode
-from wsgen.launch import commands, known_packages
+from wsgen.launch import known_packages
 from wsgen.launch.evaluate import DISTRO_OF_LAUNCHES
 from wsgen.live.film import draw_film
-from wsgen.live.programs import LeftOut, find_stand
+from wsgen.live.missing_programs import cannot_run
 from wsgen.live.recording import Recordings, recording_topics
 from wsgen.live.request import ServiceRequest
 from wsgen.live.service_child import start_service
@@ -32,6 +32,7 @@ from wsgen.workspace.layout import find_packages
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 
+    from wsgen.diagnostics import Diagnostic
     from wsgen.events import Listener
     from wsgen.model.world import Spawn
     from wsgen.pipeline.plan_launch import SelectedLaunchFile
@@ -196,7 +197,7 @@ def prepare(  # noqa: PLR0913  what to prepare, where, how
     has_simulation = started.simulator is not None or bool(robots)
     found = subject.reported() if has_simulation else subject.named(started.plan.diagnostics)
     if request.is_strict:
-        found = (*found, *cannot_run(subject, is_sourced=is_sourced))
+        found = (*found, *cannot_run(started.plan, is_sourced=is_sourced))
     show((*found, *selected.overlay.not_built()))
     broken = [robot for robot in robots if not robot.can_run]
     is_stopped = request.is_strict and has_errors(found)
@@ -227,39 +228,6 @@ def _in_world(robots: Iterable[PreparedRobot], spawns: Iterable[Spawn]) -> Itera
     """What is in the world from the beginning: what no process spawns."""
     spawned = {spawn.entity for spawn in spawns if spawn.process is not None}
     return (robot.entity for robot in robots if robot.entity not in spawned)
-
-
-CANNOT_RUN = Rule(
-    code="LCH080",
-    name="cannot-run",
-    severity=Severity.ERROR,
-    summary="A program that the launch file starts cannot run here.",
-    what="Looks, with `wsgen launch --run --strict`, for programs of packages that are not "
-    "installed, and for what needs a window of Gazebo or libraries that PyPI does not have.",
-    why="Without --strict the program is left out: what it would do is not done, and what waits "
-    "for it waits for ever.",
-    example="Node(package='rviz2', executable='rviz2')",
-    instead="Node(package='rviz2', executable='rviz2', condition=IfCondition(use_rviz))",
-)
-
-
-def cannot_run(subject: Validation, *, is_sourced: bool) -> Iterator[Diagnostic]:
-    """Report the programs of a plan that would be left out."""
-    plan = subject.started.plan if subject.started else None
-    for process in plan.processes if plan else ():
-        for program in commands.programs(process):
-            name = program.executable or ""
-            stand = find_stand(program.package, name, program.arguments, is_sourced=is_sourced)
-            left_out = stand.stand if stand else None
-            if isinstance(left_out, LeftOut) and left_out.is_missed:
-                of = f" of {program.package}" if program.package else ""
-                yield CANNOT_RUN.at(
-                    process.file,
-                    process.line,
-                    name,
-                    message=f"{name}{of} cannot run here: {left_out.why}.",
-                    hint="Start it under a condition, or leave --strict out.",
-                )
 
 
 def _environment(overlay: Mapping[str, str]) -> dict[str, str]:

@@ -126,7 +126,8 @@ def start_service(folder: Path, environment: Mapping[str, str]) -> Iterator[Serv
             yield child
         finally:
             child.end()
-            _end_orphans()
+            if guard.returncode < 0:  # somebody has killed it
+                _end_orphans()
 
 
 def _end_orphans() -> None:

@@ -54,6 +54,7 @@ MODULES = (
     "wsgen.meshes.inspection",
     "wsgen.meshes.requests",
     "wsgen.meshes.shape_meshes",
+    "wsgen.live.missing_programs",
     "wsgen.pipeline.file_validation",
     "wsgen.pipeline.gazebo_models",
     "wsgen.pipeline.package_validation",

@@ -1,0 +1,27 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+from wsgen.live.missing_programs import CANNOT_RUN, cannot_run
+from wsgen.model.plan import LaunchPlan, Process
+
+FILE = Path("robot.launch.py")
+
+
+def _plan(*processes: Process) -> LaunchPlan:
+    return LaunchPlan(package="robot", launch_file=FILE, processes=processes)
+
+
+def test_programs_that_cannot_run_are_reported_where_they_are_written() -> None:
+    rviz = Process(package="rviz2", executable="rviz2", file=FILE, line=7)
+    (found,) = cannot_run(_plan(rviz), is_sourced=False)
+    assert (found.code, found.file, found.line) == (CANNOT_RUN.code, FILE, 7)
+    assert found.message.startswith("rviz2 of rviz2 cannot run here: ")
+    assert not list(cannot_run(_plan(rviz), is_sourced=True))
+
+
+def test_what_wsgen_does_itself_is_not_missing() -> None:
+    window = Process(package=None, executable=None, command=("gzclient",))
+    server = Process(package=None, executable=None, command=("gz", "sim", "-r", "a.sdf"))
+    own = Process(package="robot", executable="drive.py")
+    assert not list(cannot_run(_plan(window, server, own), is_sourced=False))
