@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import math
+import os
+import subprocess
+import sys
 import time
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -10,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from ros_nodes.fake_ros import live_scene, plugin, rover_engine, simulation_of, still_at
+from wsgen.simulation.live_scene import FOLDER_VARIABLE
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -168,6 +172,32 @@ def test_the_clock_of_gazebo_sim_needs_a_bridge(tmp_path: Path) -> None:
     simulation.advance(0.03)
     assert clock_times(ros.published("/clock")) == pytest.approx([0.02, 0.024, 0.028])
     assert not ros.services
+
+
+@pytest.mark.slow
+def test_the_program_of_a_bridge_ends_without_a_word(tmp_path: Path) -> None:
+    from wsgen.ros_nodes.simulator.commands import CommandServer  # noqa: PLC0415
+
+    simulation, ros = simulation_of(live_scene(simulator="gz"))
+    server = CommandServer(tmp_path, simulation)
+    words = ["/clock@rosgraph_msgs/msg/Clock[gz.msgs.Clock", "/a@std_msgs/msg/Bool[gz.msgs.Bol"]
+    with subprocess.Popen(
+        [sys.executable, "-m", "wsgen.ros_nodes.bridge", *words, "--ros-args", "-r", "a:=b"],
+        env={**os.environ, FOLDER_VARIABLE: str(tmp_path)},
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as process:
+        last = time.monotonic() + 60.0
+        while not ros.nodes and time.monotonic() < last:
+            server.answer()
+        assert process.stderr is not None
+        assert "Creating GZ->ROS Bridge: [/clock (gz.msgs.Clock)" in process.stderr.readline()
+        assert "no message type gz.msgs.Bol" in process.stderr.readline()
+        server.close()
+        process.terminate()
+        assert process.stderr.read() == ""
+    assert process.returncode == 0
+    assert ros.nodes[0].arguments == ["-r", "a:=b"]
 
 
 def test_the_socket(tmp_path: Path) -> None:

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen import yamlfile
+from wsgen.ros_nodes.signals import ignore_ends, raise_when_ended
 from wsgen.ros_nodes.simulator_client import SimulatorClient, SimulatorError, live_folder
 
 if TYPE_CHECKING:
@@ -43,8 +44,7 @@ class BadBridgeError(Exception):
 
 def main() -> int:
     """Bridge topics until somebody ends it; gives the exit code."""
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, signal.default_int_handler)
+    raise_when_ended()
     client = None
     try:
         words, of_ros = split(sys.argv[1:])
@@ -56,6 +56,7 @@ def main() -> int:
         for rule, problem in zip(rules, answer["problems"], strict=True):
             _tell(rule, problem)
         client.wait_until_it_ends()
+        signal.pause()  # without a simulator, the real one stays until it is ended
     except BadBridgeError as error:
         sys.stderr.write(f"{error}\n")
         return 255
@@ -65,6 +66,7 @@ def main() -> int:
     except KeyboardInterrupt:
         pass
     finally:
+        ignore_ends()
         if client is not None:
             client.close()
     return 0

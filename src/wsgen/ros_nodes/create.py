@@ -12,7 +12,6 @@ from __future__ import annotations
 import argparse
 import math
 import re
-import signal
 import sys
 import time
 from pathlib import Path
@@ -21,8 +20,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import rclpy
 import rclpy.utilities
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.signals import SignalHandlerOptions
 from std_msgs.msg import String
 
+from wsgen.ros_nodes.signals import ignore_ends, raise_when_ended
 from wsgen.ros_nodes.simulator_client import SimulatorClient, SimulatorError, live_folder
 
 if TYPE_CHECKING:
@@ -41,11 +42,11 @@ def main() -> int:
     program = SIM
     if arguments[:1] == ["--as"]:
         program, arguments = arguments[1], arguments[2:]
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    raise_when_ended()
     client = None
     try:
         client = SimulatorClient(live_folder())
-        rclpy.init(args=[program, *arguments])
+        rclpy.init(args=[program, *arguments], signal_handler_options=SignalHandlerOptions.NO)
         words = rclpy.utilities.remove_ros_args([program, *arguments])[1:]
         return (_spawn_entity if program == CLASSIC else _create)(words, client)
     except SimulatorError as error:
@@ -54,6 +55,7 @@ def main() -> int:
     except KeyboardInterrupt:
         return 130
     finally:
+        ignore_ends()
         if client is not None:
             client.close()
         rclpy.try_shutdown()

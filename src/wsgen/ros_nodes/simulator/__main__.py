@@ -6,13 +6,13 @@ import contextlib
 import importlib
 import json
 import os
-import signal
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wsgen.errors import EXIT_BUG
 from wsgen.isolation.codec import decode
+from wsgen.ros_nodes.signals import ignore_ends, raise_when_ended
 from wsgen.ros_nodes.simulator.commands import CommandServer
 from wsgen.ros_nodes.simulator.filming import Filming
 from wsgen.ros_nodes.simulator.host import Due
@@ -38,10 +38,6 @@ ENGINES = {
 }
 
 
-class Ended(Exception):  # noqa: N818  it is no error
-    """A signal asked for the end."""
-
-
 def main() -> int:
     """Simulate until somebody ends it; gives the exit code."""
     folder = os.environ.get(FOLDER_VARIABLE)
@@ -51,11 +47,10 @@ def main() -> int:
             "Start it with `wsgen launch PACKAGE FILE --run`.\n"
         )
         return 2
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, _end)
+    raise_when_ended()
     try:
         simulate(Path(folder), sys.argv[1:])
-    except Ended:
+    except KeyboardInterrupt:
         return 0
     except Exception as error:
         if os.environ.get(TRACEBACK):
@@ -67,10 +62,6 @@ def main() -> int:
         )
         return EXIT_BUG
     return 0
-
-
-def _end(_number: int, _frame: object) -> None:
-    raise Ended
 
 
 def simulate(folder: Path, arguments: list[str]) -> None:
@@ -86,6 +77,7 @@ def simulate(folder: Path, arguments: list[str]) -> None:
     try:
         run(simulation, server, ros)
     finally:
+        ignore_ends()
         server.close()
         simulation.close()
         ros.close()
