@@ -45,6 +45,8 @@ COMMANDS = {
     "validate": "Simulate the robots that launch files spawn.",
     "sweep": "Simulate many variants of a robot, and write a table.",
     "launch": "Show what a launch file would start, without ROS and without starting it.",
+    "topic": "Look at the topics of a live run, as ros2 topic does, and publish on them.",
+    "node": "Look at the nodes of a live run, as ros2 node does.",
     "view": "Show a robot in the browser, with a slider for each joint.",
     "rule": "List all rules, or show the documentation of one.",
     "doctor": "Show what this machine has and lacks for a target, and the commands that fix it.",

@@ -1,0 +1,132 @@
+"""What `wsgen topic` and `wsgen node` share: their options, and the process behind them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+    from pathlib import Path
+    from typing import NoReturn
+
+Function = Callable[..., Any]
+
+SPIN_SECONDS = 0.5  # ros2cli's, to find other nodes
+
+
+class ExampleGroup(click.Group):
+    """A group whose help ends with examples."""
+
+    def __init__(self, *arguments: Any, examples: Sequence[str], **options: Any) -> None:
+        super().__init__(*arguments, **options)
+        self.examples = examples  # whole command lines
+
+    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write them unwrapped."""
+        super().format_epilog(ctx, formatter)
+        with formatter.section("Examples"):
+            for example in self.examples:
+                formatter.write(f"{'':{formatter.current_indent}}{example}\n")
+
+
+GRAPH_OPTIONS: tuple[Callable[[Function], Function], ...] = (
+    click.option(
+        "--spin-time",
+        type=click.FloatRange(0),
+        default=SPIN_SECONDS,
+        show_default=True,
+        metavar="SECONDS",
+        help="Time to wait for discovery.",
+    ),
+    click.option(
+        "-s", "--use-sim-time", is_flag=True, help="Take the time of /clock (simulated time)."
+    ),
+    # There is no daemon here; scripts that refuse it go on.
+    click.option("--no-daemon", is_flag=True, hidden=True, expose_value=False),
+)
+
+
+def graph_options(function: Function) -> Function:
+    """The options that ros2cli's verbs share."""
+    for option in reversed(GRAPH_OPTIONS):
+        function = option(function)
+    return function
+
+
+def start_tool(
+    ctx: click.Context,
+    verb: str,
+    *,
+    spin_time: float,
+    use_sim_time: bool,
+    message_type: str | None = None,
+    node_name: str | None = None,
+    **options: Any,
+) -> NoReturn:
+    """Become the process that answers: what it prints is the result, and signals reach it."""
+    import json
+    import os
+    import sys
+    from pathlib import Path
+
+    from wsgen.cli.progress import listening
+    from wsgen.ros_environment import open_ros
+
+    environment = _environment((ctx.parent or ctx).params.get("workspace"))
+    package = (message_type or "").partition("/")[0]
+    with listening(quiet=False, verbose=False, is_short=True) as listener:
+        ros = open_ros(
+            environment,
+            messages=[package] if package else [],
+            listener=listener or (lambda _event: None),
+        )
+    variables = {**environment, **ros.variables}
+    if not ros.is_sourced:
+        shim = Path(__file__).parents[1] / "ros_shim"
+        path = variables.get("PYTHONPATH", "").split(os.pathsep)
+        variables["PYTHONPATH"] = os.pathsep.join([*filter(None, path), str(shim)])
+        # As the nodes of a live run: Fast DDS would leave queues in shared memory.
+        variables.setdefault("FASTDDS_BUILTIN_TRANSPORTS", "UDPv4")
+    if verb in TAKE_TYPE:
+        options["message_type"] = message_type
+    request = {
+        "verb": verb,
+        "seconds": spin_time,
+        "use_sim_time": use_sim_time,
+        "node_name": node_name,
+        "built": [],
+        "options": options,
+    }
+    command = [str(ros.python), "-m", "wsgen.ros_nodes.graph_tool", json.dumps(request)]
+    sys.stdout.flush()
+    os.execve(command[0], command, variables)  # noqa: S606  no shell is wanted
+
+
+TAKE_TYPE = ("topic echo", "topic pub")
+
+
+def _environment(workspace: str | None) -> Mapping[str, str]:
+    """The variables with the overlay of the workspace, whose messages are wanted."""
+    import os
+    from pathlib import Path
+
+    from wsgen.workspace.layout import find_workspace, open_workspace
+    from wsgen.workspace.overlay import SETUPS, source_overlay
+
+    found = open_workspace(workspace) if workspace else find_workspace(Path.cwd())
+    if found is None or not any((found.install / one).is_file() for one in SETUPS.values()):
+        return dict(os.environ)
+    if _is_sourced(found.install, os.environ):
+        return dict(os.environ)
+    return source_overlay(found, os.environ).environment
+
+
+def _is_sourced(install: Path, environment: Mapping[str, str]) -> bool:
+    """Whether the workspace is on the paths already: sourcing it again costs 0.3 s."""
+    import os
+
+    prefixes = environment.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
+    return any(prefix.startswith(str(install)) for prefix in prefixes)

@@ -1,0 +1,93 @@
+"""The process behind `wsgen topic` and `wsgen node`.
+
+Words and output are those of ros2cli (ros2/ros2cli: ros2topic, ros2node). It takes one argument, a
+request as JSON: the verb, its options by name, and how long to wait for other nodes.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from typing import TYPE_CHECKING, Any
+
+import rclpy
+from rclpy.executors import ExternalShutdownException
+
+from wsgen.ros_environment import open_ros
+from wsgen.ros_environment.interfaces import buildable
+from wsgen.ros_nodes import node_verbs, topic_verbs
+from wsgen.ros_nodes.graph import MissingMessages, Refusal, discover
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+VERBS: dict[str, Callable[..., None]] = {
+    "topic list": topic_verbs.list_topics,
+    "topic type": topic_verbs.show_type,
+    "topic info": topic_verbs.show_info,
+    "topic echo": topic_verbs.echo,
+    "topic hz": topic_verbs.measure,
+    "topic pub": topic_verbs.publish,
+    "node list": node_verbs.list_nodes,
+    "node info": node_verbs.show_info,
+}
+INTERRUPTED = 130
+CLOSED = 141  # nobody reads what is printed
+
+
+def main(arguments: list[str]) -> int:
+    """Answer the request; returns the exit code."""
+    request = json.loads(arguments[1])
+    rclpy.init(args=[])
+    node = rclpy.create_node(
+        request["node_name"] or f"_ros2cli_{os.getpid()}",
+        start_parameter_services=False,
+        parameter_overrides=[rclpy.Parameter("use_sim_time", value=request["use_sim_time"])],
+    )
+    try:
+        return _answer(node, request)
+    except MissingMessages as missing:
+        if missing.package in buildable() and missing.package not in request["built"]:
+            node.destroy_node()
+            rclpy.try_shutdown()
+            _start_with(missing.package, request)
+        print(missing, file=sys.stderr)
+        return 1
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown()
+
+
+def _answer(node: Any, request: dict[str, Any]) -> int:
+    options = request["options"]
+    try:
+        discover(
+            node, request["seconds"], topic=options.get("topic"), node_name=options.get("name")
+        )
+        VERBS[request["verb"]](node, **options)
+    except MissingMessages:
+        raise
+    except Refusal as refusal:
+        print(refusal, file=sys.stderr)
+        return 1
+    except (KeyboardInterrupt, ExternalShutdownException):
+        return INTERRUPTED
+    except BrokenPipeError:
+        # Python would complain about it once more when it ends.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return CLOSED
+    return 0 if rclpy.ok() else INTERRUPTED
+
+
+def _start_with(package: str, request: dict[str, Any]) -> None:
+    """Begin anew with messages that PyPI lacks, which are built once."""
+    print(f"Messages of {package} are built, once.", file=sys.stderr, flush=True)
+    ros = open_ros(os.environ, messages=(package,), listener=lambda _event: None)
+    again = {**request, "built": [*request["built"], package]}
+    command = [sys.executable, "-m", __spec__.name, json.dumps(again)]
+    os.execve(command[0], command, {**os.environ, **ros.variables})  # noqa: S606  as it was started
+
+
+if __name__ == "__main__":
+    raise SystemExit(main(sys.argv))
