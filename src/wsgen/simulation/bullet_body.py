@@ -291,6 +291,8 @@ class BulletBody:
         self._efforts: dict[int, float] = {}  # N m or N, by index, of joints without a motor
         self._torques: dict[int, float] = {}  # those that no damper takes into account
         self._motors: set[int] = set()  # indices of joints
+        names = {joint.name for joint in self.tree.joints}
+        self._without_damping = {joint.name: joint for joint in undamped(self.tree.joints, names)}
         self._root_from_base = invert(_pose(*self._dynamics[ROOT][3:5]))
         self._set_properties()
         self._springs = [
@@ -354,7 +356,7 @@ class BulletBody:
             if joint.name in motors:
                 index = self.movable[joint.name]
                 is_stiff = index in self._dampers.indices
-                rest = joint if is_stiff else replace(joint, damping=0.0)
+                rest = joint if is_stiff else self._without_damping[joint.name]
                 set_motor(self._client, self.number, index, rest, motors[joint.name])
         driven = {self.movable[name] for name in motors if name in self.movable}
         self.dampers = self.dampers.without(driven)

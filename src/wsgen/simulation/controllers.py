@@ -131,9 +131,19 @@ def _towards(joint: Joint, positions: Mapping[str, float], target: float) -> Mot
 
 def limited_motor(joint: Joint, speed: float) -> Motor:
     """A motor that keeps to the joint's limits; below 0 they are none."""
-    limit = joint.limit
-    fastest, effort = (
-        math.inf if bound is None or bound < 0 else bound
-        for bound in ((limit.velocity, limit.effort) if limit is not None else (None, None))
-    )
+    fastest, effort = bounds_of(joint)
     return Motor(min(fastest, max(-fastest, speed)), effort)
+
+
+def bounds_of(joint: Joint) -> tuple[float, float]:
+    """The fastest that a motor turns or slides a joint, and its greatest effort; may be infinite.
+
+    rad/s or m/s; N m or N.
+    """
+    limit = joint.limit
+    if limit is None:
+        return math.inf, math.inf
+    return (
+        math.inf if limit.velocity < 0 else limit.velocity,
+        math.inf if limit.effort < 0 else limit.effort,
+    )

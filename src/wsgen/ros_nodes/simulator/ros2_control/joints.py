@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from wsgen.model.robot import JointType
 from wsgen.ros_nodes.simulator.ros2_control.hardware import EFFORT, POSITION, VELOCITY, Pid
-from wsgen.simulation.controllers import HELD, limited_motor
+from wsgen.simulation.controllers import HELD, bounds_of
 from wsgen.simulation.engine import Motor
 
 if TYPE_CHECKING:
@@ -96,6 +96,19 @@ class JointSystem:
         }
         self._model: dict[str, Joint] = {joint.name: joint for joint in body.robot.joints}
         self._modes: dict[str, set[str]] = {name: set() for name in self._joints}
+        self._mode_of: dict[str, str | None] = dict.fromkeys(self._joints)  # the one that counts
+        self._bounds = {
+            name: (math.inf, math.inf)
+            if settings.simulator == "classic"
+            else bounds_of(self._model[name])
+            for name in self._joints
+        }
+        self._ends = {
+            name: (joint.limit.lower, joint.limit.upper)
+            if joint.limit is not None and joint.type in HELD
+            else (-math.inf, math.inf)
+            for name, joint in self._model.items()
+        }
         self._now: dict[str, tuple[str, Motor | None]] = {}  # what each joint has been told
         self._pids = {
             (name, kind): Pid(gains)
@@ -147,6 +160,7 @@ class JointSystem:
                 joint, _, kind = name.rpartition("/")
                 if joint in self._modes:
                     change(self._modes[joint], kind)
+        self._mode_of = {name: self._mode(joint) for name, joint in self._joints.items()}
         for key, pid in self._pids.items():
             if key[1] not in self._modes[key[0]]:
                 pid.reset()
@@ -198,10 +212,8 @@ class JointSystem:
             target = at * follows.multiplier + follows.offset
         else:
             target = self._interfaces.commands[f"{name}/{POSITION}"]
-        joint = self._model[name]
-        if joint.limit is not None and joint.type in HELD:
-            target = min(joint.limit.upper, max(joint.limit.lower, target))
-        return target
+        lower, upper = self._ends[name]
+        return min(upper, max(lower, target))
 
     def _told(
         self, joint: ControlledJoint, positions: Mapping[str, float], seconds: float
@@ -209,7 +221,7 @@ class JointSystem:
         """What a joint has until the next update: a motor, or an effort that comes later."""
         if joint.follows is not None and joint.follows.joint in positions:
             return self._position(joint, positions, seconds, share=1.0)
-        mode = self._mode(joint)
+        mode = self._mode_of[joint.name]
         if mode == POSITION:
             share = 1.0 if self._settings.simulator == "classic" else self._settings.gain
             return self._position(joint, positions, seconds, share=share)
@@ -251,9 +263,8 @@ class JointSystem:
         return "position", self._motor(joint.name, speed)
 
     def _motor(self, name: str, speed: float) -> Motor:
-        if self._settings.simulator == "classic":
-            return Motor(speed, math.inf)
-        return limited_motor(self._model[name], speed)
+        fastest, effort = self._bounds[name]
+        return Motor(min(fastest, max(-fastest, speed)), effort)
 
     def _command(self, name: str, kind: str) -> float:
         value = self._interfaces.commands[f"{name}/{kind}"]
