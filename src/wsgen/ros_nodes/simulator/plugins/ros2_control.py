@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from wsgen.ros_nodes.simulator.elements import boolean, number
 from wsgen.ros_nodes.simulator.host import CannotWorkError, Plugin
 from wsgen.ros_nodes.simulator.ros2_control.hardware import Interfaces, read_hardware
+from wsgen.ros_nodes.simulator.ros2_control.imu_hardware import imus_of
 from wsgen.ros_nodes.simulator.ros2_control.joints import JointSystem, Settings
 from wsgen.ros_nodes.simulator.ros2_control.manager import ControllerManager, is_former
 
@@ -59,6 +60,7 @@ class Ros2Control(Plugin):
         robot.ends.append(self._manager.close)
         self._period = self.period = max(host.step_seconds, 1.0 / self._manager.rate)
         interfaces = Interfaces(hardware.components)
+        self._imus = imus_of(host, robot, hardware.components, interfaces)
         self._system = JointSystem(
             robot,
             hardware.components,
@@ -74,18 +76,21 @@ class Ros2Control(Plugin):
         self._manager.begin(
             hardware.components, interfaces, self._system, robot.robot.movable_joints
         )
-        self._last = host.now
 
     def update(self) -> None:
         """Read the joints, update the controllers, command the joints."""
         now = self._host.now
         self._system.read()
+        for imu in self._imus:
+            imu.update()
         self._manager.update(now)
         self._system.write(self._period)
 
     def reset(self) -> None:
         """Begin again."""
         self._manager.reset()
+        for imu in self._imus:
+            imu.reset()
         self._system.begin()
 
 

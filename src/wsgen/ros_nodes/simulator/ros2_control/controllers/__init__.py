@@ -21,6 +21,10 @@ TYPES: dict[str, tuple[str, str]] = {
         "forward_command",
         "MultiInterfaceController",
     ),
+    "imu_sensor_broadcaster/IMUSensorBroadcaster": (
+        "imu_sensor_broadcaster",
+        "ImuSensorBroadcaster",
+    ),
     "joint_state_broadcaster/JointStateBroadcaster": (
         "joint_state_broadcaster",
         "JointStateBroadcaster",
