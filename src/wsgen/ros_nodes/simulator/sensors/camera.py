@@ -196,9 +196,9 @@ class Camera(Sensor):
                 if publisher.is_wanted:
                     publisher.publish(self._info(eye))
             if eye.is_wanted:
-                begun = time.perf_counter()
+                begun = time.thread_time()
                 self._take(eye)
-                self.keep_pace(time.perf_counter() - begun, "Make <image> smaller.")
+                self.keep_pace(time.thread_time() - begun, "Make <image> smaller.")
 
     def _take(self, eye: Eye) -> None:
         view = self.host.view()

@@ -32,7 +32,8 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 NEVER = math.inf  # s
-SHARE = 0.5  # of wall-clock time, that all sensors together take
+SHARE = 0.5  # of the time, that all sensors together take
+CHEAP = 0.05  # of the time: what takes no more keeps its rate
 MEMORY = 10  # measurements, of whose times the mean is known
 TELL_AFTER = 5  # measurements
 ENOUGH = 1.2  # times the period of the description: what is not longer is not told
@@ -50,7 +51,7 @@ OF_ROS_1 = {
     "gazebo_ros_multicamera": "libgazebo_ros_camera.so",
 }
 
-# By simulator and sensor: how many seconds of wall-clock time a simulated one takes of it.
+# By simulator and sensor: how many seconds of CPU time it takes in a simulated one.
 _loads: WeakKeyDictionary[Host, WeakKeyDictionary[Sensor, float]] = WeakKeyDictionary()
 
 
@@ -66,7 +67,8 @@ class Sensor(Plugin):
         self.rated_period = 1.0 / rate if rate > 0 else max(FASTEST_PERIOD, host.step_seconds)
         self.period = self.rated_period
         self._measured = 0
-        self._seconds = 0.0  # of wall-clock time, that a measurement takes
+        self._seconds = 0.0  # of CPU time, that a measurement takes
+        self._has_told = False
         # The same noise in every run.
         self.seed = zlib.crc32(f"{robot.entity}/{sensor.link}/{sensor.name}".encode())
 
@@ -87,11 +89,11 @@ class Sensor(Plugin):
         return np.array(linear), np.array(angular)
 
     def keep_pace(self, seconds: float, advice: str) -> None:
-        """Measure as often as the time allows, where a measurement has taken so long (s).
+        """Measure as often as the time allows, where a measurement has taken so long (s, of CPU).
 
         At a rate of simulation that is not `max`, all sensors together take no more than a share of
-        the time; what one gives less of is said once, with an advice. The first measurement, for
-        which things are loaded, does not count.
+        the time, if they are not cheap; what one gives less of is said once, with an advice. The
+        first measurement, for which things are loaded, does not count.
         """
         self._measured += 1
         if self._measured == 1:
@@ -101,10 +103,14 @@ class Sensor(Plugin):
         loads[self] = self._seconds / self.rated_period
         if self.host.rate is None:
             return
-        # Of a second of wall-clock time, what all take if they measure as often as they should.
+        # Of a second, what all take if they measure as often as they should.
         taken = sum(loads.values()) * self.host.rate
-        period = self.period = self.rated_period * max(1.0, taken / SHARE)
-        if self._measured > TELL_AFTER and period > ENOUGH * self.rated_period:
+        is_cheap = loads[self] * self.host.rate < CHEAP
+        period = self.rated_period * (1.0 if is_cheap else max(1.0, taken / SHARE))
+        self.period = period
+        is_late = self._measured > TELL_AFTER and period > ENOUGH * self.rated_period
+        if is_late and not self._has_told:
+            self._has_told = True
             self.host.warn(
                 f"`{self.robot.entity}`: the {self.sensor.kind} sensor `{self.sensor.name}` "
                 f"measures less often than {1 / self.rated_period:g} times a second: on this "
