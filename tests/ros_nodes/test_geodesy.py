@@ -51,4 +51,5 @@ def test_gazebo_classic_needs_half_a_turn() -> None:
 
 def test_pressure_falls_with_altitude() -> None:
     assert pressure_at(0.0) == pytest.approx(101325.0)
+    assert pressure_at(60_000.0) == 0.0
     assert pressure_at(1000.0) == pytest.approx(89876.0, rel=1e-4)  # the standard atmosphere's

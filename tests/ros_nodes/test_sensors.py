@@ -462,3 +462,23 @@ def test_a_slow_machine_measures_less_often(monkeypatch: pytest.MonkeyPatch) -> 
         (warning,) = ros.warnings
         assert "less often than 10 times a second" in warning
         assert "200 ms" in warning
+
+
+def test_sensors_of_what_has_exploded_say_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    camera = f'<sensor name="eye" type="rgbd_camera"><topic>c</topic>{CAMERA}</sensor>'
+    lidar = '<sensor name="l" type="gpu_lidar"><topic>scan</topic>' + RAY.format("lidar", 3)
+    sensors = (camera, f"{lidar}</sensor>", IMU.format("<topic>imu</topic>"))
+    for simulation, ros in simulated(*map(mounted, sensors), simulator="gz"):
+        bridge_all(simulation, ros)
+        simulation.advance(0.01)
+        topics = ("/c/image", "/scan", "/imu")
+        before = [len(ros.published(topic)) for topic in topics]
+        there = simulation.engine.link_poses
+
+        def link_poses(entity: str, there: Any = there) -> dict[str, Pose]:
+            nowhere = {"base": Pose((math.nan, 0.0, 0.0))}
+            return nowhere if entity == "rover" else there(entity)
+
+        monkeypatch.setattr(simulation.engine, "link_poses", link_poses)
+        simulation.advance(0.25)
+        assert [len(ros.published(topic)) for topic in topics] == before

@@ -17,5 +17,6 @@ def pressure_at(altitude: float) -> float:
     """The pressure at an altitude (m), Pa."""
     height = EARTH * altitude / (EARTH + altitude)
     temperature = SEA_TEMPERATURE - LAPSE * height
-    share: float = (temperature / SEA_TEMPERATURE) ** (PULL / (LAPSE * GAS_CONSTANT))
+    # Where the formula has no air any more, it has no pressure.
+    share: float = (max(temperature, 0.0) / SEA_TEMPERATURE) ** (PULL / (LAPSE * GAS_CONSTANT))
     return SEA_PRESSURE * share

@@ -195,7 +195,7 @@ class Camera(Sensor):
             for publisher in eye.infos:
                 if publisher.is_wanted:
                     publisher.publish(self._info(eye))
-            if eye.is_wanted:
+            if eye.is_wanted and self.pose().is_finite:  # if not, the robot has exploded
                 begun = time.thread_time()
                 self._take(eye)
                 self.keep_pace(time.thread_time() - begun, "Make <image> smaller.")

@@ -77,7 +77,8 @@ class Imu(Sensor):
 
     def update(self) -> None:
         """Measure, if somebody wants it."""
-        if not any(publisher.is_wanted for publisher, _ in self.outputs):
+        is_wanted = any(publisher.is_wanted for publisher, _ in self.outputs)
+        if not is_wanted or not self.pose().is_finite:  # the robot has exploded
             self.unit.forget()
             return
         measured = self.unit.measure(self.pose(), *self.velocity(), self.host.now)

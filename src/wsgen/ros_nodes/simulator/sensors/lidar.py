@@ -111,7 +111,7 @@ class Lidar(Sensor):
     def update(self) -> None:
         """Scan, if somebody wants it."""
         wanted = [output for output in self.outputs if output.publisher.is_wanted]
-        if not wanted:
+        if not wanted or not self.pose().is_finite:  # the robot has exploded
             return
         begun = time.thread_time()
         ranges = self.scanner.measure(self.pose(), self.robot.cast_rays)
