@@ -83,6 +83,17 @@ def test_rays_see_turned_shapes_where_they_are_now(new_engine: NewEngine) -> Non
         assert range_along(engine, *ray) == pytest.approx(4.5, abs=2e-3)
 
 
+def test_rays_see_what_is_there_instead(new_engine: NewEngine) -> None:
+    cube = single(body(Box(size=(1.0, 1.0, 1.0))))
+    with spawned(new_engine, cube, Pose((3.0, 0.0, 1.0))) as engine:
+        ray = (0.0, 0.0, 1.0), (10.0, 0.0, 1.0)
+        assert range_along(engine, *ray) == pytest.approx(2.5, abs=2e-3)
+        engine.remove("e")
+        assert range_along(engine, *ray) == math.inf
+        engine.spawn(SpawnedRobot(entity="f", robot=cube, pose_in_world=Pose((5.0, 0.0, 1.0))))
+        assert range_along(engine, *ray) == pytest.approx(4.5, abs=2e-3)
+
+
 def test_many_rays_see_ground_and_walls(new_engine: NewEngine, tmp_path: Path) -> None:
     """A robot in a room: one wall is a box, one a mesh of triangles, and below is the ground."""
     mesh = replace(cube_mesh(tmp_path), scale=(0.1, 2.0, 2.0))

@@ -342,7 +342,6 @@ class DartEngine:
         self._has_stepped = False  # since something was placed
         self._ground: Any = None  # the frame of its shape
         self._rays_group: Any = None  # all shapes, for rays
-        self._shapes_in_rays = 0
         self._world = simulation.World()
         self._world.setTimeStep(world.step)
         self._world.setGravity(world.gravity)
@@ -374,6 +373,7 @@ class DartEngine:
         if body.unread:
             return Refused(f"it cannot read the mesh {body.unread[0]}")
         self._world.addSkeleton(body.skeleton)
+        self._rays_group = None
         self._keep_apart(body)
         self._robots[robot.entity] = body
         if len(self._robots) > 1 or body.skeleton.isEnabledSelfCollisionCheck():
@@ -399,6 +399,7 @@ class DartEngine:
     def remove(self, entity: str) -> None:
         """Take a robot out of the world; its name may be used again."""
         self._world.removeSkeleton(self._robots.pop(entity).skeleton)
+        self._rays_group = None
         self._driven.pop(entity, None)
         self._pushes = {place: one for place, one in self._pushes.items() if place[0] != entity}
 
@@ -507,17 +508,15 @@ class DartEngine:
 
         The shape that a ray begins in it does not see.
         """
-        group, shapes = self._rays_group, sum(len(body.shapes) for body in self._robots.values())
-        if group is None or shapes != self._shapes_in_rays:
+        group = self._rays_group
+        # Asked for also where they are known: that puts what level ground need not touch in place.
+        shapes = [frame for body in self._robots.values() for _, frame in body.shapes]
+        if group is None:
             # ODE's detector, which the world has, casts none.
             detector = dartpy.collision.BulletCollisionDetector()
             group = self._rays_group = detector.createCollisionGroup()
-            for body in self._robots.values():
-                for _, frame in body.shapes:
-                    group.addShapeFrame(frame)
-            if self._ground is not None:
-                group.addShapeFrame(self._ground)
-            self._shapes_in_rays = shapes
+            for frame in (*shapes, *([] if self._ground is None else [self._ground])):
+                group.addShapeFrame(frame)
         option, result = dartpy.collision.RaycastOption(), dartpy.collision.RaycastResult()
         fractions = []
         for start, end in zip(starts, ends, strict=True):
