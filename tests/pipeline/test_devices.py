@@ -8,7 +8,13 @@ import pytest
 
 from wsgen.isolation import parent
 from wsgen.model.world import Spawn
-from wsgen.pipeline.prepare import PrepareContext, prepare_models, prepare_robot, read_spawned
+from wsgen.pipeline.prepare import (
+    PrepareContext,
+    prepare_models,
+    prepare_robot,
+    read_file,
+    read_spawned,
+)
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -46,6 +52,22 @@ def test_a_model_of_sdf_has_no_urdf(tmp_path: Path) -> None:
     assert robot.devices is not None
     assert [sensor.link for sensor in robot.devices.sensors] == ["base"]
     assert robot.description is None
+
+
+def test_a_world_may_include_a_urdf(tmp_path: Path) -> None:
+    bot = tmp_path / "models" / "bot"
+    bot.mkdir(parents=True)
+    (bot / "model.config").write_text("<model><name>bot</name><sdf>bot.urdf</sdf></model>")
+    (bot / "bot.urdf").write_text(URDF)
+    world = tmp_path / "w.sdf"
+    world.write_text(
+        '<sdf version="1.9"><world name="w"><include><uri>model://bot</uri></include></world></sdf>'
+    )
+    live = context(tmp_path, with_devices=True)
+    found = read_file(world, live, {"GZ_SIM_RESOURCE_PATH": str(tmp_path / "models")})
+    (robot,), _ = prepare_models(found, live)
+    assert robot.devices is not None
+    assert [sensor.name for sensor in robot.devices.sensors] == ["imu"]
 
 
 def test_a_validation_reads_none(tmp_path: Path) -> None:

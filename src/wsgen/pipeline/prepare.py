@@ -472,6 +472,8 @@ def prepare_models(
         return [], (_too_many(len(models), found),)
     robots, more = _completed(models, context)
     can_run = is_static_model or not has_errors((*found.diagnostics, *more))
+    if context.with_devices:
+        models = [_with_included_devices(model) for model in models]
     return [
         PreparedRobot(
             entity=model.name,
@@ -490,6 +492,20 @@ def prepare_models(
         for model, robot in zip(models, robots, strict=True)
         if (written := model.robot) is not None
     ], more
+
+
+def _with_included_devices(model: SdfModel) -> SdfModel:
+    """The model with its devices, also where it is a URDF that a world includes."""
+    if model.devices is not None or model.file is None:
+        return model
+    from wsgen.urdf.devices import read_devices  # noqa: PLC0415  live runs alone
+
+    text = model.file.read_bytes()
+    written, _ = read_urdf(text, file=model.file)
+    if written is None:
+        return model
+    lumped, _ = lump(written, file=model.file)
+    return model._replace(devices=read_devices(text, written, lumped))
 
 
 def _about(
