@@ -1,12 +1,12 @@
 """A ROS that the user sourced, and ROS's variables."""
 
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
 
 from wsgen.errors import NotFoundError
-from wsgen.ros_environment import environment as module
 from wsgen.ros_environment import open_ros
 from wsgen.ros_environment.environment import variables_of
 from wsgen.ros_environment.private import MARKER, why_not
@@ -101,8 +101,10 @@ def test_nothing_is_downloaded_without_the_extra(
 ) -> None:
     if why_not() is not None:
         pytest.skip("PyPI has no ROS for this machine, which is told first")
-    real = module.find_spec
-    monkeypatch.setattr(module, "find_spec", lambda name: None if name == "mcap" else real(name))
+    monkeypatch.setattr(
+        "wsgen.ros_environment.environment.find_spec",
+        lambda name: None if name == "mcap" else find_spec(name),
+    )
     with pytest.raises(NotFoundError) as caught:
         open_ros({"XDG_CACHE_HOME": str(tmp_path)}, listener=lambda _: None)
     assert "pip install 'wsgen[ros]'" in caught.value.hint

@@ -105,7 +105,7 @@ def test_pip_may_be_missing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
 
 def test_pip_without_a_connection() -> None:
     lines = [
-        "WARNING: Retrying after connection broken by 'NewConnectionError(...)': /simple/ros-rclpy/",
+        "WARNING: Retrying after connection broken by 'NewConnectionError(...)': /simple/x/",
         "ERROR: Could not find a version that satisfies the requirement ros-rclpy==9.1.2",
     ]
     events: list[Event] = []
