@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, NoReturn
 from wsgen.isolation.parent_death import end_with_parent
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator
+    from collections.abc import Callable, Collection, Iterator
 
 
 PR_SET_CHILD_SUBREAPER = 36  # linux/prctl.h
@@ -41,12 +41,14 @@ def adopt_orphans() -> None:
     ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
 
 
-def stand_guard(parent_death_pipe: int, cpu_seconds: float) -> None:
+def stand_guard(
+    parent_death_pipe: int, cpu_seconds: float, at_end: Callable[[], None] | None = None
+) -> None:
     """Fork; return in the child, the leader of a session, and guard it in this process.
 
     When the child ends, the guard ends all processes that the child started, then itself with the
     same status. It also ends them when its parent ends or sends SIGTERM, and, with SIGXCPU, when
-    they exceed the CPU time.
+    they exceed the CPU time. `at_end` is called in the guard when all have ended.
     """
     signal.signal(signal.SIGCHLD, signal.SIG_DFL)
     signal.pthread_sigmask(signal.SIG_BLOCK, WATCHED)
@@ -55,7 +57,11 @@ def stand_guard(parent_death_pipe: int, cpu_seconds: float) -> None:
     own_parent_death_pipe, own_end = os.pipe()
     pid = os.fork()
     if pid != 0:
-        _end_like(_watch(pid, cpu_seconds))
+        code = _watch(pid, cpu_seconds)
+        if at_end is not None:
+            with suppress(Exception):  # the status of the child is more important
+                at_end()
+        _end_like(code)
     os.setsid()
     os.close(own_end)
     os.close(parent_death_pipe)

@@ -240,18 +240,11 @@ def _environment(overlay: Mapping[str, str]) -> dict[str, str]:
     }
 
 
-# Fast DDS keeps queues in shared memory, which stay there when a process is killed.
-NO_SHARED_MEMORY = {"FASTDDS_BUILTIN_TRANSPORTS": "UDPv4"}
-
-
 def _with_shim(ros: RosEnvironment, environment: Mapping[str, str]) -> dict[str, str]:
     """What processes have in their environment beside what the launch has."""
     variables = dict(ros.variables)
     if ros.is_sourced:
         return variables
-    for name, value in NO_SHARED_MEMORY.items():
-        if name not in environment:
-            variables.setdefault(name, value)
     import wsgen  # noqa: PLC0415  for its folder
 
     shim = Path(wsgen.__file__).with_name("ros_shim")

@@ -18,6 +18,7 @@ from wsgen.isolation.codec import encode
 from wsgen.isolation.guard import adopt_orphans, kill_children
 from wsgen.isolation.parent_death import open_parent_death_pipe
 from wsgen.live.request import GO, INTERRUPT, REQUEST_FILE, TERMINATE
+from wsgen.live.shared_memory import remove_left_behind
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
@@ -97,6 +98,7 @@ def start_service(folder: Path, environment: Mapping[str, str]) -> Iterator[Serv
     Raises:
         NotReadableError: The folder or the memory for it is missing.
     """
+    begun = time.time()
     adopt_orphans()  # what a guard that was killed leaves behind comes to this process
     ours, theirs = socket.socketpair()
     with open_parent_death_pipe() as pipe:
@@ -128,6 +130,7 @@ def start_service(folder: Path, environment: Mapping[str, str]) -> Iterator[Serv
             child.end()
             if guard.returncode < 0:  # somebody has killed it
                 _end_orphans()
+                remove_left_behind(begun)
 
 
 def _end_orphans() -> None:

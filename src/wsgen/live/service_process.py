@@ -15,6 +15,7 @@ import math
 import os
 import socket
 import sys
+import time
 from pathlib import Path
 
 from wsgen.errors import EXIT_FAILED, EXIT_PASSED, EXIT_SIGNALLED
@@ -22,14 +23,17 @@ from wsgen.isolation.codec import decode
 from wsgen.isolation.guard import stand_guard
 from wsgen.isolation.parent_death import take_parent_death_pipe
 from wsgen.live.request import GO, REQUEST_FILE, ServiceRequest
+from wsgen.live.shared_memory import remove_left_behind
 
 SIGTERM = 15
+CLOCK_TICK = 0.05  # s; the times of files are older than the clock by a tick of the kernel
 
 
 def main() -> int:
     """Play the launch of the request in the folder; gives the exit code."""
     folder, descriptor = Path(sys.argv[1]), int(sys.argv[2])
-    stand_guard(take_parent_death_pipe(), math.inf)
+    begun = time.time() - CLOCK_TICK
+    stand_guard(take_parent_death_pipe(), math.inf, lambda: remove_left_behind(begun))
     control = socket.socket(fileno=descriptor)
     _set_search_path(sys.argv[3].split(os.pathsep))
     for stream in (sys.stdout, sys.stderr):  # what the launch file prints
