@@ -36,7 +36,7 @@ from wsgen.live.programs import PLUGINS, LeftOut, Ours, find_stand
 from wsgen.live.request import INTERRUPT, TERMINATE
 from wsgen.live.screen import LogFiles, Screen, ScreenHandler, make_log_folder
 from wsgen.live.timeline import Happening, LiveTimeline
-from wsgen.simulation.live_scene import FOLDER_VARIABLE, socket_path
+from wsgen.simulation.live_scene import FOLDER_VARIABLE, SCENE_FILE, socket_path
 from wsgen.values import dataclass
 
 if TYPE_CHECKING:
@@ -678,8 +678,8 @@ class Service:
         self._request_shutdown("SIGTERM")
 
     def _simulated_now(self) -> float | None:
-        """The time of the simulation; that of the clock on the wall where none runs."""
-        if self._simulator is None:
+        """The time of the simulation; that of the clock on the wall where nothing is simulated."""
+        if not (self.request.folder / SCENE_FILE).exists():
             return time.monotonic()
         with (
             suppress(OSError, ValueError, TypeError, KeyError),
