@@ -1,7 +1,7 @@
 """Every exception that wsgen raises on purpose, and the exit code each one ends with.
 
 WsgenError                          base; never raised itself
-├── SessionDiedError            1   a physics engine died while it did what it was told
+├── SessionDiedError            1   a physics engine, or a live launch, died while it worked
 ├── RequestError                2   the request is wrong: name, option, template, target
 ├── WouldOverwriteError         3   something exists already; nothing was written
 ├── NotFoundError               4   a required tool or file is missing
@@ -49,7 +49,7 @@ class WsgenError(Exception):
 
 
 class SessionDiedError(WsgenError):
-    """A physics engine died while it did what it was told; the message names the step."""
+    """A physics engine, or a live launch, died while it did what it was told."""
 
     exit_code = EXIT_FAILED
 

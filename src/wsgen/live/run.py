@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import contextlib
 import os
+import signal
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import has_errors
+from wsgen.errors import SessionDiedError
 from wsgen.files import write_file
 from wsgen.isolation import parent
 from wsgen.isolation.codec import encode
@@ -78,6 +80,7 @@ def run_launch(  # noqa: PLR0913  what to run, and who hears of it
     Raises:
         NotFoundError: The engine is not installed.
         NotReadableError: A file cannot be written, or a process not be started.
+        SessionDiedError: A signal has ended the launch service.
     """
     with contextlib.ExitStack() as stack:
         folder = stack.enter_context(parent.make_scratch())
@@ -127,7 +130,13 @@ def run_launch(  # noqa: PLR0913  what to run, and who hears of it
             code = service.wait()
         if request.recordings.video is not None:
             finish(partial(draw_film, live_folder, request.recordings.video))
-    return code if code >= 0 else _tell_death(-code)
+    if code < 0:
+        raise SessionDiedError(
+            f"The launch service was ended by {signal.Signals(-code).name}.",
+            hint="All that it had started was ended, too. Look for what ends processes: memory "
+            "that runs out, or a kill of somebody.",
+        )
+    return code
 
 
 class _Answers:
@@ -155,10 +164,6 @@ def messages_of(selected: SelectedLaunchFile) -> frozenset[str]:
         for dependency in (package.manifest.dependencies if package.manifest else ())
         if dependency.name.endswith(MESSAGES)
     )
-
-
-def _tell_death(number: int) -> int:
-    return 128 + number
 
 
 def prepare(  # noqa: PLR0913  what to prepare, where, how
