@@ -146,6 +146,24 @@ def test_commands_that_no_engine_can_compute_with_are_named_and_ignored(number: 
     assert "NaN" in warning
 
 
+def test_a_motor_is_set_when_it_changes_alone() -> None:
+    simulation, ros = spawned(plugin("libgazebo_ros_diff_drive.so", CLASSIC))
+    calls: list[dict[str, Any]] = []
+    drive = simulation.engine.drive
+
+    def counted(entity: str, motors: dict[str, Any]) -> None:
+        calls.append(motors)
+        drive(entity, motors)
+
+    simulation.engine.drive = counted
+    ros.send("/cmd_vel", twist(0.5))
+    simulation.advance(0.5)
+    robot = simulation.host.robots["rover"]
+    robot.release(["left"])
+    simulation.advance(0.6)
+    assert [sorted(motors) for motors in calls] == [["left", "right"], ["left"]]
+
+
 def test_several_pairs_of_wheels() -> None:
     more = "<num_wheel_pairs>2</num_wheel_pairs><wheel_separation>0.4</wheel_separation>"
     content = f"{WHEELS}{WHEELS}{more}<wheel_diameter>0.2</wheel_diameter>"

@@ -68,6 +68,7 @@ class Host:
         self.engine = engine
         self._description = world
         self._told: set[str] = set()
+        self._stamp: tuple[float, Any] | None = None
         self.gz = GzTopics(ros, self.warn)
         self._own: Any = None
 
@@ -79,8 +80,10 @@ class Host:
         return self._own
 
     def stamp(self) -> Any:
-        """The simulated time as `builtin_interfaces/Time`."""
-        return self.ros.time(self.now)
+        """The simulated time as `builtin_interfaces/Time`, which nobody may change."""
+        if self._stamp is None or self._stamp[0] != self.now:
+            self._stamp = self.now, self.ros.time(self.now)
+        return self._stamp[1]
 
     def node(self, namespace: str = "", name: str | None = None, ros: Element | None = None) -> Any:
         """A node of a plugin.
@@ -209,6 +212,7 @@ class RobotHandle:
         self.ends: list[Callable[[], None]] = []
         self._host = host
         self._engine = host.engine
+        self._motors: dict[str, Motor] = {}  # that were put in and are there still
         self._moment = -1
         self._known: dict[str, Any] = {}
 
@@ -256,14 +260,23 @@ class RobotHandle:
 
     def drive(self, motors: Mapping[str, Motor]) -> None:
         """Put motors into joints: speeds that they keep, as far as they are strong enough."""
-        self._engine.drive(self.entity, {name: _sane(motor) for name, motor in motors.items()})
+        new = {
+            name: _sane(motor)
+            for name, motor in motors.items()
+            if self._motors.get(name) != motor  # setting one costs as much as a step
+        }
+        if new:
+            self._motors |= new
+            self._engine.drive(self.entity, new)
 
     def release(self, joints: Iterable[str]) -> None:
         """Take the motors out of these joints."""
-        self._engine.set_efforts(self.entity, dict.fromkeys(joints, 0.0))
+        self.set_efforts(dict.fromkeys(joints, 0.0))
 
     def set_efforts(self, efforts: Mapping[str, float]) -> None:
         """Have efforts (N m or N) act on joints, which lose their motors, until the next call."""
+        for name in efforts:
+            self._motors.pop(name, None)
         self._engine.set_efforts(self.entity, efforts)
 
     def set_joint_positions(self, positions: Mapping[str, float]) -> None:

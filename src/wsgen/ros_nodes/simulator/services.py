@@ -30,6 +30,7 @@ class ClockPublisher(Plugin):
 
     def __init__(self, host: Host) -> None:
         self._host = host
+        self._message = Clock()
         if host.simulator == "classic":
             node = host.own_node
             rate = host.ros.parameter(node, "publish_rate", PUBLISH_RATE)
@@ -46,14 +47,14 @@ class ClockPublisher(Plugin):
 
     def update(self) -> None:
         """Publish it."""
-        message = Clock(clock=self._host.stamp())
+        self._message.clock = self._host.stamp()
         for publisher in self._publishers:
-            publisher.publish(message)
+            publisher.publish(self._message)
 
 
 # Gazebo Sim publishes every step, 1 kHz, which costs every node in Python a tenth of a core. Timers
 # and stamps are as exact with this.
-GZ_PERIOD = 0.004  # s, simulated
+GZ_PERIOD = 0.005  # s, simulated
 
 
 def offer_services(simulation: LiveSimulation) -> None:

@@ -6,6 +6,8 @@ bridges that name it, and what arrives from ROS by a rule goes to the plugins th
 
 from __future__ import annotations
 
+import math
+import time
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from wsgen.ros_nodes.simulator.gz_messages import (
@@ -23,6 +25,7 @@ if TYPE_CHECKING:
 
     from wsgen.ros_nodes.simulator.ros import Ros
 
+COUNT_EVERY = 0.02  # s of wall-clock time
 DEPTH = 10  # of the queues of a bridge
 
 
@@ -44,11 +47,17 @@ class RosPublisher:
         """`keeps` is whether those who come later get the last messages, too."""
         self.ros = publisher
         self._keeps = keeps
+        self._counted = -math.inf  # s, when the subscriptions were counted
+        self._has_readers = False
 
     @property
     def is_wanted(self) -> bool:
         """Whether somebody has subscribed, or may yet for this message."""
-        return self._keeps or self.ros.get_subscription_count() > 0
+        now = time.monotonic()
+        if now > self._counted + COUNT_EVERY:  # it costs as much as a small message
+            self._counted = now
+            self._has_readers = self._keeps or self.ros.get_subscription_count() > 0
+        return self._has_readers
 
     def publish(self, message: Any) -> None:
         """Send it."""

@@ -90,4 +90,4 @@ class GzJointStates(_JointStates):
         )
 
 
-GZ_PERIOD = 0.004  # s, simulated
+GZ_PERIOD = 0.01  # s, simulated
