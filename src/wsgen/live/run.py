@@ -18,6 +18,7 @@ from wsgen.isolation.codec import encode
 from wsgen.launch import known_packages
 from wsgen.launch.evaluate import DISTRO_OF_LAUNCHES
 from wsgen.live.film import draw_film
+from wsgen.live.messages import messages_of, messages_of_plugins
 from wsgen.live.missing_programs import cannot_run
 from wsgen.live.recording import Recordings, recording_topics
 from wsgen.live.request import ServiceRequest
@@ -29,7 +30,6 @@ from wsgen.pipeline.validate import selected_package
 from wsgen.simulation.live_scene import SCENE_FILE, LiveScene
 from wsgen.simulation.scene import Scene
 from wsgen.values import dataclass
-from wsgen.workspace.layout import find_packages
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
@@ -91,7 +91,8 @@ def run_launch(  # noqa: PLR0913  what to run, and who hears of it
         request = replace(request, prepared_as=prepared_as)
         environment = _environment(selected.overlay.environment)
         service = stack.enter_context(start_service(live_folder, environment))
-        ros = open_ros(messages_of(selected))
+        messages = messages_of(selected)
+        ros = open_ros(messages)
         try:
             is_simulated = prepare(
                 selected,
@@ -104,6 +105,8 @@ def run_launch(  # noqa: PLR0913  what to run, and who hears of it
             )
         except BrokenRunError:
             return 1
+        if more := messages_of_plugins(live_folder) - messages:
+            ros = open_ros(messages | more)
         launch = LaunchRequest(
             launch_file=selected.file.absolute(),
             package=selected.package,
@@ -150,20 +153,6 @@ class _Answers:
         """Those that the user gives, who is asked where they are needed."""
         self.given = tuple(self._answers())
         return self.given
-
-
-MESSAGES = ("_msgs", "_interfaces", "_srvs")
-
-
-def messages_of(selected: SelectedLaunchFile) -> frozenset[str]:
-    """The packages of messages that the packages of the workspace depend on."""
-    workspace = selected.workspace
-    return frozenset(
-        dependency.name
-        for package in (find_packages(workspace) if workspace else ())
-        for dependency in (package.manifest.dependencies if package.manifest else ())
-        if dependency.name.endswith(MESSAGES)
-    )
 
 
 def prepare(  # noqa: PLR0913  what to prepare, where, how

@@ -240,6 +240,14 @@ def _parameter_files(arguments: Sequence[str]) -> list[str]:
 
 def main() -> int:
     """Spawn or unspawn controllers; gives the exit code."""
+    try:
+        import controller_manager_msgs  # noqa: F401, PLC0415  the services of the manager
+    except ModuleNotFoundError:
+        sys.stderr.write(
+            "The ROS package controller_manager_msgs is missing, which live runs of robots with "
+            "ros2_control have: no robot of this one has its plugin.\n"
+        )
+        return 1
     import rclpy  # noqa: PLC0415  after the arguments
     from rclpy.node import Node  # noqa: PLC0415
     from rclpy.signals import SignalHandlerOptions  # noqa: PLC0415
