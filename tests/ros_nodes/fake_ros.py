@@ -51,7 +51,22 @@ geometry_msgs/TransformStamped header:Header child_frame_id:s transform:Transfor
 nav_msgs/Odometry header:Header child_frame_id:s pose:PoseWithCovariance twist:TwistWithCovariance
 sensor_msgs/JointState header:Header name:l position:l velocity:l effort:l
 tf2_msgs/TFMessage transforms:l
+gazebo_msgs/EntityState name:s pose:Pose twist:Twist reference_frame:s
+gazebo_msgs/ModelStates name:l pose:l twist:l
+gazebo_msgs/LinkStates name:l pose:l twist:l
+gazebo_msgs/SpawnRequest name:s xml:s initial_pose:Pose
+gazebo_msgs/EntityRequest name:s reference_frame:s
+gazebo_msgs/StateRequest state:EntityState
+gazebo_msgs/Done success:b status_message:s
+gazebo_msgs/StateAnswer header:Header state:EntityState success:b
+gazebo_msgs/ListAnswer header:Header model_names:l success:b
 """
+_SERVICES = {
+    "std_srvs": ("Empty",),
+    "gazebo_msgs": (
+        *("DeleteEntity", "GetEntityState", "GetModelList", "SetEntityState", "SpawnEntity"),
+    ),
+}
 _PLAIN: dict[str, Callable[[], Any]] = {"n": float, "s": str, "l": list, "b": bool}
 
 
@@ -85,10 +100,13 @@ def install_messages(monkeypatch: pytest.MonkeyPatch) -> None:
             monkeypatch.setitem(sys.modules, package, types.ModuleType(package))
             monkeypatch.setitem(sys.modules, f"{package}.msg", module)
         setattr(module, short, made[short])
-    services = types.ModuleType("std_srvs.srv")
-    services.Empty = type("Empty", (), {"Request": Message, "Response": Message})  # type: ignore[attr-defined]
-    monkeypatch.setitem(sys.modules, "std_srvs", types.ModuleType("std_srvs"))
-    monkeypatch.setitem(sys.modules, "std_srvs.srv", services)
+    for package, names in _SERVICES.items():
+        services = types.ModuleType(f"{package}.srv")
+        for name in names:
+            setattr(services, name, type(name, (), {}))
+        if package not in sys.modules:
+            monkeypatch.setitem(sys.modules, package, types.ModuleType(package))
+        monkeypatch.setitem(sys.modules, f"{package}.srv", services)
     for name in list(sys.modules):
         if name.startswith("wsgen.ros_nodes.simulator."):
             monkeypatch.delitem(sys.modules, name)

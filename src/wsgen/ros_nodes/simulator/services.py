@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from rosgraph_msgs.msg import Clock
 
 from wsgen.model.transform import Pose, rotation_of_quaternion, rpy_of_rotation
+from wsgen.ros_nodes.simulator.gz_messages import message_class
 from wsgen.ros_nodes.simulator.host import Due, Plugin
 from wsgen.ros_nodes.simulator.simulation import RefusedError
 
@@ -78,6 +79,11 @@ def offer_services(simulation: LiveSimulation) -> None:
             ("unpause_physics", unpause),
         ):
             host.service(None, Empty, name, _answer(function))
+        # Its messages are there where nodes of the user use them.
+        if message_class("gazebo_msgs/ModelStates") is not None:
+            from wsgen.ros_nodes.simulator.world_state import offer_factory  # noqa: PLC0415
+
+            offer_factory(simulation)
 
 
 def _answer(function: Callable[[], object]) -> Callable[[Any, Any], Any]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from wsgen.model.devices import Devices
 from wsgen.model.gazebo_plugins import stem
 from wsgen.ros_nodes.simulator.host import CannotWorkError, Due, Host, RobotHandle
-from wsgen.ros_nodes.simulator.plugins import DONE_BY_SIMULATOR, PLUGINS
+from wsgen.ros_nodes.simulator.plugins import DONE_BY_SIMULATOR, PLUGINS, WORLD_PLUGINS
 from wsgen.ros_nodes.simulator.sensors import SENSORS
 from wsgen.ros_nodes.simulator.timing import TINY, following
 from wsgen.simulation.simulate import spawn_robots
@@ -88,6 +88,7 @@ class LiveSimulation:
         for robot in scene.scene.robots:
             if robot.is_static_model or robot.entity in scene.in_world:
                 self.spawn(robot.entity)
+        self._due += self._world_plugins()
 
     @property
     def now(self) -> float:
@@ -217,12 +218,20 @@ class LiveSimulation:
             name = f"{sensor.kind} sensor `{sensor.name}`"
             yield from self._plugin(robot, SENSORS.get(sensor.kind), sensor, name, sensor.kind)
 
+    def _world_plugins(self) -> Iterator[Due]:
+        devices = self.scene.world_devices
+        for element in devices.plugins if devices is not None else ():
+            filename = element.attributes.get("filename", "")
+            where = WORLD_PLUGINS.get(stem(filename))
+            yield from self._plugin(None, where, element, f"plugin `{filename}`", stem(filename))
+
     def _plugin(
-        self, robot: RobotHandle, where: str | None, element: Any, name: str, known_as: str
+        self, robot: RobotHandle | None, where: str | None, element: Any, name: str, known_as: str
     ) -> Iterator[Due]:
+        owner = f"`{robot.entity}`" if robot is not None else "the world"
         if where is None:
             if known_as not in DONE_BY_SIMULATOR:
-                self.host.warn(f"`{robot.entity}`: wsgen does not simulate the {name}.")
+                self.host.warn(f"{owner}: wsgen does not simulate the {name}.")
             return
         module, _, attribute = where.partition(":")
         try:
@@ -230,13 +239,13 @@ class LiveSimulation:
                 self.host, robot, element
             )
         except CannotWorkError as problem:
-            self.host.warn(f"`{robot.entity}`: the {name} does not work: {problem}")
+            self.host.warn(f"{owner}: the {name} does not work: {problem}")
             return
         except ModuleNotFoundError as problem:
             if (problem.name or "").startswith("wsgen"):
                 raise
             self.host.warn(
-                f"`{robot.entity}`: the {name} does not work: the ROS package "
+                f"{owner}: the {name} does not work: the ROS package "
                 f"`{(problem.name or '').partition('.')[0]}` is not installed."
             )
             return

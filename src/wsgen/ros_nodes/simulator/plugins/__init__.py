@@ -27,6 +27,11 @@ PLUGINS: dict[str, str] = {
     ),
 }
 
+# Likewise, of worlds.
+WORLD_PLUGINS: dict[str, str] = {
+    "gazebo_ros_state": "wsgen.ros_nodes.simulator.world_state:WorldState"
+}
+
 # What the simulator does by itself, or what needs nothing done, by the same names.
 DONE_BY_SIMULATOR = frozenset(
     (

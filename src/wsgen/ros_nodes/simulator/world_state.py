@@ -1,0 +1,225 @@
+"""What gazebo_msgs says of Gazebo Classic's world: which robots are in it, and how they move.
+
+Sources: ros-simulation/gazebo_ros_pkgs, gazebo_ros/src/gazebo_ros_factory.cpp and
+gazebo_ros_state.cpp (branch ros2). Spawned are robots of the launch file alone.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from gazebo_msgs.msg import LinkStates, ModelStates
+from gazebo_msgs.srv import (
+    DeleteEntity,
+    GetEntityState,
+    GetModelList,
+    SetEntityState,
+    SpawnEntity,
+)
+from geometry_msgs.msg import Pose as PoseMessage
+from geometry_msgs.msg import Twist
+
+from wsgen.model.transform import (
+    Pose,
+    compose,
+    invert,
+    quaternion_of_rpy,
+    rotate,
+    rotation_of_quaternion,
+    rotation_of_rpy,
+    rpy_of_rotation,
+    transpose,
+)
+from wsgen.ros_nodes.simulator.elements import number
+from wsgen.ros_nodes.simulator.host import Plugin
+from wsgen.ros_nodes.simulator.messages import set_pose, set_twist
+from wsgen.ros_nodes.simulator.simulation import RefusedError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from wsgen.model.devices import Element
+    from wsgen.model.transform import Vector
+    from wsgen.ros_nodes.simulator.host import Host, RobotHandle
+    from wsgen.ros_nodes.simulator.simulation import LiveSimulation
+
+    Moving = tuple[Pose, tuple[Vector, Vector]]  # in the world, with m/s and rad/s
+
+WORLD = ("", "world")  # the frame of reference that is none
+
+
+def offer_factory(simulation: LiveSimulation) -> None:
+    """Offer the services that spawn, delete and list robots."""
+    host = simulation.host
+
+    def do(function: Callable[[], None], response: Any, done: str) -> Any:
+        try:
+            function()
+        except RefusedError as error:
+            response.success, response.status_message = False, f"{error.message} {error.hint}"
+        else:
+            response.success, response.status_message = True, done
+        return response
+
+    def spawn(request: Any, response: Any) -> Any:
+        name = request.name
+        done = f"SpawnEntity: Successfully spawned entity [{name}]"
+        answer = do(lambda: simulation.spawn(name), response, done)
+        if answer.success:
+            move(host.robots[name], pose_of(request.initial_pose))
+        return answer
+
+    def delete(request: Any, response: Any) -> Any:
+        name = request.name
+        done = f"DeleteEntity: Successfully deleted entity [{name}]"
+        return do(lambda: simulation.delete(name), response, done)
+
+    def names(_: Any, response: Any) -> Any:
+        response.header.stamp, response.success = host.stamp(), True
+        response.model_names = list(host.robots)
+        return response
+
+    host.service(None, SpawnEntity, "spawn_entity", spawn)
+    host.service(None, DeleteEntity, "delete_entity", delete)
+    host.service(None, GetModelList, "get_model_list", names)
+
+
+def pose_of(message: Any) -> Pose:
+    """A pose of a `geometry_msgs/Pose`, whose rotation may be of any length."""
+    position, turn = message.position, message.orientation
+    length = math.hypot(turn.x, turn.y, turn.z, turn.w)
+    x, y, z, w = (
+        (part / length for part in (turn.x, turn.y, turn.z, turn.w))
+        if length
+        else (
+            *(0.0, 0.0, 0.0),
+            1.0,
+        )
+    )
+    rpy = rpy_of_rotation(rotation_of_quaternion((x, y, z, w)))
+    return Pose(xyz=(position.x, position.y, position.z), rpy=rpy)
+
+
+def move(robot: RobotHandle, pose: Pose) -> None:
+    """Put a robot elsewhere, at rest, with its joints where they are."""
+    positions = dict(robot.joint_positions())
+    robot.place(pose)
+    if positions:
+        robot.set_joint_positions(positions)
+
+
+class WorldState(Plugin):
+    """`libgazebo_ros_state.so`, a plugin of the world."""
+
+    def __init__(self, host: Host, _: None, element: Element) -> None:
+        self._host = host
+        rate = number(element, "update_rate", 100.0)
+        self.period = 1 / rate if rate > 0 else host.step_seconds
+        self._node = host.node(name=element.attributes.get("name"), ros=element.find("ros"))
+        host.service(None, GetEntityState, "get_entity_state", self._get, node=self._node)
+        host.service(None, SetEntityState, "set_entity_state", self._set, node=self._node)
+        self._models = host.publisher(None, ModelStates, "model_states", node=self._node, depth=1)
+        self._links = host.publisher(None, LinkStates, "link_states", node=self._node, depth=1)
+
+    def update(self) -> None:
+        """Publish where everything is."""
+        robots = self._host.robots.values()
+        if self._models.is_wanted:
+            self._publish(
+                self._models,
+                ModelStates(),
+                ((robot.entity, _root_of(robot)) for robot in robots),
+            )
+        if self._links.is_wanted:
+            self._publish(
+                self._links,
+                LinkStates(),
+                (
+                    (f"{robot.entity}::{link}", (pose, robot.link_velocities()[link]))
+                    for robot in robots
+                    for link, pose in robot.link_poses().items()
+                ),
+            )
+
+    @staticmethod
+    def _publish(publisher: Any, message: Any, entities: Iterator[tuple[str, Moving]]) -> None:
+        for name, (pose, (linear, angular)) in entities:
+            made, twist = PoseMessage(), Twist()
+            set_pose(made, pose.xyz, quaternion_of_rpy(pose.rpy))
+            set_twist(twist, linear, angular)
+            message.name.append(name)
+            message.pose.append(made)
+            message.twist.append(twist)
+        publisher.publish(message)
+
+    def _find(self, name: str) -> Moving | None:
+        """Where a robot or a link of one (`robot::link`) is."""
+        entity, _, link = name.partition("::")
+        robot = self._host.robots.get(entity)
+        if robot is None or (link and link not in robot.link_poses()):
+            return None
+        if not link:
+            return _root_of(robot)
+        return robot.link_poses()[link], robot.link_velocities()[link]
+
+    def _get(self, request: Any, response: Any) -> Any:
+        found, frame = self._find(request.name), self._find(request.reference_frame)
+        response.success = found is not None and (
+            frame is not None or request.reference_frame in WORLD
+        )
+        if found is None or not response.success:
+            self._host.warn(
+                f"GetEntityState: no entity `{request.name}` in the frame "
+                f"`{request.reference_frame}`."
+            )
+            return response
+        pose, (linear, angular) = found
+        if frame is not None:
+            its_pose, (its_linear, its_angular) = frame
+            to_frame = transpose(rotation_of_rpy(its_pose.rpy))
+            pose = compose(invert(its_pose), pose)
+            linear, angular = (
+                rotate(to_frame, (a[0] - b[0], a[1] - b[1], a[2] - b[2]))
+                for a, b in ((linear, its_linear), (angular, its_angular))
+            )
+        response.header.stamp = self._host.stamp()
+        response.header.frame_id = request.reference_frame
+        set_pose(response.state.pose, pose.xyz, quaternion_of_rpy(pose.rpy))
+        set_twist(response.state.twist, linear, angular)
+        return response
+
+    def _set(self, request: Any, response: Any) -> Any:
+        state = request.state
+        robot, frame = self._host.robots.get(state.name), self._find(state.reference_frame)
+        response.success = robot is not None and (
+            frame is not None or state.reference_frame in WORLD
+        )
+        if robot is None or not response.success:
+            self._host.warn(
+                f"SetEntityState: no entity `{state.name}` in the frame `{state.reference_frame}`."
+            )
+            return response
+        pose = pose_of(state.pose)
+        linear = (state.twist.linear.x, state.twist.linear.y, state.twist.linear.z)
+        angular = (state.twist.angular.x, state.twist.angular.y, state.twist.angular.z)
+        numbers = (*pose.xyz, *pose.rpy, *linear, *angular)
+        if not all(map(math.isfinite, numbers)):
+            self._host.warn("SetEntityState: a state that is not finite (NaN) is ignored.")
+            response.success = False
+            return response
+        if frame is not None:
+            rotation = rotation_of_rpy(frame[0].rpy)
+            pose = compose(frame[0], pose)
+            linear, angular = rotate(rotation, linear), rotate(rotation, angular)
+        move(robot, pose)
+        robot.set_velocity(linear, angular)
+        return response
+
+    def close(self) -> None:
+        """End its node."""
+        self._host.ros.forget_node(self._node)
+
+
+def _root_of(robot: RobotHandle) -> Moving:
+    return robot.link_poses()[robot.robot.root], robot.root_velocity()
