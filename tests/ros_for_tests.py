@@ -13,7 +13,7 @@ import pytest
 
 from wsgen.errors import NotFoundError
 from wsgen.ros_environment import RosEnvironment, open_ros
-from wsgen.ros_environment.private import why_not
+from wsgen.ros_environment.machines import why_not
 from wsgen.ros_environment.sourced import sourced_prefix
 
 if TYPE_CHECKING:

@@ -104,6 +104,7 @@ def test_doctor_loads_no_library_but_what_draws_its_table(tmp_path: Path) -> Non
         "files",
         "isolation",  # a child draws a picture
         "model",
+        "ros_environment",  # what is sourced
         "suggestions",
         "values",
         "workspace",

@@ -9,7 +9,7 @@ import pytest
 from wsgen.errors import NotFoundError
 from wsgen.ros_environment import open_ros
 from wsgen.ros_environment.environment import variables_of
-from wsgen.ros_environment.private import MARKER, why_not
+from wsgen.ros_environment.machines import MARKER, why_not
 from wsgen.ros_environment.sourced import RCLPY, sourced_prefix
 
 OURS = f"{sys.version_info.major}{sys.version_info.minor}"

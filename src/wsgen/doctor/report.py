@@ -25,7 +25,7 @@ from wsgen.model.installation import (
     ros_packages,
 )
 from wsgen.model.target import Target, end_of_life_note
-from wsgen.ros_environment.private import why_not
+from wsgen.ros_environment.machines import why_not
 from wsgen.ros_environment.sourced import check_rclpy, sourced_prefix
 
 if TYPE_CHECKING:

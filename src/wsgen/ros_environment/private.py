@@ -9,7 +9,6 @@ LD_LIBRARY_PATH.
 from __future__ import annotations
 
 import hashlib
-import platform
 import re
 import shutil
 import subprocess
@@ -21,6 +20,7 @@ from typing import TYPE_CHECKING
 from wsgen.errors import NotFoundError
 from wsgen.events import StepEnded, StepProgressed, StepStarted, post
 from wsgen.ros_environment.cache import being_made, cache_folder
+from wsgen.ros_environment.machines import MARKER, SOURCE_HINT, why_not
 from wsgen.ros_environment.wheels import download, site_packages, unpack
 
 if TYPE_CHECKING:
@@ -29,54 +29,13 @@ if TYPE_CHECKING:
     from wsgen.events import Listener
 
 DISTRO = "kilted"
-PYTHONS = ((3, 10), (3, 13))  # first and last with wheels
 REQUIREMENTS = Path(__file__).with_name("pinned") / f"{DISTRO}.txt"
 LAYOUT = "1"  # of the folder; one more when it changes
-MARKER = ".wsgen"  # in the folder: nobody sourced this ROS
 STEP = ("ros",)
 CHECK = "import rclpy, rclpy.action; rclpy.init(); rclpy.shutdown()"
-SOURCE_HINT = "Source a ROS instead (source /opt/ros/<distro>/setup.bash)."
 # Folders of the machines that the wheels were built on, which CMake would look for. The targets of
 # Python and NumPy, which each package adds itself, have those of this machine.
 BUILD_FOLDERS = re.compile(rb";?/opt/python/[^;\"\s]*")
-
-
-def why_not(
-    system: str = sys.platform,
-    machine: str | None = None,
-    version: tuple[int, int] = sys.version_info[:2],
-    implementation: str = sys.implementation.name,
-) -> NotFoundError | None:
-    """Return why PyPI has no ROS for a machine, None if it has one.
-
-    Args:
-        system: as sys.platform.
-        machine: as platform.machine(); None for the running one.
-        version: of Python.
-        implementation: as sys.implementation.name.
-    """
-    machine = machine or platform.machine()
-    if system == "win32":
-        return NotFoundError(
-            "PyPI has no ROS 2 for Windows; all commands that start no node work.",
-            hint="Use the Windows Subsystem for Linux (wsl --install), with wsgen in it.",
-        )
-    if (system, machine) != ("linux", "x86_64"):
-        name = {"darwin": "macOS", "linux": "Linux"}.get(system, system)
-        return NotFoundError(
-            f"PyPI has ROS 2 for Linux on x86_64 alone; this is {name} on {machine}.",
-            hint=SOURCE_HINT,
-        )
-    first, last = PYTHONS
-    if implementation != "cpython" or not first <= version <= last:
-        running = f"{implementation} {version[0]}.{version[1]}".replace("cpython", "Python")
-        return NotFoundError(
-            f"PyPI has ROS 2 for Python {first[0]}.{first[1]} to {last[0]}.{last[1]}; "
-            f"wsgen runs on {running}.",
-            hint=f"Install wsgen[ros] with another Python (python{last[0]}.{last[1]} -m venv "
-            f"ros_env; uv tool install --python {last[0]}.{last[1]} 'wsgen[ros]'). {SOURCE_HINT}",
-        )
-    return None
 
 
 def pinned() -> list[str]:

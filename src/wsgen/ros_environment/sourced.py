@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.errors import NotFoundError
-from wsgen.ros_environment.private import MARKER
+from wsgen.ros_environment.machines import MARKER
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
