@@ -1,46 +1,80 @@
+from __future__ import annotations
+
 from pathlib import Path
 
 import pytest
 
-from wsgen.live.messages import messages_of, messages_of_plugins
-from wsgen.pipeline.plan_launch import select_launch_file
-from wsgen.simulation.live_scene import SCENE_FILE
+from wsgen.live.messages import messages_of_devices, messages_of_packages, messages_of_plan
+from wsgen.model.devices import Devices, Element, MountedSensor
+from wsgen.model.plan import LaunchPlan, Process
+from wsgen.workspace.layout import Workspace, find_packages
 
-MANIFEST = """\
-<package format="3"><name>demo</name><version>0.0.0</version><description>D</description>
-<maintainer email="a@example.com">A</maintainer><license>MIT</license>
-<exec_depend>sensor_msgs</exec_depend></package>
-"""
+CONTROL = {"control_msgs", "controller_manager_msgs"}
 
 
-def test_messages_that_nobody_declares_are_found(tmp_path: Path) -> None:
+def _plan(process: Process) -> LaunchPlan:
+    return LaunchPlan(package="robot", launch_file=Path("a.launch.py"), processes=(process,))
+
+
+@pytest.mark.parametrize(
+    ("process", "needed"),
+    [
+        (Process(package="controller_manager", executable="spawner"), CONTROL),
+        (
+            Process(
+                package=None,
+                executable=None,
+                command=("ros2", "control", "load_controller", "arm"),
+            ),
+            CONTROL,
+        ),
+        (
+            Process(
+                package="ros_gz_bridge",
+                executable="parameter_bridge",
+                arguments=("/a@ros_gz_interfaces/msg/Contacts[gz.msgs.Contacts",),
+            ),
+            {"ros_gz_interfaces"},
+        ),
+        (Process(package="robot", executable="drive.py"), set()),
+    ],
+)
+def test_messages_of_processes(process: Process, needed: set[str]) -> None:
+    assert messages_of_plan(_plan(process)) == needed
+
+
+def test_messages_of_the_file_of_a_bridge(tmp_path: Path) -> None:
+    file = tmp_path / "bridge.yaml"
+    file.write_text("- {ros_topic_name: a, ros_type_name: 'vision_msgs/msg/Detection2D'}\n")
+    for config, needed in ((str(file), {"vision_msgs"}), (str(tmp_path / "none.yaml"), set())):
+        bridge = Process(
+            package="ros_gz_bridge", executable="bridge_node", parameters={"config_file": config}
+        )
+        assert messages_of_plan(_plan(bridge)) == needed
+
+
+def test_messages_of_what_robots_carry() -> None:
+    contact = MountedSensor(
+        name="bumper", kind="contact", link="base", frame="base", element=Element(tag="sensor")
+    )
+    plugin = Element(tag="plugin", attributes={"filename": "libgz_ros2_control-system.so"})
+    devices = (Devices(sensors=(contact,)), Devices(plugins=(plugin,)))
+    assert messages_of_devices(devices, "classic") == {"gazebo_msgs", *CONTROL}
+    assert messages_of_devices(devices[:1], "gz") == {"ros_gz_interfaces"}
+    assert not messages_of_devices([Devices()], "gz")
+
+
+def test_messages_that_nobody_declares(tmp_path: Path) -> None:
     files = {
-        "package.xml": MANIFEST,
-        "CMakeLists.txt": "project(demo)\nfind_package(moveit_msgs REQUIRED)\n",
+        "package.xml": "<package><name>demo</name><exec_depend>sensor_msgs</exec_depend></package>",
+        "CMakeLists.txt": "project(demo)\nfind_package(ament_cmake REQUIRED)\n",
         "scripts/drive": "from ackermann_msgs.msg import AckermannDrive\n",
         "config/bridge.yaml": "- ros_type_name: ros_gz_interfaces/msg/Contacts\n",
-        "launch/a.launch.py": "def generate_launch_description(): pass\n",
         "src/node.cpp": "#include <control_msgs/msg/pid_state.hpp>\n",
     }
     for name, text in files.items():
         file = tmp_path / "src" / "demo" / name
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(text)
-    path = str(tmp_path / "src" / "demo" / "launch" / "a.launch.py")
-    with select_launch_file((path,), str(tmp_path)) as selected:
-        assert messages_of(selected) == {"sensor_msgs", "ackermann_msgs", "ros_gz_interfaces"}
-
-
-@pytest.mark.parametrize(
-    ("plugin", "messages"),
-    [
-        ("libgazebo_ros2_control.so", {"control_msgs", "controller_manager_msgs"}),
-        ("gz_ros2_control-system", {"control_msgs", "controller_manager_msgs"}),
-        ("libgazebo_ros_bumper.so", {"gazebo_msgs"}),
-        ("libgazebo_ros_diff_drive.so", set()),
-    ],
-)
-def test_plugins(plugin: str, messages: set[str], tmp_path: Path) -> None:
-    assert messages_of_plugins(tmp_path) == frozenset()
-    (tmp_path / SCENE_FILE).write_text(f'{{"filename": "{plugin}"}}')
-    assert messages_of_plugins(tmp_path) == messages
+    packages = find_packages(Workspace(root=tmp_path))
+    assert messages_of_packages(packages) == {"sensor_msgs", "ackermann_msgs", "ros_gz_interfaces"}

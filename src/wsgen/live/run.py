@@ -18,7 +18,7 @@ from wsgen.isolation.codec import encode
 from wsgen.launch import known_packages
 from wsgen.launch.evaluate import DISTRO_OF_LAUNCHES
 from wsgen.live.film import draw_film
-from wsgen.live.messages import messages_of, messages_of_plugins
+from wsgen.live.messages import messages_of_devices, messages_of_packages, messages_of_plan
 from wsgen.live.missing_programs import cannot_run
 from wsgen.live.recording import Recordings, recording_topics
 from wsgen.live.request import ServiceRequest
@@ -30,6 +30,7 @@ from wsgen.pipeline.validate import selected_package
 from wsgen.simulation.live_scene import SCENE_FILE, LiveScene
 from wsgen.simulation.scene import Scene
 from wsgen.values import dataclass
+from wsgen.workspace.layout import find_packages
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
@@ -91,22 +92,19 @@ def run_launch(  # noqa: PLR0913  what to run, and who hears of it
         request = replace(request, prepared_as=prepared_as)
         environment = _environment(selected.overlay.environment)
         service = stack.enter_context(start_service(live_folder, environment))
-        messages = messages_of(selected)
-        ros = open_ros(messages)
         try:
-            is_simulated = prepare(
+            prepared = prepare(
                 selected,
                 request,
                 live_folder,
                 folder,
-                is_sourced=ros.is_sourced,
+                open_ros=open_ros,
                 show=show,
                 listener=listener,
             )
         except BrokenRunError:
             return 1
-        if more := messages_of_plugins(live_folder) - messages:
-            ros = open_ros(messages | more)
+        ros = prepared.ros
         launch = LaunchRequest(
             launch_file=selected.file.absolute(),
             package=selected.package,
@@ -127,7 +125,7 @@ def run_launch(  # noqa: PLR0913  what to run, and who hears of it
                     is_strict=request.is_strict,
                     until_exit=request.until_exit,
                     # The simulator knows when the time of the simulation is over.
-                    seconds=None if is_simulated else request.seconds,
+                    seconds=None if prepared.is_simulated else request.seconds,
                 )
             )
             code = service.wait()
@@ -155,24 +153,32 @@ class _Answers:
         return self.given
 
 
+@dataclass(frozen=True, kw_only=True)
+class Prepared:
+    """What a live run needs, found."""
+
+    ros: RosEnvironment
+    is_simulated: bool  # a scene is written
+
+
 def prepare(  # noqa: PLR0913  what to prepare, where, how
     selected: SelectedLaunchFile,
     request: RunRequest,
     live_folder: Path,
     folder: Path,
     *,
-    is_sourced: bool,
+    open_ros: Callable[[Collection[str]], RosEnvironment],
     show: Callable[[Iterable[Diagnostic]], None],
     listener: Listener | None = None,
-) -> bool:
-    """Write what the simulator of a live run reads; whether something is simulated.
+) -> Prepared:
+    """Write what the simulator of a live run reads.
 
     Args:
         selected: The launch file.
         request: How it is run.
         live_folder: For the scene.
         folder: For files that engines read; there until the run is over.
-        is_sourced: Whether the programs of a ROS run that the user sourced.
+        open_ros: As for `run_launch`.
         show: Is given what is reported.
         listener: Hears of the steps.
 
@@ -182,23 +188,31 @@ def prepare(  # noqa: PLR0913  what to prepare, where, how
     package = selected_package(
         selected.file, selected.package, selected.overlay, selected.workspace
     )
+    workspace = selected.workspace
+    messages = messages_of_packages(find_packages(workspace) if workspace else ())
+    ros = open_ros(messages)  # without it, all else is in vain
     subject = Validation(package, selected.overlay, request.prepared_as, listener)
     world, robots = subject.read(folder)
     started = subject.started
     if started is None or not started.is_evaluated:
         show(subject.reported())
         raise BrokenRunError
+    devices = [one for one in (subject.world_devices, *(r.devices for r in robots)) if one]
+    more = messages_of_plan(started.plan)
+    more |= messages_of_devices(devices, subject.simulator_kind or "gz")
+    if not more <= messages:
+        ros = open_ros(messages | more)
     has_simulation = started.simulator is not None or bool(robots)
     found = subject.reported() if has_simulation else subject.named(started.plan.diagnostics)
     if request.is_strict:
-        found = (*found, *cannot_run(started.plan, is_sourced=is_sourced))
+        found = (*found, *cannot_run(started.plan, is_sourced=ros.is_sourced))
     show((*found, *selected.overlay.not_built()))
     broken = [robot for robot in robots if not robot.can_run]
     is_stopped = request.is_strict and has_errors(found)
     if broken or is_stopped or (has_simulation and world is None):
         raise BrokenRunError
     if not has_simulation or world is None:
-        return False
+        return Prepared(ros=ros, is_simulated=False)
     scene = Scene(world=world, robots=spawned_robots(robots), engine=request.prepared_as.engines[0])
     live = LiveScene(
         scene=scene,
@@ -215,7 +229,7 @@ def prepare(  # noqa: PLR0913  what to prepare, where, how
         is_filmed=request.recordings.video is not None,
     )
     write_file(live_folder / SCENE_FILE, encode(live))
-    return True
+    return Prepared(ros=ros, is_simulated=True)
 
 
 def _in_world(robots: Iterable[PreparedRobot], spawns: Iterable[Spawn]) -> Iterator[str]:
