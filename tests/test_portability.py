@@ -24,6 +24,9 @@ NO_MODULES = (
     "wsgen.build.colcon_child",
     "wsgen.launch_shim",
     "wsgen.launch.ros_packages",
+    # Processes of ROS, which has no wheels for Windows.
+    "wsgen.ros_nodes",
+    "wsgen.ros_shim",
 )
 
 IMPORT = """
