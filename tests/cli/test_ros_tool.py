@@ -1,0 +1,90 @@
+"""`wsgen topic` and `wsgen node` hand what was asked for to the process that answers."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import wsgen.cli
+from test_start_up import loaded
+from wsgen.ros_environment import RosEnvironment
+
+
+class ReplacedError(BaseException):
+    """The process would be another one now."""
+
+
+@pytest.fixture
+def asked(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Any:
+    """Call a command; returns its request, the packages of messages, and the variables."""
+    seen: dict[str, Any] = {}
+
+    def open_ros(_environment: object, *, messages: list[str], **_: object) -> RosEnvironment:
+        seen["messages"] = messages
+        variables = {"PYTHONPATH": "/ros"}
+        return RosEnvironment(
+            distro="kilted", is_sourced=False, python=Path(sys.executable), variables=variables
+        )
+
+    def replace(_path: str, command: list[str], variables: dict[str, str]) -> None:
+        seen["request"], seen["variables"] = json.loads(command[-1]), variables
+        raise ReplacedError
+
+    monkeypatch.setattr("wsgen.ros_environment.open_ros", open_ros)
+    monkeypatch.setattr(os, "execve", replace)
+    monkeypatch.chdir(tmp_path)
+
+    def ask(*words: str) -> dict[str, Any]:
+        with pytest.raises(ReplacedError):
+            wsgen.cli.run(words)
+        return seen
+
+    return ask
+
+
+def test_what_is_published(asked: Any) -> None:
+    seen = asked("topic", "pub", "-1", "/go", "my_msgs/msg/Go", "{x: 1}", "--qos-depth", "3")
+    options = seen["request"]["options"]
+    assert (options["times"], options["subscriptions"], options["rate"]) == (1, 1, 1.0)
+    assert (options["values"], options["qos"]) == ("{x: 1}", {"depth": 3})
+    assert seen["messages"] == ["my_msgs"]
+    assert seen["variables"]["PYTHONPATH"].split(os.pathsep)[0] == "/ros"
+    assert seen["variables"]["PYTHONPATH"].endswith("ros_shim")
+
+
+def test_what_is_shown(asked: Any) -> None:
+    request = asked("topic", "echo", "/odom", "--once", "-f", "--no-daemon")["request"]
+    assert (request["verb"], request["seconds"]) == ("topic echo", 0.5)
+    assert request["options"]["truncate_length"] is None
+    assert request["options"]["once"]
+    request = asked("topic", "--include-hidden-topics", "list", "-t")["request"]
+    assert request["options"]["with_hidden"]
+    assert request["options"]["show_types"]
+    request = asked("node", "info", "/a", "-s")["request"]
+    assert (request["verb"], request["use_sim_time"]) == ("node info", True)
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("topic", "pub", "-1", "-t", "2", "/a", "b"), "exclude each other"),
+        (("topic", "pub", "--max-wait-time-secs", "2", "/a", "b"), "only effective with"),
+        (("topic", "hz"), "TOPIC"),
+        (("topic", "shout", "/a"), "shout"),
+    ],
+)
+def test_what_makes_no_sense(
+    words: tuple[str, ...], message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert wsgen.cli.run(words) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_help_needs_no_ros(tmp_path: Path) -> None:
+    modules = loaded(tmp_path, "topic", "echo", "--help")
+    assert not modules & {"rclpy", "numpy", "yaml", "subprocess", "wsgen.ros_environment"}
