@@ -76,7 +76,8 @@ class Controller:
         self.states: tuple[str, ...] | None = ()
         self.is_active = False
         self.period = 0.01
-        self._made: list[Any] = []
+        self._made: list[Any] = []  # publishers, subscriptions, services
+        self._kept: list[Any] = []  # what ends by `destroy`
         self._told: set[str] = set()
 
     def configure(self) -> None:
@@ -97,12 +98,10 @@ class Controller:
     def cleanup(self) -> None:
         """End its topics, services and actions."""
         for made in self._made:
-            end = getattr(made, "destroy", None)
-            if made in (*self.node.publishers, *self.node.subscriptions, *self.node.services):
-                self.ros.forget(self.node, made)
-            elif end is not None:
-                end()
-        self._made = []
+            self.ros.forget(self.node, made)
+        for kept in self._kept:
+            kept.destroy()
+        self._made, self._kept = [], []
 
     def publisher(self, message_type: type, topic: str, qos: Any = DEPTH) -> RosPublisher:
         """Publish on a topic, until it is cleaned up."""
@@ -124,7 +123,7 @@ class Controller:
 
     def keep(self, made: Any) -> None:
         """End something with it, by its method `destroy`."""
-        self._made.append(made)
+        self._kept.append(made)
 
     def require(self, name: str) -> list[str]:
         """The texts of a parameter that must not be empty; raises ControllerError."""
