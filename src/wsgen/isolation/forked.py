@@ -13,6 +13,7 @@ import subprocess
 import sys
 import time
 import traceback
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -145,4 +146,5 @@ def _leave_files(kept: set[int]) -> None:
     for name in os.listdir("/proc/self/fd"):  # noqa: PTH208  quicker
         number = int(name)
         if number != nothing and number not in kept:
-            os.dup2(nothing, number, inheritable=False)
+            with suppress(OSError):  # the limit of open files is below it by now
+                os.dup2(nothing, number, inheritable=False)

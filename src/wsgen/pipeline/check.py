@@ -11,6 +11,7 @@ import time
 from contextlib import ExitStack
 from dataclasses import field, replace
 from functools import partial
+from itertools import zip_longest
 from typing import TYPE_CHECKING, Any
 
 from wsgen.diagnostics import has_errors
@@ -22,9 +23,10 @@ from wsgen.pipeline.check_package import FileCheck, PackageCheck
 from wsgen.pipeline.check_targets import Targets, find_targets
 from wsgen.pipeline.installed_as_built import lay_out
 from wsgen.pipeline.parallel import run_parallel
+from wsgen.pipeline.reported import read_permissions
 from wsgen.ros_names import released_packages
 from wsgen.suggestions import advice
-from wsgen.values import dataclass, lazy_pattern
+from wsgen.values import NamedTuple, dataclass, lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -35,6 +37,7 @@ if TYPE_CHECKING:
     from wsgen.executors.dask_cluster import DaskExecutor
     from wsgen.executors.local import LocalExecutor
     from wsgen.isolation.parent import Run
+    from wsgen.pipeline.reported import Permissions
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,6 +59,8 @@ class CheckOutcome:
     folders: Mapping[str, Path] = field(default_factory=dict)  # of the packages
     files: tuple[Path, ...] = ()  # that belong to no package
     only: tuple[Path, ...] = ()  # files and folders in packages that were asked for; none: all
+    # What packages allow themselves, by their folders; of others it is read when it is asked for.
+    permissions: Mapping[Path, Permissions] = field(default_factory=dict)
     seconds: float = 0.0  # wall-clock
 
     @property
@@ -108,7 +113,7 @@ def _check(
         _refuse_unknown_distro(request.distro)
     targets = find_targets(request.paths, request.workspace)
     serial = OneAtATime(listener)
-    ended: list[tuple[Diagnostic, ...]] = []
+    ended: list[_Checked] = []
     with ExitStack() as stack:
         scratch = stack.enter_context(make_scratch(in_memory=True))
 
@@ -125,24 +130,47 @@ def _check(
 
         laid_out = None
         if executor is None:
-            laid_out = lay_out(targets, scratch, environment)
-            run_parallel(calls, request.jobs, serial, ended, in_workers=True)
+            laid_out = lay_out(targets, scratch, environment, jobs=request.jobs)
+            folders = [one.path for one in (*targets.packages, *targets.installed)]
+
+            def more(run: Run) -> list[Callable[[], _Checked]]:
+                both = zip_longest(calls(run), folders)
+                return [partial(_with_permissions, call, folder) for call, folder in both]
+
+            run_parallel(more, request.jobs, serial, ended, in_workers=True)
         else:
             from wsgen.pipeline.remote_check import check_remotely  # noqa: PLC0415  seldom wanted
 
             sent = stack.enter_context(make_scratch())
-            ended += check_remotely(
+            found = check_remotely(
                 targets, request.distro, environment, scratch, sent, executor, calls, serial
             )
-        reported = _once(found for each in ended for found in each)
+            ended += map(_Checked, found)
+        reported = _once(found for each in ended for found in each.diagnostics)
     return CheckOutcome(
         diagnostics=_in_order(_wanted(reported, targets)),
         packages=tuple(one.name for one in (*targets.packages, *targets.installed)),
         folders={one.name: one.path for one in (*targets.packages, *targets.installed)},
         files=targets.files,
         only=targets.only,
+        permissions={
+            one.folder: one.permissions for one in ended if one.folder and one.permissions
+        },
         seconds=time.perf_counter() - before,
     )
+
+
+class _Checked(NamedTuple):
+    """What is found in a package, or in a file without one."""
+
+    diagnostics: tuple[Diagnostic, ...]
+    folder: Path | None = None  # of the package
+    permissions: Permissions | None = None
+
+
+def _with_permissions(check: Callable[[], tuple[Diagnostic, ...]], folder: Path | None) -> _Checked:
+    """What a check finds, and what the package allows: read here, several jobs do it at a time."""
+    return _Checked(check(), folder, None if folder is None else read_permissions(folder))
 
 
 def _check_package(*arguments: Any) -> tuple[Diagnostic, ...]:

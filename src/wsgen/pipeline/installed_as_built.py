@@ -9,11 +9,15 @@ from __future__ import annotations
 import os
 import re
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.build_files.facts import read_build_facts
+from wsgen.events import OneAtATime
 from wsgen.files import real_path
+from wsgen.isolation import system
+from wsgen.pipeline.parallel import run_parallel
 from wsgen.pipeline.reached_packages import find_reached
 from wsgen.source_shares import INSTALLED, serve_installed, serve_source
 from wsgen.values import dataclass
@@ -80,8 +84,13 @@ class InstalledAsBuilt:
         return str(next(built, folder))
 
 
-def lay_out(targets: Targets, scratch: Path, environment: Mapping[str, str]) -> InstalledAsBuilt:
-    """Lay out the packages of all workspaces, in front of what the environment sources."""
+def lay_out(
+    targets: Targets, scratch: Path, environment: Mapping[str, str], *, jobs: int = 1
+) -> InstalledAsBuilt:
+    """Lay out the packages of all workspaces, in front of what the environment sources.
+
+    So many jobs do it at a time.
+    """
     packages: dict[str, PackageFolder] = {}
     for package in targets.packages:
         packages.setdefault(package.name, package)
@@ -97,22 +106,8 @@ def lay_out(targets: Targets, scratch: Path, environment: Mapping[str, str]) -> 
         reached = find_reached((one.name for one in targets.packages), packages)
     for name in packages.keys() - reached:
         serve_source(folder, name, packages[name].path)
-    read = {
-        name: read_build_facts(packages[name].path, name, packages[name].build_type)
-        for name in packages
-        if name in reached
-    }
+    read = _install([one for name, one in packages.items() if name in reached], folder, jobs)
     facts = {name: found for name, (found, _) in read.items()}
-    for name, found in facts.items():
-        serve_installed(
-            folder,
-            name,
-            packages[name].path,
-            files=((one.destination, one.source) for one in found.installed),
-            programs=((one.name, one.source) for one in found.executables),
-            modules=_modules(found),
-            is_whole=found.is_whole,
-        )
     variables = _with_paths(environment, (folder, *targets.prefixes), facts.values())
     overlay = overlay_of({**variables, INSTALLED: str(folder)})
     root = targets.workspaces[0].root if targets.workspaces else Path.cwd()
@@ -133,6 +128,35 @@ def lay_out(targets: Targets, scratch: Path, environment: Mapping[str, str]) -> 
 
 
 FOLDER = "install"  # of the install space, in a scratch folder
+_Installed = tuple["BuildFacts", "tuple[Diagnostic, ...]"]  # with what is wrong in build files
+FEW = 8  # packages; workers for them cost more than they save
+
+
+def _install(packages: Sequence[PackageFolder], folder: Path, jobs: int) -> dict[str, _Installed]:
+    """Read the build files of packages, and lay them out; by name."""
+    calls = [partial(_install_package, one, folder) for one in packages]
+    ended: list[_Installed] = []
+    if jobs > 1 and len(packages) > FEW and system.can_fork():
+        run_parallel(lambda _run: calls, jobs, OneAtATime(None), ended, in_workers=True)
+    else:
+        ended = [call() for call in calls]
+    return {package.name: found for package, found in zip(packages, ended, strict=True)}
+
+
+def _install_package(package: PackageFolder, folder: Path) -> _Installed:
+    found, problems = read_build_facts(package.path, package.name, package.build_type)
+    serve_installed(
+        folder,
+        package.name,
+        package.path,
+        files=((one.destination, one.source) for one in found.installed),
+        programs=((one.name, one.source) for one in found.executables),
+        modules=_modules(found),
+        is_whole=found.is_whole,
+    )
+    return found, problems
+
+
 MODULES = "python"  # folder for the Python modules of all packages, below the prefix
 
 

@@ -43,11 +43,12 @@ def run_parallel(
         if system.can_fork():
             results: dict[int, Result] = {}
             try:
-                run_in_workers(calls, jobs, serial, start_children, results)
-                with start_children() as run:
-                    for index, call in enumerate(calls(run)):
-                        if index not in results:  # it raises again what it has raised
-                            results[index] = call()
+                count = run_in_workers(calls, jobs, serial, start_children, results)
+                if len(results) < count:
+                    with start_children() as run:
+                        for index, call in enumerate(calls(run)):
+                            if index not in results:  # it raises again what it has raised
+                                results[index] = call()
             finally:
                 serial.close()
                 ended += [results[index] for index in sorted(results)]

@@ -18,7 +18,7 @@ from wsgen.rules.catalogue import (
 from wsgen.rules.install_consequences import fold_not_installed
 from wsgen.rules.suppressions import suppress
 from wsgen.suggestions import ask_for_nearest
-from wsgen.values import dataclass
+from wsgen.values import NamedTuple, dataclass
 from wsgen.workspace.allowances import find_comments, read_comments
 from wsgen.workspace.settings import read_settings
 
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
     from wsgen.pipeline.check import CheckOutcome
     from wsgen.workspace.allowances import Allowance
+    from wsgen.workspace.settings import Settings
 
 
 ALL = "ALL"  # every family
@@ -46,6 +47,19 @@ class Reported:
     def passed(self) -> bool:
         """Whether no error is reported."""
         return not has_errors(self.diagnostics)
+
+
+class Permissions(NamedTuple):
+    """What a package allows itself."""
+
+    settings: Settings
+    comments: tuple[Allowance, ...]  # of all its files
+
+
+def read_permissions(folder: Path) -> Permissions:
+    """What the package in a folder allows."""
+    settings, _ = read_settings(folder)
+    return Permissions(settings, tuple(find_comments(folder)))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,7 +92,10 @@ def filter_outcome(outcome: CheckOutcome, filters: Filters) -> Reported:
     """
     folders = tuple(outcome.folders.values())
     found, allowed = leave_out_allowed(
-        outcome.diagnostics, folders, outcome.files, only=outcome.only
+        outcome.diagnostics,
+        {folder: outcome.permissions.get(folder) for folder in folders},
+        outcome.files,
+        only=outcome.only,
     )
     found = choose(found, select=filters.select, ignore=filters.ignore)
     found = fold_not_installed(found, outcome.folders)  # into what is reported
@@ -95,7 +112,7 @@ def filter_outcome(outcome: CheckOutcome, filters: Filters) -> Reported:
 
 def leave_out_allowed(
     diagnostics: Iterable[Diagnostic],
-    packages: Sequence[Path],
+    packages: Mapping[Path, Permissions | None],
     files: Sequence[Path],
     *,
     only: Collection[Path] = (),
@@ -104,7 +121,8 @@ def leave_out_allowed(
 
     Args:
         diagnostics: of all files
-        packages: the folders of the packages that were checked
+        packages: the folders of the packages that were checked, and what these allow; None where
+            that is not known yet
         files: that were checked and belong to no package
         only: the files and folders of packages that were asked for; none: all of them
 
@@ -114,9 +132,9 @@ def leave_out_allowed(
     allowances: list[Allowance] = [one for file in files for one in read_comments(file)]
     allowed_in: dict[Path, frozenset[str]] = {}
     kept = list(diagnostics)
-    for folder in packages:
-        settings, _ = read_settings(folder)
-        allowances += [*settings.allowances, *find_comments(folder)]
+    for folder, known in packages.items():
+        settings, comments = known or read_permissions(folder)
+        allowances += [*settings.allowances, *comments]
         if settings.allow:
             allowed_in[folder] = frozenset(settings.allow)
             kept += unknown_rule_allowed(settings.allow, settings.file, settings.allow_line)

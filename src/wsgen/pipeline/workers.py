@@ -38,8 +38,10 @@ def run_in_workers(
     serial: OneAtATime,
     start_runner: Callable[[], AbstractContextManager[Run]],
     results: dict[int, Result],
-) -> None:
+) -> int:
     """Run calls in so many worker processes; `results` gets what they return, by their index.
+
+    The number of the calls comes back.
 
     What a call raises is not sent: a call without a result is to be run again by who wants to know.
 
@@ -50,7 +52,8 @@ def run_in_workers(
         start_runner: makes what runs child processes, in each worker.
         results: may already have some; these calls are not run.
     """
-    todo = iter([index for index, _ in enumerate(calls(_run_nothing)) if index not in results])
+    count = len(calls(_run_nothing))
+    todo = iter([index for index in range(count) if index not in results])
     with _fork_workers(workers, calls, serial, start_runner) as connections:
         waiting = {one for one in connections if _give(one, next(todo, None))}
         while waiting:
@@ -68,6 +71,7 @@ def run_in_workers(
                     results[values[0]] = values[1]
                 if not _give(one, next(todo, None)):
                     waiting.discard(one)
+    return count
 
 
 def _run_nothing(*_arguments: object, **_keywords: object) -> NoReturn:
