@@ -7,20 +7,17 @@ import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
 from ros.test_simulator import WAIT, run, simulator
+from ros_for_tests import ros_with, variables_for
 from wsgen.model.world import World
 from wsgen.simulation.live_scene import LiveScene
 from wsgen.simulation.scene import Scene, SpawnedRobot
 from wsgen.urdf.devices import read_devices
 from wsgen.urdf.lumping import lump
 from wsgen.urdf.reader import read_urdf
-
-if TYPE_CHECKING:
-    from wsgen.ros_environment import RosEnvironment
 
 pytestmark = pytest.mark.slow
 USER = Path(__file__).with_name("arm_user.py")
@@ -85,11 +82,12 @@ def arm(simulator_name: str, parameters: Path) -> LiveScene:
 
 
 @pytest.mark.parametrize("simulator_name", ["gz", "classic"])
-def test_a_node_moves_an_arm(simulator_name: str, ros: RosEnvironment, tmp_path: Path) -> None:
+def test_a_node_moves_an_arm(simulator_name: str, tmp_path: Path) -> None:
+    variables = variables_for(ros_with("control_msgs", "controller_manager_msgs"))
     parameters = tmp_path / "controllers.yaml"
     parameters.write_text(PARAMETERS)
     scene = replace(arm(simulator_name, parameters), seconds=None)
-    with simulator(scene, tmp_path, ros.variables) as (process, environment):
+    with simulator(scene, tmp_path, variables) as (process, environment):
         for arguments, text in (
             (("joint_state_broadcaster", "arm_controller"), "Configured and activated "),
             (("forward_controller", "--inactive"), "Loaded "),
