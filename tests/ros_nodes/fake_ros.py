@@ -63,6 +63,7 @@ gazebo_msgs/ListAnswer header:Header model_names:l success:b
 """
 _SERVICES = {
     "std_srvs": ("Empty",),
+    "ros_gz_interfaces": ("ControlWorld", "DeleteEntity", "SetEntityPose"),
     "gazebo_msgs": (
         *("DeleteEntity", "GetEntityState", "GetModelList", "SetEntityState", "SpawnEntity"),
     ),

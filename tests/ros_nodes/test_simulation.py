@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 import time
+import types
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -228,6 +229,13 @@ def test_the_socket(tmp_path: Path) -> None:
             "gz_type": "gz.msgs.Clock",
             "direction": "to_ros",
         }
+        service = {
+            "ros_topic": "/world/w/control",
+            "gz_topic": "/world/w/control",
+            "ros_type": "ros_gz_interfaces/srv/ControlWorld",
+            "gz_type": "",
+            "direction": "service",
+        }
         for command, values in (
             ("spawn", {"entity": "rover"}),
             ("spawn", {"entity": "rover"}),
@@ -236,6 +244,7 @@ def test_the_socket(tmp_path: Path) -> None:
             ("pause", {}),
             ("bridge", {"rules": [rule, {**rule, "gz_type": "gz.msgs.X"}]}),
             ("bridge", {"rules": [{}]}),
+            ("bridge", {"rules": [service, {**service, "gz_topic": "/world/v/control"}]}),
         ):
             answers.append(ask(with_simulator, command, values))
         with_simulator.close()
@@ -254,6 +263,17 @@ def test_the_socket(tmp_path: Path) -> None:
     assert answers[5]["problems"][0] is None
     assert "gz.msgs.X" in answers[5]["problems"][1]
     assert "does not understand the rule {}" in answers[6]
+    assert answers[7]["problems"][0] is None
+    assert "no service /world/v/control" in answers[7]["problems"][1]
+    steps = types.SimpleNamespace(
+        pause=True,
+        step=False,
+        multi_step=5,
+        reset=types.SimpleNamespace(all=False, time_only=False, model_only=False),
+    )
+    request, answer = types.SimpleNamespace(world_control=steps), types.SimpleNamespace()
+    assert ros.services["/world/w/control"](request, answer).success
+    assert simulation.control.seconds == pytest.approx(0.005)
     last = time.monotonic() + 60.0
     while ros.nodes and time.monotonic() < last:  # the bridge ends with its connection
         server.answer()

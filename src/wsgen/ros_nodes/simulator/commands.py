@@ -142,7 +142,10 @@ class CommandServer:
         """Connect topics; the answer has what is wrong with each rule, null where nothing is."""
         host = self._simulation.host
         rules = [_rule(given) for given in request.get("rules", ())]
-        problems = [self._services.problem_of(rule) or problem_of(rule) for rule in rules]
+        problems = [
+            self._services.problem_of(rule) if rule.direction == SERVICE else problem_of(rule)
+            for rule in rules
+        ]
         node = host.ros.node(
             str(request.get("node", "ros_gz_bridge")),
             str(request.get("namespace", "")),

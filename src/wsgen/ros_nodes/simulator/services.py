@@ -118,8 +118,6 @@ class GzServices:
 
     def problem_of(self, rule: Rule) -> str | None:
         """Why a rule about a service cannot be followed, and what to do; None where it can."""
-        if rule.direction != SERVICE:
-            return None
         name = self._known.get(rule.gz_topic, ("", None))[0]
         if not name or rule.ros_type != _PACKAGE + name:
             known = ", ".join(f"{one}@{_PACKAGE}{kind}" for one, (kind, _) in self._known.items())
