@@ -97,6 +97,25 @@ def test_programs_that_wsgen_has(
 
 
 @pytest.mark.parametrize(
+    ("program", "arguments", "told"),
+    [
+        ("gz", ("sim", "-r -v 4", "a.sdf"), ()),
+        ("gz", ("sim", "-v 4", "a.sdf"), ("--waits-for-play",)),
+        ("gzserver", ("a.world",), ()),
+        ("gzserver", ("a.world", "--pause"), ("--paused",)),
+        ("gzserver", ("-u", "a.world"), ("--paused",)),
+    ],
+)
+def test_how_a_simulation_begins(
+    program: str, arguments: tuple[str, ...], told: tuple[str, ...]
+) -> None:
+    found = find_stand(None, program, arguments, is_sourced=False)
+    assert found is not None
+    assert isinstance(found.stand, Ours)
+    assert found.stand.arguments == told
+
+
+@pytest.mark.parametrize(
     ("package", "program", "arguments"),
     [
         ("rviz2", "rviz2", ()),

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import importlib
+import signal
+from typing import TYPE_CHECKING
 
 import pytest
 
 from ros_nodes.fake_ros import install_messages
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 
 @pytest.fixture
@@ -15,3 +20,13 @@ def messages(monkeypatch: pytest.MonkeyPatch) -> None:
     install_messages(monkeypatch)
     topics = importlib.import_module("wsgen.ros_nodes.simulator.topics")
     monkeypatch.setattr(topics, "COUNT_EVERY", -1.0)  # count subscriptions whenever they are asked
+
+
+@pytest.fixture(autouse=True)
+def _signals() -> Iterator[None]:
+    """Programs that a test calls leave the signals of this process as they end: ignored."""
+    numbers = (signal.SIGINT, signal.SIGTERM)
+    before = [signal.getsignal(number) for number in numbers]
+    yield
+    for number, handler in zip(numbers, before, strict=True):
+        signal.signal(number, handler)

@@ -49,7 +49,8 @@ def _gazebo(values: Mapping[str, str]) -> Iterator[Any]:
 
 
 def _gzserver(values: Mapping[str, str]) -> Iterator[Any]:
-    words = ["gzserver", values.get("world", "")]
+    paused = ["--pause"] if _is_true(values.get("pause", "false")) else []
+    words = ["gzserver", values.get("world", ""), *paused]
     yield _process(words, is_required=_is_true(values.get("server_required", "false")))
 
 

@@ -6,6 +6,7 @@ joint_state_publisher, geometry2 and ros2_control.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 from wsgen.values import dataclass
@@ -14,6 +15,8 @@ NODES = "wsgen.ros_nodes"
 SIMULATOR = f"{NODES}.simulator"
 GZ_COMMANDS = ("gz", "ign")
 GZ_SERVERS = ("sim", "gazebo")  # `gz sim`, `ign gazebo`
+GZ_RUN = frozenset(("-r", "--run"))
+CLASSIC_PAUSE = frozenset(("-u", "--pause"))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,6 +41,8 @@ class LeftOut:
 Stand = Ours | LeftOut
 
 _GAZEBO = Ours(module=SIMULATOR, keeps_arguments=False, with_sourced_ros=True)
+_GAZEBO_PAUSED = replace(_GAZEBO, arguments=("--paused",))
+_GAZEBO_THAT_WAITS = replace(_GAZEBO, arguments=("--waits-for-play",))
 _BRIDGE = Ours(module=f"{NODES}.bridge", with_sourced_ros=True)
 _IMAGE_BRIDGE = Ours(module=f"{NODES}.bridge", arguments=("--images",), with_sourced_ros=True)
 _WINDOW = LeftOut(
@@ -149,6 +154,8 @@ def find_stand(
         stand, arguments = _ros2(arguments)
     else:
         stand = COMMANDS.get(program)
+        if stand is _GAZEBO and CLASSIC_PAUSE.intersection(arguments):
+            stand = _GAZEBO_PAUSED
     if stand is None or (is_sourced and not stand.with_sourced_ros):
         return None
     return Replaced(stand=stand, arguments=arguments)
@@ -157,7 +164,9 @@ def find_stand(
 def _gz(arguments: tuple[str, ...]) -> tuple[Stand, tuple[str, ...]]:
     words = [part for word in arguments for part in word.split()]
     if words[:1] and words[0] in GZ_SERVERS:
-        return (_WINDOW if "-g" in words else _GAZEBO), arguments
+        if "-g" in words:
+            return _WINDOW, arguments
+        return (_GAZEBO if GZ_RUN.intersection(words) else _GAZEBO_THAT_WAITS), arguments
     why = "wsgen simulates in the place of Gazebo, and has none of its other commands"
     return LeftOut(why=why, with_sourced_ros=True), arguments
 

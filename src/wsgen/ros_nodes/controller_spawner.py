@@ -16,6 +16,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
 from wsgen.ros_nodes.colors import colored
+from wsgen.ros_nodes.signals import ignore_ends
 from wsgen.values import dataclass
 
 if TYPE_CHECKING:
@@ -198,8 +199,7 @@ def unload_when_interrupted(order: Order, client: ManagerClient) -> int:
         while True:
             time.sleep(1)
     except KeyboardInterrupt:
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, signal.SIG_IGN)
+        ignore_ends()
     names = [one.name for one in order.controllers if not one.stays_inactive]
     if not names:
         client.info("No active controllers to unload.")

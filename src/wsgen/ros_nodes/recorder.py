@@ -28,6 +28,7 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPo
 
 from ament_index_python.packages import get_package_share_directory
 from wsgen.ros_nodes.message_definitions import definition_of
+from wsgen.ros_nodes.signals import ignore_ends, raise_when_ended
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -162,8 +163,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     name, *parent = sys.argv[1:] if arguments is None else arguments
     file = Path(name)
     unfinished = file.with_name(file.name + UNFINISHED)
-    for ending in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(ending, signal.default_int_handler)
+    raise_when_ended()
     if parent:
         _end_with(int(parent[0]))
     try:
@@ -178,8 +178,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
                 rclpy.spin(Recorder(writer))
         finally:
-            for ending in (signal.SIGINT, signal.SIGTERM):
-                signal.signal(ending, signal.SIG_IGN)
+            ignore_ends()
             rclpy.try_shutdown()
             writer.finish()
     unfinished.replace(file)

@@ -7,6 +7,7 @@ import importlib
 import json
 import os
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,6 +29,12 @@ if TYPE_CHECKING:
     from wsgen.model.world import World
     from wsgen.simulation.engine import Engine
 
+# What starts it says: with the flag for a pause; without Gazebo Sim's to run.
+PAUSED, WAITS = "--paused", "--waits-for-play"
+TELL_OF_WAITING = (
+    "Without -r, Gazebo Sim waits for the play button of its window. wsgen has none and runs at "
+    "once; add -r to gz_args, and Gazebo Sim does so, too."
+)
 SLICE = 0.01  # s, simulated, between two looks at what has arrived
 IDLE = 0.02  # s, that a paused simulator waits for what arrives
 TRACEBACK = "WSGEN_TRACEBACK"  # a variable; set, bugs have tracebacks
@@ -68,11 +75,16 @@ def simulate(folder: Path, arguments: list[str]) -> None:
     """Simulate the scene of a live folder."""
     text = (folder / SCENE_FILE).read_text(encoding="utf-8")
     scene = decode(json.loads(text), LiveScene)
+    if PAUSED in arguments:
+        scene = replace(scene, is_paused=True)
+    own = [word for word in arguments if word not in {PAUSED, WAITS}]
     engine = make_engine(scene.scene.engine, scene.scene.world)
-    ros = Ros(arguments)
+    ros = Ros(own)
     simulation = LiveSimulation(scene, engine, ros, lambda _: None)
     if scene.is_filmed:
         simulation.add(Due(plugin=Filming(simulation.host, folder), robot=None, name="film"))
+    if WAITS in arguments:
+        simulation.host.warn(TELL_OF_WAITING)
     server = CommandServer(folder, simulation)
     try:
         run(simulation, server, ros)
