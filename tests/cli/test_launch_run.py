@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 import pytest
 
-from wsgen.cli import main
+from wsgen.cli import run
 from wsgen.cli.launch import RateType
 
 if TYPE_CHECKING:
@@ -29,6 +29,10 @@ if TYPE_CHECKING:
         (["--run", "--rate", "fast"], "fast"),
         (["--run", "--rate", "0"], "A rate is a number above 0, or `max`."),
         (["--run", "--for", "-1"], "-1"),
+        (["--run", "--record", "a.png"], "`a.png` is neither an .mcap, nor a .gif, nor an .mp4"),
+        (["--run", "--record", "a.gif", "--record", "b.mp4"], "the same recording twice"),
+        (["--run", "--record", "/no/such/folder/a.mcap"], "its folder does not exist"),
+        (["--play", "--record", "a.gif", "--record", "b.gif"], "--play makes one video."),
     ],
 )
 def test_what_makes_no_sense_is_refused(
@@ -39,9 +43,7 @@ def test_what_makes_no_sense_is_refused(
         "from launch import LaunchDescription\n"
         "def generate_launch_description():\n    return LaunchDescription()\n"
     )
-    with pytest.raises(SystemExit) as end:
-        main(["launch", str(file), *words])
-    assert end.value.code == 2
+    assert run(["launch", str(file), *words]) == 2
     assert message in capsys.readouterr().err
 
 
