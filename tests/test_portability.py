@@ -17,7 +17,13 @@ from wsgen.meshes.lookup import Missing, locate
 from wsgen.source_shares import name_sources, serve_sources
 
 # They import what only Linux has, and are imported only there.
-LINUX_ONLY = {"wsgen.isolation.guard", "wsgen.isolation.fork_server_process"}
+LINUX_ONLY = {
+    "wsgen.isolation.guard",
+    "wsgen.isolation.fork_server_process",
+    "wsgen.isolation.forked",
+    *(f"wsgen.live.{name}" for name in ("run", "service_child", "service_process")),
+    "wsgen.live.shared_memory",
+}
 # Scripts, which read a request, and what is on the path of certain children alone.
 NO_MODULES = (
     "wsgen.isolation.bootstrap",

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from wsgen.errors import NotFoundError
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable
 
@@ -32,6 +34,12 @@ def run(
 
     import click
 
+    if sys.platform != "linux":
+        raise NotFoundError(
+            "--run needs Linux: processes are ended with all that they have started by what "
+            "Linux alone has.",
+            hint="Use --play to simulate the robots; on Windows use the Windows Subsystem for Linux.",
+        )
     from wsgen.cli.progress import listening
     from wsgen.live.run import RunRequest, run_launch
     from wsgen.pipeline.engines import check_engines
