@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -40,6 +41,8 @@ MAST = Pose((0.0, 0.0, 0.4))  # in the base, which stands 0.1 m high
 @pytest.fixture(autouse=True)
 def _messages(monkeypatch: pytest.MonkeyPatch) -> None:
     install_sensor_messages(monkeypatch)
+    topics = importlib.import_module("wsgen.ros_nodes.simulator.topics")
+    monkeypatch.setattr(topics, "COUNT_EVERY", -1.0)  # count subscriptions whenever they are asked
 
 
 def mounted(text: str, pose: Pose = MAST, frame: str = "mast") -> MountedSensor:

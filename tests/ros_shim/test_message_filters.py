@@ -64,6 +64,15 @@ def test_what_is_passed_on_is_within_the_slop_and_used_once(order: list[tuple[in
         assert max(times) - min(times) <= 0.5 + 1e-9
 
 
+def test_a_message_that_is_older_than_a_full_queue_is_forgotten() -> None:
+    left, right = SimpleFilter(), SimpleFilter()
+    found = collect(ApproximateTimeSynchronizer([left, right], 2, 1.0))
+    right.signalMessage(message(0.5))
+    for seconds in (5.0, 6.0, 0.4):
+        left.signalMessage(message(seconds))
+    assert found == []
+
+
 def test_a_callback_gets_its_own_arguments() -> None:
     one, found = SimpleFilter(), []
     one.registerCallback(lambda *everything: found.append(everything), "more", 3)

@@ -38,7 +38,8 @@ def run(
         raise NotFoundError(
             "--run needs Linux: processes are ended with all that they have started by what "
             "Linux alone has.",
-            hint="Use --play to simulate the robots; on Windows use the Windows Subsystem for Linux.",
+            hint="--play simulates the robots here; on Windows use the Windows Subsystem for "
+            "Linux.",
         )
     from wsgen.cli.progress import listening
     from wsgen.live.run import RunRequest, run_launch

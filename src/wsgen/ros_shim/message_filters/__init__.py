@@ -140,7 +140,7 @@ class TimeSynchronizer(SimpleFilter):
             queue[stamp] = msg
             while len(queue) > self.queue_size:
                 del queue[min(queue)]
-            found = self._match(index, stamp)
+            found = self._match(index, stamp) if stamp in queue else None
             if found is None:
                 return
             messages = [queue.pop(found[place]) for place, queue in enumerate(self.queues)]
