@@ -49,6 +49,10 @@ def run(name: str, make_node: Callable[[], Any], arguments: list[str] | None = N
     ) as error:
         get_logger(name).fatal(str(error))
         return 1
+    except Exception:
+        if rclpy.ok():
+            raise
+        return 0  # a signal has ended ROS while the node was made: whatever it wanted of it fails
     finally:
         rclpy.try_shutdown()
     return 0
