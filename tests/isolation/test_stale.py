@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
@@ -47,6 +48,22 @@ def test_the_folder_of_a_killed_process_is_removed(tmp_path: Path) -> None:
     aged(folder)
     remove_stale(str(tmp_path))
     assert not folder.exists()
+
+
+def test_folders_that_are_held_hide_no_others(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("wsgen.isolation.stale.MOST_REMOVED", 2)
+    folders = [tmp_path / f"{PREFIX}{number}" for number in range(8)]
+    for folder in folders:
+        folder.mkdir()
+        aged(folder)
+    found = [Path(entry.path) for entry in os.scandir(tmp_path)]  # as remove_stale finds them
+    with ExitStack() as stack:
+        for folder in found[:4]:
+            stack.enter_context(held(str(folder)))
+        remove_stale(str(tmp_path))
+        assert {*tmp_path.iterdir()} == {*found[:4], *found[6:]}
 
 
 def test_other_folders_are_left_alone(tmp_path: Path) -> None:

@@ -38,7 +38,11 @@ class ForkedProcess:
     def poll(self) -> int | None:
         """Its exit code; None while it runs."""
         if self.returncode is None:
-            reaped, status = os.waitpid(self.pid, os.WNOHANG)
+            try:
+                reaped, status = os.waitpid(self.pid, os.WNOHANG)
+            except ChildProcessError:
+                # Somebody else has asked for its exit code, which subprocess takes for 0, too.
+                reaped, status = self.pid, 0
             if reaped:
                 self.returncode = os.waitstatus_to_exitcode(status)
         return self.returncode

@@ -43,11 +43,15 @@ def remove_stale(place: str) -> None:
         return
     with suppress(OSError), os.scandir(place) as entries:
         stale = [entry.path for entry in entries if _may_be_stale(entry)]
-        for path in stale[:MOST_REMOVED]:
+        removed = 0
+        for path in stale:
             descriptor = _lock(path)
             if descriptor is not None:
                 shutil.rmtree(path, ignore_errors=True)
                 os.close(descriptor)
+                removed += 1
+            if removed == MOST_REMOVED:
+                break
 
 
 def _may_be_stale(entry: os.DirEntry[str]) -> bool:
