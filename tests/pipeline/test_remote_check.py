@@ -16,6 +16,7 @@ from wsgen.events import StepEnded
 from wsgen.executors import archive
 from wsgen.executors.local import LocalExecutor
 from wsgen.pipeline.check import CheckRequest, check
+from wsgen.pipeline.remote_check import Shipment, check_there
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -159,6 +160,13 @@ def test_other_install_spaces_and_what_is_of_this_machine(
     monkeypatch.setattr(archive, "MOST_BYTES", 10)
     with pytest.raises(RequestError, match="to be sent to the workers"):
         compare(machine)
+
+
+def test_a_worker_that_has_lost_the_archive(tmp_path: Path) -> None:
+    shipment = Shipment(parts=(tmp_path / "header", tmp_path / "missing"))
+    assert check_there(shipment, 0) == {"found": None}
+    gone = Shipment(parts=(tmp_path / "gone" / "header",))
+    assert check_there(gone, 0) == {"found": None}
 
 
 def test_what_the_machine_may_have_caused_is_checked_here(

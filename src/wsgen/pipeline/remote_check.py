@@ -260,8 +260,9 @@ def _open(shipment: Shipment) -> _Opened:
         while _opened:
             _, (_, stack) = _opened.popitem()
             stack.close()
-        stack = ExitStack()
-        known = _opened[shipment.parts] = _Opened(shipment, stack), stack
+        with ExitStack() as stack:  # closed if it cannot be opened
+            opened = _Opened(shipment, stack)
+            known = _opened[shipment.parts] = opened, stack.pop_all()
     return known[0]
 
 
@@ -270,7 +271,10 @@ def check_there(shipment: Shipment, number: int) -> dict[str, Any]:
 
     The answer has no diagnostics where another machine may say something else.
     """
-    opened = _open(shipment)
+    try:
+        opened = _open(shipment)
+    except OSError:  # of this machine: its disk is full, or it has removed the archive
+        return {"found": None}
     if any(map(exists, opened.header.paths[number])):
         return {"found": None}
     started = time.perf_counter()
