@@ -194,12 +194,13 @@ class RunningProcess:
         self.budget = Budget()
         self.is_ending = False  # it was told to end
         self.outputs: dict[int, Output] = {}  # by the descriptor that is read
+        outputs = [Output(name, stream, start, screen, logs) for stream in (STDOUT, STDERR)]
         ends: list[int] = []
         try:
-            for stream in (STDOUT, STDERR):
+            for output in outputs:
                 ours, theirs = _open_terminal() if start.emulates_tty else os.pipe()
                 ends.append(theirs)
-                self.outputs[ours] = Output(name, stream, start, screen, logs)
+                self.outputs[ours] = output
                 os.set_blocking(ours, False)
             self.child = subprocess.Popen(
                 " ".join(command) if is_shell else list(command),
