@@ -12,7 +12,9 @@ import pytest
 
 import wsgen.cli
 from test_start_up import loaded
+from wsgen.cli.ros_tool import _is_sourced
 from wsgen.ros_environment import RosEnvironment
+from wsgen.ros_environment.processes import handed_over
 
 
 class ReplacedError(BaseException):
@@ -32,7 +34,7 @@ def asked(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Any:
         )
 
     def replace(_path: str, command: list[str], variables: dict[str, str]) -> None:
-        seen["request"], seen["variables"] = json.loads(command[-1]), variables
+        seen["request"], seen["variables"] = json.loads(handed_over(command[-1])), variables
         raise ReplacedError
 
     monkeypatch.setattr("wsgen.ros_environment.open_ros", open_ros)
@@ -55,6 +57,23 @@ def test_what_is_published(asked: Any) -> None:
     assert seen["messages"] == ["my_msgs"]
     assert seen["variables"]["PYTHONPATH"].split(os.pathsep)[0] == "/ros"
     assert seen["variables"]["PYTHONPATH"].endswith("ros_shim")
+
+
+def test_a_large_message_is_no_argument(asked: Any) -> None:
+    values = "[" + "1, " * 100_000 + "1]"
+    seen = asked("topic", "pub", "-1", "/go", "my_msgs/msg/Go", values)
+    assert seen["request"]["options"]["values"] == values
+
+
+def test_an_install_space_with_a_longer_name_is_another_one() -> None:
+    install = Path("/ws/install")
+    for entry, is_sourced in {
+        "/ws/install": True,
+        "/ws/install/pkg": True,
+        "/ws/install_old/pkg": False,
+        "": False,
+    }.items():
+        assert _is_sourced(install, {"AMENT_PREFIX_PATH": f"/other:{entry}"}) == is_sourced
 
 
 def test_what_is_shown(asked: Any) -> None:

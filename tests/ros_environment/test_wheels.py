@@ -76,6 +76,30 @@ def test_files_of_wheels_are_put_where_they_belong(tmp_path: Path) -> None:
     assert not (tmp_path / "outside").exists()
 
 
+def test_a_later_wheel_changes_no_equal_files(tmp_path: Path) -> None:
+    wheels = [
+        wheel(tmp_path, "a", {"a/one.so": LIBRARY, "a/two.so": LIBRARY}),
+        wheel(tmp_path, "b", {"a/two.so": b"of b"}),
+    ]
+    prefix = tmp_path / "prefix"
+    unpack(wheels, prefix, change=lambda _, content: content, progress=silent)
+    folder = site_packages(prefix) / "a"
+    assert (folder / "one.so").read_bytes() == LIBRARY
+    assert (folder / "two.so").read_bytes() == b"of b"
+
+
+def test_pip_is_not_a_file_of_the_working_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("pip", "zipfile"):
+        (tmp_path / f"{name}.py").write_text("raise SystemExit('ERROR: executed')")
+    monkeypatch.chdir(tmp_path)
+    wheel(tmp_path, "mine", {"mine-1.dist-info/METADATA": b"Name: mine\nVersion: 1\n"})
+    environment = {**os.environ, "PIP_NO_INDEX": "1", "PIP_FIND_LINKS": "."}
+    with pytest.raises(NotFoundError, match="No matching distribution"):
+        download(["none==1"], tmp_path, environment=environment, listener=silent, step=("ros",))
+
+
 def test_folders_of_the_machine_that_built_the_wheels_are_removed() -> None:
     text = (
         b'  INTERFACE_INCLUDE_DIRECTORIES "${_IMPORT_PREFIX}/include;'

@@ -70,10 +70,11 @@ def start_tool(
     import json
     import os
     import sys
-    from pathlib import Path
 
     from wsgen.cli.progress import listening
-    from wsgen.ros_environment import open_ros
+    from wsgen.isolation.parent import not_started
+    from wsgen.ros_environment import open_ros, variables_of_nodes
+    from wsgen.ros_environment.processes import hand_over, module_command
 
     environment = _environment((ctx.parent or ctx).params.get("workspace"))
     package = (message_type or "").partition("/")[0]
@@ -83,12 +84,10 @@ def start_tool(
             messages=[package] if package else [],
             listener=listener or (lambda _event: None),
         )
-    variables = {**environment, **ros.variables}
+    variables = {**environment, **variables_of_nodes(ros, environment)}
     if not ros.is_sourced:
-        shim = Path(__file__).parents[1] / "ros_shim"
-        path = variables.get("PYTHONPATH", "").split(os.pathsep)
-        variables["PYTHONPATH"] = os.pathsep.join([*filter(None, path), str(shim)])
-        # As the nodes of a live run: Fast DDS would leave queues in shared memory.
+        # Killed, it would leave queues of Fast DDS in shared memory. After a live run wsgen
+        # removes those; nothing runs after this process that could.
         variables.setdefault("FASTDDS_BUILTIN_TRANSPORTS", "UDPv4")
     if verb in TAKE_TYPE:
         options["message_type"] = message_type
@@ -100,9 +99,13 @@ def start_tool(
         "built": [],
         "options": options,
     }
-    command = [str(ros.python), "-m", "wsgen.ros_nodes.graph_tool", json.dumps(request)]
     sys.stdout.flush()
-    os.execve(command[0], command, variables)  # noqa: S606  no shell is wanted
+    try:
+        number = hand_over(json.dumps(request))
+        command = module_command(ros.python, "wsgen.ros_nodes.graph_tool", number)
+        os.execve(command[0], command, variables)  # noqa: S606  no shell is wanted
+    except OSError as error:
+        raise not_started(error) from error
 
 
 TAKE_TYPE = ("topic echo", "topic pub")
@@ -127,6 +130,7 @@ def _environment(workspace: str | None) -> Mapping[str, str]:
 def _is_sourced(install: Path, environment: Mapping[str, str]) -> bool:
     """Whether the workspace is on the paths already: sourcing it again costs 0.3 s."""
     import os
+    from pathlib import Path
 
     prefixes = environment.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
-    return any(prefix.startswith(str(install)) for prefix in prefixes)
+    return any(Path(prefix).is_relative_to(install) for prefix in prefixes if prefix)

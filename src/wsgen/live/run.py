@@ -7,7 +7,6 @@ import os
 import signal
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import has_errors
@@ -27,6 +26,7 @@ from wsgen.model.plan import LaunchRequest
 from wsgen.pipeline.package_validation import Validation
 from wsgen.pipeline.run_robots import spawned_robots
 from wsgen.pipeline.validate import selected_package
+from wsgen.ros_environment import variables_of_nodes
 from wsgen.simulation.live_scene import SCENE_FILE, LiveScene
 from wsgen.simulation.scene import Scene
 from wsgen.values import dataclass
@@ -34,6 +34,7 @@ from wsgen.workspace.layout import find_packages
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+    from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.events import Listener
@@ -250,14 +251,9 @@ def _environment(overlay: Mapping[str, str]) -> dict[str, str]:
 
 def _with_shim(ros: RosEnvironment, environment: Mapping[str, str]) -> dict[str, str]:
     """What processes have in their environment beside what the launch has."""
-    variables = dict(ros.variables)
+    variables = variables_of_nodes(ros, environment)
     if ros.is_sourced:
         return variables
-    import wsgen  # noqa: PLC0415  for its folder
-
-    shim = Path(wsgen.__file__).with_name("ros_shim")
-    path = variables.get("PYTHONPATH", environment.get("PYTHONPATH", ""))
-    variables["PYTHONPATH"] = os.pathsep.join([*([path] if path else []), str(shim)])
     stub = known_packages.prefix()
     prefixes = variables.get("AMENT_PREFIX_PATH", environment.get("AMENT_PREFIX_PATH", ""))
     kept = [one for one in prefixes.split(os.pathsep) if one and one != stub]

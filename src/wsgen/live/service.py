@@ -36,6 +36,7 @@ from wsgen.live.programs import PLUGINS, LeftOut, Ours, find_stand
 from wsgen.live.request import INTERRUPT, TERMINATE
 from wsgen.live.screen import LogFiles, Screen, ScreenHandler, make_log_folder
 from wsgen.live.timeline import Happening, LiveTimeline
+from wsgen.ros_environment.processes import module_command
 from wsgen.simulation.live_scene import FOLDER_VARIABLE, SCENE_FILE, socket_path
 from wsgen.values import dataclass
 
@@ -331,8 +332,8 @@ class Service:
         name = [Path(start.path).name] if start.path else []
         shown = (*start.prefix, *name, *start.words)
         words = arguments if stand.keeps_arguments else _ros_arguments(arguments)
-        python = str(self.request.python)
-        command = (*start.prefix, python, "-m", stand.module, *stand.arguments, *words)
+        ours = module_command(self.request.python, stand.module, *stand.arguments, *words)
+        command = (*start.prefix, *ours)
         is_simulator = stand.module.endswith(".simulator")
         return Resolved(command=command, shown=shown, is_ours=True, is_simulator=is_simulator)
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from wsgen.ros_environment.environment import RosEnvironment, open_ros
+    from wsgen.ros_environment.environment import RosEnvironment, open_ros, variables_of_nodes
 
-__all__ = ["RosEnvironment", "open_ros"]
+__all__ = ["RosEnvironment", "open_ros", "variables_of_nodes"]
 
 
 def __getattr__(name: str) -> Any:

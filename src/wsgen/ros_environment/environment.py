@@ -24,6 +24,7 @@ ALWAYS = "tf2_msgs"  # nearly every robot has frames
 DISCOVERY = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 DISCOVERY_VARIABLES = (DISCOVERY, "ROS_LOCALHOST_ONLY", "ROS_STATIC_PEERS", "ROS_DISCOVERY_SERVER")
 OLD_DISCOVERY = ("foxy", "galactic", "humble")  # from Iron on they have DISCOVERY
+SHIM = Path(__file__).parents[1] / "ros_shim"
 MIDDLEWARE = "rmw_fastrtps_cpp"  # the only one that PyPI has
 
 
@@ -152,6 +153,19 @@ def variables_of(prefixes: list[Path], environment: Mapping[str, str]) -> dict[s
         "ROS_VERSION": "2",
         **_discovery(environment, DISTRO),
     }
+
+
+def variables_of_nodes(ros: RosEnvironment, environment: Mapping[str, str]) -> dict[str, str]:
+    """Return the variables of a ROS with what PyPI lacks: the Python packages in `ros_shim`.
+
+    They come after all that the user has. A sourced ROS has the real ones.
+    """
+    variables = dict(ros.variables)
+    if not ros.is_sourced:
+        path = variables.get("PYTHONPATH", environment.get("PYTHONPATH", ""))
+        entries = [entry for entry in path.split(os.pathsep) if entry]
+        variables["PYTHONPATH"] = os.pathsep.join([*entries, str(SHIM)])
+    return variables
 
 
 def _discovery(environment: Mapping[str, str], distro: str) -> dict[str, str]:

@@ -21,6 +21,7 @@ from wsgen.errors import NotFoundError
 from wsgen.events import StepEnded, StepProgressed, StepStarted, post
 from wsgen.ros_environment.cache import being_made, cache_folder
 from wsgen.ros_environment.machines import MARKER, SOURCE_HINT, why_not
+from wsgen.ros_environment.processes import WITHOUT_WORKING_FOLDER
 from wsgen.ros_environment.wheels import download, site_packages, unpack
 
 if TYPE_CHECKING:
@@ -111,7 +112,7 @@ def _fill(folder: Path, environment: Mapping[str, str], listener: Listener) -> N
         "RMW_IMPLEMENTATION": "rmw_fastrtps_cpp",
     }
     run = subprocess.run(
-        [sys.executable, "-c", CHECK],
+        [sys.executable, "-c", WITHOUT_WORKING_FOLDER + CHECK],
         env=variables,
         capture_output=True,
         text=True,

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.errors import NotFoundError
 from wsgen.events import OutputLine, StepProgressed, post
+from wsgen.ros_environment.processes import module_command
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
@@ -71,7 +72,8 @@ def download(
             hint=f"Install it: {EXTRA} (pipx inject wsgen pip; uv tool install 'wsgen[ros]').",
         )
     wanted = list(requirements)
-    command = [sys.executable, "-m", "pip", "download", "--no-deps", "--only-binary", ":all:"]
+    command = [*module_command(sys.executable, "pip"), "download"]
+    command += ["--no-deps", "--only-binary", ":all:"]
     command += ["--progress-bar", "off", "--disable-pip-version-check", "--no-input"]
     command += ["--dest", str(folder), *wanted]
     variables = {**environment, "PIP_REQUIRE_VIRTUALENV": "0", "PYTHONUNBUFFERED": "1"}
@@ -135,8 +137,9 @@ def unpack(
                     made.add(target.parent)
                 # A library with its three names; and those that several wheels bring.
                 key = entry.CRC, entry.file_size
+                # To write into one that an earlier wheel has brought would change its links, too.
+                target.unlink(missing_ok=True)
                 if entry.file_size >= LARGE and key in large:
-                    target.unlink(missing_ok=True)
                     os.link(large[key], target)
                     continue
                 if entry.filename.endswith(".cmake"):

@@ -1,7 +1,8 @@
 """The process behind `wsgen topic` and `wsgen node`.
 
-Words and output are those of ros2cli (ros2/ros2cli: ros2topic, ros2node). It takes one argument, a
-request as JSON: the verb, its options by name, and how long to wait for other nodes.
+Words and output are those of ros2cli (ros2/ros2cli: ros2topic, ros2node). It takes one argument,
+the number of a descriptor with a request as JSON: the verb, its options by name, and how long to
+wait for other nodes.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from rclpy.executors import ExternalShutdownException
 
 from wsgen.ros_environment import open_ros
 from wsgen.ros_environment.interfaces import buildable
+from wsgen.ros_environment.processes import hand_over, handed_over, module_command
 from wsgen.ros_nodes import node_verbs, topic_verbs
 from wsgen.ros_nodes.graph import MissingMessages, Refusal, discover
 
@@ -38,7 +40,7 @@ CLOSED = 141  # nobody reads what is printed
 
 def main(arguments: list[str]) -> int:
     """Answer the request; returns the exit code."""
-    request = json.loads(arguments[1])
+    request = json.loads(handed_over(arguments[1]))
     rclpy.init(args=[])
     node = rclpy.create_node(
         request["node_name"] or f"_ros2cli_{os.getpid()}",
@@ -85,7 +87,7 @@ def _start_with(package: str, request: dict[str, Any]) -> None:
     print(f"Messages of {package} are built, once.", file=sys.stderr, flush=True)
     ros = open_ros(os.environ, messages=(package,), listener=lambda _event: None)
     again = {**request, "built": [*request["built"], package]}
-    command = [sys.executable, "-m", __spec__.name, json.dumps(again)]
+    command = module_command(sys.executable, __spec__.name, hand_over(json.dumps(again)))
     os.execve(command[0], command, {**os.environ, **ros.variables})  # noqa: S606  as it was started
 
 
