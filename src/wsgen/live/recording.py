@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import contextlib
 import os
+import select
 import signal
 import subprocess
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
-from wsgen.errors import NotFoundError, RequestError
+from wsgen.errors import NotFoundError, RequestError, SessionDiedError
 from wsgen.isolation import parent
 from wsgen.rendering.recording import why_no_video
+from wsgen.ros_environment.processes import module_command
 from wsgen.values import dataclass
 
 if TYPE_CHECKING:
@@ -20,6 +22,9 @@ if TYPE_CHECKING:
 
 
 MODULE = "wsgen.ros_nodes.recorder"
+READY = b"\n"  # what it writes when it records
+READ = 1 << 16  # bytes at once
+SECONDS_TO_START = 30.0  # wall-clock, on a busy machine
 SECONDS_TO_FINISH = 20.0  # wall-clock, for the index at the end of the file
 
 
@@ -79,33 +84,74 @@ def choose_recordings(files: Sequence[Path]) -> Recordings:
 
 @contextlib.contextmanager
 def recording_topics(
-    file: Path | None, python: Path, environment: Mapping[str, str]
+    file: Path | None, python: Path, environment: Mapping[str, str], *, use_sim_time: bool
 ) -> Iterator[None]:
     """Record all topics while the context is open; the file is complete when it closes.
 
     The recorder finishes its file also when this process is killed.
 
+    Args:
+        file: Is written; nothing is done without one.
+        python: The interpreter of nodes.
+        environment: All variables of nodes.
+        use_sim_time: Messages get the time of /clock, not that of this machine.
+
     Raises:
         NotReadableError: The process cannot be started.
+        SessionDiedError: It does not record, or has not finished its file.
     """
     if file is None:
         yield
         return
+    heard, told = os.pipe()
+    with os.fdopen(heard, "rb", buffering=0) as hears:
+        try:
+            recorder = _start(file.absolute(), python, environment, told, use_sim_time=use_sim_time)
+        finally:
+            os.close(told)
+        try:
+            if not select.select([hears], [], [], SECONDS_TO_START)[0]:
+                recorder.kill()
+                raise _failed(file, f"it did not start within {SECONDS_TO_START:.0f} s")
+            if (said := hears.read(READ)) == READY:
+                yield
+        finally:
+            _end(recorder)
+        if said != READY or recorder.returncode != 0:
+            why = (said + (hears.read(READ) or b"")).decode(errors="replace").strip()
+            raise _failed(file, why or f"its process ended with {recorder.returncode}")
+
+
+def _start(
+    file: Path, python: Path, environment: Mapping[str, str], told: int, *, use_sim_time: bool
+) -> subprocess.Popen[bytes]:
+    words = [str(file), "--parent", str(os.getpid()), "--tell", str(told)]
+    words += ["--use-sim-time"] if use_sim_time else []
     try:
-        recorder = subprocess.Popen(
-            [str(python), "-m", MODULE, str(file.absolute()), str(os.getpid())],
+        return subprocess.Popen(
+            module_command(python, MODULE, *words),
             stdin=subprocess.DEVNULL,
             env={**environment, "PYTHONUNBUFFERED": "1"},
             start_new_session=True,  # Ctrl-C ends the launch, and that ends the recording
+            pass_fds=[told],
         )
     except OSError as error:
         raise parent.not_started(error) from error
+
+
+def _end(recorder: subprocess.Popen[bytes]) -> None:
+    # While its interpreter starts, SIGINT would leave a traceback.
+    recorder.send_signal(signal.SIGTERM)
     try:
-        yield
-    finally:
-        recorder.send_signal(signal.SIGINT)
-        try:
-            recorder.wait(SECONDS_TO_FINISH)
-        except subprocess.TimeoutExpired:
-            recorder.kill()
-            recorder.wait()
+        recorder.wait(SECONDS_TO_FINISH)
+    except subprocess.TimeoutExpired:
+        recorder.kill()
+        recorder.wait()
+
+
+def _failed(file: Path, why: str) -> SessionDiedError:
+    return SessionDiedError(
+        f"The topics are not recorded in {file}: {why}.",
+        hint="Check the space on the disk. A file whose name ends with .part holds what was "
+        "recorded until then; `mcap recover` reads it.",
+    )

@@ -113,7 +113,12 @@ def run_launch(  # noqa: PLR0913  what to run, and who hears of it
             answers=answers.given,
         )
         variables = _with_shim(ros, environment)
-        with recording_topics(request.recordings.mcap, ros.python, environment | variables):
+        with recording_topics(
+            request.recordings.mcap,
+            ros.python,
+            environment | variables,
+            use_sim_time=prepared.is_simulated,
+        ):
             service.go(
                 ServiceRequest(
                     launch=launch,

@@ -1,154 +1,36 @@
 """Record all topics into an MCAP file, which Foxglove and `ros2 bag` open.
 
-    python -m wsgen.ros_nodes.recorder FILE [PARENT]
+    python -m wsgen.ros_nodes.recorder FILE [--use-sim-time] [--parent PID] [--tell DESCRIPTOR]
 
-Like `ros2 bag record --all --use-sim-time`: topics are found as they appear, hidden ones are left
-out, and messages are stored as they came, with the simulated time at which they did. The file has
-its name when it is complete; until then `.part` is behind it. It is completed at
-SIGINT or SIGTERM, and when the process PARENT ends.
+Like `ros2 bag record --all`: topics are found as they appear, hidden ones are left out, and
+messages are stored as they came, with the time at which they did: that of the clock, or with
+--use-sim-time the simulated one. The file has its name when it is complete; until then `.part` is
+behind it. It is completed at SIGINT or SIGTERM, and when the process PID ends.
+
+It writes READY to the descriptor when it records, and a text when it cannot: why.
 """
 
 from __future__ import annotations
 
+import argparse
 import contextlib
 import ctypes
-import importlib
 import os
 import signal
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-import rclpy
-from mcap.writer import Writer
-from rclpy.executors import ExternalShutdownException
-from rclpy.node import Node
-from rclpy.parameter import Parameter
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
-
-from ament_index_python.packages import get_package_share_directory
-from wsgen.ros_nodes.message_definitions import definition_of
-from wsgen.ros_nodes.signals import ignore_ends, raise_when_ended
+from wsgen.ros_nodes.signals import ENDING, raise_when_ended
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from rclpy.duration import Duration
-    from rclpy.endpoint_info import TopicEndpointInfo
 
-
-LOOK_SECONDS = 0.2  # wall-clock, between two looks for new topics
-DEPTH = 1000  # messages that wait for the recorder, at most; a full queue loses the oldest
+READY = b"\n"
 UNFINISHED = ".part"
-LIBRARY = "wsgen"
 PR_SET_PDEATHSIG = 1  # linux/prctl.h
-
-
-class Recorder(Node):
-    """Subscribes to every topic and writes what comes."""
-
-    def __init__(self, writer: Writer) -> None:
-        super().__init__(
-            "_wsgen_recorder",  # hidden, as its subscriptions are nobody's business
-            parameter_overrides=[Parameter("use_sim_time", value=True)],
-            enable_rosout=False,
-            start_parameter_services=False,
-        )
-        self._writer = writer
-        self._schemas: dict[str, int] = {}  # by type
-        self._topics: set[str] = set()  # that are recorded, or cannot be
-        self._sequences: dict[int, int] = {}  # by channel
-        self.create_timer(LOOK_SECONDS, self._look, clock=rclpy.clock.Clock())
-        self._look()
-
-    def _look(self) -> None:
-        for topic, types in self.get_topic_names_and_types():
-            if topic not in self._topics:
-                publishers = self.get_publishers_info_by_topic(topic)
-                if publishers:
-                    self._topics.add(topic)
-                    self._record(topic, types, publishers)
-
-    def _record(
-        self, topic: str, types: Sequence[str], publishers: Sequence[TopicEndpointInfo]
-    ) -> None:
-        if len(types) > 1:
-            self.get_logger().warning(f"{topic} is not recorded: it has the types {types}")
-            return
-        (type_name,) = types
-        try:
-            channel = self._channel(topic, type_name, publishers)
-            message_type = _message_type(type_name)
-        except (LookupError, OSError, ImportError, AttributeError) as error:
-            self.get_logger().warning(f"{topic} is not recorded: {type_name}: {error}")
-            return
-        self.create_subscription(
-            message_type,
-            topic,
-            lambda message, channel=channel: self._write(channel, message),
-            _matching(publishers),
-            raw=True,
-        )
-
-    def _channel(self, topic: str, type_name: str, publishers: Sequence[TopicEndpointInfo]) -> int:
-        if type_name not in self._schemas:
-            text = definition_of(type_name, lambda name: Path(get_package_share_directory(name)))
-            self._schemas[type_name] = self._writer.register_schema(
-                name=type_name, encoding="ros2msg", data=text.encode()
-            )
-        return self._writer.register_channel(
-            topic=topic,
-            message_encoding="cdr",
-            schema_id=self._schemas[type_name],
-            metadata={"offered_qos_profiles": _as_yaml(publishers)},
-        )
-
-    def _write(self, channel: int, message: bytes) -> None:
-        now = self.get_clock().now().nanoseconds
-        sequence = self._sequences[channel] = self._sequences.get(channel, 0) + 1
-        self._writer.add_message(channel, now, message, now, sequence)
-
-
-def _message_type(type_name: str) -> Any:
-    package, kind, name = type_name.split("/")
-    return getattr(importlib.import_module(f"{package}.{kind}"), name)
-
-
-def _matching(publishers: Sequence[TopicEndpointInfo]) -> QoSProfile:
-    """What all publishers of a topic can offer."""
-    profiles = [one.qos_profile for one in publishers]
-    is_reliable = all(one.reliability == ReliabilityPolicy.RELIABLE for one in profiles)
-    is_kept = all(one.durability == DurabilityPolicy.TRANSIENT_LOCAL for one in profiles)
-    return QoSProfile(
-        history=HistoryPolicy.KEEP_LAST,
-        depth=DEPTH,
-        reliability=(ReliabilityPolicy.RELIABLE if is_reliable else ReliabilityPolicy.BEST_EFFORT),
-        durability=(DurabilityPolicy.TRANSIENT_LOCAL if is_kept else DurabilityPolicy.VOLATILE),
-    )
-
-
-def _as_yaml(publishers: Sequence[TopicEndpointInfo]) -> str:
-    """What `ros2 bag play` publishes with: YAML, as rosbag2 writes it since its version 9."""
-    return "".join(_profile_as_yaml(one.qos_profile) for one in publishers)
-
-
-def _profile_as_yaml(profile: QoSProfile) -> str:
-    return f"""\
-- history: {profile.history.short_key}
-  depth: {profile.depth}
-  reliability: {profile.reliability.short_key}
-  durability: {profile.durability.short_key}
-  deadline: {_duration_as_yaml(profile.deadline)}
-  lifespan: {_duration_as_yaml(profile.lifespan)}
-  liveliness: {profile.liveliness.short_key}
-  liveliness_lease_duration: {_duration_as_yaml(profile.liveliness_lease_duration)}
-  avoid_ros_namespace_conventions: {str(profile.avoid_ros_namespace_conventions).lower()}
-"""
-
-
-def _duration_as_yaml(duration: Duration) -> str:
-    seconds, nanoseconds = divmod(duration.nanoseconds, 10**9)
-    return f"{{sec: {seconds}, nsec: {nanoseconds}}}"
+FAILED = 1
 
 
 def _end_with(parent: int) -> None:
@@ -158,30 +40,46 @@ def _end_with(parent: int) -> None:
         os.kill(os.getpid(), signal.SIGINT)
 
 
+def _read(arguments: Sequence[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="recorder")
+    parser.add_argument("file", type=Path)
+    parser.add_argument("--use-sim-time", action="store_true")
+    parser.add_argument("--parent", type=int)
+    parser.add_argument("--tell", type=int)
+    return parser.parse_args(arguments)
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Record until SIGINT or SIGTERM comes; give the exit code."""
-    name, *parent = sys.argv[1:] if arguments is None else arguments
-    file = Path(name)
-    unfinished = file.with_name(file.name + UNFINISHED)
+    # They wait while what takes long is imported: an import that is broken off leaves a traceback.
+    signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
     raise_when_ended()
-    if parent:
-        _end_with(int(parent[0]))
+    given = _read(arguments)
+    if given.parent is not None:
+        _end_with(given.parent)
+
+    def tell(what: bytes) -> None:
+        if given.tell is not None:
+            with contextlib.suppress(BrokenPipeError):  # who has started it was killed
+                os.write(given.tell, what)
+        elif what != READY:
+            sys.stderr.buffer.write(what + b"\n")
+
+    file: Path = given.file
+    unfinished = file.with_name(file.name + UNFINISHED)
     try:
-        stream = unfinished.open("wb")
+        with unfinished.open("wb") as stream:
+            from wsgen.ros_nodes.mcap_recording import record  # noqa: PLC0415  see above
+
+            record(stream, use_sim_time=given.use_sim_time, when_ready=lambda: tell(READY))
+        unfinished.replace(file)
     except OSError as error:
-        sys.exit(f"{unfinished} cannot be written: {error.strerror}")
-    with stream:
-        writer = Writer(stream)
-        writer.start(profile="ros2", library=LIBRARY)
-        rclpy.init(args=[], signal_handler_options=rclpy.signals.SignalHandlerOptions.NO)
-        try:
-            with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
-                rclpy.spin(Recorder(writer))
-        finally:
-            ignore_ends()
-            rclpy.try_shutdown()
-            writer.finish()
-    unfinished.replace(file)
+        tell(f"{unfinished} cannot be written: {error.strerror or error}".encode())
+        return FAILED
+    except ImportError as error:
+        unfinished.unlink(missing_ok=True)
+        tell(f"a Python module cannot be imported: {error}".encode())
+        return FAILED
     return 0
 
 
