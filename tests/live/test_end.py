@@ -38,7 +38,7 @@ while True:
     time.sleep(0.01)
 '''
         return LaunchDescription([
-            python(code, sigterm_timeout='0.2', sigkill_timeout=LaunchConfiguration('kill')),
+            python(code, sigterm_timeout='2', sigkill_timeout=LaunchConfiguration('kill')),
             ExecuteProcess(cmd=['sleep', '100']),
         ])
 """
@@ -67,7 +67,7 @@ def test_what_does_not_end_is_told_again_and_killed(launch: Callable[..., Launch
     run = launch(STUBBORN, arguments={"kill": "0.3"})
     run.wait_for("ready")
     run.interrupt()
-    time.sleep(0.1)
+    run.wait_for("[node-1] no")
     run.interrupt()
     assert run.wait() == 0
     again = "[WARNING] [launch]: user interrupted with ctrl-c (SIGINT) again, ignoring..."
@@ -78,9 +78,9 @@ def test_what_does_not_end_is_told_again_and_killed(launch: Callable[..., Launch
     order = [
         "[node-1] no",
         again,
-        failed.format("0.2", "SIGINT", "SIGTERM"),
+        failed.format("2", "SIGINT", "SIGTERM"),
         "[INFO] [node-1]: sending signal 'SIGTERM' to process[node-1]",
-        failed.format("0.5", "SIGTERM", "SIGKILL"),
+        failed.format("2.3", "SIGTERM", "SIGKILL"),
         "[INFO] [node-1]: sending signal 'SIGKILL' to process[node-1]",
     ]
     assert [line for line in run.lines if line in order] == [*order[:4], order[0], *order[4:]]
@@ -121,6 +121,30 @@ def test_a_second_terminal_may_be_closed(launch: Callable[..., Launch]) -> None:
     run.process.send_signal(signal.SIGHUP)
     run.wait()
     assert not any(map(is_alive, pids))
+
+
+@pytest.mark.parametrize(
+    ("number", "code"), [(signal.SIGINT, 0), (signal.SIGTERM, 128 + signal.SIGTERM)]
+)
+def test_a_launch_ends_though_nobody_reads_what_it_prints(
+    launch: Callable[..., Launch], number: int, code: int
+) -> None:
+    run = launch(
+        """
+        import os
+        ours, theirs = os.pipe()
+        os.dup2(theirs, 1)  # nobody reads this
+        return LaunchDescription([ExecuteProcess(cmd=['yes'], output='screen')])
+        """
+    )
+    warning = "process prints more than"  # then as much waits as may wait
+    wait_until(
+        lambda: any(warning in one.read_text() for one in run.logs.rglob("*.log")),
+        lambda: run.output,
+    )
+    time.sleep(0.1)
+    run.process.send_signal(number)
+    assert run.wait() == code
 
 
 def _children_of(pid: int) -> list[int]:

@@ -584,6 +584,7 @@ class Service:
         if self.screen.is_full:  # what processes print waits until it can be shown
             events = []
             time.sleep(min(seconds, 0.02))
+            self._take_commands()
         else:
             if seconds > 0.0:
                 self.logs.flush()
@@ -652,8 +653,11 @@ class Service:
             words = self._control.recv(1 << 8)
         except BlockingIOError:
             return
+        except OSError:
+            words = b""
         if not words:  # the parent is gone; its guard ends this
             self._selector.unregister(self._control)
+            self._control = None
         for word in (bytes([one]) for one in words):
             if word == INTERRUPT:
                 self._interrupt()
