@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import time
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
 from wsgen.live.process import PRINTED_AT_ONCE, Budget, Output, destinations
-from wsgen.live.screen import LogFiles
+from wsgen.live.screen import LogFiles, Screen
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -130,8 +131,25 @@ def test_a_log_is_not_larger_than_it_may_be(
     logs = LogFiles(tmp_path)
     for _ in range(100):
         logs.write("launch.log", b"\x1b[31mtwenty characters 12\x1b[0m")
+        logs.write("launch.log", b"short")
     logs.close()
     text = (tmp_path / "launch.log").read_text()
     assert len(text) < 200
     assert text.endswith("The log ends here: it would become too large.\n")
     assert "\x1b" not in text
+
+
+def test_a_screen_that_does_not_wait_is_waited_for() -> None:
+    ours, theirs = os.pipe()
+    os.set_blocking(theirs, False)
+    screen = Screen(theirs, is_colored=False)
+    line = b"x" * 1023
+    for _ in range(200):  # more than a pipe holds
+        screen.write(line)
+    time.sleep(0.1)
+    read = 0
+    while read < 200 * 1024:
+        read += len(os.read(ours, 1 << 16))
+    screen.close()
+    os.close(ours)
+    os.close(theirs)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import os
 import re
+import select
 import threading
 import time
 from collections import deque
@@ -80,7 +81,12 @@ class Screen:
     def _write_all(self, data: bytes) -> None:
         rest = memoryview(data)
         while rest:
-            rest = rest[os.write(self._descriptor, rest) :]
+            try:
+                rest = rest[os.write(self._descriptor, rest) :]
+            except BlockingIOError:  # another process has made it non-blocking
+                waiting = select.poll()
+                waiting.register(self._descriptor, select.POLLOUT)
+                waiting.poll()
 
 
 class LogFiles:
@@ -100,6 +106,7 @@ class LogFiles:
             return
         if size + len(line) > LARGEST_LOG:
             line = b"The log ends here: it would become too large."
+            size = LARGEST_LOG
         try:
             if name not in self._streams:
                 self._streams[name] = (self.folder / name).open("ab")
