@@ -172,14 +172,13 @@ def _gz(arguments: tuple[str, ...]) -> tuple[Stand, tuple[str, ...]]:
 
 
 def _ros2(arguments: tuple[str, ...]) -> tuple[Stand, tuple[str, ...]]:
-    command, *rest = (*arguments, "")
+    command = arguments[0] if arguments else ""
     if command == "control":
         found = _ros2_control(arguments[1:])
         if found is not None:
             return found
     if command in ROS2_COMMANDS:
         return Ours(module="wsgen"), arguments
-    del rest
     why = f"ros2 {command} is not installed; with ROS 2 installed and sourced it runs"
     return LeftOut(why=why), arguments
 

@@ -25,7 +25,6 @@ class ServiceRequest:
     # Environment of the launch, and what processes have in addition: complete values.
     environment: Mapping[str, str] = field(default_factory=dict)
     variables: Mapping[str, str] = field(default_factory=dict)
-    simulator: str = "gz"  # "classic" or "gz"
     is_colored: bool = False
     is_strict: bool = False  # what cannot run here ends the launch
     until_exit: str | None = None  # the node or process whose end ends the launch
