@@ -64,14 +64,18 @@ def _segment(name: str) -> str:
 def _is_locked(folder: Path, segment: str) -> bool:
     """Whether a process of another container, which this one does not see, uses a segment."""
     for lock in LOCKS:
-        with suppress(FileNotFoundError, PermissionError):
+        try:
             descriptor = os.open(folder / f"{segment}{lock}", os.O_RDWR)
-            try:
-                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError:
-                return True
-            finally:
-                os.close(descriptor)
+        except FileNotFoundError:
+            continue
+        except PermissionError:  # it is of another user, who may use it
+            return True
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except (BlockingIOError, PermissionError):
+            return True
+        finally:
+            os.close(descriptor)
     return False
 
 
@@ -82,14 +86,15 @@ def _used(folder: Path) -> set[str]:
     for process in Path("/proc").iterdir():
         if not process.name.isdecimal():
             continue
-        with suppress(OSError):
-            for line in (process / "maps").read_text(encoding="utf-8", errors="replace").split():
-                if line.startswith(start):
-                    used.add(_segment(line.removeprefix(start)))
+        # What is opened, mapped and closed meanwhile is in one of them in this order.
         with suppress(OSError):
             for descriptor in (process / "fd").iterdir():
                 with suppress(OSError):
                     target = str(descriptor.readlink())
                     if target.startswith(start):
                         used.add(_segment(target.removeprefix(start)))
+        with suppress(OSError):
+            for line in (process / "maps").read_text(encoding="utf-8", errors="replace").split():
+                if line.startswith(start):
+                    used.add(_segment(line.removeprefix(start)))
     return used
