@@ -6,14 +6,10 @@ import json
 import os
 import socket
 import time
-from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from wsgen.simulation.live_scene import FOLDER_VARIABLE, socket_path
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
+from wsgen.simulation.live_scene import FOLDER_VARIABLE, short_name, socket_path
 
 LOOK_EVERY = 0.05  # s, for the socket
 
@@ -40,16 +36,6 @@ def live_folder() -> Path:
             "Start it with `wsgen launch PACKAGE FILE --run`.",
         )
     return Path(folder)
-
-
-@contextmanager
-def short_name(path: Path) -> Iterator[str]:
-    """A name of a socket that the system takes: one of 107 bytes at most."""
-    folder = os.open(path.parent, os.O_RDONLY | os.O_DIRECTORY)
-    try:
-        yield f"/proc/self/fd/{folder}/{path.name}"
-    finally:
-        os.close(folder)
 
 
 class SimulatorClient:

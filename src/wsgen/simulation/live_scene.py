@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping  # noqa: TC003  the file is decoded by its type hints
+import os
+from collections.abc import Iterator, Mapping  # noqa: TC003  the file is decoded by its type hints
+from contextlib import contextmanager
 from dataclasses import field
 from pathlib import Path
 
@@ -39,3 +41,13 @@ class LiveScene:
 def socket_path(folder: Path) -> Path:
     """Where the simulator of a live run takes commands."""
     return Path(folder) / SOCKET
+
+
+@contextmanager
+def short_name(path: Path) -> Iterator[str]:
+    """A name of a socket that the system takes: one of 107 bytes at most."""
+    folder = os.open(path.parent, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        yield f"/proc/self/fd/{folder}/{path.name}"
+    finally:
+        os.close(folder)

@@ -16,8 +16,7 @@ from typing import TYPE_CHECKING, Any
 from wsgen.ros_nodes.simulator.services import SERVICE, GzServices
 from wsgen.ros_nodes.simulator.simulation import RefusedError
 from wsgen.ros_nodes.simulator.topics import Rule, problem_of
-from wsgen.ros_nodes.simulator_client import short_name
-from wsgen.simulation.live_scene import socket_path
+from wsgen.simulation.live_scene import short_name, socket_path
 
 if TYPE_CHECKING:
     from collections.abc import Callable
