@@ -30,6 +30,7 @@ def run(
     verbose: bool,
 ) -> int:
     """Start a launch file, and wait for its end; gives the exit code of `ros2 launch`."""
+    import contextlib
     import sys
 
     import click
@@ -49,39 +50,41 @@ def run(
     check_engines(request.engines)
     context = click.get_current_context()
     # Only what is started prints on a terminal that shows progress, and only when that has ended.
-    progress = listening(quiet=quiet, verbose=verbose, is_short=True)
-    listener = progress.__enter__()
+    with contextlib.ExitStack() as progress:
+        listener = progress.enter_context(listening(quiet=quiet, verbose=verbose, is_short=True))
 
-    def open_environment(messages: Collection[str]) -> RosEnvironment:
-        environment = selected.overlay.environment
-        return open_ros(environment, messages=messages, listener=listener or (lambda _event: None))
+        def open_environment(messages: Collection[str]) -> RosEnvironment:
+            environment = selected.overlay.environment
+            return open_ros(
+                environment, messages=messages, listener=listener or (lambda _event: None)
+            )
 
-    def show(diagnostics: Iterable[Diagnostic]) -> None:
-        progress.__exit__(None, None, None)
-        _print(tuple(diagnostics), verbose=verbose)
+        def show(diagnostics: Iterable[Diagnostic]) -> None:
+            progress.close()
+            _print(tuple(diagnostics), verbose=verbose)
 
-    def finish(remains: Callable[[Listener | None], Iterable[Diagnostic]]) -> None:
-        with listening(quiet=quiet, verbose=verbose) as listener:
-            found = remains(listener)
-        _print(tuple(found), verbose=verbose)
+        def finish(remains: Callable[[Listener | None], Iterable[Diagnostic]]) -> None:
+            with listening(quiet=quiet, verbose=verbose) as listener:
+                found = remains(listener)
+            _print(tuple(found), verbose=verbose)
 
-    is_terminal = sys.stdout is not None and sys.stdout.isatty()
-    return run_launch(
-        selected,
-        RunRequest(
-            prepared_as=request,
-            rate=rate,
-            seconds=seconds,
-            until_exit=until_exit,
-            is_strict=is_strict,
-            recordings=recordings,
-            is_colored=is_terminal if context.color is None else context.color,
-        ),
-        open_environment,
-        show=show,
-        finish=finish,
-        listener=listener,
-    )
+        is_terminal = sys.stdout is not None and sys.stdout.isatty()
+        return run_launch(
+            selected,
+            RunRequest(
+                prepared_as=request,
+                rate=rate,
+                seconds=seconds,
+                until_exit=until_exit,
+                is_strict=is_strict,
+                recordings=recordings,
+                is_colored=is_terminal if context.color is None else context.color,
+            ),
+            open_environment,
+            show=show,
+            finish=finish,
+            listener=listener,
+        )
 
 
 def _print(diagnostics: tuple[Diagnostic, ...], *, verbose: bool) -> None:
