@@ -78,7 +78,7 @@ def test_an_install_space_with_a_longer_name_is_another_one() -> None:
 
 def test_what_is_shown(asked: Any) -> None:
     request = asked("topic", "echo", "/odom", "--once", "-f", "--no-daemon")["request"]
-    assert (request["verb"], request["seconds"]) == ("topic echo", 0.5)
+    assert (request["verb"], request["seconds"]) == ("topic echo", 2.0)
     assert request["options"]["truncate_length"] is None
     assert request["options"]["once"]
     request = asked("topic", "--include-hidden-topics", "list", "-t")["request"]

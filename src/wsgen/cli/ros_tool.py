@@ -14,7 +14,9 @@ if TYPE_CHECKING:
 
 Function = Callable[..., Any]
 
-SPIN_SECONDS = 0.5  # ros2cli's, to find other nodes
+# Without a new name; ros2cli has 0.5, and a daemon that knows all. What Fast DDS announces to a new
+# process comes within two seconds.
+SPIN_SECONDS = 2.0
 
 
 class ExampleGroup(click.Group):

@@ -83,7 +83,7 @@ class Screen:
         while rest:
             try:
                 rest = rest[os.write(self._descriptor, rest) :]
-            except BlockingIOError:  # another process has made it non-blocking
+            except BlockingIOError:  # noqa: PERF203  another process has made it non-blocking
                 waiting = select.poll()
                 waiting.register(self._descriptor, select.POLLOUT)
                 waiting.poll()
