@@ -6,6 +6,8 @@ import re
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
+import pytest
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -191,6 +193,43 @@ def test_until_a_program_ends(launch: Callable[..., Launch]) -> None:
         """
     assert launch(body % 0, until_exit="goal").wait() == 0
     assert launch(body % 2, until_exit="goal").wait() == 1
+
+
+@pytest.mark.parametrize(
+    ("wanted", "goal"),
+    [
+        ("goal", "ExecuteProcess(cmd=['/no/such/program'], name='goal')"),
+        ("rviz2", "Node(package='rviz2', executable='rviz2', name='window')"),
+        ("window", "Node(package='rviz2', executable='rviz2', name='window')"),
+        ("true-2", "ExecuteProcess(cmd=['true'], prefix='no_such_terminal', name='true')"),
+    ],
+)
+def test_what_is_not_started_is_not_waited_for(
+    launch: Callable[..., Launch], wanted: str, goal: str
+) -> None:
+    body = f"return LaunchDescription([ExecuteProcess(cmd=['sleep', '100']), {goal}])"
+    run = launch(body, until_exit=wanted)
+    assert run.wait() == 1
+    error = f"[ERROR] [launch]: {wanted}, whose end --until-exit waits for, is not started"
+    assert run.output.count(error) == 1
+
+
+def test_seconds_of_the_wall_clock_wait_for_a_simulator_that_is_to_come(
+    launch: Callable[..., Launch],
+) -> None:
+    end = "TimerAction(period=0.6, actions=[LogInfo(msg='later'), Shutdown()])"
+    body = f"return LaunchDescription([ExecuteProcess(cmd=['sleep', '100']), {end}])"
+    run = launch(body, seconds=0.2, awaits_simulator=True)
+    assert run.wait() == 0
+    assert "later" in run.output
+
+
+def test_without_a_simulator_the_clock_on_the_wall_is_that_of_the_simulation(
+    launch: Callable[..., Launch],
+) -> None:
+    timer = "RosTimer(period=0.2, actions=[LogInfo(msg='later'), Shutdown()])"
+    body = f"return LaunchDescription([ExecuteProcess(cmd=['sleep', '100']), {timer}])"
+    assert launch(body).wait() == 0
 
 
 def test_seconds_of_the_wall_clock(launch: Callable[..., Launch]) -> None:

@@ -28,4 +28,6 @@ class ServiceRequest:
     is_colored: bool = False
     is_strict: bool = False  # what cannot run here ends the launch
     until_exit: str | None = None  # the node or process whose end ends the launch
-    seconds: float | None = None  # wall-clock, after which the launch ends; None: without end
+    # After which the launch ends: wall-clock, where no simulator is started, which ends by itself.
+    seconds: float | None = None
+    awaits_simulator: bool = False  # the launch file starts one, sooner or later

@@ -16,6 +16,7 @@ from wsgen.isolation import parent
 from wsgen.isolation.codec import encode
 from wsgen.launch import known_packages
 from wsgen.launch.evaluate import DISTRO_OF_LAUNCHES
+from wsgen.live.awaited import check_awaited
 from wsgen.live.film import draw_film
 from wsgen.live.messages import messages_of_devices, messages_of_packages, messages_of_plan
 from wsgen.live.missing_programs import cannot_run
@@ -82,6 +83,7 @@ def run_launch(  # noqa: PLR0913  what to run, and who hears of it
     Raises:
         NotFoundError: The engine is not installed.
         NotReadableError: A file cannot be written, or a process not be started.
+        RequestError: The launch file does not start what is waited for.
         SessionDiedError: A signal has ended the launch service.
     """
     with contextlib.ExitStack() as stack:
@@ -130,8 +132,8 @@ def run_launch(  # noqa: PLR0913  what to run, and who hears of it
                     is_colored=request.is_colored,
                     is_strict=request.is_strict,
                     until_exit=request.until_exit,
-                    # The simulator knows when the time of the simulation is over.
-                    seconds=None if prepared.is_simulated else request.seconds,
+                    seconds=request.seconds,
+                    awaits_simulator=prepared.has_simulator,
                 )
             )
             code = service.wait()
@@ -164,7 +166,7 @@ class Prepared:
     """What a live run needs, found."""
 
     ros: RosEnvironment
-    is_simulated: bool  # a scene is written
+    has_simulator: bool  # the launch file starts one; robots may wait for that of another one
 
 
 def prepare(  # noqa: PLR0913  what to prepare, where, how
@@ -190,6 +192,7 @@ def prepare(  # noqa: PLR0913  what to prepare, where, how
 
     Raises:
         BrokenRunError: Something keeps the launch from being started.
+        RequestError: The launch file does not start what is waited for.
     """
     package = selected_package(
         selected.file, selected.package, selected.overlay, selected.workspace
@@ -203,6 +206,8 @@ def prepare(  # noqa: PLR0913  what to prepare, where, how
     if started is None or not started.is_evaluated:
         show(subject.reported())
         raise BrokenRunError
+    if request.until_exit is not None:
+        check_awaited(request.until_exit, started.plan)
     devices = [one for one in (subject.world_devices, *(r.devices for r in robots)) if one]
     more = messages_of_plan(started.plan)
     more |= messages_of_devices(devices, subject.simulator_kind or "gz")
@@ -218,7 +223,7 @@ def prepare(  # noqa: PLR0913  what to prepare, where, how
     if broken or is_stopped or (has_simulation and world is None):
         raise BrokenRunError
     if not has_simulation or world is None:
-        return Prepared(ros=ros, is_simulated=False)
+        return Prepared(ros=ros, has_simulator=False)
     scene = Scene(world=world, robots=spawned_robots(robots), engine=request.prepared_as.engines[0])
     live = LiveScene(
         scene=scene,
@@ -235,7 +240,7 @@ def prepare(  # noqa: PLR0913  what to prepare, where, how
         is_filmed=request.recordings.video is not None,
     )
     write_file(live_folder / SCENE_FILE, encode(live))
-    return Prepared(ros=ros, is_simulated=True)
+    return Prepared(ros=ros, has_simulator=started.simulator is not None)
 
 
 def _in_world(robots: Iterable[PreparedRobot], spawns: Iterable[Spawn]) -> Iterator[str]:

@@ -6,13 +6,11 @@ output and ends of processes, for what its parent tells it, and for the next eve
 
 from __future__ import annotations
 
-import json
 import logging
 import os
 import selectors
 import shutil
 import signal
-import socket
 import subprocess
 import threading
 import time
@@ -35,12 +33,14 @@ from wsgen.live.process import (
 from wsgen.live.programs import PLUGINS, LeftOut, Ours, find_stand
 from wsgen.live.request import INTERRUPT, TERMINATE
 from wsgen.live.screen import LogFiles, Screen, ScreenHandler, make_log_folder
+from wsgen.live.simulated_time import SimulatedTime
 from wsgen.live.timeline import Happening, LiveTimeline
 from wsgen.ros_environment.processes import module_command
-from wsgen.simulation.live_scene import FOLDER_VARIABLE, SCENE_FILE, socket_path
+from wsgen.simulation.live_scene import FOLDER_VARIABLE
 from wsgen.values import dataclass
 
 if TYPE_CHECKING:
+    import socket
     from collections.abc import Callable, Iterable, Mapping, Sequence
 
     from wsgen.launch.live import ParameterGroup, Start
@@ -48,7 +48,6 @@ if TYPE_CHECKING:
     from wsgen.model.plan import Include, Process
 
 COMMAND_SECONDS = 60.0  # wall-clock, for a Command() that is executed
-SOCKET_SECONDS = 0.2  # for the answer of the simulator about its time
 MIDDLEWARE = "RMW_IMPLEMENTATION"  # of which the ROS of PyPI has one
 _PATHS = ("AMENT_PREFIX_PATH", "LD_LIBRARY_PATH", "PATH", "PYTHONPATH")
 
@@ -88,6 +87,9 @@ class Service:
         self._done: list[Callable[[], None]] = []  # by other threads
         self._parameter_files = 0
         self._simulator: RunningProcess | None = None
+        self._has_simulator = False  # one has been started
+        self._simulated_time = SimulatedTime(request.folder)
+        self._is_awaited_missing = False
         self._wake, self._woken = os.pipe()
         os.set_blocking(self._wake, False)
         os.set_blocking(self._woken, False)
@@ -123,9 +125,13 @@ class Service:
         """Begin to play."""
         self._context = context
         self._timeline = context.timeline
-        if self.request.seconds is not None:
+        if self.request.seconds is not None and not self.request.awaits_simulator:
             reason = f"{self.request.seconds:g} s are over"
-            end = Happening(partial(self._request_shutdown, reason), self._is_shut_down)
+            # A simulator knows when the time of the simulation is over.
+            end = Happening(
+                partial(self._request_shutdown, reason),
+                lambda: self._has_simulator or self._is_shut_down(),
+            )
             self._timeline.post(end, delay=self.request.seconds)
 
     def start(self, start: Start) -> None:
@@ -264,6 +270,8 @@ class Service:
 
     def leave_out(self, what: str, why: str, *, is_missed: bool = True) -> None:
         """Name something that cannot run here, once."""
+        if self.request.until_exit == what.partition(" of ")[0]:
+            self._give_up()
         if what in self._left_out:
             return
         self._left_out.add(what)
@@ -407,6 +415,8 @@ class Service:
         what = start.executable if _is_node(start) else " ".join(start.words[:1])
         of = f" of {start.package}" if start.package else ""
         self.leave_out(f"{what}{of}", left_out.why, is_missed=left_out.is_missed)
+        if self._is_awaited(start, start.action.process_name):
+            self._give_up()
         from launch._events import ProcessStarted  # noqa: PLC0415  the shim's, of this process
 
         started = ProcessStarted(
@@ -437,10 +447,13 @@ class Service:
             reason = error.strerror if isinstance(error, OSError) else str(error)
             text = f"exception occurred while executing process: {shown}: {reason}"
             logger.error("%s", text)  # noqa: TRY400  its traceback is not for users
+            if self._is_awaited(start, name):
+                self._give_up()
             return
         self._processes[process.pid] = process
         if resolved.is_simulator:
             self._simulator = process
+            self._has_simulator = True
         for descriptor in process.outputs:
             self._selector.register(descriptor, selectors.EVENT_READ, process)
         logger.info("process started with pid [%d]", process.pid)
@@ -516,13 +529,19 @@ class Service:
             self._finish(process)
 
     def _finish(self, process: RunningProcess) -> None:
-        process.drain(partial(self._take_output, process))
-        for descriptor, output in process.outputs.items():
+        try:  # handlers of the launch file may fail
+            process.drain(partial(self._take_output, process))
+            for output in process.outputs.values():
+                output.finish()
+                self._tell_listeners(process, output, b"", is_last=True)
+        finally:
+            self._take_end(process)
+
+    def _take_end(self, process: RunningProcess) -> None:
+        for descriptor in process.outputs:
             self._paused.pop(descriptor, None)
             with suppress(KeyError):
                 self._selector.unregister(descriptor)
-            output.finish()
-            self._tell_listeners(process, output, b"", is_last=True)
         process.close()
         del self._processes[process.pid]
         code = process.child.returncode
@@ -548,13 +567,25 @@ class Service:
             self._simulator = None
             self.went_well &= code == 0
             self._request_shutdown("the simulation has ended")
-        wanted = self.request.until_exit
-        start = process.start
-        names = {process.name, process.name.rpartition("-")[0], start.executable, start.node}
-        names.add((start.node or "").rpartition("/")[2])
-        if wanted is not None and wanted in names:
+        if self._is_awaited(process.start, process.name):
             self.went_well &= code == 0
-            self._request_shutdown(f"{wanted} has ended")
+            self._request_shutdown(f"{self.request.until_exit} has ended")
+
+    def _is_awaited(self, start: Start, name: str) -> bool:
+        """Whether the end of this process is to be that of all."""
+        names = {name, name.rpartition("-")[0], start.executable, start.node}
+        names.add((start.node or "").rpartition("/")[2])
+        return self.request.until_exit is not None and self.request.until_exit in names
+
+    def _give_up(self) -> None:
+        """End all: what is waited for does not run, and never ends."""
+        if self._is_awaited_missing:
+            return
+        self._is_awaited_missing = True
+        self.went_well = False
+        reason = f"{self.request.until_exit}, whose end --until-exit waits for, is not started"
+        self._logger.error("%s", reason)
+        self._request_shutdown(reason)
 
     def _is_shut_down(self) -> bool:
         return bool(self._context.is_shutdown)
@@ -684,18 +715,9 @@ class Service:
 
     def _simulated_now(self) -> float | None:
         """The time of the simulation; that of the clock on the wall where nothing is simulated."""
-        if not (self.request.folder / SCENE_FILE).exists():
+        if not self.request.awaits_simulator and not self._has_simulator:
             return time.monotonic()
-        with (
-            suppress(OSError, ValueError, TypeError, KeyError),
-            socket.socket(socket.AF_UNIX) as client,
-        ):
-            client.settimeout(SOCKET_SECONDS)
-            client.connect(str(socket_path(self.request.folder)))
-            client.sendall(b'{"do": "state"}\n')
-            answer = json.loads(client.makefile("rb").readline())
-            return float(answer["seconds"])
-        return None
+        return self._simulated_time.now()
 
 
 def _is_node(start: Start) -> bool:
