@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from wsgen.live.process import PRINTED_AT_ONCE, Budget, Output, destinations
+from wsgen.live.process import PRINTED_AT_ONCE, Budget, LineFormat, Output, destinations
 from wsgen.live.screen import LogFiles, Screen
 
 if TYPE_CHECKING:
@@ -45,6 +45,38 @@ def test_output_goes_where_launch_sends_it(launch: Callable[..., Launch]) -> Non
     kept = [line for line in logged if not line.startswith("[INFO]")]
     assert sorted(kept) == ["[both-3] err", "[both-3] out", "[log-2] err", "[log-2] out"]
     assert run.read_log("own-4-stdout.log").endswith(" [own-4] out\n")
+
+
+@pytest.mark.parametrize("form", ["[{bad}] {line}", "{line[3]}", "{this.nothing}", "{", "{line:d}"])
+def test_a_format_that_fails_is_named_once(launch: Callable[..., Launch], form: str) -> None:
+    run = launch(
+        f"""
+        return LaunchDescription([python({BOTH!r} + "; print('x')", output_format={form!r}),
+                                  ExecuteProcess(cmd=['sleep', '0.1'])])
+        """
+    )
+    assert run.wait() == 0
+    assert "[node-1] x" in run.lines
+    assert run.output.count(f"[ERROR] [node-1]: output_format {form!r} fails (") == 1
+    assert "process has finished cleanly" in run.output
+
+
+def test_a_handler_that_fails_keeps_no_process_from_ending(launch: Callable[..., Launch]) -> None:
+    run = launch(
+        """
+        from launch import EventHandler
+        def fail(event):
+            if isinstance(event, ProcessIO):
+                raise ValueError('no such thing')
+        return LaunchDescription([
+            RegisterEventHandler(EventHandler(matcher=fail)),
+            python("print('last words', end='')"),
+            ExecuteProcess(cmd=['sleep', '100']),
+        ])
+        """
+    )
+    assert run.wait() == 1
+    assert "no such thing" in run.output
 
 
 def test_a_process_that_prints_without_end_is_named_and_keeps_nobody_waiting(
@@ -117,7 +149,10 @@ class _Start:
 
 
 def test_listeners_hear_whole_lines() -> None:
-    output = Output("node-1", 1, _Start(), None, None)  # type: ignore[arg-type]  # it writes nothing
+    start: Any = _Start()
+    nothing: Any = None  # it writes nothing
+    form = LineFormat("node-1", start)
+    output = Output(form, 1, start=start, screen=nothing, logs=nothing)
     assert output.hear(b"hel") == b""
     assert output.hear(b"lo\nwor") == b"hello\n"
     assert output.hear(b"", is_last=True) == b"wor"

@@ -427,12 +427,10 @@ def play_live(
     live.begin(context)
     went_well = True
 
-    def survive(play: Callable[[], None]) -> None:
-        nonlocal went_well
+    def survives(play: Callable[[], None]) -> bool:
         try:
             play()
         except Exception as error:  # noqa: BLE001  foreign code
-            went_well = False
             reason = f"Caught exception in launch (see debug for traceback): {error}"
             logger = logging.getLogger("launch")
             logger.debug("%s", traceback.format_exc())
@@ -440,9 +438,13 @@ def play_live(
             _tell_place(error, explain_xacro)
             if not context.is_shutdown:
                 context.shut_down(Shutdown(reason=reason))
-            survive(lambda: play_on(context))
+            return False
+        return True
 
-    survive(lambda: play(root, context))
+    went_well = survives(lambda: play(root, context))
+    is_over = went_well
+    while not is_over:
+        is_over = survives(lambda: play_on(context))
     return went_well
 
 

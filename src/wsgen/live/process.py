@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import signal
 import subprocess
@@ -70,14 +71,45 @@ def destinations(config: Mapping[str, object] | str) -> dict[str, frozenset[str]
     return result
 
 
+class LineFormat:
+    """What is written of a line; a format of the launch file that fails is replaced."""
+
+    def __init__(self, name: str, start: Start) -> None:
+        self.name = name
+        self._form = start.output_format
+        self._action = start.action
+
+    def shown(self, line: bytes) -> bytes:
+        """A line as it is written."""
+        if self._form is not None:
+            text = line.decode(errors="replace")
+            try:
+                return self._form.format(line=text, this=self._action).encode("utf-8", "replace")
+            except Exception as error:  # noqa: BLE001  it calls what the launch file has
+                self._tell(error)
+        return b"[%s] %s" % (self.name.encode(), line)
+
+    def _tell(self, error: Exception) -> None:
+        reason = f"{type(error).__name__}: {error}"
+        text = f"output_format {self._form!r} fails ({reason}); lines are '[{self.name}] LINE'"
+        self._form = None
+        logging.getLogger(self.name).error("%s", text)
+
+
 class Output:
     """One stream of a process: its lines go where they are wanted."""
 
     def __init__(
-        self, name: str, stream: int, start: Start, screen: Screen, logs: LogFiles
+        self,
+        form: LineFormat,
+        stream: int,
+        *,
+        start: Start,
+        screen: Screen,
+        logs: LogFiles,
     ) -> None:
-        self.name = name
         self.stream = stream
+        self._form = form
         self._start = start
         self._screen = screen
         self._logs = logs
@@ -86,8 +118,8 @@ class Output:
         wanted = destinations(start.output)
         own = STREAMS[stream]
         self._to = wanted["both"] | wanted[own]
-        self._files = [f"{name}-{own}.log"] if "own_log" in wanted[own] else []
-        self._files += [f"{name}.log"] if "own_log" in wanted["both"] else []
+        self._files = [f"{form.name}-{own}.log"] if "own_log" in wanted[own] else []
+        self._files += [f"{form.name}.log"] if "own_log" in wanted["both"] else []
         self.cached: deque[bytes] = deque()
         self._cached_size = 0
 
@@ -121,13 +153,7 @@ class Output:
         return b"".join(self.cached).decode(errors="replace")
 
     def _write(self, lines: list[bytes]) -> None:
-        if self._start.output_format is None:
-            before = b"[%s] " % self.name.encode()
-            shown = [before + line for line in lines]
-        else:
-            texts = (line.decode(errors="replace") for line in lines)
-            form, action = self._start.output_format, self._start.action
-            shown = [form.format(line=text, this=action).encode() for text in texts]
+        shown = [self._form.shown(line) for line in lines]
         if "screen" in self._to:
             self._screen.write(b"\n".join(shown))
         files = [*(["launch.log"] if "log" in self._to else []), *self._files]
@@ -194,7 +220,11 @@ class RunningProcess:
         self.budget = Budget()
         self.is_ending = False  # it was told to end
         self.outputs: dict[int, Output] = {}  # by the descriptor that is read
-        outputs = [Output(name, stream, start, screen, logs) for stream in (STDOUT, STDERR)]
+        form = LineFormat(name, start)
+        outputs = [
+            Output(form, stream, start=start, screen=screen, logs=logs)
+            for stream in (STDOUT, STDERR)
+        ]
         ends: list[int] = []
         try:
             for output in outputs:

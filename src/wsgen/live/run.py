@@ -119,7 +119,7 @@ def run_launch(  # noqa: PLR0913  what to run, and who hears of it
             request.recordings.mcap,
             ros.python,
             environment | variables,
-            use_sim_time=prepared.is_simulated,
+            use_sim_time=prepared.has_simulator,
         ):
             service.go(
                 ServiceRequest(
