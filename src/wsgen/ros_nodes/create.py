@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 CLASSIC, SIM = "spawn_entity.py", "create"
 GZ_FAILED = 255  # -1
 WAIT = 5.0  # s, for Gazebo Sim, between two messages
-LOOK_EVERY = 0.2  # s, for entities that others spawn
+LOOK_EVERY = 0.2  # s, for entities that others spawn, and for signals
 NAME = re.compile(r"<(?:robot|model)\b[^>]*\bname\s*=\s*[\"']([^\"']*)[\"']")
 
 
@@ -177,7 +177,10 @@ def _description_on(node: Any, topic: str, waiting: str, every: float | None = N
     node.create_subscription(String, topic, lambda message: found.append(message.data), qos)
     while not any(found):
         node.get_logger().info(waiting)
-        rclpy.spin_once(node, timeout_sec=every)
+        heard = len(found)
+        end = math.inf if every is None else time.monotonic() + every
+        while len(found) == heard and time.monotonic() < end:
+            rclpy.spin_once(node, timeout_sec=LOOK_EVERY)  # signals wait until it returns
     return next(text for text in found if text)
 
 
