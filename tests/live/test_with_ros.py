@@ -59,6 +59,19 @@ def generate_launch_description():
 """
 
 
+# The simulator is that of another terminal, which is not there.
+SPAWN = """
+from launch import LaunchDescription
+from launch.actions import LogInfo
+from launch_ros.actions import Node, RosTimer
+
+def generate_launch_description():
+    spawner = Node(package='gazebo_ros', executable='spawn_entity.py',
+                   arguments=['-entity', 'rover', '-topic', 'robot_description'])
+    return LaunchDescription([spawner, RosTimer(period=1.0, actions=[LogInfo(msg='later')])])
+"""
+
+
 @pytest.fixture(scope="module")
 def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ros_with()
@@ -76,6 +89,7 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (launch / "drive.py").write_text(DRIVE)
     (launch / "drive.py").chmod(0o755)
     (launch / "drive.launch.py").write_text(LAUNCH)
+    (launch / "spawn.launch.py").write_text(SPAWN)
     return launch.parents[2]
 
 
@@ -105,6 +119,33 @@ def test_a_node_of_the_user_drives_the_robot(workspace: Path, tmp_path: Path) ->
     assert "gzclient is left out" in done.stdout
     assert "Successfully spawned entity [rover]" in done.stdout
     assert "Traceback" not in done.stdout + done.stderr
+
+
+def test_a_run_without_a_simulator_ends_after_its_seconds(workspace: Path, tmp_path: Path) -> None:
+    done = subprocess.run(
+        _command("spawn.launch.py", "--run", "--for", "4"),
+        cwd=workspace,
+        env=_environment(tmp_path),
+        capture_output=True,
+        text=True,
+        timeout=SECONDS,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "[INFO] [launch.user]: later" in done.stdout
+    assert "failed to terminate" not in done.stdout  # the spawner, which waits
+    assert "failed" not in done.stderr
+    refused = subprocess.run(
+        _command("spawn.launch.py", "--run", "--until-exit", "spawn_entity"),
+        cwd=workspace,
+        env=_environment(tmp_path),
+        capture_output=True,
+        text=True,
+        timeout=SECONDS,
+        check=False,
+    )
+    assert refused.returncode == 2
+    assert "Did you mean `spawn_entity.py`?" in refused.stderr
 
 
 def test_nothing_is_left_of_a_run_that_is_killed(workspace: Path, tmp_path: Path) -> None:
