@@ -60,5 +60,17 @@ def test_what_another_container_has_locked_stays(
     assert _names(folder) == {"other", "fastdds_12ab", "fastdds_12ab_el"}
 
 
+def test_a_lock_that_may_not_be_opened_keeps_its_segment(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(path: Path, flags: int) -> int:
+        raise PermissionError(path, flags)
+
+    monkeypatch.setattr("wsgen.live.shared_memory.os.open", refuse)
+    monkeypatch.setattr("wsgen.live.shared_memory._used", lambda _folder: set())
+    remove_left_behind(0.0, folder)
+    assert len(_names(folder)) == len(NAMES) + 1
+
+
 def test_no_shared_memory_at_all(tmp_path: Path) -> None:
     remove_left_behind(0.0, tmp_path / "missing")
