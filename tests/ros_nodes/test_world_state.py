@@ -25,6 +25,9 @@ def test_robots_are_spawned_listed_and_deleted_by_services() -> None:
     simulation, ros = simulation_of(live_scene())
     offer_factory(simulation)
     request = message("SpawnRequest", name="rover")
+    request.initial_pose.position.z = math.nan
+    assert not ros.services["/spawn_entity"](request, message("Done")).success
+    assert not simulation.host.robots
     request.initial_pose.position.z = 0.3
     answer = ros.services["/spawn_entity"](request, message("Done"))
     assert answer.success

@@ -5,11 +5,16 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from wsgen.model.transform import quaternion_of_rpy
+from wsgen.model.transform import (
+    Pose,
+    quaternion_of_rpy,
+    rotation_of_quaternion,
+    rpy_of_rotation,
+)
 
 if TYPE_CHECKING:
-    from wsgen.model.transform import Pose, Vector
-    from wsgen.ros_nodes.simulator.host import Host
+    from wsgen.model.transform import Vector
+    from wsgen.ros_nodes.simulator.host import Host, RobotHandle
 
 Quaternion = tuple[float, float, float, float]
 
@@ -40,6 +45,32 @@ def set_twist(twist: Any, linear: Vector, angular: Vector) -> None:
     """Fill in a `geometry_msgs/Twist`."""
     twist.linear.x, twist.linear.y, twist.linear.z = linear
     twist.angular.x, twist.angular.y, twist.angular.z = angular
+
+
+NOT_FINITE = "a state that is not finite (NaN or infinity) is ignored. Send finite numbers."
+
+
+def pose_of(message: Any) -> Pose | None:
+    """A pose of a `geometry_msgs/Pose`, whose rotation may be of any length; None if not finite.
+
+    A rotation of zeros alone is none.
+    """
+    position, turn = message.position, message.orientation
+    xyz = (position.x, position.y, position.z)
+    length = math.hypot(turn.x, turn.y, turn.z, turn.w)
+    if not all(map(math.isfinite, (*xyz, length))):
+        return None
+    x, y, z, w = (part / length if length else 0.0 for part in (turn.x, turn.y, turn.z, turn.w))
+    rotation = rotation_of_quaternion((x, y, z, w if length else 1.0))
+    return Pose(xyz=xyz, rpy=rpy_of_rotation(rotation))
+
+
+def move(robot: RobotHandle, pose: Pose) -> None:
+    """Put a robot elsewhere, at rest, with its joints where they are."""
+    positions = dict(robot.joint_positions())
+    robot.place(pose)
+    if positions:
+        robot.set_joint_positions(positions)
 
 
 def planar_covariance(x: float, y: float, yaw: float) -> list[float]:

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 from rosgraph_msgs.msg import Clock
 
-from wsgen.model.transform import Pose, rotation_of_quaternion, rpy_of_rotation
 from wsgen.ros_nodes.simulator.gz_messages import message_class
 from wsgen.ros_nodes.simulator.host import Due, Plugin
+from wsgen.ros_nodes.simulator.messages import NOT_FINITE, move, pose_of
 from wsgen.ros_nodes.simulator.simulation import RefusedError
 
 if TYPE_CHECKING:
@@ -157,13 +157,12 @@ class GzServices:
 
     def _set_pose(self, request: Any, response: Any) -> Any:
         robot = self._simulation.host.robots.get(request.entity.name)
-        response.success = robot is not None
-        if robot is not None:
-            position, turn = request.pose.position, request.pose.orientation
-            rotation = rotation_of_quaternion((turn.x, turn.y, turn.z, turn.w))
-            robot.place(
-                Pose(xyz=(position.x, position.y, position.z), rpy=rpy_of_rotation(rotation))
-            )
+        pose = pose_of(request.pose)
+        response.success = robot is not None and pose is not None
+        if robot is not None and pose is not None:
+            move(robot, pose)
+        elif pose is None:
+            self._simulation.host.warn(f"SetEntityPose: {NOT_FINITE}")
         return response
 
 

@@ -26,14 +26,12 @@ from wsgen.model.transform import (
     invert,
     quaternion_of_rpy,
     rotate,
-    rotation_of_quaternion,
     rotation_of_rpy,
-    rpy_of_rotation,
     transpose,
 )
 from wsgen.ros_nodes.simulator.elements import number
 from wsgen.ros_nodes.simulator.host import Plugin
-from wsgen.ros_nodes.simulator.messages import set_pose, set_twist
+from wsgen.ros_nodes.simulator.messages import NOT_FINITE, move, pose_of, set_pose, set_twist
 from wsgen.ros_nodes.simulator.simulation import RefusedError
 
 if TYPE_CHECKING:
@@ -63,11 +61,14 @@ def offer_factory(simulation: LiveSimulation) -> None:
         return response
 
     def spawn(request: Any, response: Any) -> Any:
-        name = request.name
+        name, pose = request.name, pose_of(request.initial_pose)
+        if pose is None:
+            response.success, response.status_message = False, f"SpawnEntity: {NOT_FINITE}"
+            return response
         done = f"SpawnEntity: Successfully spawned entity [{name}]"
         answer = do(lambda: simulation.spawn(name), response, done)
         if answer.success:
-            move(host.robots[name], pose_of(request.initial_pose))
+            move(host.robots[name], pose)
         return answer
 
     def delete(request: Any, response: Any) -> Any:
@@ -83,30 +84,6 @@ def offer_factory(simulation: LiveSimulation) -> None:
     host.service(None, SpawnEntity, "spawn_entity", spawn)
     host.service(None, DeleteEntity, "delete_entity", delete)
     host.service(None, GetModelList, "get_model_list", names)
-
-
-def pose_of(message: Any) -> Pose:
-    """A pose of a `geometry_msgs/Pose`, whose rotation may be of any length."""
-    position, turn = message.position, message.orientation
-    length = math.hypot(turn.x, turn.y, turn.z, turn.w)
-    x, y, z, w = (
-        (part / length for part in (turn.x, turn.y, turn.z, turn.w))
-        if length
-        else (
-            *(0.0, 0.0, 0.0),
-            1.0,
-        )
-    )
-    rpy = rpy_of_rotation(rotation_of_quaternion((x, y, z, w)))
-    return Pose(xyz=(position.x, position.y, position.z), rpy=rpy)
-
-
-def move(robot: RobotHandle, pose: Pose) -> None:
-    """Put a robot elsewhere, at rest, with its joints where they are."""
-    positions = dict(robot.joint_positions())
-    robot.place(pose)
-    if positions:
-        robot.set_joint_positions(positions)
 
 
 class WorldState(Plugin):
@@ -203,9 +180,8 @@ class WorldState(Plugin):
         pose = pose_of(state.pose)
         linear = (state.twist.linear.x, state.twist.linear.y, state.twist.linear.z)
         angular = (state.twist.angular.x, state.twist.angular.y, state.twist.angular.z)
-        numbers = (*pose.xyz, *pose.rpy, *linear, *angular)
-        if not all(map(math.isfinite, numbers)):
-            self._host.warn("SetEntityState: a state that is not finite (NaN) is ignored.")
+        if pose is None or not all(map(math.isfinite, (*linear, *angular))):
+            self._host.warn(f"SetEntityState: {NOT_FINITE}")
             response.success = False
             return response
         if frame is not None:
