@@ -318,3 +318,21 @@ def test_joints_are_put_somewhere_at_rest(new_engine: NewEngine) -> None:
         assert engine.link_poses("e")["bar"].rpy == pytest.approx((0.0, 0.7, 0.0), abs=1e-6)
         engine.advance(100)  # the motor goes on
         assert engine.joint_positions("e")["bar"] == pytest.approx(0.8, abs=5e-3)
+
+
+@pytest.mark.parametrize("geometry", [Box(size=(0.2, 0.2, 0.2)), Cylinder(radius=0.1, length=0.2)])
+def test_rays_do_not_see_what_they_begin_in(new_engine: NewEngine, geometry: Geometry) -> None:
+    """A lidar in its housing, which is in another one, sees the wall."""
+    around = Collision(geometry=Box(size=(0.5, 0.5, 0.5)), pose_in_link=IDENTITY)
+    housing = body(geometry)
+    housing = replace(housing, collisions=(*housing.collisions, around))
+    wall = SpawnedRobot(
+        entity="wall",
+        robot=single(body(Box(size=(1.0, 2.0, 2.0)))),
+        pose_in_world=Pose((3.0, 0.0, 1.0)),
+    )
+    with spawned(new_engine, single(housing), Pose((0.0, 0.0, 1.0)), wall) as engine:
+        for start in ((0.0, 0.0, 1.0), (0.05, 0.02, 1.01)):
+            end = (10.0, start[1], start[2])
+            assert range_along(engine, start, end) == pytest.approx(2.5 - start[0], abs=3e-3)
+            assert range_along(engine, start, (-10.0, 0.0, 1.0)) == math.inf

@@ -381,7 +381,8 @@ class BulletEngine:
     def cast_rays(self, starts: Points, ends: Points) -> NDArray[np.float64]:
         """How far rays get through what can touch something: fractions of their ways, shape (n,).
 
-        Meshes of what moves are their convex hulls. The shape that a ray begins in it does not see.
+        Meshes of what moves are their convex hulls. The shape that a ray begins in it does not see,
+        but a sphere that it begins in may stop it at once.
         """
         fractions = []
         for place in range(0, len(starts), MOST_RAYS):

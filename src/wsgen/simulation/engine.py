@@ -232,8 +232,8 @@ class Engine(Protocol):
         """How far rays get through what can touch something, the ground too: their first hits.
 
         Both are points in the world (m), shape (n, 3). Of each ray the answer has the fraction of
-        its way that it gets, infinity where it hits nothing. The shape that a ray begins in it may
-        see or not.
+        its way that it gets, infinity where it hits nothing. It does not see the shape that it
+        begins in: the housing of a lidar is around it. Meshes of triangles have no inside.
         """
 
     def corners(self, entity: str) -> list[Vector]:

@@ -54,6 +54,7 @@ if TYPE_CHECKING:
     from wsgen.simulation.scene import SpawnedRobot
 
 
+BEHIND = 1e-6  # m, behind a surface that a ray has left
 # How fast two bodies may be pushed apart, as in PyBullet; MuJoCo has no such bound either.
 SEPARATION_SPEED = 0.25  # m/s
 SEPARATION_FROM_TRIANGLES = 0.02  # m/s; their edges push in several directions at once
@@ -486,19 +487,49 @@ class MujocoEngine:
     def cast_rays(self, starts: Points, ends: Points) -> NDArray[np.float64]:
         """How far rays get through what can touch something: fractions of their ways, shape (n,).
 
-        Meshes of what moves are their convex hulls. A ray sees the shape that it begins in.
+        Meshes of what moves are their convex hulls. The shape that a ray begins in it does not see.
         """
         model, data = self._model, self._here()
         begins, ways = np.asarray(starts, dtype=np.float64), np.asarray(ends, dtype=np.float64)
         ways = ways - begins
         geom = np.zeros(1, dtype=np.int32)
-        found = [
-            library.mj_ray(model, data, begin, way, None, 1, -1, geom)
-            for begin, way in zip(begins, ways, strict=True)
-        ]
-        fractions = np.array(found, dtype=np.float64)
+        found, geoms = [], []
+        for begin, way in zip(begins, ways, strict=True):
+            found.append(library.mj_ray(model, data, begin, way, None, 1, -1, geom))
+            geoms.append(geom[0])
+        fractions, hit = np.array(found, dtype=np.float64), np.array(geoms, dtype=np.int64)
+        hits = np.flatnonzero((fractions >= 0.0) & (hit >= 0))
+        distances = np.linalg.norm(begins[hits] - data.geom_xpos[hit[hits]], axis=1)
+        # Level ground has no bounding sphere.
+        for index in hits[distances <= model.geom_rbound[hit[hits]]]:
+            fractions[index] = self._cast_out(begins[index], ways[index])
         fractions[(fractions < 0.0) | (fractions > 1.0)] = math.inf
         return np.minimum(fractions, self._triangles.cast_rays(begins, ways))
+
+    def _cast_out(self, begin: NDArray[np.float64], way: NDArray[np.float64]) -> float:
+        """How far a ray gets that may begin in shapes, which it does not see; -1 without a hit."""
+        model, data = self._model, self._data
+        geom, far = np.zeros(1, dtype=np.int32), 0.0
+        while far <= 1.0:
+            more = library.mj_ray(model, data, begin + far * way, way, None, 1, -1, geom)
+            if more < 0.0:
+                break
+            far += more
+            if not self._is_in(begin, way, int(geom[0])):
+                return float(far)
+            far += BEHIND / float(np.linalg.norm(way))
+        return -1.0
+
+    def _is_in(self, point: NDArray[np.float64], way: NDArray[np.float64], geom: int) -> bool:
+        """Whether a point is in a shape, which is convex, if a ray from there hits it."""
+        model, data = self._model, self._data
+        if model.geom_type[geom] == library.mjtGeom.mjGEOM_PLANE:
+            return False
+        if model.geom_type[geom] == library.mjtGeom.mjGEOM_MESH:
+            return bool(library.mj_rayMesh(model, data, geom, point, -way) >= 0.0)
+        place, turn = data.geom_xpos[geom], data.geom_xmat[geom]
+        size, kind = model.geom_size[geom], model.geom_type[geom]
+        return bool(library.mju_rayGeom(place, turn, size, point, -way, kind) >= 0.0)
 
     def overlaps(self) -> list[Overlap]:
         """Links in each other, of two robots or of one, whether or not they may collide."""
