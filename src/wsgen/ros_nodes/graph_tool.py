@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import rclpy
 from rclpy.executors import ExternalShutdownException
 
+from wsgen.errors import WsgenError
 from wsgen.ros_environment import open_ros
 from wsgen.ros_environment.interfaces import buildable
 from wsgen.ros_environment.processes import hand_over, handed_over, module_command
@@ -53,7 +54,11 @@ def main(arguments: list[str]) -> int:
         if missing.package in buildable() and missing.package not in request["built"]:
             node.destroy_node()
             rclpy.try_shutdown()
-            _start_with(missing.package, request)
+            try:
+                _start_with(missing.package, request)
+            except WsgenError as error:  # no compiler, no connection
+                print(error, file=sys.stderr)
+                return error.exit_code
         print(missing, file=sys.stderr)
         return 1
     finally:
