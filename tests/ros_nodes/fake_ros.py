@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import json
 import math
+import re
 import sys
 import types
 from dataclasses import replace
@@ -149,6 +150,14 @@ class FakeNode:
         return made
 
 
+def _refuse(name: str) -> None:
+    """What is no name of ROS."""
+    from wsgen.ros_nodes.simulator.names import BadNameError  # noqa: PLC0415  imported anew
+
+    if re.search(r"[^A-Za-z0-9_/~{}]", name):
+        raise BadNameError(f"ROS refuses `{name}`.")
+
+
 class FakeRos:
     """What the simulator needs of ROS."""
 
@@ -159,16 +168,28 @@ class FakeRos:
         self.lines: list[tuple[str, str]] = []
 
     def node(self, name: str, namespace: str = "", arguments: Sequence[str] = ()) -> FakeNode:
+        _refuse(name)
+        _refuse(namespace)
         self.nodes.append(FakeNode(name, namespace, arguments))
         return self.nodes[-1]
+
+    def own_node(self, name: str) -> FakeNode:
+        return self.node(name)
+
+    @staticmethod
+    def publisher(node: FakeNode, kind: type, topic: str, qos: Any) -> FakePublisher:
+        _refuse(topic)
+        return node.create_publisher(kind, topic, qos)
 
     def subscription(
         self, node: FakeNode, _: type, topic: str, callback: Callable[[Any], None], __: Any
     ) -> Any:
+        _refuse(topic)
         self.readers.setdefault(node.resolve_topic_name(topic), []).append(callback)
         return callback
 
     def service(self, node: FakeNode, _: Any, name: str, callback: Callable[..., Any]) -> Any:
+        _refuse(name)
         self.services[node.resolve_topic_name(name)] = callback
         return callback
 

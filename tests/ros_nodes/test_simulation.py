@@ -280,3 +280,34 @@ def test_the_socket(tmp_path: Path) -> None:
     assert not ros.nodes
     server.close()
     assert not SimulatorClient(folder).connect(0.0)
+
+
+def test_names_that_ros_refuses_are_told_and_all_else_goes_on(tmp_path: Path) -> None:
+    from wsgen.ros_nodes.simulator.commands import CommandServer, _Connection  # noqa: PLC0415
+    from wsgen.ros_nodes.simulator.names import node_name  # noqa: PLC0415
+
+    bad = "<ros><namespace>my-robot</namespace></ros>"
+    simulation, ros = simulation_of(
+        live_scene(
+            plugin("libgazebo_ros_planar_move.so", bad), plugin("libgazebo_ros_planar_move.so")
+        )
+    )
+    simulation.spawn("rover")
+    (warning,) = ros.warnings
+    assert "planar_move.so` does not work: ROS refuses `my-robot`" in warning
+    assert len(ros.readers["/cmd_vel"]) == 1
+    server = CommandServer(tmp_path, simulation)
+    rule = {
+        "ros_topic": "/clock",
+        "gz_topic": "/clock",
+        "ros_type": "rosgraph_msgs/msg/Clock",
+        "gz_type": "gz.msgs.Clock",
+        "direction": "both",
+    }
+    rules = [{**rule, "ros_topic": "/my-robot/clock"}, rule]
+    problem, good = server._bridge({"rules": rules}, _Connection())["problems"]
+    assert "ROS refuses `/my-robot/clock`" in problem
+    assert "ros_topic_name" in problem
+    assert good is None
+    server.close()
+    assert node_name("2ä::front-camera") == "_2___front_camera"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import ctypes
 import importlib
 import json
 import os
@@ -13,10 +14,12 @@ from typing import TYPE_CHECKING, Any
 
 from wsgen.errors import EXIT_BUG
 from wsgen.isolation.codec import decode
+from wsgen.ros_nodes.bridge import split
 from wsgen.ros_nodes.signals import ignore_ends, raise_when_ended
 from wsgen.ros_nodes.simulator.commands import CommandServer
 from wsgen.ros_nodes.simulator.filming import Filming
 from wsgen.ros_nodes.simulator.host import Due
+from wsgen.ros_nodes.simulator.names import BadNameError
 from wsgen.ros_nodes.simulator.pace import Pace
 from wsgen.ros_nodes.simulator.ros import Ros
 from wsgen.ros_nodes.simulator.services import offer_services
@@ -59,6 +62,12 @@ def main() -> int:
         simulate(Path(folder), sys.argv[1:])
     except KeyboardInterrupt:
         return 0
+    except BadNameError as error:
+        sys.stderr.write(
+            f"The simulator cannot begin: {error}\n"
+            "Correct the name, remappings and parameters of its node in the launch file.\n"
+        )
+        return 1
     except Exception as error:
         if os.environ.get(TRACEBACK):
             raise
@@ -77,9 +86,8 @@ def simulate(folder: Path, arguments: list[str]) -> None:
     scene = decode(json.loads(text), LiveScene)
     if PAUSED in arguments:
         scene = replace(scene, is_paused=True)
-    own = [word for word in arguments if word not in {PAUSED, WAITS}]
     engine = make_engine(scene.scene.engine, scene.scene.world)
-    ros = Ros(own)
+    ros = Ros(split(arguments).of_ros)
     simulation = LiveSimulation(scene, engine, ros, lambda _: None)
     if scene.is_filmed:
         simulation.add(Due(plugin=Filming(simulation.host, folder), robot=None, name="film"))
@@ -114,6 +122,7 @@ def _quiet() -> Iterator[None]:
             os.dup2(nowhere, number)
         yield
     finally:
+        ctypes.CDLL(None).fflush(None)  # what C has kept to print it later
         for number, copy in kept:
             os.dup2(copy, number)
             os.close(copy)

@@ -13,6 +13,7 @@ import socket
 import threading
 from typing import TYPE_CHECKING, Any
 
+from wsgen.ros_nodes.simulator.names import BadNameError
 from wsgen.ros_nodes.simulator.services import SERVICE, GzServices
 from wsgen.ros_nodes.simulator.simulation import RefusedError
 from wsgen.ros_nodes.simulator.topics import Rule, problem_of
@@ -26,6 +27,11 @@ if TYPE_CHECKING:
     from wsgen.ros_nodes.simulator.topics import Bridge
 
 DIRECTIONS = ("both", "to_ros", "to_gz", SERVICE)
+
+RENAME = (
+    "Names in ROS have letters, digits and `_`. Give the topic another name in ROS: with "
+    "ros_topic_name in a YAML file of the bridge (config_file)."
+)
 
 
 class _Connection:
@@ -145,18 +151,28 @@ class CommandServer:
             self._services.problem_of(rule) if rule.direction == SERVICE else problem_of(rule)
             for rule in rules
         ]
-        node = host.ros.node(
-            str(request.get("node", "ros_gz_bridge")),
-            str(request.get("namespace", "")),
-            [str(one) for one in request.get("arguments", ())],
-        )
-        good = [rule for rule, problem in zip(rules, problems, strict=True) if problem is None]
-        connection.bridges.append(
-            host.gz.open(node, [rule for rule in good if rule.direction != SERVICE])
-        )
-        for rule in good:
-            if rule.direction == SERVICE:
-                self._services.offer(rule, node)
+        try:
+            node = host.ros.node(
+                str(request.get("node", "ros_gz_bridge")),
+                str(request.get("namespace", "")),
+                [str(one) for one in request.get("arguments", ())],
+            )
+        except BadNameError as error:
+            raise RefusedError(
+                str(error), "Correct the name, remappings and parameters of the bridge's node."
+            ) from error
+        bridge = host.gz.open(node, [])
+        connection.bridges.append(bridge)
+        for index, rule in enumerate(rules):
+            if problems[index] is not None:
+                continue
+            try:
+                if rule.direction == SERVICE:
+                    self._services.offer(rule, node)
+                else:
+                    host.gz.connect(bridge, rule)
+            except BadNameError as error:
+                problems[index] = f"{error} {RENAME}"
         return {"problems": problems}
 
     def _state(self, _: dict[str, Any], __: _Connection) -> dict[str, Any]:

@@ -6,6 +6,7 @@ import math
 from dataclasses import field
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
+from wsgen.ros_nodes.simulator.names import node_name
 from wsgen.ros_nodes.simulator.topics import GzTopics, Publisher, RosPublisher
 from wsgen.values import dataclass
 
@@ -76,7 +77,7 @@ class Host:
     def own_node(self) -> Any:
         """The node of the simulator itself."""
         if self._own is None:
-            self._own = self.ros.node("gazebo")
+            self._own = self.ros.own_node("gazebo")
         return self._own
 
     def stamp(self) -> Any:
@@ -102,7 +103,7 @@ class Host:
             for parameter in ros.find_all("parameter"):
                 arguments += ["-p", f"{parameter.attributes.get('name', '')}:={parameter.text}"]
         return self.ros.node(
-            _node_name(name or "gazebo"), "" if namespace == "/" else namespace, arguments
+            node_name(name or "gazebo"), "" if namespace == "/" else namespace, arguments
         )
 
     def publisher(  # noqa: PLR0913  what a publisher has
@@ -124,7 +125,7 @@ class Host:
             self._keep(robot, lambda: self.gz.forget(made))
             return made
         owner = node or self.own_node
-        in_ros = owner.create_publisher(message_type, topic, qos or depth)
+        in_ros = self.ros.publisher(owner, message_type, topic, qos or depth)
         self._keep(robot, lambda: self.ros.forget(owner, in_ros))
         return RosPublisher(in_ros, keeps=self.ros.keeps(qos))
 
@@ -306,12 +307,6 @@ class RobotHandle:
 def _sane(motor: Motor) -> Motor:
     """A motor without speeds that an engine cannot compute with."""
     return motor if math.isfinite(motor.speed) else motor._replace(speed=0.0)
-
-
-def _node_name(text: str) -> str:
-    """A name that ROS takes for a node: Gazebo Sim's plugins are called as their classes."""
-    name = "".join(letter if letter.isalnum() else "_" for letter in text)
-    return f"_{name}" if name[:1].isdigit() else name or "gazebo"
 
 
 class Plugin:

@@ -8,18 +8,21 @@ a look at a subscription, so that it is asked seldom while the simulator is busy
 from __future__ import annotations
 
 import time
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
 import rclpy
 import rclpy.logging
 from builtin_interfaces.msg import Time
+from rclpy.exceptions import NameValidationException, ParameterException
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
+from wsgen.ros_nodes.simulator.names import BadNameError
+
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
 EXECUTOR_EVERY = 0.02  # s of wall-clock time, between two calls of the executor while busy
 MOST_AT_ONCE = 100  # messages of one topic that one look takes
@@ -29,8 +32,12 @@ class Ros:
     """The nodes of this process."""
 
     def __init__(self, arguments: Sequence[str] = ()) -> None:
-        """Join the ROS domain; `arguments` are those of the process, of ROS or not."""
-        rclpy.init(args=list(arguments) or None, **_no_handlers())
+        """Join the ROS domain; `arguments` are those of the process for its own node alone.
+
+        A name among them would rename the nodes of all plugins if the process had them.
+        """
+        rclpy.init(args=[], **_no_handlers())
+        self._own_arguments = tuple(arguments)
         self._executor = _executor()
         self._subscriptions: list[tuple[Any, Callable[[Any], None]]] = []
         self._services: list[tuple[Any, Callable[[Any, Any], Any]]] = []
@@ -48,34 +55,58 @@ class Ros:
 
         With `parameters`, it has these, and services by which everybody reads and sets them and
         others. `use_sim_time` among them does not make it read `/clock`: it is in this process.
+
+        Raises:
+            BadNameError: ROS refuses the name, the namespace or an argument.
         """
         given = {key: one for key, one in (parameters or {}).items() if key != "use_sim_time"}
-        node = rclpy.create_node(
-            name,
-            namespace=namespace,
-            cli_args=["--ros-args", *arguments] if arguments else None,
-            start_parameter_services=parameters is not None,
-            allow_undeclared_parameters=parameters is not None,
-            parameter_overrides=parameters_of(given),
-            automatically_declare_parameters_from_overrides=True,
-        )
+        with _refusing():
+            node = rclpy.create_node(
+                name,
+                namespace=namespace,
+                cli_args=["--ros-args", *arguments] if arguments else None,
+                start_parameter_services=parameters is not None,
+                allow_undeclared_parameters=parameters is not None,
+                parameter_overrides=parameters_of(given),
+                automatically_declare_parameters_from_overrides=True,
+            )
         self._executor.add_node(node)
         self._nodes.append(node)
         return node
 
+    def own_node(self, name: str) -> Any:
+        """The node of the process itself: it has that name, if its arguments do not give another.
+
+        Raises:
+            BadNameError: ROS refuses an argument.
+        """
+        return self.node(name, arguments=self._own_arguments)
+
+    @staticmethod
+    def publisher(node: Any, message_type: type, topic: str, qos: Any) -> Any:
+        """Publish on a topic; `qos` may be the depth alone. Raises BadNameError."""
+        with _refusing():
+            return node.create_publisher(message_type, topic, qos)
+
     def subscription(
         self, node: Any, message_type: type, topic: str, callback: Callable[[Any], None], qos: Any
     ) -> Any:
-        """Have messages of a topic given to a function, one after the other."""
-        made = node.create_subscription(message_type, topic, callback, qos)
+        """Have messages of a topic given to a function, one by one. Raises BadNameError."""
+        with _refusing():
+            made = node.create_subscription(message_type, topic, callback, qos)
         self._subscriptions.append((made, callback))
         return made
 
     def service(
         self, node: Any, service_type: Any, name: str, callback: Callable[[Any, Any], Any]
     ) -> Any:
-        """Answer requests; `callback` takes request and response and gives the response."""
-        made = node.create_service(service_type, name, callback)
+        """Answer requests; `callback` takes request and response and gives the response.
+
+        Raises:
+            BadNameError: ROS refuses the name.
+        """
+        with _refusing():
+            made = node.create_service(service_type, name, callback)
         self._services.append((made, callback))
         return made
 
@@ -159,6 +190,20 @@ class Ros:
         for node in self._nodes:
             node.destroy_node()
         rclpy.try_shutdown()
+
+
+@contextmanager
+def _refusing() -> Iterator[None]:
+    """What rclpy says of a name or an argument, as one kind of error, on one line."""
+    try:
+        yield
+    except (NameValidationException, ParameterException, RuntimeError, ValueError) as error:
+        # A name and a mark below it are on lines of their own, and the C library adds those of its
+        # own source files.
+        what, _, name = str(error).partition(":\n")
+        named = f" {name.strip().partition(chr(10))[0]}" if name else ""
+        text = what.partition(", at /")[0]
+        raise BadNameError(f"ROS refuses{named or ' the arguments'}: {text}.") from error
 
 
 def parameters_of(values: Mapping[str, Any]) -> list[Any]:

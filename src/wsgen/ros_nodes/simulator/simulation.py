@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from wsgen.model.devices import Devices
 from wsgen.model.gazebo_plugins import stem
 from wsgen.ros_nodes.simulator.host import CannotWorkError, Due, Host, RobotHandle
+from wsgen.ros_nodes.simulator.names import BadNameError
 from wsgen.ros_nodes.simulator.plugins import DONE_BY_SIMULATOR, PLUGINS, WORLD_PLUGINS
 from wsgen.ros_nodes.simulator.sensors import SENSORS
 from wsgen.ros_nodes.simulator.timing import TINY, following
@@ -234,16 +235,19 @@ class LiveSimulation:
                 self.host.warn(f"{owner}: wsgen does not simulate the {name}.")
             return
         module, _, attribute = where.partition(":")
+        kept = len(robot.ends) if robot is not None else 0
         try:
             made: Plugin = getattr(importlib.import_module(module), attribute)(
                 self.host, robot, element
             )
-        except CannotWorkError as problem:
+        except (CannotWorkError, BadNameError) as problem:
+            _end(robot, kept)
             self.host.warn(f"{owner}: the {name} does not work: {problem}")
             return
         except ModuleNotFoundError as problem:
             if (problem.name or "").startswith("wsgen"):
                 raise
+            _end(robot, kept)
             self.host.warn(
                 f"{owner}: the {name} does not work: the ROS package "
                 f"`{(problem.name or '').partition('.')[0]}` is not installed."
@@ -256,3 +260,9 @@ class LiveSimulation:
         for due in self._due:
             due.plugin.close()
         self.engine.close()
+
+
+def _end(robot: RobotHandle | None, kept: int) -> None:
+    """End what a plugin had made before it failed: messages may not reach half a plugin."""
+    while robot is not None and len(robot.ends) > kept:
+        robot.ends.pop()()

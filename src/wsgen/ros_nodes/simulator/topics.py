@@ -176,15 +176,15 @@ class GzTopics:
         """Connect topics; `node` is that of the bridge, and the rules have no problem."""
         bridge = Bridge(node, [], [], [])
         for rule in rules:
-            self._open(bridge, rule)
+            self.connect(bridge, rule)
         return bridge
 
-    def _open(self, bridge: Bridge, rule: Rule) -> None:
-        self._rules.append(rule)
-        bridge.rules.append(rule)
+    def connect(self, bridge: Bridge, rule: Rule) -> None:
+        """Follow one more rule. Raises BadNameError: ROS refuses the name of its topic."""
         kind = message_class(rule.ros_type)
         if rule.direction != "to_gz":
-            made = bridge.node.create_publisher(kind, rule.ros_topic, DEPTH)
+            assert kind is not None  # noqa: S101  `problem_of` looked
+            made = self._ros.publisher(bridge.node, kind, rule.ros_topic, DEPTH)
             way = _Way(rule, RosPublisher(made, keeps=False))
             bridge.made.append(made)
             bridge.ways.append(way)
@@ -206,6 +206,8 @@ class GzTopics:
             bridge.made.append(
                 self._ros.subscription(bridge.node, kind, rule.ros_topic, deliver, DEPTH)
             )
+        self._rules.append(rule)
+        bridge.rules.append(rule)
 
     def _connect(self, way: _Way, publisher: GzPublisher) -> None:
         convert = conversion(publisher.type, short_ros_type(way.rule.ros_type))

@@ -88,10 +88,10 @@ class Ros2Control(Plugin):
 
     def reset(self) -> None:
         """Begin again."""
-        self._manager.reset()
+        self._system.begin()  # controllers begin where the joints are then
         for imu in self._imus:
             imu.reset()
-        self._system.begin()
+        self._manager.reset()
 
 
 def _remappings(ros: Element) -> list[str]:

@@ -14,6 +14,7 @@ from controller_manager_msgs import srv
 from controller_manager_msgs.msg import ControllerState, HardwareComponentState, HardwareInterface
 from lifecycle_msgs.msg import State
 
+from wsgen.ros_nodes.simulator.names import BadNameError
 from wsgen.ros_nodes.simulator.ros2_control.controllers import TYPES, controller_class
 from wsgen.ros_nodes.simulator.ros2_control.controllers.base import (
     Controller,
@@ -145,6 +146,8 @@ class ControllerManager:
         for one in self._loaded.values():
             one.next = now
             one.last = now - one.controller.period
+            if one.state == ACTIVE:
+                one.controller.reset(now)
 
     def close(self) -> None:
         """End everything."""
@@ -185,7 +188,11 @@ class ControllerManager:
         parameters = Parameters(files.of_node(full_name))
         own = self._parameters.values.get(f"{name}.node_options_args", [])
         arguments = [*self._arguments, *(own if isinstance(own, list) else [])]
-        node = self._ros.node(name, self._namespace, arguments, parameters=parameters.values)
+        try:
+            node = self._ros.node(name, self._namespace, arguments, parameters=parameters.values)
+        except BadNameError as problem:
+            self._error(f"The controller '{name}' cannot have a node: {problem}")
+            return False
         controller = made(
             Surroundings(
                 node,
@@ -232,7 +239,7 @@ class ControllerManager:
         one.state = UNCONFIGURED
         try:
             one.controller.configure()
-        except (ControllerError, ModuleNotFoundError) as problem:
+        except (BadNameError, ControllerError, ModuleNotFoundError) as problem:
             one.controller.error(str(problem))
             one.controller.cleanup()
             return False

@@ -92,6 +92,9 @@ class Controller:
     def update(self, now: float, elapsed: float) -> None:
         """Read states and write commands; both times in simulated seconds."""
 
+    def reset(self, now: float) -> None:
+        """Begin again while it is active: the world was reset, and the time perhaps (s)."""
+
     def on_parameters(self) -> None:
         """Somebody has set parameters of its node."""
 
@@ -107,7 +110,7 @@ class Controller:
         """Publish on a topic, until it is cleaned up."""
         from wsgen.ros_nodes.simulator.topics import RosPublisher  # noqa: PLC0415  with ROS alone
 
-        made = self.node.create_publisher(message_type, topic, qos)
+        made = self.ros.publisher(self.node, message_type, topic, qos)
         self._made.append(made)
         return RosPublisher(made, keeps=False)
 

@@ -36,9 +36,9 @@ class DiffDriveController(Controller):
             "wheel_separation_multiplier", 1.0
         )
         radius = parameters.number("wheel_radius")
-        self._radii = tuple(
-            radius * parameters.number(f"{side}_wheel_radius_multiplier", 1.0)
-            for side in ("left", "right")
+        self._radii = (
+            radius * parameters.number("left_wheel_radius_multiplier", 1.0),
+            radius * parameters.number("right_wheel_radius_multiplier", 1.0),
         )
         for name, value in (("wheel_separation", self._separation), ("wheel_radius", radius)):
             if not value > 0.0:
@@ -56,16 +56,15 @@ class DiffDriveController(Controller):
         self._timeout = parameters.number("cmd_vel_timeout", 0.5)
         self._linear_limits = Limits.read(parameters, "linear.x", is_former=self._is_former())
         self._angular_limits = Limits.read(parameters, "angular.z", is_former=self._is_former())
-        self._odometry = WheelOdometry(
-            self._separation,
-            self._radii[0],
-            self._radii[1],
-            window=int(parameters.number("velocity_rolling_window_size", 10)),
-        )
+        self._window = int(parameters.number("velocity_rolling_window_size", 10))
+        self._odometry = self._new_odometry()
         rate = parameters.number("publish_rate", 50.0)
         self._publish_period = 1.0 / rate if rate > 0 else 0.0
         self._next_publish = 0.0
         self._open_topics()
+
+    def _new_odometry(self) -> WheelOdometry:
+        return WheelOdometry(self._separation, *self._radii, window=self._window)
 
     def _is_former(self) -> bool:
         """Whether the parameters are those of Humble."""
@@ -117,6 +116,12 @@ class DiffDriveController(Controller):
         self._command: tuple[float, float] | None = None
         self._command_time = self.clock()
         self._last = self._before = (0.0, 0.0)
+
+    def reset(self, now: float) -> None:
+        """Stand still where odometry begins."""
+        self.activate()
+        self._odometry = self._new_odometry()
+        self._next_publish = now
 
     def deactivate(self) -> None:
         """Stop the wheels."""

@@ -63,6 +63,11 @@ class PositionGripperController(Controller):
         self._target = self.interfaces.states[self.states[0]]  # type: ignore[index]  # set above
         self._moved = self.clock()
 
+    def reset(self, now: float) -> None:  # noqa: ARG002  it is the clock's
+        """End a goal, stay where it is."""
+        self.deactivate()
+        self.activate()
+
     def deactivate(self) -> None:
         """End a goal."""
         self._end("abort", stalled=False, reached=False)

@@ -229,6 +229,17 @@ class JointTrajectoryController(Controller):
                 self.interfaces.commands[name] = 0.0
         self._follower = None
 
+    def reset(self, now: float) -> None:
+        """End a goal and a trajectory, hold where the joints are."""
+        self._end("abort", Result.INVALID_GOAL, "The world was reset.")
+        self._next_feedback = now
+        self._last = self._actual()
+        if self._follower is not None:
+            self._follower.hold(self._last.positions)
+        if self._has_pids:
+            for pid in self._pids:
+                pid.reset()
+
     def update(self, now: float, elapsed: float) -> None:
         """Go on."""
         follower = self._follower
