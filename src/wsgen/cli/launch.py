@@ -43,10 +43,13 @@ class RateType(click.ParamType):  # type: ignore[type-arg,unused-ignore]  # newe
         """The factor of a text."""
         if value == "max":
             return None
-        rate = click.FLOAT.convert(value, param, ctx)
+        try:
+            rate = float(value)
+        except ValueError:
+            rate = 0.0
         if not 0.0 < rate < float("inf"):
-            self.fail("A rate is a number above 0, or `max`.", param, ctx)
-        return float(rate)
+            self.fail(f"{value!r} is no rate: a number above 0, or `max`.", param, ctx)
+        return rate
 
 
 @click.command(

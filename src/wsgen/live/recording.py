@@ -63,7 +63,8 @@ def choose_recordings(files: Sequence[Path]) -> Recordings:
         if problem is not None:
             raise RequestError(
                 f"The run cannot be recorded: {problem}.",
-                hint="Name an .mcap file for the topics, or a .gif or .mp4 file for a video.",
+                hint="Name an .mcap file for the topics, or a .gif or .mp4 file for a video, in a "
+                "folder that exists.",
             )
     for file in mcap:
         if not file.parent.is_dir() or not os.access(file.parent, os.W_OK) or file.is_dir():
