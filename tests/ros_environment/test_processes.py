@@ -25,7 +25,7 @@ print(sys.path[0])
 def test_files_of_the_working_folder_are_not_imported(tmp_path: Path, safe: str) -> None:
     folder, here = tmp_path / "path", tmp_path / "here"
     (folder / "program").mkdir(parents=True)
-    (folder / "program" / "__init__.py").touch()
+    (folder / "program" / "__init__.py").write_text("import sys; print(sys.argv[0])")
     (folder / "program" / "__main__.py").write_text(PROGRAM)
     (folder / "given.py").touch()
     here.mkdir()
@@ -41,7 +41,7 @@ def test_files_of_the_working_folder_are_not_imported(tmp_path: Path, safe: str)
         check=False,
     )
     assert (done.returncode, done.stderr) == (0, "")
-    assert done.stdout == f"__main__ True ['-m', 'a b'] program.__main__\n{folder}\n"
+    assert done.stdout == f"-m\n__main__ True ['-m', 'a b'] program.__main__\n{folder}\n"
 
 
 def test_a_text_of_any_size_is_handed_over() -> None:

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 WITHOUT_WORKING_FOLDER = "import sys\nif not sys.path[0]: del sys.path[0]\n"  # for `python -c`
 _RUN_MODULE = (
     f"{WITHOUT_WORKING_FOLDER}import runpy\n"
+    "sys.argv[0] = '-m'\n"  # as `python -m` has it while packages of the module are imported
     "runpy.run_module(sys.argv.pop(1), run_name='__main__', alter_sys=True)"
 )
 
