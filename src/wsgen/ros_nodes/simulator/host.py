@@ -7,6 +7,7 @@ from dataclasses import field
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from wsgen.ros_nodes.simulator.names import node_name
+from wsgen.ros_nodes.simulator.qos import written_qos
 from wsgen.ros_nodes.simulator.topics import GzTopics, Publisher, RosPublisher
 from wsgen.values import dataclass
 
@@ -72,6 +73,7 @@ class Host:
         self._stamp: tuple[float, Any] | None = None
         self.gz = GzTopics(ros, self.warn)
         self._own: Any = None
+        self._described: dict[int, Element] = {}  # by the identity of a node: its <ros>
 
     @property
     def own_node(self) -> Any:
@@ -92,7 +94,7 @@ class Host:
         Args:
             namespace: Where `ros` gives none.
             name: The `name` of the <plugin>; "gazebo" without it.
-            ros: The <ros> of a plugin of Gazebo Classic: namespace, remappings and parameters, as
+            ros: The <ros> of a plugin of Gazebo Classic: namespace, remappings, parameters, QoS, as
                 `gazebo_ros::Node::Get` reads them (gazebo_ros_pkgs, gazebo_ros/src/node.cpp).
         """
         arguments: list[str] = []
@@ -102,9 +104,18 @@ class Host:
                 arguments += ["-r", rule.text]
             for parameter in ros.find_all("parameter"):
                 arguments += ["-p", f"{parameter.attributes.get('name', '')}:={parameter.text}"]
-        return self.ros.node(
+        made = self.ros.node(
             node_name(name or "gazebo"), "" if namespace == "/" else namespace, arguments
         )
+        self._described.pop(id(made), None)  # of a node that has ended
+        if ros is not None and ros.find("qos") is not None:
+            self._described[id(made)] = ros
+        return made
+
+    def _qos(self, node: Any, topic: str, depth: int, end: str) -> Any:
+        """What the <ros> of a node's plugin says of a topic; the depth alone where it does not."""
+        ros = self._described.get(id(node))
+        return depth if ros is None else written_qos(ros, topic, depth, end)
 
     def publisher(  # noqa: PLR0913  what a publisher has
         self,
@@ -125,7 +136,8 @@ class Host:
             self._keep(robot, lambda: self.gz.forget(made))
             return made
         owner = node or self.own_node
-        in_ros = self.ros.publisher(owner, message_type, topic, qos or depth)
+        qos = qos or self._qos(node, topic, depth, "publisher")
+        in_ros = self.ros.publisher(owner, message_type, topic, qos)
         self._keep(robot, lambda: self.ros.forget(owner, in_ros))
         return RosPublisher(in_ros, keeps=self.ros.keeps(qos))
 
@@ -146,7 +158,8 @@ class Host:
             self._keep(robot, lambda: self.gz.forget(reader))
             return
         owner = node or self.own_node
-        made = self.ros.subscription(owner, message_type, topic, callback, qos or depth)
+        qos = qos or self._qos(node, topic, depth, "subscription")
+        made = self.ros.subscription(owner, message_type, topic, callback, qos)
         self._keep(robot, lambda: self.ros.forget(owner, made))
 
     def service(

@@ -19,6 +19,7 @@ from wsgen.model.gazebo_plugins import stem
 from wsgen.model.transform import compose, rotate, rotation_of_rpy
 from wsgen.ros_nodes.simulator.elements import number
 from wsgen.ros_nodes.simulator.host import CannotWorkError, Plugin
+from wsgen.ros_nodes.simulator.qos import written_qos
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator
@@ -178,27 +179,7 @@ class Sensor(Plugin):
 
 def sensor_qos(plugin: Element | None = None, topic: str = "", depth: int = 5) -> Any:
     """The QoS of a sensor's topic: reliable, of that depth, or what the <qos> of a plugin says."""
-    from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy  # noqa: PLC0415  nodes
-
-    reliability, durability = "reliable", "volatile"
-    for one in () if plugin is None else plugin.find_all("ros/qos/topic"):
-        if one.attributes.get("name", "") == topic:
-            reliability = one.get("publisher/reliability", reliability)
-            durability = one.get("publisher/durability", durability)
-            written = one.get("publisher/history/depth") or one.get("publisher/depth")
-            history = one.find("publisher/history")
-            if not written and history is not None:
-                written = history.attributes.get("depth", "")
-            depth = int(written) if written.isdigit() else depth
-    return QoSProfile(
-        depth=depth,
-        reliability=ReliabilityPolicy.BEST_EFFORT
-        if reliability == "best_effort"
-        else ReliabilityPolicy.RELIABLE,
-        durability=DurabilityPolicy.TRANSIENT_LOCAL
-        if durability == "transient_local"
-        else DurabilityPolicy.VOLATILE,
-    )
+    return written_qos(None if plugin is None else plugin.find("ros"), topic, depth)
 
 
 def rotation(pose: Pose) -> Floats:
