@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import importlib
 import signal
 from pathlib import Path
@@ -10,7 +9,7 @@ from typing import IO, TYPE_CHECKING, Any
 
 import rclpy
 from mcap.writer import Writer
-from rclpy.executors import ExternalShutdownException
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
@@ -153,11 +152,16 @@ def record(stream: IO[bytes], *, use_sim_time: bool, when_ready: Callable[[], No
     writer.start(profile="ros2", library=LIBRARY)
     rclpy.init(args=[], signal_handler_options=rclpy.signals.SignalHandlerOptions.NO)
     try:
-        with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
-            recorder = Recorder(writer, use_sim_time=use_sim_time)
-            when_ready()
-            signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDING)
-            rclpy.spin(recorder)
+        executor = SingleThreadedExecutor()
+        executor.add_node(Recorder(writer, use_sim_time=use_sim_time))
+        # An exception of a handler could be lost in a destructor.
+        signals: list[int] = []
+        for number in ENDING:
+            signal.signal(number, lambda number, _frame: signals.append(number))
+        when_ready()
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDING)
+        while not signals:
+            executor.spin_once(timeout_sec=LOOK_SECONDS)
     finally:
         ignore_ends()
         rclpy.try_shutdown()
