@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from ros_nodes.fake_ros import live_scene, plugin, rover_engine, simulation_of, still_at
+from ros_nodes.sensor_messages import install_sensor_messages
 
 if TYPE_CHECKING:
     from ros_nodes.fake_ros import FakeRos
@@ -385,3 +386,24 @@ def test_poses_of_gazebo_sim() -> None:
         "rover/right_wheel",
     ]
     assert links[0].transform.translation.x == pytest.approx(0.0)
+
+
+def test_the_qos_of_a_plugin_is_that_of_its_element(monkeypatch: pytest.MonkeyPatch) -> None:
+    install_sensor_messages(monkeypatch)
+    qos = (
+        '<ros><qos><topic name="odom"><publisher><reliability>best_effort</reliability>'
+        "</publisher></topic></qos></ros>"
+    )
+    given: dict[str, Any] = {}
+    simulation, ros = simulation_of(
+        live_scene(plugin("libgazebo_ros_planar_move.so", f"{qos}<publish_odom>1</publish_odom>"))
+    )
+    publish = ros.publisher
+
+    def publisher(node: Any, kind: type, topic: str, wanted: Any) -> Any:
+        given[topic] = wanted
+        return publish(node, kind, topic, wanted)
+
+    monkeypatch.setattr(ros, "publisher", publisher)
+    simulation.spawn("rover")
+    assert (given["odom"].depth, given["odom"].reliability) == (1, "best_effort")
