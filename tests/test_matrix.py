@@ -70,8 +70,9 @@ def test_the_robot_stands_and_there_is_nothing_to_find(
     package = validated[PACKAGES[case]]
     assert package["passed"]
     assert package["diagnostics"] == []
-    assert package["world"]["name"] == "empty_world"
-    assert package["world"]["models"] == ["ground_plane"]
+    assert package["world"]["name"] == world_of(ALL[case][0])
+    assert package["world"]["models"][0] == "ground_plane"
+    assert len(package["world"]["models"]) == (10 if ALL[case][0] == "wanderer" else 1)
     (robot,) = package["robots"]
     assert robot["entity"] == ENTITIES.get(case, PACKAGES[case])
     assert robot["rest"]["settled_after"] is not None
@@ -94,20 +95,20 @@ def test_launch_plan(case: str, workspace: Path, capsys: pytest.CaptureFixture[s
     share = workspace / "install" / PACKAGES[case] / "share" / PACKAGES[case]
     (include,) = plan["includes"]
     names = [argument["name"] for argument in plan["arguments"]]
-    assert programs(plan) == expected_programs(template, target)
+    assert programs(plan) == expected_programs(PACKAGES[case], template, target)
     publisher, spawner = plan["processes"][target.simulator == "gz" :][:2]
     if target.simulator == "classic":
         assert names == ["world", "x", "y", "z", "gui", "use_sim_time"]
         assert include["package"] == "gazebo_ros"
         assert include["arguments"] == {
-            "world": f"{share}/model/empty_world.world",
+            "world": f"{share}/model/{world_of(template)}.world",
             "gui": "true",
         }
     else:
         assert names == ["world", "x", "y", "z", "headless", "use_sim_time"]
         assert include["package"] == "ros_gz_sim"
         assert include["arguments"] == {
-            "gz_args": f'-r -v 4 "{share}/model/empty_world.world"',
+            "gz_args": f'-r -v 4 "{share}/model/{world_of(template)}.world"',
             "on_exit_shutdown": "true",
         }
         assert plan["processes"][0]["parameters"] == {"config_file": f"{share}/config/bridge.yaml"}
@@ -122,12 +123,20 @@ def test_launch_plan(case: str, workspace: Path, capsys: pytest.CaptureFixture[s
     assert spawner["arguments"][6:9:2] == ["-y", "-z"]
 
 
-def expected_programs(template: str, target: Target) -> list[str]:
+def expected_programs(package: str, template: str, target: Target) -> list[str]:
     publisher = "robot_state_publisher/robot_state_publisher"
-    controllers = ["controller_manager/spawner"] * 2 if template == "arm" else []
+    more = {
+        "arm": ["controller_manager/spawner"] * 2,
+        "wanderer": [f"{package}/wanderer.py"],
+    }.get(template, [])
     if target.simulator == "classic":
-        return [publisher, "gazebo_ros/spawn_entity.py", *controllers]
-    return ["ros_gz_bridge/parameter_bridge", publisher, "ros_gz_sim/create", *controllers]
+        return [publisher, "gazebo_ros/spawn_entity.py", *more]
+    return ["ros_gz_bridge/parameter_bridge", publisher, "ros_gz_sim/create", *more]
+
+
+def world_of(template: str) -> str:
+    """The name of the world that a package of a template starts."""
+    return "boxes" if template == "wanderer" else "empty_world"
 
 
 @pytest.mark.parametrize("case", [case for case in ALL if case.startswith("arm-")])

@@ -87,6 +87,8 @@ def check_installed(
         if package.diagnostics or not (prefix / "share" / package.name / "package.sh").is_file():
             continue
         if package.build_type in MANIFESTS:
+            if (prefix / INDEX / package.name).is_symlink():
+                continue  # colcon build --symlink-install: CMake does not list links
             manifest = workspace.build / package.name / MANIFESTS[package.build_type]
             written = _read_install_manifest(manifest, prefix)
             if package.build_type == "ament_cmake" and not _is_registered(package, prefix, written):

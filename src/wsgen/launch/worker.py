@@ -13,7 +13,6 @@ import builtins
 import functools
 import importlib
 import io
-import logging
 import os
 import sys
 import traceback
@@ -30,6 +29,7 @@ from wsgen.model.plan import LaunchArgument, LaunchPlan
 from wsgen.ros_names import rosdep_keys
 
 if TYPE_CHECKING:
+    import logging
     from collections.abc import Callable, Mapping, Sequence
 
     from launch.actions import IncludeLaunchDescription
@@ -54,6 +54,13 @@ OFTEN_IMPORTED = (
 _SHIM_PACKAGES = ("launch", "launch_ros", "launch_xml", "launch_yaml", "ament_index_python")
 _OS = ("<frozen os>", os.__file__)  # in which os.getenv() is
 MESSAGES = ("_msgs", "_interfaces", "_srvs")
+
+
+def _logger() -> logging.Logger:
+    """That of a launch that is started; an evaluation does not load it."""
+    import logging
+
+    return logging.getLogger("launch")
 
 
 def evaluate(
@@ -432,7 +439,7 @@ def play_live(
             play()
         except Exception as error:  # noqa: BLE001  foreign code
             reason = f"Caught exception in launch (see debug for traceback): {error}"
-            logger = logging.getLogger("launch")
+            logger = _logger()
             logger.debug("%s", traceback.format_exc())
             logger.error("%s", reason)  # noqa: TRY400  its traceback is not for users
             _tell_place(error, explain_xacro)
@@ -456,7 +463,7 @@ def _tell_place(error: Exception, explain_xacro: Explainer) -> None:
     )
     if location and location[0] and os.path.isfile(location[0]):
         place = ":".join(str(part) for part in location if part is not None)
-        logging.getLogger("launch").error("%s", f"It was raised at {place}")
+        _logger().error("%s", f"It was raised at {place}")
 
 
 def _is_left_out(error: Exception, live: Live) -> bool:
