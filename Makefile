@@ -5,7 +5,11 @@ PYTHON ?= python3
 VENV := .venv
 WSGEN := $(CURDIR)/$(VENV)/bin/wsgen
 
-.PHONY: help demo quick test check benchmark clean
+# Programs start thousands of times here: none is to compile all its modules again.
+unexport PYTHONDONTWRITEBYTECODE
+PIP := $(VENV)/bin/python -m pip --disable-pip-version-check --quiet
+
+.PHONY: help demo quick test check lint benchmark clean
 .DEFAULT_GOAL := help
 
 help:
@@ -27,14 +31,20 @@ demo: $(VENV)/.installed
 quick: $(VENV)/.installed-for-tests
 	$(VENV)/bin/python -m pytest -q -m 'not slow' $(PYTEST_ARGUMENTS)
 
-# One process more than cores: some tests wait for the network, or for limits of time.
-test: check
-	$(VENV)/bin/python -m pytest -n $$(($$(nproc 2>/dev/null || echo 1) + 1)) --dist worksteal $(PYTEST_ARGUMENTS)
+# One process more than cores: some tests wait for the network, or for limits of time. The type
+# checker needs one core for a minute and runs beside them; what it says comes at the end.
+test: lint
+	@$(VENV)/bin/mypy >$(VENV)/mypy.txt 2>&1 & mypy=$$!; \
+	$(VENV)/bin/python -m pytest -n $$(($$(nproc 2>/dev/null || echo 1) + 1)) \
+	  --dist loadfile --no-loadscope-reorder $(PYTEST_ARGUMENTS); tests=$$?; \
+	wait $$mypy; types=$$?; cat $(VENV)/mypy.txt; exit $$((tests || types))
 
-check: $(VENV)/.installed-for-tests
+check: lint
+	$(VENV)/bin/mypy
+
+lint: $(VENV)/.installed-for-tests
 	$(VENV)/bin/ruff check
 	$(VENV)/bin/ruff format --check
-	$(VENV)/bin/mypy
 
 benchmark: $(VENV)/.installed-for-tests
 	$(VENV)/bin/python -m benchmarks
@@ -47,14 +57,15 @@ $(VENV)/bin/python:
 	@echo "wsgen and what it needs are installed into $(VENV): about a minute."
 	@$(PYTHON) -m venv $(VENV)
 
+# Python compiles what is imported; pip would compile everything, which takes a minute.
 $(VENV)/.installed: $(VENV)/bin/python pyproject.toml
-	@$(VENV)/bin/python -m pip install --quiet --disable-pip-version-check --editable .
+	@$(PIP) install --no-compile --editable .
 	@touch $@
 
 # Dependency groups need pip 25.1.
 $(VENV)/.installed-for-tests: $(VENV)/.installed
-	@echo "What the tests need is installed into $(VENV): about two minutes."
-	@$(VENV)/bin/python -m pip install --quiet --disable-pip-version-check --upgrade 'pip>=25.1'
-	@$(VENV)/bin/python -m pip install --quiet --disable-pip-version-check --group test --group lint --group oracle --group extras
-	@$(VENV)/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --group robots --group accessibility
+	@echo "What the tests need is installed into $(VENV): about a minute."
+	@$(PIP) install --no-compile --upgrade 'pip>=25.1'
+	@$(PIP) install --no-compile --group test --group lint --group oracle --group extras
+	@$(PIP) install --no-compile --no-deps --group robots --group accessibility
 	@touch $@

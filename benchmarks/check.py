@@ -8,7 +8,7 @@ caches; bare Python beside it, because machines differ.
 
 from __future__ import annotations
 
-import os
+import resource
 import shutil
 import statistics
 import subprocess
@@ -81,17 +81,17 @@ def measure(command: Sequence[str | Path], runs: int) -> Run:
     """The medians of CPU time and wall-clock time."""
     cpu, wall = [], []
     for _ in range(runs + 1):
-        before, start = os.times(), time.perf_counter()
+        before, start = _cpu_of_children(), time.perf_counter()
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        after = os.times()
         wall.append(time.perf_counter() - start)
-        cpu.append(
-            after.children_user
-            + after.children_system
-            - before.children_user
-            - before.children_system
-        )
+        cpu.append(_cpu_of_children() - before)
     return Run(statistics.median(cpu[1:]), statistics.median(wall[1:]))
+
+
+def _cpu_of_children() -> float:
+    """The CPU time of all processes that have ended, s; finer than the ticks of `os.times`."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 def main(runs: int) -> None:
@@ -107,7 +107,7 @@ def main(runs: int) -> None:
         }
     print(f"{'':32}{'CPU s':>8}{'wall s':>8}{'bare Pythons':>14}")
     for label, run in (("bare Python", bare), *table.items()):
-        print(f"{label:32}{run.cpu:8.2f}{run.wall:8.2f}{run.cpu / bare.cpu:14.1f}")
+        print(f"{label:32}{run.cpu:8.3f}{run.wall:8.3f}{run.cpu / bare.cpu:14.1f}")
 
 
 if __name__ == "__main__":

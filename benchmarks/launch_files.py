@@ -18,7 +18,8 @@ import time
 from pathlib import Path
 from textwrap import dedent
 
-from wsgen.pipeline.selection import ValidateRequest, select_packages
+from wsgen.pipeline.requests import ValidateRequest
+from wsgen.pipeline.selection import select_packages
 from wsgen.workspace.layout import Workspace
 from wsgen.workspace.overlay import source_overlay
 

@@ -188,7 +188,7 @@ MODELS = {
     "never closed": broken(ONE[:-9], "ROB001"),
     "cut off": broken(ONE[: len(ONE) // 2], "ROB001"),
     "left over of xacro": broken(
-        robot('<xacro:include filename="x"/>' + link("${prefix}a", WHOLE)), "ROB017"
+        robot('<xacro:include filename="x"/>' + link("${prefix}a", WHOLE)), "ROB143"
     ),
     # names
     "Greek": odd(ONE.replace('"a"', '"βάση"').replace('"r"', '"ρομπότ"')),

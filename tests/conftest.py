@@ -1,17 +1,26 @@
 """What all tests share."""
 
+import gc
+import os
 import signal
 import sys
+from collections.abc import Callable, Generator
+from pathlib import Path
 
 import hypothesis
 import pytest
 
-from ros_for_tests import ros
+from forks import fork_child
+from own_network import why_refused
+from ros_for_tests import network_of_ros, ros
+from wsgen.isolation import channel, result, system
+from wsgen.isolation.parent import Process
+from wsgen.launch import plain_child
 
 if sys.platform == "linux":
     import resource
 
-__all__ = ["ros"]  # a fixture
+__all__ = ["network_of_ros", "ros"]  # fixtures
 
 # What `nohup` and a shell's `&` let be ignored, the processes that tests start would ignore, too.
 for _name, _handler in (("SIGINT", signal.default_int_handler), ("SIGHUP", signal.SIG_DFL)):
@@ -19,15 +28,74 @@ for _name, _handler in (("SIGINT", signal.default_int_handler), ("SIGHUP", signa
     if _signal is not None and signal.getsignal(_signal) is signal.SIG_IGN:
         signal.signal(_signal, _handler)
 
-# A busy machine takes its time.
+# A busy machine takes its time: limits are those of CPU time.
 hypothesis.settings.register_profile("wsgen", deadline=None)
 hypothesis.settings.load_profile("wsgen")
+result.WALL_CLOCK_FACTOR = 200.0
 
 # Bytes that a process of the tests, or one that it has started, may grow to. What needs more than
 # a few hundred MB does it in a process of its own.
 MOST_MEMORY = 2**30
+# Files that take half a minute and more. `make test` has each file run by one process, which makes
+# its fixtures once: what takes long comes first, or it would run alone at the end.
+LONGEST = (
+    "test_packaging.py",
+    "test_public_robots_simulated.py",
+    "testing/test_live.py",
+    "ros/test_ros2_control.py",
+    "isolation/test_run.py",
+    "test_interpreters.py",  # installs what the first one resolves
+    "urdf/test_broken_models.py",
+    "live/test_with_ros.py",
+    "urdf/test_gazebo_texts.py",
+    "urdf/test_public_robots.py",
+    "viewing/test_browser.py",
+    "meshes/test_mesh_files.py",
+    "launch/test_properties.py",
+    "test_matrix.py",
+    "kinds/test_line_follower.py",
+    "build/test_failures.py",
+    "build/test_another_machine.py",
+    "simulation/test_rest_poses.py",
+    "kinds/test_messages_and_nodes.py",
+    "cli/test_validate.py",
+    "ros/test_nodes.py",
+    "templating/test_oracles.py",
+    "testing/test_plugin.py",
+    "test_bounds.py",
+    "test_cmake_versions.py",
+    "build/test_build.py",
+    "build/test_without_ros.py",
+    "cli/test_validate_files.py",
+    "fixes/test_fixes_in_packages.py",
+    "fixes/test_examples_fixed.py",
+    "rules/test_examples.py",
+    "report/test_page_in_chromium.py",
+    "testing/test_colcon.py",
+    "sweeping/test_subjects.py",
+    "sweeping/test_plots.py",
+    "simulation/test_shapes_gazebo.py",
+    "cli/test_doctor.py",
+)
 LONGEST_NAME = 100  # characters of a parameter in the name of a test
 _reported = 0  # bytes, of the process that was larger than that
+
+
+def starter(*, is_forked: bool) -> Callable[..., Process]:
+    """What starts a child that `wsgen.isolation.channel` asks."""
+    is_alike = system.can_fork() and FOREIGN.isdisjoint(sys.modules)
+    if is_forked and system.has_guards() and not is_alike:
+        return fork_child
+    return own_starter(is_forked=is_forked)
+
+
+if "PYTEST_XDIST_WORKER" in os.environ:
+    # wsgen, which has one thread and imports nothing foreign, forks such children from itself. A
+    # process of pytest-xdist has more, and would start an interpreter for each check.
+    own_starter = channel._starter
+    channel._starter = starter
+    FOREIGN = plain_child.FOREIGN
+    plain_child.FOREIGN = frozenset()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -39,8 +107,33 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--thorough",
         action="store_true",
-        help="compare all public meshes with trimesh, not a sample of each folder",
+        help="compare all public meshes and simulate all public robots, not a sample of them",
     )
+
+
+def pytest_report_header() -> str:
+    refused = why_refused()
+    return f"network of tests with ROS: {f'that of the machine: {refused}' if refused else 'own'}"
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Generator[None, object, object]:
+    """Collect tests without the collector of garbage, and keep it from looking at them later.
+
+    They are kept until the end: a quarter of the time would go into looking at them again.
+    """
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Put the files that take long to the front."""
+    places = {Path(__file__).parent / name: place for place, name in enumerate(LONGEST)}
+    items.sort(key=lambda item: places.get(item.path, len(places)))
 
 
 def pytest_make_parametrize_id(val: object, argname: str) -> str | None:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import atexit
+import functools
+import json
 import math
-import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 from typing import TYPE_CHECKING, TypeVar
@@ -34,12 +37,28 @@ NO_LIMIT = 1e16  # what sdformat writes for an angle without bounds
 
 
 # What `ign sdf` calls once it has started Ruby and read its settings, which takes most of its time.
-CALL = f"""
-import ctypes, resource, sys
-resource.setrlimit(resource.RLIMIT_FSIZE, ({OUTPUT_SIZE}, {OUTPUT_SIZE}))
+LIBRARY = f"""
+import ctypes, json, os, resource, signal, sys
 library = ctypes.CDLL("libsdformat12.so.12")
-function = {{"-k": library.cmdCheck, "-p": library.cmdPrint}}[sys.argv[1]]
-sys.exit(function(sys.argv[2].encode()) & 255)
+
+def call(option, file):
+    resource.setrlimit(resource.RLIMIT_FSIZE, ({OUTPUT_SIZE}, {OUTPUT_SIZE}))
+    function = {{"-k": library.cmdCheck, "-p": library.cmdPrint}}[option]
+    return function(file.encode()) & 255
+"""
+CALL = LIBRARY + "sys.exit(call(*sys.argv[1:]))"
+# Loading the library takes half of the time of a call: one process does it for many calls, each in
+# a child of it. The end of the C library writes what is left to write.
+CALLS = f"""{LIBRARY}
+for line in sys.stdin:
+    option, file, answer, home, seconds = json.loads(line)
+    pid = os.fork()
+    if pid == 0:
+        signal.alarm(seconds)
+        os.environ["HOME"] = home
+        os.dup2(os.open(answer, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), 1)
+        ctypes.CDLL(None).exit(call(option, file))
+    print(os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]), flush=True)
 """
 
 
@@ -49,18 +68,47 @@ def ign_sdf(option: str, file: Path) -> list[str]:
 
 
 def run_ign(option: str, file: Path, folder: Path) -> tuple[int, str]:
-    """Exit code and standard output of `ign sdf`; `folder` is for its log."""
+    """Exit code and standard output of `ign sdf`; `folder` is for its log.
+
+    Raises:
+        ChildProcessError: it did not end by itself, which says nothing about the file. A number
+            that sdformat cannot read is an exception that it does not catch: SIGABRT is an answer.
+    """
     answer = folder / f"answer{option}"
-    with answer.open("w", encoding="utf-8") as output:
-        ended = subprocess.run(
-            ign_sdf(option, file),
-            stdout=output,
-            stderr=subprocess.DEVNULL,
-            timeout=SECONDS,
-            check=False,
-            env={**os.environ, "HOME": str(folder)},
-        )
-    return ended.returncode, answer.read_text(encoding="utf-8", errors="replace")
+    request = *map(str, (file.absolute(), answer, folder)), int(SECONDS)
+    calls = _calls()
+    assert calls.stdin is not None
+    assert calls.stdout is not None
+    try:
+        calls.stdin.write(json.dumps((option, *request)) + "\n")
+        calls.stdin.flush()
+        line = calls.stdout.readline()
+    except BrokenPipeError:
+        line = ""
+    if not line:
+        _calls.cache_clear()  # the next call has a new one
+        raise ChildProcessError(f"the process that calls sdformat ended before {file}")
+    if (code := int(line)) < 0 and code != -signal.SIGABRT:
+        raise ChildProcessError(f"sdformat was ended by {signal.Signals(-code).name}: {file}")
+    return code, answer.read_text(encoding="utf-8", errors="replace")
+
+
+@functools.cache
+def _calls() -> subprocess.Popen[str]:
+    """The process that has loaded the library; it ends with this one, which closes its input."""
+    calls = subprocess.Popen(
+        [sys.executable, "-I", "-S", "-c", CALLS],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
+    )
+    atexit.register(_end, calls)
+    return calls
+
+
+def _end(calls: subprocess.Popen[str]) -> None:
+    calls.communicate()
 
 
 def is_taken(file: Path, folder: Path) -> bool:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import json
 import os
 import shutil
-import subprocess
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+from forks import run_wsgen
 
 WORKSPACES = Path(__file__).parent / "workspaces"
 LIMIT = 300.0  # seconds for one command, also on a busy machine
@@ -45,16 +45,8 @@ class KindOfWorkspace:
             for name, value in os.environ.items()
             if not name.startswith(("AMENT_", "COLCON_", "ROS_"))
         }
-        done = subprocess.run(
-            [sys.executable, "-m", "wsgen", *arguments],
-            cwd=folder or self.root,
-            env=environment,
-            input=given,
-            stdin=subprocess.DEVNULL if given is None else None,
-            capture_output=True,
-            text=True,
-            timeout=LIMIT,
-            check=False,
+        done = run_wsgen(
+            arguments, cwd=folder or self.root, env=environment, input=given, timeout=LIMIT
         )
         assert "Traceback" not in done.stderr, done.stderr
         return Answer(code=done.returncode, output=done.stdout, errors=done.stderr)

@@ -35,7 +35,7 @@ def python(code, *words, **keywords):
 
 def generate_launch_description():
 """
-SECONDS = 60.0  # wall-clock, on a busy machine
+SECONDS = 300.0  # wall-clock, on a busy machine
 
 
 class Launch:

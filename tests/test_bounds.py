@@ -1,11 +1,13 @@
 """Robots stand and do what they must with their variables at the bounds, not only at the defaults.
 
 The settings are a design of Plackett and Burman (Biometrika 33, 1946) with its mirror image: of any
-three variables, every combination of lowest and highest values is among 24 robots.
+three variables, every combination of lowest and highest values is among 24 robots; among 16, where
+a template has no more than seven variables.
 """
 
 from __future__ import annotations
 
+import itertools
 import os
 from typing import TYPE_CHECKING
 
@@ -16,7 +18,7 @@ from templating.broken_templates import spec_for
 from wsgen.isolation.fork_server import ForkServer
 from wsgen.model.target import TARGETS
 from wsgen.pipeline.package_validation import Validation
-from wsgen.pipeline.selection import SelectedPackage, ValidateRequest
+from wsgen.pipeline.requests import SelectedPackage, ValidateRequest
 from wsgen.rules.bodies import IMPLAUSIBLE_DENSITY
 from wsgen.simulation.run import default_engine
 from wsgen.templating.render import render_package
@@ -30,17 +32,38 @@ if TYPE_CHECKING:
     from wsgen.diagnostics import Diagnostic
     from wsgen.isolation.parent import Run
     from wsgen.model.package import PackageSpec
+    from wsgen.templating.template import Template
+    from wsgen.templating.variables import Variable
 
 
 pytestmark = pytest.mark.slow
 
 PACKAGE = "some_robot"
-GENERATOR = (True, True, False, True, True, True, False, False, False, True, False)
-RUNS = [
-    *(GENERATOR[-shift:] + GENERATOR[:-shift] for shift in range(len(GENERATOR))),
-    (False,) * len(GENERATOR),
+# The first run of a design for as many variables; each of the next ones is turned by one place.
+GENERATORS = (
+    (True, True, True, False, True, False, False),
+    (True, True, False, True, True, True, False, False, False, True, False),
+)
+
+
+def design(variables: int) -> list[tuple[bool, ...]]:
+    """For each robot, whether each variable has its highest value, not its lowest."""
+    first = next(one for one in GENERATORS if variables <= len(one))
+    runs = [first[-shift:] + first[:-shift] for shift in range(len(first))]
+    runs.append((False,) * len(first))
+    whole = [*runs, *(tuple(not high for high in run) for run in runs)]
+    return [run[:variables] for run in whole]
+
+
+def numbers_of(template: Template) -> list[Variable]:
+    return [one for one in template.variables.values() if one.type in {"integer", "number"}]
+
+
+ROBOTS = [
+    (name, number, highest)
+    for name in ("arm", "diff_drive")
+    for number, highest in enumerate(design(len(numbers_of(load_template(name)))))
 ]
-DESIGN = [*RUNS, *(tuple(not high for high in run) for run in RUNS)]
 
 
 @pytest.fixture(scope="module")
@@ -50,17 +73,25 @@ def run() -> Iterator[Run]:
         yield fork_server.run
 
 
-@pytest.mark.parametrize("number", range(len(DESIGN)))
 @pytest.mark.parametrize("template_name", ["arm", "diff_drive"])
+def test_three_variables_have_all_combinations(template_name: str) -> None:
+    runs = [highest for name, _, highest in ROBOTS if name == template_name]
+    for three in itertools.combinations(range(len(runs[0])), 3):
+        assert len({tuple(run[variable] for variable in three) for run in runs}) == 8
+
+
+@pytest.mark.parametrize(
+    ("template_name", "number", "highest"),
+    ROBOTS,
+    ids=[f"{name}-{number}" for name, number, _ in ROBOTS],
+)
 def test_nothing_is_found_at_the_bounds(
-    template_name: str, number: int, tmp_path: Path, run: Run
+    template_name: str, number: int, highest: tuple[bool, ...], tmp_path: Path, run: Run
 ) -> None:
     template = load_template(template_name)
-    variables = [one for one in template.variables.values() if one.type in {"integer", "number"}]
-    assert len(variables) <= len(GENERATOR)
     settings = [
         f"{one.name}={one.maximum if high else one.minimum}"
-        for one, high in zip(variables, DESIGN[number], strict=False)
+        for one, high in zip(numbers_of(template), highest, strict=True)
     ]
     target = TARGETS[number % len(TARGETS)]
     spec = spec_for(template, *settings, target=target, name=PACKAGE)

@@ -15,6 +15,9 @@ pytestmark = pytest.mark.slow
 
 # Ubuntu 22.04, Ubuntu 24.04, the last before 4, the newest that wsgen's dependencies bring.
 VERSIONS = ("3.22.6", "3.28.4", "3.31.6", "newest")
+# Not at a border: what the older and the newer one accept, it accepts, too. It tries the file with
+# the most commands.
+BETWEEN = "3.28.4"
 
 
 @pytest.fixture(scope="module", params=VERSIONS)
@@ -23,16 +26,19 @@ def cmake(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
     if request.param == "newest":
         return Path(cmake_wheel.CMAKE_BIN_DIR, "cmake")
     folder = tmp_path_factory.mktemp("cmake")
-    command = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--target"]
+    pip = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--no-compile"]
     subprocess.run(
-        [*command, str(folder), f"cmake=={request.param}"], check=True, capture_output=True
+        [*pip, "--target", str(folder), f"cmake=={request.param}"], check=True, capture_output=True
     )
     return folder / "cmake" / "data" / "bin" / "cmake"
 
 
-def test_no_warning(cmake: Path, tmp_path: Path) -> None:
+def test_no_warning(cmake: Path, tmp_path: Path, request: pytest.FixtureRequest) -> None:
     # Most goldens have one and the same.
     cases = {(golden_package(case) / "CMakeLists.txt").read_text(): case for case in CASES}
+    if request.node.callspec.params["cmake"] == BETWEEN:
+        longest = max(cases, key=len)
+        cases = {longest: cases[longest]}
     environment = {
         **os.environ,
         "VIRTUAL_ENV": sys.prefix,

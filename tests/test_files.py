@@ -10,8 +10,9 @@ from pathlib import Path
 
 import pytest
 
+from wsgen import files
 from wsgen.errors import NotReadableError
-from wsgen.files import explain_write_error, mount_point, write_file
+from wsgen.files import explain_write_error, mount_point, read_regular, remembering, write_file
 
 
 @contextmanager
@@ -103,3 +104,36 @@ def test_reasons(tmp_path: Path, number: int, reason: str) -> None:
 def test_the_file_system_of_a_path_that_does_not_exist() -> None:
     assert mount_point(Path("/proc/missing/file")) == Path("/proc")
     assert os.path.ismount(mount_point(Path()))
+
+
+def test_what_is_remembered_does_not_grow_with_the_files(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(files, "MOST_REMEMBERED", 1000)
+    monkeypatch.setattr(files, "MOST_CONTENTS", 8)
+    with remembering():
+        memory = files._memory
+        assert memory is not None
+        for number in range(30):
+            file = tmp_path / f"{number}"
+            file.write_bytes(b"x" * (5 * number))
+            for _ in range(2):
+                assert read_regular(file, 10_000) == b"x" * (5 * number)
+            assert memory.size == sum(len(content) for _, content in memory.contents.values())
+            assert memory.size <= 1000
+            assert len(memory.contents) <= 8
+            assert str(file) in memory.contents
+        file.write_bytes(b"changed")
+        assert read_regular(file, 10_000) == b"changed"
+        assert memory.size == sum(len(content) for _, content in memory.contents.values())
+
+
+def test_a_file_is_read_once_while_it_is_the_same(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = tmp_path / "file"
+    file.write_bytes(b"abc")
+    with remembering():
+        first = read_regular(file, 100)
+        monkeypatch.setattr(files, "open", None, raising=False)  # nothing can be opened
+        assert read_regular(file, 100) == first

@@ -1,6 +1,8 @@
-"""Every template for every target: all of them in one workspace, built by colcon, and tried.
+"""Every template for its targets: all of them in one workspace, built by colcon, and tried.
 
-The example of a template of the user is among them.
+The example of a template of the user is among them. tests/templating/test_golden.py shows how
+little the files of one template differ between targets: the template that writes the most kinds of
+files is here for every target, others for the targets at the borders.
 """
 
 from __future__ import annotations
@@ -18,6 +20,7 @@ from build.building import outside, plain_colcon
 from golden_support import CASES, EXAMPLES, LAUNCH_FILE, arguments, generate
 from wsgen.cli import run
 from wsgen.model.target import TARGETS
+from wsgen.templating.template import template_names
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -28,7 +31,17 @@ if TYPE_CHECKING:
 pytestmark = pytest.mark.slow
 
 PENDULUM = str(EXAMPLES / "templates" / "pendulum")
-ALL = {**CASES, **{f"pendulum-{target.name}": (PENDULUM, target) for target in TARGETS}}
+FOR_EVERY_TARGET = "wanderer"
+# Both simulators on the oldest distribution, the last one with SDF 1.11, and the default.
+BORDERS = {"humble-classic", "humble-gz", "jazzy-gz", "lyrical-gz"}
+ALL = {
+    case: (template, target)
+    for case, (template, target) in {
+        **CASES,
+        **{f"pendulum-{target.name}": (PENDULUM, target) for target in TARGETS},
+    }.items()
+    if template == FOR_EVERY_TARGET or target.name in BORDERS
+}
 # Case -> the name of its package in the workspace.
 PACKAGES = {case: case.replace("-", "_") for case in ALL}
 # Case -> the name of its robot in the simulator, where it is not that of the package: the first of
@@ -61,6 +74,14 @@ def validated(workspace: Path) -> dict[str, Any]:
         assert run(["validate", "-q", "-j", "2", "--json", str(report)]) == 0
     packages = json.loads(report.read_text())["packages"]
     return {package["package"]: package for package in packages}
+
+
+def test_each_border_is_a_target_and_each_template_is_here() -> None:
+    assert {target.name for target in TARGETS} >= BORDERS
+    assert {template for template, _ in ALL.values()} == {*template_names(), PENDULUM}
+    assert {target for template, target in ALL.values() if template == FOR_EVERY_TARGET} == {
+        *TARGETS
+    }
 
 
 @pytest.mark.parametrize("case", ALL)

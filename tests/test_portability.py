@@ -21,8 +21,10 @@ LINUX_ONLY = {
     "wsgen.isolation.guard",
     "wsgen.isolation.fork_server_process",
     "wsgen.isolation.forked",
-    *(f"wsgen.live.{name}" for name in ("run", "service_child", "service_process")),
-    "wsgen.live.shared_memory",
+    *(f"wsgen.live.{name}" for name in ("process", "run", "service")),
+    *(f"wsgen.live.{name}" for name in ("service_child", "service_process", "termination")),
+    *(f"wsgen.live.{name}" for name in ("activity", "behaviors", "session", "shared_memory")),
+    "wsgen.testing.live",
 }
 # Scripts, which read a request, and what is on the path of certain children alone.
 NO_MODULES = (
@@ -33,6 +35,7 @@ NO_MODULES = (
     # Processes of ROS, which has no wheels for Windows.
     "wsgen.ros_nodes",
     "wsgen.ros_shim",
+    "wsgen.ros_start",
 )
 
 IMPORT = """
@@ -106,7 +109,7 @@ MANIFEST = """<package format="3">
   <maintainer email="a@b.cd">A</maintainer><license>MIT</license>
 </package>
 """
-TEMPLATE = """description = "Ours"
+TEMPLATE = """description = "BuiltIn"
 extends = "simple"
 """
 FILES = {

@@ -57,7 +57,7 @@ HEAD = """\
 Results of `wsgen validate FILE` for robots that other people have published on PyPI, each spawned
 just above the ground of an empty world, in PyBullet, without a controller. Below the table is the
 reason for every error. `pytest tests/test_public_robots_simulated.py --regenerate` writes this
-page; a test compares what does not depend on the machine.
+page; a test compares what does not depend on the machine, for all with `--thorough`.
 
 "Settled after" is the time when the robot stands still; "passive" means that gravity moved its
 unactuated joints, "-" that it was not simulated. z is the final height of the root link. Errors are
@@ -70,17 +70,33 @@ bold; [rules.md](rules.md) lists the codes.
 pytestmark = [pytest.mark.slow, pytest.mark.oracle]
 
 
-# A third of the time is for these; each engine simulates others of the same makers and kinds.
-MANY_PARTS = {"g1_29dof_with_hand_rev_1_0", "icubdarmstadt01", "icubgazebov2_7", "tiago"}
+# A third of the time is for these; others of the same makers and kinds are simulated in any case.
+MANY_PARTS = {
+    "g1_29dof_with_hand_rev_1_0",
+    "icubdarmstadt01",
+    "icubgazebov2_7",
+    "alex_psyonic_hands",
+    "anymal_b_kinova",  # anymal_b and kinova
+    "b1_z1",
+}
+# MuJoCo makes the same of the parts that these share with smaller ones.
+IN_ONE_ENGINE = {
+    "alex_sake_hands",
+    "character",
+    "icub_simple_collisions",
+    "jvrc1",
+    "tiago",
+}
 
 
 @functools.cache
-def check(engine: str) -> dict[str, dict[str, Any]]:
-    """What wsgen says, by the short name of the robot; of those with many parts in PyBullet."""
+def check(engine: str, *, thorough: bool) -> dict[str, dict[str, Any]]:
+    """What wsgen says, by the short name of the robot."""
+    left_out = MANY_PARTS if engine == "bullet" else MANY_PARTS | IN_ONE_ENGINE
     files = {
         name: file
         for package, path, name in ROBOTS
-        if (file := find_robot(package, path)) and (engine == "bullet" or name not in MANY_PARTS)
+        if (file := find_robot(package, path)) and (thorough or name not in left_out)
     }
     if not files:
         pytest.skip("the packages with robots are not installed")
@@ -104,22 +120,30 @@ def codes(package: dict[str, Any], severity: str) -> set[str]:
     return {found["code"] for found in package["diagnostics"] if found["severity"] == severity}
 
 
-def test_every_error_has_its_reason_and_the_page_says_so(*, regenerate: bool) -> None:
+def test_every_error_has_its_reason_and_the_page_says_so(
+    *, regenerate: bool, thorough: bool
+) -> None:
     """One test, because one run of wsgen checks them all."""
-    checked = check("bullet")
+    checked = check("bullet", thorough=thorough or regenerate)
     errors = {name: codes(package, "error") for name, package in checked.items()}
     expected = {name: expected_errors(name) for name in checked}
     wrong = {name: found for name, found in errors.items() if found != expected[name]}
     assert wrong == {}
     assert all(checked[name]["passed"] == (not errors[name]) for name in checked)
-    if len(checked) < len(ROBOTS):
+    names = {name for _, _, name in ROBOTS}
+    if not names - MANY_PARTS <= checked.keys():
         pytest.skip("packages with robots are not installed: the page is not compared")
-    rows = [row(package, name, checked[name]) for package, _, name in ROBOTS]
-    reasons = [f"- {name}: {reason(name)}." for _, _, name in ROBOTS if errors[name]]
+    left_out = names - checked.keys()
+    assert all(expected_errors(name) == set() for name in left_out)  # or the page names reasons
+    rows = [row(package, name, checked[name]) for package, _, name in ROBOTS if name in checked]
+    reasons = [f"- {name}: {reason(name)}." for _, _, name in ROBOTS if errors.get(name)]
     text = HEAD + "\n".join(rows) + "\n\n## Errors\n\n" + "\n".join(reasons) + "\n"
     if regenerate:
         PAGE.write_text(text, encoding="utf-8")
-    assert what_must_hold(PAGE.read_text(encoding="utf-8")) == what_must_hold(text)
+    page = PAGE.read_text(encoding="utf-8").splitlines(keepends=True)
+    compared = [line for line in page if not line.startswith(tuple(f"| {n} |" for n in left_out))]
+    assert len(page) - len(compared) == len(left_out)
+    assert what_must_hold("".join(compared)) == what_must_hold(text)
 
 
 # How far apart robots may rest whose joints nothing moves: PyBullet's stand 0.01 mm too low.
@@ -130,8 +154,8 @@ SAME_TILT = math.radians(0.1)
 LEANING = {"minitaur", "talos_left_arm"}
 
 
-def test_mujoco_makes_the_same_of_them() -> None:
-    bullet, mujoco = check("bullet"), check("mujoco")
+def test_mujoco_makes_the_same_of_them(*, thorough: bool) -> None:
+    bullet, mujoco = (check(engine, thorough=thorough) for engine in ("bullet", "mujoco"))
     compared = rested = 0
     for name, package in mujoco.items():
         assert codes(package, "error") == codes(bullet[name], "error"), name
@@ -149,8 +173,8 @@ def test_mujoco_makes_the_same_of_them() -> None:
                 height = other["rest"]["xyz"][2]
                 assert one["rest"]["xyz"][2] == pytest.approx(height, abs=SAME_HEIGHT), name
                 assert one["rest"]["tilt"] == pytest.approx(other["rest"]["tilt"], abs=SAME_TILT)
-    if len(bullet) == len(ROBOTS):
-        assert (compared, rested) > (60, 10)
+    if len(bullet) >= len(ROBOTS) - len(MANY_PARTS):
+        assert (compared, rested) > (50, 10)
 
 
 def stands(package: dict[str, Any]) -> bool:

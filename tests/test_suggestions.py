@@ -8,6 +8,13 @@ def test_a_word_is_never_taken_for_itself() -> None:
     assert suggestions.nearest("height", ["height"]) is None
 
 
+def test_a_name_in_another_case_is_the_nearest() -> None:
+    assert suggestions.nearest("X", ["y", "x", "yaw"]) == "x"
+    assert suggestions.nearest("twist", ["Twists", "Twist", "twirl"]) == "Twist"
+    assert suggestions.suggest("X", ["y", "x"]) == "Did you mean `x`?"
+    assert suggestions.nearest("x", ["x", "y"]) is None
+
+
 def test_the_order_of_the_known_names_does_not_matter() -> None:
     known = ["wheel_a", "wheel_b", "wheel_c"]
     assert suggestions.nearest("wheel", known) == suggestions.nearest("wheel", known[::-1])
@@ -27,6 +34,10 @@ def test_only_a_few_of_many_names_are_listed() -> None:
 
 def test_a_typing_mistake_is_told_from_another_name() -> None:
     known = ["robot_state_publisher", "xacro", "marti_can_msgs", "ros_gz_sim", "gz_sim8_vendor"]
+    known += ["nav_msgs", "std_srvs"]
+    assert suggestions.misspelled_as("nav_msg", known) == "nav_msgs"
+    assert suggestions.misspelled_as("std_srv", known) == "std_srvs"
+    assert suggestions.misspelled_as("std_msg", known) is None
     assert suggestions.misspelled_as("robot_state_publiser", known) == "robot_state_publisher"
     assert suggestions.misspelled_as("xarco", known) == "xacro"
     assert suggestions.misspelled_as("ros-gz-sim", known) == "ros_gz_sim"

@@ -2,11 +2,11 @@
 
 import json
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
+from forks import run_wsgen
 from tutorial import TEXT, write_tutorial
 
 SHARE = "install/gazebo_test/share/gazebo_test"
@@ -18,13 +18,7 @@ pytestmark = [
 
 
 def wsgen(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-m", "wsgen", *arguments],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    return run_wsgen(arguments, cwd=folder)
 
 
 @pytest.fixture(scope="module")

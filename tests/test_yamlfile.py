@@ -2,7 +2,9 @@
 
 from pathlib import Path
 
-from wsgen.yamlfile import NotYaml, Value, load, parse
+import yaml
+
+from wsgen.yamlfile import MOST_VALUES, NotYaml, Value, load, merge_repeated, parse
 
 TEXT = """\
 controller_manager:
@@ -53,6 +55,35 @@ def test_odd_documents_are_read() -> None:
         f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 10)}]\n" for n in range(1, 9)
     )
     assert parse(bomb) is None
+
+
+def test_mappings_of_one_key_are_merged() -> None:
+    text = "/**:\n  a: {x: 1}\n/**:\n  b: {x: 2}\n  a:\n    y: 3\n"
+    document = _parse(text)
+    assert document.get("/**", "a", "x") == Value(1, 2)
+    assert document.get("/**", "a", "y") == Value(3, 6)
+    assert document.get("/**", "b", "x") == Value(2, 4)
+    with_anchor = _parse("a: &one {x: 1}\nb: *one\na: {y: 2}\n")
+    assert with_anchor.get("b", "y") is None
+    assert _parse("a: {x: 1}\na: 2\n").get("a") == Value(2, 2)
+    thrice = _parse("a: &one {x: 1}\na: {y: 2}\na: {z: 3}\nb: *one\n")
+    assert [thrice.get("a", key) for key in "xyz"] == [Value(1, 1), Value(2, 2), Value(3, 3)]
+    assert [thrice.get("b", key) for key in "yz"] == [None, None]
+
+
+def test_aliases_of_one_key_are_not_merged_without_end() -> None:
+    levels = [f"a{i}: &a{i} {{{', '.join([f'k: *a{i - 1}'] * 50)}}}" for i in range(1, 6)]
+    text = "\n".join(["a0: &a0 {k: 1}", *levels])  # 50**5 values
+    assert parse(text) is None
+    todo: list[yaml.Node | None] = [yaml.SafeLoader(text).get_single_node()]
+    merge_repeated(todo[0])
+    pairs = {}
+    while todo:
+        node = todo.pop()
+        if id(node) not in pairs and isinstance(node, yaml.MappingNode):
+            pairs[id(node)] = len(node.value)
+            todo += [value for _, value in node.value]
+    assert sum(pairs.values()) < 2 * MOST_VALUES
 
 
 def test_files_are_read(tmp_path: Path) -> None:

@@ -109,7 +109,7 @@ ERRORS = {
     "left over": ("ROB017", robot(TWO + joint("j", "a", "b", '<origin xyz="${x} 0 0"/>'))),
     "left over in text": ("ROB017", robot(link("a") + "<gazebo><p>$(find x)</p></gazebo>")),
     "left over macro": (
-        "ROB017",
+        "ROB143",
         robot(link("a") + '<xacro:wheel xmlns:xacro="http://www.ros.org/wiki/xacro"/>'),
     ),
     "zero axis": (
@@ -218,6 +218,10 @@ ERRORS = {
     "rate in words": ("ROB099", robot(link("a") + sensor("<update_rate>fast</update_rate>"))),
     "flag of a sensor": ("ROB099", robot(link("a") + sensor("<always_on>yes</always_on>"))),
     "pose of three numbers": ("ROB099", robot(link("a") + sensor("<pose>0 0 1</pose>"))),
+    "quaternion of six numbers": (
+        "ROB099",
+        robot(link("a") + sensor('<pose rotation_format="quat_xyzw">0 0 1 0 0 0</pose>')),
+    ),
     "view in degrees": (
         "ROB099",
         robot(link("a") + sensor("<camera><horizontal_fov>90</horizontal_fov></camera>")),

@@ -39,6 +39,7 @@ NO_LINK = Rule(
     code="ROB005",
     name="no-link",
     severity=Severity.ERROR,
+    severity_varies="information of `wsgen check` in a file for Webots",
     summary="A robot or a model that can move has no link.",
     why=(
         "Gazebo refuses a robot without links, and physics has nothing to move. A link called "
@@ -85,6 +86,7 @@ UNKNOWN_LINK = Rule(
     code="ROB013",
     name="unknown-link",
     severity=Severity.ERROR,
+    severity_varies="information of `wsgen check` in a part that no file includes",
     summary="A joint names a link that does not exist.",
     why=(
         "Gazebo refuses the robot. The name is usually misspelled, or lacks the prefix that a "
@@ -313,6 +315,8 @@ MISSING_COLLISION_MESH = Rule(
     code="ROB060",
     name="missing-collision-mesh",
     severity=Severity.ERROR,
+    severity_varies="a warning of `wsgen check` where a model has it, which may be elsewhere; "
+    "information where it is on the network",
     summary="The mesh file of a `<collision>` does not exist.",
     why=(
         "Without its mesh, the part passes through others: Gazebo prints an error and goes on. "

@@ -20,6 +20,7 @@ class StepStarted:
 
     step: tuple[str, ...]
     detail: str = ""
+    takes_long: bool = False  # more than a few seconds: a log says it at once
 
 
 @dataclass(frozen=True, kw_only=True)

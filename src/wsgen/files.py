@@ -5,6 +5,7 @@ Reading a device may never end, and opening a named pipe waits for a writer.
 
 from __future__ import annotations
 
+import _thread
 import codecs
 import errno
 import math
@@ -17,7 +18,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 from wsgen.errors import NotReadableError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Collection, Iterator
     from typing import TypeVar
 
     State = tuple[int, ...]
@@ -50,24 +51,30 @@ class _Memory:
     """What files held and where paths led, see `remembering`."""
 
     def __init__(self) -> None:
-        self.contents: dict[str, tuple[State, bytes]] = {}
+        self.contents: dict[str, tuple[State, bytes]] = {}  # the oldest first
+        self.lock = _thread.allocate_lock()  # of the contents and their size
         self.size = 0  # bytes of the contents
         self.real: dict[str, str] = {}
         self.made: dict[tuple[object, str], tuple[tuple[State | None, ...], Any]] = {}
 
     def keep(self, path: str, state: State, content: bytes) -> None:
         """Remember the content of a file, if it is small."""
-        if len(content) > MOST_REMEMBERED // 16:
+        if len(content) > MOST_REMEMBERED // 4:
             return
-        if self.size + len(content) > MOST_REMEMBERED:
-            self.contents.clear()
-            self.size = 0
-        self.contents[path] = state, content
-        self.size += len(content)
+        with self.lock:
+            _, before = self.contents.pop(path, (state, b""))
+            self.contents[path] = state, content
+            self.size += len(content) - len(before)
+            while self.size > MOST_REMEMBERED or len(self.contents) > MOST_CONTENTS:
+                _, oldest = self.contents.pop(next(iter(self.contents)))
+                self.size -= len(oldest)
 
 
-MOST_REMEMBERED = 16 * 2**20  # bytes
-MOST_PATHS = 50_000
+# The texts of a package are read several times, but those of one package after the other: more
+# would only grow with the number of packages.
+MOST_REMEMBERED = 2**19  # bytes
+MOST_CONTENTS = 200  # files
+MOST_PATHS = 1_000
 _memory: _Memory | None = None
 
 
@@ -146,6 +153,26 @@ def _find_real_path(path: str) -> str:
         return os.path.realpath(path)
     inside = os.path.join(real_path(folder), name)  # noqa: PTH118  of many
     return os.path.realpath(inside) if os.path.islink(inside) else inside  # noqa: PTH114
+
+
+def list_files(
+    folder: Path, endings: tuple[str, ...], *, markers: Collection[str] = ()
+) -> list[Path]:
+    """The files below a folder whose names end like this, by path; not those of linked folders.
+
+    A folder in it that has one of the `markers` among its files is left out.
+    """
+    found: list[Path] = []
+    for place, folders, names in os.walk(folder):
+        if markers and place != str(folder) and not set(markers).isdisjoint(names):
+            folders.clear()
+            continue
+        found += [
+            file
+            for name in names
+            if os.path.normcase(name).endswith(endings) and (file := Path(place, name)).is_file()
+        ]
+    return sorted(found)
 
 
 def irregular_kind(path: str | Path) -> str | None:

@@ -85,6 +85,8 @@ def elements(file: Path, text: str) -> list[Written]:
     parser.EndElementHandler = end
     with suppress(expat.ExpatError):
         parser.Parse(data, True)
+    # They hold the parser, which holds them: only the garbage collector would free them.
+    parser.StartElementHandler = parser.EndElementHandler = None
     return found
 
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 INSTALLED = "WSGEN_INSTALLED_PREFIX"  # in the environment: a prefix of serve_installed()
 VARIABLE = "WSGEN_SOURCE_PREFIXES"  # in the environment: the folder of these prefixes
 USED = ".used"  # in a prefix of serve_sources(): a file that who looks the package up leaves
-OF_BUILDS = frozenset({"__pycache__", "build", "install", "log"})  # folders
+BUILD_FOLDERS = frozenset({"__pycache__", "build", "install", "log"})  # names
 SEPARATOR = r"[/\\]"  # of folders; Windows has both
 INDEX = Path("share", "ament_index", "resource_index", "packages")  # below a prefix
 
@@ -129,10 +129,15 @@ def serve_installed(  # noqa: PLR0913  what a package installs
 def _files_below(source: Path, share: str) -> Iterator[tuple[str, Path]]:
     """The files of a source folder, by their paths in the share folder; not those of builds."""
     for folder, names, files in os.walk(source):
-        names[:] = [name for name in names if not name.startswith(".") and name not in OF_BUILDS]
+        names[:] = filter(may_have_sources, names)
         below = os.path.relpath(folder, source)
         for file in files:
             yield os.path.normpath(f"{share}{below}/{file}"), Path(folder, file)
+
+
+def may_have_sources(folder: str) -> bool:
+    """Whether a folder with this name may have sources: it is not hidden, nor made by a build."""
+    return not folder.startswith(".") and folder not in BUILD_FOLDERS
 
 
 def is_source(path: str) -> bool:

@@ -25,7 +25,7 @@ def misspelled_as(name: str, known: Iterable[str]) -> str | None:
 
     Words are what `_` and `-` separate. The names differ in that alone, or in one letter of a word,
     two of a long one, but never in the first of all; digits are no typing mistakes, and short words
-    with other letters mean something else.
+    with other letters mean something else. `msg` for `msgs` and `srv` for `srvs` are mistakes.
     """
     near = {
         other
@@ -41,6 +41,7 @@ def misspelled_as(name: str, known: Iterable[str]) -> str | None:
 LONG_ENOUGH = 4  # letters of a word that a typing mistake leaves recognizable
 LONG = 9
 SHORT = 3
+PLURALS = {("msg", "msgs"), ("srv", "srvs")}  # the last words of packages of interfaces
 MOST_MISTAKES = 2  # words with a mistake, or letters of a long word
 
 
@@ -52,7 +53,11 @@ def _is_misspelled(name: str, other: str) -> bool:
         return False
     differing = [pair for pair in zip(words, others, strict=True) if pair[0] != pair[1]]
     return len(differing) <= MOST_MISTAKES and all(
-        (min(len(word), len(meant)) >= LONG_ENOUGH or _is_swapped(word, meant))
+        (
+            min(len(word), len(meant)) >= LONG_ENOUGH
+            or _is_swapped(word, meant)
+            or (word, meant) in PLURALS
+        )
         and word.strip("abcdefghijklmnopqrstuvwxyz") == meant.strip("abcdefghijklmnopqrstuvwxyz")
         and mistakes_between(word, meant) <= (MOST_MISTAKES if len(meant) >= LONG else 1)
         for word, meant in differing
@@ -117,7 +122,11 @@ def suggest(name: str, known: Collection[str]) -> str:
 def _similar(name: str, known: Iterable[str], most: int, cutoff: float) -> list[str]:
     from difflib import get_close_matches  # noqa: PLC0415  3 ms that only a mistake pays
 
-    return get_close_matches(name, [*known], n=most, cutoff=cutoff)
+    names = [*known]
+    # Another case is the same word, which difflib finds as different as another one: `X`, `x`.
+    same = sorted({one for one in names if one != name and one.casefold() == name.casefold()})
+    near = get_close_matches(name, names, n=most, cutoff=cutoff)
+    return [*same, *(one for one in near if one not in same)][:most]
 
 
 def some_of(names: Sequence[str], most: int = 3) -> str:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from wsgen.files import refuse_irregular
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
     from pathlib import Path
 
 
@@ -88,3 +88,132 @@ def _shared(first: Sequence[str], second: Sequence[str]) -> int:
         if one != other:
             return index
     return min(len(first), len(second))
+
+
+_AT = re.compile(r"at line (\d+), column (\d+)")
+_BOOLEANS = {
+    **dict.fromkeys(("true", "yes", "on"), "true"),
+    **dict.fromkeys(("false", "no", "off"), "false"),
+}
+_NOTHING = frozenset({"none", "null", "nil"})
+_SI_UNITS = frozenset({"m", "s", "kg", "N", "Nm", "rad", "m/s", "rad/s", "Hz", "m/s²", "m/s^2"})
+_OTHER_UNITS = frozenset(
+    {
+        *("mm", "cm", "dm", "km", "in", "inch", "ft", "ms", "us", "ns", "min", "h", "g", "%"),
+        *("deg", "degree", "degrees", "\N{DEGREE SIGN}", "deg/s", "rpm", "cm/s", "mm/s", "km/h"),
+    }
+)
+_QUOTES = "\u201c\u201d\u201e\u2018\u2019\u00ab"  # of typography
+
+
+def explain(text: str, error: ValueError) -> str | None:
+    """Say what to write instead where a file is not TOML; None where that is not known.
+
+    It knows the spellings of Python, YAML, JSON and C that people write. `text` is what the file
+    holds, `error` what `load` raises.
+    """
+    reason, _, place = str(error).partition(" (at ")
+    at, lines = _AT.search(f"at {place}"), text.splitlines()
+    if at is None or int(at[1]) > len(lines):
+        line, column = "", 0
+    else:
+        line, column = lines[int(at[1]) - 1], int(at[2]) - 1
+    for words, explain_it in _EXPLAINED:
+        if words in reason:
+            return explain_it(line[:column], line[column:])
+    return None
+
+
+# Each takes what is before the place on its line, and what is behind it.
+
+
+def _value(_before: str, rest: str) -> str | None:
+    found = re.match(r"[^\s,\]}#]+", rest)
+    word = found[0] if found else ""
+    is_alone = re.match(r"\s*([,\]}#]|$)", rest[len(word) :]) is not None
+    lower, number = word.lower(), word.replace(".", "0.")
+    text = rest.partition("#")[0].strip() if not is_alone else word
+    answers = (
+        (is_alone and lower in _BOOLEANS, f"TOML writes {_BOOLEANS.get(lower)}, not {word}."),
+        (is_alone and lower in _NOTHING, f"TOML has no {word}: remove the key."),
+        (is_alone and lower.lstrip("+-") in {"nan", "inf"}, f"TOML writes {lower}, not {word}."),
+        (re.match(r"[+-]?\.\d", word), f"Write a digit before the point: {number}"),
+        (rest.startswith("="), "Write one `=`."),
+        (rest[:1] in set(_QUOTES), 'Write straight quotes around the text: "..."'),
+        (re.match(r"[^\W\d]", word), f"Write quotes around a text: {_quoted(text)}"),
+    )
+    return next((answer for is_so, answer in answers if is_so), None)
+
+
+def _quoted(text: str) -> str:
+    for quote in ('"', "'"):
+        if text.count(quote) == 1:  # the other one is missing
+            text = text.strip(quote)
+    if not {'"', "\\"} & set(text):
+        return f'"{text}"'
+    return f"'{text}'" if "'" not in text else f"'''{text}'''"
+
+
+def _key(before: str, rest: str) -> str | None:
+    if rest.lstrip().startswith(":"):
+        line = re.sub(r"\s*:\s*", " = ", (before + rest).strip())
+        return f"TOML has `=` between a key and its value: {line}"
+    return "Write KEY = VALUE; a key with blanks needs quotes." if rest else None
+
+
+def _table(before: str, _rest: str) -> str | None:
+    name = before.strip()
+    return f"Close the name of the table: {name}{']]' if name.startswith('[[') else ']'}"
+
+
+def _part(before: str, _rest: str) -> str | None:
+    if before.count("{") > before.count("}"):
+        return "Write a table in braces on one line, without a comma at its end."
+    return None
+
+
+def _end(before: str, rest: str) -> str | None:
+    before, rest = before.rstrip(), rest.strip()
+    found = re.search(r"(?<![\w.])[+-]?[\d.]+$", before)  # not that of 0xff
+    number = found[0] if found else ""
+    fraction = re.match(r"[.,](\d*)", rest)
+    unit = rest.partition("#")[0].strip()
+    whole = f"{number}.{(fraction and fraction[1]) or '0'}"
+    answers = (
+        (number and fraction, f"Write the number as {whole}"),
+        (rest.startswith(("//", "/*")), "A comment begins with `#`."),
+        (rest.startswith((";", ",")), f"Remove the `{rest[:1]}`."),
+        (number == "0" and re.match(r"\d", rest), "Remove the zero before the number."),
+        (number and unit in _SI_UNITS, f"Write the number without `{unit}`: units are SI."),
+        (number and unit in _OTHER_UNITS, f"Write the number in an SI unit, without `{unit}`."),
+        (before.endswith(("'", '"')), "Write the other kind of quotes around a text with quotes."),
+    )
+    return next((answer for is_so, answer in answers if is_so), None)
+
+
+def _twice(before: str, rest: str) -> str | None:
+    line = (before + rest).strip()
+    if line.startswith("["):
+        name = line.partition("#")[0].strip(" []")
+        return f"`{name}` is defined twice: write [[{name}]] for each of several, or join them."
+    return "The key is defined twice in its table: remove one of the two."
+
+
+def _backslash(_before: str, _rest: str) -> str:
+    return "Write a text with backslashes between single quotes."
+
+
+_EXPLAINED: tuple[tuple[str, Callable[[str, str], str | None]], ...] = (
+    ("Invalid value", _value),
+    ("Expected '=' after a key", _key),
+    ("declaration", _table),
+    ("initial character for a key", _part),
+    ("end of document after a statement", _end),
+    ("Cannot declare", _twice),
+    ("overwrite a value", _twice),
+    *((words, _backslash) for words in ("Unescaped", "Invalid hex value", "Escaped character")),
+    ("Illegal character", lambda _before, _rest: "Close the text: its last quote is missing."),
+    ("Unterminated string", lambda _before, _rest: "Close the text: its last quote is missing."),
+    ("Unclosed array", lambda _before, _rest: "Close the list: its last `]` is missing."),
+    ("Unclosed inline table", lambda _before, _rest: "Close the table: its last `}` is missing."),
+)

@@ -7,6 +7,8 @@ or grow without end.
 
 from __future__ import annotations
 
+import threading
+from functools import cache
 from typing import TYPE_CHECKING
 
 from lxml import etree
@@ -52,7 +54,7 @@ def parse(content: str | bytes) -> Element | Malformed:
     data = content.encode("utf-8") if isinstance(content, str) else content
     encoding = "utf-8" if isinstance(content, str) else None
     try:
-        return etree.fromstring(data, _parser(encoding))
+        return etree.fromstring(data, _parser_of(encoding, threading.get_ident()))
     except etree.XMLSyntaxError as error:
         mistake = find_mistake(data, encoding)
         if mistake is not None:
@@ -107,6 +109,16 @@ def parse_numbers(content: bytes) -> Element | Malformed:
     return Malformed(message="the document is empty", line=1) if root is None else root
 
 
+@cache
+def _parser_of(encoding: str | None, _thread: int) -> etree.XMLParser:
+    """A parser of a thread, for all its documents.
+
+    A new one takes as long as a small document. Its elements hold it and it holds them, so that
+    both would stay until the garbage collector looks for them.
+    """
+    return _parser(encoding)
+
+
 def _parser(encoding: str | None, *, recover: bool = False, large: bool = False) -> etree.XMLParser:
     return etree.XMLParser(
         encoding=encoding,
@@ -125,6 +137,14 @@ def children(element: Element, *tags: str) -> Iterator[Element]:
     for child in element:
         if isinstance(child.tag, str) and child.tag in tags:
             yield child
+
+
+def gz_attribute(element: Element, name: str) -> str | None:
+    """The value of `gz:NAME` or `ignition:NAME`, with its namespace declared or not, if there."""
+    for key, value in element.attrib.items():
+        if str(key).endswith((f"}}{name}", f":{name}")):
+            return str(value)
+    return None
 
 
 def child_text(element: Element, tag: str) -> str | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from typing import TYPE_CHECKING, Any
 
 from wsgen.files import read_regular
@@ -68,6 +69,7 @@ def parse(text: str) -> Value | NotYaml | None:
     try:
         loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)(text)
         node = loader.get_node() if loader.check_node() else None
+        merge_repeated(node)
         return None if node is None else _value(loader, node, [0])
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
@@ -76,6 +78,44 @@ def parse(text: str) -> Value | NotYaml | None:
         return NotYaml(str(error).partition("\n")[0], 1)
     except (RecursionError, OverflowError):
         return None
+
+
+def merge_repeated(node: Any) -> None:
+    """Merge mappings of one key in a composed document, as nodes of ROS read their parameters.
+
+    `/**:` may be written several times, each for the parameters of another node; the loader of YAML
+    takes the last one, and so it does where aliases make more of them than anybody writes.
+    """
+    todo, seen = [node], set()
+    count = 0  # of what was merged
+    while todo:
+        mapping = todo.pop()
+        if getattr(mapping, "id", None) != "mapping" or id(mapping) in seen:
+            continue
+        seen.add(id(mapping))  # an alias may lead back to it
+        places: dict[str, int] = {}
+        copied: set[int] = set()  # places
+        merged: list[tuple[Any, Any]] = []
+        for key, value in mapping.value:
+            place = places.get(key.value) if key.id == "scalar" else None
+            if place is not None and merged[place][1].id == value.id == "mapping":
+                first, both = merged[place]
+                if place not in copied:
+                    copied.add(place)
+                    both = copy(both)  # an anchor may use the one that is written
+                    both.value = list(both.value)
+                    merged[place] = first, both
+                    count += len(both.value)
+                count += len(value.value)
+                if count > MOST_VALUES:
+                    return
+                both.value += value.value
+                continue
+            if key.id == "scalar":
+                places[key.value] = len(merged)
+            merged.append((key, value))
+        mapping.value = merged
+        todo += (value for _, value in merged)
 
 
 def _value(loader: Any, node: Any, count: list[int]) -> Value:

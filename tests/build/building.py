@@ -1,6 +1,7 @@
 """Small workspaces, and ways to build them, for the tests of this folder."""
 
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Mapping
@@ -55,7 +56,7 @@ def write_package(
         (folder / file).parent.mkdir(parents=True, exist_ok=True)
         (folder / file).write_text("")
     (folder / "package.xml").write_text(package_xml.replace(">demo<", f">{name}<"))
-    (folder / "CMakeLists.txt").write_text(cmake.replace("(demo ", f"({name} "))
+    (folder / "CMakeLists.txt").write_text(re.sub(r"\(demo(?=[ )])", f"({name}", cmake))
     return folder
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from made_once import wheel_of_wsgen
+from resolved_packages import MADE_UP, RUNNING, install_arguments
 from wsgen.errors import EXIT_MISSING
 
 pytestmark = pytest.mark.slow
@@ -52,15 +52,9 @@ def call(tmp_path_factory: pytest.TempPathFactory) -> Call:
     (packages,) = folder.glob("environment/lib/python3.*/site-packages")
     (packages / "another_machine.py").write_text(SITE)
     (packages / "another_machine.pth").write_text("import another_machine\n")
-    call(
-        "python",
-        "-m",
-        "pip",
-        "install",
-        "--quiet",
-        "--no-compile",
-        wheel_of_wsgen(tmp_path_factory),
-    )
+    arguments = install_arguments(tmp_path_factory, MADE_UP, RUNNING)
+    call("python", "-m", "pip", *arguments, "--quiet", "--no-compile")
+    call("python", "-m", "pip", "check")
     return call
 
 

@@ -3,6 +3,7 @@
 import os
 import shutil
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
@@ -49,6 +50,12 @@ CMAKE_CASES = {
     ),
     "needs a package of ROS 1": (
         CMAKE.replace("install(", "find_package(catkin REQUIRED)\ninstall("),
+        ("BLD008", 4, "catkin", "one of ROS 1"),
+    ),
+    "is an old package of ROS 1": (
+        CMAKE.replace("VERSION 3.20", "VERSION 2.8.3").replace(
+            "install(", "find_package(catkin REQUIRED)\ninstall("
+        ),
         ("BLD008", 4, "catkin", "one of ROS 1"),
     ),
     "misspells a package": (
@@ -169,29 +176,94 @@ def only(result: BuildResult) -> Diagnostic:
     return diagnostic
 
 
+class Together:
+    """One build of many packages, each with a cause of its own, and what is said of each."""
+
+    def __init__(self, root: Path, files: Mapping[str, tuple[str, str]]) -> None:
+        """`files` are the package.xml and the CMakeLists.txt of the package `demo`, by case."""
+        self.folders: dict[str, Path] = {}
+        for number, (case, (package_xml, cmake)) in enumerate(files.items()):
+            self.folders[case] = write_package(
+                root, f"demo{number}", package_xml=package_xml, cmake=cmake
+            )
+        self.events: list[Event] = []
+        self.result = build_here(root, events=self.events)
+        assert not self.result.succeeded
+        # Nothing is said of what is not one of them.
+        assert {self.folder_of(found) for found in self.result.diagnostics} <= {
+            *self.folders.values()
+        }
+
+    def folder_of(self, diagnostic: Diagnostic) -> Path | None:
+        """The folder of the package that is meant."""
+        file = diagnostic.file
+        return file if file is None or file.is_dir() else file.parent
+
+    def said_of(self, case: str) -> list[Diagnostic]:
+        """What is said of a package."""
+        folder = self.folders[case]
+        return [found for found in self.result.diagnostics if self.folder_of(found) == folder]
+
+    def only(self, case: str) -> Diagnostic:
+        """The one diagnostic of a package, which failed for it; an old version is told, too."""
+        (diagnostic,) = (one for one in self.said_of(case) if one.code != "BLD030")
+        assert diagnostic.severity is Severity.ERROR
+        return diagnostic
+
+    def printed_by(self, case: str) -> tuple[list[str], tuple[str, ...]]:
+        """The lines on standard error of a package, as events and in the result."""
+        name = self.folders[case].name
+        (package,) = (one for one in self.result.packages if one.name == name)
+        assert package.outcome == "failed"
+        lines = [
+            event.text
+            for event in self.events
+            if isinstance(event, OutputLine)
+            and event.is_error_stream
+            and event.step == ("build", name)
+        ]
+        return lines, package.error_output
+
+
+@pytest.fixture(scope="module")
+def cmake_files(tmp_path_factory: pytest.TempPathFactory) -> Together:
+    """Starting colcon takes as long as configuring a package does."""
+    files = {case: (PACKAGE_XML, cmake) for case, (cmake, _) in CMAKE_CASES.items()}
+    return Together(tmp_path_factory.mktemp("cmake"), files)
+
+
 @pytest.mark.parametrize("case", CMAKE_CASES)
-def test_cmake_file(case: str, tmp_path: Path) -> None:
-    cmake, (code, line, message, hint) = CMAKE_CASES[case]
-    file = write_package(tmp_path, cmake=cmake) / "CMakeLists.txt"
-    events: list[Event] = []
-    result = build_here(tmp_path, events=events)
-    diagnostic = only(result)
+def test_cmake_file(case: str, cmake_files: Together) -> None:
+    _, (code, line, message, hint) = CMAKE_CASES[case]
+    folder = cmake_files.folders[case]
+    diagnostic = cmake_files.only(case)
     assert (diagnostic.code, diagnostic.line) == (code, line)
-    assert diagnostic.file == (file.parent if line is None else file)
-    assert message in diagnostic.message
-    assert hint in (diagnostic.hint or "")
+    assert diagnostic.file == (folder if line is None else folder / "CMakeLists.txt")
+    assert message.replace("demo", folder.name) in diagnostic.message
+    assert hint.replace("demo", folder.name) in (diagnostic.hint or "")
     # What the programs said is there once, as events and in the result.
-    said = [
-        event.text for event in events if isinstance(event, OutputLine) and event.is_error_stream
-    ]
-    assert tuple(said) == result.packages[0].error_output != ()
+    lines, error_output = cmake_files.printed_by(case)
+    assert tuple(lines) == error_output != ()
     # The text shows many of the mistakes before a build, in the same words.
     manifest_line = int(PACKAGE_XML.splitlines().index("  <name>demo</name>") + 1)
-    _, found = read_build_facts(file.parent, "demo", "ament_cmake", manifest_line)
+    _, found = read_build_facts(folder, folder.name, "ament_cmake", manifest_line)
     seen = {(one.message, one.hint) for one in found if one.code == code}
     is_in_same_words = (diagnostic.message, diagnostic.hint) in seen
     assert is_in_same_words or not seen, seen
     assert seen or code not in {"BLD011", "BLD028", "BLD029", "BLD031", "BLD045"}
+
+
+def test_a_cmake_file_that_fails_alone(tmp_path: Path) -> None:
+    """Without another failed package; the lines come once."""
+    file = write_package(tmp_path, cmake=CMAKE + "frobnicate()\n") / "CMakeLists.txt"
+    events: list[Event] = []
+    result = build_here(tmp_path, events=events)
+    diagnostic = only(result)
+    assert (diagnostic.code, diagnostic.file, diagnostic.line) == ("BLD027", file, 9)
+    lines = [
+        event.text for event in events if isinstance(event, OutputLine) and event.is_error_stream
+    ]
+    assert tuple(lines) == result.packages[0].error_output != ()
 
 
 def test_a_cmake_of_old_is_asked_for(tmp_path: Path) -> None:
@@ -300,29 +372,6 @@ def test_a_build_type_that_colcon_does_not_know(
     assert hint in (diagnostic.hint or "")
 
 
-@pytest.mark.parametrize(
-    ("export", "line", "hint"),
-    [
-        ("", None, "Add: <export><build_type>ament_cmake</build_type></export>"),
-        ("<export/>", 9, "Add below <export>: <build_type>ament_cmake</build_type>"),
-    ],
-)
-@pytest.mark.parametrize("cmake", [CMAKE, LINTED], ids=["plain", "linted"])
-def test_no_build_type(
-    export: str, line: int | None, hint: str, cmake: str, tmp_path: Path
-) -> None:
-    given = "<export><build_type>ament_cmake</build_type></export>"
-    text = PACKAGE_XML.replace(given, export)
-    package = write_package(tmp_path, package_xml=text, cmake=cmake)
-    diagnostic = only(build_here(tmp_path))
-    assert (diagnostic.code, diagnostic.file, diagnostic.line) == (
-        "PKG009",
-        package / "package.xml",
-        line,
-    )
-    assert diagnostic.hint == hint
-
-
 def test_a_package_of_plain_cmake_has_no_build_type_to_give(tmp_path: Path) -> None:
     text = PACKAGE_XML.replace("<build_type>ament_cmake</build_type>", "")
     cmake = "cmake_minimum_required(VERSION 3.20)\nproject(demo LANGUAGES NONE)\n"
@@ -369,19 +418,69 @@ MANIFEST_CASES = {
 }
 
 
-@pytest.mark.parametrize("cmake", [CMAKE, LINTED], ids=["plain", "linted"])
+NO_BUILD_TYPE = {
+    "has no <export>": (
+        PACKAGE_XML.replace("<export><build_type>ament_cmake</build_type></export>", ""),
+        (None, "Add: <export><build_type>ament_cmake</build_type></export>"),
+    ),
+    "has an empty <export>": (
+        PACKAGE_XML.replace("<export><build_type>ament_cmake</build_type></export>", "<export/>"),
+        (9, "Add below <export>: <build_type>ament_cmake</build_type>"),
+    ),
+}
+BOTH = {"plain": CMAKE, "linted": LINTED}
+
+
+@pytest.fixture(scope="module")
+def manifests(tmp_path_factory: pytest.TempPathFactory) -> Together:
+    texts = {case: text for case, (text, _) in (MANIFEST_CASES | NO_BUILD_TYPE).items()}
+    files = {
+        f"{case}, {kind}": (text, cmake)
+        for case, text in texts.items()
+        for kind, cmake in BOTH.items()
+    }
+    return Together(tmp_path_factory.mktemp("manifests"), files)
+
+
+@pytest.mark.parametrize("kind", BOTH)
 @pytest.mark.parametrize("case", MANIFEST_CASES)
-def test_package_xml(case: str, cmake: str, tmp_path: Path) -> None:
+def test_package_xml(case: str, kind: str, manifests: Together) -> None:
     """colcon takes the package for one of plain CMake, and its failure is not told."""
-    text, (code, line, message) = MANIFEST_CASES[case]
-    package = write_package(tmp_path, cmake=cmake)
-    (package / "package.xml").write_text(text)
+    _, (code, line, message) = MANIFEST_CASES[case]
+    found = manifests.said_of(f"{case}, {kind}")
+    assert {one.code for one in found} == {code}
+    file = manifests.folders[f"{case}, {kind}"] / "package.xml"
+    assert (found[0].file, found[0].line) == (file, line)
+    assert message in found[0].message
+
+
+@pytest.mark.parametrize("kind", BOTH)
+@pytest.mark.parametrize("case", NO_BUILD_TYPE)
+def test_no_build_type(case: str, kind: str, manifests: Together) -> None:
+    _, (line, hint) = NO_BUILD_TYPE[case]
+    found = manifests.only(f"{case}, {kind}")
+    file = manifests.folders[f"{case}, {kind}"] / "package.xml"
+    assert (found.code, found.file, found.line, found.hint) == ("PKG009", file, line, hint)
+
+
+def test_a_refused_package_xml_of_a_package_that_colcon_builds_all_the_same(
+    tmp_path: Path,
+) -> None:
+    """As one of plain CMake, or of plain Python, without a word."""
+    text = PACKAGE_XML.replace("somebody@example.com", "you@localhost")
+    cmake = "cmake_minimum_required(VERSION 3.20)\nproject(demo LANGUAGES NONE)\n"
+    package = write_package(tmp_path, package_xml=text, cmake=cmake)
+    python = tmp_path / "src" / "snake"
+    python.mkdir()
+    (python / "package.xml").write_text(text.replace(">demo<", ">snake<"))
+    (python / "setup.cfg").write_text("[metadata]\nname = snake\nversion = 1.0.0\n")
+    (python / "setup.py").write_text("from setuptools import setup\nsetup()\n")
     result = build_here(tmp_path)
+    assert {one.name: one.outcome for one in result.packages} == {"demo": "built", "snake": "built"}
+    refused = [one for one in result.diagnostics if one.code == "PKG005"]
+    places = [(one.file, one.line) for one in refused]
+    assert places == [(one / "package.xml", 6) for one in (package, python)]
     assert not result.succeeded
-    diagnostic = result.diagnostics[0]
-    assert {found.code for found in result.diagnostics} == {code}
-    assert (diagnostic.file, diagnostic.line) == (package / "package.xml", line)
-    assert message in diagnostic.message
 
 
 def test_package_xml_in_another_encoding(tmp_path: Path) -> None:

@@ -112,6 +112,7 @@ def test_mistakes(tmp_path: Path, text: str, expected: tuple[str, int, str]) -> 
         "if(BUILD_TESTING)\n  add_executable(checker src/node.cpp)\nendif()",
         "add_executable(node_test src/node.cpp)",
         "nav2_package()\nmy_own_command(urdf)",
+        "rosidl_generate_dds_interfaces(${PROJECT_NAME}__idl)",
         "install(DIRECTORY launch/ DESTINATION share/${PROJECT_NAME}/launch)",
         "install(DIRECTORY include/ DESTINATION include OPTIONAL)",
         "if(ament_cmake_FOUND)\n  return()\nendif()",

@@ -2,22 +2,17 @@
 
 import json
 import subprocess
-import sys
 from pathlib import Path
 from typing import Any
+
+from forks import run_wsgen
 
 PACKAGE = "gazebo_test"
 SHARE = Path("install", PACKAGE, "share", PACKAGE)
 
 
 def wsgen(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
-    run = subprocess.run(
-        [sys.executable, "-m", "wsgen", *arguments],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    run = run_wsgen(arguments, cwd=folder)
     assert "Traceback" not in run.stderr, run.stderr
     return run
 

@@ -191,8 +191,8 @@ def test_a_path_that_does_not_exist(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert "does not exist" in capsys.readouterr().err
 
 
-def test_who_sees_informations_is_not_told_how() -> None:
+def test_who_sees_notes_is_not_told_how() -> None:
     found = Diagnostic(code="ROB051", name="n", severity=Severity.INFO, message="m")
     outcome, reported = CheckOutcome(packages=("a",)), Reported(diagnostics=(found,))
-    assert render_summary(outcome, reported)[-1] == "-v shows informations."
+    assert render_summary(outcome, reported)[-1] == "-v shows notes."
     assert len(render_summary(outcome, reported, verbose=True)) == 1

@@ -1,9 +1,11 @@
+import functools
 import json
 from pathlib import Path
 
 import pytest
 
 from wsgen.cli import run
+from wsgen.doctor import machine
 from wsgen.doctor.report import DoctorReport
 from wsgen.model.target import TARGETS, Target
 
@@ -12,6 +14,17 @@ from wsgen.model.target import TARGETS, Target
 def no_ros(monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("ROS_DISTRO", "AMENT_PREFIX_PATH"):
         monkeypatch.delenv(name, raising=False)
+
+
+# Ten children import libraries, for 1.5 s of CPU time: what that shows is the same for each target.
+why_not_loaded = functools.cache(machine._why_not_loaded)
+why_no_picture = functools.cache(machine._why_no_picture)
+
+
+@pytest.fixture
+def loaded_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(machine, "_why_not_loaded", why_not_loaded)
+    monkeypatch.setattr(machine, "_why_no_picture", why_no_picture)
 
 
 def test_this_machine(capsys: pytest.CaptureFixture[str]) -> None:
@@ -28,6 +41,7 @@ def test_this_machine(capsys: pytest.CaptureFixture[str]) -> None:
     assert lines[-1] == "wsgen has all it needs."
 
 
+@pytest.mark.usefixtures("loaded_once")
 @pytest.mark.parametrize(
     ("takes_apt", "title", "command"),
     [
@@ -54,6 +68,7 @@ def test_the_apt_line_says_where_it_works(
     assert lines[-3].startswith(command)
 
 
+@pytest.mark.usefixtures("loaded_once")
 @pytest.mark.parametrize("target", TARGETS, ids=lambda target: target.name)
 def test_json(target: Target, capsys: pytest.CaptureFixture[str]) -> None:
     arguments = ["--distro", target.distro, "--sim", target.simulator, "--format", "json"]
@@ -67,6 +82,7 @@ def test_json(target: Target, capsys: pytest.CaptureFixture[str]) -> None:
     assert not any(found["required"] for found in told["ros"])
 
 
+@pytest.mark.usefixtures("loaded_once")
 def test_every_key_is_documented(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["doctor", "--format", "json"]) == 0
     told = json.loads(capsys.readouterr().out)
@@ -77,6 +93,7 @@ def test_every_key_is_documented(capsys: pytest.CaptureFixture[str]) -> None:
         assert f"| `{key}` |" in page
 
 
+@pytest.mark.usefixtures("loaded_once")
 def test_something_is_missing(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -117,6 +134,7 @@ def test_wrong_request(
     assert message in told.err
 
 
+@pytest.mark.usefixtures("loaded_once")
 def test_the_ros_of_the_environment(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

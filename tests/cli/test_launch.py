@@ -173,6 +173,8 @@ def test_a_launch_file_with_an_error(share: Path, capsys: pytest.CaptureFixture[
         (("no.launch.py", "a:=b"), "launch file 'no.launch.py' does not exist"),
         (("my_robot", "r.launch.py", "height=2"), "'height=2' does not have the form name:=value"),
         (("my_robot", "r.launch.py", "height:="), "'height:=' does not have the form name:=value"),
+        (("full",), "wsgen launch full/launch/a.launch.py"),
+        (("empty",), "'empty' is a folder, and no launch file."),
         (("here.py", "my_robot"), "'my_robot' is not a launch argument"),
     ],
 )
@@ -182,7 +184,11 @@ def test_wrong_words(
     words: tuple[str, ...],
     message: str,
 ) -> None:
-    share.parents[2].joinpath("elsewhere", "here.py").touch()
+    here = share.parents[2] / "elsewhere"
+    (here / "here.py").touch()
+    for folder in ("empty", "full/launch"):
+        (here / folder).mkdir(parents=True)
+    (here / "full" / "launch" / "a.launch.py").touch()
     code, out, err = launch(capsys, *words)
     assert code == 2
     assert not out
@@ -251,6 +257,21 @@ def test_play_is_what_validate_says(
     wsgen.cli.run(["validate", "--format", "json", "--arg", "z:=0.4"])
     (validated,) = json.loads(capsys.readouterr().out)["packages"]
     assert played["robots"] == validated["robots"]
+
+
+def test_a_robot_description_is_a_step_only_where_one_is_spawned(
+    built: Path,
+    share: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    step = "expand  robot description"
+    _, _, err = launch(capsys, "my_robot", "r.launch.py", "--play")
+    assert "r.launch.py" in err
+    assert step not in err
+    monkeypatch.chdir(built)
+    _, _, err = launch(capsys, "gazebo_test", "gazebo_model.launch.py", "--play")
+    assert step in err
 
 
 def test_play_records_a_video(
@@ -373,7 +394,7 @@ def test_without_view_nothing_is_served(
     assert (code, out) == (2, "")
     assert err == (
         f"error: Without --view no page is served, and {name} has no effect.\n"
-        f"  try: Add --play --view, or remove {name}.\n"
+        f"  try: Add --view, or remove {name}.\n"
     )
 
 

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import errno
+import socket
+import sys
+from pathlib import Path
+from typing import Any
 
 import click
 import pytest
 
 from wsgen.cli import run
 from wsgen.cli.launch import RateType
-
-if TYPE_CHECKING:
-    from pathlib import Path
+from wsgen.files import write_file
+from wsgen.live.failures import FailedProgram
+from wsgen.live.run import RunEnd
+from wsgen.pipeline.file_validation import UNUSABLE_FILE
 
 
 @pytest.mark.parametrize(
@@ -33,6 +38,12 @@ if TYPE_CHECKING:
         (["--run", "--record", "a.gif", "--record", "b.mp4"], "the same recording twice"),
         (["--run", "--record", "/no/such/folder/a.mcap"], "its folder does not exist"),
         (["--play", "--record", "a.gif", "--record", "b.gif"], "--play makes one video."),
+        (
+            ["--run", "--port", "8080"],
+            "Without --view no page is served, and --port has no effect.",
+        ),
+        (["--run", "--view", "--picture", "."], "--run and --picture cannot be combined."),
+        (["--run", "--view", "--host", "192.0.2.1"], "wsgen cannot listen on 192.0.2.1"),
     ],
 )
 def test_what_makes_no_sense_is_refused(
@@ -45,6 +56,288 @@ def test_what_makes_no_sense_is_refused(
     )
     assert run(["launch", str(file), *words]) == 2
     assert message in capsys.readouterr().err
+
+
+def test_a_page_is_refused_before_anything_is_started(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = tmp_path / "empty.launch.py"
+    file.write_text("1 / 0")
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        port = str(server.getsockname()[1])
+        assert run(["launch", str(file), "--run", "--view", "--port", port]) == 2
+    assert f"The port {port} of 127.0.0.1 is taken." in capsys.readouterr().err
+    monkeypatch.setattr("wsgen.viewing.viewer_library.LIBRARY", "no_such_library")
+    assert run(["launch", str(file), "--run", "--view"]) == 4
+    assert "pip install 'wsgen[view]'" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "is_drawn", "has_page"),
+    [
+        ([], False, False),
+        (["--view", "--no-browser"], True, True),
+        (["--record", "a.gif"], True, False),
+        (["--record", "a.mcap"], False, False),
+        (["--view", "--record", "a.mcap", "--rate", "max"], True, True),
+    ],
+)
+def test_what_is_shown_is_read_as_it_looks(
+    words: list[str],
+    is_drawn: bool,
+    has_page: bool,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    file = tmp_path / "empty.launch.py"
+    file.write_text("")
+    runs: list[tuple[bool, bool]] = []
+
+    def run_launch(_selected: Any, request: Any, _open: Any, *, beside: Any, **_more: Any) -> int:
+        runs.append((request.prepared_as.is_drawn, beside is not None))
+        return 0
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("wsgen.live.run.run_launch", run_launch)
+    assert run(["launch", str(file), "--run", *words]) == 0
+    assert runs == [(is_drawn, has_page)]
+
+
+def test_what_is_reported_later_is_printed_without_what_was_before(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "empty.launch.py"
+    file.write_text("")
+    early, both, late = (
+        UNUSABLE_FILE.at(None, message=f"{name} is wrong.", hint="Correct it.")
+        for name in ("early", "both", "late")
+    )
+
+    def run_launch(*_: Any, show: Any, **_more: Any) -> int:
+        show((early, both))
+        capsys.readouterr()
+        show([both, late])
+        return 0
+
+    monkeypatch.setattr("wsgen.live.run.run_launch", run_launch)
+    assert run(["launch", str(file), "--run"]) == 0
+    printed = capsys.readouterr().err
+    assert "late is wrong." in printed
+    assert "early is wrong." not in printed
+    assert "both is wrong." not in printed
+
+
+def not_finished(*, is_there: bool) -> str:
+    kept = " The x.gif of before is unchanged." if is_there else ""
+    return f"x.gif was not finished: wsgen was ended before it was drawn.{kept}"
+
+
+@pytest.mark.parametrize("is_there", [True, False])
+def test_a_video_that_is_not_drawn_is_named_before_the_signal(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    *,
+    is_there: bool,
+) -> None:
+    file = tmp_path / "empty.launch.py"
+    file.write_text("")
+    if is_there:
+        (tmp_path / "x.gif").touch()
+
+    def run_launch(*_: Any, unfinished: Any, **_more: Any) -> int:
+        unfinished(Path("x.gif"))
+        raise KeyboardInterrupt
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("wsgen.live.run.run_launch", run_launch)
+    assert run(["launch", str(file), "--run", "--record", "x.gif", "--for", "1"]) == 130
+    assert [line for line in capsys.readouterr().err.splitlines() if line] == [
+        not_finished(is_there=is_there),
+        "wsgen: interrupted",
+    ]
+
+
+@pytest.mark.parametrize("is_there", [True, False])
+@pytest.mark.parametrize("is_drawn", [True, False])
+def test_a_video_of_play_that_is_not_drawn_is_named_before_the_signal(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    *,
+    is_there: bool,
+    is_drawn: bool,
+) -> None:
+    (tmp_path / "empty.launch.py").write_text("")
+    video = tmp_path / "x.gif"
+    if is_there:
+        video.touch()
+
+    def play(*_: Any, **_more: Any) -> None:
+        if is_drawn:
+            write_file(video, "drawn")
+        raise KeyboardInterrupt
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("wsgen.pipeline.validate.play", play)
+    assert run(["launch", "empty.launch.py", "--play", "--record", "x.gif"]) == 130
+    said = [] if is_drawn else [not_finished(is_there=is_there)]
+    lines = [line for line in capsys.readouterr().err.splitlines() if line]
+    assert lines == [*said, "wsgen: interrupted"]
+
+
+def test_a_page_that_cannot_be_served_keeps_the_launch_from_starting(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("viser")
+    file = tmp_path / "empty.launch.py"
+    file.write_text("")
+
+    def run_launch(*_: Any, beside: Any, **_more: Any) -> int:
+        with beside(tmp_path):
+            pytest.fail("it is started")
+
+    def refuse(**_: Any) -> None:
+        raise OSError(errno.EADDRINUSE, "Address already in use")
+
+    monkeypatch.setattr("wsgen.live.run.run_launch", run_launch)
+    monkeypatch.setattr("wsgen.viewing.run_page.RunPage", refuse)
+    assert run(["launch", str(file), "--run", "--view", "--no-browser"]) == 2
+    assert "of 127.0.0.1 is taken." in capsys.readouterr().err
+
+
+DRIVES = "  (drives a robot; in another terminal while the run goes on)"
+SHOWS = "  (shows the robots in the browser)"
+TWIST, STAMPED = "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"
+
+
+@pytest.mark.parametrize(
+    ("words", "unheard", "steps"),
+    [
+        (
+            ["--for", "3", "--engine", "dart", "z:=1"],
+            {"/enable": "std_msgs/msg/Bool", "/c": STAMPED},
+            [
+                f"wsgen topic pub /c {STAMPED} '{{twist: {{linear: {{x: 0.5}}}}}}' -r 10{DRIVES}",
+                f"wsgen launch empty.launch.py --run --view --engine dart z:=1{SHOWS}",
+            ],
+        ),
+        (
+            ["--for", "3"],
+            {"/enable": "std_msgs/msg/Bool"},
+            [f"wsgen launch empty.launch.py --run --view{SHOWS}"],
+        ),
+        (
+            [],
+            {"/b/cmd": "std_msgs/msg/Float64", "/a/cmd_vel": TWIST},
+            [f"wsgen topic pub /a/cmd_vel {TWIST} '{{linear: {{x: 0.5}}}}' -r 10{DRIVES}"],
+        ),
+        (
+            [],
+            {"/arm/commands": "std_msgs/msg/Float64MultiArray"},
+            [
+                "wsgen topic pub /arm/commands std_msgs/msg/Float64MultiArray '{data: [0.5]}' -r 10"
+                + DRIVES.replace("robot", "robot, with one number for each joint of the controller")
+            ],
+        ),
+        ([], {}, []),
+        (["--for", "3", "-q"], {"/cmd_vel": TWIST}, []),
+    ],
+)
+@pytest.mark.parametrize("is_terminal", [True, False])
+def test_what_to_do_after_a_run_is_said_on_a_terminal(  # noqa: PLR0917  the cases
+    words: list[str],
+    unheard: dict[str, str],
+    steps: list[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    *,
+    is_terminal: bool,
+) -> None:
+    (tmp_path / "empty.launch.py").write_text("")
+
+    def run_launch(*_: Any, ended: Any, **_more: Any) -> int:
+        monkeypatch.setattr(sys.stderr, "isatty", lambda: is_terminal)
+        ended(RunEnd(has_simulator=True, unheard=unheard))
+        return 0
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("wsgen.live.run.run_launch", run_launch)
+    assert run(["launch", "empty.launch.py", "--run", *words]) == 0
+    said = [line.removeprefix("Next:").strip() for line in capsys.readouterr().err.splitlines()]
+    assert said == (steps if is_terminal else [])
+
+
+ROVER = FailedProgram(name="rover", place="line 2 of src/rover.py")
+LINK = FailedProgram(name="rover", place="line 2 of src/rover.py", is_built=False)
+
+
+@pytest.mark.parametrize(
+    ("failed", "step"),
+    [
+        ([ROVER, ROVER], "correct line 2 of src/rover.py, and run: wsgen build"),
+        ([LINK], "correct line 2 of src/rover.py, and run it again"),
+        ([FailedProgram(name="arm")], "correct arm, which has died, and run: wsgen build"),
+        (
+            [LINK, FailedProgram(name="arm", missing_module="moveit")],
+            (
+                "correct line 2 of src/rover.py, the import of moveit in arm (or install it, see "
+                "above), and run: wsgen build"
+            ),
+        ),
+        (
+            [FailedProgram(name="create", is_of_user=False)],
+            "correct how the launch file starts create, which has died, and run: wsgen build",
+        ),
+        (
+            [FailedProgram(name=name) for name in "abcde"],
+            (
+                "correct a, which has died, b, which has died, c, which has died, what 2 more have "
+                "died of, and run: wsgen build"
+            ),
+        ),
+    ],
+)
+def test_what_has_died_is_corrected_before_a_robot_is_driven(
+    failed: list[FailedProgram],
+    step: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    (tmp_path / "src").mkdir()
+    (tmp_path / "empty.launch.py").write_text("")
+
+    def run_launch(*_: Any, ended: Any, **_more: Any) -> int:
+        monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+        ended(RunEnd(has_simulator=True, unheard={"/cmd_vel": TWIST}, failed=tuple(failed)))
+        return 0
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("wsgen.live.run.run_launch", run_launch)
+    assert run(["launch", "empty.launch.py", "--run"]) == 0
+    assert capsys.readouterr().err == f"Next: {step}\n"
+
+
+def test_what_shows_a_run_is_installed_first(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "empty.launch.py").write_text("")
+
+    def run_launch(*_: Any, ended: Any, **_more: Any) -> int:
+        monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+        ended(RunEnd(has_simulator=True))
+        return 0
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("wsgen.live.run.run_launch", run_launch)
+    monkeypatch.setattr("wsgen.viewing.viewer_library.LIBRARY", "no_such_library")
+    assert run(["launch", "empty.launch.py", "--run", "--for", "3"]) == 0
+    assert capsys.readouterr().err == (
+        "Next: wsgen launch empty.launch.py --run --view  (shows the robots in the browser; after: "
+        "pip install 'wsgen[view]')\n"
+    )
 
 
 def test_rates() -> None:

@@ -77,6 +77,19 @@ def test_the_table_of_commands_says_what_the_commands_say(
         assert f"wsgen {name}" in capsys.readouterr().out
 
 
+def test_the_table_of_commands_says_what_starts_a_launch_file(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert wsgen.cli.run(["--help"]) == 0
+    line = re.search(r"^ +launch .*\n(?: {8,}.*\n)*", capsys.readouterr().out, re.MULTILINE)
+    assert line is not None
+    named = re.findall(r"--\w+", line[0])
+    assert named == ["--play", "--run"]
+    command = wsgen.cli.wsgen.get_command(click.Context(wsgen.cli.wsgen), "launch")
+    assert command is not None
+    assert {*named} <= {option for one in command.params for option in one.opts}
+
+
 def test_the_readme_lists_the_commands_in_the_order_of_the_help() -> None:
     readme = Path(__file__).parents[2].joinpath("README.md").read_text(encoding="utf-8")
     assert re.findall(r"^\| `wsgen (\w+)", readme, re.MULTILINE) == list(wsgen.cli.COMMANDS)
@@ -227,6 +240,7 @@ def test_an_interrupt_ends_with_130(tmp_path: Path) -> None:
         (["validate", "--seconds"], "Option '--seconds' requires an argument.", "wsgen"),
         (["validate", "--verbos"], "wsgen validate has no option --verbos.", "`--verbose`?"),
         (["launch"], "Missing argument", "wsgen launch [OPTIONS]"),
+        (["topic", "eco"], "No such command 'eco'.", "wsgen topic"),
         (["--bogus"], "wsgen has no option --bogus.", "wsgen --help"),
     ],
 )
@@ -239,6 +253,7 @@ def test_errors_of_click_have_the_form_of_all_errors(
     said, simulated = printed.err.splitlines()
     assert said.startswith("error: ")
     assert message in said
+    assert not said.endswith(("..", "?."))
     assert simulated.startswith("  try: ")
     assert hint in simulated
 

@@ -60,6 +60,28 @@ def test_errors_are_all_shown_and_the_others_counted_without_them() -> None:
     assert len(plain(*warnings, most_alike=None)) == 4
 
 
+def test_notes_about_a_robot_that_passes_are_for_v() -> None:
+    about_robot = diagnostic(Severity.INFO, name="its-root")
+    about_run = diagnostic(Severity.INFO, code="WLD061", name="no-world")
+    warning = diagnostic(Severity.WARNING, name="heavy")
+    passed = PackageOutcome(
+        package="p", share=None, launch_file=None, diagnostics=(about_robot, about_run, warning)
+    )
+    failed = replace(passed, diagnostics=(about_robot, diagnostic(Severity.ERROR)))
+
+    def shown(outcome: PackageOutcome, *, verbose: bool = False) -> str:
+        lines = render_outcome(Outcome(packages=(outcome,)), verbose=verbose)
+        return click.unstyle("\n".join(lines))
+
+    assert "its-root" not in shown(passed)
+    assert "-v shows 1 note about the robot." in shown(passed)
+    assert "no-world" in shown(passed)
+    assert "heavy" in shown(passed)
+    assert "its-root" in shown(passed, verbose=True)
+    assert "-v shows" not in shown(passed, verbose=True)
+    assert "its-root" in shown(failed)  # it may say why
+
+
 def test_a_summary_says_why_each_failed() -> None:
     failed = PackageOutcome(
         package="p",

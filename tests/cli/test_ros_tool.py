@@ -4,17 +4,22 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
 import wsgen.cli
+from build.building import PACKAGE_XML
 from test_start_up import loaded
 from wsgen.cli.ros_tool import _is_sourced
 from wsgen.ros_environment import RosEnvironment
 from wsgen.ros_environment.processes import handed_over
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 
 class ReplacedError(BaseException):
@@ -107,3 +112,43 @@ def test_what_makes_no_sense(
 def test_help_needs_no_ros(tmp_path: Path) -> None:
     modules = loaded(tmp_path, "topic", "echo", "--help")
     assert not modules & {"rclpy", "numpy", "yaml", "subprocess", "wsgen.ros_environment"}
+
+
+@pytest.fixture
+def _signals() -> Iterator[None]:
+    """Have the program that `wsgen run` does not become leave signals to this process."""
+    ignored = {one: signal.getsignal(one) for one in (signal.SIGPIPE, signal.SIGXFSZ)}
+    yield
+    for one, handler in ignored.items():
+        signal.signal(one, handler)
+
+
+@pytest.mark.usefixtures("_signals")
+@pytest.mark.parametrize("inside", [".", "launch"])
+@pytest.mark.parametrize("words", [("topic", "list"), ("run", "demo", "walk")])
+def test_a_package_at_the_root_of_its_workspace(
+    words: tuple[str, ...], inside: str, asked: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    root = tmp_path / "demo"
+    program = root / "install" / "demo" / "lib" / "demo" / "walk"
+    for folder in (program.parent, root / "launch"):
+        folder.mkdir(parents=True)
+    (root / "package.xml").write_text(PACKAGE_XML)
+    program.write_text("#!/bin/sh\n")
+    program.chmod(0o755)
+    install = root / "install"
+    (install / "setup.sh").write_text(f"export AMENT_PREFIX_PATH={install / 'demo'}\n")
+    commands = []
+
+    def replace(_path: str, command: list[str], variables: dict[str, str]) -> None:
+        commands.append((command, variables))
+        raise ReplacedError
+
+    monkeypatch.setattr(os, "execve", replace)
+    monkeypatch.setattr(os, "execvpe", replace)
+    monkeypatch.delenv("AMENT_PREFIX_PATH", raising=False)
+    monkeypatch.chdir(root / inside)
+    asked(*words)
+    ((command, variables),) = commands
+    assert str(install / "demo") in variables["AMENT_PREFIX_PATH"].split(os.pathsep)
+    assert words[0] != "run" or command[0] == str(program)

@@ -85,7 +85,7 @@ class Scene:
         with process:
             wait_until(lambda: self.pid_file.exists() and bool(self.pid_file.read_text().strip()))
             process.send_signal(number)
-            returncode = process.wait(120)
+            returncode = process.wait(300)
         worker = int(self.pid_file.read_text())
         wait_until(lambda: not is_alive(worker))
         return returncode
@@ -269,3 +269,61 @@ def test_in_the_middle_of_a_check_in_workers(scene: Scene, number: signal.Signal
         return  # nothing can be removed
     assert code == 128 + number
     assert list(scene.scratch.iterdir()) == []
+
+
+DROPPED = """
+import os, signal, sys, time
+from wsgen import cli
+
+class Dropping:
+    def __del__(self):
+        os.kill(os.getpid(), signal.{name})
+        time.sleep(0.01)
+
+def command(**_):
+    dropping = Dropping()
+    del dropping
+    time.sleep(600)
+
+cli.wsgen.main = command
+cli.main([])
+"""
+
+
+@pytest.mark.parametrize(("name", "code"), [("SIGINT", 130), ("SIGTERM", 143)])
+def test_a_signal_that_python_drops_ends_wsgen_all_the_same(name: str, code: int) -> None:
+    """What is raised in a finalizer or the callback of a weak reference gets to nobody."""
+    done = subprocess.run(
+        [sys.executable, "-c", DROPPED.replace("{name}", name)],
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
+    assert done.returncode == code, done.stderr
+    assert "Exception ignored" not in done.stderr
+
+
+def test_a_command_can_ask_whether_a_signal_was_dropped() -> None:
+    swallowing = """
+import os, signal
+from wsgen import cli
+
+def command(**_):
+    cli.raise_dropped_end()
+    try:
+        os.kill(os.getpid(), signal.SIGTERM)
+    except BaseException:
+        pass
+    print("goes on")
+    cli.raise_dropped_end()
+    print("never")
+
+cli.wsgen.main = command
+cli.main([])
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", swallowing], capture_output=True, text=True, timeout=300, check=False
+    )
+    assert done.returncode == 143, done.stderr
+    assert done.stdout == "goes on\n"

@@ -10,6 +10,7 @@ import pytest
 from PIL import Image
 
 from cli.packages import PACKAGE, SHARE, errors, validate, wsgen
+from wsgen.cli import run
 
 pytestmark = pytest.mark.slow
 
@@ -377,13 +378,15 @@ def test_a_full_disk_behind_the_json_file(built: Path) -> None:
 
 def test_the_next_steps(built: Path, tmp_path: Path) -> None:
     run = wsgen(built, "validate", "--arg", "z:=0.4", "--seconds", "2.5")
-    said = run.stderr.splitlines()[-2:]
-    assert said[0] == "Next: wsgen validate --arg z:=0.4 --seconds 2.5 --picture ."
-    launch = said[1].strip().partition("  (")[0]
-    assert launch == f"ros2 launch {PACKAGE} gazebo_model.launch.py z:=0.4"
+    said = [line.strip().partition("  (")[0] for line in run.stderr.splitlines()[-3:]]
+    assert said == [
+        "Next: wsgen validate --arg z:=0.4 --seconds 2.5 --picture .",
+        f"wsgen launch {PACKAGE} gazebo_model.launch.py --run --view z:=0.4",
+        f"ros2 launch {PACKAGE} gazebo_model.launch.py z:=0.4",
+    ]
     run = wsgen(built, "validate", PACKAGE, "--picture", str(tmp_path))
     assert "--picture" not in run.stderr
-    assert run.stderr.splitlines()[-1].startswith("Next: ros2 launch")
+    assert run.stderr.splitlines()[-2].startswith("Next: wsgen launch")
     for options in (("-q",), ("--format", "json"), ("--arg", "z:=-3")):
         assert "Next:" not in wsgen(built, "validate", *options).stderr
 
@@ -407,8 +410,41 @@ def test_the_next_step_keeps_the_engine(built: Path, engine: str) -> None:
     run = wsgen(built, "validate", "--engine", engine)
     assert f"Next: wsgen validate --engine {engine} --picture .\n" in run.stderr
     assert (" in PyBullet" in run.stderr) == (engine == "all")
+    chosen = "" if engine == "all" else f" --engine {engine}"  # a live run is in one
+    launch = f"wsgen launch {PACKAGE} gazebo_model.launch.py --run --view{chosen}  ("
+    assert launch in run.stderr
+
+
+@pytest.mark.parametrize(
+    ("library", "options"), [("json", "--run --view"), ("no_such_library", "--run")]
+)
+def test_the_browser_is_for_who_can_show_something_there(
+    built: Path,
+    library: str,
+    options: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(built)
+    monkeypatch.setattr("wsgen.viewing.viewer_library.LIBRARY", library)
+    assert run(["validate"]) == 0
+    line = f" wsgen launch {PACKAGE} gazebo_model.launch.py {options}  (starts its nodes"
+    assert line in capsys.readouterr().err
 
 
 def test_the_next_steps_from_elsewhere(built: Path, tmp_path: Path) -> None:
     run = wsgen(tmp_path, "validate", "-w", str(built), PACKAGE)
     assert f"Next: wsgen validate {PACKAGE} -w {built} --picture .\n" in run.stderr
+
+
+def test_a_package_of_ros_1_is_named(tmp_path: Path) -> None:
+    package = tmp_path / "src" / "old"
+    (package / "launch").mkdir(parents=True)
+    (package / "package.xml").write_text(
+        '<package format="2"><name>old</name><version>0.0.0</version><description>d</description>'
+        '<maintainer email="a@b.org">m</maintainer><license>MIT</license>'
+        "<buildtool_depend>catkin</buildtool_depend></package>"
+    )
+    (package / "CMakeLists.txt").write_text("find_package(catkin REQUIRED)\n")
+    (package / "launch" / "room.launch").write_text("<launch/>")
+    assert "  old: is a package of ROS 1" in wsgen(tmp_path, "validate").stdout

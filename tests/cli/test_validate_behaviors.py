@@ -134,6 +134,7 @@ def test_a_wheel_size_that_is_wrong_in_the_plugin_is_found(workspace: Path, engi
     [
         ('[[behavior]]\nname = "a"\ndrive = { linear = 1 }\nmoved = { x = 1 }\n', "PKG060", None),
         ("[[behavior]]\n", "PKG060", None),
+        (BEHAVIORS.replace("[[behavior]]", "[[behavior]", 1), "PKG060", "Close the name"),
         (BEHAVIORS.replace("seconds", 'robot = "other"\nseconds'), "SPN080", "the robots are `"),
         (
             '[[behavior]]\nname = "a"\njoints = { elbow = 1 }\nseconds = 1\n',
@@ -155,7 +156,16 @@ def test_what_cannot_be_tried_is_an_error(
         assert words in found[0]["hint"]
     if code == "SPN083":
         assert behaviors_of(document) == [
-            {"name": "a", "passed": False, "moved": None, "joints": None, "expected": {"elbow": 1}}
+            {
+                "name": "a",
+                "passed": False,
+                "moved": None,
+                "joints": None,
+                "traveled": None,
+                "seconds": None,
+                "printed": [],
+                "expected": {"elbow": 1},
+            }
         ]
         assert "failed  a: not simulated" in wsgen(workspace, "validate").stdout
 

@@ -5,7 +5,6 @@ import signal
 import socket
 import subprocess
 import sys
-import time
 import urllib.request
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,9 +12,9 @@ from pathlib import Path
 import pytest
 
 import wsgen.cli
+from live_launch import is_alive, wait_until
 from viewing.robots import ARM, write_crane
 from wsgen.cli import browser
-from wsgen.viewing import view
 
 SPAWNING = """\
 import os
@@ -59,7 +58,7 @@ def test_a_taken_port_is_refused(
 def test_without_viser_the_extra_is_named(
     crane: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(view, "LIBRARY", "no_such_library")
+    monkeypatch.setattr("wsgen.viewing.viewer_library.LIBRARY", "no_such_library")
     code, text = refused(capsys, "view", str(crane))
     assert code == 4
     assert "pip install 'wsgen[view]'" in text
@@ -74,7 +73,7 @@ def test_a_folder_is_no_robot(crane: Path, capsys: pytest.CaptureFixture[str]) -
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (("--view",), "Write --play --view"),
+        (("--view",), "Write --play --view, or --run --view"),
         (("--play", "--view", "--seconds", "4"), "--view and --seconds cannot be combined"),
         (("--play", "--view", "--picture", "."), "--view and --picture cannot be combined"),
         (("--play", "--view", "--record", "a.gif"), "--view and --record cannot be combined"),
@@ -195,20 +194,23 @@ def test_the_page_is_served_on_loopback_until_ctrl_c(
     assert process.stdout is not None
     url = process.stdout.readline().strip()
     try:
-        assert url.startswith("http://127.0.0.1:"), process.communicate(timeout=60)
+        assert url.startswith("http://127.0.0.1:"), process.communicate(timeout=300)
         with urllib.request.urlopen(url) as answer:  # noqa: S310  it begins with http
             assert b"<html" in answer.read(1000)
         assert listening_addresses(int(url.rpartition(":")[2])) == {"0100007F"}
-        time.sleep(0.5)
-        assert bool(children_of(process.pid)) == (command == "launch")  # the engine
+        # The engine stays; what has read the robot ends.
+        wait_until(
+            lambda: bool(children_of(process.pid)) == (command == "launch"),
+            lambda: f"children: {children_of(process.pid)}",
+        )
         children = children_of(process.pid).split()
         process.send_signal(signal.SIGINT)
-        out, text = process.communicate(timeout=60)
+        out, text = process.communicate(timeout=300)
     finally:
         process.kill()
     assert (process.returncode, out) == (0, "")
     assert "Press Ctrl-C to end." in text
     assert "Traceback" not in text
     assert "interrupted" not in text
-    assert not any(Path("/proc", child).exists() for child in children)
+    wait_until(lambda: not any(is_alive(int(child)) for child in children), lambda: f"{children}")
     assert list(scratch.iterdir()) == []

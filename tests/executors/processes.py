@@ -14,7 +14,7 @@ def is_alive(number: int) -> bool:
     return state != "Z"
 
 
-def wait_for(file: Path, seconds: float = 30.0) -> list[int]:
+def wait_for(file: Path, seconds: float = 300.0) -> list[int]:
     """The numbers in a file, as soon as there are any."""
     end = time.monotonic() + seconds
     while time.monotonic() < end:
@@ -24,7 +24,7 @@ def wait_for(file: Path, seconds: float = 30.0) -> list[int]:
     raise AssertionError(f"{file} is not written")
 
 
-def have_ended(numbers: list[int], seconds: float = 20.0) -> bool:
+def have_ended(numbers: list[int], seconds: float = 300.0) -> bool:
     end = time.monotonic() + seconds
     while any(map(is_alive, numbers)) and time.monotonic() < end:
         time.sleep(0.05)

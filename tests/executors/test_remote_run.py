@@ -10,7 +10,7 @@ import pytest
 from kind_workspaces import copy_workspace
 from simulation.robots import cube_mesh
 from wsgen.pipeline.check import CheckRequest, check
-from wsgen.pipeline.selection import ValidateRequest
+from wsgen.pipeline.requests import ValidateRequest
 from wsgen.pipeline.validate import validate
 
 if TYPE_CHECKING:

@@ -181,3 +181,31 @@ def test_what_a_hint_suggests() -> None:
     assert suggested("Did you mean <inertial>?") == "inertial"
     assert suggested("Did you mean `a` or `b`?") is None
     assert suggested(None) is None
+
+
+def test_dependencies_in_a_circle_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "src").mkdir()
+    found = []
+    for name, other in (("one", "two"), ("two", "three"), ("three", "one")):
+        folder = tmp_path / "src" / name
+        folder.mkdir()
+        (folder / "package.xml").write_text(
+            f'<package format="3">\n  <name>{name}</name>\n  <version>0.1.0</version>\n'
+            "  <description>d</description>\n  <maintainer email='a@b.org'>A</maintainer>\n"
+            "  <license>MIT</license>\n  <exec_depend>rviz2</exec_depend>\n"
+            "  <export><build_type>ament_cmake</build_type></export>\n</package>\n"
+        )
+        found.append(
+            report(
+                folder / "package.xml",
+                "undeclared-dependency",
+                1,
+                f"package.xml does not declare {other}.",
+                f"Add to package.xml: <exec_depend>{other}</exec_depend>",
+            )
+        )
+    plan = plan_fixes(found, [tmp_path])
+    assert plan.fixed == tuple(found[:2])
+    assert plan.refused == (
+        (found[2], "colcon refuses packages that need each other: three → one → two → three"),
+    )

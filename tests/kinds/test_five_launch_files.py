@@ -28,7 +28,7 @@ def test_each_launch_file_that_spawns_is_simulated(tmp_path: Path) -> None:
     assert answer.document["not_validated"] == []
     assert "evaluate launch files  5" in answer.errors
 
-    text = workspace.wsgen("validate", "rover_sim").output
+    text = workspace.wsgen("validate", "rover_sim", "-v").output
     assert text.count("massless-root") == 1
     assert "and 1 diagnostic as above" in text
     one = workspace.wsgen("validate", "--launch", "store.launch.py", "--format", "json").document

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from install_space import HEAD, InstallSpace
+from install_space import HEAD, InstallSpace, only_message
 from tutorial import TEXT, write_tutorial
 from wsgen.diagnostics import Severity
 from wsgen.launch.evaluate import evaluate
@@ -589,6 +589,18 @@ def test_sections_of_parameter_files(space: InstallSpace, section: str, names: s
     assert {f"{n.namespace.rstrip('/')}/{n.name}" for n in plan.processes if n.parameters} == names
 
 
+def test_sections_of_one_name_are_merged(space: InstallSpace) -> None:
+    section = "/**:\n  {}: {{ros__parameters: {{p: {}}}}}\n"
+    share = space.add("my_robot", {"p.yaml": section.format("n", 1) + section.format("m", 2)})
+    nodes = [
+        f"Node(package='rviz2', executable='rviz2', name='{name}', parameters=['{share}/p.yaml'])"
+        for name in ("n", "m")
+    ]
+    plan = space.play(", ".join(nodes))
+    assert not plan.diagnostics
+    assert [one.parameters for one in plan.processes] == [{"p": 1}, {"p": 2}]
+
+
 def test_a_parameter_file_is_parsed_once(space: InstallSpace) -> None:
     share = space.add("my_robot", {"p.yaml": "/**: {ros__parameters: {p: 1}}"})
     node = f"Node(package='rviz2', executable='rviz2', parameters=['{share}/p.yaml'])"
@@ -617,3 +629,41 @@ def test_a_parameter_file_without_sections(space: InstallSpace) -> None:
     container, node = plan.processes
     assert container.parameters == {}
     assert node.parameters == {"a": 1, "b.c": 2}
+
+
+def test_launch_makes_numbers_of_both_kinds_floats(space: InstallSpace) -> None:
+    text = "/**: {ros__parameters: {cov: [1, 2.5], ids: [1, 2], odd: [1, a], flags: [true, 1]}}\n"
+    share = space.add("my_robot", {"p.yaml": text})
+    plan = space.play(
+        "LoadComposableNodes(target_container='box', composable_node_descriptions=["
+        "ComposableNode(package='p_a', plugin='p_a::N', name='n', "
+        f"parameters=['{share}/p.yaml'])]), "
+        f"Node(package='p_a', executable='n', parameters=['{share}/p.yaml'])",
+        before="from launch_ros.actions import LoadComposableNodes\n"
+        "from launch_ros.descriptions import ComposableNode",
+    )
+    loaded, node = plan.processes
+    as_it_is = {"cov": [1, 2.5], "ids": [1, 2], "odd": [1, "a"], "flags": [True, 1]}
+    assert node.parameters == as_it_is
+    assert loaded.parameters == {**as_it_is, "cov": [1.0, 2.5]}
+    assert [type(one) for one in loaded.parameters["cov"]] == [float, float]
+
+
+@pytest.mark.parametrize("distro", ["humble", "rolling"])
+def test_include_by_the_path_of_a_distribution(space: InstallSpace, distro: str) -> None:
+    path = f"/opt/ros/{distro}/share/gazebo_ros/launch/gazebo.launch.py"
+    plan = space.play(f"IncludeLaunchDescription('{path}')")
+    assert not [one for one in plan.diagnostics if one.code == "LCH005"]
+    assert [(one.package, one.evaluated) for one in plan.includes] == [("gazebo_ros", False)]
+
+
+def test_path_of_a_distribution_beside_an_installed_one(
+    space: InstallSpace, tmp_path: Path
+) -> None:
+    (tmp_path / "prefixes/jazzy").mkdir(parents=True)
+    prefixes = tmp_path / "prefixes"
+    plan = space.play(
+        f"IncludeLaunchDescription('{prefixes}/humble/share/gazebo_ros/launch/gazebo.launch.py')",
+        environment={"WSGEN_ROS_PREFIXES": str(prefixes), "ROS_DISTRO": "jazzy"},
+    )
+    only_message(plan, "LCH005")

@@ -174,6 +174,8 @@ def test_a_program_that_a_build_left_out(space: InstallSpace) -> None:
     (folder / LEFT_OUT).write_text("missing rclcpp\ntarget noisy_driver\n")
     plan = space.play("Node(package='my_robot', executable='noisy_driver')")
     assert codes(plan) == ["LCH046"]
+    assert plan.diagnostics[0].message.startswith("Not compiled, and left out: noisy_driver of")
+    assert "`wsgen build` compiles them" in (plan.diagnostics[0].hint or "")
     assert codes(space.play("Node(package='my_robot', executable='noisy_drive')")) == ["LCH021"]
 
 

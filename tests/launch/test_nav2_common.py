@@ -36,6 +36,7 @@ def node(parameters: str, namespace: str = "") -> str:
     ("rewrites", "changed"),
     [
         ("{}", {}),
+        ("''", {}),
         ("{'use_sim_time': C('sim')}", {"use_sim_time": True}),
         ("{'frame': 'map', 'nowhere': 'x'}", {"frame": "map"}),
         ("{'alpha': '1'}, convert_types=True", {"alpha": 1}),

@@ -24,7 +24,7 @@ pytestmark = pytest.mark.slow
 
 # Each example is one or two child processes.
 FEW = settings(
-    max_examples=25,
+    max_examples=15,
     deadline=None,
     derandomize=True,
     database=None,
@@ -335,8 +335,9 @@ NESTED_YAML = "launch: " + "[{group: " * 100_000 + "[]" + "}]" * 100_000
     ],
 )
 def test_no_endless_file_takes_wsgen_down(suffix: str, text: str, code: str | None) -> None:
-    # The kernel may take seconds to hand out a gigabyte.
-    plan = evaluate(text, suffix, seconds=60.0 if "x += x" in text else SECONDS)
+    # The kernel may take seconds to hand out a gigabyte; a computation runs up to the limit.
+    seconds = 60.0 if "x += x" in text else 1.0 if code == "LCH012" or "**" in text else SECONDS
+    plan = evaluate(text, suffix, seconds=seconds)
     found = code_of(plan)
     assert code in {None, found}
 

@@ -146,4 +146,5 @@ def test_argument_of_xacro(space: InstallSpace, how: str, argument: str, meant: 
     assert f"`{argument}`" in message
     assert meant in message
     assert plan.diagnostics[0].line is not None
+    assert str(plan.diagnostics[0].file).endswith(".launch.py")
     assert "l2" in plan.processes[0].parameters["robot_description"]

@@ -14,11 +14,12 @@ from wsgen.model.plan import LaunchRequest
 def main() -> int:
     launch_file, folder, options = Path(sys.argv[1]), Path(sys.argv[2]), json.loads(sys.argv[3])
     arguments = options.pop("arguments", {})
+    python = Path(options.pop("python", sys.executable))
     launch = LaunchRequest(launch_file=launch_file, package=None, arguments=arguments)
     request = ServiceRequest(
         launch=launch,
         folder=folder,
-        python=Path(sys.executable),
+        python=python,
         environment={"AMENT_PREFIX_PATH": prefix(), **os.environ},
         **options,
     )

@@ -44,3 +44,12 @@ def test_what_gazebo_starts_and_names_of_processes_are_taken(tmp_path: Path) -> 
     check_awaited("third", replace(PLAN, launch_file=file))
     with pytest.raises(RequestError):
         check_awaited("thrid", replace(PLAN, launch_file=file))
+
+
+def test_a_launch_in_the_launch_has_no_end_to_wait_for() -> None:
+    nested = Process(package=None, executable="ros2", command=("ros2", "launch", "rover", "arm.py"))
+    plan = replace(PLAN, processes=(*PLAN.processes, nested))
+    with pytest.raises(RequestError, match="starts another launch file"):
+        check_awaited("ros2", plan)
+    run = Process(package=None, executable="ros2", command=("ros2", "bag", "record"))
+    check_awaited("ros2", replace(plan, processes=(*plan.processes, run)))

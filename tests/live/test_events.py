@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from wsgen.live.journal import Journal
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -184,6 +186,14 @@ def test_the_end_of_a_process_can_be_the_end_of_all(launch: Callable[..., Launch
     assert "never" not in run.output
 
 
+def test_another_run_in_the_same_domain_is_named(launch: Callable[..., Launch]) -> None:
+    body = "return LaunchDescription([python('pass')])"
+    run = launch(body, beside="rover run.launch.py")
+    assert run.wait() == 0
+    said = "[WARNING] [launch]: another live run simulates in the same ROS_DOMAIN_ID: rover run.l"
+    assert run.output.count(said) == 1
+
+
 def test_until_a_program_ends(launch: Callable[..., Launch]) -> None:
     body = """
         return LaunchDescription([
@@ -212,6 +222,32 @@ def test_what_is_not_started_is_not_waited_for(
     assert run.wait() == 1
     error = f"[ERROR] [launch]: {wanted}, whose end --until-exit waits for, is not started"
     assert run.output.count(error) == 1
+
+
+@pytest.mark.parametrize(
+    ("more", "level"),
+    [
+        ("", "ERROR"),
+        ("RegisterEventHandler(OnShutdown(on_shutdown=[])),", "WARNING"),
+        ("TimerAction(period=0.4, actions=[python('pass', name='later')]),", None),
+    ],
+)
+def test_a_name_that_nothing_has(
+    launch: Callable[..., Launch], more: str, level: str | None
+) -> None:
+    """An event may still start it, but nobody waits for it without a word."""
+    end = "3" if level == "WARNING" else "100"
+    body = f"""
+        return LaunchDescription([{more}
+            python("import time; time.sleep({end})", name='worker'),
+        ])
+        """
+    run = launch(body, until_exit="later" if level is None else "worke")
+    assert run.wait() == (0 if level is None else 1)
+    said = [line for line in run.lines if "Did you mean `worker`? It has started worker." in line]
+    assert [line.partition("]")[0] for line in said] == ([] if level is None else [f"[{level}"])
+    lost = "worke, whose end --until-exit waits for, is not started"
+    assert (lost in run.output) == (level is not None)
 
 
 def test_seconds_of_the_wall_clock_wait_for_a_simulator_that_is_to_come(
@@ -265,16 +301,58 @@ while True:
     assert "[INFO] [node-1]: sending signal 'SIGINT' to process[node-1]" in run.lines
 
 
+def test_who_ends_by_a_signal_of_the_launch_file_has_not_failed(
+    launch: Callable[..., Launch],
+) -> None:
+    run = launch(
+        """
+        def sent(name, number, code):
+            node = python('print(1, flush=True)\\n' + code, name=name)
+            signaled = EmitEvent(event=SignalProcess(signal_number=number,
+                                                     process_matcher=matches_action(node)))
+            return [RegisterEventHandler(OnProcessIO(target_action=node,
+                                                     on_stdout=lambda _: signaled)), node]
+
+        sleep = 'import time; time.sleep(99)'
+        crash = ('import signal; signal.sigwait([signal.SIGUSR1]); 1 / 0')
+        blocked = 'import signal; signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGUSR1])\\n'
+        crashes = python(blocked + 'print(1, flush=True)\\n' + crash, name='crashes')
+        used = EmitEvent(event=SignalProcess(signal_number=signal.SIGUSR1,
+                                             process_matcher=matches_action(crashes)))
+        return LaunchDescription([
+            *sent('interrupted', signal.SIGINT, sleep),
+            *sent('killed', signal.SIGUSR1, sleep),
+            RegisterEventHandler(OnProcessIO(target_action=crashes, on_stdout=lambda _: used)),
+            crashes])
+        """,
+        is_watched=True,
+    )
+    assert run.wait() == 0
+    journal = Journal(run.live)
+    journal.read()
+    ends = {name.rpartition("-")[0]: one.code for name, one in journal.processes.items()}
+    assert set(ends) == {"interrupted", "killed", "crashes"}
+    assert all(ends.values())
+    assert [one.name.rpartition("-")[0] for one in journal.failed] == ["crashes"]
+
+
 def test_a_coroutine_sleeps_while_the_launch_goes_on(launch: Callable[..., Launch]) -> None:
     run = launch(
         """
         import asyncio
 
+        ended = []
+
         async def work(context):
-            await asyncio.sleep(0.3)
+            while not ended:
+                await asyncio.sleep(0.01)
             print('awake')
 
-        return LaunchDescription([OpaqueCoroutine(coroutine=work), python("print('meanwhile')")])
+        node = python("print('meanwhile')")
+        return LaunchDescription([
+            RegisterEventHandler(OnProcessExit(target_action=node,
+                                               on_exit=lambda event, _: ended.append(event))),
+            OpaqueCoroutine(coroutine=work), node])
         """
     )
     assert run.wait() == 0

@@ -6,10 +6,13 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.live.programs import LeftOut, Ours, find_stand
+from wsgen.launch.known_packages import prefix
+from wsgen.live.programs import BuiltIn, LeftOut, find_component, find_replacement
+from wsgen.source_shares import VARIABLE
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from pathlib import Path
 
     from live_launch import Launch
 
@@ -33,6 +36,37 @@ def test_what_cannot_run_is_named_once_and_left_out(launch: Callable[..., Launch
     assert "gzclient is left out" in run.output
     assert "[INFO] [launch.user]: and on" in run.lines
     assert "[node-4] there" in run.lines
+
+
+def test_an_own_program_that_is_not_built_ends_the_launch_as_in_ros(
+    launch: Callable[..., Launch], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "prefix/share/ament_index/resource_index/packages").mkdir(parents=True)
+    (tmp_path / "prefix/share/ament_index/resource_index/packages/rover").touch()
+    (tmp_path / "prefix/share/rover").mkdir()
+    monkeypatch.setenv(VARIABLE, str(tmp_path))  # a source folder serves as the share folder
+    monkeypatch.setenv("AMENT_PREFIX_PATH", f"{tmp_path / 'prefix'}:{prefix()}")
+    run = launch(
+        """
+        return LaunchDescription([
+            python("import time; time.sleep(60)"), Node(package='rover', executable='drive.py'),
+        ])
+        """
+    )
+    assert run.wait() == 1
+    assert (
+        "drive.py of rover cannot be started: rover is not built; run `wsgen build`" in run.output
+    )
+
+
+def test_a_window_of_sliders_is_the_plain_publisher_and_told() -> None:
+    name = "joint_state_publisher_gui"
+    found = find_replacement(name, name, (), is_sourced=False)
+    assert found is not None
+    assert isinstance(found.replacement, BuiltIn)
+    assert found.replacement.module == "wsgen.ros_nodes.joint_state_publisher"
+    assert "without a window of sliders" in found.replacement.note
+    assert find_replacement(name, name, (), is_sourced=True) is None
 
 
 def test_strict_makes_it_an_error(launch: Callable[..., Launch]) -> None:
@@ -89,10 +123,10 @@ def test_programs_that_wsgen_has(
     module: str,
     given: tuple[str, ...],
 ) -> None:
-    found = find_stand(package, program, arguments, is_sourced=False)
+    found = find_replacement(package, program, arguments, is_sourced=False)
     assert found is not None
-    assert isinstance(found.stand, Ours)
-    assert found.stand.module == f"wsgen.ros_nodes.{module}"
+    assert isinstance(found.replacement, BuiltIn)
+    assert found.replacement.module == f"wsgen.ros_nodes.{module}"
     assert found.arguments == given
 
 
@@ -109,10 +143,10 @@ def test_programs_that_wsgen_has(
 def test_how_a_simulation_begins(
     program: str, arguments: tuple[str, ...], told: tuple[str, ...]
 ) -> None:
-    found = find_stand(None, program, arguments, is_sourced=False)
+    found = find_replacement(None, program, arguments, is_sourced=False)
     assert found is not None
-    assert isinstance(found.stand, Ours)
-    assert found.stand.arguments == told
+    assert isinstance(found.replacement, BuiltIn)
+    assert found.replacement.arguments == told
 
 
 @pytest.mark.parametrize(
@@ -127,18 +161,74 @@ def test_how_a_simulation_begins(
 def test_programs_that_are_left_out(
     package: str | None, program: str, arguments: tuple[str, ...]
 ) -> None:
-    found = find_stand(package, program, arguments, is_sourced=False)
+    found = find_replacement(package, program, arguments, is_sourced=False)
     assert found is not None
-    assert isinstance(found.stand, LeftOut)
+    assert isinstance(found.replacement, LeftOut)
 
 
 def test_of_a_sourced_ros_only_gazebo_is_replaced() -> None:
     for package, program in (("rviz2", "rviz2"), ("robot_state_publisher",) * 2, (None, "ros2")):
-        assert find_stand(package, program, ("topic",), is_sourced=True) is None
+        assert find_replacement(package, program, ("topic",), is_sourced=True) is None
     for package, program in (("ros_gz_sim", "create"), (None, "gzserver"), (None, "gzclient")):
-        assert find_stand(package, program, (), is_sourced=True) is not None
+        assert find_replacement(package, program, (), is_sourced=True) is not None
 
 
 def test_other_programs_run_themselves() -> None:
-    assert find_stand("my_robot", "driver.py", (), is_sourced=False) is None
-    assert find_stand(None, "bash", (), is_sourced=False) is None
+    assert find_replacement("my_robot", "driver.py", (), is_sourced=False) is None
+    assert find_replacement(None, "bash", (), is_sourced=False) is None
+
+
+@pytest.mark.parametrize("is_strict", [False, True])
+def test_nodes_for_containers_are_named_and_the_container_is_not(
+    launch: Callable[..., Launch], is_strict: bool
+) -> None:
+    run = launch(
+        """
+        from launch_ros.descriptions import ComposableNode
+        node = ComposableNode(package='camera', plugin='camera::Proc', name='proc')
+        return LaunchDescription([
+            ComposableNodeContainer(package='rclcpp_components', name='box', namespace='',
+                                    executable='component_container',
+                                    composable_node_descriptions=[node]),
+            LoadComposableNodes(target_container='box', composable_node_descriptions=[node]),
+            python("print('there')"),
+        ])
+        """,
+        is_strict=is_strict,
+    )
+    assert run.wait() == (1 if is_strict else 0)
+    said = "camera::Proc of camera cannot run: " if is_strict else "camera::Proc of camera is left"
+    assert run.output.count(said) == 1
+    assert "[INFO] [launch]: component_container of rclcpp_components is left out" in run.output
+    assert is_strict or "[node-2] there" in run.lines
+
+
+def test_containers_of_a_sourced_ros_load_all_but_what_asks_for_gazebo() -> None:
+    assert find_component("camera::Proc", is_sourced=True) is None
+    publisher = "robot_state_publisher::RobotStatePublisher"
+    assert find_component(publisher, is_sourced=True) is None
+    assert find_component(publisher, is_sourced=False) == (
+        "robot_state_publisher",
+        "robot_state_publisher",
+    )
+    for is_sourced in (True, False):
+        bridge = find_component("ros_gz_bridge::RosGzBridge", is_sourced=is_sourced)
+        assert bridge == ("ros_gz_bridge", "bridge_node")
+
+
+def test_what_ros2_launch_starts_of_packages_that_are_not_installed(
+    launch: Callable[..., Launch],
+) -> None:
+    run = launch(
+        """
+        return LaunchDescription([
+            ExecuteProcess(cmd=['ros2', 'launch', 'gazebo_ros', 'gzclient.launch.py']),
+            ExecuteProcess(cmd=['ros2', 'launch', 'slam_toolbox', 'online_async_launch.py']),
+            python("print('there')", name='node'),
+        ])
+        """
+    )
+    assert run.wait() == 0
+    assert "gzclient is left out: wsgen simulates in the place of Gazebo" in run.output
+    assert "online_async_launch.py of slam_toolbox is left out: it is not installed" in run.output
+    assert run.output.count("left out") == 2

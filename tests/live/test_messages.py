@@ -4,7 +4,12 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.live.messages import messages_of_devices, messages_of_packages, messages_of_plan
+from wsgen.live.messages import (
+    messages_of_devices,
+    messages_of_packages,
+    messages_of_plan,
+    messages_of_robots_to_come,
+)
 from wsgen.model.devices import Devices, Element, MountedSensor
 from wsgen.model.plan import LaunchPlan, Process
 from wsgen.workspace.layout import Workspace, find_packages
@@ -53,7 +58,7 @@ def test_messages_of_the_file_of_a_bridge(tmp_path: Path) -> None:
         assert messages_of_plan(_plan(bridge)) == needed
 
 
-def test_messages_of_what_robots_carry() -> None:
+def test_messages_of_what_robots_carry(tmp_path: Path) -> None:
     contact = MountedSensor(
         name="bumper", kind="contact", link="base", frame="base", element=Element(tag="sensor")
     )
@@ -61,6 +66,13 @@ def test_messages_of_what_robots_carry() -> None:
     devices = (Devices(sensors=(contact,)), Devices(plugins=(plugin,)))
     assert messages_of_devices(devices, "classic") == {"gazebo_msgs", *CONTROL}
     assert messages_of_devices(devices[:1], "gz") == {"ros_gz_interfaces"}
+    steered = Element(tag="plugin", children=(Element(tag="use_actuator_msg", text="true"),))
+    assert messages_of_devices([Devices(plugins=(steered,))], "gz") == {"actuator_msgs"}
+    file = tmp_path / "controllers.yaml"
+    file.write_text("tricycle: {ros__parameters: {publish_ackermann_command: true}}\n")
+    parameters = (Element(tag="parameters", text=str(file)), Element(tag="parameters", text="no"))
+    control = Element(tag="plugin", children=parameters)
+    assert messages_of_devices([Devices(plugins=(control,))], "gz") == {"ackermann_msgs"}
     assert not messages_of_devices([Devices()], "gz")
 
 
@@ -78,3 +90,23 @@ def test_messages_that_nobody_declares(tmp_path: Path) -> None:
         file.write_text(text)
     packages = find_packages(Workspace(root=tmp_path))
     assert messages_of_packages(packages) == {"sensor_msgs", "ackermann_msgs", "ros_gz_interfaces"}
+
+
+def test_messages_of_robots_that_a_second_launch_spawns(tmp_path: Path) -> None:
+    files = {
+        "package.xml": "<package><name>demo</name></package>",
+        "CMakeLists.txt": "project(demo)\nfind_package(ament_cmake REQUIRED)\n",
+        "urdf/arm.urdf.xacro": '<plugin filename="libgazebo_ros2_control.so" name="control"/>',
+        "models/bumper/model.sdf": "<sensor name='bumper' type='contact'>",
+        "src/node.cpp": "// of use_actuator_msg",
+    }
+    for name, text in files.items():
+        file = tmp_path / "src" / "demo" / name
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text)
+    packages = find_packages(Workspace(root=tmp_path))
+    assert messages_of_robots_to_come(packages, "classic") == {"gazebo_msgs", *CONTROL}
+    assert messages_of_robots_to_come(packages, "gz") == {"ros_gz_interfaces", *CONTROL}
+    (tmp_path / "src/demo/models/bumper/model.sdf").unlink()
+    (tmp_path / "src/demo/urdf/arm.urdf.xacro").unlink()
+    assert not messages_of_robots_to_come(packages, "gz")

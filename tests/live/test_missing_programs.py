@@ -25,3 +25,18 @@ def test_what_wsgen_does_itself_is_not_missing() -> None:
     server = Process(package=None, executable=None, command=("gz", "sim", "-r", "a.sdf"))
     own = Process(package="robot", executable="drive.py")
     assert not list(cannot_run(_plan(window, server, own), is_sourced=False))
+
+
+def test_nodes_for_containers_cannot_run_but_for_those_that_wsgen_has() -> None:
+    own, bridge, other = (
+        Process(package=package, executable=plugin, container="/box", file=FILE, line=3)
+        for package, plugin in (
+            ("camera", "camera::Proc"),
+            ("ros_gz_bridge", "ros_gz_bridge::RosGzBridge"),
+            ("camera", "camera::Other"),
+        )
+    )
+    found = list(cannot_run(_plan(own, bridge, other), is_sourced=False))
+    assert [one.message.partition(":")[0] for one in found] == ["camera", "camera"]
+    assert found[0].message.startswith("camera::Proc of camera cannot run here: it is a C++ node")
+    assert not list(cannot_run(_plan(own, bridge, other), is_sourced=True))

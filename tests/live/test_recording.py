@@ -13,16 +13,28 @@ import pytest
 
 from ros_for_tests import ros_with, variables_for
 from wsgen.errors import SessionDiedError
-from wsgen.live.recording import recording_topics
+from wsgen.events import Event, StepEnded, StepProgressed, StepStarted
+from wsgen.isolation.codec import encode
+from wsgen.live import video
+from wsgen.live.recording import Recorded, recording_topics
+from wsgen.live.run import drawing
+from wsgen.model.robot import Box, Collision, Link, Robot
+from wsgen.model.transform import Pose
+from wsgen.model.world import World
+from wsgen.pipeline import clock
 from wsgen.ros_environment import RosEnvironment, variables_of_nodes
+from wsgen.simulation.live_scene import SCENE_FILE, LiveScene
+from wsgen.simulation.pose_log import POSE_LOG_FILE, PoseLogWriter
+from wsgen.simulation.scene import Scene, SpawnedRobot
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
 if sys.platform != "linux":
     pytest.skip("live runs need Linux", allow_module_level=True)
 
 PYTHON = Path(sys.executable)
+FRAMES = 12  # of a video
 SAY = """
 import sys
 import rclpy
@@ -56,14 +68,18 @@ def test_messages_have_the_time_of_the_machine(
     monkeypatch.chdir(tmp_path)
     file = tmp_path / "said.mcap"
     began = time.time_ns()
-    with recording_topics(file, PYTHON, variables, use_sim_time=False):
-        subprocess.run([PYTHON, "-c", SAY], cwd="/", env=dict(variables), check=True, timeout=120)
+    told: list[Recorded] = []
+    with recording_topics(file, PYTHON, variables, use_sim_time=False, recorded=told.append):
+        subprocess.run([PYTHON, "-c", SAY], cwd="/", env=dict(variables), check=True, timeout=300)
     with file.open("rb") as stream:
         found = [
             (channel.topic, message.log_time)
-            for _, channel, message in reader.make_reader(stream).iter_messages()
+            for _, channel, message in reader.make_reader(stream).iter_messages("/said")
         ]
     assert [topic for topic, _ in found] == ["/said", "/said"]
+    assert told[0].file == file
+    assert (told[0].messages or 0) >= len(found)
+    assert 0 <= told[0].seconds < 60  # both may come within half a millisecond
     assert all(began < stamp < time.time_ns() for _, stamp in found)
 
 
@@ -109,3 +125,84 @@ def test_a_recorder_that_does_not_start(tmp_path: Path) -> None:
         pytest.fail("nothing is recorded")
     assert one.value.exit_code == 1
     assert [path.name for path in tmp_path.iterdir() if "mcap" in path.name] == []
+
+
+@pytest.mark.parametrize("has_poses", [True, False])
+def test_a_video_is_drawn_where_the_topics_are_lost(tmp_path: Path, *, has_poses: bool) -> None:
+    drawn: list[object] = []
+    if has_poses:
+        (tmp_path / POSE_LOG_FILE).touch()
+    with (
+        pytest.raises(SessionDiedError, match="disk"),
+        drawing(tmp_path / "a.gif", tmp_path, drawn.append),
+    ):
+        raise SessionDiedError("The disk is full.", hint="x")
+    assert len(drawn) == has_poses
+
+
+@pytest.fixture
+def driven(tmp_path: Path) -> Path:
+    """The folder of a live run in which a box was driven for two seconds."""
+    shape = Collision(geometry=Box(size=(0.2, 0.2, 0.2)))
+    link = Link(name="link", collisions=(shape,))
+    box = SpawnedRobot(entity="box", robot=Robot(name="box", root="link", links=(link,)))
+    corners = {"box": [(-0.1, -0.1, 0.0), (0.1, 0.1, 0.2)]}
+    with (tmp_path / POSE_LOG_FILE).open("w") as stream:
+        writer = PoseLogWriter(stream)
+        for number in range(FRAMES):
+            pose = Pose(xyz=(number / FRAMES, 0.0, 0.1))
+            writer.add({"box": {"link": pose}}, {} if number else corners, [] if number else [box])
+    scene = LiveScene(scene=Scene(world=World(name="w"), robots=(box,)), simulator="gz")
+    (tmp_path / SCENE_FILE).write_text(encode(scene))
+    return tmp_path
+
+
+def test_a_drawing_says_how_far_it_is(driven: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(clock, "LOOK_EVERY", 0.001)
+    heard: list[Event] = []
+    told: list[Recorded] = []
+    assert video.draw_video(driven, driven / "x.gif", told.append, heard.append) == ()
+    assert [one.file.name for one in told] == ["x.gif"]
+    began, *went_on, ended = heard
+    assert isinstance(began, StepStarted)
+    assert began.takes_long  # a log says it, too
+    assert isinstance(ended, StepEnded)
+    shown = [one.detail for one in went_on if isinstance(one, StepProgressed)]
+    assert shown
+    assert {one.partition(" frame ")[0] for one in shown} == {"x.gif:"}
+    assert {one.partition(" of ")[2] for one in shown} == {str(FRAMES)}
+    assert {one.step for one in heard} == {began.step}
+
+
+@pytest.mark.parametrize("end", [KeyboardInterrupt(), SystemExit(143)])
+def test_a_signal_that_keeps_a_video_from_being_drawn_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, end: BaseException
+) -> None:
+    def told_of(
+        video: Path | None, *, is_run_over: bool = True, is_drawn: bool = False
+    ) -> list[Path]:
+        told: list[Path] = []
+
+        def finish(draw: Callable[[None], object]) -> None:
+            if is_drawn:
+                draw(None)
+            raise end
+
+        def run() -> None:
+            with drawing(video, tmp_path, finish, unfinished=told.append):
+                if not is_run_over:
+                    raise end
+
+        with pytest.raises(type(end)):
+            run()
+        return told
+
+    def draw(_folder: Path, file: Path, recorded: Callable[[Recorded], None], _: object) -> None:
+        recorded(Recorded(file, 1.0))
+
+    monkeypatch.setattr("wsgen.live.run.draw_video", draw)
+    file = tmp_path / "x.gif"
+    assert told_of(file) == [file]
+    assert told_of(file, is_run_over=False) == [file]  # the topics were being recorded
+    assert told_of(file, is_drawn=True) == []
+    assert told_of(None, is_run_over=False) == []

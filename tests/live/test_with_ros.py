@@ -3,23 +3,27 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import subprocess
 import sys
+from contextlib import suppress
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
 
+from chromium import needs_chromium, open_chromium
 from live_launch import is_alive, wait_until
-from ros_for_tests import plain_environment, ros_domain, ros_with
+from own_network import network, ros_domain
+from ros_for_tests import plain_environment, ros_with
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
 pytestmark = pytest.mark.slow
-SECONDS = 300.0  # wall-clock, on a busy machine
+SECONDS = 600.0  # wall-clock, on a busy machine
 DRIVE = """#!/usr/bin/env python3
 import sys
 import rclpy
@@ -58,6 +62,12 @@ def generate_launch_description():
     ])
 """
 
+# Of the page: what it shows, the simulated time, and how to press a button.
+TEXT = "document.body.textContent"
+SIMULATED = f"Number(({TEXT}.match(/([0-9.]+) s simulated/) || [0, 0])[1])"
+PRESS = (
+    "[...document.querySelectorAll('button')].find(one => one.textContent.trim() === '{}').click()"
+)
 
 # The simulator is that of another terminal, which is not there.
 SPAWN = """
@@ -148,8 +158,60 @@ def test_a_run_without_a_simulator_ends_after_its_seconds(workspace: Path, tmp_p
     assert "Did you mean `spawn_entity.py`?" in refused.stderr
 
 
-def test_nothing_is_left_of_a_run_that_is_killed(workspace: Path, tmp_path: Path) -> None:
-    before = _shared_memory()
+@needs_chromium
+def test_a_run_is_shown_in_the_browser(workspace: Path, tmp_path: Path) -> None:
+    pytest.importorskip("viser")
+    screen, topics = tmp_path / "screen", tmp_path / "topics.mcap"
+    words = ("drive.launch.py", "--run", "--view", "--no-browser", "--record", str(topics))
+    with (
+        screen.open("wb") as stream,
+        subprocess.Popen(
+            _command(*words, "--for", "3000"),
+            cwd=workspace,
+            env=_environment(tmp_path),
+            stdout=stream,
+            stderr=subprocess.STDOUT,
+        ) as run,
+    ):
+        try:
+            wait_until(lambda: "Press Ctrl-C" in screen.read_text(), screen.read_text, SECONDS)
+            (url,) = re.findall(r"^http://127\.0\.0\.1:\d+$", screen.read_text(), re.MULTILINE)
+            with open_chromium() as browser:
+                tab = browser.open(url, width=320, height=240, draws_seldom=True)
+                tab.wait_for(f"{TEXT}.includes('× real time')", SECONDS)
+                tab.wait_for(f"{TEXT}.includes('rover: ')", SECONDS)
+                tab.evaluate(PRESS.format("Pause"))
+                tab.wait_for(f"{TEXT}.includes('simulated, paused')", SECONDS)
+                late = browser.open(url, width=320, height=240, draws_seldom=True)
+                late.wait_for(f"{TEXT}.includes('simulated, paused')", SECONDS)
+                times = [one.evaluate(SIMULATED) for one in (tab, late)]
+                assert times[0] == times[1] > 0
+                late.evaluate(PRESS.format("Run"))
+                tab.wait_for(f"{SIMULATED} > {times[0]}", SECONDS)
+                run.send_signal(signal.SIGINT)
+                assert run.wait(SECONDS) == 0, screen.read_text()
+                tab.wait_for(f"{TEXT}.includes('The run has ended after')", SECONDS)
+        finally:
+            run.terminate()  # does nothing when it has ended
+    assert "Traceback" not in screen.read_text()
+    assert topics.stat().st_size > 10_000
+    refused = subprocess.run(
+        _command("spawn.launch.py", "--run", "--view"),
+        cwd=workspace,
+        env=_environment(tmp_path),
+        capture_output=True,
+        text=True,
+        timeout=SECONDS,
+        check=False,
+    )
+    assert refused.returncode == 2
+    assert "spawn.launch.py starts no simulator" in refused.stderr
+
+
+@pytest.mark.parametrize("way", ["wsgen", "guard", "service", "node server", "SIGINT", "SIGTERM"])
+def test_nothing_is_left_of_a_run_that_is_ended(workspace: Path, tmp_path: Path, way: str) -> None:
+    """Neither a process, nor shared memory, nor a port, whoever is killed."""
+    before = _shared_memory() | _ports()
     screen = tmp_path / "screen"
     with (
         screen.open("wb") as stream,
@@ -165,9 +227,66 @@ def test_nothing_is_left_of_a_run_that_is_killed(workspace: Path, tmp_path: Path
         words = screen.read_text().replace("[", " ").replace("]", " ").split()
         pids = [int(word) for last, word in pairwise(words) if last == "pid"]
         assert len(set(pids)) >= 3
-        os.kill(run.pid, signal.SIGKILL)
-    wait_until(lambda: not any(map(is_alive, pids)), lambda: f"some of {pids} live")
-    wait_until(lambda: _shared_memory() <= before, lambda: f"{_shared_memory() - before} is left")
+        (guard,) = _children(run.pid)
+        (service,) = _children(guard)
+        (server,) = _parents(pids) - {service}
+        assert _ports() > before & _ports()
+        assert {port.partition(":")[0] for port in _ports() - before} == {"0100007F"}  # 127.0.0.1
+        if way.startswith("SIG"):
+            run.send_signal(getattr(signal, way))
+        else:
+            killed = {"wsgen": run.pid, "guard": guard, "service": service, "node server": server}
+            os.kill(killed[way], signal.SIGKILL)
+        wait_until(lambda: not _run_for(tmp_path), lambda: f"{_run_for(tmp_path)} run")
+    wait_until(
+        lambda: _shared_memory() | _ports() <= before,
+        lambda: f"{(_shared_memory() | _ports()) - before} is left",
+    )
+
+
+def _parent(pid: int) -> int:
+    stat = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8", errors="replace")
+    return int(stat.rpartition(")")[2].split()[1])
+
+
+def _parents(pids: Iterable[int]) -> set[int]:
+    """Those of the processes that have not ended."""
+    found = set()
+    for pid in pids:
+        with suppress(OSError):  # a spawner has just ended
+            found.add(_parent(pid))
+    return found
+
+
+def _children(pid: int) -> list[int]:
+    found = []
+    for folder in Path("/proc").glob("[0-9]*"):
+        with suppress(OSError):
+            found += [int(folder.name)] if _parent(int(folder.name)) == pid else []
+    return found
+
+
+def _run_for(folder: Path) -> list[int]:
+    """The processes that have the folder among their variables."""
+    found = []
+    for environ in Path("/proc").glob("[0-9]*/environ"):
+        with suppress(OSError):
+            if str(folder).encode() in environ.read_bytes():
+                found.append(int(environ.parent.name))
+    return [pid for pid in found if is_alive(pid)]
+
+
+def _ports() -> set[str]:
+    """The UDP ports of this domain, with the address that they are bound to."""
+    first = 7400 + 250 * int(ros_domain())
+    ports = set()
+    for kind in ("udp", "udp6"):
+        with suppress(OSError):
+            for line in (network().tables / kind).read_text(encoding="utf-8").splitlines()[1:]:
+                host, _, port = line.split()[1].partition(":")
+                if first <= int(port, 16) < first + 250:
+                    ports.add(f"{host}:{int(port, 16)}")
+    return ports
 
 
 def _shared_memory() -> set[str]:

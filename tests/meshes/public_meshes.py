@@ -27,7 +27,7 @@ REFUSED = {
     "link6.stl-old.stl": "Macintosh",  # of a Puma 560
 }
 LARGEST = 2_000_000  # bytes, of a mesh of the sample
-SAMPLE = 4  # meshes of one kind in one folder, or in folders that have numbers for names
+SAMPLE = 2  # meshes of one kind in one folder, or in folders that have numbers for names
 SHOWINGS = (False,)
 
 

@@ -93,44 +93,39 @@ def test_pybullet_would_read_a_geometry_that_nothing_places() -> None:
     assert not read_dae(text.encode()).is_plain
 
 
-def bounds_in_pybullet(client: Any, folder: Path, name: str, text: str) -> Any:
+def bounds_in_pybullet(folder: Path, name: str, text: str) -> Any:
+    bullet = pytest.importorskip("wsgen.simulation.bullet")
     (folder / f"{name}.dae").write_text(text)
     (folder / f"{name}.urdf").write_text(
         '<robot name="r"><link name="l"><inertial><mass value="1"/>'
         '<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>\n<collision>'
         f'<geometry><mesh filename="{name}.dae"/></geometry></collision></link></robot>'
     )
-    return client.getAABB(client.loadURDF(str(folder / f"{name}.urdf")))
+    client = bullet.Client()
+    try:
+        return client.getAABB(client.loadURDF(str(folder / f"{name}.urdf")))
+    finally:
+        client.close()
 
 
 @pytest.mark.parametrize("up_axis", ["X_UP", "Y_UP", "Z_UP"])
 @pytest.mark.parametrize("name", ["nothing", "translate", "rotate", "scale", "matrix"])
 def test_what_is_plain_pybullet_reads_alike(tmp_path: Path, name: str, up_axis: str) -> None:
     """The unit is applied, and `up_axis` is not."""
-    pybullet = pytest.importorskip("pybullet")
     inside, expected, _ = NODES[name]
     text = mesh_samples.dae(
         node=inside + mesh_samples.PLACED,
         asset=f'<unit meter="0.1"/><up_axis>{up_axis}</up_axis>',
     )
-    session = pybullet.connect(pybullet.DIRECT)
-    try:
-        found = bounds_in_pybullet(pybullet, tmp_path, "box", text)
-    finally:
-        pybullet.disconnect(session)
+    found = bounds_in_pybullet(tmp_path, "box", text)
     assert np.allclose(found, np.array(expected) * 0.1, atol=MARGIN)
     assert np.allclose(box(read_dae(text.encode()).corners), found, atol=MARGIN)
 
 
 def test_what_is_not_plain_pybullet_reads_otherwise(tmp_path: Path) -> None:
-    pybullet = pytest.importorskip("pybullet")
     inside, expected, _ = NODES["rotate twice"]
     text = mesh_samples.dae(node=inside + mesh_samples.PLACED)
-    session = pybullet.connect(pybullet.DIRECT)
-    try:
-        found = bounds_in_pybullet(pybullet, tmp_path, "box", text)
-    finally:
-        pybullet.disconnect(session)
+    found = bounds_in_pybullet(tmp_path, "box", text)
     assert np.allclose(found, NODES["rotate"][1], atol=MARGIN)
     assert not np.allclose(found, expected, atol=MARGIN)
 

@@ -122,6 +122,18 @@ def test_what_pybullet_does_not_read_is_written_anew(
     assert paths(again) != paths(changed)  # two robots may share the folder
 
 
+def test_a_pointer_of_git_lfs_says_how_to_get_the_file(
+    tmp_path: Path, run: Callable[..., Any]
+) -> None:
+    pointer = b"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 84\n"
+    meshes = [mesh(write(tmp_path, f"a.{kind}", pointer)) for kind in ("stl", "dae", "obj")]
+    _, found = inspect_meshes(robot(*meshes), file=ROBOT_FILE, folder=tmp_path, run=run)
+    assert [one.code for one in found] == ["ROB062"] * 3
+    for one in found:
+        assert "is a pointer of Git LFS" in one.message
+        assert "git lfs pull" in (one.hint or "")
+
+
 def test_a_broken_collision_is_an_error_and_a_broken_visual_a_warning(
     tmp_path: Path, run: Callable[..., Any]
 ) -> None:
@@ -306,15 +318,22 @@ def test_a_file_beyond_its_memory(
     assert "memory" in found[0].message
 
 
+@pytest.fixture(scope="module")
+def apart() -> Iterator[ProcessPoolExecutor]:
+    """A process of its own: trimesh takes hundreds of megabytes, which this one would keep."""
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as executor:
+        yield executor
+
+
 @pytest.mark.slow
 @pytest.mark.oracle
 @pytest.mark.parametrize("distribution", PACKAGES)
-def test_public_meshes_are_as_large_as_trimesh_says(distribution: str, *, thorough: bool) -> None:
+def test_public_meshes_are_as_large_as_trimesh_says(
+    distribution: str, apart: ProcessPoolExecutor, *, thorough: bool
+) -> None:
     pytest.importorskip("trimesh")
     pytest.importorskip("collada")  # with which it reads COLLADA
     meshes = meshes_of(distribution, every=thorough)
     if not meshes:
         pytest.skip(f"{distribution} is not installed")
-    # In a process of its own: trimesh takes hundreds of megabytes, which this one would keep.
-    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as executor:
-        assert executor.submit(differences, meshes).result() == []
+    assert apart.submit(differences, meshes).result() == []

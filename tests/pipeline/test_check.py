@@ -368,3 +368,234 @@ def test_a_device_that_is_not_attached_is_no_mistake(tmp_path: Path) -> None:
     assert (found.name, found.severity.value) == ("launch-raises", "info")
     file.write_text(ATTACHED.replace("/dev/", "/no_dev/"))
     assert [one.severity.value for one in check_paths(file)] == ["error"]
+
+
+def severities(outcome: CheckOutcome) -> list[tuple[str, str]]:
+    return [(one.name, one.severity.value) for one in outcome.diagnostics]
+
+
+def only(path: Path, *rules: str) -> list[tuple[str, str]]:
+    return [found for found in severities(run(path)) if found[0] in rules]
+
+
+def test_modules_that_others_install(tmp_path: Path) -> None:
+    launch = {"launch": "import os\n -> import os\nimport rs_camera_launch\n"}
+    package = write_package(tmp_path, **launch)
+    assert only(package, "launch-import") == [("launch-import", "info")]
+    (package / "launch" / "rs_camera_launch.py").write_text("")  # which Python does not find there
+    assert only(package, "launch-import") == [("launch-import", "error")]
+    other = write_package(tmp_path / "b", launch="import os\n -> import os\nimport lanuch\n")
+    assert only(other, "launch-import") == [("launch-import", "error")]
+    capital = write_package(tmp_path / "c", launch="from launch import -> from Launch import")
+    assert only(capital, "launch-import") == [("launch-import", "error")]
+    imports = "import os\n -> import os\nfrom xmacro.urdf import Robot\n"  # which is no xacro
+    other = write_package(tmp_path / "c", launch=imports)
+    assert only(other, "launch-import") == [("launch-import", "info")]
+    other = write_package(tmp_path / "d", launch=imports.replace("xmacro.urdf", "lanuch.actions"))
+    assert only(other, "launch-import") == [("launch-import", "error")]
+
+
+@pytest.mark.parametrize(
+    ("change", "severity"),
+    [
+        ("launch_ros.actions import Node -> launch_ros.action import Node", "error"),
+        ("launch.substitutions import -> launch.substitution import", "error"),
+        ("import Command -> import Comand", "error"),
+        ("ament_index_python.packages -> ament_index_python.package", "error"),
+        ("import Command -> import Command, OfAnotherDistribution", "info"),
+        ("from launch_ros.actions -> from launch.actions", "error"),
+        ("from launch_ros.actions -> from launch.some_substitutions_type", "info"),
+    ],
+)
+def test_names_of_the_launch_api_that_are_misspelled(
+    tmp_path: Path, change: str, severity: str
+) -> None:
+    package = write_package(tmp_path, launch=change)
+    assert only(package, "unsupported-launch-api") == [("unsupported-launch-api", severity)]
+
+
+@pytest.mark.parametrize(("name", "severity"), [("crat", "error"), ("customer_arm", "warning")])
+def test_the_package_of_a_mesh_that_is_misspelled(tmp_path: Path, name: str, severity: str) -> None:
+    box, mesh = '<box size="1 1 0.2"/>', f'<mesh filename="package://{name}/meshes/a.stl"/>'
+    package = write_package(tmp_path, **{"cart.urdf": f"{box} -> {mesh}"})
+    outcome = run(package)
+    assert severities(outcome) == [
+        ("missing-collision-mesh", severity),
+        ("missing-visual-mesh", "warning"),
+    ]
+    asks = [(one.hint or "").startswith("Did you mean `cart`?") for one in outcome.diagnostics]
+    assert asks == [severity == "error"] * 2
+
+
+EMPTY_ARGUMENT = """\
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument
+from launch.substitutions import Command, LaunchConfiguration
+from launch_ros.actions import Node
+from launch_ros.parameter_descriptions import ParameterValue
+
+
+def generate_launch_description():
+    text = ParameterValue(Command(['xacro ', @FILE@]), value_type=str)
+    return LaunchDescription([
+        DeclareLaunchArgument('file', default_value='@DEFAULT@'),
+        Node(package='robot_state_publisher', executable='robot_state_publisher',
+             parameters=[{'robot_description': text}]),
+    ])
+"""
+
+
+def test_what_is_refused_because_an_argument_is_empty(tmp_path: Path) -> None:
+    package = write_package(tmp_path)
+    file = package / "launch" / "cart.launch.py"
+    for name, default, severity in (
+        ("LaunchConfiguration('file')", "", "info"),
+        ("''", "some.urdf", "error"),
+    ):
+        file.write_text(EMPTY_ARGUMENT.replace("@FILE@", name).replace("@DEFAULT@", default))
+        assert only(package, "refused-by-launch") == [("refused-by-launch", severity)]
+
+
+XACRO = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="{}">\n{}\n</robot>\n'
+
+
+def test_a_xacro_file_whose_arguments_somebody_gives(tmp_path: Path) -> None:
+    package = write_package(tmp_path)
+    include = '<xacro:include filename="$(find cart)/urdf/$(arg model)_arm.xacro"/>'
+    for default, severity in (("", "info"), ("long", "error")):
+        argument = f'<xacro:arg name="model" default="{default}"/>'
+        (package / "urdf" / "any.urdf.xacro").write_text(XACRO.format("any", argument + include))
+        assert only(package, "xacro-file-fails") == [("xacro-file-fails", severity)]
+
+
+def test_a_part_of_a_robot_names_links_of_the_files_beside_it(tmp_path: Path) -> None:
+    package = write_package(tmp_path)
+    joint = (
+        '<link name="{0}"/>\n<joint name="{0}_joint" type="fixed">\n'
+        '  <parent link="{1}"/><child link="{0}"/>\n</joint>'
+    )
+    part = package / "urdf" / "tool.xacro"
+    part.write_text(XACRO.format("tool", joint.format("tool", "wrist")))
+    assert only(package, "unknown-link") == [("unknown-link", "error")]
+    arm = URDF.partition("\n")[2].rpartition("</robot>")[0] + joint.format("wrist", "base")
+    (package / "urdf" / "arm.xacro").write_text(XACRO.format("arm", arm))
+    assert only(package, "unknown-link") == [("unknown-link", "info")]
+
+
+def test_what_is_no_robot_or_world_of_this_gazebo(tmp_path: Path) -> None:
+    package = write_package(tmp_path)
+    webots = '<robot name="cart"><webots><plugin type="driver.Driver"/></webots></robot>'
+    (package / "urdf" / "webots.urdf").write_text(webots)
+    assert only(package, "no-link") == [("no-link", "info")]
+    (package / "urdf" / "webots.urdf").write_text('<robot name="cart"/>')
+    assert only(package, "no-link") == [("no-link", "error")]
+    models = package / "models" / "can"
+    models.mkdir(parents=True)
+    (models / "model-1_2.sdf").write_text('<gazebo version="1.2"><model name="can"/></gazebo>')
+    assert only(package, "no-world") == [("no-world", "info")]
+    (models / "model-1_2.sdf").write_text('<sdf version="1.5"/>')
+    assert only(package, "no-world") == [("no-world", "error")]
+    (models / "model-1_2.sdf").write_text('<sdf version="1.5"><light name="a" type="point"/></sdf>')
+    assert only(package, "no-world") == [("no-world", "info")]
+
+
+def test_what_worlds_have_elsewhere_or_download(tmp_path: Path) -> None:
+    package = write_package(tmp_path)
+    mesh = "<link name='a'><collision name='c'><geometry><mesh><uri>{}</uri></mesh></geometry>"
+    meshes = ("model://others_can/can.stl", "https://fuel.gazebosim.org/1.0/o/models/can/can.stl")
+    models = [
+        f"<model name='m{i}'>{mesh.format(uri)}</collision></link></model>"
+        for i, uri in enumerate(meshes)
+    ]
+    include = "<include><uri>https://fuel.gazebosim.org/1.0/o/models/can</uri></include>"
+    models += [f"<model name='n'>{include}</model>", include, "<actor name='walker'/>"]
+    (package / "worlds").mkdir()
+    lines = "\n".join(models)  # a diagnostic each
+    world = f"<sdf version='1.6'><world name='w'>\n{lines}</world></sdf>"
+    file = package / "worlds" / "w.world"
+    file.write_text(world)
+    found = only(package, "missing-collision-mesh", "model-left-out")
+    assert sorted(found) == [
+        ("missing-collision-mesh", "info"),
+        ("missing-collision-mesh", "warning"),
+        *[("model-left-out", "info")] * 3,
+    ]
+    file.write_text(world.replace("model://others_can/", "meshes/"))
+    assert ("missing-collision-mesh", "error") in only(package, "missing-collision-mesh")
+    file.write_text(world.replace("https://fuel.gazebosim.org/1.0/o/models/can<", "model://can2<"))
+    found = only(package, "model-left-out")
+    assert sorted({severity for _, severity in found}) == ["error", "info", "warning"]
+
+
+def test_a_launch_file_that_another_package_includes(tmp_path: Path) -> None:
+    package = write_package(tmp_path)
+    spawn = package / "launch" / "spawn.launch.py"
+    spawn.write_text(
+        "from launch import LaunchDescription\nfrom launch.actions import ExecuteProcess\n"
+        "from launch_ros.actions import Node\n\n\n"
+        "def generate_launch_description():\n    return LaunchDescription([\n"
+        "        ExecuteProcess(cmd=['gazebo', '-s', 'libgazebo_ros_factory.so']),\n"
+        "        Node(package='gazebo_ros', executable='spawn_entity.py',\n"
+        "             arguments=['-topic', 'my_robot', '-entity', 'cart'])])\n"
+    )
+    (package / "launch" / "cart.launch.py").unlink()
+    assert only(package, "unpublished-description") == [("unpublished-description", "error")]
+    other = write_package(tmp_path, "bringup")
+    file = other / "launch" / "cart.launch.py"
+    file.write_text(file.read_text() + "# includes spawn.launch.py of the package cart\n")
+    assert only(package, "unpublished-description") == [("unpublished-description", "info")]
+
+
+def test_a_package_of_catkin_finds_its_source(tmp_path: Path) -> None:
+    package = write_package(tmp_path, **{"package.xml": "ament_cmake</build -> catkin</build"})
+    (package / "xacro").mkdir()
+    (package / "xacro" / "wheel.xacro").write_text(XACRO.format("wheel", ""))
+    include = '<xacro:include filename="$(find cart)/xacro/wheel.xacro"/>'
+    (package / "xacro" / "cart.urdf.xacro").write_text(
+        XACRO.format("cart", include + '<link name="base"/>')
+    )
+    assert only(package, "xacro-file-fails") == []
+    of_ros_1 = '<launch><rosparam command="load" file="$(find cart)/a.yaml"/></launch>'
+    (package / "launch" / "load.launch.xml").write_text(of_ros_1)
+    assert only(package, "refused-by-launch", "ros-1-launch-file") == []
+
+
+def test_hardware_that_depends_on_an_argument(tmp_path: Path) -> None:
+    package = write_package(tmp_path)
+    body = URDF.partition("\n")[2].rpartition("</robot>")[0]
+    control = (
+        '<xacro:arg name="sim" default="false"/>\n{}\n'
+        '<link name="tip"><inertial><mass value="1"/><inertia ixx="0.1" iyy="0.1" izz="0.1" '
+        'ixy="0" ixz="0" iyz="0"/></inertial></link>\n'
+        '<joint name="turn" type="continuous"><parent link="base"/><child link="tip"/></joint>\n'
+        '<ros2_control name="arm" type="system"><hardware>{}</hardware>\n'
+        '<joint name="turn"><command_interface name="velocity"/></joint></ros2_control>'
+    )
+    plugin = (
+        '<xacro:if value="$(arg sim)"><plugin>gz_ros2_control/GazeboSimSystem</plugin></xacro:if>'
+    )
+    file = package / "urdf" / "arm.urdf.xacro"
+    for hardware, severity in ((plugin, "info"), ("", "warning")):
+        file.write_text(XACRO.format("arm", control.format(body, hardware)))
+        assert only(package, "incomplete-ros2-control") == [("incomplete-ros2-control", severity)]
+
+
+def test_a_launch_file_that_fails_without_a_package_of_others(tmp_path: Path) -> None:
+    path = "    path = os.path.join("
+    raises = "    for _ in None:\n        pass\n"
+    other = "    get_package_share_directory('moveit_config_of_others')\n"
+    package = write_package(tmp_path, launch=f"{path} -> {raises}{path}")
+    assert only(package, "launch-raises") == [("launch-raises", "error")]
+    package = write_package(tmp_path / "b", launch=f"{path} -> {other}{raises}{path}")
+    assert only(package, "launch-raises") == [("launch-raises", "info")]
+
+
+def test_what_a_package_beside_declares(tmp_path: Path) -> None:
+    launch = "directory('@PKG@'), 'urdf', 'cart.urdf') -> directory('customer_arm'), 'arm.urdf')"
+    package = write_package(tmp_path, launch=launch)
+    assert only(package, "package-not-found") == [("package-not-found", "warning")]
+    write_package(tmp_path, "driver", **{
+        "package.xml": "<exec_depend>xacro -> <exec_depend>customer_arm</exec_depend>"
+        "<exec_depend>xacro"
+    })  # fmt: skip
+    assert only(package, "package-not-found") == [("package-not-found", "info")]

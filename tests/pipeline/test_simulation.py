@@ -20,8 +20,8 @@ from wsgen.model.world import World
 from wsgen.pipeline import run_robots as robot_runs
 from wsgen.pipeline.behavior_plan import plan_behaviors
 from wsgen.pipeline.prepare import PreparedRobot
+from wsgen.pipeline.requests import ValidateRequest
 from wsgen.pipeline.run_robots import simulate_robots
-from wsgen.pipeline.selection import ValidateRequest
 from wsgen.simulation.engine import HullGap
 from wsgen.simulation.run import TASKS, missing_engines
 from wsgen.simulation.scene import (

@@ -15,7 +15,7 @@ from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.isolation import parent
 from wsgen.pipeline.file_validation import FileValidation
 from wsgen.pipeline.prepare import PrepareContext, prepare_robot
-from wsgen.pipeline.selection import ValidateRequest
+from wsgen.pipeline.requests import ValidateRequest
 from wsgen.workspace.overlay import Overlay
 from wsgen.xacro.expansion import expand
 

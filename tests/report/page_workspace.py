@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import os
-import subprocess
-import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+from forks import run_wsgen
+
+if TYPE_CHECKING:
+    import subprocess
 
 MANIFEST = """\
 <package format="3"><name>{name}</name><version>0.0.1</version><description>Of a test.</description>
@@ -90,14 +94,7 @@ WORLD = """<sdf version="1.7"><world name="office"><include><uri>model://ground_
 
 
 def wsgen(folder: Path, *arguments: str | bytes) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-m", "wsgen", *arguments],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        errors="replace",
-        check=False,
-    )
+    return run_wsgen(arguments, cwd=folder, errors="replace")
 
 
 def write_package(sources: Path, name: str, robot: str, launch: str) -> None:

@@ -38,7 +38,7 @@ ROBOT = """<robot name="r" version="2.0">
 
 @pytest.fixture
 def found(tmp_path: Path) -> tuple[Diagnostic, ...]:
-    """An error and a warning in a file, and an information about nothing in particular."""
+    """An error and a warning in a file, and a note about nothing in particular."""
     file = tmp_path / "my robots" / "r.urdf"
     file.parent.mkdir()
     file.write_text(ROBOT)

@@ -19,7 +19,7 @@ import pytest
 
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.errors import NotFoundError
-from wsgen.model.behavior import BehaviorOutcome, Drive, Reach
+from wsgen.model.behavior import BehaviorOutcome, Drive, LaunchTask, Reach, Task
 from wsgen.model.outcome import (
     EngineOutcome,
     NotValidated,
@@ -355,8 +355,7 @@ def test_the_numbers_of_plots_and_views() -> None:
     assert behaving["behavior"] == SHOWN
 
     def column(one: dict[str, Any]) -> list[float]:
-        levels = array("H", data[one["at"] : one["at"] + 2 * one["n"]])
-        return [one["low"] + one["step"] * level for level in levels]
+        return column_of(one, data)
 
     assert column(standing["height"]) == pytest.approx([0.5, 0.25, 0.3], abs=1e-4)
     assert column(standing["tilt"]) == pytest.approx([0.0, math.degrees(0.5), 90.0], abs=1e-2)
@@ -368,6 +367,67 @@ def test_the_numbers_of_plots_and_views() -> None:
     corners = data[part["corners"]["at"] :][: 2 * part["corners"]["n"]]
     assert list(array("H", corners)) == list(range(9))
     assert part["triangles"]["n"] == 3
+
+
+def column_of(one: dict[str, Any], data: bytes) -> list[float]:
+    levels = array("H", data[one["at"] : one["at"] + 2 * one["n"]])
+    return [one["low"] + one["step"] * level for level in levels]
+
+
+@pytest.mark.parametrize(
+    ("task", "x", "y"),
+    [
+        (Drive(x=2.0, y=1.0), (5.78, 6.22), (7.78, 8.22)),
+        (LaunchTask(x=2.0, y=1.0), (5.78, 6.22), (7.78, 8.22)),
+        (LaunchTask(y=1.0), (5.9, 6.1), (5.9, 9.1)),  # as far as the way, which is 3 m
+    ],
+)
+def test_the_area_in_which_a_behavior_has_to_end_is_seen_from_its_start(
+    task: Task, x: tuple[float, float], y: tuple[float, float]
+) -> None:
+    """The robot begins at (7, 6) and looks along y: ahead is y, to the left is -x."""
+    series = TimeSeries(
+        behavior="goes",
+        seconds=(-0.5, 1.0),
+        positions=((7.0, 6.0, 0.0), (7.0, 9.0, 0.0)),
+        heading=math.pi / 2,
+        speeds=(0.0, 1.0),
+        tilts=(0.0, 0.0),
+        joint_positions={},
+    )
+    robot = replace(
+        ROBOT,
+        engines=(replace(ROBOT.engines[0], time_series=(series,)),),
+        behaviors=(BehaviorOutcome(name="goes", task=task, passed=False),),
+    )
+    packed = pack_package(replace(PACKAGE, robots=(robot,)), clean)
+    assert packed is not None
+    header, data = header_of(packed)
+    ((goal,),) = ([one["goal"] for one in robot["series"]] for robot in header["robots"])
+    for axis, (low, high) in (("x", x), ("y", y)):
+        corners = column_of(goal[axis], data)
+        assert len(corners) == 5
+        assert (min(corners), max(corners)) == pytest.approx((low, high), abs=0.005)
+
+
+def test_of_a_behavior_that_fails_the_page_shows_motion_and_what_was_printed() -> None:
+    failed = BehaviorOutcome(
+        name=HOSTILE, task=LaunchTask(travels=1.0), passed=False, seconds=2.5, printed=(HOSTILE,)
+    )
+    robot = replace(
+        ROBOT, engines=(replace(ROBOT.engines[0], behaviors=(failed,)),), behaviors=(failed,)
+    )
+    page = parse(page_of(Outcome(packages=(replace(PACKAGE, robots=(robot,)),))))
+    (option,) = [one for one in page.iter(f"{HTML}option") if one.get("selected") is not None]
+    assert "".join(option.itertext()) == SHOWN
+    (printed,) = page.iterfind(f".//{HTML}details[@class='printed']")
+    assert SHOWN in "".join(printed.itertext())
+    good = (replace(failed, passed=True, printed=()),)
+    passed = replace(robot, engines=(replace(robot.engines[0], behaviors=good),), behaviors=good)
+    page = parse(page_of(Outcome(packages=(replace(PACKAGE, robots=(passed,)),))))
+    (option,) = [one for one in page.iter(f"{HTML}option") if one.get("selected") is not None]
+    assert "".join(option.itertext()) == "the simulation"
+    assert page.find(f".//{HTML}details[@class='printed']") is None
 
 
 def test_nothing_to_plot_is_no_data() -> None:

@@ -127,6 +127,9 @@ def test_every_key_of_the_contract() -> None:
                                 "passed": True,
                                 "moved": {"x": 0.98, "y": 0.0, "yaw": None},
                                 "joints": None,
+                                "traveled": None,
+                                "seconds": None,
+                                "printed": [],
                                 "expected": {"x": 1.0, "y": None, "yaw": 0.0},
                             },
                             {
@@ -134,6 +137,9 @@ def test_every_key_of_the_contract() -> None:
                                 "passed": False,
                                 "moved": None,
                                 "joints": {"elbow": 0.3},
+                                "traveled": None,
+                                "seconds": None,
+                                "printed": [],
                                 "expected": {"elbow": 0.5},
                             },
                             {
@@ -141,6 +147,9 @@ def test_every_key_of_the_contract() -> None:
                                 "passed": False,
                                 "moved": None,
                                 "joints": None,
+                                "traveled": None,
+                                "seconds": None,
+                                "printed": [],
                                 "expected": {"x": None, "y": 0.5, "yaw": None},
                             },
                         ],
@@ -162,6 +171,9 @@ def test_every_key_of_the_contract() -> None:
                                         "passed": True,
                                         "moved": {"x": 0.98, "y": 0.0, "yaw": None},
                                         "joints": None,
+                                        "traveled": None,
+                                        "seconds": None,
+                                        "printed": [],
                                     }
                                 ],
                             },
@@ -175,6 +187,9 @@ def test_every_key_of_the_contract() -> None:
                                         "passed": False,
                                         "moved": None,
                                         "joints": None,
+                                        "traveled": None,
+                                        "seconds": None,
+                                        "printed": [],
                                     }
                                 ],
                             },
@@ -232,7 +247,7 @@ def documented_keys(command: str) -> set[str]:
 
 
 def test_the_documentation_lists_every_key() -> None:
-    stages = dict.fromkeys(("launch", "expand", "load", "simulate", "total"), 1.0)
+    stages = dict.fromkeys(("launch", "expand", "run", "load", "simulate", "total"), 1.0)
     document = json.loads(render_outcome(outcome(seconds=stages)))
     (robot,) = document["packages"][0]["robots"]
     robot["rest"]["joint_positions"] = None  # its keys are names

@@ -162,6 +162,15 @@ def test_nothing_is_wider_than_the_window(page: Page) -> None:
             f" && one.getBoundingClientRect().right > {width + 1}).map((one) => one.outerHTML)"
         )
         assert wide == []
+        # Nor is a column of a table cut: a table that does not fit is a list.
+        page.wait_for(
+            "[...document.querySelectorAll('.scroll')]"
+            ".every((one) => one.scrollWidth <= one.clientWidth)"
+        )
+        stacked = page.evaluate(
+            "document.querySelectorAll('.scroll:not(details *) .stacked').length"
+        )
+        assert (stacked > 0) == (width < 1280)
 
 
 def test_a_table_is_sorted_by_keyboard(page: Page) -> None:
@@ -199,8 +208,16 @@ def test_plots_of_all_engines_and_behaviors(page: Page) -> None:
     page.wait_for("document.querySelector('.path .plot').dataset.drawn")
     assert page.evaluate(highest) == pytest.approx(0.5, abs=0.05)  # it drives at 0.5 m/s
     assert standing < 0.4
-    way = page.evaluate("document.querySelector('.path .plot').data[0].x")
+    traces = page.evaluate(
+        "document.querySelector('.path .plot').data.map(({name, x, y}) => ({name, x, y}))"
+    )
+    area, path, start, end = traces[:4]
+    way = path["x"]
     assert way[-1] - way[0] == pytest.approx(1.0, abs=0.1)
+    assert (start["name"], start["x"]) == ("start", way[:1])
+    assert (end["name"], end["x"]) == ("end", way[-1:])
+    assert area["name"] == "has to end here"
+    assert min(area["x"]) < way[-1] < max(area["x"])
 
 
 def test_a_3d_view_is_turned(page: Page, tmp_path: Path) -> None:

@@ -24,7 +24,8 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-WAIT = 60.0  # s, on a busy machine
+WAIT = 120.0  # s, on a busy machine
+LONG = 600.0  # s, simulated, of what is to end before
 JOINTS = ["joint_1", "joint_2"]
 ARM = "/arm_controller"
 
@@ -125,12 +126,12 @@ seen: dict[str, Any] = {
 }
 feedback: list[Any] = []
 seen["reached"] = result_of(send(goal(point(1.0, 0.1, 0.2), point(2.0, -0.4, 0.5)), feedback))
-seen["feedback"] = len(feedback)
+until(lambda: len(feedback) > 5, "feedback")
 seen["after_goal"] = positions()
 strict = [JointTolerance(name=name, position=0.02) for name in JOINTS]
 seen["off_path"] = result_of(send(goal(point(0.05, 1.5, 1.5), path_tolerance=strict)))
-first = send(goal(point(3.0, 0.0, 0.0)))
-second = send(goal(point(2.0, 0.1, 0.1)))
+first = send(goal(point(LONG, 0.0, 0.0)))
+second = send(goal(point(LONG, 0.1, 0.1)))
 seen["preempted"] = result_of(first)
 canceled = second.cancel_goal_async()
 until(canceled.done, "the answer to a cancelation")
@@ -138,6 +139,7 @@ seen["canceled"] = result_of(second)
 wrong = goal(point(1.0, 0.0, 0.0))
 wrong.trajectory.joint_names = ["joint_1", "elbow"]
 seen["refused"] = not send(wrong).accepted
+until(lambda: by_topic.get_subscription_count() > 0, "the arm controller")
 by_topic.publish(JointTrajectory(joint_names=JOINTS, points=[point(1.0, 0.3, -0.3)]))
 until(
     lambda: last.get("controller") and abs(last["controller"].reference.positions[0] - 0.3) < 1e-6,

@@ -19,14 +19,14 @@ from scipy.spatial.transform import Rotation
 from ros_for_tests import variables_for
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from wsgen.ros_environment import RosEnvironment
 
 pytestmark = pytest.mark.slow
 ROOT = Path(__file__).parents[2]
 USER = Path(__file__).with_name("shim_user.py")
-WAIT = 120.0  # s, on a busy machine
+WAIT = 300.0  # s, on a busy machine
 ROBOT = """\
 <robot name="crane">
   <link name="base_link"/><link name="arm"/><link name="hook"/><link name="lamp"/>
@@ -107,15 +107,23 @@ def test_frames_and_what_shows_them(environment: dict[str, str], tmp_path: Path)
     refused = tool("topic", "type", "/gone", environment=environment)
     assert refused.returncode == 1
     assert "Unknown topic '/gone'" in refused.stderr
+    assert f"No node is found in ROS_DOMAIN_ID {environment['ROS_DOMAIN_ID']}." in refused.stderr
+
+
+def told(
+    *words: str,
+    environment: dict[str, str],
+    holds: Callable[[subprocess.CompletedProcess[str]], bool] = lambda run: run.returncode == 0,
+) -> subprocess.CompletedProcess[str]:
+    """What a tool says once it has found all; on a busy machine it may give up before."""
+    end = time.monotonic() + WAIT
+    while not holds(run := tool(*words, environment=environment)):
+        assert time.monotonic() < end, f"{words}: {run.stdout}{run.stderr}"
+    return run
 
 
 def echoed(topic: str, environment: dict[str, str], *options: str) -> str:
-    end = time.monotonic() + WAIT
-    while time.monotonic() < end:
-        run = tool("topic", "echo", topic, "--once", *options, environment=environment)
-        if run.returncode == 0:
-            return run.stdout
-    raise AssertionError(run.stderr)
+    return told("topic", "echo", topic, "--once", *options, environment=environment).stdout
 
 
 def check_frames(environment: dict[str, str]) -> None:
@@ -132,24 +140,32 @@ def check_frames(environment: dict[str, str]) -> None:
     assert "frame_id='base_link'" in text or "frame_id='map'" in text
 
 
+def _lines(run: subprocess.CompletedProcess[str]) -> set[str]:
+    return set(run.stdout.splitlines())
+
+
 def check_topics(environment: dict[str, str]) -> None:
-    shown = tool("topic", "list", "-t", "--spin-time", "3", environment=environment)
-    assert "/joint_states [sensor_msgs/msg/JointState]" in shown.stdout.splitlines()
-    assert "/tf_static [tf2_msgs/msg/TFMessage]" in shown.stdout.splitlines()
-    assert (
-        tool("topic", "type", "/tf", environment=environment).stdout == "tf2_msgs/msg/TFMessage\n"
-    )
-    info = tool(
-        "topic", "info", "/robot_description", "--spin-time", "3", environment=environment
-    ).stdout
-    assert info == "Type: std_msgs/msg/String\nPublisher count: 1\nSubscription count: 1\n"
-    described = yaml.safe_load(echoed("/robot_description", environment, "-f").split("---")[0])
-    assert described["data"] == ROBOT
+    both = {
+        "/joint_states [sensor_msgs/msg/JointState]",
+        "/tf_static [tf2_msgs/msg/TFMessage]",
+    }
+    told("topic", "list", "-t", environment=environment, holds=lambda run: both <= _lines(run))
+    type_of_tf = told("topic", "type", "/tf", environment=environment)
+    assert type_of_tf.stdout == "tf2_msgs/msg/TFMessage\n"
+    info = "Type: std_msgs/msg/String\nPublisher count: 1\nSubscription count: 1\n"
+    described = ("topic", "info", "/robot_description")
+    told(*described, environment=environment, holds=lambda run: run.stdout == info)
+    description = yaml.safe_load(echoed("/robot_description", environment, "-f").split("---")[0])
+    assert description["data"] == ROBOT
     states = yaml.safe_load(echoed("/joint_states", environment).split("---")[0])
     np.testing.assert_allclose(states["position"], [1.2, 0.7])
-    missing = tool("topic", "echo", "/joint_state", environment=environment)
-    assert missing.returncode == 1
-    assert "Did you mean /joint_states?" in missing.stderr
+    meant = "Did you mean /joint_states?"
+    missing = ("topic", "echo", "/joint_state")
+    told(
+        *missing,
+        environment=environment,
+        holds=lambda run: run.returncode == 1 and meant in run.stderr,
+    )
     published = tool(
         *("topic", "pub", "-1", "-w", "0", "/go", "std_msgs/msg/String", "{data: on}"),
         environment=environment,
@@ -160,15 +176,87 @@ def check_topics(environment: dict[str, str]) -> None:
     wrong = tool("topic", "pub", "/go", "std_msgs/msg/Sting", environment=environment)
     assert wrong.returncode == 1
     assert "The message type 'std_msgs/msg/Sting' is invalid" in wrong.stderr
+    assert "Did you mean `std_msgs/msg/String`?" in wrong.stderr
+    twist = "geometry_msgs/msg/Twist"
+    wrong = tool("topic", "pub", "/go", twist, "{linear: {q: 1}}", environment=environment)
+    assert wrong.returncode == 1
+    assert wrong.stderr == (
+        f"Failed to populate field: `linear` of {twist} has no field `q`.\n"
+        "Fields of geometry_msgs/Vector3: x, y, z.\n"
+    )
+
+
+KEEPS = """
+import sys
+import rclpy
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from std_msgs.msg import String
+
+rclpy.init()
+node = rclpy.create_node(sys.argv[1])
+if sys.argv[1] == "listener":
+    node.create_subscription(String, "kept", print, 1)
+else:
+    kept = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    node.create_publisher(String, "kept", kept).publish(String(data="said before"))
+print("ready", flush=True)
+sys.stdin.read()
+"""
+
+
+def test_what_a_publisher_has_kept_that_is_found_late_is_shown(
+    environment: dict[str, str],
+) -> None:
+    """The topic is there before: somebody has subscribed to it."""
+
+    def start(*words: str) -> subprocess.Popen[str]:
+        pipe = subprocess.PIPE
+        return stack.enter_context(
+            subprocess.Popen(
+                [sys.executable, *words],
+                env=environment,
+                stdin=pipe,
+                stdout=pipe,
+                stderr=pipe,
+                text=True,
+            )
+        )
+
+    with contextlib.ExitStack() as stack:
+        nodes = [start("-c", KEEPS, name) for name in ("listener", "keeper")]
+        for node in nodes:
+            stack.callback(node.kill)
+            assert node.stdout is not None
+            assert node.stdout.readline() == "ready\n"
+        nodes[1].send_signal(signal.SIGSTOP)  # nobody finds it
+        shown = start("-m", "wsgen", "topic", "echo", "/kept", "--once")
+        stack.callback(shown.kill)
+        assert shown.stderr is not None
+        # The name of the listener may be found later than its subscription.
+        silent = ("Nobody publishes on /kept", "No node is found")
+        while not (line := shown.stderr.readline()).startswith(silent):
+            assert line
+        nodes[1].send_signal(signal.SIGCONT)
+        assert shown.communicate(timeout=WAIT)[0] == "data: said before\n---\n"
 
 
 def check_nodes(environment: dict[str, str]) -> None:
-    shown = tool("node", "list", "--spin-time", "3", environment=environment).stdout.splitlines()
-    assert shown[:2] == ["/joint_state_publisher", "/robot_state_publisher"]
-    assert shown[2].startswith("/static_transform_publisher_")
-    info = tool("node", "info", "/robot_state_publisher", environment=environment).stdout
-    assert info.startswith("/robot_state_publisher\n  Subscribers:\n    /joint_states: sensor_msgs")
-    assert "  Action Clients:\n" in info
+    def names_all(run: subprocess.CompletedProcess[str]) -> bool:
+        shown = run.stdout.splitlines()
+        return (
+            shown[:2] == ["/joint_state_publisher", "/robot_state_publisher"]
+            and len(shown) == 3
+            and shown[2].startswith("/static_transform_publisher_")
+        )
+
+    told("node", "list", environment=environment, holds=names_all)
+    begin = "/robot_state_publisher\n  Subscribers:\n    /joint_states: sensor_msgs"
+    info = told(
+        *("node", "info", "/robot_state_publisher"),
+        environment=environment,
+        holds=lambda run: run.stdout.startswith(begin),
+    )
+    assert "  Action Clients:\n" in info.stdout
 
 
 def test_what_public_nodes_import(environment: dict[str, str]) -> None:

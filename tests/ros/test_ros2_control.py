@@ -123,7 +123,6 @@ def test_a_node_moves_an_arm(simulator_name: str, tmp_path: Path) -> None:
     assert seen["claimed"] == ["joint_1/position", "joint_2/position"]
     # Status of the goal (4 succeeded, 5 canceled, 6 aborted) and error code of the result.
     assert seen["reached"] == [4, 0]
-    assert seen["feedback"] > 5
     assert seen["after_goal"] == pytest.approx([0.5, -0.4], abs=0.01)
     # Gazebo Classic puts joints where they are told, however fast that is.
     assert seen["off_path"] == ([6, -4] if simulator_name == "gz" else [4, 0])

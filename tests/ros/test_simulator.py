@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import subprocess
 import sys
 from contextlib import contextmanager
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from ros_for_tests import variables_for
 from ros_nodes.fake_ros import live_scene, plugin
 from wsgen.isolation.codec import encode
 from wsgen.simulation.live_scene import FOLDER_VARIABLE, SCENE_FILE, LiveScene
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 pytestmark = pytest.mark.slow
 USER = Path(__file__).with_name("simulator_user.py")
-WAIT = 120.0  # s, on a busy machine
+WAIT = 300.0  # s, on a busy machine
 DRIVE = (
     "<left_joint>left</left_joint><right_joint>right</right_joint>"
     "<wheel_separation>0.4</wheel_separation>"
@@ -55,7 +55,7 @@ def simulator(
 ) -> Iterator[tuple[subprocess.Popen[str], dict[str, str]]]:
     """The simulator of a scene, and the variables of processes of the same live run."""
     (folder / SCENE_FILE).write_text(encode(scene))
-    environment = {**os.environ, **variables, FOLDER_VARIABLE: str(folder)}
+    environment = {**variables, FOLDER_VARIABLE: str(folder)}
     command = [sys.executable, "-m", "wsgen.ros_nodes.simulator"]
     with subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True) as process:
         try:
@@ -78,8 +78,8 @@ def run(module: str, *arguments: str, environment: Mapping[str, str]) -> tuple[i
 
 
 def test_a_node_drives_a_robot_in_the_place_of_classic(ros: RosEnvironment, tmp_path: Path) -> None:
-    scene = live_scene(*CLASSIC, rate=None)
-    with simulator(scene, tmp_path, ros.variables) as (process, environment):
+    scene = live_scene(*CLASSIC, rate=2.0)
+    with simulator(scene, tmp_path, variables_for(ros)) as (process, environment):
         urdf = tmp_path / "rover.urdf"
         urdf.write_text("<robot name='rover'/>")
         arguments = ("--as", "spawn_entity.py", "-entity", "rover", "-file", str(urdf))

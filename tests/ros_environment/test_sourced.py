@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from wsgen.errors import NotFoundError
+from wsgen.errors import NotFoundError, RequestError
 from wsgen.ros_environment import open_ros
 from wsgen.ros_environment.environment import variables_of
 from wsgen.ros_environment.machines import MARKER, why_not
@@ -49,6 +49,18 @@ def test_discovery_stays_on_this_machine_unless_the_user_says_otherwise(tmp_path
         assert not open_ros({**humble, name: "SUBNET"}, listener=lambda _: None).variables
 
 
+@pytest.mark.parametrize("domain", ["abc", "233", "-1", "1.0", " ", "9" * 5000, "0" * 5000])
+def test_a_domain_that_no_node_can_be_in_is_refused(tmp_path: Path, domain: str) -> None:
+    with pytest.raises(RequestError, match="and no number from 0 to 232"):
+        open_ros({**sourced(tmp_path), "ROS_DOMAIN_ID": domain}, listener=lambda _: None)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="names of modules of Linux")
+@pytest.mark.parametrize("domain", ["", "0", "232"])
+def test_domains_that_nodes_can_be_in(tmp_path: Path, domain: str) -> None:
+    assert open_ros({**sourced(tmp_path), "ROS_DOMAIN_ID": domain}, listener=lambda _: None)
+
+
 def test_a_ros_for_another_python_is_refused(tmp_path: Path) -> None:
     with pytest.raises(NotFoundError) as caught:
         open_ros(sourced(tmp_path, python="38"), listener=lambda _: None)
@@ -59,8 +71,22 @@ def test_a_ros_for_another_python_is_refused(tmp_path: Path) -> None:
 def test_a_ros_without_its_python_path_is_refused(tmp_path: Path) -> None:
     variables = sourced(tmp_path)
     del variables["PYTHONPATH"]
-    with pytest.raises(NotFoundError, match="PYTHONPATH does not have its rclpy"):
+    with pytest.raises(
+        NotFoundError, match="neither PYTHONPATH nor the Python of wsgen has"
+    ) as one:
         open_ros(variables, listener=lambda _: None)
+    assert "setup.bash" in one.value.hint
+    (tmp_path / "jazzy/bin").mkdir()
+    (tmp_path / "jazzy/bin/python").touch()
+    with pytest.raises(NotFoundError) as other:
+        open_ros(variables, listener=lambda _: None)
+    assert f"{tmp_path}/jazzy/bin/python -m pip install wsgen" in other.value.hint
+
+
+def test_a_ros_of_conda_is_where_wsgen_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    variables = sourced(tmp_path)
+    monkeypatch.setattr(sys, "path", [*sys.path, variables.pop("PYTHONPATH")])
+    assert open_ros(variables, listener=lambda _: None).is_sourced
 
 
 def test_overlays_and_the_ros_of_pypi_are_not_sourced(tmp_path: Path) -> None:

@@ -9,11 +9,12 @@ import pytest
 from ros_for_tests import plain_environment, ros_with, variables_for
 from wsgen.build.run import build
 from wsgen.events import Event, StepStarted
-from wsgen.ros_environment import RosEnvironment, open_ros
+from wsgen.ros_environment import RosEnvironment, open_ros, variables_of_nodes
 from wsgen.ros_environment.wheels import site_packages
 from wsgen.workspace.layout import Workspace
 
 pytestmark = pytest.mark.slow
+SECONDS = 400.0  # wall-clock, on a busy machine
 
 # What nodes of other ROS 2 say about the type; see REP 2016.
 HASH_OF_TF = "RIHS01_e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087"
@@ -28,11 +29,31 @@ heard = []
 node.create_subscription({name}, "said", heard.append, 10)
 publisher = node.create_publisher({name}, "said", 10)
 message = {message}
-end = time.monotonic() + 60
+end = time.monotonic() + 300
 while not heard and time.monotonic() < end:
     publisher.publish(message)
     rclpy.spin_once(node, timeout_sec=0.05)
 print(heard[0] == message, node.get_publishers_info_by_topic("/said")[0].topic_type_hash)
+"""
+
+MEETS = """
+import select
+import sys
+import rclpy
+from std_msgs.msg import String
+
+rclpy.init()
+node, met, is_told = rclpy.create_node(sys.argv[1]), set(), False
+node.create_subscription(String, 'met', lambda message: met.add(message.data), 10)
+publisher = node.create_publisher(String, 'met', 10)
+while not select.select([sys.stdin], [], [], 0)[0]:  # others are still to meet this one
+    publisher.publish(String(data=sys.argv[1]))
+    rclpy.spin_once(node, timeout_sec=0.05)
+    if len(met) == 3 and not is_told:
+        is_told = True
+        print(*sorted(met), flush=True)
+used = {line.split()[-1] for line in open('/proc/self/maps') if '/dev/shm/fastdds_' in line}
+print(sum('port' not in one for one in used))
 """
 
 
@@ -42,7 +63,7 @@ def run(script: str, variables: dict[str, str]) -> str:
         env=variables,
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=SECONDS,
         check=False,
     )
     assert done.returncode == 0, done.stderr
@@ -156,7 +177,7 @@ def test_nodes_send_messages_of_the_workspace(ros: RosEnvironment, tmp_path: Pat
         env=variables_for(ros),
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=SECONDS,
         check=False,
     )
     assert (done.returncode, done.stderr) == (0, "")
@@ -213,3 +234,30 @@ def test_further_messages_are_built_when_they_are_asked_for() -> None:
         message="AckermannDriveStamped()",
     )
     assert run(script, variables_for(ros)).startswith("True RIHS01_")
+
+
+def test_nodes_print_nothing_and_meet_without_shared_memory(
+    ros: RosEnvironment, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with_memory = variables_for(ros, variables_of_nodes(ros, ros.variables))
+    monkeypatch.setattr("wsgen.ros_environment.environment.LEAST_FREE", 1 << 60)
+    without = variables_for(ros, variables_of_nodes(ros, ros.variables))
+    started = [
+        subprocess.Popen(
+            [str(ros.python), "-c", MEETS, name],
+            env=variables,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
+        for name, variables in (("a", without), ("b", without), ("c", with_memory))
+    ]
+    try:
+        met = [one.stdout.readline() for one in started if one.stdout is not None]
+        output = [one.communicate(timeout=SECONDS)[0] for one in started]
+    finally:
+        for one in started:
+            one.kill()
+    assert met == ["a b c\n"] * 3
+    assert output == ["0\n", "0\n", "2\n"]

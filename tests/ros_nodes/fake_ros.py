@@ -28,14 +28,22 @@ if TYPE_CHECKING:
     import pytest
 
     from wsgen.model.devices import Element
+    from wsgen.model.robot import Robot
     from wsgen.simulation.engine import Engine
 
 # Message -> its fields; after a colon what they are: a message of any package, `n` (number), `s`
-# (text), `l` (list), `b` (truth value).
+# (text), `l` (list), `b` (truth value), `36` (that many zeros).
 _MESSAGES = """
 builtin_interfaces/Time sec:n nanosec:n
 std_msgs/Header stamp:Time frame_id:s
 std_msgs/Bool data:b
+std_msgs/Float32 data:n
+std_msgs/Float64 data:n
+actuator_msgs/Actuators header:Header position:l velocity:l normalized:l
+builtin_interfaces/Duration sec:n nanosec:n
+trajectory_msgs/JointTrajectoryPoint positions:l velocities:l accelerations:l effort:l \
+ time_from_start:Duration
+trajectory_msgs/JointTrajectory header:Header joint_names:l points:l
 std_msgs/String data:s
 rosgraph_msgs/Clock clock:Time
 geometry_msgs/Vector3 x:n y:n z:n
@@ -43,10 +51,10 @@ geometry_msgs/Point x:n y:n z:n
 geometry_msgs/Quaternion x:n y:n z:n w:n
 geometry_msgs/Pose position:Point orientation:Quaternion
 geometry_msgs/PoseArray header:Header poses:l
-geometry_msgs/PoseWithCovariance pose:Pose covariance:l
+geometry_msgs/PoseWithCovariance pose:Pose covariance:36
 geometry_msgs/Twist linear:Vector3 angular:Vector3
 geometry_msgs/TwistStamped header:Header twist:Twist
-geometry_msgs/TwistWithCovariance twist:Twist covariance:l
+geometry_msgs/TwistWithCovariance twist:Twist covariance:36
 geometry_msgs/Transform translation:Vector3 rotation:Quaternion
 geometry_msgs/TransformStamped header:Header child_frame_id:s transform:Transform
 nav_msgs/Odometry header:Header child_frame_id:s pose:PoseWithCovariance twist:TwistWithCovariance
@@ -55,7 +63,9 @@ tf2_msgs/TFMessage transforms:l
 gazebo_msgs/EntityState name:s pose:Pose twist:Twist reference_frame:s
 gazebo_msgs/ModelStates name:l pose:l twist:l
 gazebo_msgs/LinkStates name:l pose:l twist:l
-gazebo_msgs/SpawnRequest name:s xml:s initial_pose:Pose
+gazebo_msgs/SpawnRequest name:s xml:s robot_namespace:s initial_pose:Pose reference_frame:s
+ros_gz_interfaces/EntityFactory name:s allow_renaming:b sdf:s sdf_filename:s pose:Pose
+ros_gz_interfaces/SpawnEntityRequest entity_factory:EntityFactory
 gazebo_msgs/EntityRequest name:s reference_frame:s
 gazebo_msgs/StateRequest state:EntityState
 gazebo_msgs/Done success:b status_message:s
@@ -70,6 +80,7 @@ _SERVICES = {
     ),
 }
 _PLAIN: dict[str, Callable[[], Any]] = {"n": float, "s": str, "l": list, "b": bool}
+_PLAIN["36"] = lambda: [0.0] * 36
 
 
 class Message:
@@ -166,6 +177,13 @@ class FakeRos:
         self.readers: dict[str, list[Callable[[Any], None]]] = {}
         self.services: dict[str, Callable[[Any, Any], Any]] = {}
         self.lines: list[tuple[str, str]] = []
+        self.read: dict[str, str] = {}
+        self.has_heard = False
+        self.of_others: set[str] = set()
+        self.senders: set[str] = set()  # topics that others publish
+
+    def note_publishers(self) -> None:
+        self.of_others |= self.senders & self.read.keys()
 
     def node(self, name: str, namespace: str = "", arguments: Sequence[str] = ()) -> FakeNode:
         _refuse(name)
@@ -272,11 +290,17 @@ def plugin(filename: str, content: str = "", name: str = "p") -> Element:
     return element(f'<plugin filename="{filename}" name="{name}">{content}</plugin>')
 
 
-def live_scene(*plugins: Element, simulator: str = "classic", **more: Any) -> LiveScene:
+def live_scene(
+    *plugins: Element,
+    simulator: str = "classic",
+    robot: Robot = ROVER,
+    height: float = 0.1,
+    **more: Any,
+) -> LiveScene:
     """A scene with a rover that has these plugins; it has gone through JSON, as scenes do."""
+    pose = Pose((0.0, 0.0, height))
     scene = Scene(
-        world=GROUND,
-        robots=(SpawnedRobot(entity="rover", robot=ROVER, pose_in_world=Pose((0.0, 0.0, 0.1))),),
+        world=GROUND, robots=(SpawnedRobot(entity="rover", robot=robot, pose_in_world=pose),)
     )
     made = LiveScene(
         scene=scene,

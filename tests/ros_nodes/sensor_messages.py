@@ -18,6 +18,7 @@ _MESSAGES = """
 std_msgs/Empty
 geometry_msgs/Point32 x:n y:n z:n
 geometry_msgs/Wrench force:Vector3 torque:Vector3
+geometry_msgs/WrenchStamped header:Header wrench:Wrench
 geometry_msgs/Vector3Stamped header:Header vector:Vector3
 sensor_msgs/Imu header:Header orientation:Quaternion orientation_covariance:9 \
  angular_velocity:Vector3 angular_velocity_covariance:9 linear_acceleration:Vector3 \
@@ -47,8 +48,20 @@ ros_gz_interfaces/Contact collision1:Entity collision2:Entity positions:l normal
 ros_gz_interfaces/Contacts header:Header contacts:l
 ros_gz_interfaces/Altimeter header:Header vertical_position:n vertical_velocity:n \
  vertical_reference:n
+sensor_msgs/BatteryState header:Header voltage:n current:n charge:n capacity:n \
+ design_capacity:n percentage:n power_supply_status:n present:b
+control_msgs/SteeringControllerStatus header:Header traction_wheels_position:l \
+ traction_wheels_velocity:l steer_positions:l traction_command:l steering_angle_command:l
+control_msgs/MecanumDriveControllerState header:Header front_left_wheel_velocity:n \
+ back_left_wheel_velocity:n back_right_wheel_velocity:n front_right_wheel_velocity:n \
+ reference_velocity:Twist
+ackermann_msgs/AckermannDrive steering_angle:n speed:n
 """
 _CONSTANTS = {
+    "BatteryState": {
+        f"POWER_SUPPLY_STATUS_{name}": number
+        for number, name in enumerate(("CHARGING", "DISCHARGING", "NOT_CHARGING", "FULL"), 1)
+    },
     "Range": {"ULTRASOUND": 0, "INFRARED": 1},
     "NavSatStatus": {"STATUS_FIX": 0, "SERVICE_GPS": 1},
     "NavSatFix": {"COVARIANCE_TYPE_DIAGONAL_KNOWN": 2},
@@ -64,6 +77,7 @@ _SHARED = {
     "Header": "std_msgs",
     "Vector3": "geometry_msgs",
     "Quaternion": "geometry_msgs",
+    "Twist": "geometry_msgs",
 }
 
 

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
+import os
+import signal
+import sys
+import time
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import pytest
@@ -10,10 +14,12 @@ import pytest
 from wsgen.ros_nodes.controller_spawner import (
     Wanted,
     full_manager,
+    main,
     read_arguments,
     spawn,
     unspawn,
 )
+from wsgen.ros_nodes.signals import ignore_ends
 
 
 def test_names_and_options() -> None:
@@ -132,3 +138,37 @@ def test_unspawning_deactivates_and_unloads() -> None:
     assert unspawn(["a"], client, 5.0) == 0  # type: ignore[arg-type]
     assert client.asked == [("switch", [], ["a"]), ("unload", "a")]
     assert unspawn(["a"], Client("unload"), 5.0) == 1  # type: ignore[arg-type]
+
+
+def test_a_signal_while_it_begins_ends_it_without_a_word(monkeypatch: pytest.MonkeyPatch) -> None:
+    ended: list[str] = []
+
+    def interrupt(_name: str) -> None:
+        os.kill(os.getpid(), signal.SIGINT)
+        time.sleep(1.0)
+
+    modules = {
+        "rclpy": {"init": lambda **_: None, "try_shutdown": lambda: ended.append("ROS")},
+        "rclpy.node": {"Node": interrupt},
+        "rclpy.signals": {"SignalHandlerOptions": SimpleNamespace(NO=0)},
+        "rclpy.utilities": {"remove_ros_args": lambda args: args},
+        "controller_manager_msgs": {},
+        "wsgen.ros_nodes.controller_services": {
+            "ManagerClient": None,
+            "ServiceMissingError": ValueError,
+        },
+    }
+    for name, content in modules.items():
+        module: Any = ModuleType(name)
+        vars(module).update(content)
+        monkeypatch.setitem(sys.modules, name, module)
+    monkeypatch.setattr(sys, "argv", ["spawner", "a"])
+    try:
+        assert main() == 0
+    except KeyboardInterrupt:
+        pytest.fail("it is not caught")
+    else:
+        assert signal.getitimer(signal.ITIMER_REAL)[0] == 0.0  # it is not raised again
+    finally:
+        ignore_ends()
+    assert ended == ["ROS"]

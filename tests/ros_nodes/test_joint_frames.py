@@ -140,7 +140,7 @@ def test_a_planar_joint_is_fixed_and_a_floating_one_is_left_out() -> None:
     [
         ("", "well-formed"),
         ("<robot", "well-formed"),
-        ("<sdf/>", "<robot>"),
+        ("<model/>", "<robot>"),
         ('<robot name="r"/>', "no link"),
         ('<robot><link name="a"/></robot>', "no name"),
         ('<robot name="r"><link name="a"/><link name="b"/></robot>', "line 1"),
@@ -152,3 +152,57 @@ def test_a_planar_joint_is_fixed_and_a_floating_one_is_left_out() -> None:
 def test_what_urdfdom_refuses(text: str, words: str) -> None:
     with pytest.raises(RefusedDescriptionError, match=words):
         read_joint_frames(text)
+
+
+SDF = """<sdf version="1.9"><model name="r">{model}
+<link name="base"><pose>0 0 0.1 0 0 0</pose></link>
+<link name="wheel"><pose>0.2 0 0.1 0 0 1.5707963267948966</pose></link>
+<link name="eye"><pose relative_to="wheel">0 0 0.3 0 0 0</pose></link>{links}
+<joint name="axle" type="revolute"><pose>0 0.05 0 0 0 0</pose><parent>{parent}</parent>
+<child>wheel</child><axis><xyz>0 1 0</xyz></axis></joint>
+<joint name="mount" type="fixed"><parent>wheel</parent><child>eye</child></joint>{joints}
+</model></sdf>"""
+
+
+def sdf(**parts: str) -> str:
+    return SDF.format(**{"model": "", "links": "", "joints": "", "parent": "base", **parts})
+
+
+def test_a_link_of_sdf_is_where_the_joint_above_it_is() -> None:
+    robot, frames = read_joint_frames(sdf())
+    assert robot.name == "r"
+    axle = frames.moving["axle"]
+    assert (axle.parent, axle.child) == ("base", "wheel")
+    xyz, xyzw = axle.at(0.0)
+    # The pose of a joint is in its child, which is turned by a quarter.
+    assert xyz == pytest.approx((0.15, 0.0, 0.0))
+    assert Rotation.from_quat(xyzw).as_euler("xyz") == pytest.approx((0, 0, math.pi / 2))
+    (mount,) = frames.fixed
+    assert (mount.parent, mount.child) == ("wheel", "eye")
+    # From the frame of the wheel, which is that of its joint.
+    assert mount.at(0.0)[0] == pytest.approx((0.0, -0.05, 0.3))
+
+
+def test_a_joint_of_sdf_with_two_axes_is_not_sent() -> None:
+    joint = (
+        '<joint name="cardan" type="universal"><parent>base</parent><child>tip</child>'
+        "<axis><xyz>1 0 0</xyz></axis><axis2><xyz>0 1 0</xyz></axis2></joint>"
+    )
+    _, frames = read_joint_frames(sdf(links='<link name="tip"/>', joints=joint))
+    assert set(frames.moving) == {"axle"}
+    assert [joint.child for joint in frames.fixed] == ["eye"]
+
+
+@pytest.mark.parametrize(
+    ("parts", "words"),
+    [
+        ({"model": "<pose>0 0 1 0 0 0</pose>"}, "<model> has a <pose>"),
+        ({"parent": "world"}, "parent `world`"),
+        ({"links": '<link name="lost"/>'}, "Join `lost` to it"),
+        ({"parent": "bse"}, "bse"),
+    ],
+)
+def test_what_sdformat_urdf_refuses(parts: dict[str, str], words: str) -> None:
+    assert read_joint_frames(sdf(model="<pose>0 0 0 0 -0.0 0</pose>"))
+    with pytest.raises(RefusedDescriptionError, match=words):
+        read_joint_frames(sdf(**parts))

@@ -50,3 +50,23 @@ def test_names_without_a_package_bounds_and_cycles(shares: Path) -> None:
 def test_a_message_that_is_not_installed(shares: Path) -> None:
     with pytest.raises(OSError, match="Missing"):
         definition_of("demo/msg/Missing", lambda name: shares / name)
+
+
+def test_the_feedback_of_an_action_is_made_of_its_file(shares: Path) -> None:
+    folder = shares / "demo" / "action"
+    folder.mkdir()
+    (folder / "Go.action").write_text("One goal\n---\nbool well\n---\n# how far\nMany[] seen\n")
+    ids = shares / "unique_identifier_msgs" / "msg"
+    ids.mkdir(parents=True)
+    (ids / "UUID.msg").write_text("uint8[16] uuid\n")
+    text = definition_of("demo/action/Go_FeedbackMessage", lambda name: shares / name)
+    first, *others = text.split(SEPARATOR + "\n")
+    assert first == "unique_identifier_msgs/UUID goal_id\ndemo/Go_Feedback feedback\n\n"
+    assert "MSG: demo/Go_Feedback\n# how far\nMany[] seen\n\n" in others
+    assert {"MSG: unique_identifier_msgs/UUID", "MSG: demo/Many"} <= set(parts(text))
+    assert "well" not in text
+
+
+def test_a_message_may_be_called_like_feedback(shares: Path) -> None:
+    (shares / "demo" / "msg" / "My_Feedback.msg").write_text("bool well\n")
+    assert definition_of("demo/msg/My_Feedback", lambda name: shares / name) == "bool well\n"

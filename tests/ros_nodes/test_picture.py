@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
+from PIL import Image as PillowImage
 
 from ros_nodes.sensor_texts import element
 from wsgen.model.robot import Box, Link, Robot, Sphere, Visual
 from wsgen.model.transform import IDENTITY, Pose
 from wsgen.model.world import World
+from wsgen.rendering.renderer import Light
 from wsgen.rendering.sensor_camera import Exposure, Lens, SensorScene, focal_length
 from wsgen.ros_nodes.simulator.host import CannotWorkError
 from wsgen.ros_nodes.simulator.sensors.picture import (
@@ -30,6 +32,8 @@ from wsgen.ros_nodes.simulator.sensors.picture import (
 from wsgen.simulation.scene import SpawnedRobot
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from wsgen.model.robot import Primitive
 
 RED, BLUE = (1.0, 0.0, 0.0, 1.0), (0.0, 0.0, 1.0, 1.0)
@@ -112,6 +116,29 @@ def test_what_is_too_far_is_not_seen() -> None:
     assert np.isinf(seen.depth[:24]).all()
     assert seen.rgb is not None
     assert (seen.rgb[0] == 179).all()
+
+
+def test_textures_are_those_that_pictures_have(tmp_path: Path) -> None:
+    """Of a box that is looked at from near its edge, so that its triangles are cut by the view."""
+    texture = tmp_path / "texture.png"
+    numbers = np.random.default_rng(3).integers(0, 255, (6, 5, 3), dtype=np.uint8)
+    PillowImage.fromarray(numbers).save(texture)
+    visual = Visual(geometry=Box(size=(2.0, 3.0, 0.1)), texture=str(texture))
+    link = Link(name="link", visuals=(visual,))
+    robot = replace(Robot(name="floor", root="link", links=(link,)), is_static=True)
+    floor = SpawnedRobot(entity="floor", robot=robot)
+    at = Pose((-0.7, 0.2, 0.4), (0.1, 0.5, 0.3))
+    scene = SensorScene(replace(WORLD, has_ground_plane=False), [floor])
+    exposure = scene.expose(LENS, at, {"floor": {"link": IDENTITY}}, in_color=True)
+    seen = scene._renderer.see(LENS.view(at))
+    painted = np.full((3, LENS.width * LENS.height), 0.7, dtype=np.float32)
+    scene._renderer.paint(painted, seen, Light(None, None))
+    assert exposure.rgb is not None
+    found = exposure.rgb.reshape(-1, 3).astype(float)
+    # That has light that is reflected, too.
+    assert np.abs(found - 255 * painted.T).max() < 30
+    assert np.median(np.abs(found - 255 * painted.T)) < 2
+    assert np.isfinite(exposure.depth).mean() > 0.5
 
 
 def test_what_is_transparent_shows_what_is_behind() -> None:

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from ros_nodes.fake_ros import live_scene, plugin, rover_engine, simulation_of, still_at
+from ros_nodes.fake_ros import ROVER, live_scene, plugin, rover_engine, simulation_of, still_at
+from ros_nodes.gz_bridge import bridged
 from ros_nodes.sensor_messages import install_sensor_messages
+from wsgen.model.robot import Surface
+from wsgen.rules.bodies import DRAGGING_CASTER
 
 if TYPE_CHECKING:
     from ros_nodes.fake_ros import FakeRos
@@ -32,13 +36,6 @@ def spawned(*plugins: Any, simulator: str = "classic", engine: Any = None) -> tu
     simulation, ros = simulation_of(live_scene(*plugins, simulator=simulator), engine)
     simulation.spawn("rover")
     return simulation, ros
-
-
-def bridged(ros: FakeRos, simulation: Any, *rules: tuple[str, str, str, str]) -> None:
-    from wsgen.ros_nodes.simulator.topics import Rule  # noqa: PLC0415  with fakes of messages
-
-    made = [Rule(topic, gz, kind, f"gz.msgs.{of_gz}") for topic, gz, kind, of_gz in rules]
-    simulation.host.gz.open(ros.node("bridge"), made)
 
 
 def twist(x: float = 0.0, y: float = 0.0, turn: float = 0.0) -> Any:
@@ -407,3 +404,93 @@ def test_the_qos_of_a_plugin_is_that_of_its_element(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(ros, "publisher", publisher)
     simulation.spawn("rover")
     assert (given["odom"].depth, given["odom"].reliability) == (1, "best_effort")
+
+
+DRIVES = {
+    "classic": plugin("libgazebo_ros_diff_drive.so", CLASSIC),
+    "gz": plugin("gz-sim-diff-drive-system", GZ),
+}
+
+
+def moving_at(speed: float, turning: float = 0.0) -> Any:
+    return lambda seconds: still_at(speed * seconds, yaw=turning * seconds)(seconds)
+
+
+@pytest.mark.parametrize("simulator", DRIVES)
+@pytest.mark.parametrize(
+    ("wheels", "motion", "told"),
+    [
+        ((5.0, 5.0), moving_at(0.1), "for 1.00 m, and it has moved 0.20 m"),
+        ((5.0, 5.0), moving_at(0.4), None),
+        ((-5.0, -5.0), moving_at(-0.5), None),
+        ((-2.0, 2.0), moving_at(0.0, 0.1), "for 2.00 rad, and it has moved 0.20 rad"),
+        ((-2.0, 2.0), moving_at(0.0, 0.5), None),  # as wheels of skid steering slip
+        ((0.2, 0.2), moving_at(0.0), None),
+    ],
+)
+def test_wheels_that_slip(
+    wheels: tuple[float, float], motion: Any, told: str | None, simulator: str
+) -> None:
+    def turned(seconds: float) -> dict[str, float]:
+        return {"left": wheels[0] * seconds, "right": wheels[1] * seconds}
+
+    engine = rover_engine(motion, positions=turned)
+    simulation, ros = spawned(DRIVES[simulator], simulator=simulator, engine=engine)
+    simulation.advance(4.5)
+    warnings = [text for _, text in ros.lines if "slip" in text]
+    assert len(warnings) == (told is not None)
+    assert told is None or told in warnings[0]
+
+
+def with_friction(wheels: Surface, caster: float) -> Any:
+    """The rover with another friction of its wheels, and of the ball below its base."""
+    base, *others = ROVER.links
+    box, ball = base.collisions
+    return replace(
+        ROVER,
+        links=(
+            replace(base, collisions=(box, replace(ball, surface=Surface(mu1=caster)))),
+            *(
+                replace(link, collisions=(replace(link.collisions[0], surface=wheels),))
+                for link in others
+            ),
+        ),
+    )
+
+
+@pytest.mark.parametrize("simulator", DRIVES)
+@pytest.mark.parametrize(
+    ("wheels", "caster", "causes"),
+    [
+        (Surface(mu1=0.05), 0.0, {"wheels is 0.05: give wheels <mu1> and <mu2> of 1. Or some"}),
+        (Surface(mu1=0.05), 1.0, {"wheels is 0.05: give wheels", "casters of 0.001. Or some"}),
+        (Surface(), 1.0, {"What drags over the ground", "give casters <mu1> and <mu2> of 0.001"}),
+        # Its box has friction, and does not reach the ground.
+        (Surface(), 0.0, {"Little of its weight is on these wheels"}),
+        # As engines with directions take it: these wheels push with 1.
+        (Surface(mu1=0.0, mu2=1.0, fdir1=(0.0, 1.0, 0.0)), 0.0, {"Little of its weight"}),
+    ],
+)
+def test_why_wheels_slip(wheels: Surface, caster: float, causes: set[str], simulator: str) -> None:
+    engine = rover_engine(positions=lambda seconds: {"left": 5.0 * seconds, "right": 5.0 * seconds})
+    scene = live_scene(DRIVES[simulator], simulator=simulator, robot=with_friction(wheels, caster))
+    simulation, ros = simulation_of(scene, engine)
+    simulation.spawn("rover")
+    simulation.advance(2.5)
+    (warning,) = (text for text in ros.warnings if "slip" in text)
+    assert all(cause in warning for cause in causes)
+    assert ("casters" in warning) == (caster > 0)
+    assert ("friction of its wheels" in warning) == (wheels.grip < 0.3)
+    assert warning.endswith("something is in its way.")
+    assert len(warning) < 280
+
+
+def test_the_friction_for_casters_is_that_of_the_rule() -> None:
+    engine = rover_engine(positions=lambda seconds: {"left": 5.0 * seconds, "right": 5.0 * seconds})
+    scene = live_scene(DRIVES["gz"], simulator="gz", robot=with_friction(Surface(), 1.0))
+    simulation, ros = simulation_of(scene, engine)
+    simulation.spawn("rover")
+    simulation.advance(2.5)
+    (warning,) = (text for text in ros.warnings if "slip" in text)
+    advised = warning.partition("<mu2> of ")[2].partition(",")[0]
+    assert f"<mu1>{advised}</mu1>" in str(DRAGGING_CASTER.instead)

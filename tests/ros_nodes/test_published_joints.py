@@ -143,3 +143,17 @@ def test_what_is_no_robot_is_ignored() -> None:
     joints.configure("<robot")
     assert said == ["Invalid robot_description given, ignoring"]
     assert joints.states().names == []
+
+
+def test_joints_of_sdf() -> None:
+    warnings: list[str] = []
+    joints = PublishedJoints(Settings(), warnings.append)
+    joints.configure(
+        '<sdf version="1.9"><model name="r"><link name="a"/><link name="b"/><link name="c"/>'
+        '<joint name="turn" type="revolute"><parent>a</parent><child>b</child><axis>'
+        "<xyz>0 0 1</xyz><limit><lower>0.5</lower><upper>1.5</upper></limit></axis></joint>"
+        '<joint name="hold" type="fixed"><parent>a</parent><child>c</child></joint></model></sdf>'
+    )
+    assert not warnings
+    assert joints.states().names == ["turn"]
+    assert joints.states().positions == [1.0]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -60,13 +61,16 @@ def mounted(text: str, pose: Pose = MAST, frame: str = "mast") -> MountedSensor:
 
 
 def simulated(
-    *sensors: MountedSensor, simulator: str = "classic", surroundings: str = "<world/>"
+    *sensors: MountedSensor,
+    simulator: str = "classic",
+    surroundings: str = "<world/>",
+    wall: Link = WALL,
 ) -> Iterator[tuple[Any, FakeRos]]:
     robot = Robot(name="rover", root="base", links=(BODY,))
-    wall = replace(Robot(name="wall", root="link", links=(WALL,)), is_static=True)
+    walls = replace(Robot(name="wall", root="link", links=(wall,)), is_static=True)
     rover = SpawnedRobot(entity="rover", robot=robot, pose_in_world=Pose((0.0, 0.0, 0.1)))
     static = SpawnedRobot(
-        entity="wall", robot=wall, pose_in_world=Pose((2.1, 0.0, 1.0)), is_static_model=True
+        entity="wall", robot=walls, pose_in_world=Pose((2.1, 0.0, 1.0)), is_static_model=True
     )
     scene = LiveScene(
         scene=Scene(world=WORLD, robots=(rover, static)),
@@ -132,6 +136,38 @@ def test_a_ray_sensor_of_classic_scans_the_wall() -> None:
     assert (scan.range_min, scan.range_max) == (0.1, 10.0)
     assert scan.header.frame_id == "laser_link"
     assert scan.header.stamp.nanosec == pytest.approx(200_000_000)
+
+
+REFLECTING = replace(
+    WALL,
+    collisions=tuple(replace(one, laser_retro=120.0) for one in WALL.collisions),
+    visuals=(Visual(geometry=WALL.collisions[0].geometry, laser_retro=60.0),),
+)
+
+
+@pytest.mark.parametrize(("least", "expected"), [(0.0, 120.0), (150.0, 150.0)])
+def test_intensities_of_classic(least: float, expected: float) -> None:
+    """A wall that reflects, and no less than the plugin wants."""
+    more = f"<min_intensity>{least}</min_intensity><ros><remapping>~/out:=/s</remapping></ros>"
+    scan = run(mounted(LASER.format(SCAN + more)), wall=REFLECTING).published("/s")[-1]
+    assert list(scan.intensities) == [expected] * 3
+    on_gpu = LASER.replace('type="ray"', 'type="gpu_ray"')
+    scan = run(mounted(on_gpu.format(SCAN + more)), wall=REFLECTING).published("/s")[-1]
+    assert list(scan.intensities) == [max(60.0, least)] * 3
+    cloud = run(mounted(LASER.format(more)), wall=REFLECTING).published("/s")[-1]
+    points = np.frombuffer(bytes(cloud.data), dtype="<f4").reshape(3, 4)
+    assert points[:, 3].tolist() == [expected] * 3
+    old = "<output_type>sensor_msgs/PointCloud</output_type>"
+    message = run(mounted(LASER.format(old + more)), wall=REFLECTING).published("/s")[-1]
+    assert list(message.channels[0].values) == [expected] * 3
+
+
+def test_intensities_of_gazebo_sim() -> None:
+    lidar = '<sensor name="l" type="gpu_lidar"><topic>s</topic>' + RAY.format("lidar", 3)
+    ros = run(mounted(f"{lidar}</sensor>"), simulator="gz", wall=REFLECTING)
+    assert list(ros.published("/s")[-1].intensities) == [60.0] * 3
+    cloud = np.frombuffer(bytes(ros.published("/s/points")[-1].data), np.uint8).reshape(3, 18)
+    assert cloud[:, 12:16].copy().view("<f4").ravel().tolist() == [60.0] * 3
 
 
 def test_without_a_frame_it_is_the_link_that_gazebo_has() -> None:
@@ -485,3 +521,20 @@ def test_sensors_of_what_has_exploded_say_nothing(monkeypatch: pytest.MonkeyPatc
         monkeypatch.setattr(simulation.engine, "link_poses", link_poses)
         simulation.advance(0.25)
         assert [len(ros.published(topic)) for topic in topics] == before
+
+
+def test_a_lidar_takes_no_robot_for_one_that_is_gone() -> None:
+    """A robot that is spawned after another one was deleted may lie where that one was."""
+    lidar = importlib.import_module("wsgen.ros_nodes.simulator.sensors.lidar")
+    view = SimpleNamespace(world=WORLD, poses={"block": {"link": IDENTITY}})
+    host = SimpleNamespace(robots={}, view=lambda: view)
+    reflections = lidar._Reflections()
+    rays = (np.array([[2.0, 0.0, 1.0]]), np.array([[-8.0, 0.0, 1.0]]), np.array([0.15]))
+    for number in range(1, 9):
+        retro = float(number)
+        solid = Collision(geometry=Box(size=(1.0, 1.0, 4.0)), laser_retro=retro)
+        robot = Robot(name="block", root="link", links=(Link(name="link", collisions=(solid,)),))
+        host.robots["block"] = SimpleNamespace(spawned=SpawnedRobot(entity="block", robot=robot))
+        assert reflections.intensities(host, *rays, is_gpu=False).tolist() == [retro]
+        host.robots.clear()
+        del robot

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import importlib
+import json
 import math
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -13,12 +16,32 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from ros_nodes.fake_ros import live_scene, plugin, rover_engine, simulation_of, still_at
-from wsgen.simulation.live_scene import FOLDER_VARIABLE
+from ros_nodes.fake_ros import (
+    ROVER,
+    FakeRos,
+    live_scene,
+    plugin,
+    rover_engine,
+    simulation_of,
+    still_at,
+)
+from wsgen.isolation.codec import encode
+from wsgen.model.transform import Pose
+from wsgen.ros_nodes.signals import ignore_ends
+from wsgen.simulation.live_scene import (
+    FOLDER_VARIABLE,
+    SCENE_FILE,
+    UNHEARD_FILE,
+    NewEntity,
+    PreparedEntity,
+)
+from wsgen.simulation.pose_log import POSE_LOG_FILE, read_pose_log
+from wsgen.simulation.scene import SpawnedRobot
 
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from wsgen.model.robot import Robot
     from wsgen.simulation.engine import State
 
 pytestmark = pytest.mark.usefixtures("messages")
@@ -73,6 +96,8 @@ def test_unknown_plugins_and_wrong_parameters_are_named_once() -> None:
         live_scene(
             plugin("libmy_plugin.so"),
             plugin("libgazebo_ros_state.so"),
+            plugin("gz-sim-navsat-system"),
+            plugin("ignition-gazebo-air-pressure-system"),
             plugin("libgazebo_ros_diff_drive.so", "<left_joint>lef</left_joint>"),
             plugin("libgazebo_ros_joint_state_publisher.so", "<update_rate>fast</update_rate>"),
         )
@@ -84,6 +109,24 @@ def test_unknown_plugins_and_wrong_parameters_are_named_once() -> None:
     assert "`rover`: wsgen does not simulate the plugin `libmy_plugin.so`." in unknown
     assert "`libgazebo_ros_diff_drive.so` does not work: the robot has no joint `lef`" in drive
     assert "it names no joint of the robot" in states
+
+
+@pytest.mark.parametrize("problem", [ZeroDivisionError("division by zero"), ValueError("negative")])
+def test_a_plugin_that_cannot_compute_is_named_and_all_else_goes_on(
+    problem: Exception, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from wsgen.ros_nodes.simulator.plugins import diff_drive  # noqa: PLC0415  with fakes
+
+    def fails(*_: Any) -> None:
+        raise problem
+
+    monkeypatch.setattr(diff_drive, "ClassicDiffDrive", fails)
+    simulation, ros = simulation_of(live_scene(plugin("libgazebo_ros_diff_drive.so"), JOINT_STATES))
+    simulation.spawn("rover")
+    simulation.advance(0.2)
+    assert ros.published("/joint_states")
+    (warning,) = ros.warnings
+    assert f"does not work: wsgen cannot compute with its numbers ({problem})" in warning
 
 
 def test_a_robot_that_explodes_is_named_and_taken_out() -> None:
@@ -130,11 +173,11 @@ def test_time_passes_in_whole_steps_to_what_is_due() -> None:
 def test_control_of_time() -> None:
     simulation, _ = simulation_of(live_scene(is_paused=True))
     control = simulation.control
-    assert not control.passes
+    assert not control.passes(1.0)
     control.seconds = 0.015  # single steps
     assert control.next(1.0, 0.01) == pytest.approx(1.01)
     assert control.next(1.01, 0.01) == pytest.approx(1.015)
-    assert not control.passes
+    assert not control.passes(1.0)
     control.is_paused = False
     assert control.next(1.0, 0.01) == pytest.approx(1.01)
 
@@ -245,16 +288,21 @@ def test_the_socket(tmp_path: Path) -> None:
             ("bridge", {"rules": [rule, {**rule, "gz_type": "gz.msgs.X"}]}),
             ("bridge", {"rules": [{}]}),
             ("bridge", {"rules": [service, {**service, "gz_topic": "/world/v/control"}]}),
+            ("poses", {}),
+            ("step", {"seconds": 0.5}),
+            ("step", {"seconds": -1}),
         ):
             answers.append(ask(with_simulator, command, values))
         with_simulator.close()
 
     thread = Thread(target=client)
     thread.start()
+    have_taken_time = 0
     while thread.is_alive():
-        server.answer()
+        have_taken_time += server.answer()
+    assert 1 <= have_taken_time <= 5  # to spawn and to connect, but not to tell
     thread.join()
-    assert answers[0] == {"ok": True}
+    assert answers[0] == {"ok": True, "entity": "rover"}
     assert "exists already" in answers[1]
     assert answers[2]["entities"] == ["rover"]
     assert answers[2]["poses"]["rover"] == pytest.approx([0.0, 0.0, 0.1, 0.0, 0.0, 0.0, 1.0])
@@ -265,6 +313,10 @@ def test_the_socket(tmp_path: Path) -> None:
     assert "does not understand the rule {}" in answers[6]
     assert answers[7]["problems"][0] is None
     assert "no service /world/v/control" in answers[7]["problems"][1]
+    assert answers[8]["links"]["rover"]["base"] == pytest.approx([0.0, 0.0, 0.1, 0.0, 0.0, 0.0])
+    assert (answers[8]["robots"], answers[8]["is_paused"]) == ({"rover": 1}, True)
+    assert simulation.control.seconds == pytest.approx(0.5)
+    assert "cannot step by -1 s" in answers[10]
     steps = types.SimpleNamespace(
         pause=True,
         step=False,
@@ -280,6 +332,62 @@ def test_the_socket(tmp_path: Path) -> None:
     assert not ros.nodes
     server.close()
     assert not SimulatorClient(folder).connect(0.0)
+
+
+def test_what_comes_with_the_name_of_a_prepared_robot_is_prepared_anew(tmp_path: Path) -> None:
+    from queue import SimpleQueue  # noqa: PLC0415
+
+    from wsgen.ros_nodes.simulator.commands import CommandServer, _Connection  # noqa: PLC0415
+
+    there = Pose((0.0, 0.0, 0.1))
+    simulation, _ = simulation_of(live_scene(descriptions={"rover": "<robot/>"}))
+    prepared: list[NewEntity] = []
+
+    def prepare(new: NewEntity) -> PreparedEntity:
+        prepared.append(new)
+        robot = SpawnedRobot(entity=new.entity, robot=ROVER, pose_in_world=new.pose_in_world)
+        return PreparedEntity(robot=robot)
+
+    simulation.prepare = prepare
+    server = CommandServer(tmp_path, simulation)
+
+    def understand(x: float, text: str = "<robot/>", *, renames: bool = False) -> Any:
+        new = NewEntity(entity="rover", text=text, pose_in_world=replace(there, xyz=(x, 0.0, 0.1)))
+        request = {"do": "spawn", "entity": "rover", "renames": renames}
+        return server._understand(
+            json.dumps({**request, "new": json.loads(encode(new))}).encode() + b"\n"
+        )
+
+    def do(request: Any) -> Any:
+        answer: Any = server._do(request, _Connection(), SimpleQueue())
+        return answer.get("entity", answer.get("error"))
+
+    assert do(understand(5.0, renames=True)) == "rover"  # not what has been prepared
+    assert simulation.host.robots["rover"].spawned.pose_in_world.xyz[0] == 5.0
+
+    # Two of the launch file at the same time.
+    simulation, _ = simulation_of(live_scene(descriptions={"rover": "<robot/>"}))
+    simulation.prepare, server._simulation = prepare, simulation
+    prepared.clear()
+    requests = [understand(0.0, renames=True) for _ in range(2)]
+    assert len(prepared) == 1
+    assert [do(request) for request in requests] == ["rover", "rover_0"]
+    assert "exists already" in do(understand(0.0))
+    assert len(prepared) == 1
+
+    simulation.delete("rover")
+    assert do(understand(7.0)) == "rover"
+    assert simulation.host.robots["rover"].spawned.pose_in_world.xyz[0] == 7.0
+
+    # One that the engine refuses may come again.
+    simulation, _ = simulation_of(live_scene())
+    server._simulation = simulation
+    simulation.engine.refuses = frozenset({"rover"})
+    assert "refuses" in do(understand(0.0))
+    simulation.engine.refuses = frozenset()
+    assert do(understand(0.0)) == "rover"
+    assert len(prepared) == 2
+    server.close()
 
 
 def test_names_that_ros_refuses_are_told_and_all_else_goes_on(tmp_path: Path) -> None:
@@ -311,3 +419,116 @@ def test_names_that_ros_refuses_are_told_and_all_else_goes_on(tmp_path: Path) ->
     assert good is None
     server.close()
     assert node_name("2ä::front-camera") == "_2___front_camera"
+
+
+def test_time_passes_up_to_its_limit() -> None:
+    simulation, _ = simulation_of(live_scene(is_stepped=True))
+    control = simulation.control
+    assert not control.passes(0.0)
+    control.limit = 0.015
+    assert control.passes(0.0)
+    assert control.next(0.0, 0.01) == pytest.approx(0.01)
+    assert control.next(0.01, 0.01) == pytest.approx(0.015)
+    assert not control.passes(0.015)
+    simulation.advance(0.01)
+    simulation.reset(with_time=True)  # as much as before is left
+    assert control.limit == pytest.approx(0.005)
+
+
+def test_the_pose_log_has_each_robot_as_it_was_spawned(tmp_path: Path) -> None:
+    from wsgen.ros_nodes.simulator.pose_logger import PoseLogger  # noqa: PLC0415
+
+    simulation, _ = simulation_of(live_scene())
+    logger = PoseLogger(simulation.host, tmp_path)
+
+    def spawn(robot: Robot) -> str:
+        made = SpawnedRobot(entity="rover", robot=robot)
+        entity: str = simulation.spawn_prepared(PreparedEntity(robot=made), renames=True)
+        return entity
+
+    logger.update()  # nothing is there
+    other = replace(ROVER, name="other")
+    assert (spawn(ROVER), spawn(other)) == ("rover", "rover_0")
+    logger.update()
+    simulation.delete("rover")
+    assert spawn(other) == "rover"
+    logger.update()
+    simulation.delete("rover")
+    assert spawn(ROVER) == "rover"
+    logger.update()
+    logger.close()
+    log = read_pose_log(tmp_path / POSE_LOG_FILE)
+    assert [sorted(frame) for frame in log.frames] == [
+        ["rover", "rover_0"],
+        ["rover (2)", "rover_0"],
+        ["rover", "rover_0"],
+    ]
+    assert {robot.entity: robot.robot for robot in log.robots} == {
+        "rover": ROVER,
+        "rover_0": other,
+        "rover (2)": other,
+    }
+    assert log.corners.keys() == {"rover", "rover_0", "rover (2)"}
+
+
+def test_a_signal_while_the_simulator_begins_ends_it_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class ClosingRos(FakeRos):
+        def close(self) -> None:
+            closed.append("ROS")
+
+    def interrupt(*_: Any) -> None:
+        os.kill(os.getpid(), signal.SIGINT)
+        time.sleep(1.0)
+
+    closed: list[str] = []
+    joined = ClosingRos()
+    joined.read["/cmd_vel"] = joined.read["/arm"] = "geometry_msgs/msg/Twist"
+    joined.senders.add("/arm")
+    ros: Any = types.ModuleType("ros")
+    ros.Ros = lambda _: joined
+    monkeypatch.setitem(sys.modules, "wsgen.ros_nodes.simulator.ros", ros)
+    name = "wsgen.ros_nodes.simulator.__main__"
+    monkeypatch.delitem(sys.modules, name, raising=False)
+    program = importlib.import_module(name)
+    monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setattr(program, "make_engine", lambda *_: rover_engine())
+    monkeypatch.setattr(program, "CommandServer", interrupt)
+    (tmp_path / SCENE_FILE).write_text(encode(live_scene()))
+    monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path))
+    monkeypatch.setattr(sys, "argv", ["simulator"])
+    try:
+        assert program.main() == 0
+        assert signal.getitimer(signal.ITIMER_REAL)[0] == 0.0  # it is not raised again
+    finally:
+        ignore_ends()
+    assert closed == ["ROS"]
+    unheard = tmp_path / UNHEARD_FILE
+    assert json.loads(unheard.read_text()) == {"/cmd_vel": "geometry_msgs/msg/Twist"}
+    unheard.unlink()
+    joined.has_heard = True
+    program.note_unheard(tmp_path, joined)
+    assert not unheard.exists()
+
+
+def test_seconds_that_are_none(tmp_path: Path) -> None:
+    from queue import SimpleQueue  # noqa: PLC0415
+
+    from wsgen.ros_nodes.simulator.commands import CommandServer, _Connection  # noqa: PLC0415
+
+    simulation, _ = simulation_of(live_scene(is_stepped=True))
+    server = CommandServer(tmp_path, simulation)
+
+    def do(command: str, seconds: Any) -> Any:
+        request = {"do": command, "seconds": seconds}
+        return server._do(request, _Connection(), SimpleQueue())
+
+    for seconds in (True, -1, math.nan, math.inf, 10**400, "1", None):
+        for command in ("step", "advance"):
+            assert "error" in do(command, seconds), (command, seconds)
+    assert "error" in do("step", 0)
+    assert (simulation.control.seconds, simulation.control.limit) == (0.0, 0.0)
+    assert do("step", 1)["ok"]
+    assert do("advance", 0) is None  # it is answered when that has passed
+    server.close()

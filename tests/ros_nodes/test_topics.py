@@ -126,7 +126,7 @@ def test_topics_that_nobody_has_are_named() -> None:
         ("std_msgs/msg/Bool", "gz.msgs.Twist", "Write geometry_msgs/msg/Twist or"),
         (TWIST, "gz.msgs.Twisted", "no message type gz.msgs.Twisted"),
         (TWIST, "Twist", "no message type Twist"),
-        ("actuator_msgs/msg/Actuators", "gz.msgs.Actuators", "is not installed"),
+        ("sensor_msgs/msg/Joy", "gz.msgs.Joy", "is not installed"),
     ],
 )
 def test_types_are_checked(ros_type: str, gz_type: str, message: str | None) -> None:
@@ -135,3 +135,31 @@ def test_types_are_checked(ros_type: str, gz_type: str, message: str | None) -> 
     problem = problem_of(rule("/a", "/a", ros_type, gz_type))
     assert (problem is None) == (message is None)
     assert message is None or message in str(problem)
+
+
+def test_two_types_on_a_topic_are_named() -> None:
+    from wsgen.ros_nodes.simulator.topics import Endpoint, mixed_types  # noqa: PLC0415
+
+    twist, stamped = "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"
+    teleop, bridge = Endpoint("teleop", twist), Endpoint("ros_gz_bridge", stamped)
+    (told,) = mixed_types("/cmd_vel", [teleop, teleop], [bridge, Endpoint("_recorder", stamped)])
+    assert told.startswith("Nothing that `teleop` publishes on /cmd_vel reaches `ros_gz_bridge`")
+    assert twist in told
+    assert stamped in told
+    assert not list(mixed_types("/cmd_vel", [teleop], [Endpoint("drive", twist)]))
+
+
+@pytest.mark.parametrize(
+    ("topic", "words"),
+    [
+        ("/world/arena/model/rover/joint_state", "Topics: /cmd_vel, /world/arena/clock."),
+        ("/model/rover/cmd_vel", "Did you mean `/cmd_vel`?"),
+    ],
+)
+def test_a_topic_of_the_same_world_is_not_meant(topic: str, words: str) -> None:
+    gz, ros, _ = topics()
+    for name in ("/world/arena/clock", "/cmd_vel"):
+        gz.publisher(type(twist(0.0)), name)
+    gz.open(ros.node("b"), [rule("/a", topic, TWIST, "gz.msgs.Twist", "to_ros")])
+    (problem,) = gz.unconnected()
+    assert problem.endswith(words)

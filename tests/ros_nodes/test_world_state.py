@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 import sys
+from dataclasses import replace
 from typing import Any
 
 import pytest
 
-from ros_nodes.fake_ros import live_scene, plugin, rover_engine, simulation_of, still_at
-from wsgen.model.devices import Devices
+from ros_nodes.fake_ros import ROVER, live_scene, plugin, rover_engine, simulation_of, still_at
+from wsgen.model.devices import Devices, MountedSensor
+from wsgen.simulation.live_scene import NewEntity, PreparedEntity
+from wsgen.simulation.scene import SpawnedRobot
 
 pytestmark = pytest.mark.usefixtures("messages")
 STATE = plugin("libgazebo_ros_state.so", "<ros><namespace>/gazebo</namespace></ros>", name="state")
@@ -23,23 +26,79 @@ def test_robots_are_spawned_listed_and_deleted_by_services() -> None:
     from wsgen.ros_nodes.simulator.world_state import offer_factory  # noqa: PLC0415
 
     simulation, ros = simulation_of(live_scene())
+    simulation.prepare = prepared_box
     offer_factory(simulation)
-    request = message("SpawnRequest", name="rover")
+    request = message("SpawnRequest", name="rover", xml="<sdf/>")
     request.initial_pose.position.z = math.nan
     assert not ros.services["/spawn_entity"](request, message("Done")).success
     assert not simulation.host.robots
     request.initial_pose.position.z = 0.3
     answer = ros.services["/spawn_entity"](request, message("Done"))
     assert answer.success
-    assert simulation.host.robots["rover"].state().xyz[2] == pytest.approx(0.3)
+    assert simulation.host.robots["rover"].spawned.pose_in_world.xyz[2] == pytest.approx(0.3)
     answer = ros.services["/spawn_entity"](request, message("Done"))
     assert not answer.success
-    assert "exists already" in answer.status_message
+    assert answer.status_message == "Entity [rover] already exists."
     listed = ros.services["/get_model_list"](None, message("ListAnswer"))
     assert listed.model_names == ["rover"]
     deleted = ros.services["/delete_entity"](request, message("Done"))
     assert deleted.success
     assert not simulation.host.robots
+    deleted = ros.services["/delete_entity"](request, message("Done"))
+    assert deleted.status_message == "Entity [rover] does not exist"
+
+
+def test_what_the_launch_file_does_not_name_is_spawned() -> None:
+    from wsgen.ros_nodes.simulator.world_state import offer_factory  # noqa: PLC0415
+
+    simulation, ros = simulation_of(live_scene())
+    simulation.prepare = prepared_box
+    offer_factory(simulation)
+    simulation.spawn("rover")
+
+    def spawn(**values: Any) -> str:
+        answer = ros.services["/spawn_entity"](message("SpawnRequest", **values), message("Done"))
+        return f"{answer.success}: {answer.status_message}"
+
+    assert spawn(name="box", xml="<sdf/>") == "True: SpawnEntity: Successfully spawned entity [box]"
+    assert spawn(xml="<sdf/>") == "True: Successfully sent factory message to Gazebo."
+    assert list(simulation.host.robots) == ["rover", "box", "box_0"]
+    assert spawn(name="bad", xml="") == "False: No text. Write one."
+    assert spawn(name="lost", xml="<sdf/>", reference_frame="moon").startswith(
+        "False: Reference frame [moon] not found"
+    )
+    assert "True" in spawn(name="beside", xml="<sdf/>", reference_frame="rover::base")
+    assert simulation.host.robots["beside"].spawned.pose_in_world.xyz[2] == pytest.approx(0.1)
+    simulation.delete("box")
+    assert "True" in spawn(name="box", xml="<sdf/>")
+
+
+def test_the_namespace_of_a_request_is_that_of_all_plugins() -> None:
+    from wsgen.ros_nodes.simulator.world_state import offer_factory  # noqa: PLC0415
+
+    simulation, ros = simulation_of(live_scene())
+    drive = plugin("libgazebo_ros_planar_move.so", "<ros><namespace>/old</namespace></ros>")
+    sensor = MountedSensor(name="s", kind="unknown", link="base", frame="base", element=drive)
+    devices = Devices(plugins=(drive,), sensors=(replace(sensor, plugins=(drive,)),))
+    simulation.prepare = lambda new: replace(prepared_box(new), devices=devices)
+    offer_factory(simulation)
+    request = message("SpawnRequest", name="box", xml="<sdf/>", robot_namespace="second")
+    assert ros.services["/spawn_entity"](request, message("Done")).success
+    given = simulation.host.robots["box"].devices
+    for one in (*given.plugins, *given.sensors[0].plugins):
+        assert [ns.text for ns in one.find_all("ros/namespace")] == ["second"]
+    assert ros.readers["/second/cmd_vel"]
+    assert "/old/cmd_vel" not in ros.readers
+
+
+def prepared_box(new: NewEntity) -> PreparedEntity:
+    """What the parent makes of a text; it refuses an empty one."""
+    from wsgen.ros_nodes.simulator.simulation import RefusedError  # noqa: PLC0415
+
+    if not new.text:
+        raise RefusedError("No text.", "Write one.")
+    robot = SpawnedRobot(entity=new.entity or "box", robot=ROVER, pose_in_world=new.pose_in_world)
+    return PreparedEntity(robot=robot)
 
 
 def test_states_are_read_set_and_published() -> None:

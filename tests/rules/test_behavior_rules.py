@@ -9,7 +9,16 @@ from typing import TYPE_CHECKING
 import pytest
 
 from wsgen.diagnostics import Severity
-from wsgen.model.behavior import Behavior, BehaviorRun, Bounds, DiffDrive, Drive, Reach, WheelPair
+from wsgen.model.behavior import (
+    Behavior,
+    BehaviorRun,
+    Bounds,
+    DiffDrive,
+    Drive,
+    LaunchTask,
+    Reach,
+    WheelPair,
+)
 from wsgen.model.robot import Joint, JointLimit, JointType, Link, Mimic, Robot
 from wsgen.rules.behaviors import (
     check_behavior,
@@ -29,10 +38,11 @@ STRAIGHT = Drive(linear=0.5, x=1.0, y=0.0, yaw=0.0)
 TURN = Drive(angular=1.0, x=0.0, y=0.0, yaw=2.0)
 PAIR = WheelPair(left="l", right="r", separation=0.4, radius=0.1)
 DRIVE = DiffDrive(simulator="gz", pairs=(PAIR,))
+SLIDING = replace(DRIVE, grip=0.05)
 POSITIONS = {"a": 0.5, "b": -0.5}
 
 
-def behavior(task: Drive | Reach = STRAIGHT, robot: str | None = None) -> Behavior:
+def behavior(task: Drive | Reach | LaunchTask = STRAIGHT, robot: str | None = None) -> Behavior:
     return Behavior(name="does it", task=task, seconds=2.0, robot=robot, line=7)
 
 
@@ -125,6 +135,20 @@ def test_a_diagnostic_names_what_was_wanted_and_where_that_is_written() -> None:
             "The plugin limits 0.5 m/s",
         ),
         (TURN, (0.0, 0.0, 4.0), DRIVE, "wheel_separation = 0.4 m: 0.2 m would fit"),
+        (STRAIGHT, (0.41, 0.0, 0.0), DRIVE, "wheel_radius = 0.041 m would"),
+        (STRAIGHT, (2.49, 0.0, 0.0), DRIVE, "wheel_radius = 0.249 m would"),
+        (STRAIGHT, (0.39, 0.0, 0.0), DRIVE, "The wheels slip, or are too weak: check"),
+        (STRAIGHT, (2.6, 0.0, 0.0), DRIVE, "sizes in the plugin"),
+        (STRAIGHT, (0.1, 0.0, 0.0), SLIDING, "The wheels slip: their friction is 0.05. Give whe"),
+        (STRAIGHT, (-0.002, 0.0, 0.0), SLIDING, "The wheels slip: their friction is 0.05."),
+        (STRAIGHT, (-1.0, 0.0, 0.0), SLIDING, "the other way"),
+        (STRAIGHT, (0.5, 0.0, 0.0), SLIDING, "0.05 m would explain it, if the wheels do not slip"),
+        (TURN, (0.0, 0.0, 1.0), SLIDING, "0.8 m would fit, if the wheels do not slip: their fr"),
+        (TURN, (0.0, 0.0, 0.9), DRIVE, "0.889 m would fit"),
+        (TURN, (0.0, 0.0, 0.06), DRIVE, "The wheels slip, or are too weak: check"),
+        (TURN, (0.0, 0.0, 0.06), SLIDING, "The wheels slip: their friction is 0.05."),
+        (TURN, (0.0, 0.0, 0.0), SLIDING, "The wheels slip: their friction is 0.05."),
+        (TURN, (0.0, 0.0, 6.0), DRIVE, "Check the sizes in the plugin"),
         (TURN, (0.0, 0.0, -2.0), DRIVE, "swap <left_joint> and <right_joint>"),
         (TURN, (0.0, 0.0, 0.0), DRIVE, "brakes one side"),
     ],
@@ -135,6 +159,7 @@ def test_what_would_explain_it(
     (found,) = checked(task, moved, drive=drive)
     assert found.hint is not None
     assert hint in found.hint
+    assert ("would" in found.hint) == ("would" in hint)  # no size that nobody could have meant
 
 
 def test_joints() -> None:
@@ -205,6 +230,27 @@ def test_joints_that_take_no_commands() -> None:
         behavior(), {"a": 0.0}, robot(joint("a"), is_static=True), FILE
     )
     assert "no joint `a`" in still.message
+
+
+def test_what_is_misspelled_is_asked_for() -> None:
+    arm = robot(joint("shoulder"), joint("wrist"))
+    (found,) = unknown_behavior_joint(behavior(), {"shouder": 0.0}, arm, FILE)
+    assert (found.hint or "").startswith("Did you mean `shoulder`? Joints that take commands: ")
+    (found,) = unclear_behavior_robot(behavior(robot="rovr"), ["rover", "arm"], FILE)
+    assert (found.hint or "").startswith("Did you mean `rover`? Write robot = ")
+
+
+def test_joints_that_are_only_measured() -> None:
+    """With `run = true` nothing is sent: what mimics another joint has a position, too."""
+    follower = replace(joint("b"), mimic=Mimic(joint="a"))
+    arm = robot(joint("a"), follower, joint("p", JointType.PLANAR))
+    positions = {"a": 3.0, "b": 0.5, "p": 0.0, "x": 0.0}
+    task = LaunchTask(positions=positions)
+    found = list(unknown_behavior_joint(behavior(task), positions, arm, FILE))
+    assert ["`p`" in found[0].message, "`x`" in found[1].message, len(found)] == [True, True, 2]
+    assert found[0].hint == "Joints that are measured: `a`, `b`."
+    (over,) = command_beyond_limit(behavior(task), positions, arm.joints, FILE)
+    assert "the joint `a` cannot reach 3, which is beyond its limits -1 and 1." in over.message
 
 
 def test_commands_beyond_limits() -> None:

@@ -108,6 +108,11 @@ def test_managers_may_be_nodes() -> None:
     configured = find_configured(unknown, {})
     assert configured is not None
     assert not configured.are_all
+    # The plugin of the robot, for Gazebo, does not know what the node without a name reads.
+    of_gazebo = find_configured(unknown, {FILE: read(TEXT)})
+    assert of_gazebo is not None
+    assert "diff_cont" in of_gazebo.names
+    assert not of_gazebo.are_all
 
 
 @pytest.mark.parametrize(

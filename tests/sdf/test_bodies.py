@@ -201,6 +201,23 @@ def test_surface(read: Read) -> None:
     assert link.collisions[1].surface == Surface()
 
 
+def test_laser_retro(read: Read) -> None:
+    retro = "<laser_retro>{}</laser_retro>"
+    file = read(
+        model(
+            f'{MASS}<collision name="c">{BOX}{retro.format(200)}</collision>'
+            f'<visual name="v">{BOX}{retro.format(30)}</visual>'
+            f'<visual name="w">{BOX}{retro.format("much")}</visual>'
+        )
+    )
+    made = file.models[0].robot
+    assert made is not None
+    (link,) = made.links
+    assert link.collisions[0].laser_retro == 200.0
+    assert [visual.laser_retro for visual in link.visuals] == [30.0, 0.0]
+    assert "<laser_retro> needs 1 finite number" in file.diagnostics[0].message
+
+
 @pytest.mark.parametrize(
     ("material", "rgba"),
     [

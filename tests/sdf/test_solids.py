@@ -188,3 +188,25 @@ def test_sizes_are_those_that_gazebos_parser_sees(read: Read, tmp_path: Path, sh
 def numbers_of(printed: str, tag: str) -> list[tuple[float, ...]]:
     found = re.findall(f"<{tag}>([^<]*)</{tag}>", printed)
     return [tuple(map(float, text.split())) for text in found]
+
+
+@pytest.mark.parametrize(
+    ("written", "direction", "inside"),
+    [
+        ('<fdir1 gz:expressed_in="base">1 -1 0</fdir1>', (1, -1, 0), "base"),
+        ('<fdir1 xmlns:gz="g" gz:expressed_in="base">1 -1 0</fdir1>', (1, -1, 0), "base"),
+        ('<fdir1 ignition:expressed_in="base">1 -1 0</fdir1>', (1, -1, 0), "base"),
+        ("<fdir1>0 1 0</fdir1>", (0, 1, 0), None),
+        ("<fdir1>0 0 0</fdir1>", None, None),
+        ("", None, None),
+    ],
+)
+def test_the_direction_of_friction(
+    read: Read, written: str, direction: tuple[float, ...] | None, inside: str | None
+) -> None:
+    ball = "<sphere><radius>1</radius></sphere>"
+    surface = f"<surface><friction><ode><mu2>0</mu2>{written}</ode></friction></surface>"
+    file = read(model(ball).replace("</geometry>", f"</geometry>{surface}"))
+    assert not [found for found in file.diagnostics if found.severity is ERROR]
+    (found,) = link_of(file).collisions
+    assert (found.surface.fdir1, found.surface.fdir1_in) == (direction, inside)

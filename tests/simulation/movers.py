@@ -16,6 +16,8 @@ from wsgen.simulation.scene import BehaviorMeasurement, Scene, SpawnedRobot
 from wsgen.simulation.simulate import run_scene
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from simulation.robots import NewEngine
     from wsgen.model.robot import Joint, Robot
 
@@ -29,15 +31,17 @@ PAIR = WheelPair(left="left", right="right", separation=SEPARATION, radius=RADIU
 DRIVE = DiffDrive(simulator="gz", pairs=(PAIR,))
 
 
-def two_wheeled(limit: JointLimit | None = None) -> Robot:
-    """A box of 5 kg on two wheels and a caster without friction behind."""
+def two_wheeled(
+    limit: JointLimit | None = None, *, casters: Sequence[float] = (-0.17,), mu: float = 0.0
+) -> Robot:
+    """A box of 5 kg on two wheels and casters before the axle or behind it, m."""
     base = body(Box(size=(0.4, 0.3, 0.1)), mass=5.0)
-    caster = shape(Sphere(radius=0.05), mu=0.0, at=Pose((-0.17, 0.0, -0.05)))
+    balls = (shape(Sphere(radius=0.05), mu=mu, at=Pose((x, 0.0, -0.05))) for x in casters)
     solid = base.inertial
     assert solid is not None
     base = replace(
         base,
-        collisions=(*base.collisions, caster),
+        collisions=(*base.collisions, *balls),
         inertial=replace(solid, pose_in_link=Pose((-0.05, 0.0, 0.0))),
     )
     return tree(base, _wheel("left", limit), _wheel("right", limit))

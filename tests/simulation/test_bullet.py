@@ -34,6 +34,8 @@ if TYPE_CHECKING:
 
 pytest.importorskip("pybullet")
 
+import pybullet
+
 from wsgen.simulation.bullet import SEPARATION_SPEED, BulletEngine, Client
 from wsgen.simulation.bullet_body import ROLLING_RESISTANCE, ROOT
 
@@ -148,3 +150,15 @@ def test_a_world_that_nobody_closes_is_given_back() -> None:
     assert again.number == number
     again.close()
     again.close()
+
+
+def test_what_other_code_puts_into_the_default_world_is_not_in_the_next_one() -> None:
+    client = Client()
+    number = client.number
+    client.close()
+    pybullet.createMultiBody(baseMass=1.0, physicsClientId=number)
+    pybullet.setPhysicsEngineParameter(numSolverIterations=1, physicsClientId=number)
+    with closing(Client()) as again:
+        assert again.number == number
+        assert again.getNumBodies() == 0
+        assert again.getPhysicsEngineParameters()["numSolverIterations"] > 1

@@ -46,6 +46,16 @@ def test_a_robot_of_the_right_size_goes_where_it_is_told(new_engine: NewEngine) 
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("mu", [0.0, 0.2])
+def test_casters_as_low_as_the_wheels_leave_them_their_load(
+    new_engine: NewEngine, mu: float
+) -> None:
+    """One before and one behind the axle; wheels that spin at first keep what they carry."""
+    (ahead,) = simulated(new_engine, two_wheeled(casters=(-0.17, 0.17), mu=mu), drive(linear=0.5))
+    assert ahead.moved[0] == pytest.approx(1.0, abs=0.13)
+
+
+@pytest.mark.slow
 def test_it_goes_back_and_turns_right(new_engine: NewEngine) -> None:
     back, right = simulated(new_engine, two_wheeled(), drive(linear=-0.5), drive(angular=-1.0))
     assert back.moved[0] == pytest.approx(-1.0, abs=0.05)

@@ -320,7 +320,10 @@ def test_joints_are_put_somewhere_at_rest(new_engine: NewEngine) -> None:
         assert engine.joint_positions("e")["bar"] == pytest.approx(0.8, abs=5e-3)
 
 
-@pytest.mark.parametrize("geometry", [Box(size=(0.2, 0.2, 0.2)), Cylinder(radius=0.1, length=0.2)])
+@pytest.mark.parametrize(
+    "geometry",
+    [Box(size=(0.2, 0.2, 0.2)), Cylinder(radius=0.1, length=0.2), Sphere(radius=0.1)],
+)
 def test_rays_do_not_see_what_they_begin_in(new_engine: NewEngine, geometry: Geometry) -> None:
     """A lidar in its housing, which is in another one, sees the wall."""
     around = Collision(geometry=Box(size=(0.5, 0.5, 0.5)), pose_in_link=IDENTITY)
@@ -336,3 +339,25 @@ def test_rays_do_not_see_what_they_begin_in(new_engine: NewEngine, geometry: Geo
             end = (10.0, start[1], start[2])
             assert range_along(engine, start, end) == pytest.approx(2.5 - start[0], abs=3e-3)
             assert range_along(engine, start, (-10.0, 0.0, 1.0)) == math.inf
+
+
+def test_rays_leave_spheres_that_are_in_each_other(new_engine: NewEngine) -> None:
+    """They go towards the centers, begin off them, and see what is outside."""
+    ball = body(Sphere(radius=0.3), at=Pose((0.1, 0.0, 0.0)))
+    inner = Collision(geometry=Sphere(radius=0.2), pose_in_link=Pose((0.05, 0.0, 0.0)))
+    ball = replace(ball, collisions=(*ball.collisions, inner))
+    wall = SpawnedRobot(
+        entity="wall",
+        robot=single(body(Box(size=(1.0, 2.0, 2.0)))),
+        pose_in_world=Pose((3.0, 0.0, 1.0)),
+    )
+    with spawned(new_engine, single(ball), Pose((0.0, 0.0, 1.0)), wall) as engine:
+        assert range_along(engine, (-0.1, 0.05, 1.0), (10.0, 0.05, 1.0)) == pytest.approx(
+            2.6, abs=3e-3
+        )
+        assert range_along(engine, (0.2, 0.0, 1.0), (-10.0, 0.0, 1.0)) == math.inf
+        assert range_along(engine, (0.0, 0.1, 1.1), (0.1, 0.0, 1.0)) == math.inf  # ends inside
+        # From outside they are seen.
+        assert range_along(engine, (-2.0, 0.0, 1.0), (2.0, 0.0, 1.0)) == pytest.approx(
+            1.8, abs=3e-3
+        )

@@ -6,39 +6,25 @@ A number of small balls that can move up and down alone feel for the surface.
 from __future__ import annotations
 
 import math
-import shutil
-import subprocess
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
 from PIL import Image
 
-from simulation.gazebo_physics import DEBIAN, PLUGIN
+from simulation.gazebo_physics import DEBIAN, GazeboPhysics, is_installed
 from surface_heights import height_at
 from wsgen.meshes.shape_worker import extrusion_triangles, heightmap_surface
 from wsgen.model.robot import Extrusion, Heightmap
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
+    from pathlib import Path
 
     from numpy.typing import NDArray
 
     Probe = Callable[[str, Sequence[tuple[float, float]]], list[float]]
 
-SOURCE = Path(__file__).with_name("gazebo_shapes.cc")
-PACKAGES = (
-    "ignition-physics5-dartsim-plugin",
-    "ignition-physics5-sdf",
-    "ignition-physics5-mesh",
-    "ignition-physics5-heightmap",
-    "ignition-plugin1-loader",
-    "ignition-common4-graphics",
-    "ignition-math6-eigen3",
-    "sdformat12",
-)
-SECONDS = 1200.0
 RADIUS = 0.01  # m
 TOP = 3.0  # m, where the balls start
 STEPS = 3000
@@ -67,34 +53,21 @@ pytestmark = [pytest.mark.slow, pytest.mark.oracle]
 @pytest.fixture(scope="module")
 def probe(tmp_path_factory: pytest.TempPathFactory) -> Probe:
     """Gives how high a geometry is at some places; NaN where the ball has fallen past it."""
-    if not all(map(shutil.which, ("g++", "pkg-config"))) or (
-        subprocess.run(["pkg-config", "--exists", *PACKAGES], check=False).returncode
-    ):
-        pytest.skip(f"Gazebo's physics (Debian: {DEBIAN} and its heightmap part) are missing")
-    folder = tmp_path_factory.mktemp("gazebo")
-    program, world = folder / "gazebo_shapes", folder / "world.sdf"
-    flags = answer("pkg-config", "--cflags", "--libs", *PACKAGES).split()
-    answer("g++", "-std=c++17", str(SOURCE), "-o", str(program), *flags)
-    libraries = answer("pkg-config", "--variable=libdir", "ignition-physics5").strip()
+    if not is_installed():
+        pytest.skip(f"Gazebo's physics (Debian: {DEBIAN}) are missing")
+    gazebo = GazeboPhysics(tmp_path_factory)
 
     def feel(geometry: str, places: Sequence[tuple[float, float]]) -> list[float]:
         balls = "".join(
             BALL.format(number=number, x=x, y=y, z=TOP, radius=RADIUS)
             for number, (x, y) in enumerate(places)
         )
-        world.write_text(WORLD.format(geometry=geometry, balls=balls), encoding="utf-8")
-        lines = answer(str(program), f"{libraries}/{PLUGIN}", str(world), str(STEPS)).splitlines()
-        rests = [float(line.split()[3]) for line in lines if line.startswith("ball")]
+        poses = gazebo.run(WORLD.format(geometry=geometry, balls=balls), steps=STEPS)
+        rests = [pose.xyz[2] for link, pose in poses.items() if link.startswith("ball")]
         assert len(rests) == len(places)
         return [z - RADIUS if z > -1 else math.nan for z in rests]
 
     return feel
-
-
-def answer(*command: str) -> str:
-    run = subprocess.run(command, capture_output=True, text=True, timeout=SECONDS, check=False)
-    assert run.returncode == 0, run.stderr[-2000:]
-    return run.stdout
 
 
 def smooth(size: int) -> NDArray[Any]:

@@ -314,10 +314,9 @@ def test_pages_in_a_browser(name: str, chromium: Chromium, tmp_path: Path) -> No
     for width, is_dark in ((1280, False), (400, True)):
         page.resize(width, 900)
         page.prefer(is_dark=is_dark)
-        page.evaluate("new Promise((resolve) => setTimeout(resolve, 500))")
+        page.wait_for(f"document.documentElement.scrollWidth <= {width}")  # plots are drawn anew
         plots = page.evaluate("document.querySelectorAll('.chart').length")
         assert page.evaluate("document.querySelectorAll('.chart .main-svg').length") >= plots > 0
-        assert page.evaluate("document.documentElement.scrollWidth") <= width
         shapes = "document.querySelectorAll('.chart .points path, .chart .lines path').length"
         images = "document.querySelectorAll('.chart .heatmaplayer image').length"
         assert page.evaluate(f"{shapes} + {images}") > 0

@@ -19,7 +19,7 @@ from wsgen.isolation.result import Died
 from wsgen.model.robot import Box
 from wsgen.model.sweep import Row, Variant
 from wsgen.model.transform import Pose
-from wsgen.pipeline.selection import ValidateRequest
+from wsgen.pipeline.requests import ValidateRequest
 from wsgen.pipeline.validate import validate
 from wsgen.simulation.run import ENGINE_DIED, missing_engines
 from wsgen.sweeping.figures import columns

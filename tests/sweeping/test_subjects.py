@@ -9,7 +9,7 @@ import shutil
 import threading
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import pytest
 
@@ -21,7 +21,7 @@ from wsgen.model.robot import Mesh
 from wsgen.model.sweep import Design, Variant
 from wsgen.model.target import choose_target
 from wsgen.pipeline.create import create
-from wsgen.pipeline.selection import ValidateRequest
+from wsgen.pipeline.requests import ValidateRequest
 from wsgen.pipeline.validate import validate
 from wsgen.sweeping.run_variant import run_variant
 from wsgen.sweeping.subject import SubjectRequest
@@ -471,3 +471,14 @@ def generate_launch_description():
         with pytest.raises(RequestError) as caught:
             subject.check(grid("size=1,2"))
         assert "DeclareLaunchArgument" in (caught.value.hint or "")
+
+
+def test_what_a_sweep_leaves_out_is_named() -> None:
+    from wsgen.sweeping.sweep import _left_out  # noqa: PLC0415
+
+    class WithRuns:
+        left_out = ("wanders", "stops")
+
+    assert _left_out(cast("Subject", WithRuns())) == (
+        "A sweep runs no nodes and leaves out `wanders`, `stops`; `wsgen validate` runs them."
+    )

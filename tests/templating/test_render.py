@@ -41,7 +41,7 @@ def test_texts_end_with_one_line_end(case: str) -> None:
     for path, text in render(template_name=template_name, target=target).items():
         assert text.endswith("\n"), path
         assert not text.endswith("\n\n"), path
-        assert not re.search(r"\n\n\n(?!(?:class|def|if) )|\n{4}", text), path
+        assert not re.search(r"\n\n\n(?!(?:class|def|if) |@)|\n{4}", text), path
         assert not [line for line in text.split("\n") if line != line.rstrip()], path
 
 

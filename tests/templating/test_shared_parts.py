@@ -15,11 +15,18 @@ from wsgen.templating.template import load_template
 
 
 def render_all() -> dict[str, RenderedTree]:
+    """The package of each case of the matrix, with the templates that are there now."""
     trees = {}
     for case, (name, target) in CASES.items():
         template = load_template(name)
         trees[case] = render_package(spec_for(template, target=target), template)
     return trees
+
+
+@pytest.fixture(scope="module")
+def before() -> dict[str, RenderedTree]:
+    """The packages from the templates as they are."""
+    return render_all()
 
 
 def every(_name: str, _target: Target) -> bool:
@@ -78,13 +85,15 @@ def with_lidar(name: str, _target: Target) -> bool:
     ],
 )
 def test_a_change_reaches_exactly_the_packages_that_it_concerns(
+    before: dict[str, RenderedTree],
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
+    *,
     source: str,
     paths: list[str],
     concerns: Callable[[str, Target], bool],
 ) -> None:
-    changed = changed_by(source, tmp_path, monkeypatch)
+    changed = changed_by(source, before, tmp_path, monkeypatch)
     assert changed == {
         case: with_worlds(name, paths) if concerns(name, target) else set()
         for case, (name, target) in CASES.items()
@@ -99,19 +108,19 @@ def with_worlds(name: str, paths: list[str]) -> set[str]:
 
 @pytest.mark.slow
 def test_a_change_of_the_publisher_reaches_both_launch_files(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    before: dict[str, RenderedTree], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for case, paths in changed_by(
-        "base/robot_state_publisher.py.j2", tmp_path, monkeypatch
-    ).items():
+    changed = changed_by("base/robot_state_publisher.py.j2", before, tmp_path, monkeypatch)
+    for case, paths in changed.items():
         both = {"launch/gazebo_model.launch.py", "launch/display.launch.py"}
         assert paths == (both if with_joints(*CASES[case]) else {"launch/gazebo_model.launch.py"})
 
 
-def changed_by(source: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, set[str]]:
+def changed_by(
+    source: str, before: dict[str, RenderedTree], folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> dict[str, set[str]]:
     """Case -> the files that another first line in a source changes."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(folder / "cache"))
-    before = render_all()
     shutil.copytree(sources.templates_folder(), folder / "templates")
     monkeypatch.setattr(sources, "_PACKAGE", folder / "src" / "wsgen")
     file = folder / "templates" / source

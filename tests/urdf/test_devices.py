@@ -91,6 +91,19 @@ def test_a_sensor_on_its_own_link_is_where_its_pose_says() -> None:
     assert numbers(sensor.pose_in_link) == near(Pose(rpy=(0, 0, QUARTER)))
 
 
+def test_sdformat_forgets_the_attributes_of_a_pose_that_it_moves() -> None:
+    """As `ign sdf -p` of sdformat 12 prints such sensors."""
+    quaternion = '<pose rotation_format="quat_xyzw">0.1 0 0 0 0 0.6 0.8</pose>'
+    (kept,) = devices_of(SENSOR.format("base_link", quaternion)).sensors
+    assert numbers(kept.pose_in_link) == near(Pose((0.1, 0, 0), (0, 0, 2 * math.atan2(0.6, 0.8))))
+    (moved,) = devices_of(SENSOR.format("mast", quaternion)).sensors
+    assert moved.link == "base_link"
+    assert numbers(moved.pose_in_link) == near(Pose((0, 0.1, 1), (0, 0, QUARTER + 0.6)))
+    degrees = '<pose degrees="true">0 0 0 0 0 1</pose>'
+    (moved,) = devices_of(SENSOR.format("mast", degrees)).sensors
+    assert numbers(moved.pose_in_link) == near(Pose((0, 0, 1), (0, 0, QUARTER + 1)))
+
+
 def test_a_pose_may_be_relative_to_another_link() -> None:
     pose = '<pose relative_to="mast">0.5 0 0 0 0 0</pose>'
     (sensor,) = devices_of(SENSOR.format("base_link", pose)).sensors

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from wsgen.model.behavior import Bounds, DiffDrive, WheelPair
-from wsgen.model.robot import Robot
+from wsgen.model.robot import Collision, Robot, Sphere, Surface
 from wsgen.urdf.diff_drive import NoDrive, find_diff_drive
 from wsgen.urdf.lumping import lump
 from wsgen.urdf.reader import read_urdf
@@ -51,6 +51,26 @@ def problem_of(file: str, inside: str) -> str:
     assert found.is_there
     assert found.hint
     return found.reason
+
+
+@pytest.mark.parametrize("file", [CLASSIC, SIM])
+def test_the_friction_of_its_wheels_is_the_least(file: str) -> None:
+    bare = robot((file, JOINTS))
+    frictions = {"l_link": (1.0, 0.05), "r_link": (0.2,), "base": (0.0,)}  # by collision
+    links = tuple(
+        replace(
+            link,
+            collisions=tuple(
+                Collision(geometry=Sphere(radius=0.1), surface=Surface(mu1=mu))
+                for mu in frictions.get(link.name, ())
+            ),
+        )
+        for link in bare.links
+    )
+    found = find_diff_drive(replace(bare, links=links))
+    assert isinstance(found, DiffDrive)
+    assert found.grip == 0.2
+    assert drive_of(file, JOINTS).grip == 1.0  # wheels without collisions
 
 
 def test_the_plugin_of_gazebo_classic() -> None:

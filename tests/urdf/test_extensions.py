@@ -19,6 +19,11 @@ def about(reference: str, body: str) -> str:
     return f'<gazebo reference="{reference}">{body}</gazebo>\n'
 
 
+COPIED_DIRECTION = (
+    "<collision><surface><friction><ode><fdir1 {}>{}</fdir1></ode></friction></surface></collision>"
+)
+
+
 def lumped(text: str) -> tuple[Robot, tuple[Diagnostic, ...]]:
     written, found = read_urdf(robot(text), file=None)
     assert written is not None
@@ -44,6 +49,23 @@ def test_surface_and_flags() -> None:
     )
     assert (a.self_collide, a.gravity, a.velocity_decay) == (True, False, 0.1)
     assert made.is_static
+
+
+def test_laser_retro_is_for_collisions_and_what_is_copied_for_its_element() -> None:
+    seen = "<visual><geometry><sphere radius='1'/></geometry></visual>"
+    made, found = lumped(
+        link("a", MASS + TOUCH + seen) + about("a", "<laserRetro>200</laserRetro>")
+    )
+    assert found == ()
+    (a,) = made.links
+    assert (a.collisions[0].laser_retro, a.visuals[0].laser_retro) == (200.0, 0.0)
+    copied = "<{0}><laser_retro>{1}</laser_retro></{0}>"
+    made, _ = lumped(
+        link("a", MASS + TOUCH + seen)
+        + about("a", copied.format("collision", 3) + copied.format("visual", 4))
+    )
+    (a,) = made.links
+    assert (a.collisions[0].laser_retro, a.visuals[0].laser_retro) == (3.0, 4.0)
 
 
 @pytest.mark.parametrize("text", ["inf", "nan", "-nan"])
@@ -112,3 +134,23 @@ def test_springs() -> None:
     )
     (only,) = made.joints
     assert (only.spring_stiffness, only.spring_reference) == (4.0, 0.1)
+
+
+@pytest.mark.parametrize(
+    ("written", "direction", "inside"),
+    [
+        ("<fdir1 gz:expressed_in='b'>1 -1 0</fdir1>", (1.0, -1.0, 0.0), None),  # sdformat drops it
+        (COPIED_DIRECTION.format("gz:expressed_in='b'", "1 -1 0"), (1.0, -1.0, 0.0), "b"),
+        (COPIED_DIRECTION.format("ignition:expressed_in='b'", "0 2 0"), (0.0, 2.0, 0.0), "b"),
+        (COPIED_DIRECTION.format("", "0 2 0"), (0.0, 2.0, 0.0), None),
+        (COPIED_DIRECTION.format("gz:expressed_in='b'", "0 0 0"), None, None),
+        ("<fdir1>1 0</fdir1>", None, None),
+        ("<fdir1>1 0 inf</fdir1>", None, None),
+    ],
+)
+def test_the_direction_of_friction(
+    written: str, direction: tuple[float, float, float] | None, inside: str | None
+) -> None:
+    made, _ = lumped(link("a", MASS + TOUCH) + about("a", written))
+    (surface,) = (collision.surface for collision in made.links[0].collisions)
+    assert (surface.fdir1, surface.fdir1_in) == (direction, inside)

@@ -332,3 +332,59 @@ def test_an_impossible_inertia_comes_with_that_of_the_shape(moment: str) -> None
     )
     assert [one.code for one in found] == ["ROB037"]
     assert 'ixx="0.1667" iyy="0.1667" izz="0.1667"' in (found[0].hint or "")
+
+
+XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+
+
+@pytest.mark.parametrize(
+    ("body", "code", "severity", "lost"),
+    [
+        (f'<xacro:macro {XACRO} name="w"><link name="${{p}}w"/></xacro:macro>', "ROB143",
+         "warning", "adds nothing to the robot by itself"),
+        (f'<xacro:property {XACRO} name="x" value="1"/>', "ROB143", "warning", "adds nothing"),
+        (f'<xacro:include {XACRO} filename="wheels.xacro"/>', "ROB143", "error",
+         "what the file `wheels.xacro` adds is missing"),
+        (f'<xacro:wheel {XACRO} side="left"/>', "ROB143", "error", "adds to the robot is missing"),
+        (f'<xacro:if {XACRO} value="1"><link name="b"/><joint name="j"/></xacro:if>',
+         "ROB143", "error", "the 1 link and 1 joint in it are missing"),
+        ('<gazebo><plugin filename="a.so" name="a"><ns>$(arg ns)</ns></plugin></gazebo>',
+         "ROB017", "warning", "the plugin reads it as it is written"),
+        ('<gazebo reference="a"><mu1>${mu}</mu1></gazebo>', "ROB017", "error", "parser ends"),
+    ],
+)  # fmt: skip
+def test_what_is_left_of_xacro_says_what_is_lost(
+    body: str, code: str, severity: str, lost: str
+) -> None:
+    """As `ign sdf -p` and `check_urdf` do with these texts."""
+    made, found = read_urdf(robot(link("a") + body), file=None)
+    (one,) = [found for found in found if found.code in {"ROB017", "ROB143"}]
+    assert (one.code, one.severity.value) == (code, severity)
+    assert lost in one.message
+    assert made is not None
+    assert [one.name for one in made.links] == ["a"]
+
+
+@pytest.mark.parametrize(
+    ("text", "severity", "lost"),
+    [
+        (robot(link("a"), name="${name}"), "warning", "takes it as it is"),
+        (robot(link("${p}a")), "warning", "takes it as it is"),
+        (robot(link("a", MASS.replace('"1"', '"${m}"', 1))), "error", "leaves out the <inertial>"),
+        (
+            robot(link("a", MASS + shape("collision", '<sphere radius="${r}"/>'))),
+            "error",
+            "leaves out collisions",
+        ),
+        (
+            robot(TWO + joint("j", "a", "b", '<origin xyz="${x} 0 0"/>')),
+            "error",
+            "it refuses the robot",
+        ),
+    ],
+)
+def test_an_expression_of_xacro_says_what_is_lost(text: str, severity: str, lost: str) -> None:
+    _, found = read_urdf(text, file=None)
+    (one,) = [found for found in found if found.code == "ROB017"]
+    assert one.severity.value == severity
+    assert lost in one.message

@@ -150,8 +150,7 @@ def test_the_mesh_of_a_collision_is_drawn_from_its_array(tmp_path: Path) -> None
 def test_a_simulated_robot_has_links_that_stand_by_themselves() -> None:
     joints = (Joint(name="j", type=JointType.CONTINUOUS, parent="a", child="b"),)
     robot = Robot(name="r", root="a", links=(link("a", 0.2), link("b", 0.1)), joints=joints)
-    prepared = PreparedRobot(entity="r", written=robot, lumped=robot)
-    found = draw_simulated(prepared, Pose((0, 0, 1)), {})
+    found = draw_simulated(robot, Pose((0, 0, 1)), {}, entity="r", is_static_model=False)
     assert [one.parent for one in found.links] == [None, None]
     assert found.pose_in_world == Pose()
     assert found.low[2] == pytest.approx(0.8, abs=1e-6)

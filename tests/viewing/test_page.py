@@ -61,3 +61,40 @@ def test_no_other_address_is_listened_on(page: Any) -> None:
         pass
     with pytest.raises(OSError, match=r"refused|unreachable|timed out"):
         socket.create_connection(("127.0.0.2", page.port), timeout=5)
+
+
+def test_the_page_of_a_run_goes_along_with_the_robots() -> None:
+    from viewing.test_live_run import WALL  # noqa: PLC0415
+    from viewing.test_play import BOX  # noqa: PLC0415
+    from wsgen.model.transform import Pose  # noqa: PLC0415
+    from wsgen.viewing.drawing import draw_simulated  # noqa: PLC0415
+    from wsgen.viewing.run_page import RunPage  # noqa: PLC0415
+
+    page = RunPage(host=HOST, port=choose_port(HOST, None), title="run")
+    try:
+        wall = draw_simulated(WALL, Pose((5.0, 0.0, 0.5)), {}, entity="wall", is_static_model=True)
+        box = draw_simulated(BOX, Pose((1.0, 1.0, 0.1)), {}, entity="box", is_static_model=False)
+        page.show([wall], links="")
+        node = page._robots[0]
+        assert page._server.initial_camera.look_at == pytest.approx([5.0, 0.0, 0.5])
+        page.show([box, wall], links="")
+        assert page._robots[1] is node  # it has not been sent again
+        assert page._server.initial_camera.look_at == pytest.approx([1.0, 1.0, 0.1])
+
+        page.put({"box": {"base": Pose((1.0, 1.0, 0.1))}})
+        assert page._origin.position == pytest.approx([0.0, 0.0, 0.0])
+        page.put({"box": {"base": Pose((3.0, 0.0, 2.1))}})
+        assert page._origin.position == pytest.approx([-2.0, 1.0, 0.0])
+        page._follow.value = False
+        page.put({"box": {"base": Pose((4.0, 0.0, 2.1))}})
+        assert page._origin.position == pytest.approx([-2.0, 1.0, 0.0])
+        assert page._moved() == pytest.approx([1.0, 0.0, 2.0])  # the button looks there
+
+        page.show([], links="")
+        page.put({})
+        page.finish("**The run has ended**.")
+        assert page._time.content == "**The run has ended**."
+        assert page._run.disabled
+        assert page._reset.disabled
+    finally:
+        page.stop()

@@ -12,8 +12,9 @@ import pytest
 
 from viewing.robots import ARM, PARTS, FakeViewer, write_crane
 from wsgen.errors import NotFoundError, RequestError, WsgenError
+from wsgen.files import write_file
 from wsgen.pipeline.describe import DescribedScene, describe
-from wsgen.pipeline.selection import ValidateRequest
+from wsgen.pipeline.requests import ValidateRequest
 from wsgen.viewing import view as module
 from wsgen.viewing.view import View, check_viewer, choose_port
 from wsgen.workspace.layout import open_workspace
@@ -58,12 +59,12 @@ def test_a_change_of_an_included_file_shows_the_robot_again(
     seen: list[tuple[Sequence[str], DescribedScene | WsgenError]] = []
     view.open(viewer)
     with following(view, viewer, seen):
-        (crane.parent / "parts.xacro").write_text(PARTS.replace("1 0 0 1", "0 0 1 1"))
+        write_file(crane.parent / "parts.xacro", PARTS.replace("1 0 0 1", "0 0 1 1"))
         wait_for(lambda: len(seen) == 1)
         assert seen[0][0] == [str(crane.parent / "parts.xacro")]
         assert [rgba_of_arm(robots) for robots in viewer.robots] == [(1, 0, 0, 1), (0, 0, 1, 1)]
 
-        crane.write_text(ARM.replace("</robot>", ""))
+        write_file(crane, ARM.replace("</robot>", ""))
         wait_for(lambda: len(seen) == 2)
         assert len(viewer.robots) == 2  # what was shown stays
         assert "shown as it was before" in viewer.summary.replace("\\", "")
@@ -74,7 +75,7 @@ def test_a_change_of_an_included_file_shows_the_robot_again(
         assert isinstance(seen[2][1], NotFoundError)
         assert "does not exist" in viewer.diagnostics
 
-        crane.write_text(ARM.replace('name="swing"', 'name="turn"'))
+        write_file(crane, ARM.replace('name="swing"', 'name="turn"'))
         wait_for(lambda: len(seen) == 4)
         ((robot,),) = viewer.robots[2:]
         assert [slider.joint for slider in robot.sliders] == ["turn"]
@@ -163,7 +164,7 @@ def test_an_address_of_another_machine_is_refused(host: str) -> None:
 
 
 def test_without_the_library_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "LIBRARY", "no_such_library")
+    monkeypatch.setattr("wsgen.viewing.viewer_library.LIBRARY", "no_such_library")
     with pytest.raises(NotFoundError) as caught:
         check_viewer()
     assert caught.value.hint == "Install it: pip install 'wsgen[view]'"

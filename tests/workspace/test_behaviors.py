@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from wsgen.diagnostics import Diagnostic, Severity
-from wsgen.model.behavior import Behavior, Drive, Reach
+from wsgen.model.behavior import Behavior, Drive, LaunchTask, Reach
 from wsgen.workspace.settings import read_settings
 
 DRIVES = """[[behavior]]
@@ -51,6 +51,38 @@ def test_what_is_written_is_read(tmp_path: Path) -> None:
     )
 
 
+def test_one_for_which_the_launch_file_runs(tmp_path: Path) -> None:
+    text = """[[behavior]]
+name = "wanders"
+run = true
+seconds = 10
+travels = 2
+moved = { x = 1 }
+tolerance = 0.3
+joints = { lift = 0.5 }
+within = 0.1
+
+[[behavior]]
+name = "goes on"
+run = true
+seconds = 1
+
+[[behavior]]
+name = "drives"
+run = false
+drive = { linear = 0.5 }
+seconds = 2
+moved = { x = 1 }
+"""
+    behaviors, found = read(tmp_path, text)
+    assert found == ()
+    assert [one.task for one in behaviors] == [
+        LaunchTask(x=1.0, tolerance=0.3, travels=2.0, positions={"lift": 0.5}, within=0.1),
+        LaunchTask(),
+        Drive(linear=0.5, x=1.0),
+    ]
+
+
 def test_none_are_none(tmp_path: Path) -> None:
     assert read(tmp_path, "behavior = []\n") == ((), ())
     assert read(tmp_path, "schema = 1\n") == ((), ())
@@ -88,6 +120,11 @@ def test_none_are_none(tmp_path: Path) -> None:
         ("seconds = 2", 'seconds = 2\nrobot = ""', 5, "0.robot", "is not a name"),
         ("seconds = 2", "seconds = 2\njoints = { a = 1 }", 1, "0", "both `drive` and `joints`"),
         ("drive = { linear = 0.5 }", "", 1, "0", "neither `drive` nor `joints`"),
+        ("seconds = 2", "seconds = 2\nrun = true", 1, "0", "both `drive` and `run`"),
+        ("seconds = 2", "seconds = 2\nrun = 1", 5, "0.run", "neither true nor false"),
+        ("drive = { linear = 0.5 }", "run = true\ntravels = 0", 4, "0.travels", "is 0"),
+        ("drive = { linear = 0.5 }", "run = true\njoints = 1", 4, "0.joints", "not a table"),
+        ("seconds = 2", "seconds = 2\ntravels = 1", 5, "0.travels", "no key `travels` here"),
     ],
 )
 def test_what_is_wrong_is_named_with_its_line(
@@ -109,6 +146,10 @@ def test_a_misspelled_key_is_asked_about(tmp_path: Path) -> None:
     assert [one.hint for one in found] == [f"Did you mean `linear`? If not, u{keys}"]
     _, found = read(tmp_path, DRIVES.replace("linear = 0.5", "linear = 0.5, liner = 1"))
     assert [one.hint for one in found] == [f"U{keys}"]  # there already
+    _, found = read(tmp_path, DRIVES.replace("x = 1", "X = 1"))
+    assert [one.hint for one in found] == [
+        "Did you mean `x`? If not, use its keys: `x`, `y`, `yaw`."
+    ]
 
 
 def test_two_of_one_name(tmp_path: Path) -> None:

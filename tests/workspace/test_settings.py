@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from wsgen.diagnostics import Severity
 from wsgen.workspace.settings import read_settings
 
 
@@ -36,6 +37,16 @@ def test_a_file_that_cannot_be_used_is_reported(tmp_path: Path, content: bytes) 
     settings, diagnostics = read_settings(tmp_path)
     assert settings.allow == ()
     assert [found.code for found in diagnostics] == ["PKG060"]
+
+
+def test_a_file_that_is_not_toml_says_what_it_leaves_out(tmp_path: Path) -> None:
+    (tmp_path / "wsgen.toml").write_text('schema = 1\n\n[[behavior]\nname = "a"\n')
+    (found,) = read_settings(tmp_path)[1]
+    assert (found.severity, found.line) == (Severity.ERROR, 3)
+    assert found.message.endswith(
+        "Nothing in it counts: no behavior is checked, and no rule is allowed."
+    )
+    assert found.hint == "Close the name of the table: [[behavior]]"
 
 
 def test_a_folder_in_its_place(tmp_path: Path) -> None:

@@ -392,9 +392,31 @@ def _missing_compiler(failure: Failure) -> Iterator[Diagnostic]:
             return
 
 
+OF_ROS_1 = (
+    "The package is one of ROS 1: put an empty file COLCON_IGNORE into its folder, or port it to "
+    "ament_cmake."
+)
+
+
 def _cmake_version(failure: Failure) -> Iterator[Diagnostic]:
+    catkin = next(
+        (
+            call
+            for call in read_calls(failure.cmake_file)
+            if call.command == "find_package" and call.arguments[:1] == ("catkin",)
+        ),
+        None,
+    )
     for error in failure.errors:
         if re.search(r"Compatibility with CMake < \S+ has been removed", error.message):
+            if catkin is not None:  # a newer CMake would not help
+                yield failure.report(
+                    MISSING_DEPENDENCY,
+                    "catkin builds the package, which ROS 2 does not have.",
+                    line=catkin.line,
+                    hint=OF_ROS_1,
+                )
+                continue
             message, hint = word_old_minimum(None)
             yield failure.report(
                 OLD_CMAKE_MINIMUM,
@@ -523,10 +545,7 @@ def _where_to_get(name: str, failure: Failure) -> str:
 def _where_to_clone(name: str, failure: Failure) -> str:
     """For a package that no ROS 2 has: what a file for vcs in the repository says; maybe empty."""
     if name == "catkin":
-        return (
-            "The package is one of ROS 1: put an empty file COLCON_IGNORE into its folder, or port "
-            "it to ament_cmake."
-        )
+        return OF_ROS_1
     for folder in failure.folder.parents[:3]:
         files = [file for depth in ("", "*/") for file in folder.glob(f"{depth}*.repos")]
         for file in sorted(files, key=lambda one: ("sim" not in one.name, one)):

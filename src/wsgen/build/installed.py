@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import re
 import shlex
+from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -174,7 +175,11 @@ def find_relocated(
     if any(argument.startswith(OTHER_CACHE) for argument in colcon_arguments):
         return ()
     found: list[Diagnostic] = []
+    packages = tuple(packages)
+    counts = Counter(package.name for package in packages)
     for package in packages:
+        if counts[package.name] > 1:
+            continue  # that is the error: the cache is of one of them
         folder = workspace.build / package.name
         try:
             text = (folder / "CMakeCache.txt").read_text(encoding="utf-8")

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, NoReturn
 
 from wsgen.errors import NotFoundError, RequestError
 from wsgen.suggestions import suggest
-from wsgen.workspace.layout import IGNORE_MARKERS, crawl, read_package, refuse_missing_manifest
+from wsgen.workspace.layout import ignored_package, ignored_packages, refuse_missing_manifest
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Mapping, Sequence
+    from collections.abc import Collection, Mapping, Sequence
 
     from wsgen.workspace.layout import Inventory, PackageFolder, Workspace
 
@@ -141,13 +141,9 @@ def choose_packages(
 
 def unknown_package(workspace: Workspace, inventory: Inventory, name: str) -> RequestError:
     """Make the error for the name of a package that colcon does not find."""
-    for folder, marker in _ignored_packages(workspace):
-        package = read_package(folder)
-        if package is not None and package.name == name:
-            return RequestError(
-                f"colcon ignores the package {name} in {folder}, because {marker} exists.",
-                hint=f"Remove {marker} to build the package.",
-            )
+    ignored = ignored_package(workspace, name)
+    if ignored is not None:
+        return ignored
     return RequestError(
         f"{workspace.root} has no package {name}.",
         hint=suggest(name, {package.name for package in inventory.packages}),
@@ -160,7 +156,7 @@ def refuse_empty(workspace: Workspace) -> NoReturn:
     Raises:
         NotFoundError: always.
     """
-    ignored = next(_ignored_packages(workspace), None)
+    ignored = next(ignored_packages(workspace), None)
     if ignored is not None:
         folder, marker = ignored
         raise NotFoundError(
@@ -172,16 +168,3 @@ def refuse_empty(workspace: Workspace) -> NoReturn:
         f"{workspace.root} has no package.",
         hint="Create one: wsgen new PACKAGE",
     )
-
-
-def _ignored_packages(workspace: Workspace) -> Iterator[tuple[Path, Path]]:
-    """Yield the packages that colcon ignores, each with the marker file."""
-    for folder, names in crawl(workspace.source, with_ignored=True):
-        if "package.xml" not in names:
-            continue
-        for parent in (folder, *folder.parents):
-            for marker in IGNORE_MARKERS:
-                if (parent / marker).exists():
-                    yield folder, parent / marker
-            if parent == workspace.source:
-                break

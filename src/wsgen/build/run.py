@@ -41,7 +41,7 @@ from wsgen.events import Listener, OutputLine, StepEnded, StepStarted, post
 from wsgen.suggestions import some_of
 from wsgen.values import dataclass
 from wsgen.workspace.layout import check_workspace_path, take_inventory
-from wsgen.workspace.package_xml import check_package_xml
+from wsgen.workspace.package_xml import check_package_xml, refusals_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -225,7 +225,11 @@ def _build(
     causes = explain_failure(job.workspace, job.inventory, progress, finished, distro=distro)
     # Where colcon mistakes the kind of a package, that is the cause of all that fails in it.
     mistaken = {found.element for found in unreported}
-    causes = tuple(found for found in causes if found.element not in mistaken)
+    causes = tuple(
+        found
+        for found in causes
+        if found not in unreported and (found.element is None or found.element not in mistaken)
+    )
     return False, (*broken, *causes, *unreported, *notes)
 
 
@@ -351,9 +355,12 @@ def _unreported(job: _Job, finished: Finished, progress: Progress) -> Iterator[D
     unknown = tuple(unknown_build_types(job.inventory.packages, finished.output))
     yield from unknown
     yield from missing_build_types(job.selected)
+    results = {result.name for result in progress.results}
+    for package in job.selected:  # colcon takes those for plain CMake or Python, without a word
+        if not package.diagnostics and package.name in results:
+            yield from refusals_of(package.path / "package.xml", package.manifest)
     if finished.returncode != 0:
         return
-    results = {result.name for result in progress.results}
     if not (job.names or selects_packages(job.colcon_arguments)):
         for package in job.selected:
             if not package.diagnostics and package.name not in results:

@@ -88,9 +88,6 @@ class Reader:
         self._steps = 0
         self._stop: str = ""  # return, break or continue, while it is under way
         self._parents: list[dict[str, str]] = []  # the variables around a function or a folder
-        self._conditions = Conditions(
-            self.look_up_name, self.exists, self._is_command, self._is_target, self.matches
-        )
 
     def read(self) -> None:
         """Evaluate the CMakeLists.txt of the package."""
@@ -260,7 +257,11 @@ class Reader:
 
     def holds(self, call: Call) -> bool | None:
         """Whether the condition of an if() holds."""
-        return self._conditions.evaluate(self.expand(call.written))
+        # Not kept: it would hold what holds it, until the garbage collector looks for both.
+        conditions = Conditions(
+            self.look_up_name, self.exists, self._is_command, self._is_target, self.matches
+        )
+        return conditions.evaluate(self.expand(call.written))
 
     def _maybe(self, bodies: Sequence[Body]) -> None:
         """Evaluate each of several bodies, one of which is run."""

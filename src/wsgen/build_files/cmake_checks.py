@@ -556,7 +556,7 @@ def misspelled(reader: Reader) -> Iterator[Diagnostic]:
     for mention in unknown[:1]:
         name = mention.call.command
         near = nearest(name, {*COMMANDS, *EVALUATED}, cutoff=SURELY)
-        if near is not None and near not in reader.functions:
+        if near is not None and near not in reader.functions and not _has_more_words(name, near):
             message, hint = word_unknown_command(name, reader.functions)
             yield UNKNOWN_COMMAND.at(
                 mention.file,
@@ -565,6 +565,11 @@ def misspelled(reader: Reader) -> Iterator[Diagnostic]:
                 message=f"{reader.name}: {message}",
                 hint=hint,
             )
+
+
+def _has_more_words(command: str, other: str) -> bool:
+    """Whether a command has all words of another and more, as those of families do."""
+    return set(command.split("_")) > set(other.split("_"))
 
 
 SURELY = 0.9  # how similar two names of commands are, of which one is misspelled

@@ -44,13 +44,15 @@ COMMANDS = {
     "check": "Check packages and files without building or simulating them.",
     "validate": "Simulate the robots that launch files spawn.",
     "sweep": "Simulate many variants of a robot, and write a table.",
-    "launch": "Show what a launch file would start, without ROS and without starting it.",
+    "launch": "Show what a launch file would start, simulate it (--play) or start it (--run).",
+    "run": "Run a program of a package beside a live run, as ros2 run does.",
     "topic": "Look at the topics of a live run, as ros2 topic does, and publish on them.",
     "node": "Look at the nodes of a live run, as ros2 node does.",
     "view": "Show a robot in the browser, with a slider for each joint.",
     "rule": "List all rules, or show the documentation of one.",
     "doctor": "Show what this machine has and lacks for a target, and the commands that fix it.",
 }
+MODULES = {"run": "run_program"}  # of commands whose names are taken in this package
 
 
 class CommandTable(click.Group):
@@ -69,7 +71,7 @@ class CommandTable(click.Group):
         return self._import_command(cmd_name)
 
     def _import_command(self, cmd_name: str) -> click.Command:
-        module = importlib.import_module(f"wsgen.cli.{cmd_name}")
+        module = importlib.import_module(f"wsgen.cli.{MODULES.get(cmd_name, cmd_name)}")
         command: click.Command = module.command
         return command
 
@@ -121,6 +123,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     sys.exit(code)
 
 
+_ends: list[BaseException] = []  # that signals have raised
+SECONDS_UNTIL_AGAIN = 0.01  # after an end was dropped
 ESCAPING = frozenset({"strict", "surrogateescape"})  # how a stream treats such characters
 
 
@@ -180,17 +184,43 @@ def run(arguments: Sequence[str]) -> int:
 
 
 def _unwind_at_signals() -> None:
-    """Let the ending signals raise, so that children are ended and folders removed."""
+    """Let the ending signals raise, so that children are ended and folders removed.
+
+    Python drops what is raised in some places, such as the callbacks of weak references that every
+    import has: there, it is raised again a moment later.
+    """
     import signal
 
     def leave(number: int, _frame: object) -> None:
         _ignore_signals()  # a second signal must not interrupt the cleanup
-        if number == signal.SIGINT:
-            raise KeyboardInterrupt
-        raise SystemExit(EXIT_SIGNALLED + number)
+        is_interrupt = number == signal.SIGINT
+        _ends.append(KeyboardInterrupt() if is_interrupt else SystemExit(EXIT_SIGNALLED + number))
+        raise _ends[-1]
+
+    def raise_again(dropped: sys.UnraisableHookArgs) -> None:
+        end = dropped.exc_value
+        if not isinstance(end, (KeyboardInterrupt, SystemExit)) or not hasattr(signal, "setitimer"):
+            sys.__unraisablehook__(dropped)
+            return
+
+        def leave_now(_number: int, _frame: object) -> None:
+            raise end
+
+        signal.signal(signal.SIGALRM, leave_now)
+        signal.setitimer(signal.ITIMER_REAL, SECONDS_UNTIL_AGAIN)
 
     for number in _ending_signals():
         signal.signal(number, leave)
+    sys.unraisablehook = raise_again
+
+
+def raise_dropped_end() -> None:
+    """Raise again what a signal has raised, if the command goes on all the same.
+
+    Code in C may drop it without a word. A command calls this before it begins what has no end.
+    """
+    if _ends:
+        raise _ends[-1]
 
 
 def _ignore_signals() -> None:
@@ -268,7 +298,9 @@ def _print_usage_error(error: click.ClickException, *, color: bool | None) -> No
         message, near = f"{ctx.command_path} has no option {error.option_name}", error.possibilities
     usage = " ".join(ctx.get_usage().partition(" ")[2].split())
     hint = did_you_mean(near[0]) if near else f"{usage} (options: {ctx.command_path} --help)"
-    _print_error(f"{message.rstrip('.')}.", hint, color=color)
+    # click has a question at the end of some: did you mean another command?
+    message = message.rstrip(".")
+    _print_error(message if message.endswith("?") else f"{message}.", hint, color=color)
 
 
 def _explain_library(error: ImportError) -> WsgenError | None:

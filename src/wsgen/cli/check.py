@@ -148,7 +148,7 @@ def command(
     request = CheckRequest(
         paths=[Path(path) for path in paths], workspace=workspace, distro=distro, jobs=jobs
     )
-    make_plan = partial(_plan, with_informations=verbose or bool(select))
+    make_plan = partial(_plan, with_notes=verbose or bool(select))
     with _connected(scheduler, jobs) as executor:
         run = partial(_run, request, filters, executor, quiet=quiet, verbose=verbose)
         outcome, reported = run()
@@ -232,17 +232,15 @@ def _listening(*, quiet: bool, verbose: bool) -> AbstractContextManager[Listener
     return listening(quiet=quiet or not (is_terminal or verbose), verbose=verbose, is_short=True)
 
 
-def _plan(outcome: CheckOutcome, reported: Reported, *, with_informations: bool) -> FixPlan:
-    """The fixes of what is reported; informations are fixed if they are shown or selected."""
+def _plan(outcome: CheckOutcome, reported: Reported, *, with_notes: bool) -> FixPlan:
+    """The fixes of what is reported; notes are fixed if they are shown or selected."""
     from wsgen.diagnostics import Severity
     from wsgen.fixes.plan import plan_fixes
 
     roots = (*outcome.only, *outcome.files) if outcome.only else ()
     roots = roots or (*outcome.folders.values(), *outcome.files)
     wanted = [
-        found
-        for found in reported.diagnostics
-        if with_informations or found.severity is not Severity.INFO
+        found for found in reported.diagnostics if with_notes or found.severity is not Severity.INFO
     ]
     return plan_fixes(wanted, roots)
 

@@ -33,7 +33,7 @@ def render_report(
     """For each diagnostic `FILE:LINE:COLUMN: SEVERITY[CODE] NAME: MESSAGE`, and what to do.
 
     On a terminal, the line of the file is shown, with the place marked. Those that differ only in
-    what they name are summed up, and informations left out, unless `verbose`.
+    what they name are summed up, and notes left out, unless `verbose`.
     """
     shown = _shown(reported.diagnostics, verbose=verbose)
     is_terminal = sys.stdout is not None and sys.stdout.isatty()
@@ -122,7 +122,7 @@ def render_summary(
     if fixable:
         lines.append(f"{_count(fixable, 'diagnostic')} can be fixed: add --fix, or --diff first.")
     elif counted[Severity.INFO] and len(counted) == 1 and not verbose:
-        lines.append("-v shows informations.")
+        lines.append("-v shows notes.")
     return lines
 
 

@@ -74,6 +74,20 @@ def _share(ctx: click.Context, package: str) -> Path:
     return next(folder for folder in (*shares, *sources) if folder.is_dir())
 
 
+def _programs(ctx: click.Context) -> Iterable[str]:
+    """The programs of the package on the command line."""
+    from wsgen.live.program import executables
+    from wsgen.workspace.layout import open_workspace
+
+    package = ctx.params["package"]
+    install = open_workspace(ctx.params.get("workspace")).install
+    return [
+        name
+        for prefix in (install / package, install)
+        for name in executables(prefix / "lib" / package)
+    ]
+
+
 def _templates(_ctx: click.Context) -> Iterable[str]:
     from wsgen.templating.template import template_names
 
@@ -88,6 +102,7 @@ def _rules(_ctx: click.Context) -> Iterable[str]:
 
 complete_packages = _completer(_packages)
 complete_packages_and_files = _completer(_packages, also="file")
+complete_programs = _completer(_programs)
 complete_launch_files = _completer(_launch_files)
 complete_templates = _completer(_templates, also="dir")
 complete_rules = _completer(_rules)

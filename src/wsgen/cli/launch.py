@@ -25,11 +25,11 @@ from wsgen.errors import EXIT_FAILED, EXIT_PASSED, RequestError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
+    from pathlib import Path
     from typing import Any
 
     from wsgen.model.plan import LaunchPlan
-    from wsgen.pipeline.plan_launch import SelectedLaunchFile
-    from wsgen.pipeline.selection import ValidateRequest
+    from wsgen.pipeline.requests import SelectedLaunchFile, ValidateRequest
 
 
 class RateType(click.ParamType):  # type: ignore[type-arg,unused-ignore]  # newer ones have some
@@ -96,7 +96,7 @@ class RateType(click.ParamType):  # type: ignore[type-arg,unused-ignore]  # newe
     "--view",
     "is_viewed",
     is_flag=True,
-    help="With --play: show the simulation in the browser while it runs (pip install "
+    help="With --play or --run: show the simulation in the browser while it runs (pip install "
     "'wsgen[view]').",
 )
 @click.option(
@@ -169,7 +169,7 @@ def command(
     The arguments are those of `ros2 launch`: an installed package and the name of one of its launch
     files, or the path of a launch file; then launch arguments. With --play, simulate the
     robots as `wsgen validate` does; with --play --view, in the browser, as long as you like. With
-    --run, start its nodes, and simulate what they drive.
+    --run, start its nodes, and simulate what they drive; with --run --view, see it in the browser.
     """
     from click.core import ParameterSource
 
@@ -187,14 +187,14 @@ def command(
         _refuse_beside_run(context)
     else:
         _refuse_without_run(context)
-    if is_viewed:
-        _refuse_beside_view(context)
-    else:
+    if not is_viewed:
         _refuse_without_view(context)
+    elif not is_run:
+        _refuse_beside_view(context)
     if is_run:
         from pathlib import Path
 
-        from wsgen.cli.live_run import run
+        from wsgen.cli.live_run import choose_page, run
         from wsgen.live.recording import choose_recordings
 
         request = _request(arguments, answers, None, picture, seconds, engine)
@@ -207,6 +207,7 @@ def command(
             until_exit=until_exit,
             is_strict=is_strict,
             recordings=choose_recordings([Path(file) for file in recordings]),
+            page=choose_page(host, port, opens=not no_browser) if is_viewed else None,
             quiet=quiet,
             verbose=verbose,
         )
@@ -257,7 +258,7 @@ def _only_video(recordings: Sequence[str]) -> str | None:
 
 
 NOT_WITH_RUN = (
-    *("show_arguments", "play", "is_viewed", "picture", "html_file", "seconds"),
+    *("show_arguments", "play", "picture", "html_file", "seconds"),
     "output_format",
 )
 OF_RUN = ("rate", "run_seconds", "until_exit", "is_strict")
@@ -302,7 +303,10 @@ def _refuse_beside_view(context: click.Context) -> None:
     from click.core import ParameterSource
 
     if not context.params["play"]:
-        raise RequestError("Without --play nothing is simulated.", hint="Write --play --view.")
+        raise RequestError(
+            "Without --play or --run nothing is simulated.",
+            hint="Write --play --view, or --run --view.",
+        )
     if context.params["engine"] == "all":
         raise RequestError("--view shows one engine.", hint="Name it: --engine bullet")
     for name in NOT_WITH_VIEW:
@@ -326,7 +330,7 @@ def _refuse_without_view(context: click.Context) -> None:
             option = next(one.opts[0] for one in context.command.params if one.name == name)
             raise RequestError(
                 f"Without --view no page is served, and {option} has no effect.",
-                hint=f"Add --play --view, or remove {option}.",
+                hint=f"Add --view, or remove {option}.",
             )
 
 
@@ -340,7 +344,7 @@ def _request(  # noqa: PLR0917  the options
 ) -> ValidateRequest:
     from pathlib import Path
 
-    from wsgen.pipeline.selection import ValidateRequest
+    from wsgen.pipeline.requests import ValidateRequest
 
     return ValidateRequest(
         launch_arguments=arguments,
@@ -363,20 +367,36 @@ def _play(
 ) -> int:
     from wsgen.cli.progress import listening
     from wsgen.cli.validate import write_outcome
+    from wsgen.cli.words import tell_unfinished
     from wsgen.pipeline.validate import play
 
-    with listening(quiet=quiet, verbose=verbose) as listener:
-        outcome = play(
-            selected.file,
-            selected.package,
-            selected.overlay,
-            request,
-            workspace=selected.workspace,
-            listener=listener,
-        )
+    before = _version(request.video)
+    try:
+        with listening(quiet=quiet, verbose=verbose) as listener:
+            outcome = play(
+                selected.file,
+                selected.package,
+                selected.overlay,
+                request,
+                workspace=selected.workspace,
+                listener=listener,
+            )
+    except (KeyboardInterrupt, SystemExit):  # a signal
+        if request.video is not None and _version(request.video) == before:
+            tell_unfinished(request.video)
+        raise
     write_outcome(outcome, output_format=output_format, quiet=quiet, verbose=verbose)
-    write_reports(outcome, html_file=html_file)
+    write_reports(outcome, html_file=html_file, quiet=quiet)
     return EXIT_PASSED if outcome.passed else EXIT_FAILED
+
+
+def _version(file: Path | None) -> tuple[int, int] | None:
+    """What is another one once a file is written anew; None where it is not there."""
+    try:
+        found = None if file is None else file.stat()
+    except OSError:
+        return None
+    return None if found is None else (found.st_ino, found.st_mtime_ns)
 
 
 def _write(plan: LaunchPlan, *, output_format: str, show_arguments: bool, quiet: bool) -> None:

@@ -198,7 +198,7 @@ def go_on(created: CreatedPackage, *, validate: bool, quiet: bool, verbose: bool
     if code != EXIT_PASSED or not validate:
         return code
     from wsgen.cli.validate import validate_packages
-    from wsgen.pipeline.selection import ValidateRequest
+    from wsgen.pipeline.requests import ValidateRequest
 
     request = ValidateRequest(packages=(package,), engines=chosen_engines(None))
     return validate_packages(request, workspace=root, quiet=quiet, verbose=verbose)

@@ -13,7 +13,7 @@ import click
 
 from wsgen.cli.terminal import Branch, draw_table, draw_tree
 from wsgen.cli.words import short_path
-from wsgen.diagnostics import Severity
+from wsgen.diagnostics import Severity, has_errors
 from wsgen.model.outcome import ENGINE_NAMES
 from wsgen.report.launch_tree import cause_of, start_tree
 from wsgen.report.words import result_of, what_it_did, write_xyz
@@ -44,7 +44,7 @@ def render_diagnostics(
 ) -> list[str]:
     """Errors first; of each the message, the place and what to do.
 
-    Of warnings and informations with one code, `most_alike` are shown and the others are counted.
+    Of warnings and notes with one code, `most_alike` are shown and the others are counted.
     Errors are all shown.
     """
     lines: list[str] = []
@@ -73,6 +73,18 @@ def render_diagnostics(
     return lines
 
 
+def without_notes(diagnostics: Sequence[Diagnostic]) -> tuple[Diagnostic, ...]:
+    """The diagnostics without notes about the robot, which say nothing about this run.
+
+    Others say what is missing in it: a world, a package that is not built, an engine.
+    """
+    return tuple(
+        one
+        for one in diagnostics
+        if one.severity is not Severity.INFO or not one.code.startswith(OF_ROBOTS)
+    )
+
+
 def render_alike(diagnostics: Sequence[Diagnostic]) -> list[str]:
     """A line each of diagnostics of one rule whose messages say where; the rest is said once."""
     if not diagnostics:
@@ -96,6 +108,7 @@ def _place(diagnostic: Diagnostic) -> str:
 HEADINGS = ("robot", "mass, kg", "movable", "spawned at, m", "at the end, m", "result")
 ENGINE_HEADINGS = ("robot", "engine", "mass, kg", "at the end, m", "tilt, degrees", "result")
 
+OF_ROBOTS = "ROB"  # the family of rules about descriptions
 MOST_ALIKE = 3  # warnings of one code that are shown without --verbose
 
 
@@ -173,15 +186,7 @@ def _package(
     if package.robots:
         lines += ["", *_robots(package, quiet=quiet)]
         lines += _behaviors(package)
-    shown = render_diagnostics(diagnostics, most_alike=None if verbose else MOST_ALIKE)
-    if shown:
-        lines += ["", *(f"  {line}" for line in shown)]
-    repeated = len(package.diagnostics) - len(diagnostics)
-    if repeated:
-        lines += [
-            "",
-            f"  and {repeated} {'diagnostic' if repeated == 1 else 'diagnostics'} as above",
-        ]
+    lines += _reported(package, diagnostics, verbose=verbose)
     if package.picture is not None:
         scale = f"  (a square is {package.picture_tile:g} m)" if package.picture_tile else ""
         lines += ["", f"  picture      {package.picture}{scale}"]
@@ -189,6 +194,31 @@ def _package(
         lines += [f"  whole world  {package.world_picture}"]
     if package.video is not None:
         lines += [f"  video        {package.video}"]
+    return lines
+
+
+def _reported(
+    package: PackageOutcome, diagnostics: Sequence[Diagnostic], *, verbose: bool
+) -> list[str]:
+    """The diagnostics that were not shown before, and how many were, or are for `verbose`."""
+    lines: list[str] = []
+    # What keeps a robot from passing may be explained by it.
+    all_of_package, notable = package.diagnostics, diagnostics
+    if not verbose and not has_errors(package.diagnostics):
+        all_of_package, notable = without_notes(all_of_package), without_notes(notable)
+    shown = render_diagnostics(notable, most_alike=None if verbose else MOST_ALIKE)
+    notes = len(diagnostics) - len(notable)
+    if notes:
+        what = "note" if notes == 1 else "notes"
+        shown.append(f"-v shows {notes} {what} about the robot.")
+    if shown:
+        lines += ["", *(f"  {line}" for line in shown)]
+    repeated = len(all_of_package) - len(notable)
+    if repeated:
+        lines += [
+            "",
+            f"  and {repeated} {'diagnostic' if repeated == 1 else 'diagnostics'} as above",
+        ]
     return lines
 
 
@@ -202,16 +232,36 @@ def _behaviors(package: PackageOutcome) -> list[str]:
         if len(each) <= 1:
             each = [("", robot.behaviors)]
         lines += [
-            _behavior(f"{prefix}{behaviors[number].name}{engine}", behaviors[number])
+            line
             for number in range(len(robot.behaviors))
             for engine, behaviors in each
+            for line in _behavior(f"{prefix}{behaviors[number].name}{engine}", behaviors[number])
         ]
     return ["", *lines] if lines else []
 
 
-def _behavior(name: str, one: BehaviorOutcome) -> str:
+MOST_PRINTED = 8  # lines of the nodes of a behavior
+TELLING = ("[ERROR]", "[FATAL]", "[WARN]", "[WARNING]", "Error: ", "Traceback")
+
+
+def _behavior(name: str, one: BehaviorOutcome) -> list[str]:
     mark = click.style("  ok  ", fg="green") if one.passed else click.style("failed", fg="red")
-    return f"  {mark}  {name}: {what_it_did(one)}"
+    if one.is_left_out:
+        mark = click.style("  --  ", fg="yellow")
+    lines = [f"  {mark}  {name}: {what_it_did(one)}"]
+    printed = () if one.passed else most_telling(one.printed)
+    if printed:
+        lines += [click.style(f"          {line}", dim=True) for line in printed]
+    return lines
+
+
+def most_telling(lines: Sequence[str]) -> list[str]:
+    """A few of the last lines that nodes have printed: errors and warnings, then what is last."""
+    telling = [number for number, line in enumerate(lines) if any(map(line.__contains__, TELLING))]
+    others = [number for number in range(len(lines)) if number not in telling]
+    left = MOST_PRINTED - len(telling[-MOST_PRINTED:])
+    kept = {*telling[-MOST_PRINTED:], *(others[-left:] if left else ())}
+    return [lines[number] for number in sorted(kept)]
 
 
 def _name(package: PackageOutcome) -> str:

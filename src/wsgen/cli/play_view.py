@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 from wsgen.errors import EXIT_FAILED, EXIT_PASSED
 
 if TYPE_CHECKING:
-    from wsgen.pipeline.plan_launch import SelectedLaunchFile
-    from wsgen.pipeline.selection import ValidateRequest
+    from wsgen.pipeline.requests import SelectedLaunchFile, ValidateRequest
 
 
 def view_simulation(

@@ -24,10 +24,14 @@ class LineProgress:
         """Draw one event."""
         if isinstance(event, StepEnded):
             click.echo(_ended(event), err=True)
-        elif isinstance(event, StepStarted) and self.verbose:
+        elif isinstance(event, StepStarted) and (self.verbose or self._tells(event)):
             click.echo(f"  ...  {_title(event)}", err=True)
         elif isinstance(event, OutputLine) and self.verbose:
             click.echo(f"       {event.text}", err=True)
+
+    def _tells(self, event: StepStarted) -> bool:
+        """Whether a line says that a step begins."""
+        return event.takes_long
 
 
 class TerminalProgress(LineProgress):
@@ -40,6 +44,11 @@ class TerminalProgress(LineProgress):
 
         self.status = StatusLine()
         self.running: dict[tuple[str, ...], str] = {}  # several, with more than one job
+
+    def _tells(self, event: StepStarted) -> bool:
+        """The status line does."""
+        del event
+        return False
 
     def __call__(self, event: Event) -> None:
         """Draw one event."""

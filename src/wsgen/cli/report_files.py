@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from wsgen.cli.words import written
 from wsgen.errors import NotFoundError, RequestError
 
 if TYPE_CHECKING:
@@ -73,8 +74,9 @@ def write_reports(
     junit_file: str | None = None,
     summary_file: str | None = None,
     html_file: str | None = None,
+    quiet: bool = False,
 ) -> None:
-    """Write the files that are wanted of a validation."""
+    """Write the files that are wanted of a validation, and name the page, unless `quiet`."""
     if (junit_file, summary_file, html_file) == (None, None, None):
         return
     from pathlib import Path
@@ -98,6 +100,8 @@ def write_reports(
         from wsgen.report.html_report import render_page
 
         write_file(Path(html_file), render_page(outcome, folder))
+        if not quiet:
+            click.echo(f"Wrote {written(Path(html_file))}. A browser opens it.", err=True)
 
 
 def append_summary(file: str, text: str) -> None:

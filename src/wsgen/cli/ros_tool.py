@@ -71,14 +71,16 @@ def start_tool(
     """Become the process that answers: what it prints is the result, and signals reach it."""
     import json
     import os
+    import shlex
     import sys
 
     from wsgen.cli.progress import listening
     from wsgen.isolation.parent import not_started
+    from wsgen.live.program import DOMAIN, find_runs
     from wsgen.ros_environment import open_ros, variables_of_nodes
     from wsgen.ros_environment.processes import hand_over, module_command
 
-    environment = _environment((ctx.parent or ctx).params.get("workspace"))
+    environment = overlay_environment((ctx.parent or ctx).params.get("workspace"))
     package = (message_type or "").partition("/")[0]
     with listening(quiet=False, verbose=False, is_short=True) as listener:
         ros = open_ros(
@@ -89,7 +91,8 @@ def start_tool(
     variables = {**environment, **variables_of_nodes(ros, environment)}
     if not ros.is_sourced:
         # Killed, it would leave queues of Fast DDS in shared memory. After a live run wsgen
-        # removes those; nothing runs after this process that could.
+        # removes those; nothing runs after this process that could. With LOCALHOST it may leave
+        # them still, since rmw_fastrtps then adds them to all profiles.
         variables.setdefault("FASTDDS_BUILTIN_TRANSPORTS", "UDPv4")
     if verb in TAKE_TYPE:
         options["message_type"] = message_type
@@ -99,6 +102,9 @@ def start_tool(
         "use_sim_time": use_sim_time,
         "node_name": node_name,
         "built": [],
+        "domain": variables.get(DOMAIN) or "0",
+        "runs": find_runs(),
+        "command": shlex.join(["wsgen", *sys.argv[1:]]),
         "options": options,
     }
     sys.stdout.flush()
@@ -113,15 +119,14 @@ def start_tool(
 TAKE_TYPE = ("topic echo", "topic pub")
 
 
-def _environment(workspace: str | None) -> Mapping[str, str]:
+def overlay_environment(workspace: str | None) -> Mapping[str, str]:
     """The variables with the overlay of the workspace, whose messages are wanted."""
     import os
-    from pathlib import Path
 
-    from wsgen.workspace.layout import find_workspace, open_workspace
+    from wsgen.workspace.layout import workspace_if_any
     from wsgen.workspace.overlay import SETUPS, source_overlay
 
-    found = open_workspace(workspace) if workspace else find_workspace(Path.cwd())
+    found = workspace_if_any(workspace)
     if found is None or not any((found.install / one).is_file() for one in SETUPS.values()):
         return dict(os.environ)
     if _is_sourced(found.install, os.environ):

@@ -283,7 +283,7 @@ def _workspace(given: str | None, name: str | None, *, is_file: bool) -> Workspa
     from pathlib import Path
 
     from wsgen.cli.validate import open_workspace_of
-    from wsgen.pipeline.selection import ValidateRequest
+    from wsgen.pipeline.requests import ValidateRequest
 
     if name is None:
         return None

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wsgen.model.outcome import Outcome, PackageOutcome
-    from wsgen.pipeline.selection import ValidateRequest
+    from wsgen.pipeline.requests import ValidateRequest
     from wsgen.workspace.layout import Workspace
 
 
@@ -112,8 +112,9 @@ def command(
     from functools import partial
     from pathlib import Path
 
+    from wsgen.cli.live_run import run_for_behaviors
     from wsgen.cli.words import split_launch_arguments
-    from wsgen.pipeline.selection import ValidateRequest
+    from wsgen.pipeline.requests import ValidateRequest
 
     require_places(json_file, junit_file, summary_file, html_file)
     require_libraries(html_file)
@@ -130,6 +131,7 @@ def command(
         jobs=jobs,
         scheduler=scheduler,
         picture_folder=Path(picture) if picture else None,
+        run_live=run_for_behaviors,
     )
     return validate_packages(
         request.for_page() if html_file else request,
@@ -139,7 +141,11 @@ def command(
         output_format=output_format,
         json_file=json_file,
         write_reports=partial(
-            write_reports, junit_file=junit_file, summary_file=summary_file, html_file=html_file
+            write_reports,
+            junit_file=junit_file,
+            summary_file=summary_file,
+            html_file=html_file,
+            quiet=quiet,
         ),
         answers=answers,
     )
@@ -150,7 +156,7 @@ def is_file_name(name: str) -> bool:
     import os
     from pathlib import Path
 
-    from wsgen.pipeline.selection import FILE_SUFFIXES
+    from wsgen.pipeline.requests import FILE_SUFFIXES
 
     path = Path(name)
     if name.lower().endswith(FILE_SUFFIXES):
@@ -165,7 +171,7 @@ def refuse_folder(folder: Path, *, command: str = "validate") -> RequestError:
     """The error for a folder in place of a package or file; the hint names those in it."""
     from itertools import islice
 
-    from wsgen.pipeline.selection import FILE_SUFFIXES
+    from wsgen.pipeline.requests import FILE_SUFFIXES
     from wsgen.workspace.layout import crawl, read_package
 
     named = []
@@ -246,12 +252,15 @@ def _next_steps(
     """What to do next with a robot that stands; for the first one, if there are several."""
     import shlex
 
+    from wsgen.cli.words import engine_words, workspace_words
+    from wsgen.isolation.system import has_guards
+    from wsgen.viewing.viewer_library import is_viewer_installed
     from wsgen.workspace.overlay import SOURCE_USED
 
     label = "Next:"
     arguments = [f"{name}:={value}" for name, value in request.launch_arguments.items()]
     if request.picture_folder is None and any(package.robots for package in outcome.packages):
-        words = [*request.packages, *map(str, request.files), *_workspace_option(workspace)]
+        words = [*request.packages, *map(str, request.files), *workspace_words(workspace)]
         if request.launch_file is not None:
             words += ["--launch", request.launch_file]
         for argument in arguments:
@@ -264,38 +273,33 @@ def _next_steps(
     found = [one for package in outcome.packages for one in package.diagnostics]
     if any(one.code == SOURCE_USED.code for one in found):
         if any(package.package for package in outcome.packages):
-            yield f"{label} {shlex.join(['wsgen', 'build', *_workspace_option(workspace)])}"
+            yield f"{label} {shlex.join(['wsgen', 'build', *workspace_words(workspace)])}"
         return
     for package in outcome.packages:
         if package.package is not None and package.launch_file is not None:
-            words = ["ros2", "launch", package.package, package.launch_file.name, *arguments]
-            yield f"{label} {shlex.join(words)}  (where ROS and install/setup.bash are sourced)"
+            words = ["launch", package.package, package.launch_file.name]
+            ros2 = shlex.join(["ros2", *words, *arguments])
+            if has_guards():
+                is_one = len(request.engines) == 1  # a live run is in one
+                engine = engine_words(request) if is_one else []
+                view = ["--view"] if is_viewer_installed() else []  # it would refuse to start
+                options = [*workspace_words(workspace), "--run", *view, *engine]
+                run = shlex.join(["wsgen", *words, *options, *arguments])
+                yield f"{label} {run}  (starts its nodes, too, without ROS)"
+                label = "     "
+            yield f"{label} {ros2}  (where ROS and install/setup.bash are sourced)"
             break
 
 
 def _simulation_options(request: ValidateRequest) -> list[str]:
     """`--seconds` and `--engine`, where they differ from the defaults."""
-    from wsgen.cli.options import chosen_engines
-    from wsgen.pipeline.selection import ValidateRequest
+    from wsgen.cli.words import engine_words
+    from wsgen.pipeline.requests import ValidateRequest
 
     words = []
     if request.seconds != ValidateRequest().seconds:
         words += ["--seconds", f"{request.seconds:g}"]
-    if request.engines != chosen_engines(None):
-        words += ["--engine", request.engines[0] if len(request.engines) == 1 else "all"]
-    return words
-
-
-def _workspace_option(workspace: Workspace | None) -> list[str]:
-    """`-w` for the workspace, unless the current folder is in it."""
-    from wsgen.cli.words import short_name
-    from wsgen.workspace.layout import open_workspace
-
-    try:
-        is_meant = workspace is None or open_workspace(None).root == workspace.root
-    except (NotFoundError, RequestError):
-        is_meant = False
-    return [] if workspace is None or is_meant else ["-w", short_name(workspace.root)]
+    return [*words, *engine_words(request)]
 
 
 def _as_colcon_says(

@@ -71,7 +71,7 @@ def command(
     from wsgen.cli.validate import is_file_name, open_workspace_of, refuse_folder
     from wsgen.cli.words import split_launch_arguments
     from wsgen.pipeline.describe import describe
-    from wsgen.pipeline.selection import ValidateRequest
+    from wsgen.pipeline.requests import ValidateRequest
     from wsgen.viewing.view import View, check_viewer, choose_port
 
     check_viewer()

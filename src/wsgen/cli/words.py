@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING
 
 import click
 
-from wsgen.errors import RequestError
+from wsgen.errors import NotFoundError, RequestError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
     from pathlib import Path
 
+    from wsgen.pipeline.requests import ValidateRequest
     from wsgen.workspace.layout import Workspace
 
 
@@ -45,6 +46,25 @@ def short_name(path: Path) -> str:
     return click.format_filename(short_path(path))
 
 
+def written(file: Path) -> str:
+    """The path of a file that was written, and its size."""
+    size = file.stat().st_size
+    for unit, least in (("MB", 1_000_000), ("kB", 1_000)):
+        if size >= least:
+            return f"{short_name(file)}: {size / least:.1f} {unit}"
+    return f"{short_name(file)}: {size} bytes"
+
+
+def tell_unfinished(video: Path) -> None:
+    """Say that a signal keeps a video from being drawn, and what is kept."""
+    import contextlib
+
+    kept = f" The {video.name} of before is unchanged." if video.exists() else ""
+    text = f"{video} was not finished: wsgen was ended before it was drawn.{kept}"
+    with contextlib.suppress(OSError):  # the terminal may be gone
+        click.echo(text, err=True)
+
+
 def next_command(workspace: Workspace, *commands: str) -> str:
     """The commands to run next in a workspace, starting from the current folder."""
     import shlex
@@ -53,3 +73,23 @@ def next_command(workspace: Workspace, *commands: str) -> str:
     if not os.path.join(os.getcwd(), "").startswith(os.path.join(root, "")):  # noqa: PTH109, PTH118
         commands = (f"cd {shlex.quote(short_name(workspace.root))}", *commands)
     return " && ".join(commands)
+
+
+def engine_words(request: ValidateRequest) -> list[str]:
+    """`--engine`, unless it is the default."""
+    from wsgen.cli.options import chosen_engines
+
+    if request.engines == chosen_engines(None):
+        return []
+    return ["--engine", request.engines[0] if len(request.engines) == 1 else "all"]
+
+
+def workspace_words(workspace: Workspace | None) -> list[str]:
+    """`-w` for the workspace, unless the current folder is in it."""
+    from wsgen.workspace.layout import open_workspace
+
+    try:
+        is_meant = workspace is None or open_workspace(None).root == workspace.root
+    except (NotFoundError, RequestError):
+        is_meant = False
+    return [] if workspace is None or is_meant else ["-w", short_name(workspace.root)]

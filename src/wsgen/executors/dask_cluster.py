@@ -47,9 +47,13 @@ SECONDS_TO_CLOSE = 10.0
 COUNT_EVERY = 5.0  # s, between two looks at how many threads the workers have
 CALLS_A_THREAD = 3  # that are submitted, so that no thread waits for the next one
 IDLE_SECONDS = 60.0  # after that a worker ends a child that nobody calls
-# Of a local cluster: nobody looks at what it measures of itself ten to a hundred times a second.
+START_SECONDS = 120.0  # for the scheduler of a local cluster to answer, on a busy machine
+# Of a local cluster: nobody looks at what it measures of itself ten to a hundred times a second. A
+# worker that is lost comes again, however long that takes: Dask would give it up after 15 s, and
+# wait without end for another one.
 QUIET = {
     "distributed.scheduler.allowed-failures": ATTEMPTS - 1,
+    "distributed.deploy.lost-worker-timeout": "24h",
     "distributed.worker.profile.enabled": False,
     "distributed.admin.tick.interval": "1s",
     "distributed.admin.system-monitor.interval": "10s",
@@ -103,11 +107,12 @@ def _start(jobs: int) -> LocalCluster:
 def _connected(target: LocalCluster | str, scheduler: str) -> Client:
     if isinstance(target, str):
         _check_address(target)
+    seconds = CONNECT_SECONDS if isinstance(target, str) else START_SECONDS
     clients: list[Client] = []
     # It waits for ever for the answer of who accepts connections and is no scheduler.
-    thread = threading.Thread(target=_open, args=(target, clients), daemon=True)
+    thread = threading.Thread(target=_open, args=(target, clients, seconds), daemon=True)
     thread.start()
-    thread.join(2 * CONNECT_SECONDS)
+    thread.join(2 * seconds)
     if not clients:
         raise NotFoundError(
             f"What answers at {scheduler} is no Dask scheduler.",
@@ -116,10 +121,10 @@ def _connected(target: LocalCluster | str, scheduler: str) -> Client:
     return clients[0]
 
 
-def _open(target: LocalCluster | str, clients: list[Client]) -> None:
+def _open(target: LocalCluster | str, clients: list[Client], seconds: float) -> None:
     client = Client.__new__(Client)
     try:
-        client.__init__(target, timeout=CONNECT_SECONDS, set_as_default=False)
+        client.__init__(target, timeout=seconds, set_as_default=False)
     except (OSError, ValueError):  # timeouts, too
         client.status = "closed"  # else it would wait again when it is deleted
     else:

@@ -9,17 +9,21 @@ import warnings
 from typing import TYPE_CHECKING
 
 from wsgen.files import write_file
+from wsgen.fixes.manifests import DEPENDENCY
 from wsgen.fixes.registry import FIXERS, file_to_fix
 from wsgen.fixes.source import apply, overlap, read_source
 from wsgen.values import dataclass
-from wsgen.workspace.layout import INSTALL_LAYOUT
+from wsgen.workspace.layout import INSTALL_LAYOUT, find_packages, read_package, workspace_around
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.fixes.source import Edit, SourceText
+
+
+MANIFEST = "package.xml"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,8 +69,9 @@ def plan_fixes(diagnostics: Iterable[Diagnostic], roots: Sequence[Path]) -> FixP
         else:
             refused.append((found, reason))
     files = []
+    dependencies = _Dependencies()
     for file, those in by_file.items():
-        fix, rest = _fix_file(file, those)
+        fix, rest = _fix_file(file, those, dependencies)
         files += [fix] if fix else []
         refused += rest
     return FixPlan(files=tuple(files), refused=tuple(refused))
@@ -85,8 +90,61 @@ def _reason_to_refuse(file: Path, roots: Sequence[Path]) -> str | None:
     return None
 
 
+class _Dependencies:
+    """Which packages of the workspaces need which others; colcon builds no circle of them."""
+
+    def __init__(self) -> None:
+        self._of: dict[Path, dict[str, set[str]]] = {}  # by the folder of the workspace
+
+    def add(self, file: Path, edits: Iterable[Edit]) -> str | None:
+        """Add those that edits of a package.xml declare; why not, if they close a circle."""
+        added = {
+            name
+            for edit in edits
+            for _, name in DEPENDENCY.findall(edit.text)
+            if file.name == MANIFEST
+        }
+        package = read_package(file.parent) if added else None
+        if package is None:
+            return None
+        needed = self._around(file.parent)
+        for name in sorted(added):
+            way = _way(name, package.name, needed)
+            if way is not None:
+                circle = " → ".join((package.name, *way))
+                return f"colcon refuses packages that need each other: {circle}"
+        needed.setdefault(package.name, set()).update(added)
+        return None
+
+    def _around(self, folder: Path) -> dict[str, set[str]]:
+        workspace = workspace_around(folder)
+        if workspace is None:
+            return {}
+        if workspace.root not in self._of:
+            self._of[workspace.root] = {
+                package.name: {one.name for one in package.manifest.dependencies}
+                for package in find_packages(workspace)
+                if package.manifest is not None
+            }
+        return self._of[workspace.root]
+
+
+def _way(start: str, end: str, needed: Mapping[str, Collection[str]]) -> tuple[str, ...] | None:
+    """The shortest way from a package to one that it needs, itself or by others; both included."""
+    ways: dict[str, tuple[str, ...]] = {start: (start,)}
+    todo = [start]
+    for name in todo:
+        if name == end:
+            return ways[name]
+        for other in sorted(needed.get(name, ())):
+            if other not in ways:
+                ways[other] = (*ways[name], other)
+                todo.append(other)
+    return None
+
+
 def _fix_file(
-    file: Path, diagnostics: Sequence[Diagnostic]
+    file: Path, diagnostics: Sequence[Diagnostic], dependencies: _Dependencies
 ) -> tuple[FileFix | None, list[tuple[Diagnostic, str]]]:
     source = read_source(file)
     refused: list[tuple[Diagnostic, str]] = []
@@ -106,6 +164,8 @@ def _fix_file(
             refused.append((found, "another fix touches the same place"))
         elif was_whole and not _is_whole(source, apply(source.text, [*edits, *own])):
             refused.append((found, "the fix would break the file"))
+        elif (circle := dependencies.add(file, own)) is not None:
+            refused.append((found, circle))
         else:
             edits += own
             fixed.append(found)

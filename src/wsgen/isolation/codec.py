@@ -23,6 +23,7 @@ NAME = "$type"  # the key of a dataclass's name; no field can be called so
 UNIONS = (Union, types.UnionType)
 SEQUENCES = (list, Sequence)
 MAPPINGS = (dict, Mapping)
+PLAIN = (str, int, float, bool, types.NoneType)  # what JSON has, too
 
 
 def encode(value: object) -> str:
@@ -123,9 +124,32 @@ def _decode_member(value: Any, kind: Any, members: tuple[Any, ...]) -> Any:
 
 def _decode_fields(value: Any, kind: type) -> Any:
     _check(isinstance(value, dict) and value.get(NAME) == kind.__name__, value, kind)
-    hints = _hints(kind)
+    hints, plain = _hints(kind), _plain_types(kind)
     _check(value.keys() - {NAME} <= hints.keys(), value, kind)
-    return kind(**{name: _decode(value[name], hints[name]) for name in value if name != NAME})
+    return kind(
+        **{
+            name: one if type(one) in plain[name] else _decode(one, hints[name])
+            for name, one in value.items()
+            if name != NAME
+        }
+    )
+
+
+@functools.cache
+def _plain_types(kind: type) -> dict[str, tuple[Any, ...]]:
+    """The types of the values that the fields of a dataclass take as they are, by field.
+
+    That spares most values a call: plans have thousands of texts and numbers.
+    """
+    return {
+        name: tuple(one for one in _members(hint) if one in PLAIN)
+        for name, hint in _hints(kind).items()
+    }
+
+
+def _members(kind: Any) -> tuple[Any, ...]:
+    origin, arguments = _parts(kind)
+    return arguments if origin in UNIONS else (kind,)
 
 
 @functools.cache

@@ -88,7 +88,7 @@ def fork_child(
         pid = os.fork()
         if pid == 0:
             request = {**request, "parent_death_pipe": parent_death_pipe}
-            _be_child(request, descriptors, variables, folder, before)
+            be_child(request, descriptors, variables, folder, before)
     except OSError as error:
         raise parent.not_started(error) from error
     finally:
@@ -96,7 +96,7 @@ def fork_child(
     return ForkedProcess(pid)
 
 
-def _be_child(
+def be_child(
     request: dict[str, Any],
     descriptors: tuple[int, ...],
     environment: Mapping[str, str],

@@ -37,6 +37,14 @@ def held(folder: str) -> Iterator[None]:
             os.close(descriptor)
 
 
+def is_held(folder: str) -> bool:
+    """Whether a process holds the lock of a folder, which has been held before."""
+    descriptor = _lock(folder)
+    if descriptor is not None:
+        os.close(descriptor)
+    return descriptor is None
+
+
 def remove_stale(place: str) -> None:
     """Remove folders of this user that lie in a folder and that nobody holds."""
     if fcntl is None:

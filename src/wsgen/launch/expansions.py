@@ -10,6 +10,7 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING
 
+from wsgen.isolation.child import copy_environment
 from wsgen.launch.record import RECORD, CommandOutcome
 from wsgen.values import NamedTuple
 
@@ -55,7 +56,7 @@ class Expansions:
     def _expand(self, key: tuple[str, ...], words: Sequence[str]) -> CommandOutcome:
         from ament_index_python import packages  # of the shim
 
-        environment = dict(os.environ)
+        environment = copy_environment()
         prefixes: dict[str, str | None] = {}
         find = packages.find_prefix
 
@@ -106,7 +107,7 @@ def _holds(known: _Known) -> bool:
     from ament_index_python.resources import has_resource  # of the shim
 
     return (
-        known.environment == dict(os.environ)
+        known.environment == copy_environment()
         and all(_state(file) == state for file, state in known.files.items())
         and all(has_resource("packages", name) == one for name, one in known.prefixes.items())
     )

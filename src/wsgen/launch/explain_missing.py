@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.launch import known_packages
+from wsgen.launch.other_places import find_in_package, in_python
 from wsgen.launch.package_lookup import needs_missing_library, targets_left_out
 from wsgen.pythontree import parse_anew
 from wsgen.ros_names import released_packages
@@ -328,11 +329,13 @@ def _missing_file(path: str) -> Explanation:
             f"Check the path in the launch file{otherwise}.",
             element=path,
         )
-    if package is None:
+    place = find_in_package(path)
+    if package is None or place is not None:
+        where = in_python(place) if place else "get_package_share_directory('PACKAGE')"
         return Explanation(
             FILE_NOT_INSTALLED,
             f"The file '{path}' does not exist.",
-            "Look it up in the share folder of a package: get_package_share_directory('PACKAGE').",
+            f"Look it up in the share folder of a package: {where}.",
             element=path,
         )
     inside = known_packages.as_on_linux(path).rpartition(f"/share/{package}/")[2]

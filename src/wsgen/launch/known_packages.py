@@ -229,8 +229,11 @@ PREFIXES = "WSGEN_ROS_PREFIXES"  # in the environment: that folder, if it is els
 
 def prefix() -> str:
     """The prefix of packages that are not installed: where ROS would have installed them."""
-    folder = os.environ.get(PREFIXES, ALL_PREFIXES)
-    return f"{folder}/{os.environ.get('ROS_DISTRO', 'iron')}"
+    return f"{_all_prefixes()}/{os.environ.get('ROS_DISTRO', 'iron')}"
+
+
+def _all_prefixes() -> str:
+    return os.environ.get(PREFIXES, ALL_PREFIXES)
 
 
 def is_known(package: str) -> bool:
@@ -302,11 +305,19 @@ def package_of(file: str) -> str | None:
 
 
 def is_in_shim(file: str) -> bool:
-    """Whether a path leads into the share folder of a package that is not installed."""
+    """Whether a path leads into the share folder of a package that is not installed.
+
+    Where no ROS is, a path that somebody wrote out, as /opt/ros/humble/share/gazebo_ros/..., means
+    that of any distribution.
+    """
     package = package_of(file)
-    return (
-        package is not None and is_known(package) and as_on_linux(file).startswith(_share(package))
-    )
+    if package is None or not is_known(package):
+        return False
+    path, everywhere = as_on_linux(file), f"{_all_prefixes()}/"
+    if path.startswith(_share(package)):
+        return True
+    inside = path.removeprefix(everywhere).partition("/")[2] if path.startswith(everywhere) else ""
+    return inside.startswith(f"share/{package}/") and not os.path.isdir(prefix())
 
 
 def as_on_linux(path: str) -> str:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.launch import known_packages
+from wsgen.launch.other_places import find_in_package, in_python
 from wsgen.launch.record import RECORD
 from wsgen.suggestions import advice, nearest
 
@@ -186,12 +187,15 @@ def report_parameter_file(path: Path, location: Location | None) -> None:
     if known_packages.is_in_shim(str(path)):
         RECORD.note_unresolved(str(path), "the package is not installed", location)
         return
+    place = find_in_package(str(path))
     _report(
         PARAMETER_FILE_MISSING,
         location,
         None,
         f"The parameter file '{path}' cannot be read; the node starts without it.",
-        "Check the path, and that CMakeLists.txt installs the folder: "
+        f"Look it up in the share folder of its package: {in_python(place)}."
+        if place
+        else "Check the path, and that CMakeLists.txt installs the folder: "
         "install(DIRECTORY config DESTINATION share/${PROJECT_NAME}).",
     )
 

@@ -84,8 +84,14 @@ class Live(Protocol):
     def write_parameters(self, group: ParameterGroup, node: str) -> str | None:
         """Write parameters into a file that a node can be given; None: the file is missing."""
 
-    def load(self, process: Process) -> None:
+    def load(self, process: Process, extra_arguments: Mapping[str, Any]) -> None:
         """Load a node into its container."""
+
+    def follow_states(self, action: Any) -> None:
+        """Let the transitions of the lifecycle node of an action be events of the launch."""
+
+    def change_state(self, action: Any, transition: int) -> None:
+        """Ask the lifecycle node of an action for a transition, given by its number."""
 
     def included(self, include: Include) -> Iterable[Any]:
         """What is visited in the place of a launch file that is not installed."""

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 from wsgen.isolation.child import scratch_folder
 from wsgen.launch.record import RECORD
 from wsgen.model.plan import FileRead
+from wsgen.yamlfile import merge_repeated
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -128,6 +129,7 @@ def key_lines(text: str) -> Any:
     loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)(text)
     try:
         node = loader.get_single_node()
+        merge_repeated(node)
         return {} if node is None else _key_lines(loader, node, {})
     except (yaml.YAMLError, ValueError, RecursionError):
         return {}

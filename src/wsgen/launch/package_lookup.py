@@ -25,7 +25,7 @@ from wsgen.source_shares import is_source, note_use
 from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
     from wsgen.launch.record import Location
 
@@ -46,6 +46,10 @@ NOT_HERE = Rule(
 _DEPENDENCY = lazy_pattern(r"<(\w*depend)\b[^>]*>\s*([\w.-]+)\s*</")
 LEFT_OUT = "wsgen_left_out.txt"  # left_out.cmake of wsgen.build writes it
 _FOR_BUILD = ("depend", "build_depend")
+
+
+# Why a program of the workspace is left out, in the words of a live run.
+NOT_COMPILED = "it is not compiled; with ROS 2 installed and sourced, `wsgen build` compiles it"
 
 
 def find_prefix(package: str, prefix: str | None) -> str | None:
@@ -158,26 +162,42 @@ def needs_missing_library(folder: str, package: str) -> bool:
 
 def report(launch_file: str) -> None:
     """Report the packages that are not declared, and what is left out of the plan."""
+    from ament_index_python.resources import has_resource
+
     manifest = manifest_of(launch_file)
     if manifest is not None:
         _report_undeclared(manifest)
     reported = {one.element for one in RECORD.diagnostics}
     left_out = [entry for entry in RECORD.left_out if entry[1] not in reported]
+    # Not a list of all packages: each launch file of a large workspace would read it.
+    installed = {package for _, package, _ in left_out if has_resource("packages", package)}
+    _report_left_out(
+        [one for one in left_out if one[1] not in installed],
+        launch_file,
+        "Not on this machine, and left out",
+        "Build them in this workspace, or source an installation of ROS that has them, if the "
+        "robot needs them.",
+    )
+    _report_left_out(
+        [one for one in left_out if one[1] in installed],
+        launch_file,
+        "Not compiled, and left out",
+        "`wsgen build` compiles them where a ROS is sourced that has what they need (source "
+        "/opt/ros/<distro>/setup.bash).",
+    )
+
+
+def _report_left_out(
+    left_out: Sequence[tuple[str, str, Location | None]], launch_file: str, why: str, hint: str
+) -> None:
     if left_out:
         names = [
             f"{name} of {package}" + (f" (line {location[1]})" if location else "")
             for name, package, location in left_out
         ]
         file, line = left_out[0][2] or (launch_file, None)
-        RECORD.report(
-            NOT_HERE.at(
-                Path(file),
-                line,
-                message=f"Not on this machine, and left out: {listed(list(dict.fromkeys(names)))}.",
-                hint="Build them in this workspace, or source an installation of ROS that has "
-                "them, if the robot needs them.",
-            )
-        )
+        message = f"{why}: {listed(list(dict.fromkeys(names)))}."
+        RECORD.report(NOT_HERE.at(Path(file), line, message=message, hint=hint))
 
 
 def lookups() -> tuple[Lookup, ...]:

@@ -33,7 +33,7 @@ SERVE = "wsgen.tasks.launch:serve_plain_launches"
 TASK_OF_XACRO = "wsgen.xacro.expansion:expand_for_parent"
 SECONDS = 5.0  # CPU time; what takes longer gets a process, and more time, of its own
 # What somebody else imported here is not what a launch file is to meet in a child.
-_FOREIGN = frozenset(("ament_index_python", "launch", "launch_ros", "xacro"))
+FOREIGN = frozenset(("ament_index_python", "launch", "launch_ros", "xacro"))
 MOST_DEATHS = 3  # then each launch file gets a process of its own
 
 
@@ -112,7 +112,7 @@ class PlainLaunches(AbstractContextManager["PlainLaunches"]):
             here = threading.get_ident()
             child = self._children.get(here)
             if child is None:
-                is_forked = self._is_forked and sys.modules.keys().isdisjoint(_FOREIGN)
+                is_forked = self._is_forked and sys.modules.keys().isdisjoint(FOREIGN)
                 child = Channel(SERVE, memory=LIMITS.memory, is_forked=is_forked)
                 self._children[here] = child
             return child

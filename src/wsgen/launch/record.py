@@ -239,7 +239,8 @@ class Record:
     ) -> None:
         """Note the arguments that are given to xacro and that the xacro file does not have."""
         if unused:
-            place = location or caller()
+            # xacro itself calls this, where a launch file calls xacro.
+            place = location or next((one for one in callers() if not _is_of_xacro(one[0])), None)
             self.unused_xacro_arguments += [(argument, place) for argument in unused]
 
     def note_text(self, text: str, file: str) -> None:
@@ -279,9 +280,10 @@ class Record:
 
     def changed_environment(self) -> dict[str, str]:
         """Variables that differ now from what they were before the launch file ran."""
-        return {
-            name: value for name, value in os.environ.items() if self.environment.get(name) != value
-        }
+        before, now = self.environment, child.copy_environment()
+        if now == before:
+            return {}
+        return {name: value for name, value in now.items() if before.get(name) != value}
 
 
 def _fold(text: str) -> str:
@@ -301,28 +303,47 @@ def caller() -> Location | None:
     """The line that called into the shim; None where no line of the user did."""
     if RECORD.reading is not None:
         return RECORD.reading
-    return next(callers(), None) if RECORD.made_at is None else RECORD.made_at[0]
+    if RECORD.made_at is not None:
+        return RECORD.made_at[0]
+    return _find_line(sys._getframe(1))[0]  # noqa: SLF001  no stack has to be built for it
 
 
 def callers() -> Iterator[Location]:
     """The lines of the user's files, and of libraries, that are being executed, innermost first."""
-    frame: FrameType | None = sys._getframe(1)  # noqa: SLF001  no stack has to be built for it
-    first = child.first_frame()
+    frame: FrameType | None = sys._getframe(1)  # noqa: SLF001  same
+    while frame is not None:
+        found, frame = _find_line(frame)
+        if found is not None:
+            yield found
+
+
+def _find_line(frame: FrameType | None) -> tuple[Location | None, FrameType | None]:
+    """The line of a frame, or of the first of its callers that is none of wsgen's.
+
+    The frame that called it comes back, too; both are None where no line is the user's.
+    """
+    first, known = child.first_frame(), _namespaces
     while frame is not first and frame is not None:
         # Not by its code at first: who reads that has Python call the audit hook each time.
         names = frame.f_globals
-        if id(names) not in _namespaces:
-            file, name = frame.f_code.co_filename, names.get("__name__", "")
-            if _is_machinery(file):
-                if vars(sys.modules.get(name, _NO_MODULE)) is names:
-                    _namespaces[id(names)] = names
-            else:
-                yield file, frame.f_lineno
+        if id(names) not in known:
+            file = frame.f_code.co_filename
+            if not _is_machinery(file):
+                return (file, frame.f_lineno), frame.f_back
+            if vars(sys.modules.get(names.get("__name__", ""), _NO_MODULE)) is names:
+                known[id(names)] = names
         frame = frame.f_back
+    return None, None
 
 
 _NO_MODULE = ModuleType("")
 _namespaces: dict[int, Mapping[str, Any]] = {}  # of modules that are none of the user's, by id
+
+
+def _is_of_xacro(file: str) -> bool:
+    xacro = sys.modules.get("xacro")
+    folder = os.path.dirname(getattr(xacro, "__file__", None) or "")
+    return bool(folder) and os.path.dirname(file) == folder
 
 
 @functools.cache

@@ -63,6 +63,8 @@ NO_ROBOT = Rule(
     code="SPN003",
     name="no-robot",
     severity=Severity.ERROR,
+    severity_varies="a note where nodes run, which may spawn one: `wsgen launch --run`, "
+    "the fixture `live`",
     summary="The launch file spawns no robot.",
     what="Looks for spawners among what the launch file includes and starts, and for models with "
     "movable joints in the world.",

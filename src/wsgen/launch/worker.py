@@ -22,7 +22,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from wsgen.diagnostics import has_errors
-from wsgen.isolation.child import scratch_folder, set_environment
+from wsgen.isolation.child import copy_environment, scratch_folder, set_environment
 from wsgen.launch import known_packages, package_lookup, written_files
 from wsgen.launch.record import RECORD, ForkError, NotPlainError, caller, callers
 from wsgen.model.plan import LaunchArgument, LaunchPlan
@@ -79,7 +79,7 @@ def evaluate(
     RECORD.with_origins = request.with_origins
     _install()
     _take_answers(request.answers)
-    RECORD.environment = dict(os.environ)
+    RECORD.environment = copy_environment()
     _note_unset_variables()
     RECORD.ends_branch = lambda error: _ends_branch(error, launch_file, explain_xacro)
     is_complete = False
@@ -424,7 +424,7 @@ def play_live(
     RECORD.package, RECORD.run_xacro, RECORD.live = request.package, run_xacro, live
     _install(for_processes=False)
     _take_answers(request.answers)
-    RECORD.environment = dict(os.environ)
+    RECORD.environment = copy_environment()
     launch_file = str(request.launch_file)
     RECORD.ends_branch = lambda error: _is_left_out(error, live)
     from launch._events import Shutdown
@@ -474,5 +474,5 @@ def _is_left_out(error: Exception, live: Live) -> bool:
     if program is None:
         return False
     name, package = program
-    live.leave_out(f"{name} of {package}", "it is not compiled")
+    live.leave_out(f"{name} of {package}", package_lookup.NOT_COMPILED)
     return True

@@ -50,8 +50,18 @@ def _gazebo(values: Mapping[str, str]) -> Iterator[Any]:
 
 def _gzserver(values: Mapping[str, str]) -> Iterator[Any]:
     paused = ["--pause"] if _is_true(values.get("pause", "false")) else []
-    words = ["gzserver", values.get("world", ""), *paused]
+    words = ["gzserver", values.get("world", ""), *paused, *_ros_arguments(values)]
     yield _process(words, is_required=_is_true(values.get("server_required", "false")))
+
+
+def _ros_arguments(values: Mapping[str, str]) -> list[str]:
+    """Parameters of Gazebo's nodes, such as `publish_rate`: a file, or among other arguments."""
+    file, extra = values.get("params_file", ""), values.get("extra_gazebo_args", "")
+    words = ["--ros-args", "--params-file", file, "--"] if file else []
+    try:
+        return [*words, *shlex.split(extra)]
+    except ValueError:  # a quotation mark without its other one
+        return [*words, *extra.split()]
 
 
 def _gzclient(values: Mapping[str, str]) -> Iterator[Any]:

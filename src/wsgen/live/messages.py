@@ -21,11 +21,16 @@ ENDINGS = (b"_msgs", b"_interfaces", b"_srvs")
 # Of files that name messages for processes which are not compiled: Python, package.xml, YAML.
 SUFFIXES = frozenset((".py", ".xml", ".yaml", ".yml", ""))
 OF_CONTROL = ("control_msgs", "controller_manager_msgs")
+ACTUATORS = "use_actuator_msg"  # of plugins
+TRICYCLE = "publish_ackermann_command"  # a parameter of a controller
 CONTROL = "ros2_control"  # in the file names of plugins
 CONTROL_PROGRAMS = frozenset(("spawner", "spawner.py", "unspawner", "ros2_control_node"))
 # Kinds of sensors whose messages only a package of Gazebo has.
 OF_GAZEBO = frozenset(("altimeter", "contact"))
 GAZEBO = {"classic": "gazebo_msgs", "gz": "ros_gz_interfaces"}
+# Of files that describe robots, or are included by those.
+DESCRIPTIONS = frozenset((".gazebo", ".sdf", ".urdf", ".xacro", ".xml"))
+_SENSOR_OF_GAZEBO = re.compile(rb"<sensor[^>]*\btype\s*=\s*[\"'](?:altimeter|contact)[\"']")
 _TYPE = re.compile(r"\b([a-z]\w*)/(?:msg|srv|action)/\w+")
 LARGEST = 1 << 20  # bytes of the file of a bridge
 
@@ -42,6 +47,28 @@ def messages_of_packages(packages: Iterable[PackageFolder]) -> frozenset[str]:
     )
 
 
+def messages_of_robots_to_come(packages: Iterable[PackageFolder], simulator: str) -> frozenset[str]:
+    """Those that robots of the workspace need, if a second launch or a node spawns one.
+
+    They are needed when the simulator starts, because a process cannot load libraries from folders
+    that it did not know then.
+    """
+    texts = [
+        text
+        for package in packages
+        for file, text in texts_below(package.path)
+        if file.suffix.lower() in DESCRIPTIONS
+    ]
+    names: set[str] = set()
+    if any(CONTROL.encode() in text for text in texts):
+        names.update(OF_CONTROL)
+    if any(_SENSOR_OF_GAZEBO.search(text) for text in texts):
+        names.add(GAZEBO[simulator])
+    if any(ACTUATORS.encode() in text for text in texts):
+        names.add("actuator_msgs")
+    return frozenset(names)
+
+
 def messages_of_devices(devices: Iterable[Devices], simulator: str) -> frozenset[str]:
     """Those that sensors and plugins publish or take."""
     return frozenset(name for one in devices for name in _of_devices(one, simulator))
@@ -51,6 +78,12 @@ def _of_devices(devices: Devices, simulator: str) -> Iterator[str]:
     files = (plugin.attributes.get("filename", "") for plugin in devices.plugins)
     if devices.ros2_control or any(CONTROL in file for file in files):
         yield from OF_CONTROL
+    if any(plugin.get(ACTUATORS) for plugin in devices.plugins):
+        yield "actuator_msgs"
+    for plugin in devices.plugins:
+        for parameters in plugin.find_all("parameters"):
+            if TRICYCLE in _text_of(parameters.text):
+                yield "ackermann_msgs"
     if any(sensor.kind in OF_GAZEBO for sensor in devices.sensors):
         yield GAZEBO[simulator]
 
@@ -69,6 +102,12 @@ def _of_process(process: Process) -> Iterator[str]:
             yield from _TYPE.findall(word)
         file = program.parameters.get("config_file")
         if isinstance(file, str):
-            with suppress(OSError, UnicodeDecodeError):
-                if Path(file).stat().st_size < LARGEST:
-                    yield from _TYPE.findall(Path(file).read_text(encoding="utf-8"))
+            yield from _TYPE.findall(_text_of(file))
+
+
+def _text_of(file: str) -> str:
+    """What is in a file; nothing of one that is not there, or no text, or too large."""
+    with suppress(OSError, ValueError):
+        if Path(file).stat().st_size < LARGEST:
+            return Path(file).read_text(encoding="utf-8")
+    return ""

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.launch import commands
-from wsgen.live.programs import LeftOut, find_stand
+from wsgen.live.programs import LeftOut, find_component, find_replacement
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from wsgen.diagnostics import Diagnostic
-    from wsgen.model.plan import LaunchPlan
+    from wsgen.model.plan import LaunchPlan, Process
 
 
 CANNOT_RUN = Rule(
@@ -32,16 +32,28 @@ CANNOT_RUN = Rule(
 def cannot_run(plan: LaunchPlan, *, is_sourced: bool) -> Iterator[Diagnostic]:
     """Report the programs of a plan that would be left out."""
     for process in plan.processes:
+        if process.container is not None:
+            component = find_component(process.executable or "", is_sourced=is_sourced)
+            if isinstance(component, LeftOut):
+                yield _cannot_run(process, process, component)
+            continue
         for program in commands.programs(process):
             name = program.executable or ""
-            stand = find_stand(program.package, name, program.arguments, is_sourced=is_sourced)
-            left_out = stand.stand if stand else None
+            found = find_replacement(
+                program.package, name, program.arguments, is_sourced=is_sourced
+            )
+            left_out = found.replacement if found else None
             if isinstance(left_out, LeftOut) and left_out.is_missed:
-                of = f" of {program.package}" if program.package else ""
-                yield CANNOT_RUN.at(
-                    process.file,
-                    process.line,
-                    name,
-                    message=f"{name}{of} cannot run here: {left_out.why}.",
-                    hint="Start it under a condition, or leave --strict out.",
-                )
+                yield _cannot_run(process, program, left_out)
+
+
+def _cannot_run(process: Process, program: Process, left_out: LeftOut) -> Diagnostic:
+    name = program.executable or ""
+    of = f" of {program.package}" if program.package else ""
+    return CANNOT_RUN.at(
+        process.file,
+        process.line,
+        name,
+        message=f"{name}{of} cannot run here: {left_out.why}.",
+        hint="Start it under a condition, or leave --strict out.",
+    )

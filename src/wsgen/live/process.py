@@ -5,19 +5,28 @@ from __future__ import annotations
 import logging
 import os
 import signal
-import subprocess
 import time
 from collections import deque
 from contextlib import suppress
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.errors import RequestError
+from wsgen.live.journal import OTHER
+from wsgen.live.missing_modules import missing_module, missing_name, newer_numpy
+from wsgen.live.tracebacks import Frames
 
 if TYPE_CHECKING:
+    import subprocess
     from collections.abc import Callable, Mapping, Sequence
 
     from wsgen.launch.live import Start
+    from wsgen.live.forked_nodes import ForkedNode
+    from wsgen.live.journal import JournalWriter
     from wsgen.live.screen import LogFiles, Screen
+    from wsgen.live.tracebacks import Frame
+
+    # Starts it in a session of its own, with its environment, its output and its errors.
+    Begin = Callable[[Mapping[str, str], Sequence[int]], subprocess.Popen[bytes] | ForkedNode]
 
 READ = 1 << 16  # bytes at once
 LONGEST_LINE = 1 << 16  # bytes; what is longer is cut into several
@@ -27,6 +36,8 @@ A_LINE = 50  # bytes more that a line counts, for what is written before it
 MOST_CACHED = 1 << 24  # bytes that are kept for the launch file
 STDOUT, STDERR = 1, 2
 STREAMS = {STDOUT: "stdout", STDERR: "stderr"}
+# Signals that tell a process to end, whatever its exit code is then. Others may be for its handler.
+ENDING = frozenset({signal.SIGHUP, signal.SIGINT, signal.SIGQUIT, signal.SIGTERM, signal.SIGKILL})
 DESTINATIONS = ("screen", "log", "own_log")
 _ALIASES: dict[str, dict[str, set[str]]] = {
     "screen": {"both": {"screen"}},
@@ -71,6 +82,15 @@ def destinations(config: Mapping[str, object] | str) -> dict[str, frozenset[str]
     return result
 
 
+class Causes(NamedTuple):
+    """What a Python program has printed of why it has ended."""
+
+    missing_module: str | None  # whose absence has ended it
+    missing_name: str | None  # what to say of a message that a package does not have
+    newer_numpy: str | None  # the release of NumPy that refused what it did
+    frames: tuple[Frame, ...]  # of its tracebacks, the innermost one first
+
+
 class LineFormat:
     """What is written of a line; a format of the launch file that fails is replaced."""
 
@@ -99,7 +119,7 @@ class LineFormat:
 class Output:
     """One stream of a process: its lines go where they are wanted."""
 
-    def __init__(
+    def __init__(  # noqa: PLR0913  where lines go
         self,
         form: LineFormat,
         stream: int,
@@ -107,8 +127,10 @@ class Output:
         start: Start,
         screen: Screen,
         logs: LogFiles,
+        journal: JournalWriter | None = None,
     ) -> None:
         self.stream = stream
+        self._journal = journal
         self._form = form
         self._start = start
         self._screen = screen
@@ -120,6 +142,10 @@ class Output:
         self._to = wanted["both"] | wanted[own]
         self._files = [f"{form.name}-{own}.log"] if "own_log" in wanted[own] else []
         self._files += [f"{form.name}.log"] if "own_log" in wanted["both"] else []
+        self.missing_module: str | None = None  # whose absence has ended a Python program
+        self.missing_name: str | None = None  # what to say of a message that a package lacks
+        self.newer_numpy: str | None = None  # the release whose change has ended one
+        self.frames = Frames()
         self.cached: deque[bytes] = deque()
         self._cached_size = 0
 
@@ -129,6 +155,12 @@ class Output:
             self.cached.append(data)
             self._cached_size += len(data)
         *lines, self._rest = (self._rest + data).split(b"\n")
+        if self.stream == STDERR:
+            text = b"\n".join(lines)
+            self.missing_module = missing_module(text) or self.missing_module
+            self.missing_name = missing_name(text) or self.missing_name
+            self.newer_numpy = newer_numpy(text) or self.newer_numpy
+            self.frames.take(text)
         while len(self._rest) > LONGEST_LINE:
             lines.append(self._rest[:LONGEST_LINE])
             self._rest = self._rest[LONGEST_LINE:]
@@ -153,6 +185,8 @@ class Output:
         return b"".join(self.cached).decode(errors="replace")
 
     def _write(self, lines: list[bytes]) -> None:
+        if self._journal is not None:
+            self._journal.printed(self._form.name, lines)
         shown = [self._form.shown(line) for line in lines]
         if "screen" in self._to:
             self._screen.write(b"\n".join(shown))
@@ -204,25 +238,27 @@ class RunningProcess:
 
     def __init__(  # noqa: PLR0913  what a process has
         self,
-        command: Sequence[str],
+        begin: Begin,
         *,
         start: Start,
         name: str,
         environment: Mapping[str, str],
         screen: Screen,
         logs: LogFiles,
-        is_shell: bool = False,
+        journal: JournalWriter | None = None,
     ) -> None:
         self.start = start
         self.name = name
-        self.shown = " ".join(command)  # as `ros2 launch` would show it
+        self.shown = name  # as `ros2 launch` would show its command line
+        self.role = OTHER  # as the journal has it
         self.respawn: Callable[[], None] = _do_nothing
         self.budget = Budget()
-        self.is_ending = False  # it was told to end
+        self.is_ending = False  # it was told to end, and gets stronger signals if it does not
+        self._signals: set[int] = set()  # that it was sent
         self.outputs: dict[int, Output] = {}  # by the descriptor that is read
         form = LineFormat(name, start)
         outputs = [
-            Output(form, stream, start=start, screen=screen, logs=logs)
+            Output(form, stream, start=start, screen=screen, logs=logs, journal=journal)
             for stream in (STDOUT, STDERR)
         ]
         ends: list[int] = []
@@ -232,16 +268,7 @@ class RunningProcess:
                 ends.append(theirs)
                 self.outputs[ours] = output
                 os.set_blocking(ours, False)
-            self.child = subprocess.Popen(
-                " ".join(command) if is_shell else list(command),
-                shell=is_shell,
-                stdin=subprocess.PIPE,
-                stdout=ends[0],
-                stderr=ends[1],
-                cwd=start.folder,
-                env=dict(environment),
-                start_new_session=True,
-            )
+            self.child = begin(environment, ends)
         except BaseException:
             self.close()
             raise
@@ -269,8 +296,13 @@ class RunningProcess:
 
     def send_signal(self, number: int) -> None:
         """Send a signal to the process and to what it has started."""
+        self._signals.add(number)
         with suppress(ProcessLookupError, PermissionError):
             os.killpg(self.pid, number)
+
+    def is_end_wanted(self, code: int) -> bool:
+        """Whether it was told to end: by launch, or by a signal that the launch file sends."""
+        return self.is_ending or not ENDING.isdisjoint(self._signals) or -code in self._signals
 
     def close(self) -> None:
         """Close its streams."""

@@ -13,6 +13,7 @@ from wsgen.values import dataclass
 
 NODES = "wsgen.ros_nodes"
 SIMULATOR = f"{NODES}.simulator"
+SPAWNERS = (f"{NODES}.create", f"{NODES}.controller_spawner")  # they bring something, and end
 GZ_COMMANDS = ("gz", "ign")
 GZ_SERVERS = ("sim", "gazebo")  # `gz sim`, `ign gazebo`
 GZ_RUN = frozenset(("-r", "--run"))
@@ -20,13 +21,14 @@ CLASSIC_PAUSE = frozenset(("-u", "--pause"))
 
 
 @dataclass(frozen=True, kw_only=True)
-class Ours:
+class BuiltIn:
     """A program of wsgen."""
 
     module: str
     arguments: tuple[str, ...] = ()  # before those of the launch file
     keeps_arguments: bool = True
     with_sourced_ros: bool = False  # also where the real one is there: it would ask for Gazebo
+    note: str = ""  # what is different from the real one, which is told
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,32 +38,33 @@ class LeftOut:
     why: str
     with_sourced_ros: bool = False  # likewise
     is_missed: bool = True  # what it does is not done in another way
+    is_mistake: bool = False  # of the user, with which ros2 launch would not begin either
 
 
-Stand = Ours | LeftOut
+Replacement = BuiltIn | LeftOut
 
-_GAZEBO = Ours(module=SIMULATOR, keeps_arguments=False, with_sourced_ros=True)
+_GAZEBO = BuiltIn(module=SIMULATOR, keeps_arguments=False, with_sourced_ros=True)
 _GAZEBO_PAUSED = replace(_GAZEBO, arguments=("--paused",))
 _GAZEBO_THAT_WAITS = replace(_GAZEBO, arguments=("--waits-for-play",))
-_BRIDGE = Ours(module=f"{NODES}.bridge", with_sourced_ros=True)
-_IMAGE_BRIDGE = Ours(module=f"{NODES}.bridge", arguments=("--images",), with_sourced_ros=True)
+_BRIDGE = BuiltIn(module=f"{NODES}.bridge", with_sourced_ros=True)
+_IMAGE_BRIDGE = BuiltIn(module=f"{NODES}.bridge", arguments=("--images",), with_sourced_ros=True)
 _WINDOW = LeftOut(
     why="wsgen simulates in the place of Gazebo and shows no window of it",
     with_sourced_ros=True,
     is_missed=False,
 )
-_SPAWNER = Ours(module=f"{NODES}.controller_spawner", with_sourced_ros=True)
-_STATIC = Ours(module=f"{NODES}.static_transform_publisher")
+_SPAWNER = BuiltIn(module=f"{NODES}.controller_spawner", with_sourced_ros=True)
+_STATIC = BuiltIn(module=f"{NODES}.static_transform_publisher")
 _NOT_ON_PYPI = "it is C++ that PyPI does not have; with ROS 2 installed and sourced it runs"
 _DRAWS = "it draws with libraries that PyPI does not have; with ROS 2 installed and sourced it runs"
 
 
-def _create(program: str) -> Ours:
-    return Ours(module=f"{NODES}.create", arguments=("--as", program), with_sourced_ros=True)
+def _create(program: str) -> BuiltIn:
+    return BuiltIn(module=f"{NODES}.create", arguments=("--as", program), with_sourced_ros=True)
 
 
 # (package, executable) -> what stands in its place.
-PROGRAMS: dict[tuple[str, str], Stand] = {
+PROGRAMS: dict[tuple[str, str], Replacement] = {
     ("gazebo_ros", "spawn_entity.py"): _create("spawn_entity.py"),
     ("gazebo_ros", "gzserver"): _GAZEBO,
     ("ros_gz_sim", "create"): _create("create"),
@@ -72,19 +75,21 @@ PROGRAMS: dict[tuple[str, str], Stand] = {
     ("ros_ign_bridge", "parameter_bridge"): _BRIDGE,
     ("ros_gz_image", "image_bridge"): _IMAGE_BRIDGE,
     ("ros_ign_image", "image_bridge"): _IMAGE_BRIDGE,
-    ("robot_state_publisher", "robot_state_publisher"): Ours(
+    ("robot_state_publisher", "robot_state_publisher"): BuiltIn(
         module=f"{NODES}.robot_state_publisher"
     ),
-    ("joint_state_publisher", "joint_state_publisher"): Ours(
+    ("joint_state_publisher", "joint_state_publisher"): BuiltIn(
         module=f"{NODES}.joint_state_publisher"
     ),
-    ("joint_state_publisher_gui", "joint_state_publisher_gui"): LeftOut(
-        why="it is a window with sliders; `wsgen view PACKAGE` moves joints in the browser"
+    ("joint_state_publisher_gui", "joint_state_publisher_gui"): BuiltIn(
+        module=f"{NODES}.joint_state_publisher",
+        note="joint_state_publisher runs in its place, without a window of sliders; "
+        "`wsgen view PACKAGE` moves joints in the browser",
     ),
     ("tf2_ros", "static_transform_publisher"): _STATIC,
     ("controller_manager", "spawner"): _SPAWNER,
     ("controller_manager", "spawner.py"): _SPAWNER,
-    ("controller_manager", "unspawner"): Ours(
+    ("controller_manager", "unspawner"): BuiltIn(
         module=f"{NODES}.controller_spawner", arguments=("--unspawn",), with_sourced_ros=True
     ),
     ("controller_manager", "ros2_control_node"): LeftOut(
@@ -97,7 +102,7 @@ PROGRAMS: dict[tuple[str, str], Stand] = {
 }
 
 # Programs that a command line starts by their name -> what stands in their place.
-COMMANDS: dict[str, Stand] = {
+COMMANDS: dict[str, Replacement] = {
     "gzserver": _GAZEBO,
     "gazebo": _GAZEBO,
     "gzclient": _WINDOW,
@@ -124,6 +129,24 @@ PLUGINS: dict[str, tuple[str, str]] = {
     "tf2_ros::StaticTransformBroadcasterNode": ("tf2_ros", "static_transform_publisher"),
 }
 
+_COMPONENT = LeftOut(
+    why="it is a C++ node for a container, which PyPI does not have; with ROS 2 installed and "
+    "sourced it runs"
+)
+
+
+def find_component(plugin: str, *, is_sourced: bool) -> tuple[str, str] | LeftOut | None:
+    """The program, by its package, that stands in the place of a node for a container.
+
+    None where the container of a ROS that is sourced loads the node itself.
+    """
+    alone = PLUGINS.get(plugin)
+    if is_sourced:
+        replaced = alone and PROGRAMS.get(alone)
+        return alone if replaced and replaced.with_sourced_ros else None
+    return alone or _COMPONENT
+
+
 # What `ros2 COMMAND` is here.
 ROS2_COMMANDS = frozenset(("topic", "node"))
 
@@ -131,11 +154,11 @@ ROS2_COMMANDS = frozenset(("topic", "node"))
 class Replaced(NamedTuple):
     """What stands in the place of a program, with the arguments that it gets."""
 
-    stand: Stand
+    replacement: Replacement
     arguments: tuple[str, ...]
 
 
-def find_stand(
+def find_replacement(
     package: str | None, program: str, arguments: tuple[str, ...], *, is_sourced: bool
 ) -> Replaced | None:
     """What stands in the place of a program; None where the program itself runs.
@@ -147,21 +170,21 @@ def find_stand(
         is_sourced: Whether a ROS is there whose own programs run.
     """
     if package is not None:
-        stand = PROGRAMS.get((package, program))
+        replacement = PROGRAMS.get((package, program))
     elif program in GZ_COMMANDS:
-        stand, arguments = _gz(arguments)
+        replacement, arguments = _gz(arguments)
     elif program == "ros2":
-        stand, arguments = _ros2(arguments)
+        replacement, arguments = _ros2(arguments)
     else:
-        stand = COMMANDS.get(program)
-        if stand is _GAZEBO and CLASSIC_PAUSE.intersection(arguments):
-            stand = _GAZEBO_PAUSED
-    if stand is None or (is_sourced and not stand.with_sourced_ros):
+        replacement = COMMANDS.get(program)
+        if replacement is _GAZEBO and CLASSIC_PAUSE.intersection(arguments):
+            replacement = _GAZEBO_PAUSED
+    if replacement is None or (is_sourced and not replacement.with_sourced_ros):
         return None
-    return Replaced(stand=stand, arguments=arguments)
+    return Replaced(replacement=replacement, arguments=arguments)
 
 
-def _gz(arguments: tuple[str, ...]) -> tuple[Stand, tuple[str, ...]]:
+def _gz(arguments: tuple[str, ...]) -> tuple[Replacement, tuple[str, ...]]:
     words = [part for word in arguments for part in word.split()]
     if words[:1] and words[0] in GZ_SERVERS:
         if "-g" in words:
@@ -171,14 +194,14 @@ def _gz(arguments: tuple[str, ...]) -> tuple[Stand, tuple[str, ...]]:
     return LeftOut(why=why, with_sourced_ros=True), arguments
 
 
-def _ros2(arguments: tuple[str, ...]) -> tuple[Stand, tuple[str, ...]]:
+def _ros2(arguments: tuple[str, ...]) -> tuple[Replacement, tuple[str, ...]]:
     command = arguments[0] if arguments else ""
     if command == "control":
         found = _ros2_control(arguments[1:])
         if found is not None:
             return found
     if command in ROS2_COMMANDS:
-        return Ours(module="wsgen"), arguments
+        return BuiltIn(module="wsgen"), arguments
     why = f"ros2 {command} is not installed; with ROS 2 installed and sourced it runs"
     return LeftOut(why=why), arguments
 
@@ -186,7 +209,7 @@ def _ros2(arguments: tuple[str, ...]) -> tuple[Stand, tuple[str, ...]]:
 _STATE = "--set-state"
 
 
-def _ros2_control(words: tuple[str, ...]) -> tuple[Stand, tuple[str, ...]] | None:
+def _ros2_control(words: tuple[str, ...]) -> tuple[Replacement, tuple[str, ...]] | None:
     """What `ros2 control load_controller [--set-state active] NAME` is."""
     if words[:1] != ("load_controller",):
         return None

@@ -14,18 +14,18 @@ from wsgen.errors import NotFoundError, RequestError, SessionDiedError
 from wsgen.isolation import parent
 from wsgen.rendering.recording import why_no_video
 from wsgen.ros_environment.processes import module_command
-from wsgen.values import dataclass
+from wsgen.values import NamedTuple, dataclass
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
     from pathlib import Path
 
 
 MODULE = "wsgen.ros_nodes.recorder"
 READY = b"\n"  # what it writes when it records
 READ = 1 << 16  # bytes at once
-SECONDS_TO_START = 30.0  # wall-clock, on a busy machine
-SECONDS_TO_FINISH = 20.0  # wall-clock, for the index at the end of the file
+SECONDS_TO_START = 120.0  # wall-clock, on a busy machine
+SECONDS_TO_FINISH = 60.0  # wall-clock, for the index at the end of the file
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,6 +39,14 @@ class Recordings:
     def files(self) -> tuple[Path, ...]:
         """All of them."""
         return tuple(file for file in (self.mcap, self.video) if file is not None)
+
+
+class Recorded(NamedTuple):
+    """A file that a live run has left."""
+
+    file: Path
+    seconds: float  # simulated, where something was
+    messages: int | None = None  # None: of a video
 
 
 def choose_recordings(files: Sequence[Path]) -> Recordings:
@@ -84,8 +92,14 @@ def choose_recordings(files: Sequence[Path]) -> Recordings:
 
 
 @contextlib.contextmanager
-def recording_topics(
-    file: Path | None, python: Path, environment: Mapping[str, str], *, use_sim_time: bool
+def recording_topics(  # noqa: PLR0913  a request
+    file: Path | None,
+    python: Path,
+    environment: Mapping[str, str],
+    *,
+    use_sim_time: bool,
+    live_folder: Path | None = None,
+    recorded: Callable[[Recorded], None] = lambda _recorded: None,
 ) -> Iterator[None]:
     """Record all topics while the context is open; the file is complete when it closes.
 
@@ -96,6 +110,8 @@ def recording_topics(
         python: The interpreter of nodes.
         environment: All variables of nodes.
         use_sim_time: Messages get the time of /clock, not that of this machine.
+        live_folder: Of the simulator that is asked for its time until there is a /clock.
+        recorded: Is told when the file is complete.
 
     Raises:
         NotReadableError: The process cannot be started.
@@ -107,7 +123,10 @@ def recording_topics(
     heard, told = os.pipe()
     with os.fdopen(heard, "rb", buffering=0) as hears:
         try:
-            recorder = _start(file.absolute(), python, environment, told, use_sim_time=use_sim_time)
+            words = [str(file.absolute()), "--parent", str(os.getpid()), "--tell", str(told)]
+            words += ["--use-sim-time"] if use_sim_time else []
+            words += ["--live-folder", str(live_folder)] if live_folder is not None else []
+            recorder = _start(words, python, environment, told)
         finally:
             os.close(told)
         try:
@@ -121,13 +140,14 @@ def recording_topics(
         if said != READY or recorder.returncode != 0:
             why = (said + (hears.read(READ) or b"")).decode(errors="replace").strip()
             raise _failed(file, why or f"its process ended with {recorder.returncode}")
+        seconds, _, messages = (hears.read(READ) or b"").decode().partition(" ")
+        if messages:
+            recorded(Recorded(file, float(seconds), int(messages)))
 
 
 def _start(
-    file: Path, python: Path, environment: Mapping[str, str], told: int, *, use_sim_time: bool
+    words: list[str], python: Path, environment: Mapping[str, str], told: int
 ) -> subprocess.Popen[bytes]:
-    words = [str(file), "--parent", str(os.getpid()), "--tell", str(told)]
-    words += ["--use-sim-time"] if use_sim_time else []
     try:
         return subprocess.Popen(
             module_command(python, MODULE, *words),

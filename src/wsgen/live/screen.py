@@ -17,12 +17,16 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from typing import BinaryIO
 
+    from wsgen.live.journal import JournalWriter
+
 MOST_WAITING = 1 << 20  # bytes for the screen; when they are reached, processes wait
 LARGEST_LOG = 64 << 20  # bytes of one file
 SECONDS_AT_END = 2.0  # for what still waits, where nobody reads it
+LOOK_EVERY = 0.05  # s, for whether somebody does
 COLORS = {"WARNING": "\x1b[33m", "ERROR": "\x1b[31m", "CRITICAL": "\x1b[31m", "DEBUG": "\x1b[32m"}
 PLAIN = "\x1b[0m"
 _ESCAPES = re.compile(rb"\x1b\[[0-9;?]*[A-Za-z]")
+LOG_FOLDER = "ROS_LOG_DIR"  # a variable
 
 
 class Screen:
@@ -53,11 +57,17 @@ class Screen:
                 self._changed.notify()
 
     def close(self, seconds: float = SECONDS_AT_END) -> None:
-        """Write what waits, for so long at most."""
+        """Write what waits; it is given up when nobody has read for so long."""
         with self._changed:
             self._is_closed = True
             self._changed.notify()
-        self._thread.join(seconds)
+        room = select.poll()
+        room.register(self._descriptor, select.POLLOUT)
+        end = time.monotonic() + seconds
+        while self._thread.is_alive() and time.monotonic() < end:
+            self._thread.join(LOOK_EVERY)
+            if room.poll(0):  # on a busy machine it is the thread that takes its time
+                end = time.monotonic() + seconds
 
     def _run(self) -> None:
         while True:
@@ -139,8 +149,7 @@ def make_log_folder(environment: Mapping[str, str], pid: int) -> Path | None:
 
     None where it cannot be made.
     """
-    home = environment.get("ROS_HOME") or Path("~", ".ros").expanduser()
-    base = Path(environment.get("ROS_LOG_DIR") or Path(home, "log")).expanduser()
+    base = log_base(environment)
     now = time.time()
     stamp = time.strftime("%Y-%m-%d-%H-%M-%S", time.localtime(now))
     folder = base / f"{stamp}-{int(now % 1 * 1e6):06d}-{os.uname().nodename}-{pid}"
@@ -158,13 +167,22 @@ def make_log_folder(environment: Mapping[str, str], pid: int) -> Path | None:
     return folder
 
 
+def log_base(environment: Mapping[str, str]) -> Path:
+    """The folder for the logs of all launches."""
+    home = environment.get("ROS_HOME") or Path("~", ".ros").expanduser()
+    return Path(environment.get(LOG_FOLDER) or Path(home, "log")).expanduser()
+
+
 class ScreenHandler(logging.Handler):
     """Python's loggers of launch, in the format of `ros2 launch`."""
 
-    def __init__(self, screen: Screen, logs: LogFiles) -> None:
+    def __init__(
+        self, screen: Screen, logs: LogFiles, journal: JournalWriter | None = None
+    ) -> None:
         super().__init__()
         self._screen = screen
         self._logs = logs
+        self._journal = journal
 
     def emit(self, record: logging.LogRecord) -> None:
         """Write one message."""
@@ -173,3 +191,5 @@ class ScreenHandler(logging.Handler):
         color = COLORS.get(record.levelname, "") if self._screen.is_colored else ""
         self._screen.write(color.encode() + data + PLAIN.encode() if color else data)
         self._logs.write("launch.log", f"{record.created:.7f} ".encode() + data)
+        if self._journal is not None:
+            self._journal.printed("launch", [data])

@@ -9,7 +9,6 @@ from __future__ import annotations
 import logging
 import os
 import selectors
-import shutil
 import signal
 import subprocess
 import threading
@@ -20,83 +19,106 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
-from wsgen.launch import commands, known_packages
+from wsgen.files import explain_write_error
 from wsgen.launch.record import CommandOutcome
+from wsgen.live import launch_node
+from wsgen.live.asked_nodes import AskedNodes, managed_by
 from wsgen.live.includes import entities_of
+from wsgen.live.journal import JournalWriter
 from wsgen.live.process import (
     PRINTED_A_SECOND,
     STDOUT,
+    Causes,
     Output,
     RunningProcess,
     signal_number,
 )
-from wsgen.live.programs import PLUGINS, LeftOut, Ours, find_stand
-from wsgen.live.request import INTERRUPT, TERMINATE
-from wsgen.live.screen import LogFiles, Screen, ScreenHandler, make_log_folder
+from wsgen.live.programs import LeftOut, find_component
+from wsgen.live.request import ENDED_FILE, INTERRUPT, TERMINATE
+from wsgen.live.resolve import Resolved, Resolver, is_node
+from wsgen.live.screen import (
+    LOG_FOLDER,
+    LogFiles,
+    Screen,
+    ScreenHandler,
+    log_base,
+    make_log_folder,
+)
+from wsgen.live.shutdown import Shutdown
 from wsgen.live.simulated_time import SimulatedTime
-from wsgen.live.timeline import Happening, LiveTimeline
-from wsgen.ros_environment.processes import module_command
-from wsgen.simulation.live_scene import FOLDER_VARIABLE
-from wsgen.values import dataclass
+from wsgen.live.termination import Termination
+from wsgen.live.timeline import LiveTimeline, ScheduledCall
+from wsgen.ros_environment.environment import (
+    ON_THIS_MACHINE,
+    PROFILES,
+    profiles_of,
+    variables_of_simulator,
+)
 
 if TYPE_CHECKING:
     import socket
     from collections.abc import Callable, Iterable, Mapping, Sequence
 
     from wsgen.launch.live import ParameterGroup, Start
+    from wsgen.live.forked_nodes import ForkedNode, NodeServer
     from wsgen.live.request import ServiceRequest
     from wsgen.model.plan import Include, Process
 
+# s of the wall clock, beside those of --for, in which what is behind events must be started.
+SECONDS_TO_SIMULATE = 60.0
 COMMAND_SECONDS = 60.0  # wall-clock, for a Command() that is executed
-MIDDLEWARE = "RMW_IMPLEMENTATION"  # of which the ROS of PyPI has one
-_PATHS = ("AMENT_PREFIX_PATH", "LD_LIBRARY_PATH", "PATH", "PYTHONPATH")
-
-
-@dataclass(frozen=True, kw_only=True)
-class Resolved:
-    """What is really started."""
-
-    command: tuple[str, ...]
-    shown: tuple[str, ...]  # as `ros2 launch` would have started it
-    is_shell: bool = False
-    is_ours: bool = False
-    is_simulator: bool = False
 
 
 class Service:
     """Plays one launch."""
 
-    def __init__(self, request: ServiceRequest, control: socket.socket | None) -> None:
+    def __init__(
+        self,
+        request: ServiceRequest,
+        control: socket.socket | None,
+        nodes: NodeServer | None = None,
+    ) -> None:
         self.request = request
-        self.went_well = True  # as far as this, and not the launch file, is concerned
-        self.is_terminated = False
+        self._nodes = nodes
+        self.shutdown = Shutdown(request.until_exit)
         self._control = control
         self.screen = Screen(1, is_colored=request.is_colored)
-        self.logs = LogFiles(make_log_folder(request.environment, os.getpid()))
+        log_folder = make_log_folder(request.environment, os.getpid())
+        self._keeps_logs = log_folder is not None
+        if log_folder is None:  # nodes do not start without one
+            log_folder = make_log_folder({LOG_FOLDER: str(request.folder / "log")}, os.getpid())
+        self.logs = LogFiles(log_folder)
+        self.journal = JournalWriter(request.folder) if request.is_watched else None
         self._logger = logging.getLogger("launch")
         self._context: Any = None
         self._timeline: Any = None
         self._processes: dict[int, RunningProcess] = {}  # by pid
         self._coroutines = 0
         self._count = 0
-        self._has_told_middleware = False
         self._left_out: set[str] = set()
-        self._is_interrupted = False
         self._selector = selectors.DefaultSelector()
         self._paused: dict[int, RunningProcess] = {}  # descriptors that wait for their budget
         self._done: list[Callable[[], None]] = []  # by other threads
         self._parameter_files = 0
         self._simulator: RunningProcess | None = None
         self._has_simulator = False  # one has been started
-        self._simulated_time = SimulatedTime(request.folder)
-        self._is_awaited_missing = False
+        simulator_folder = request.joined or request.folder
+        self._simulated_time = SimulatedTime(simulator_folder)
+        self._resolver = Resolver(
+            request, log_folder=self.logs.folder, simulator_folder=simulator_folder
+        )
+        self._termination = Termination(
+            request, self.shutdown, self.journal, is_running=self._is_running
+        )
+        self._asked = AskedNodes(self._begin_launch_node, self._post, self.leave_out)
         self._wake, self._woken = os.pipe()
         os.set_blocking(self._wake, False)
         os.set_blocking(self._woken, False)
 
     def prepare(self) -> None:
-        """Set up loggers and signals of this process."""
-        logging.root.handlers[:] = [ScreenHandler(self.screen, self.logs)]
+        """Set up loggers and signals of this process, and what its processes find."""
+        self._resolver.write_programs()
+        logging.root.handlers[:] = [ScreenHandler(self.screen, self.logs, self.journal)]
         logging.root.setLevel(logging.INFO)
         signal.signal(signal.SIGCHLD, lambda _number, _frame: None)
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
@@ -106,12 +128,47 @@ class Service:
         if self._control is not None:
             self._control.setblocking(False)
             self._selector.register(self._control, selectors.EVENT_READ, None)
-        if self.logs.folder is not None:
+        if self._nodes is not None and self._nodes.descriptor is not None:
+            self._selector.register(self._nodes.descriptor, selectors.EVENT_READ, self._nodes)
+        if not self._keeps_logs:
+            os.environ.pop(LOG_FOLDER, None)  # that of the resolver is taken
+            self._logger.warning(
+                "Logs are not kept: their folder cannot be written, %s. Set %s to a folder "
+                "of yours",
+                os.fspath(log_base(self.request.environment)),
+                LOG_FOLDER,
+            )
+        elif self.logs.folder is not None:
             self._logger.info("All log files can be found below %s", self.logs.folder)
         self._logger.info("Default logging verbosity is set to INFO")
+        self._tell_distro()
+        self._tell_beside()
+
+    def _tell_beside(self) -> None:
+        """Say it where another run simulates in the same domain: nodes hear both."""
+        if self.request.beside is not None:
+            self._logger.warning(
+                "another live run simulates in the same ROS_DOMAIN_ID: %s. Nodes hear /clock and "
+                "the topics of both: end it, or set another ROS_DOMAIN_ID for one of them",
+                self.request.beside,
+            )
+
+    def _tell_distro(self) -> None:
+        """Say it where nodes are told another distribution than that of the ROS that runs."""
+        told, runs = self.request.variables.get("ROS_DISTRO"), self.request.distro
+        if told is not None and runs is not None and told != runs:
+            self._logger.info(
+                "ROS_DISTRO of the nodes is %s, which they were written for; the ROS that runs "
+                "is %s",
+                told,
+                runs,
+            )
 
     def close(self) -> None:
         """Write what is left to be written."""
+        self._asked.close()
+        if self.journal is not None:
+            self.journal.close()
         self.logs.close()
         self.screen.close()
 
@@ -125,14 +182,26 @@ class Service:
         """Begin to play."""
         self._context = context
         self._timeline = context.timeline
-        if self.request.seconds is not None and not self.request.awaits_simulator:
-            reason = f"{self.request.seconds:g} s are over"
-            # A simulator knows when the time of the simulation is over.
-            end = Happening(
-                partial(self._request_shutdown, reason),
-                lambda: self._has_simulator or self._is_shut_down(),
-            )
-            self._timeline.post(end, delay=self.request.seconds)
+        self.shutdown.begin(context)
+        self._termination.begin(context.timeline)
+        if self.request.seconds is None:
+            return
+        # A simulator knows when the time of the simulation is over.
+        is_void = lambda: self._has_simulator or self.shutdown.has_begun()  # noqa: E731
+        if self.request.awaits_simulator:
+            seconds = self.request.seconds + SECONDS_TO_SIMULATE
+            end = ScheduledCall(partial(self._miss_simulator, seconds), is_void)
+        else:
+            seconds = self.request.seconds
+            end = ScheduledCall(partial(self.shutdown.request, f"{seconds:g} s are over"), is_void)
+        self._timeline.post(end, delay=seconds)
+
+    def _miss_simulator(self, seconds: float) -> None:
+        """End all: the time that --for means does not begin."""
+        self.shutdown.fail(
+            f"the simulator is not started within {seconds:g} s, and --for counts its time; "
+            "what the launch file starts it after has not happened"
+        )
 
     def start(self, start: Start) -> None:
         """Start a process after what is being done."""
@@ -140,13 +209,16 @@ class Service:
         name = f"{self._name_of(start)}-{self._count}"
         start.action.process_description = SimpleNamespace(final_name=name)
         start.action.process_name = name
-        resolved = self._resolve(start)
-        if resolved is None:
-            return  # it is another launch file
+        self.shutdown.note_start(start, name)
+        resolved = self._resolver.resolve(start)
+        if resolved is None:  # it is another launch file, which is played here
+            if self.shutdown.is_awaited(start, name):
+                self.shutdown.give_up()
+            return
         if isinstance(resolved, LeftOut):
             self._leave_out_process(start, resolved)
             return
-        run = Happening(partial(self._run, start, name, resolved, 0), self._is_shut_down)
+        run = ScheduledCall(partial(self._run, start, name, resolved, 0), self.shutdown.has_begun)
         self._timeline.post(run)
 
     def write_parameters(self, group: ParameterGroup, node: str) -> str | None:
@@ -167,20 +239,34 @@ class Service:
         folder = self.request.folder / "parameters"
         folder.mkdir(exist_ok=True)
         path = folder / f"launch_params_{self._parameter_files}.yaml"
-        path.write_text(text, encoding="utf-8")
+        try:
+            path.write_text(text, encoding="utf-8")
+        except OSError as error:
+            raise explain_write_error(error, path) from None
         return str(path)
 
-    def load(self, process: Process) -> None:
-        """Start the program that does the same as a node of a container; others are named."""
+    def follow_states(self, action: Any) -> None:
+        """Let the transitions of a lifecycle node be events."""
+        self._asked.follow(action)
+
+    def change_state(self, action: Any, transition: int) -> None:
+        """Ask a lifecycle node for a transition."""
+        self._asked.change_state(action, transition)
+
+    def load(self, process: Process, extra_arguments: Mapping[str, Any]) -> None:
+        """Have a container load a node, or start the program that does the same; name others."""
         plugin = process.executable or ""
-        if plugin not in PLUGINS:
-            why = "it is a C++ node for a container, and containers do not run here"
-            self.leave_out(f"{plugin} of {process.package}", why)
+        found = find_component(plugin, is_sourced=self.request.is_sourced)
+        if found is None:
+            self._asked.load(process, extra_arguments)
             return
+        if isinstance(found, LeftOut):
+            self.leave_out(f"{plugin} of {process.package}", found.why)
+            return
+        package, executable = found
         from launch.launch_description import visit  # noqa: PLC0415  the shim's
         from launch_ros.actions import Node  # noqa: PLC0415  same
 
-        package, executable = PLUGINS[plugin]
         node = Node(
             package=package,
             executable=executable,
@@ -204,17 +290,20 @@ class Service:
         """End the processes whose actions match."""
         for process in list(self._processes.values()):
             if matches(process.start.action):
-                self._end(process, is_told=True)
+                self._termination.end(process, is_told=True)
 
     def send_signal(self, number: str | int, matches: Callable[[Any], bool]) -> None:
         """Send a signal to the processes whose actions match."""
         for process in list(self._processes.values()):
             if matches(process.start.action):
-                self._tell(process, signal_number(number))
+                self._termination.send_signal(process, signal_number(number))
 
     def shut_down(self, context: Any, *, due_to_sigint: bool) -> None:
         """End all processes, the last one first, when the handlers of this have been asked."""
         context.is_shutdown = True
+        with suppress(OSError):  # the disk is full: somebody takes the launch for one that goes on
+            (self.request.folder / ENDED_FILE).touch()
+        self._asked.give_up()
         self._timeline.cancel(
             lambda event: (
                 hasattr(event, "timer_action") and not event.timer_action.wsgen_outlives_shutdown
@@ -223,9 +312,9 @@ class Service:
 
         def end_all() -> None:
             for process in reversed(list(self._processes.values())):
-                self._end(process, is_told=not due_to_sigint)
+                self._termination.end(process, is_told=not due_to_sigint)
 
-        self._timeline.post(Happening(end_all))
+        self._timeline.post(ScheduledCall(end_all))
 
     def run_coroutine(self, run: Callable[[], None], done: Callable[[], None]) -> None:
         """Call a function in a thread, and another one here afterwards."""
@@ -241,8 +330,8 @@ class Service:
             except Exception as error:  # noqa: BLE001  foreign code
                 text = f"exception in a coroutine of the launch file: {error}"
                 self._logger.error("%s", text)  # noqa: TRY400  its traceback is not for users
-                self.went_well = False
-            self._done.append(lambda: self._timeline.post(Happening(finish)))
+                self.shutdown.went_well = False
+            self._done.append(lambda: self._timeline.post(ScheduledCall(finish)))
             os.write(self._woken, b"\0")
 
         threading.Thread(target=work, daemon=True).start()
@@ -255,7 +344,7 @@ class Service:
                 stdin=subprocess.DEVNULL,
                 capture_output=True,
                 check=False,
-                env=self._environment_of(os.environ),
+                env=self._resolver.environment_of(os.environ),
                 timeout=COMMAND_SECONDS,
             )
         except OSError as error:
@@ -271,14 +360,15 @@ class Service:
     def leave_out(self, what: str, why: str, *, is_missed: bool = True) -> None:
         """Name something that cannot run here, once."""
         if self.request.until_exit == what.partition(" of ")[0]:
-            self._give_up()
+            self.shutdown.give_up()
         if what in self._left_out:
             return
         self._left_out.add(what)
+        if self.journal is not None and is_missed:
+            self.journal.left_out(what, why)
         if self.request.is_strict and is_missed:
-            self.went_well = False
-            self._logger.error("%s", f"{what} cannot run: {why}")
-            self._request_shutdown(f"{what} cannot run, and --strict is given")
+            reason = f"{what} cannot run, and --strict is given"
+            self.shutdown.fail(f"{what} cannot run: {why}", reason)
         else:
             log = self._logger.warning if is_missed else self._logger.info
             log("%s", f"{what} is left out: {why}")
@@ -288,135 +378,22 @@ class Service:
     def _name_of(self, start: Start) -> str:
         if start.name is not None:
             return start.name
-        command = (start.executable or "",) if _is_node(start) else (*start.words, "")
+        command = (start.executable or "",) if is_node(start) else (*start.words, "")
         return Path((*start.prefix, *command)[0]).name
-
-    def _resolve(self, start: Start) -> Resolved | LeftOut | None:
-        """What is started in the place of a process; None: the launch file is played here, too."""
-        programs = commands.programs(start.process)
-        if any(commands.nested_launch(program) for program in programs):
-            return None
-        if start.prefix and shutil.which(start.prefix[0]) is None:
-            return LeftOut(why=f"{start.prefix[0]}, which is to run it, is not installed")
-        only = programs[0] if len(programs) == 1 else None
-        found = None if only is None else self._stand_of(only, start)
-        if found is None:
-            found = self._node(start) if _is_node(start) else self._command(start, only)
-        return found
-
-    def _stand_of(self, program: Process, start: Start) -> Resolved | LeftOut | None:
-        """What stands in the place of a program, if anything does."""
-        arguments = start.words if _is_node(start) else program.arguments
-        is_sourced = self.request.is_sourced
-        name = program.executable or ""
-        found = find_stand(program.package, name, tuple(arguments), is_sourced=is_sourced)
-        if found is None:
-            return None
-        if isinstance(found.stand, LeftOut):
-            return found.stand
-        return self._ours(found.stand, found.arguments, start)
-
-    def _command(self, start: Start, only: Process | None) -> Resolved | LeftOut:
-        """A command line, which may be that of one program."""
-        if only is not None and only.package is not None:
-            return self._ros2_run(only, start)
-        shown = (*start.prefix, *start.words)
-        command = shown if start.is_shell else self._with_interpreter(shown)
-        return Resolved(command=command, shown=shown, is_shell=start.is_shell)
-
-    def _node(self, start: Start) -> Resolved | LeftOut:
-        """A program of a package, or one by its path."""
-        path = start.path if start.package else start.executable
-        if path is None:
-            return LeftOut(why="it is not compiled")
-        missing = self._why_missing(start.package, path)
-        if missing is not None:
-            return missing
-        command = (*start.prefix, *self._with_interpreter((path, *start.words)))
-        return Resolved(command=command, shown=(*start.prefix, path, *start.words))
-
-    def _ours(self, stand: Ours, arguments: tuple[str, ...], start: Start) -> Resolved:
-        # Its path on a machine with ROS is none of this one.
-        name = [Path(start.path).name] if start.path else []
-        shown = (*start.prefix, *name, *start.words)
-        words = arguments if stand.keeps_arguments else _ros_arguments(arguments)
-        ours = module_command(self.request.python, stand.module, *stand.arguments, *words)
-        command = (*start.prefix, *ours)
-        is_simulator = stand.module.endswith(".simulator")
-        return Resolved(command=command, shown=shown, is_ours=True, is_simulator=is_simulator)
-
-    def _ros2_run(self, program: Process, start: Start) -> Resolved | LeftOut:
-        """What `ros2 run` starts; with a sourced ROS that itself."""
-        if self.request.is_sourced:
-            return Resolved(command=start.words, shown=start.words, is_shell=start.is_shell)
-        package, executable = program.package or "", program.executable or ""
-        variables = self._environment_of(os.environ)
-        for prefix in variables.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
-            path = str(Path(prefix, "lib", package, executable))
-            if os.access(path, os.X_OK):
-                command = self._with_interpreter((path, *program.arguments))
-                return Resolved(command=command, shown=start.words)
-        return LeftOut(why=f"no package {package} with this program is installed")
-
-    def _why_missing(self, package: str | None, path: str) -> LeftOut | None:
-        """Why a program cannot be started, if it cannot."""
-        if package is None or Path(path).exists():
-            return None
-        if path.startswith(known_packages.prefix()):
-            return LeftOut(
-                why=f"the package {package} is not installed; with ROS 2 installed and sourced it "
-                "runs"
-            )
-        return LeftOut(why=f"{package} is not built; run `wsgen build`")
-
-    def _with_interpreter(self, command: tuple[str, ...]) -> tuple[str, ...]:
-        """A command whose Python is the one that ROS's libraries are for."""
-        if self.request.is_sourced or not command:
-            return command
-        program, *rest = command
-        if program in {"python", "python3"}:
-            return (str(self.request.python), *rest)
-        if Path(program).is_absolute() and _is_python_script(program):
-            return (str(self.request.python), *command)
-        return command
-
-    def _environment_of(self, wanted: Mapping[str, str]) -> dict[str, str]:
-        """The environment of a process: what the launch file wants, and what ROS needs."""
-        found = dict(wanted)
-        before = self.request.environment
-        for name, value in self.request.variables.items():
-            own = found.get(name)
-            if own is None or own == before.get(name):
-                found[name] = value
-            elif name == MIDDLEWARE and not self.request.is_sourced:
-                found[name] = value
-                if own != value:
-                    self._tell_middleware(own, value)
-            elif name in _PATHS:  # the launch file has added to it
-                found[name] = os.pathsep.join([own, value])
-        if not self.request.is_sourced:
-            beside = str(self.request.python.parent)
-            found["PATH"] = os.pathsep.join([beside, found.get("PATH", os.defpath)])
-        found[FOLDER_VARIABLE] = str(self.request.folder)
-        found.setdefault("PYTHONUNBUFFERED", "1")
-        if self.request.is_colored:
-            found.setdefault("RCUTILS_COLORIZED_OUTPUT", "1")
-        if self.logs.folder is not None:
-            found.setdefault("ROS_LOG_DIR", str(self.logs.folder))
-        return found
-
-    def _tell_middleware(self, wanted: str, used: str) -> None:
-        if not self._has_told_middleware:
-            self._has_told_middleware = True
-            self._logger.info("%s", f"{wanted} is not on PyPI: nodes use {used}")
 
     def _leave_out_process(self, start: Start, left_out: LeftOut) -> None:
         """Name what is not started: who waits for its start goes on, not who waits for its end."""
-        what = start.executable if _is_node(start) else " ".join(start.words[:1])
+        what = start.executable if is_node(start) else " ".join(start.words[:1])
         of = f" of {start.package}" if start.package else ""
-        self.leave_out(f"{what}{of}", left_out.why, is_missed=left_out.is_missed)
-        if self._is_awaited(start, start.action.process_name):
-            self._give_up()
+        if left_out.is_mistake:  # ros2 launch does not go on then, either
+            reason = f"{what}{of} cannot be started"
+            self.shutdown.fail(f"{reason}: {left_out.why}", reason)
+        else:
+            why = f"{left_out.why}{managed_by(start.process)}"
+            self.leave_out(f"{what}{of}", why, is_missed=left_out.is_missed)
+        self._asked.note_not_started(start.action)
+        if self.shutdown.is_awaited(start, start.action.process_name):
+            self.shutdown.give_up()
         from launch._events import ProcessStarted  # noqa: PLC0415  the shim's, of this process
 
         started = ProcessStarted(
@@ -430,26 +407,28 @@ class Service:
         shown = " ".join(word for word in resolved.shown if word.strip())
         if start.logs_command:
             logger.info("%s", f"process details: cmd='{shown}', cwd='{start.folder}'")
-        environment = self._environment_of(start.environment)
-        if resolved.is_ours:
-            environment["PYTHONSAFEPATH"] = "1"  # modules in the folder that they run in
+        environment = self._environment_of(start.environment, is_ours=resolved.is_ours)
+        if resolved.is_simulator:
+            environment.update(variables_of_simulator(environment))
         try:
             process = RunningProcess(
-                resolved.command,
+                partial(self._begin_process, resolved, start.folder),
                 start=start,
                 name=name,
                 environment=environment,
                 screen=self.screen,
                 logs=self.logs,
-                is_shell=resolved.is_shell,
+                journal=self.journal,
             )
         except (OSError, ValueError) as error:
             reason = error.strerror if isinstance(error, OSError) else str(error)
             text = f"exception occurred while executing process: {shown}: {reason}"
             logger.error("%s", text)  # noqa: TRY400  its traceback is not for users
-            if self._is_awaited(start, name):
-                self._give_up()
+            if self.shutdown.is_awaited(start, name):
+                self.shutdown.give_up()
             return
+        process.shown = shown
+        process.role = resolved.role
         self._processes[process.pid] = process
         if resolved.is_simulator:
             self._simulator = process
@@ -457,6 +436,9 @@ class Service:
         for descriptor in process.outputs:
             self._selector.register(descriptor, selectors.EVENT_READ, process)
         logger.info("process started with pid [%d]", process.pid)
+        if self.journal is not None:
+            node = start.node if start.node and "<" not in start.node else None  # it may have none
+            self.journal.started(name, process.pid, node, resolved.role)
         action = start.action
         action.wsgen_cached = {one.stream: one.text for one in process.outputs.values()}
         action.process_details = {
@@ -468,133 +450,112 @@ class Service:
             "pid": process.pid,
         }
         process.respawn = partial(self._respawn, start, name, resolved, tries)
-        process.shown = shown
         from launch._events import ProcessStarted  # noqa: PLC0415  the shim's, of this process
 
         self._timeline.post(ProcessStarted(**action.process_details))
 
+    def _begin_process(
+        self,
+        resolved: Resolved,
+        folder: str | None,
+        environment: Mapping[str, str],
+        outputs: Sequence[int],
+    ) -> subprocess.Popen[bytes] | ForkedNode:
+        """Fork a program of wsgen, or start what it is."""
+        if self._nodes is not None and resolved.forked is not None:
+            forked = self._nodes.start(
+                resolved.forked.module,
+                resolved.forked.words,
+                title=resolved.shown or resolved.command,
+                environment=environment,
+                folder=folder,
+                outputs=outputs,
+            )
+            if forked is not None:
+                return forked
+        command = resolved.command
+        return subprocess.Popen(
+            " ".join(command) if resolved.is_shell else list(command),
+            shell=resolved.is_shell,
+            stdin=subprocess.PIPE,
+            stdout=outputs[0],
+            stderr=outputs[1],
+            cwd=folder,
+            env=dict(environment),
+            start_new_session=True,
+        )
+
+    def _environment_of(self, wanted: Mapping[str, str], *, is_ours: bool) -> dict[str, str]:
+        """That of a process, for which the launch file wants these variables."""
+        environment = self._resolver.environment_of(wanted)
+        if is_ours:
+            environment["PYTHONSAFEPATH"] = "1"  # modules in the folder that they run in
+        if environment.get(PROFILES) in ON_THIS_MACHINE:
+            environment.update(profiles_of(environment))
+        return environment
+
+    def _begin_launch_node(self) -> launch_node.LaunchNode:
+        """Start what asks nodes, in the environment that the launch has now."""
+        environment = self._environment_of(os.environ, is_ours=True)
+        started = launch_node.LaunchNode(
+            partial(self._begin_process, self._resolver.launch_node(), None, environment)
+        )
+        self._selector.register(started.descriptor, selectors.EVENT_READ, self._asked)
+        return started
+
     def _respawn(self, start: Start, name: str, resolved: Resolved, tries: int) -> None:
         """Start a process again, if that is wanted, after the delay."""
-        if not start.respawns or self._is_shut_down():
+        if not start.respawns or self.shutdown.has_begun():
             return
         if 0 <= start.respawn_max_retries <= tries:
             return
-        run = Happening(partial(self._run, start, name, resolved, tries + 1), self._is_shut_down)
+        run = ScheduledCall(
+            partial(self._run, start, name, resolved, tries + 1), self.shutdown.has_begun
+        )
         self._timeline.post(run, delay=start.respawn_delay)
 
     # How processes end.
 
-    def _end(self, process: RunningProcess, *, is_told: bool) -> None:
-        """SIGINT now, later SIGTERM, then SIGKILL, while the process does not end."""
-        if process.is_ending:
-            return
-        process.is_ending = True
-        if is_told:
-            self._tell(process, signal.SIGINT)
-        else:  # the terminal has told it, as far as users know
-            process.send_signal(signal.SIGINT)
-        start = process.start
-        first = start.sigterm_timeout
-        second = first + start.sigkill_timeout
-        steps = (
-            (first, signal.SIGINT, signal.SIGTERM, f"{first:g}"),
-            (second, signal.SIGTERM, signal.SIGKILL, str(second)),
-        )
-        for delay, before, then, words in steps:
-            message = (
-                f"process[{process.name}] failed to terminate '{words}' seconds after receiving "
-                f"'{before.name}', escalating to '{then.name}'"
-            )
-            escalate = Happening(
-                partial(self._escalate, process, then, message), partial(self._has_ended, process)
-            )
-            self._timeline.post(escalate, delay=delay)
-
-    def _escalate(self, process: RunningProcess, number: int, message: str) -> None:
-        logging.getLogger(process.name).error("%s", message)
-        self._tell(process, number)
-
-    def _tell(self, process: RunningProcess, number: int) -> None:
-        name = signal.Signals(number).name
-        text = f"sending signal '{name}' to process[{process.name}]"
-        logging.getLogger(process.name).info("%s", text)
-        process.send_signal(number)
-
-    def _has_ended(self, process: RunningProcess) -> bool:
-        return self._processes.get(process.pid) is not process
-
     def _reap(self) -> None:
         """Take notice of the processes that have ended."""
-        for process in [one for one in self._processes.values() if one.child.poll() is not None]:
-            self._finish(process)
+        for process in list(self._processes.values()):
+            code = process.child.poll()
+            if code is not None:
+                self._finish(process, code)
 
-    def _finish(self, process: RunningProcess) -> None:
+    def _finish(self, process: RunningProcess, code: int) -> None:
         try:  # handlers of the launch file may fail
             process.drain(partial(self._take_output, process))
             for output in process.outputs.values():
                 output.finish()
                 self._tell_listeners(process, output, b"", is_last=True)
         finally:
-            self._take_end(process)
+            self._take_end(process, code)
 
-    def _take_end(self, process: RunningProcess) -> None:
+    def _take_end(self, process: RunningProcess, code: int) -> None:
+        outputs = tuple(process.outputs.values())
+        causes = Causes(
+            missing_module=_first(one.missing_module for one in outputs),
+            missing_name=_first(one.missing_name for one in outputs),
+            newer_numpy=_first(one.newer_numpy for one in outputs),
+            frames=tuple(frame for one in outputs for frame in one.frames.innermost_first()),
+        )
         for descriptor in process.outputs:
             self._paused.pop(descriptor, None)
             with suppress(KeyError):
                 self._selector.unregister(descriptor)
         process.close()
         del self._processes[process.pid]
-        code = process.child.returncode
-        logger = logging.getLogger(process.name)
-        if code == 0:
-            logger.info("process has finished cleanly [pid %d]", process.pid)
-        else:
-            text = f"process has died [pid {process.pid}, exit code {code}, cmd '{process.shown}']."
-            logger.error("%s", text)
-        action = process.start.action
-        action.return_code = code
-        from launch._events import ProcessExited  # noqa: PLC0415  the shim's, of this process
-
-        self._timeline.post(ProcessExited(returncode=code, **action.process_details))
+        self._termination.take_end(process, code, causes)
+        self._asked.note_ended(process.start.node)
         process.respawn()
-        self._look_for_end(process, code)
-
-    def _look_for_end(self, process: RunningProcess, code: int) -> None:
-        """Shut down where the end of this process is the end of all."""
-        if self._is_shut_down():
-            return
-        if process is self._simulator:
+        is_simulator = process is self._simulator
+        if is_simulator:
             self._simulator = None
-            self.went_well &= code == 0
-            self._request_shutdown("the simulation has ended")
-        if self._is_awaited(process.start, process.name):
-            self.went_well &= code == 0
-            self._request_shutdown(f"{self.request.until_exit} has ended")
+        self.shutdown.take_end(process.start, process.name, code, is_simulator=is_simulator)
 
-    def _is_awaited(self, start: Start, name: str) -> bool:
-        """Whether the end of this process is to be that of all."""
-        names = {name, name.rpartition("-")[0], start.executable, start.node}
-        names.add((start.node or "").rpartition("/")[2])
-        return self.request.until_exit is not None and self.request.until_exit in names
-
-    def _give_up(self) -> None:
-        """End all: what is waited for does not run, and never ends."""
-        if self._is_awaited_missing:
-            return
-        self._is_awaited_missing = True
-        self.went_well = False
-        reason = f"{self.request.until_exit}, whose end --until-exit waits for, is not started"
-        self._logger.error("%s", reason)
-        self._request_shutdown(reason)
-
-    def _is_shut_down(self) -> bool:
-        return bool(self._context.is_shutdown)
-
-    def _request_shutdown(self, reason: str, *, due_to_sigint: bool = False) -> None:
-        from launch._events import Shutdown  # noqa: PLC0415  the shim's, of this process
-
-        if not self._context.is_shutdown:
-            self._timeline.post(Shutdown(reason=reason, due_to_sigint=due_to_sigint))
+    def _is_running(self, process: RunningProcess) -> bool:
+        return self._processes.get(process.pid) is process
 
     # What is waited for.
 
@@ -602,8 +563,8 @@ class Service:
         """Whether something runs; where nothing does, the launch is shut down once."""
         if self._processes or self._coroutines or self._done:
             return True
-        if not self._is_shut_down():
-            self._request_shutdown("idle")
+        if not self.shutdown.has_begun():
+            self.shutdown.end_idle()
             return True
         return False
 
@@ -621,7 +582,13 @@ class Service:
                 self.logs.flush()
             events = self._selector.select(seconds)
         for key, _ in events:
-            if key.data is not None:
+            if key.data is not None and key.data is self._nodes:
+                self._nodes.take()  # what has ended is reaped below
+                if self._nodes.descriptor is None:
+                    self._selector.unregister(key.fd)
+            elif key.data is self._asked:
+                self._take_asked(key.fd)
+            elif key.data is not None:
                 self._read(key.data, key.fd)
             elif key.fd == self._wake:
                 with suppress(BlockingIOError):
@@ -630,6 +597,14 @@ class Service:
                 self._take_commands()
         self._take_done()
         self._reap()
+        self.shutdown.look_for_awaited(may_come=bool(self._coroutines))
+
+    def _post(self, event: Any) -> None:
+        self._timeline.post(event)
+
+    def _take_asked(self, descriptor: int) -> None:
+        if self._asked.node is not None and not self._asked.take():
+            self._selector.unregister(descriptor)
 
     def _take_done(self) -> None:
         while self._done:
@@ -691,52 +666,22 @@ class Service:
             self._control = None
         for word in (bytes([one]) for one in words):
             if word == INTERRUPT:
-                self._interrupt()
+                self.shutdown.interrupt()
             elif word == TERMINATE:
-                self._terminate()
+                self.shutdown.terminate()
 
     def _take_signal(self, number: int, _frame: object) -> None:
         """As the same from the parent: somebody has sent the signal to this process."""
-        happen = self._interrupt if number == signal.SIGINT else self._terminate
+        happen = self.shutdown.interrupt if number == signal.SIGINT else self.shutdown.terminate
         self._done.append(happen)
-
-    def _interrupt(self) -> None:
-        message = "user interrupted with ctrl-c (SIGINT)"
-        if self._is_interrupted:
-            self._logger.warning("%s again, ignoring...", message)
-            return
-        self._is_interrupted = True
-        self._logger.warning("%s", message)
-        self._request_shutdown("ctrl-c (SIGINT)", due_to_sigint=True)
-
-    def _terminate(self) -> None:
-        self.is_terminated = True
-        self._request_shutdown("SIGTERM")
 
     def _simulated_now(self) -> float | None:
         """The time of the simulation; that of the clock on the wall where nothing is simulated."""
-        if not self.request.awaits_simulator and not self._has_simulator:
+        request = self.request
+        if not (request.awaits_simulator or request.joined or self._has_simulator):
             return time.monotonic()
         return self._simulated_time.now()
 
 
-def _is_node(start: Start) -> bool:
-    """Whether it is a node, and not a command line."""
-    return start.process.command is None
-
-
-def _ros_arguments(words: Sequence[str]) -> tuple[str, ...]:
-    """What follows --ros-args, which a program takes whatever else it is given."""
-    if "--ros-args" not in words:
-        return ()
-    return tuple(words[list(words).index("--ros-args") :])
-
-
-def _is_python_script(path: str) -> bool:
-    """Whether the first line of a program says that Python runs it."""
-    try:
-        with open(path, "rb") as stream:  # noqa: PTH123  as launch has them, paths are texts
-            first = stream.readline(256)
-    except OSError:
-        return False
-    return first.startswith(b"#!") and b"python" in first
+def _first(found: Iterable[str | None]) -> str | None:
+    return next(filter(None, found), None)

@@ -17,13 +17,14 @@ from wsgen.isolation import parent
 from wsgen.isolation.codec import encode
 from wsgen.isolation.guard import adopt_orphans, kill_children
 from wsgen.isolation.parent_death import open_parent_death_pipe
-from wsgen.live.request import GO, INTERRUPT, REQUEST_FILE, TERMINATE
+from wsgen.live.request import GO, INTERRUPT, NODES, NODES_FILE, REQUEST_FILE, TERMINATE
 from wsgen.live.shared_memory import remove_left_behind
+from wsgen.simulation.live_scene import FOLDER_VARIABLE
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
-    from wsgen.live.request import ServiceRequest
+    from wsgen.live.request import NodeServerRequest, ServiceRequest
 
 SERVICE_PROCESS = str(Path(__file__).with_name("service_process.py"))
 SECONDS_TO_END = 5.0  # for what a guard that was killed has left behind
@@ -38,6 +39,11 @@ class ServiceChild:
         self._guard = guard
         self._control = control
         self._folder = folder
+
+    def prepare_nodes(self, request: NodeServerRequest) -> None:
+        """Let it start what programs of wsgen are forked from, before all else is known."""
+        write_file(self._folder / NODES_FILE, encode(request))
+        self._tell(NODES)
 
     def go(self, request: ServiceRequest) -> None:
         """Let it play a launch: all else that it needs is in the folder."""
@@ -59,6 +65,19 @@ class ServiceChild:
         """
         with self._handing_on():
             return self._guard.wait()
+
+    @property
+    def code(self) -> int | None:
+        """Its exit code, as `wait` gives it; None while it runs."""
+        return self._guard.poll()
+
+    def wait_for(self, seconds: float) -> bool:
+        """Wait for its end, so long at most; gives whether it has ended."""
+        try:
+            self._guard.wait(seconds)
+        except subprocess.TimeoutExpired:
+            return False
+        return True
 
     def end(self) -> None:
         """End it with all that it has started."""
@@ -88,18 +107,30 @@ class ServiceChild:
 
 
 @contextlib.contextmanager
-def start_service(folder: Path, environment: Mapping[str, str]) -> Iterator[ServiceChild]:
+def start_service(
+    folder: Path,
+    environment: Mapping[str, str],
+    *,
+    output: int | None = None,
+    held: Sequence[int] = (),
+    adopts: bool = True,
+) -> Iterator[ServiceChild]:
     """Start the service; all that it has started ends with the context.
 
     Args:
         folder: Of the live run.
         environment: That the launch file is evaluated in.
+        output: A descriptor for what it prints; None: that of this process.
+        held: Descriptors that stay open until all that it has started has ended.
+        adopts: Whether this process has no other children, and may become the parent of those that
+            a guard leaves behind when it is killed. If not, they are found by their environment.
 
     Raises:
         NotReadableError: The folder or the memory for it is missing.
     """
     begun = time.time()
-    adopt_orphans()  # what a guard that was killed leaves behind comes to this process
+    if adopts:
+        adopt_orphans()  # what a guard that was killed leaves behind comes to this process
     ours, theirs = socket.socketpair()
     with open_parent_death_pipe() as pipe:
         try:
@@ -113,7 +144,9 @@ def start_service(folder: Path, environment: Mapping[str, str]) -> Iterator[Serv
                     os.pathsep.join(parent.search_path()),
                 ],
                 stdin=pipe,
-                pass_fds=(theirs.fileno(),),
+                stdout=output,
+                stderr=output,
+                pass_fds=(theirs.fileno(), *held),
                 env=dict(environment),
                 # Ctrl-C is for this process, which hands it on.
                 start_new_session=True,
@@ -129,8 +162,20 @@ def start_service(folder: Path, environment: Mapping[str, str]) -> Iterator[Serv
         finally:
             child.end()
             if guard.returncode < 0:  # somebody has killed it
-                _end_orphans()
+                if adopts:
+                    _end_orphans()
+                else:
+                    _end_processes_of(folder)
                 remove_left_behind(begun)
+
+
+def _end_processes_of(folder: Path) -> None:
+    """End the processes of a live run whose guard was killed: all have its folder in a variable."""
+    mark = b"\0" + f"{FOLDER_VARIABLE}={folder}".encode() + b"\0"
+    for process in Path("/proc").iterdir():
+        with contextlib.suppress(OSError):  # it has ended, or is of somebody else
+            if process.name.isdecimal() and mark in b"\0" + (process / "environ").read_bytes():
+                os.kill(int(process.name), signal.SIGKILL)
 
 
 def _end_orphans() -> None:

@@ -17,15 +17,23 @@ import socket
 import sys
 import time
 from pathlib import Path
+from typing import TypeVar
 
-from wsgen.errors import EXIT_FAILED, EXIT_PASSED, EXIT_SIGNALLED
+from wsgen.errors import EXIT_FAILED
 from wsgen.isolation.codec import decode
 from wsgen.isolation.guard import stand_guard
 from wsgen.isolation.parent_death import take_parent_death_pipe
-from wsgen.live.request import GO, REQUEST_FILE, ServiceRequest
+from wsgen.live.request import (
+    GO,
+    NODES,
+    NODES_FILE,
+    REQUEST_FILE,
+    NodeServerRequest,
+    ServiceRequest,
+)
 from wsgen.live.shared_memory import remove_left_behind
 
-SIGTERM = 15
+Kind = TypeVar("Kind")
 CLOCK_TICK = 0.05  # s; the times of files are older than the clock by a tick of the kernel
 
 
@@ -40,24 +48,29 @@ def main() -> int:
         stream.reconfigure(line_buffering=True, errors="replace")  # type: ignore[union-attr]  # files
 
     from wsgen.launch import worker  # noqa: PLC0415  the guard need not have it
+    from wsgen.live.forked_nodes import NodeServer  # noqa: PLC0415  same
     from wsgen.live.service import Service  # noqa: PLC0415  same
     from wsgen.tasks.launch import run_xacro  # noqa: PLC0415  same
     from wsgen.xacro import expansion  # noqa: PLC0415  same
 
     worker.load_shim()
-    if control.recv(1) != GO:
+    nodes = None
+    while (word := control.recv(1)) == NODES:
+        nodes = NodeServer(_read(folder / NODES_FILE, NodeServerRequest))
+    if word != GO:
         return EXIT_FAILED
-    text = (folder / REQUEST_FILE).read_text(encoding="utf-8")
-    request = decode(json.loads(text), ServiceRequest)
-    service = Service(request, control)
+    request = _read(folder / REQUEST_FILE, ServiceRequest)
+    service = Service(request, control, nodes)
     service.prepare()
     went_well = worker.play_live(
         request.launch, service, run_xacro=run_xacro, explain_xacro=expansion.explain_error
     )
     service.close()
-    if service.is_terminated:
-        return EXIT_SIGNALLED + SIGTERM
-    return EXIT_PASSED if went_well and service.went_well else EXIT_FAILED
+    return service.shutdown.exit_code(went_well=went_well)
+
+
+def _read(file: Path, kind: type[Kind]) -> Kind:
+    return decode(json.loads(file.read_text(encoding="utf-8")), kind)
 
 
 def _set_search_path(own: list[str]) -> None:

@@ -15,20 +15,20 @@ PUMP_SECONDS = 0.02  # the longest time that events keep the output of processes
 POLL_SECONDS = 0.05  # between two looks at the time of the simulation
 
 
-class Happening:
-    """Something that happens at a time and is no event of launch: a function that is called."""
+class ScheduledCall:
+    """A function that is called at a time, and is no event of launch."""
 
     wsgen_cause: str | None = "launch"
 
     def __init__(
-        self, happen: Callable[[], object], is_void: Callable[[], bool] | None = None
+        self, call: Callable[[], object], is_void: Callable[[], bool] | None = None
     ) -> None:
-        self.happen = happen
+        self.call = call
         self._is_void = is_void
 
     @property
     def wsgen_is_void(self) -> bool:
-        """Whether it need not happen any more."""
+        """Whether it need not be called any more."""
         return self._is_void is not None and self._is_void()
 
 
@@ -91,8 +91,8 @@ class LiveTimeline:
             self._drop_void()
             if self._coming and self._coming[0][0] <= now:
                 _, _, event = heapq.heappop(self._coming)
-                if isinstance(event, Happening):
-                    event.happen()
+                if isinstance(event, ScheduledCall):
+                    event.call()
                     continue
                 self.cause = event.wsgen_cause or "launch"
                 return event
@@ -106,6 +106,13 @@ class LiveTimeline:
                 self._take_simulated()
             self._wait(max(0.0, seconds))
             self._pumped = time.monotonic()
+
+    @property
+    def starts_more(self) -> bool:
+        """Whether events of the launch are to come, which may start processes."""
+        return bool(self._simulated) or any(
+            not isinstance(event, ScheduledCall) for _, _, event in self._coming
+        )
 
     def cancel(self, is_canceled: Callable[[Any], bool]) -> None:
         """Drop events that are to come."""

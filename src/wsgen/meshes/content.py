@@ -41,6 +41,18 @@ def damaged(kind: str) -> BrokenMeshError:
     return BrokenMeshError(f"is not a valid {kind.upper()} file: it is cut short or damaged")
 
 
+LFS_POINTER = b"version https://git-lfs.github.com/spec/"
+
+
+def refuse_lfs_pointer(data: bytes) -> None:
+    """Raise BrokenMeshError for what stands in a repository for a file that git has elsewhere."""
+    if data.startswith(LFS_POINTER):
+        raise BrokenMeshError(
+            "is a pointer of Git LFS, which stands for the file",
+            hint="Download the file: git lfs install, then git lfs pull.",
+        )
+
+
 def refuse_triangles(count: int) -> None:
     """Raise EnormousMeshError for more triangles than a mesh may have."""
     if count > TRIANGLE_LIMIT:

@@ -16,7 +16,7 @@ from PIL import Image
 
 from wsgen.files import irregular_kind
 from wsgen.isolation.child import announce
-from wsgen.meshes.content import BrokenMeshError, bounds_of
+from wsgen.meshes.content import LFS_POINTER, BrokenMeshError, bounds_of, refuse_lfs_pointer
 from wsgen.meshes.requests import BuiltShape, UnbuildableShape
 from wsgen.meshes.stl import write_stl
 from wsgen.model.robot import Ellipsoid, Extrusion, Heightmap
@@ -138,6 +138,8 @@ def _read(file: Path) -> tuple[NDArray[Any], float]:
     if kind is not None:
         raise BrokenMeshError(f"is {kind}", hint=SAVE_AGAIN)
     try:
+        with file.open("rb") as content:
+            refuse_lfs_pointer(content.read(len(LFS_POINTER)))
         pixels = _load(file)
     except (Image.DecompressionBombError, Image.DecompressionBombWarning):
         raise BrokenMeshError("has a hundred million pixels or more", hint=REDUCE) from None

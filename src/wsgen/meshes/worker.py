@@ -27,6 +27,7 @@ from wsgen.meshes.content import (
     bounds_of,
     damaged,
     flat_normals,
+    refuse_lfs_pointer,
     refuse_triangles,
 )
 from wsgen.meshes.dae import is_dae, read_dae
@@ -185,6 +186,7 @@ def read_mesh(file: Path, *, with_materials: bool = False) -> Content:
     data = file.read_bytes()
     if not data:
         raise BrokenMeshError("is empty (0 bytes)")
+    refuse_lfs_pointer(data)
     if not RECOGNIZE[kind](data):
         other = next((name for name, looks_so in RECOGNIZE.items() if looks_so(data)), None)
         if other is not None:

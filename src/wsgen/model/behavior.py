@@ -10,6 +10,8 @@ import math
 from collections.abc import Mapping  # noqa: TC003  the file of a live run is decoded by type hints
 from dataclasses import field
 
+from wsgen.model.time_series import TimeSeries  # noqa: TC001  as above
+from wsgen.model.world import Spawn  # noqa: TC001  as above
 from wsgen.values import dataclass
 
 LEAST_TOLERANCE = 0.02  # m or rad; no engine is more exact
@@ -52,21 +54,59 @@ class Reach:
 
 
 @dataclass(frozen=True, kw_only=True)
+class LaunchTask:
+    """Run the launch file, whose nodes move the robot, and see where it gets."""
+
+    # Where it should be at the end, seen from where it was spawned; None is not checked.
+    x: float | None = None  # m, ahead
+    y: float | None = None  # m, to the left
+    yaw: float | None = None  # rad, whole turns included
+    tolerance: float = 0.1  # share of the way
+    travels: float | None = None  # m, the least length of its way; None is not checked
+    positions: Mapping[str, float] = field(default_factory=dict)  # rad or m, at the end, by joint
+    within: float = 0.05  # rad or m from these
+
+    @property
+    def as_drive(self) -> Drive:
+        """Where it should be, as a drive has it."""
+        return Drive(x=self.x, y=self.y, yaw=self.yaw, tolerance=self.tolerance)
+
+    @property
+    def as_reach(self) -> Reach:
+        """Where its joints should be, as a task for them has it."""
+        return Reach(positions=self.positions, within=self.within)
+
+    @property
+    def expected(self) -> Mapping[str, float | None]:
+        """What is checked, by name; None is not."""
+        place = {"x": self.x, "y": self.y, "yaw": self.yaw, "traveled": self.travels}
+        return {**place, **self.positions}
+
+
+Task = Drive | Reach | LaunchTask
+
+
+@dataclass(frozen=True, kw_only=True)
 class Behavior:
     """One `[[behavior]]` of a package's `wsgen.toml`."""
 
     name: str
-    task: Drive | Reach
+    task: Task
     seconds: float
     robot: str | None = None  # entity; None: the only one there is
     line: int | None = None  # in wsgen.toml, 1-based
+
+    @property
+    def runs_launch_file(self) -> bool:
+        """Whether it has `run = true`."""
+        return isinstance(self.task, LaunchTask)
 
 
 @dataclass(frozen=True, kw_only=True)
 class BehaviorRun:
     """A behavior that can be simulated, with its robot."""
 
-    entity: str
+    entity: str  # empty: the first robot that comes into the world while the launch file runs
     behavior: Behavior
     drive: DiffDrive | None = None  # of the robot, for a task that drives it
 
@@ -76,11 +116,40 @@ class BehaviorOutcome:
     """The result of a behavior."""
 
     name: str
-    task: Drive | Reach
+    task: Task
     passed: bool
+    is_left_out: bool = False  # its launch file was not run, which is no failure
     # What was measured at the end; None where it was not simulated or the task is another one.
     moved: tuple[float, float, float] | None = None  # m, m, rad: x, y, yaw
     positions: Mapping[str, float] | None = None  # rad or m, of the joints that the task names
+    traveled: float | None = None  # m, the length of its way
+    seconds: float | None = None  # simulated, for which it ran; None: it was not simulated
+    wall_seconds: float = 0.0  # of the clock, that its launch file ran for
+    printed: tuple[str, ...] = ()  # the last lines of its nodes, where it failed
+
+
+@dataclass(frozen=True, kw_only=True)
+class LiveMeasurement:
+    """How a robot did while its launch file ran."""
+
+    name: str  # of the behavior
+    launched: str = "PACKAGE FILE"  # the words for `wsgen launch`, for a shell
+    entity: str = ""  # the robot that was looked at; empty: none has come
+    spawned: tuple[Spawn, ...] = ()  # what nodes have spawned that the launch file does not name
+    seconds: float = 0.0  # simulated, for which it ran
+    is_there: bool = False  # the robot is in the world at the end
+    is_finite: bool = True  # all states of the robot were
+    moved: tuple[float, float, float] = (0.0, 0.0, 0.0)  # m, m, rad, from where it was spawned
+    traveled: float = 0.0  # m, the length of its way
+    tilt: float = 0.0  # rad, between what was up in the robot when spawned and up
+    positions: Mapping[str, float] = field(default_factory=dict)  # rad or m, by joint
+    # Why it did not run to the end: a process has failed.
+    problem: str | None = None
+    left_out: Mapping[str, str] = field(default_factory=dict)  # what did not run, with the reason
+    wall_seconds: float = 0.0  # of the clock
+    printed: tuple[str, ...] = ()  # the last lines, "[PROCESS] LINE"; of one that failed, its own
+    # Its way; seconds are negative before the nodes had joined. None: not wanted, or not spawned.
+    time_series: TimeSeries | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -120,6 +189,7 @@ class DiffDrive:
 
     simulator: str  # that has the plugin: "classic" or "gz"
     pairs: tuple[WheelPair, ...]
+    grip: float = 1.0  # friction coefficient of the wheels; where they differ, the least
     torque: float | None = None  # N m, of each wheel; None: what the limits of the joints say
     linear: Bounds = field(default_factory=Bounds)
     angular: Bounds = field(default_factory=Bounds)

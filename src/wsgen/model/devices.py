@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping  # noqa: TC003  answers are decoded by type hints
-from dataclasses import field
+from dataclasses import field, replace
 from typing import TYPE_CHECKING
 
 from wsgen.model.transform import IDENTITY, Pose, rotation_of_quaternion, rpy_of_rotation
@@ -84,6 +84,31 @@ class Devices:
     frames: Mapping[str, Carried] = field(default_factory=dict)
     ros2_control: tuple[Element, ...] = ()  # <ros2_control> of the URDF
     surroundings: tuple[Element, ...] = ()  # of a world: what its sensors measure, by SURROUNDINGS
+
+
+def in_namespace(devices: Devices, namespace: str) -> Devices:
+    """The devices with that namespace in the <ros> of each plugin, whatever was there."""
+    if not namespace:
+        return devices
+    return replace(
+        devices,
+        plugins=tuple(_in_namespace(plugin, namespace) for plugin in devices.plugins),
+        sensors=tuple(
+            replace(
+                sensor,
+                plugins=tuple(_in_namespace(plugin, namespace) for plugin in sensor.plugins),
+            )
+            for sensor in devices.sensors
+        ),
+    )
+
+
+def _in_namespace(plugin: Element, namespace: str) -> Element:
+    ros = plugin.find("ros") or Element(tag="ros")
+    kept = tuple(child for child in ros.children if child.tag != "namespace")
+    given = replace(ros, children=(Element(tag="namespace", text=namespace), *kept))
+    others = tuple(child for child in plugin.children if child is not ros)
+    return replace(plugin, children=(given, *others))
 
 
 def copied(element: xmltree.Element) -> Element:

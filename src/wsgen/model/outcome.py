@@ -62,6 +62,7 @@ class EngineOutcome:
     rest: Rest | None = None
     behaviors: tuple[BehaviorOutcome, ...] = ()  # what it must do beyond standing
     passed: bool = False  # no error is reported about the robot in this engine
+    is_untried: bool = False  # only behaviors that cannot be simulated keep it from passing
     codes: frozenset[str] = frozenset()  # of the rules that are reported about it in this engine
     time_series: tuple[TimeSeries, ...] = ()  # standing, then its behaviors; if they are wanted
 

@@ -6,12 +6,15 @@ from the link frame, `pose_in_parent` from the parent link's frame.
 
 from __future__ import annotations
 
-from collections.abc import Mapping  # noqa: TC003  the file of a live run is decoded by type hints
+from collections.abc import (  # noqa: TC003  the file of a live run is decoded by type hints
+    Collection,
+    Mapping,
+)
 from dataclasses import field
 from enum import Enum
 
 from wsgen.model.control import ControlSystem, Transmission  # noqa: TC001  as `Pose`
-from wsgen.model.transform import IDENTITY, Pose
+from wsgen.model.transform import IDENTITY, Pose, Vector
 from wsgen.values import NamedTuple, dataclass
 
 # Of a tree in PyBullet: MAX_DEGREE_OF_FREEDOM in its SharedMemoryCommands.h; with more, reading a
@@ -130,16 +133,26 @@ Triangulated = Ellipsoid | Cone | Extrusion | Heightmap
 Geometry = Primitive | Mesh | Triangulated
 
 
+LITTLE_GRIP = 0.3  # friction coefficient; wheels with less slip
+
+
 @dataclass(frozen=True, kw_only=True)
 class Surface:
     """How a collision touches others; the defaults are Gazebo's."""
 
     mu1: float = 1.0  # Coulomb friction coefficient, first direction
     mu2: float = 1.0  # second direction
+    fdir1: Vector | None = None  # the first direction; None: `mu1` counts in all directions
+    fdir1_in: str | None = None  # the link that it turns with; None: that of the collision
     kp: float | None = None  # N/m, contact stiffness
     kd: float | None = None  # N s/m, contact damping
     min_depth: float | None = None  # m
     max_contacts: int | None = None
+
+    @property
+    def grip(self) -> float:
+        """The friction coefficient, in the direction in which it is larger."""
+        return self.mu1 if self.fdir1 is None else max(self.mu1, self.mu2)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -149,7 +162,8 @@ class Visual:
     geometry: Geometry
     pose_in_link: Pose = IDENTITY
     rgba: tuple[float, float, float, float] | None = None  # 0 to 1; None: the simulator's default
-    texture: str | None = None  # an image file, for a mesh that has texture points
+    texture: str | None = None  # an image file, for a box, or a mesh that has texture points
+    laser_retro: float = 0.0  # what lidars on a GPU have as intensity of it
     name: str | None = None
 
 
@@ -160,6 +174,7 @@ class Collision:
     geometry: Geometry
     pose_in_link: Pose = IDENTITY
     surface: Surface = Surface()
+    laser_retro: float = 0.0  # what lidars on the CPU have as intensity of it
     name: str | None = None
 
 
@@ -309,6 +324,20 @@ class Robot:
             if link.name == name:
                 return link
         raise KeyError(name)
+
+    def least_grip(self, joints: Collection[str]) -> float:
+        """The friction coefficient of that wheel of these joints which has the least.
+
+        Of several collisions of a wheel the one with the most counts, as any may be the tire.
+        Wheels without collisions are left out; without any other the coefficient is Gazebo's, 1.
+        """
+        wheels = {joint.child for joint in self.joints if joint.name in joints}
+        grips = (
+            max(collision.surface.grip for collision in link.collisions)
+            for link in self.links
+            if link.name in wheels and link.collisions
+        )
+        return min(grips, default=Surface().grip)
 
 
 Rgba = tuple[float, float, float, float]

@@ -17,3 +17,4 @@ class TimeSeries:
     speeds: tuple[float, ...]  # m/s, of the root link's center of mass
     tilts: tuple[float, ...]  # rad, between what was up in the robot when spawned and up
     joint_positions: Mapping[str, tuple[float, ...]]  # rad or m, of the movable joints by name
+    heading: float = 0.0  # rad, of the root link's x axis on the ground, at the first sample

@@ -19,6 +19,36 @@ class Pose:
     rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)  # rad; fixed-axis roll, pitch, yaw
 
     @property
+    def x(self) -> float:
+        """Of its origin, m."""
+        return self.xyz[0]
+
+    @property
+    def y(self) -> float:
+        """Of its origin, m."""
+        return self.xyz[1]
+
+    @property
+    def z(self) -> float:
+        """Of its origin, m."""
+        return self.xyz[2]
+
+    @property
+    def roll(self) -> float:
+        """About the fixed x axis, rad."""
+        return self.rpy[0]
+
+    @property
+    def pitch(self) -> float:
+        """About the fixed y axis, rad."""
+        return self.rpy[1]
+
+    @property
+    def yaw(self) -> float:
+        """About the fixed z axis, rad."""
+        return self.rpy[2]
+
+    @property
     def is_finite(self) -> bool:
         """Whether no number is infinite or not-a-number."""
         return all(math.isfinite(number) for number in (*self.xyz, *self.rpy))

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import field, replace
 from typing import TYPE_CHECKING
 
-from wsgen.model.behavior import BehaviorOutcome, BehaviorRun, Drive
+from wsgen.diagnostics import Severity
+from wsgen.model.behavior import BehaviorOutcome, BehaviorRun, Drive, LaunchTask
 from wsgen.rules.behaviors import (
     check_behavior,
+    check_live,
     command_beyond_limit,
+    launch_not_run,
     no_diff_drive,
     unclear_behavior_robot,
     unknown_behavior_joint,
@@ -16,11 +20,12 @@ from wsgen.urdf.diff_drive import NoDrive, find_diff_drive
 from wsgen.values import dataclass
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
-    from wsgen.model.behavior import Behavior
+    from wsgen.model.behavior import Behavior, LiveMeasurement
+    from wsgen.model.time_series import TimeSeries
     from wsgen.pipeline.prepare import PreparedRobot
     from wsgen.simulation.scene import RobotRun
     from wsgen.workspace.settings import Settings
@@ -35,14 +40,47 @@ class BehaviorPlan:
     behaviors: tuple[Behavior, ...]
     behavior_runs: tuple[BehaviorRun, ...]  # those that can be simulated
     diagnostics: tuple[Diagnostic, ...]  # why the rest cannot
+    to_run: tuple[BehaviorRun, ...] = ()  # those for which the launch file runs
+    # What was measured of these: by engine, then by name. One that is missing was left out.
+    live: Mapping[str, Mapping[str, LiveMeasurement]] = field(default_factory=dict)
 
     @property
     def seconds(self) -> float:
         """Of simulated time, without what comes before each."""
         return sum(behavior_run.behavior.seconds for behavior_run in self.behavior_runs)
 
-    def check(self, robot_run: RobotRun) -> tuple[Diagnostic, ...]:
+    def leave_out(
+        self, reason: str, hint: str, severity: Severity = Severity.WARNING
+    ) -> BehaviorPlan:
+        """The plan that reports why those for which the launch file runs are left out."""
+        found = (
+            one
+            for behavior_run in self.to_run
+            for one in launch_not_run(behavior_run.behavior, reason, hint, self.file, severity)
+        )
+        return replace(self, diagnostics=(*self.diagnostics, *found))
+
+    def without_to_run(self) -> BehaviorPlan:
+        """The plan without those for which the launch file runs."""
+        return replace(
+            self,
+            behaviors=tuple(one for one in self.behaviors if not isinstance(one.task, LaunchTask)),
+            to_run=(),
+        )
+
+    def check(self, robot_run: RobotRun, engine: str) -> tuple[Diagnostic, ...]:
         """Check what a robot did."""
+        return (*self._check_simulated(robot_run), *self._check_live(robot_run.entity, engine))
+
+    def _check_live(self, entity: str, engine: str) -> Iterable[Diagnostic]:
+        measured = self.live.get(engine, {})
+        for behavior_run in self.to_run:
+            behavior, task = behavior_run.behavior, behavior_run.behavior.task
+            one = measured.get(behavior.name)
+            if behavior_run.entity == entity and isinstance(task, LaunchTask) and one is not None:
+                yield from check_live(behavior, task, one, self.file)
+
+    def _check_simulated(self, robot_run: RobotRun) -> tuple[Diagnostic, ...]:
         behavior_runs = {
             behavior_run.behavior.name: behavior_run for behavior_run in self.behavior_runs
         }
@@ -52,17 +90,35 @@ class BehaviorPlan:
             for found in check_behavior(behavior_runs[behaved.name], behaved, self.file)
         )
 
+    def live_series(self, entity: str, engine: str) -> Iterator[TimeSeries]:
+        """How a robot moved while its launch file ran, for each behavior for which it did."""
+        measured = self.live.get(engine, {})
+        for behavior_run in self.to_run:
+            one = measured.get(behavior_run.behavior.name)
+            if behavior_run.entity == entity and one is not None and one.time_series is not None:
+                yield one.time_series
+
     def fails(self, entity: str) -> bool:
         """Whether a behavior of this robot cannot be simulated."""
-        simulated = {behavior_run.behavior.name for behavior_run in self.behavior_runs}
         return any(
-            name not in simulated for name, shown_by in self.entities.items() if shown_by == entity
+            self.entities.get(one.name) == entity and not self._can_run(one)
+            for one in self.behaviors
         )
 
+    def _can_run(self, behavior: Behavior) -> bool:
+        return any(one.behavior == behavior for one in (*self.behavior_runs, *self.to_run))
+
     def outcomes(
-        self, entity: str, robot_run: RobotRun | None, diagnostics: Iterable[Diagnostic]
+        self,
+        entity: str,
+        robot_run: RobotRun | None,
+        diagnostics: Iterable[Diagnostic],
+        engine: str | None,
     ) -> tuple[BehaviorOutcome, ...]:
-        """The results of the behaviors of a robot, with the diagnostics of all engines."""
+        """The results of the behaviors of a robot in an engine; None: it was not simulated.
+
+        The diagnostics are those of the engine, or of all.
+        """
         failed = {found.element for found in diagnostics}
         measured = {} if robot_run is None else {one.name: one for one in robot_run.behaviors}
         outcomes = []
@@ -71,6 +127,11 @@ class BehaviorPlan:
                 continue
             behaved = measured.get(behavior.name)
             task = behavior.task
+            if isinstance(task, LaunchTask) and self._can_run(behavior):
+                live = self.live.get(engine or "", {}).get(behavior.name)
+                is_failed = f"behavior `{behavior.name}`" in failed
+                outcomes.append(_outcome_of_run(behavior, task, live, is_failed=is_failed))
+                continue
             is_drive = isinstance(task, Drive)
             outcomes.append(
                 BehaviorOutcome(
@@ -78,6 +139,7 @@ class BehaviorPlan:
                     task=task,
                     passed=behaved is not None and f"behavior `{behavior.name}`" not in failed,
                     moved=behaved.moved if behaved and is_drive else None,
+                    seconds=behavior.seconds if behaved else None,
                     positions={name: behaved.positions[name] for name in task.positions}
                     if behaved and not isinstance(task, Drive)
                     else None,
@@ -87,30 +149,72 @@ class BehaviorPlan:
 
 
 def plan_behaviors(
-    settings: Settings, prepared: Sequence[PreparedRobot], *, simulator: str | None
+    settings: Settings,
+    prepared: Sequence[PreparedRobot],
+    *,
+    simulator: str | None,
+    assumed: Collection[str] = (),
 ) -> BehaviorPlan:
-    """Assign the behaviors to the robots that are spawned."""
+    """Assign the behaviors to the robots that are spawned.
+
+    A node may spawn the `assumed` ones under other names, which behaviors with `run = true` give.
+    """
     robots = {robot.entity: robot for robot in prepared if not robot.is_static_model}
     found: list[Diagnostic] = []
     entities: dict[str, str] = {}
     behavior_runs: list[BehaviorRun] = []
+    to_run: list[BehaviorRun] = []
     for behavior in settings.behaviors:
-        unclear = tuple(unclear_behavior_robot(behavior, list(robots), settings.file))
+        entity = behavior.robot
+        if behavior.runs_launch_file and entity is not None and entity not in robots:
+            entity = next((one for one in robots if one in assumed), entity)
+        unclear = tuple(
+            unclear_behavior_robot(replace(behavior, robot=entity), list(robots), settings.file)
+        )
         found += unclear
         if unclear:
             continue
-        entity = next(iter(robots)) if behavior.robot is None else behavior.robot
+        entity = next(iter(robots)) if entity is None else entity
         entities[behavior.name] = entity
         behavior_run, problems = _behavior_run(behavior, robots[entity], settings.file, simulator)
         found += problems
         if behavior_run is not None:
-            behavior_runs.append(behavior_run)
+            is_to_run = isinstance(behavior.task, LaunchTask)
+            (to_run if is_to_run else behavior_runs).append(behavior_run)
     return BehaviorPlan(
         file=settings.file,
         entities=entities,
         behaviors=settings.behaviors,
         behavior_runs=tuple(behavior_runs),
         diagnostics=tuple(found),
+        to_run=tuple(to_run),
+    )
+
+
+def _outcome_of_run(
+    behavior: Behavior, task: LaunchTask, live: LiveMeasurement | None, *, is_failed: bool
+) -> BehaviorOutcome:
+    """The result of a behavior for which the launch file has run; None: it has not."""
+    if live is None:
+        return BehaviorOutcome(name=behavior.name, task=task, passed=False, is_left_out=True)
+    outcome = BehaviorOutcome(
+        name=behavior.name,
+        task=task,
+        passed=False,
+        seconds=live.seconds,
+        wall_seconds=live.wall_seconds,
+        printed=live.printed,
+    )
+    if not (live.is_there and live.is_finite):
+        return outcome
+    return replace(
+        outcome,
+        passed=not is_failed,
+        printed=live.printed if is_failed else (),
+        moved=live.moved,
+        traveled=live.traveled,
+        positions={name: live.positions[name] for name in task.positions if name in live.positions}
+        or None,
     )
 
 

@@ -140,14 +140,19 @@ def with_descriptions(found: Sequence[Candidate], overlay: Overlay) -> Iterator[
 
 
 def choose(
-    found: Sequence[Candidate], *, kept: Collection[str] = (), named: Collection[str] = ()
+    found: Sequence[Candidate],
+    *,
+    kept: Collection[str] = (),
+    named: Collection[str] = (),
+    running: Collection[str] = (),
 ) -> Choice:
     """Choose the launch files that spawn robots, and those whose mistakes may hide one.
 
     Of launch files that include each other the outer one is chosen, of those that start the same
     simulation the first. `kept` are packages whose launch files are simulated also where one of
     another package includes them. Of the packages that are `named`, and spawn nothing, each mistake
-    is shown.
+    is shown. The nodes of those that are `running` run: where no launch file of such a package
+    spawns a robot, its nodes may, in a simulator that a launch file starts.
     """
     evaluated = [one for one in found if one.started.is_evaluated]
     spawning = [one for one in evaluated if one.started.has_spawner]
@@ -159,6 +164,7 @@ def choose(
             outer.append(one)
         elif includer.package != one.package:
             others.append((one, f"included by {includer.name}"))
+    outer += _waiting_for_robots(evaluated, {*running} - {one.package for one in spawning})
     simulating = [one for one in outer if one.started.simulator]
     chosen = [one for one in outer if one.started.simulator or not _is_simulated(one, simulating)]
     failing, more = _choose_failing(found, chosen, named)
@@ -168,6 +174,14 @@ def choose(
         tuple(sorted(chosen, key=lambda one: order[one.launch_file])),
         (*others, *more, *same),
     )
+
+
+def _waiting_for_robots(
+    evaluated: Sequence[Candidate], packages: Collection[str]
+) -> Iterator[Candidate]:
+    """The launch files of these packages that start a simulator, the outermost ones."""
+    simulating = [one for one in evaluated if one.started.simulator and one.package in packages]
+    return (one for one in simulating if _includer(one, simulating) is None)
 
 
 def _includer(

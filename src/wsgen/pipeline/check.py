@@ -6,9 +6,10 @@ install space would be after a build, with links to the sources.
 
 from __future__ import annotations
 
+import gc
 import os
 import time
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from dataclasses import field, replace
 from functools import partial
 from itertools import zip_longest
@@ -29,7 +30,7 @@ from wsgen.suggestions import advice
 from wsgen.values import NamedTuple, dataclass, lazy_pattern
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
@@ -116,16 +117,21 @@ def _check(
     ended: list[_Checked] = []
     with ExitStack() as stack:
         scratch = stack.enter_context(make_scratch(in_memory=True))
+        # Meshes may be written into this one, which may be more than the memory has room for.
+        work = stack.enter_context(make_scratch())
 
         def calls(run: Run) -> list[Callable[[], tuple[Diagnostic, ...]]]:
             # With processes, here already: each has it.
             installed = laid_out or lay_out(targets, scratch, environment)
             return [
                 *(
-                    partial(_check_package, package, installed, request.distro, serial, run)
+                    partial(_check_package, package, installed, request.distro, serial, run, work)
                     for package in (*targets.packages, *targets.installed)
                 ),
-                *(partial(_check_file, file, installed, serial, run) for file in targets.files),
+                *(
+                    partial(_check_file, file, installed, serial, run, work)
+                    for file in targets.files
+                ),
             ]
 
         laid_out = None
@@ -137,7 +143,8 @@ def _check(
                 both = zip_longest(calls(run), folders)
                 return [partial(_with_permissions, call, folder) for call, folder in both]
 
-            run_parallel(more, request.jobs, serial, ended, in_workers=True)
+            with _collecting_little():
+                run_parallel(more, request.jobs, serial, ended, in_workers=True)
         else:
             from wsgen.pipeline.remote_check import check_remotely  # noqa: PLC0415  seldom wanted
 
@@ -170,7 +177,18 @@ class _Checked(NamedTuple):
 
 def _with_permissions(check: Callable[[], tuple[Diagnostic, ...]], folder: Path | None) -> _Checked:
     """What a check finds, and what the package allows: read here, several jobs do it at a time."""
+    gc.collect(1)  # what the package before it has left: the collector runs seldom by itself
     return _Checked(check(), folder, None if folder is None else read_permissions(folder))
+
+
+@contextmanager
+def _collecting_little() -> Iterator[None]:
+    """Let the garbage collector pass over what is there already, which takes most of its time."""
+    gc.freeze()
+    try:
+        yield
+    finally:
+        gc.unfreeze()
 
 
 def _check_package(*arguments: Any) -> tuple[Diagnostic, ...]:

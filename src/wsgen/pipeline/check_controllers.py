@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen import yamlfile
+from wsgen.launch.other_places import find_in_package
 from wsgen.rules.controller_joints import Controlled, check_controllers, missing_controller_file
 from wsgen.rules.controllers import started_controllers
 from wsgen.rules.ros2_control import control_plugins
@@ -40,7 +41,9 @@ def check_controlled(
                 if path not in of_file and not path.is_file():
                     folder = path.parent
                     beside = [one.name for one in folder.iterdir()] if folder.is_dir() else []
-                    missing = missing_controller_file(plugin, path, beside, file)
+                    missing = missing_controller_file(
+                        plugin, path, beside, file, find_in_package(text, share_of)
+                    )
                     yield from place_in_source([missing], text="", file=file, share_of=share_of)
                 of_file.setdefault(path, []).append(robot)
     for path, users in of_file.items():

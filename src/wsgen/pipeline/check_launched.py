@@ -26,6 +26,7 @@ from wsgen.rules.spawn_heights import check_spawn_height
 from wsgen.sdf.includes import DATABASE_MODELS, MODEL_LEFT_OUT
 from wsgen.sdf.lookup import find_world, model_finder
 from wsgen.sdf.source import SIZE_LIMIT, load, read_document
+from wsgen.source_shares import may_have_sources
 from wsgen.values import NamedTuple
 from wsgen.xacro.source import written_elements
 from wsgen.xmltree import child_text, children
@@ -226,7 +227,7 @@ def check_texts(
     """
     links, known = frames.links_of(robots), frames.known_frames(robots, plans)
     of_ros_1: list[Path] = []
-    for file in _files(package.path):
+    for file in _files(package.path, (".launch", *LAUNCH_FILES, ".rviz", ".yaml", ".yml")):
         if file.suffix == ".launch":
             of_ros_1.append(file)
         elif file.name.endswith(LAUNCH_FILES):
@@ -241,10 +242,11 @@ def check_texts(
         yield from launch_files.ros_1_launch_files(of_ros_1)
 
 
-def _files(package: Path) -> Iterator[Path]:
+def _files(package: Path, endings: tuple[str, ...]) -> Iterator[Path]:
+    """The files of a package whose names end like this."""
     for folder, names, files in os.walk(package):
-        names[:] = [name for name in names if not name.startswith(".") and name not in OF_BUILDS]
-        yield from (Path(folder, name) for name in sorted(files))
+        names[:] = filter(may_have_sources, names)
+        yield from (Path(folder, name) for name in sorted(files) if name.endswith(endings))
 
 
 def _check_paths(file: Path, content: bytes) -> Iterator[Diagnostic]:
@@ -263,7 +265,7 @@ def sets_search_path(packages: Iterable[PackageFolder]) -> bool:
     return any(
         resource_paths.SETTING.search(_bytes(file))
         for package in packages
-        for file in _files(package.path)
+        for file in _files(package.path, (*_SETTING_SUFFIXES, *_SETTING_FILES))
         if file.suffix in _SETTING_SUFFIXES or file.name in _SETTING_FILES
     )
 
@@ -283,7 +285,6 @@ def _check_frames(
 
 # What ends the names of launch files.
 LAUNCH_FILES = tuple(f"launch.{suffix}" for suffix in ("py", "xml", "yaml", "yml"))
-OF_BUILDS = frozenset({"build", "install", "log"})  # folders
 
 
 def _bytes(file: Path) -> bytes:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from wsgen.build_files.cmake_checks import check_for_distro
 from wsgen.build_files.python_sources import check_python_syntax
 from wsgen.diagnostics import has_errors
 from wsgen.files import real_path
-from wsgen.isolation.parent import make_scratch
+from wsgen.isolation.parent import make_part
 from wsgen.launch.evaluate import DISTRO_OF_LAUNCHES
 from wsgen.pipeline.candidates import Candidate, LaunchFile, simulation_of, with_descriptions
 from wsgen.pipeline.check_controllers import check_controlled
@@ -36,7 +37,7 @@ from wsgen.pipeline.file_kinds import read
 from wsgen.pipeline.file_validation import UNUSABLE_FILE, FileValidation
 from wsgen.pipeline.package_validation import Validation
 from wsgen.pipeline.prepare import PrepareContext
-from wsgen.pipeline.selection import SelectedPackage, ValidateRequest
+from wsgen.pipeline.requests import SelectedPackage, ValidateRequest
 from wsgen.pipeline.started import start
 from wsgen.rules import launch_files
 from wsgen.rules.target import target_of
@@ -92,15 +93,18 @@ class Facts(NamedTuple):
 class PackageCheck:
     """Reads the files of a package, each once, and checks them."""
 
-    def __init__(
+    def __init__(  # noqa: PLR0913, PLR0917  what the checks need
         self,
         package: PackageFolder,
         installed: InstalledAsBuilt,
         distro: str | None,
         listener: Listener | None,
         run: Run,
+        scratch: Path,
     ) -> None:
+        """`scratch` is a folder for files that engines read."""
         self.package = package
+        self.scratch = scratch
         self.installed = installed
         self.run_task = run
         self.listener = listener
@@ -124,19 +128,30 @@ class PackageCheck:
 
     def run(self) -> tuple[Diagnostic, ...]:
         """Run all checks."""
-        with self.clock.step("check", self.package.path.name) as step, make_scratch() as folder:
+        with (
+            self.clock.step("check", self.package.path.name) as step,
+            make_part(self.scratch) as folder,
+        ):
             unique: dict[Diagnostic, Diagnostic] = {}
             for one in self.installed.named(without_simulation(self._run(folder))):
                 unique.setdefault(without_call(one), one)
-            manifest = self.package.manifest
-            declared = {one.name for one in manifest.dependencies} if manifest else ()
-            known = without_absent_packages(unique.values(), declared)
+            packages = (self.package, *self.installed.sources.values()) if unique else ()
+            declared = {
+                one.name
+                for package in packages
+                if package.manifest
+                for one in package.manifest.dependencies
+            }
+            here = {package.name for package in packages}
+            known = without_absent_packages(unique.values(), declared, here)
             found = tuple(without_replaced_options(known))
             step.succeeded = not has_errors(found)
         return found
 
     def _run(self, folder: Path) -> Iterator[Diagnostic]:
-        yield from self.package.diagnostics or check_package_xml(self.package.path / "package.xml")
+        yield from self.package.diagnostics or check_package_xml(
+            self.package.path / "package.xml", self.package.manifest
+        )
         yield from self.diagnostics_of_settings
         if self.package.diagnostics:
             return
@@ -199,6 +214,8 @@ class PackageCheck:
             file
             for file in find_launch_files(folder)
             if OF_TESTS.isdisjoint(file.relative_to(folder).parts)
+            # In packages of ROS 1 this is an ending of its own launch files.
+            and not (self.package.build_type == "catkin" and file.name.endswith(".launch.xml"))
         ]
         found = [
             Candidate(
@@ -216,7 +233,12 @@ class PackageCheck:
         known = set()
         for one in candidates:
             started = one.started
-            yield from of_launch(one, candidates)
+            yield from of_launch(
+                one,
+                candidates,
+                self.package.path,
+                is_included_elsewhere=partial(self._is_named_elsewhere, one.file),
+            )
             yield from check_launched(
                 started,
                 self.overlay.environment,
@@ -253,6 +275,16 @@ class PackageCheck:
                 )
                 if file is not None
             }
+
+    def _is_named_elsewhere(self, file: Path) -> bool:
+        """Whether a launch file of another package of the workspaces names one of this package."""
+        names = file.name.encode(), self.package.name.encode()
+        return any(
+            all(name in read(other) for name in names)
+            for package in self.installed.sources.values()
+            if package.name != self.package.name
+            for other in find_launch_files(package.path)
+        )
 
     def _sets_search_path(self) -> bool:
         """Whether a package of the workspaces sets the search path of a simulator; asked once."""
@@ -301,16 +333,23 @@ class FileCheck:
     """Checks a file that belongs to no package."""
 
     def __init__(
-        self, file: Path, installed: InstalledAsBuilt, listener: Listener | None, run: Run
+        self,
+        file: Path,
+        installed: InstalledAsBuilt,
+        listener: Listener | None,
+        run: Run,
+        scratch: Path,
     ) -> None:
+        """`scratch` is a folder for files that engines read."""
         self.file = file
+        self.scratch = scratch
         self.installed = installed
         self.run_task = run
         self.clock = Clock(file.name, listener)
 
     def run(self) -> tuple[Diagnostic, ...]:
         """Read and check it."""
-        with self.clock.step("check", self.file.name) as step, make_scratch() as folder:
+        with self.clock.step("check", self.file.name) as step, make_part(self.scratch) as folder:
             found = tuple(without_simulation(self._run(folder)))
             step.succeeded = not has_errors(found)
         return found

@@ -7,10 +7,17 @@ has is unknown.
 
 from __future__ import annotations
 
+import os
+import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from wsgen.description_rules import MISSING_COLLISION_MESH, MISSING_VISUAL_MESH
+from wsgen.description_rules import (
+    MISSING_COLLISION_MESH,
+    MISSING_VISUAL_MESH,
+    NO_LINK,
+    UNKNOWN_LINK,
+)
 from wsgen.diagnostics import Severity
 from wsgen.files import real_path
 from wsgen.launch.descriptions import UNPUBLISHED_DESCRIPTION
@@ -22,23 +29,35 @@ from wsgen.launch.explain import (
     VARIABLE_NOT_SET,
 )
 from wsgen.launch.explain_missing import FILE_NOT_INSTALLED, PACKAGE_NOT_FOUND, XACRO_FAILS
-from wsgen.launch.explain_names import RAISES, UNSUPPORTED_API
+from wsgen.launch.explain_names import (
+    API_PACKAGES,
+    IMPORT_ERROR,
+    RAISES,
+    REFUSED_BY_LAUNCH,
+    UNSUPPORTED_API,
+)
 from wsgen.launch.simulators import NO_SIMULATOR
 from wsgen.launch.spawner_options import INVALID_SPAWNER_OPTION
 from wsgen.launch.undeclared import UNDECLARED_PACKAGE
+from wsgen.pipeline.file_kinds import read
 from wsgen.pipeline.file_validation import NO_MODEL, PART_OF_ROBOT
 from wsgen.ros_names import released_packages
+from wsgen.rules.ros2_control import INCOMPLETE_CONTROL
 from wsgen.rules.simulators import SPAWNER_OF_OTHER_SIMULATOR
 from wsgen.sdf.assembly import CLOSED_CHAIN, JOINT_LEFT_OUT
+from wsgen.sdf.includes import MODEL_LEFT_OUT
+from wsgen.sdf.models import NO_WORLD
 from wsgen.sdf.shapes import SHAPE_LEFT_OUT
 from wsgen.sdf.worlds import NO_GROUND
-from wsgen.suggestions import misspelled_as, suggested
+from wsgen.source_shares import may_have_sources
+from wsgen.suggestions import advice, misspelled_as, suggested
 from wsgen.urdf.gazebo import SDF_NOT_SIMULATED
 from wsgen.values import lazy_pattern
 from wsgen.xacro.reader import XACRO_FILE_FAILS
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Iterator
+    from collections.abc import Callable, Collection, Iterable, Iterator
+    from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.pipeline.candidates import Candidate
@@ -51,12 +70,23 @@ OF_SIMULATION = frozenset(
 
 
 def without_simulation(diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
-    """What is left out of a simulation is an information."""
+    """What is left out of a simulation, or is there with other arguments of xacro, is a note."""
     for found in diagnostics:
-        if found.code in OF_SIMULATION:
+        if found.code in OF_SIMULATION or _has_other_hardware(found):
             yield replace(found, severity=Severity.INFO)
         else:
             yield found
+
+
+_CONDITION = lazy_pattern(rb"<xacro:(?:if|unless)\b")
+
+
+def _has_other_hardware(found: Diagnostic) -> bool:
+    """Whether a part of ros2_control has no hardware because no condition of its file holds."""
+    if found.code != INCOMPLETE_CONTROL.code or found.file is None:
+        return False
+    text = read(found.file) if found.file.suffix == ".xacro" else b""
+    return b"<plugin>" in text and _CONDITION.search(text) is not None
 
 
 # What a launch file lacks here is given to it where it is started, or where it is included.
@@ -72,20 +102,43 @@ GIVEN_FROM_OUTSIDE = frozenset(
 )
 
 
-def of_launch(one: Candidate, beside: Iterable[Candidate]) -> Iterator[Diagnostic]:
-    """What is wrong with a launch file, whatever it is started with."""
+def of_launch(
+    one: Candidate,
+    beside: Iterable[Candidate],
+    package: Path | None = None,
+    is_included_elsewhere: Callable[[], bool] = lambda: False,
+) -> Iterator[Diagnostic]:
+    """What is wrong with a launch file, whatever it is started with.
+
+    Args:
+        one: The launch file.
+        beside: Those of its package.
+        package: The source folder of its package.
+        is_included_elsewhere: Whether a launch file of another package names it.
+    """
     started = one.started
     is_inner = is_included(one, beside)
     # With an empty default, somebody is meant to give it, too.
     has_gaps = any(argument.default == "" for argument in started.plan.arguments)
+    lacks_package = any(
+        found.code == PACKAGE_NOT_FOUND.code and not _is_misspelled(found)
+        for found in started.plan.diagnostics
+    )
     for found in started.diagnostics if started.has_spawner else started.plan.diagnostics:
         if found.code == UNDECLARED_PACKAGE.code and one.launch_file.package:
             continue  # reported once for all files of the package
-        if found.code in GIVEN_FROM_OUTSIDE or _lacks_device(found):
+        if (
+            (found.code in GIVEN_FROM_OUTSIDE and not _is_wrong_import(found))
+            or _lacks_device(found)
+            or _lacks_module(found, package)
+            or (has_gaps and _is_for_nothing(found))
+            or (lacks_package and found.code == RAISES.code)  # without what that package has
+        ):
             if not is_inner:
                 yield replace(found, severity=Severity.INFO)
         elif found.code == NO_SIMULATOR.code or (
-            found.code == UNPUBLISHED_DESCRIPTION.code and found.severity is Severity.WARNING
+            found.code == UNPUBLISHED_DESCRIPTION.code
+            and (found.severity is Severity.WARNING or is_included_elsewhere())
         ):  # somebody may start it in another terminal, or a file that is not here does
             yield replace(found, severity=Severity.INFO)
         elif found.code == PACKAGE_NOT_FOUND.code and (has_gaps or not _is_misspelled(found)):
@@ -100,6 +153,30 @@ def of_launch(one: Candidate, beside: Iterable[Candidate]) -> Iterator[Diagnosti
             yield found
 
 
+_BACKTICKED = lazy_pattern(r"`([^`]+)`")
+_IMPORT_TO_WRITE = lazy_pattern(r"^Write `from ([\w.]+) import")
+# They have the names alone that they are for, in every distribution.
+_PUBLIC_MODULES = frozenset(
+    (
+        *("launch.actions", "launch.event_handlers", "launch.substitutions"),
+        *("launch_ros.actions", "launch_ros.substitutions"),
+    )
+)
+
+
+def _is_wrong_import(found: Diagnostic) -> bool:
+    """Whether what is imported from the launch API surely has another name, or is elsewhere."""
+    if found.code != UNSUPPORTED_API.code or found.element is None:
+        return False
+    meant = suggested(found.hint)
+    if meant is not None:
+        return misspelled_as(found.element, [meant]) is not None
+    used, to_write = _BACKTICKED.search(found.message), _IMPORT_TO_WRITE.search(found.hint or "")
+    if used is None or to_write is None:
+        return False
+    return used[1] in _PUBLIC_MODULES or misspelled_as(used[1], [to_write[1]]) is not None
+
+
 DEVICE = lazy_pattern(r"/dev/(?!shm\b|null\b)\w")
 OF_NO_PACKAGE = "Look it up in the share folder of a package"  # the hint for other paths
 
@@ -107,6 +184,50 @@ OF_NO_PACKAGE = "Look it up in the share folder of a package"  # the hint for ot
 def _lacks_device(found: Diagnostic) -> bool:
     """Whether a launch file raises for something that is attached to the robot."""
     return found.code == RAISES.code and DEVICE.search(found.message) is not None
+
+
+NO_MODULE = lazy_pattern(r"No module named '([^'.]+)")
+
+
+def _lacks_module(found: Diagnostic, package: Path | None) -> bool:
+    """Whether a launch file imports what others install, and this machine does not have."""
+    missing = NO_MODULE.search(found.message) if found.code == IMPORT_ERROR.code else None
+    if missing is None:
+        return False
+    meant = suggested(found.hint)
+    if meant and (missing[1].lower() == meant or misspelled_as(missing[1], [meant])):
+        # Of these, the API of launch alone has modules in packages.
+        has_part = re.search(rf"\b{re.escape(missing[1])}\.\w", _line(found))
+        if not has_part or meant.partition(".")[0] in API_PACKAGES:
+            return False
+    return package is None or not _has_module(package, missing[1])
+
+
+def _line(found: Diagnostic) -> str:
+    """The line that a diagnostic is about; empty where that is not known."""
+    lines = read(found.file).decode(errors="replace").splitlines() if found.file else []
+    return lines[found.line - 1] if found.line and found.line <= len(lines) else ""
+
+
+def _has_module(package: Path, name: str) -> bool:
+    """Whether a package has a Python module of that name, which its launch files do not find."""
+    if package.name == name:
+        return True
+    for folder, names, files in os.walk(package):
+        names[:] = filter(may_have_sources, names)
+        if f"{name}.py" in files:
+            return True
+        if name in names and os.path.isfile(os.path.join(folder, name, "__init__.py")):  # noqa: PTH113, PTH118  see os.walk
+            return True
+    return False
+
+
+FOR_NOTHING = lazy_pattern(r"'' is not a valid package name|Command: \S+ *\n")
+
+
+def _is_for_nothing(found: Diagnostic) -> bool:
+    """Whether launch refuses an empty text: a package without a name, or a program for no file."""
+    return found.code == REFUSED_BY_LAUNCH.code and FOR_NOTHING.search(found.message) is not None
 
 
 def _is_misspelled(found: Diagnostic) -> bool:
@@ -137,6 +258,8 @@ def of_file_alone(diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
         if (
             found.code in {PART_OF_ROBOT.code, NO_GROUND.code}
             or UNDEFINED_ARGUMENT in found.message
+            or (found.code == XACRO_FILE_FAILS.code and _has_empty_part(found))
+            or _is_of_others(found)
         ):
             yield replace(found, severity=Severity.INFO)
         elif found.code == XACRO_FILE_FAILS.code and NOT_FOUND.search(found.message):
@@ -146,21 +269,66 @@ def of_file_alone(diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
             yield found
 
 
-_OF_PACKAGES = frozenset(
-    rule.code
-    for rule in (MISSING_COLLISION_MESH, MISSING_VISUAL_MESH, PACKAGE_NOT_FOUND, XACRO_FILE_FAILS)
-)
+_UNKNOWN_LINK = lazy_pattern(r"is `([^`]+)`, but no link has that name")
+_FOR_OTHERS = lazy_pattern("its root element is <gazebo>|, but a <light>")
+
+
+def _is_of_others(found: Diagnostic) -> bool:
+    """Whether a file is no robot or world by itself, but something for other files or programs.
+
+    These are parts of robots in xacro, whose joints name links of the files beside them; models for
+    old versions of Gazebo, in the formats of those; lights, which worlds include; and what Webots
+    reads of a robot.
+    """
+    if found.file is None:
+        return False
+    if found.code == NO_WORLD.code:
+        return _FOR_OTHERS.search(found.message) is not None
+    if found.code == NO_LINK.code:
+        return b"<webots" in read(found.file)
+    unknown = _UNKNOWN_LINK.search(found.message) if found.code == UNKNOWN_LINK.code else None
+    if unknown is None or found.file.suffix != ".xacro":
+        return False
+    link = re.compile(rb"<link\s+name\s*=\s*[\"']%s[\"']" % re.escape(unknown[1]).encode())
+    beside = (other for other in sorted(found.file.parent.glob("*.xacro")) if other != found.file)
+    return any(link.search(read(other)) for other in beside)
+
+
+NO_FILE = lazy_pattern(r"no such file or directory: '([^']*)'")
+EXPRESSION = lazy_pattern(r"\$\(find [^)]*\)|\$\([^)]*\)|\$\{[^}]*\}")
+
+
+def _has_empty_part(found: Diagnostic) -> bool:
+    """Whether xacro looks for a file in whose name an argument is empty, which somebody gives.
+
+    The element of the diagnostic is the name as it is written, with `$(arg model)` or `${model}`.
+    """
+    missing, written = NO_FILE.search(found.message), found.element or ""
+    if missing is None:
+        return False
+    pattern, start = "", 0
+    for expression in EXPRESSION.finditer(written):
+        is_folder = expression[0].startswith("$(find")
+        pattern += re.escape(written[start : expression.start()]) + (".*" if is_folder else "(.*?)")
+        start = expression.end()
+    values = re.fullmatch(pattern + re.escape(written[start:]), missing[1])
+    return values is not None and "" in values.groups()
+
+
+_OF_MESHES = frozenset(rule.code for rule in (MISSING_COLLISION_MESH, MISSING_VISUAL_MESH))
+_OF_PACKAGES = _OF_MESHES | {PACKAGE_NOT_FOUND.code, XACRO_FILE_FAILS.code}
 _ABSENT = lazy_pattern(
     r"package ['`]([^'`]+)['`](?: is not found|, which was not found| is needed, and the package)"
 )
 
 
 def without_absent_packages(
-    diagnostics: Iterable[Diagnostic], declared: Collection[str]
+    diagnostics: Iterable[Diagnostic], declared: Collection[str], here: Collection[str] = ()
 ) -> Iterator[Diagnostic]:
     """Take what a package that is not on this machine would have for what it is: unknown.
 
-    `package.xml` declares the packages of `declared`: the user has them where the package runs.
+    Packages of the workspace, which are `here`, declare those of `declared`: the user has them
+    where they run. One that is misspelled is an error.
     Neither is a package that is released an error of the user. Where a launch
     file fails at a place of a xacro file, that is not reported of the file, too.
     """
@@ -172,13 +340,44 @@ def without_absent_packages(
         if one.code == XACRO_FILE_FAILS.code and (one.file, one.line) in reported:
             continue
         if absent is None:
-            yield one
+            yield _without_elsewhere(one)
         elif absent[1] in declared or absent[1] in released_packages():
             yield replace(one, severity=Severity.INFO)
-        elif one.code == MISSING_COLLISION_MESH.code and not _is_in_own_package(one):
-            yield replace(one, severity=Severity.WARNING)  # it may be in another workspace
+        elif one.code in _OF_MESHES and not _is_in_own_package(one):
+            meant = misspelled_as(absent[1], here)
+            if meant is None:  # it may be in another workspace
+                yield replace(one, severity=Severity.WARNING)
+            else:
+                yield replace(one, hint=advice(absent[1], [meant], one.hint or ""))
         else:
             yield one
+
+
+_OF_MODEL = lazy_pattern(r"mesh `model://[^`]*` of the link `[^`]*` is missing\.$")
+_ON_NETWORK = lazy_pattern(r"^The (?:model|visual mesh|collision mesh) `https?://")
+_NOT_SIMULATED = lazy_pattern(r"of the world is not simulated\.$")
+_OF_WORLDS = frozenset(
+    rule.code for rule in (MODEL_LEFT_OUT, MISSING_COLLISION_MESH, MISSING_VISUAL_MESH)
+)
+
+
+def _without_elsewhere(found: Diagnostic) -> Diagnostic:
+    """Say how bad it is that a world lacks something here which Gazebo has or downloads."""
+    if found.code not in _OF_WORLDS:
+        return found
+    is_note = _NOT_SIMULATED.search(found.message) or (
+        _ON_NETWORK.search(found.message)
+        and not found.message.endswith("; wsgen loads files only.")
+    )
+    if is_note:
+        return replace(found, severity=Severity.INFO)
+    if (
+        found.severity is Severity.ERROR
+        and _OF_MODEL.search(found.message)
+        and not suggested(found.hint)
+    ):
+        return replace(found, severity=Severity.WARNING)  # it may be in a folder of models
+    return found
 
 
 def without_replaced_options(diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from wsgen.errors import NotFoundError
@@ -21,7 +22,7 @@ from wsgen.workspace.layout import (
 from wsgen.workspace.robot_files import find_descriptions
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
 
 class Targets(NamedTuple):
@@ -34,6 +35,8 @@ class Targets(NamedTuple):
     # Of packages only what is reported about these files and folders is wanted; none: everything.
     only: tuple[Path, ...] = ()
     workspaces: tuple[Workspace, ...] = ()  # the packages of all of them can be looked up
+    # The packages of those that were listed.
+    inventories: Mapping[Workspace, tuple[PackageFolder, ...]] = MappingProxyType({})
 
 
 def find_targets(paths: Sequence[Path], workspace: str | None = None) -> Targets:
@@ -47,11 +50,13 @@ def find_targets(paths: Sequence[Path], workspace: str | None = None) -> Targets
     """
     if not paths:
         place = open_workspace(workspace)
-        return Targets(packages=_require_packages(place), workspaces=(place,))
+        found = _require_packages(place)
+        return Targets(packages=found, workspaces=(place,), inventories={place: found})
     packages: dict[Path, PackageFolder] = {}
     installed: dict[Path, PackageFolder] = {}
     prefixes: dict[Path, None] = {}
     places: dict[Path, Workspace] = {}
+    inventories: dict[Workspace, tuple[PackageFolder, ...]] = {}
     files: list[Path] = []
     only: list[Path] = []
     is_partial = False
@@ -82,6 +87,7 @@ def find_targets(paths: Sequence[Path], workspace: str | None = None) -> Targets
             found = find_packages(place)
             if found:
                 places.setdefault(path, place)
+                inventories[place] = found
                 packages.update((one.path, one) for one in found)
                 only.append(path)
             else:
@@ -95,6 +101,7 @@ def find_targets(paths: Sequence[Path], workspace: str | None = None) -> Targets
         files=tuple(files),
         only=tuple(only) if is_partial else (),
         workspaces=tuple(places.values()),
+        inventories=inventories,
     )
 
 

@@ -40,12 +40,12 @@ class Clock:
         self.seconds = dict.fromkeys(STAGES, 0.0)
 
     @contextmanager
-    def step(self, stage: str, detail: str) -> Iterator[Step]:
+    def step(self, stage: str, detail: str, *, takes_long: bool = False) -> Iterator[Step]:
         """Time what is done inside, and post its beginning and end."""
         if self.started is None:
             self.started = time.perf_counter()
         step = (self.package, stage)
-        post(self.listener, StepStarted(step=step, detail=detail))
+        post(self.listener, StepStarted(step=step, detail=detail, takes_long=takes_long))
         started = time.perf_counter()
         running = Step()
         try:

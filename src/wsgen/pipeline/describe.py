@@ -30,9 +30,8 @@ if TYPE_CHECKING:
     from wsgen.model.package import ShareOf
     from wsgen.model.robot import Robot
     from wsgen.model.world import World
-    from wsgen.pipeline.plan_launch import SelectedLaunchFile
     from wsgen.pipeline.prepare import PreparedRobot
-    from wsgen.pipeline.selection import SelectedPackage, ValidateRequest
+    from wsgen.pipeline.requests import SelectedLaunchFile, SelectedPackage, ValidateRequest
     from wsgen.workspace.layout import Workspace
     from wsgen.workspace.overlay import Overlay
 

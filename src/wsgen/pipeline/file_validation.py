@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from wsgen.events import Listener
     from wsgen.isolation.parent import Run
     from wsgen.model.world import World
-    from wsgen.pipeline.selection import ValidateRequest
+    from wsgen.pipeline.requests import ValidateRequest
     from wsgen.workspace.overlay import Overlay
 
 
@@ -44,7 +44,7 @@ NO_MODEL = Rule(
     code="WLD042",
     name="no-model",
     severity=Severity.ERROR,
-    severity_varies="an information for the file of a world",
+    severity_varies="a note for the file of a world",
     summary="The SDF file has no model to simulate.",
     why="Nothing is simulated, so nothing is checked but the file.",
     example='<sdf version="1.6"/>',

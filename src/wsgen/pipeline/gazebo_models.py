@@ -120,7 +120,9 @@ def look_up_model(
     around = process.file if process else None
     uri = spawn.model_uri or ""
     is_path = is_folder(Path(uri))
-    folder = Path(uri) if is_path else find_model(uri, around, context, environment)
+    # Gazebo Sim looks up a name without a scheme, too.
+    address = uri if "://" in uri else f"model://{uri}"
+    folder = Path(uri) if is_path else find_model(address, around, context, environment)
     file = folder if folder is None or is_file(folder) else file_of_model(folder)
     try:
         text = None if file is None else read_regular(file, MODEL_LIMIT).decode()

@@ -95,7 +95,7 @@ def lay_out(
     for package in targets.packages:
         packages.setdefault(package.name, package)
     for workspace in targets.workspaces:
-        for package in find_packages(workspace):
+        for package in targets.inventories.get(workspace) or find_packages(workspace):
             if not package.diagnostics:
                 packages.setdefault(package.name, package)
     # Merged: where each package has a prefix, what looks one up passes over all others.
@@ -152,7 +152,8 @@ def _install_package(package: PackageFolder, folder: Path) -> _Installed:
         files=((one.destination, one.source) for one in found.installed),
         programs=((one.name, one.source) for one in found.executables),
         modules=_modules(found),
-        is_whole=found.is_whole,
+        # The space in which catkin builds has the folder of the source.
+        is_whole=found.is_whole and package.build_type != "catkin",
     )
     return found, problems
 

@@ -7,16 +7,17 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Severity
-from wsgen.errors import NotFoundError, RequestError
+from wsgen.errors import RequestError
 from wsgen.isolation.parent import make_scratch
 from wsgen.launch.known_packages import prefix
 from wsgen.pipeline.package_validation import Validation
 from wsgen.pipeline.plan_launch import package_of
+from wsgen.pipeline.requests import ValidateRequest
 from wsgen.pipeline.run_robots import spawned_robots
-from wsgen.pipeline.selection import ValidateRequest, select_packages
+from wsgen.pipeline.selection import select_packages
 from wsgen.simulation.scene import Scene
 from wsgen.values import dataclass
-from wsgen.workspace.layout import Workspace, open_workspace, workspace_around
+from wsgen.workspace.layout import Workspace, workspace_around, workspace_if_any
 from wsgen.workspace.overlay import open_overlay, require_share
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from wsgen.model.plan import LaunchPlan
     from wsgen.model.world import World
     from wsgen.pipeline.prepare import PreparedRobot
-    from wsgen.pipeline.selection import SelectedPackage
+    from wsgen.pipeline.requests import SelectedPackage
     from wsgen.workspace.overlay import Overlay
 
 
@@ -85,7 +86,7 @@ def load_scene(
         NotReadableError: The setup file of the workspace fails.
         BrokenSceneError: The launch file cannot be evaluated, or spawns nothing.
     """
-    workspace = _workspace(near)
+    workspace = workspace_of(near)
     name = package or package_of(near)
     if name is None:
         raise RequestError(
@@ -133,15 +134,10 @@ class BrokenSceneError(Exception):
         self.diagnostics = diagnostics
 
 
-def _workspace(near: Path) -> Workspace | None:
+def workspace_of(near: Path) -> Workspace | None:
     """The workspace around a place, or that of the current folder, if there is one."""
     found = workspace_around(near if near.is_dir() else near.parent)
-    if found is not None:
-        return found
-    try:
-        return open_workspace(None)
-    except (NotFoundError, RequestError):  # a sourced one may have the package
-        return None
+    return found or workspace_if_any(None)
 
 
 def select_only(

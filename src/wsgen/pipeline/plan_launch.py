@@ -6,13 +6,18 @@ import os
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import has_errors
-from wsgen.errors import NotFoundError, RequestError
+from wsgen.errors import RequestError
 from wsgen.launch.evaluate import evaluate
 from wsgen.launch.known_packages import prefix
+from wsgen.pipeline.changed_since_build import changed_since_build, shares_of, used_packages
 from wsgen.pipeline.clock import Clock
+from wsgen.pipeline.launch_file_lookup import no_such_launch_file
+from wsgen.pipeline.requests import SelectedLaunchFile
+from wsgen.pipeline.sources import name_sources
+from wsgen.suggestions import MOST_LISTED
 from wsgen.workspace.layout import (
     Workspace,
     find_launch_files,
@@ -20,24 +25,16 @@ from wsgen.workspace.layout import (
     open_workspace,
     read_package,
     workspace_around,
+    workspace_if_any,
 )
 from wsgen.workspace.overlay import Overlay, open_overlay, require_share
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
+    from wsgen.diagnostics import Diagnostic
     from wsgen.events import Listener
     from wsgen.model.plan import LaunchPlan
-
-
-class SelectedLaunchFile(NamedTuple):
-    """A launch file, with where it and what it needs are looked up."""
-
-    file: Path
-    package: str | None  # that it belongs to
-    words: tuple[str, ...]  # the launch arguments behind it, NAME:=VALUE
-    workspace: Workspace | None
-    overlay: Overlay  # the sourced workspace, or the environment as it is
 
 
 @contextmanager
@@ -92,19 +89,25 @@ def plan_launch(  # noqa: PLR0913  all but two have defaults
         )
         step.succeeded = not has_errors(plan.diagnostics)
     plan = replace(plan, diagnostics=(*plan.diagnostics, *selected.overlay.not_built()))
-    return _with_sources_named(plan, selected.workspace, selected.overlay)
+    if selected.workspace is None:
+        return plan
+    plan = _with_sources_named(plan, selected.workspace, selected.overlay)
+    found = _changed(plan, selected.workspace, selected.overlay)
+    return replace(plan, diagnostics=(*plan.diagnostics, *found))
 
 
-def _with_sources_named(
-    plan: LaunchPlan, workspace: Workspace | None, overlay: Overlay
-) -> LaunchPlan:
+def _changed(plan: LaunchPlan, workspace: Workspace, overlay: Overlay) -> Iterator[Diagnostic]:
+    """What the plan does not show, because the packages that it uses are not built anew."""
+    shares = shares_of(find_packages(workspace), overlay)
+    for share, source in used_packages(plan, shares).items():
+        yield from changed_since_build(share, source)
+
+
+def _with_sources_named(plan: LaunchPlan, workspace: Workspace, overlay: Overlay) -> LaunchPlan:
     """The plan whose diagnostics name the package's source, where the workspace has it."""
     share = overlay.share(plan.package) if plan.package else None
-    if workspace is None or share is None or not plan.diagnostics:
+    if share is None or not plan.diagnostics:
         return plan
-    # It loads the engines' side of wsgen, which a plan without diagnostics does not need.
-    from wsgen.pipeline.package_validation import name_sources  # noqa: PLC0415
-
     diagnostics = plan.diagnostics
     for package in find_packages(workspace):
         if package.name == plan.package:
@@ -114,14 +117,9 @@ def _with_sources_named(
 
 def _find_workspace(given: str | None, first_word: str) -> Workspace | None:
     """The given workspace, or the one around the current folder or the launch file."""
-    if given is not None:
-        return open_workspace(given)
-    if Path(first_word).is_file():
+    if given is None and Path(first_word).is_file():
         return workspace_around(Path(first_word).resolve().parent) or workspace_around(Path.cwd())
-    try:
-        return open_workspace(None)
-    except (NotFoundError, RequestError):  # none, or several: a sourced one may have the package
-        return None
+    return workspace_if_any(given)
 
 
 def _choose(
@@ -137,6 +135,9 @@ def _choose(
                 f"{rest[0]!r} is not a launch argument, and {first!r} is not a package.",
                 hint="Give arguments after the path of a launch file: name:=value.",
             )
+        if path.is_dir():
+            share = overlay.share(first)
+            raise _folder_named(first, path) if share is None else _no_file_named(first, share)
         return package_of(path), path, rest
     if not names_file and overlay.share(first) is not None:
         raise _no_file_named(first, require_share(overlay, workspace, first))
@@ -150,6 +151,17 @@ def _choose(
         open_workspace(None)  # raises an error that names the workspaces, if there are several
     share = require_share(overlay, workspace, first)
     return first, _find_file(first, share, rest[0]), rest[1:]
+
+
+def _folder_named(written: str, folder: Path) -> RequestError:
+    """The error for a folder in the place of a launch file."""
+    files = [os.path.relpath(file) for file in find_launch_files(folder)]
+    return RequestError(
+        f"{written!r} is a folder, and no launch file.",
+        hint=f"wsgen launch {' | '.join(files[:MOST_LISTED])}"
+        if files
+        else "Give the path of a launch file, or a package and the name of one.",
+    )
 
 
 def _no_file_named(package: str, share: Path) -> RequestError:
@@ -176,9 +188,6 @@ def _find_file(package: str, share: Path, name: str) -> Path:
             f"{package} installs {name} more than once.",
             hint=f"Give the path of one: {', '.join(str(file) for file in found)}",
         )
-    # It reads CMake files, which only an error needs.
-    from wsgen.pipeline.selection import no_such_launch_file  # noqa: PLC0415
-
     raise no_such_launch_file(package, name, find_launch_files(share))
 
 

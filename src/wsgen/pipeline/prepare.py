@@ -6,7 +6,9 @@ addresses name are looked up in folders.
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.description_rules import (
@@ -23,6 +25,7 @@ from wsgen.model.outcome import name_engines
 from wsgen.model.robot import Mesh, Robot
 from wsgen.model.transform import IDENTITY, Pose
 from wsgen.rules.check import check_robot
+from wsgen.rules.friction import turning_friction
 from wsgen.rules.robot_files import path_of_one_machine, uncalled_macros, unprefixed_xacro
 from wsgen.sdf.includes import DATABASE_MODELS
 from wsgen.sdf.lookup import is_folder, model_finder, model_folders
@@ -33,7 +36,7 @@ from wsgen.urdf.lumping import (
     LUMPED_END_OF_SDF_JOINT,
     lump,
 )
-from wsgen.urdf.reader import MISSPELLED, read_urdf
+from wsgen.urdf.reader import IGNORED_XACRO, MISSPELLED, read_urdf
 from wsgen.urdf.unknown_elements import meant_element
 from wsgen.values import dataclass
 from wsgen.xacro.source import place_in_source, written_elements
@@ -41,7 +44,6 @@ from wsgen.xmltree import Malformed, child_text, parse
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
-    from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.isolation.parent import Run
@@ -185,7 +187,8 @@ def _prepare(
             written=written,
             lumped=lumped,
             readable=readable,
-            can_run=not has_errors(found),
+            # As Gazebo spawns it; what is ignored is reported, and the robot does not pass.
+            can_run=not has_errors(one for one in found if one.code != IGNORED_XACRO.code),
             drive=_drive(lumped, simulator),
         )
         if context.with_devices:
@@ -411,14 +414,17 @@ def read_spawned(spawn: Spawn, context: PrepareContext, environment: Mapping[str
     )
 
 
+_NOWHERE = Path(os.sep)  # a file around which no model is
+
+
 def _finder(
     file: Path | None, context: PrepareContext, environment: Mapping[str, str]
 ) -> Callable[[str], Path | None]:
     """A function from the address of a model to its folder."""
-    find = None if file is None else model_finder(file, environment)
+    find = model_finder(file or _NOWHERE, environment)
 
     def look_up(uri: str) -> Path | None:
-        found = None if find is None else find(uri)
+        found = find(uri)
         scheme, _, rest = uri.partition("://")
         name = rest.partition("/")[0]
         is_local = scheme in {"model", "package"} and name not in {"", ".", ".."}
@@ -471,6 +477,12 @@ def prepare_models(
     if len(models) > MOST_MODELS:
         return [], (_too_many(len(models), found),)
     robots, more = _completed(models, context)
+    turning = (
+        one
+        for model, robot in zip(models, robots, strict=True)
+        for one in turning_friction(robot, robot, model.file)
+    )
+    more += tuple(dict.fromkeys(turning))  # a file may be included several times
     can_run = is_static_model or not has_errors((*found.diagnostics, *more))
     if context.with_devices:
         models = [_with_included_devices(model) for model in models]

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen.files import read_regular
-from wsgen.source_shares import OF_BUILDS
+from wsgen.source_shares import may_have_sources
 from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ def _sets_environment(package: PackageFolder) -> bool:
 def texts_below(folder: Path) -> Iterator[tuple[Path, bytes]]:
     """The files of a package that may name another one, and what they hold."""
     for here, folders, files in os.walk(folder):
-        folders[:] = [one for one in folders if not one.startswith(".") and one not in OF_BUILDS]
+        folders[:] = filter(may_have_sources, folders)
         for name in files:
             if os.path.splitext(name)[1].lower() not in _BINARY:  # noqa: PTH122  of many files
                 file = Path(here, name)

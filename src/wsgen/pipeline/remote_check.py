@@ -28,12 +28,13 @@ from wsgen.executors.shared import share
 from wsgen.files import remembering
 from wsgen.isolation.child import scratch_folder, set_environment
 from wsgen.isolation.codec import decode
+from wsgen.isolation.parent import make_scratch
 from wsgen.isolation.result import Limits
 from wsgen.launch.evaluate import PROCESS_DIES, TAKES_TOO_LONG
 from wsgen.launch.explain_missing import EXECUTABLE_NOT_FOUND, XACRO_FAILS
 from wsgen.launch.explain_names import IMPORT_ERROR, RAISES
 from wsgen.launch.known_packages import ALL_PREFIXES, PREFIXES
-from wsgen.pipeline.cargo import OF_FOLDERS, Cargo, Header
+from wsgen.pipeline.check_archive import OF_FOLDERS, CheckArchive, Header
 from wsgen.pipeline.check_package import PackageCheck
 from wsgen.pipeline.check_targets import Targets
 from wsgen.pipeline.installed_as_built import FOLDER, lay_out
@@ -112,12 +113,12 @@ def check_remotely(  # noqa: PLR0913, PLR0917  what `check` has, and where to ru
             hint="Leave --scheduler out, or run it on Linux (WSL has it, too).",
         )
     packages = (*targets.packages, *targets.installed)
-    cargo = Cargo(targets, environment)
-    remote = {number for number, one in enumerate(packages) if cargo.is_sendable(one)}
+    archive = CheckArchive(targets, environment)
+    remote = {number for number, one in enumerate(packages) if archive.is_sendable(one)}
     shared = None
     if remote:
-        header = cargo.header(packages, distro, scratch)
-        parts = cargo.archive.write(sent, pickle.dumps(tuple(header)))
+        header = archive.header(packages, distro, scratch)
+        parts = archive.files.write(sent, pickle.dumps(tuple(header)))
         shared = share(Shipment(parts=parts), map(str, parts))
     results: dict[int, tuple[Diagnostic, ...]] = {}
     futures = {
@@ -202,6 +203,7 @@ class _Opened:
         )
         self.installed = lay_out(self.targets, scratch, os.environ)
         self.run = stack.enter_context(start_children())
+        self.work = stack.enter_context(make_scratch())
 
     def _packages(self, paths: Iterable[str]) -> Iterator[PackageFolder]:
         for path in paths:
@@ -279,7 +281,9 @@ def check_there(shipment: Shipment, number: int) -> dict[str, Any]:
         return {"found": None}
     started = time.perf_counter()
     package = (*opened.targets.packages, *opened.targets.installed)[number]
-    found = PackageCheck(package, opened.installed, opened.header.distro, None, opened.run).run()
+    found = PackageCheck(
+        package, opened.installed, opened.header.distro, None, opened.run, opened.work
+    ).run()
     if any(one.code in OF_MACHINE for one in found):
         return {"found": None}
     root = str(opened.root)

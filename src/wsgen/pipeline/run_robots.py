@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from wsgen.model.world import World
     from wsgen.pipeline.behavior_plan import BehaviorPlan
     from wsgen.pipeline.prepare import PreparedRobot
-    from wsgen.pipeline.selection import ValidateRequest
+    from wsgen.pipeline.requests import ValidateRequest
     from wsgen.simulation.scene import Push, RobotRun, SimulationOutcome
 
 
@@ -62,6 +62,7 @@ class _EngineResult(NamedTuple):
     runs: Mapping[str, RobotRun]  # by entity
     diagnostics: list[Diagnostic]
     failed: set[str]  # the entities that do not pass
+    untried: set[str]  # of these, those whose behaviors cannot be simulated, and that pass besides
 
 
 def simulate_robots(  # noqa: PLR0913  what is simulated, and how
@@ -88,7 +89,7 @@ def simulate_robots(  # noqa: PLR0913  what is simulated, and how
         return SimulationResult(robots=nothing, diagnostics=not_run)
     changes = tuple(_beyond_bullet(runnable, request.engines))
     if changes:
-        request = replace(request, engines=_engines_without_bullet(request.engines))
+        request = replace(request, engines=engines_for(runnable, request.engines))
     scenes = [
         replace(
             _scene(world, runnable, request, name, engine=engine, behavior_plan=behavior_plan),
@@ -102,7 +103,7 @@ def simulate_robots(  # noqa: PLR0913  what is simulated, and how
         _check(world, runnable, engine, outcome, behavior_plan)
         for engine, outcome in zip(request.engines, outcomes, strict=True)
     ]
-    found = [*not_run, *changes, *_of_all_engines(results)]
+    found = [*not_run, *changes, *of_all_engines((one.engine, one.diagnostics) for one in results)]
     found += _compare(runnable, results)
     causes, found = _fold(runnable, found)
     first = outcomes[0]
@@ -135,6 +136,12 @@ def _engines_without_bullet(engines: Sequence[str]) -> tuple[str, ...]:
     """The other engines of a request; if it has none, the next one that is installed, if any."""
     others = tuple(engine for engine in engines if engine != "bullet")
     return others or tuple(name for name in installed_engines() if name != "bullet")[:1]
+
+
+def engines_for(robots: Sequence[PreparedRobot], engines: Sequence[str]) -> Sequence[str]:
+    """The engines of a request that simulate these robots, or another one that does."""
+    changes = any(_beyond_bullet(robots, engines))
+    return _engines_without_bullet(engines) if changes else engines
 
 
 def _beyond_bullet(robots: Sequence[PreparedRobot], engines: Sequence[str]) -> Iterator[Diagnostic]:
@@ -193,6 +200,7 @@ def _check(
 ) -> _EngineResult:
     """Check a simulation in one engine."""
     failed: set[str] = set()
+    untried: set[str] = set()
     static_models = {robot.entity for robot in runnable if robot.is_static_model}
     found = [_soften(one) if one.element in static_models else one for one in outcome.diagnostics]
     measured = {robot_run.entity: robot_run for robot_run in outcome.robot_runs}
@@ -204,13 +212,14 @@ def _check(
         elif robot.may_move:
             checked = tuple(_soften(one) if one.code in MOVES else one for one in checked)
         elif behavior_plan is not None:
-            checked = (*checked, *(behavior_plan.check(robot_run) if robot_run else ()))
+            checked = (*checked, *(behavior_plan.check(robot_run, engine) if robot_run else ()))
             if behavior_plan.fails(robot.entity):
-                failed.add(robot.entity)
-        if robot_run is None or has_errors(checked):
+                untried.add(robot.entity)
+        is_described = robot.is_static_model or not has_errors(robot.diagnostics)
+        if robot_run is None or not is_described or has_errors(checked):
             failed.add(robot.entity)
         found += checked
-    return _EngineResult(engine, measured, found, failed)
+    return _EngineResult(engine, measured, found, failed | untried, untried - failed)
 
 
 def check_robot(
@@ -255,23 +264,27 @@ def _about_model(diagnostic: Diagnostic, entity: str) -> Diagnostic:
     return _soften(replace(diagnostic, message=message))
 
 
-def _of_all_engines(results: Sequence[_EngineResult]) -> Iterator[Diagnostic]:
-    """The diagnostics of all engines, those of one rule about one element once.
+def of_all_engines(
+    results: Iterable[tuple[str, Iterable[Diagnostic]]],
+) -> Iterator[Diagnostic]:
+    """The diagnostics of all engines, by engine; those of one rule about one element once.
 
     They are those of the engine that reports the worst, and name the engines that report it, if
     these are not all. What is about no element is about one engine, or about its pictures.
     """
     reported: dict[tuple[str, str], dict[str, list[Diagnostic]]] = {}
-    for result in results:
-        for found in result.diagnostics:
+    number = 0  # of engines
+    for engine, diagnostics in results:
+        number += 1
+        for found in diagnostics:
             if found.element is None:
                 yield found
             else:
                 engines = reported.setdefault((found.code, found.element), {})
-                engines.setdefault(result.engine, []).append(found)
+                engines.setdefault(engine, []).append(found)
     for engines in reported.values():
         worst = min(engines.values(), key=_worst_severity)
-        prefix = "" if len(engines) == len(results) else f"In {name_engines(engines)}: "
+        prefix = "" if len(engines) == number else f"In {name_engines(engines)}: "
         yield from (replace(found, message=f"{prefix}{found.message}") for found in worst)
 
 
@@ -358,7 +371,9 @@ def _outcome(
         movable_joints=len(written.movable_joints),
         mass=written.mass,
         engines=tuple(_in_engine(prepared, result, behavior_plan) for result in results),
-        behaviors=() if behavior_plan is None else behavior_plan.outcomes(entity, first, found),
+        behaviors=()
+        if behavior_plan is None
+        else behavior_plan.outcomes(entity, first, found, results[0].engine if results else None),
         passed=bool(results)
         and prepared.can_run
         and not any(entity in one.failed for one in results),
@@ -374,8 +389,9 @@ def _in_engine(
     behaviors = (
         ()
         if behavior_plan is None
-        else behavior_plan.outcomes(entity, robot_run, result.diagnostics)
+        else behavior_plan.outcomes(entity, robot_run, result.diagnostics, result.engine)
     )
+    live = () if behavior_plan is None else behavior_plan.live_series(entity, result.engine)
     if robot_run is None:
         return EngineOutcome(engine=result.engine, behaviors=behaviors)
     return EngineOutcome(
@@ -395,6 +411,7 @@ def _in_engine(
         ),
         behaviors=behaviors,
         passed=prepared.can_run and entity not in result.failed,
+        is_untried=prepared.can_run and entity in result.untried,
         codes=frozenset(one.code for one in result.diagnostics if one.element == entity),
-        time_series=robot_run.time_series,
+        time_series=(*robot_run.time_series, *live),
     )

@@ -5,8 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections import Counter
-from dataclasses import field, replace
-from pathlib import Path
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wsgen.build.request import refuse_empty
@@ -21,16 +20,23 @@ from wsgen.pipeline.candidates import (
     evaluate_launch_files,
     with_descriptions,
 )
+from wsgen.pipeline.launch_file_lookup import (
+    find_misnamed,
+    find_named_launch_file,
+    list_launch_files,
+    no_such_launch_file,
+)
+from wsgen.pipeline.requests import SelectedPackage
 from wsgen.pipeline.started import start
-from wsgen.suggestions import ask_for_nearest
-from wsgen.values import NamedTuple, dataclass
+from wsgen.values import NamedTuple
 from wsgen.workspace.layout import find_launch_files, find_packages, read_package
 from wsgen.workspace.overlay import require_share
 from wsgen.workspace.robot_files import find_robot_files
 from wsgen.workspace.settings import read_settings
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+    from collections.abc import Collection, Iterator, Mapping, Sequence
+    from pathlib import Path
 
     from wsgen.build_files.cmake_text import Call
     from wsgen.diagnostics import Diagnostic
@@ -38,14 +44,11 @@ if TYPE_CHECKING:
     from wsgen.isolation.parent import Run
     from wsgen.model.world import Spawn
     from wsgen.pipeline.candidates import Candidate, Choice
+    from wsgen.pipeline.requests import ValidateRequest
     from wsgen.pipeline.started import Started
     from wsgen.workspace.layout import Workspace
     from wsgen.workspace.overlay import Overlay
 
-
-LAUNCH_FUNCTION = b"def generate_launch_description("
-TEST_FUNCTION = b"def generate_test_description("
-TEST_FOLDERS = frozenset(("test", "tests"))
 
 MISNAMED_LAUNCH_FILE = Rule(
     code="PKG051",
@@ -58,73 +61,6 @@ MISNAMED_LAUNCH_FILE = Rule(
     example="src/my_robot/launch/gazebo_model.py",
     instead="src/my_robot/launch/gazebo_model.launch.py",
 )
-
-
-def find_named_launch_file(share: Path, wanted: str) -> Path | None:
-    """The installed file that is meant by a name, or by the end of a path.
-
-    As for `ros2 launch`, any file that is named is a launch file.
-    """
-    parts = Path(wanted).parts
-    named = sorted(file for file in share.rglob("*") if file.name == Path(wanted).name)
-    for file in (*find_launch_files(share), *named):
-        if file.parts[-len(parts) :] == parts and file.is_file():
-            return file
-    return None
-
-
-def find_misnamed(folder: Path) -> tuple[Path, str] | None:
-    """A file that is a launch file by its content and not by its name, and the name it should have.
-
-    Editors and browsers append `.txt`; others leave out `launch`.
-    """
-    for file in sorted(folder.rglob("*")):
-        name = file.name.removesuffix(".txt")
-        is_python = name.endswith(".py") or (
-            "launch" in name and not name.endswith((".xml", ".yaml", ".yml"))
-        )
-        if not is_python or not file.is_file() or _is_test(file, folder):
-            continue
-        if _holds(file, LAUNCH_FUNCTION):
-            stem = name.removesuffix(".py").removesuffix(".launch")
-            return file, name if name.endswith("launch.py") else f"{stem}.launch.py"
-    return None
-
-
-def _launch_files(folder: Path) -> list[Path]:
-    """The launch files below a folder that are not launch tests."""
-    return [file for file in find_launch_files(folder) if not _is_test(file, folder)]
-
-
-def _is_test(file: Path, folder: Path) -> bool:
-    """Whether a file is run by `launch_test`, or lies where the tests of a package are."""
-    if not TEST_FOLDERS.isdisjoint(file.relative_to(folder).parts[:-1]):
-        return True
-    return _holds(file, TEST_FUNCTION) and not _holds(file, LAUNCH_FUNCTION)
-
-
-def _holds(file: Path, word: bytes) -> bool:
-    """Whether a word is in a file, capitals or not; True where that cannot be known."""
-    try:
-        return word in file.read_bytes().lower()
-    except OSError:
-        return True
-
-
-@dataclass(frozen=True, kw_only=True)
-class SelectedPackage:
-    """A package to check; without a launch file, the problem says why there is none."""
-
-    name: str
-    source: Path | None  # None: of an underlay
-    share: Path | None  # its source where it is not built; None: its package.xml is unreadable
-    launch_file: Path | None = None
-    problem: Diagnostic | None = None
-    started: Started | None = None  # by the launch file, if it has been evaluated
-    label: str = ""  # of pictures and progress, if that is not the name
-    is_first: bool = True  # of those with this package
-    elsewhere: frozenset[str] = frozenset()  # entities that its other launch files spawn
-    workspace: Mapping[Path, Path] = field(default_factory=dict)  # share folder -> source, of all
 
 
 class Selection(NamedTuple):
@@ -185,11 +121,15 @@ def select_packages(
         evaluate,
     )
     found = tuple(with_descriptions(evaluated, overlay))
-    behaving = {name for name, source in sources.items() if read_settings(source)[0].behaviors}
+    behaviors = {name: read_settings(source)[0].behaviors for name, source in sources.items()}
+    behaving = {name for name, wanted in behaviors.items() if wanted}
     choice = choose(
         [one for one in found if one.launch_file.is_installed],
         kept=behaving,
         named=request.packages or (names if len(found) == 1 else ()),
+        running=()
+        if request.run_live is None
+        else [name for name in behaving if any(one.runs_launch_file for one in behaviors[name])],
     )
     packages_of_chosen = {one.package for one in choice.chosen}
     uninstalled = choose(
@@ -248,8 +188,8 @@ def _select_by_launch_file(
 
 
 def _list_files(name: str, source: Path | None, share: Path | None) -> PackageFiles:
-    installed = _launch_files(share) if share else []
-    written = _launch_files(source) if source else []
+    installed = list_launch_files(share) if share else []
+    written = list_launch_files(source) if source else []
     there = {file.name for file in installed}
     uninstalled = tuple(
         file
@@ -326,11 +266,17 @@ def _not_validated(
         else:
             yield NotValidated(
                 package=name,
-                reason="spawns no robot",
+                reason="is a package of ROS 1" if _is_of_ros_1(package) else "spawns no robot",
                 robot_files=find_robot_files(folder)
                 if (folder := package.source or package.share)
                 else (),
             )
+
+
+def _is_of_ros_1(package: PackageFiles) -> bool:
+    """Whether catkin builds it, whose launch files nobody starts here."""
+    found = read_package(package.source) if package.source else None
+    return found is not None and found.build_type == "catkin"
 
 
 def _spawners_of(package: PackageFiles, chosen: Sequence[Candidate]) -> list[str]:
@@ -348,15 +294,6 @@ def _spawners_of(package: PackageFiles, chosen: Sequence[Candidate]) -> list[str
 
     return list(
         dict.fromkeys(one.package for one in chosen if any(map(is_of_package, one.started.spawns)))
-    )
-
-
-def no_such_launch_file(package: str, wanted: str, files: Sequence[Path]) -> RequestError:
-    """The error for the name of a launch file that a package does not install."""
-    names = [file.name for file in files]
-    return RequestError(
-        f"{package} does not install a launch file {wanted}.",
-        hint=f"{ask_for_nearest(Path(wanted).name, names)}Installed: {', '.join(names) or 'none'}.",
     )
 
 
@@ -422,51 +359,3 @@ def _misplaced_launch_file(source: Path, file: Path, rule: Call, package: str) -
     return UNINSTALLED_LAUNCH_FILE.at(
         source / "CMakeLists.txt", rule.argument_lines[position], message=message, hint=hint
     )
-
-
-# What a page takes of a simulation.
-PAGE_SAMPLES = 200  # of each robot over the simulated time; more than a plot has pixels between
-PAGE_TRIANGLES = 300_000  # of all its 3D views
-LEAST_TRIANGLES, MOST_TRIANGLES = 1_000, 50_000  # of one
-
-FILE_SUFFIXES = (".urdf", ".xacro", ".sdf", ".world")  # what can be validated without a package
-
-
-@dataclass(frozen=True, kw_only=True)
-class ValidateRequest:
-    """Packages and files, and how they are validated."""
-
-    packages: Sequence[str] = ()
-    files: Sequence[Path] = ()  # neither: every package of the workspace that can be launched
-    launch_file: str | None = None  # a file name as `ros2 launch` takes it
-    launch_arguments: Mapping[str, str] = field(default_factory=dict)
-    # What to answer to launch files that ask on standard input; called where one does.
-    answers: Callable[[], Sequence[str]] = tuple
-    seconds: float = 3.0  # of simulated time
-    engines: Sequence[str] = ("bullet",)  # the first one's figures are reported
-    jobs: int = 1  # number of packages or files to process in parallel; of one, its engines
-    scheduler: str | None = None  # of Dask, whose workers simulate: its address, or "local"
-    picture_folder: Path | None = None
-    video: Path | None = None  # a .gif or .mp4 of the simulation of one launch file
-    # Of a 3D view of the end, for a page; packages and files share them.
-    view_triangles: int = 0
-    samples: int = 0  # of how each robot moves, over the simulated time and in each behavior
-    is_viewed: bool = False  # the robots are shown, in a browser
-    is_live: bool = False  # their sensors and plugins work, for ROS
-
-    def for_page(self) -> ValidateRequest:
-        """The same, with what a page shows."""
-        return replace(self, samples=PAGE_SAMPLES, view_triangles=PAGE_TRIANGLES)
-
-    def shared_by(self, count: int) -> ValidateRequest:
-        """The same for each of so many packages and files."""
-        if not self.view_triangles:
-            return self
-        share = self.view_triangles // max(1, count)
-        return replace(self, view_triangles=min(MOST_TRIANGLES, max(LEAST_TRIANGLES, share)))
-
-    @property
-    def is_drawn(self) -> bool:
-        """Whether it matters what things look like."""
-        is_shown = self.is_viewed or self.view_triangles > 0
-        return is_shown or self.picture_folder is not None or self.video is not None

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from wsgen.model.outcome import RobotOutcome
     from wsgen.model.scene_view import SceneView
     from wsgen.pipeline.clock import Step
-    from wsgen.pipeline.selection import ValidateRequest
+    from wsgen.pipeline.requests import ValidateRequest
 
 
 @dataclass(frozen=True, kw_only=True)

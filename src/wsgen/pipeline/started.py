@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from wsgen.isolation.parent import Run
     from wsgen.model.plan import LaunchPlan, Process
     from wsgen.model.world import Simulator, Spawn
-    from wsgen.pipeline.selection import ValidateRequest
+    from wsgen.pipeline.requests import ValidateRequest
     from wsgen.workspace.overlay import Overlay
 
 

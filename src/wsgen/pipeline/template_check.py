@@ -17,7 +17,7 @@ from wsgen.isolation.fork_server import ForkServer
 from wsgen.isolation.parent import make_scratch
 from wsgen.model.package import Maintainer
 from wsgen.pipeline.package_validation import Validation
-from wsgen.pipeline.selection import SelectedPackage, ValidateRequest
+from wsgen.pipeline.requests import SelectedPackage, ValidateRequest
 from wsgen.pipeline.started import start
 from wsgen.simulation.run import default_engine
 from wsgen.source_shares import INDEX

@@ -16,10 +16,12 @@ from wsgen.files import irregular_kind
 from wsgen.isolation import parent
 from wsgen.launch.launch_warnings import UNUSED_ARGUMENT, UNUSED_XACRO_ARGUMENT
 from wsgen.model.outcome import Outcome
+from wsgen.pipeline.changed_since_build import shares_of
 from wsgen.pipeline.engines import check_engines, engine_left_out
 from wsgen.pipeline.package_validation import Validation
 from wsgen.pipeline.parallel import run_parallel
-from wsgen.pipeline.selection import SelectedPackage, Selection, select_packages
+from wsgen.pipeline.requests import SelectedPackage
+from wsgen.pipeline.selection import Selection, select_packages
 from wsgen.rendering.recording import lacks_encoder, why_no_video
 from wsgen.workspace.layout import Workspace, find_packages, workspace_around
 from wsgen.workspace.overlay import Overlay, open_overlay, overlay_of
@@ -33,7 +35,7 @@ if TYPE_CHECKING:
     from wsgen.isolation.parent import Run
     from wsgen.model.outcome import PackageOutcome
     from wsgen.pipeline.file_validation import FileValidation
-    from wsgen.pipeline.selection import ValidateRequest
+    from wsgen.pipeline.requests import ValidateRequest
 
 
 UNUSED_ARGUMENTS = (UNUSED_ARGUMENT.code, UNUSED_XACRO_ARGUMENT.code)
@@ -302,6 +304,7 @@ def selected_package(
         source=next((found.path for found in written if found.name == package), None),
         share=overlay.share(package) if package else None,
         launch_file=launch_file,
+        workspace=shares_of(written, overlay),
     )
 
 

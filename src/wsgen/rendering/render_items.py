@@ -41,7 +41,9 @@ class RenderItem:
     is_collision: bool = False  # shown because its link has nothing else to show
 
     def pose(self, poses: Poses) -> Pose | None:
-        """Where it is in the world; None where that is no number."""
+        """Where it is in the world; None where that is no number, or where it is not there."""
+        if self.entity not in poses:
+            return None
         pose = compose(poses[self.entity][self.link], self.pose_in_link)
         return pose if all(map(math.isfinite, (*pose.xyz, *pose.rpy))) else None
 

@@ -144,9 +144,11 @@ class Renderer:
         self._removed: set[int] = set()
         self._upright = np.zeros((len(self._parts), 3, 3), dtype=np.float32)  # normals to the world
         self._textures = {
-            number: _load_texture(item.texture)
+            number: texture
             for number, item in enumerate(self.items)
-            if item.texture is not None and self._parts[number].surface.texture_points is not None
+            if item.texture is not None
+            and self._parts[number].surface.texture_points is not None
+            and (texture := _load_texture(item.texture)) is not None
         }
         self._normals: Floats | None = None
         if any(part.surface.normals is not None for part in self._parts):
@@ -166,13 +168,18 @@ class Renderer:
         return len(self._item)
 
     def arrange(self, poses: Poses, *, least: float = 0.0) -> bool:
-        """Put everything where its link is; what is nowhere keeps its place, or is not shown.
+        """Put everything where its link is; without a finite pose it keeps its place.
+
+        What is of no robot that is there is not shown.
 
         So does what would move by `least` (m) or less. Gives whether anything has moved.
         """
         has_moved = False
         for number, item in enumerate(self.items):
             pose, place = item.pose(poses), self._places[number]
+            if place is not None and item.entity not in poses:  # it was deleted
+                self._places[number] = None
+                has_moved = True
             if pose is not None and number not in self._removed:
                 scale = item.geometry.scale if isinstance(item.geometry, Mesh) else (1.0, 1.0, 1.0)
                 rotation = np.array(rotation_of_rpy(pose.rpy))
@@ -322,20 +329,47 @@ class Renderer:
         colors[1:] = np.minimum(self._rgba[self._item[drawn], :3] * lit[:, None], 1)
         return place.take(triangle), colors
 
-    def without_flat(self, seen: Seen) -> Seen | None:
-        """What is seen of textures and through what is transparent; None where that is nothing."""
-        kept = np.zeros_like(seen.solid)
-        if self._textures:
-            places = np.flatnonzero(seen.solid)
-            has_texture = np.zeros(len(self.items), dtype=np.bool_)
-            has_texture[list(self._textures)] = True
-            textured = places[has_texture[self.items_of(seen.solid[places])]]
-            kept[textured] = seen.solid[textured]
-        transparent = seen.transparent
-        if transparent is not None:
-            transparent = np.where(transparent > seen.solid, transparent, np.uint64(0))
-        is_any = kept.any() or (transparent is not None and transparent.any())
-        return seen._replace(solid=kept, transparent=transparent) if is_any else None
+    def texels(self, seen: Seen) -> Iterator[tuple[Indices, Floats]]:
+        """Samples (one in each pixel) of what is solid and has a texture, with its colors there.
+
+        The colors (3 by n, 0 to 1) are to be multiplied with those of `flat_colors`. That is a
+        fifth of the work of `paint`: over a triangle, texture points are a projective function of
+        the pixel.
+        """
+        if not self._textures:
+            return
+        width, height = seen.view.width, seen.view.height
+        triangle = seen.solid.astype(np.uint32)  # and 1
+        for number, image in self._textures.items():
+            part = self._parts[number]
+            points, start = part.surface.texture_points, part.own.start + 1
+            samples = np.flatnonzero((triangle >= start) & (triangle < part.own.stop + 1))
+            if points is None or not len(samples):
+                continue
+            a, b, c = seen.corners[..., part.own].astype(np.float64).transpose(1, 0, 2)
+            sides = np.stack([_cross(b, c), _cross(c, a), _cross(a, b)])
+            sides /= np.abs(sides).max(axis=(0, 1)) + np.finfo(np.float64).tiny
+            across = np.concatenate([points, np.ones((1, *points.shape[1:]))])
+            # Coordinate of the texture (the last one divides), then that of the pixel.
+            planes = np.einsum("pct,cdt->pdt", across, sides).astype(np.float32)
+            for first in range(0, len(samples), BLOCK):
+                block = samples[first : first + BLOCK]
+                row, column = np.divmod(block.astype(np.int32), np.int32(width))
+                x = column + np.float32(0.5 - width / 2)
+                y = row + np.float32(0.5 - height / 2)
+                own = planes.take(triangle[block] - start, axis=2)
+                u, v, scale = own[:, 0] * x + own[:, 1] * y + own[:, 2]
+                with np.errstate(divide="ignore", invalid="ignore"):
+                    yield block, _texels(image, np.stack([u, v]) / scale)
+
+    def transparent(self, seen: Seen) -> Seen | None:
+        """What is seen through something transparent, of which that is known alone."""
+        if seen.transparent is None:
+            return None
+        transparent = np.where(seen.transparent > seen.solid, seen.transparent, np.uint64(0))
+        if not transparent.any():
+            return None
+        return seen._replace(solid=np.zeros_like(seen.solid), transparent=transparent)
 
     def open_sky(self, seen: Seen, radius: float) -> Floats:
         """How open the half-space before what is seen is, 0 to 1, of every second column and row.
@@ -536,10 +570,17 @@ def _between(corners: Floats, weights: Floats) -> Floats:
     return found
 
 
-def _load_texture(file: str) -> Floats:
-    """An image, as 3 by height by width, 0 to 1."""
-    with Image.open(file) as image:
-        pixels = np.asarray(image.convert("RGB"), dtype=np.float32)
+MOST_TEXELS = 4096  # along each side
+
+
+def _load_texture(file: str) -> Floats | None:
+    """An image, as 3 by height by width, 0 to 1; None if it cannot be read."""
+    try:
+        with Image.open(file) as image:
+            image.thumbnail((MOST_TEXELS, MOST_TEXELS))
+            pixels = np.asarray(image.convert("RGB"), dtype=np.float32)
+    except (OSError, ValueError, Image.DecompressionBombError):
+        return None
     colors: Floats = np.ascontiguousarray(pixels.transpose(2, 0, 1)) / np.float32(255)
     return colors
 
@@ -552,11 +593,14 @@ def _texels(image: Floats, place: Floats) -> Floats:
     left, top = np.floor(x), np.floor(y)
     across, down = x - left, y - top
     left, top = left.astype(np.intp), top.astype(np.intp)
+    # They are at most one beside the image; a remainder takes longer than all the rest.
+    columns = np.where(left < 0, width - 1, left), np.where(left + 1 == width, 0, left + 1)
+    rows = np.where(top < 0, height - 1, top) * width, np.where(top + 1 == height, 0, top + 1)
     flat = image.reshape(3, -1)
     found: Floats = np.zeros((3, place.shape[1]), dtype=np.float32)
-    for row, by_row in ((top, 1 - down), (top + 1, down)):
-        for column, by_column in ((left, 1 - across), (left + 1, across)):
-            found += flat.take(row % height * width + column % width, axis=1) * (by_row * by_column)
+    for row, by_row in ((rows[0], 1 - down), (rows[1] * width, down)):
+        for column, by_column in ((columns[0], 1 - across), (columns[1], across)):
+            found += flat.take(row + column, axis=1) * (by_row * by_column)
     return found
 
 

@@ -95,18 +95,20 @@ class SensorScene:
         if ground is not None:
             place[is_ground] = len(colors) - 1
         place[is_far] = 0
-        others = self._renderer.without_flat(seen)
-        if others is None:
-            return Exposure(
-                depth.reshape(shape), _levels(colors).take(place, axis=0).reshape(*shape, 3)
-            )
-        painted = colors.T.take(place, axis=1)
-        behind = painted.copy()
-        self._renderer.paint(painted, others, Light(None, None))
         hidden = is_far if ground is None else is_far | is_ground
-        painted[:, hidden] = behind[:, hidden]
-        rgb = np.ascontiguousarray(_levels(painted).T).reshape(*shape, 3)
-        return Exposure(depth.reshape(shape), rgb)
+        rgb = _levels(colors).take(place, axis=0)
+        for samples, texels in self._renderer.texels(seen):
+            shown = np.flatnonzero(~hidden[samples])
+            there, shades = samples[shown], colors.T.take(place[samples[shown]], axis=1)
+            shades *= texels if len(shown) == len(samples) else texels.take(shown, axis=1)
+            rgb[there] = _levels(shades).T
+        others = self._renderer.transparent(seen)
+        if others is not None:
+            painted = np.ascontiguousarray(rgb.T).astype(np.float32) / np.float32(LEVELS)
+            self._renderer.paint(painted, others, Light(None, None))
+            through = np.flatnonzero((others.nearest > 0) & ~hidden)
+            rgb[through] = _levels(painted.T[through])
+        return Exposure(depth.reshape(shape), rgb.reshape(*shape, 3))
 
     @staticmethod
     def _ground(lens: Lens, view: View) -> NDArray[np.float32] | None:

@@ -124,7 +124,12 @@ def _box(size: Sequence[float]) -> Surface:
     faces = [np.roll(np.insert(SQUARE, 0, 1, axis=0), axis, axis=0) for axis in range(3)]
     quads = np.stack([*faces, *(-face[:, ::-1] for face in faces)], axis=1)  # 3 by 6 by 4
     signs = quads[:, :, QUADS].reshape(3, -1, 3).transpose(0, 2, 1)
-    return Surface((signs * np.array(size)[:, None, None] / 2).astype(np.float32))
+    corners = (signs * np.array(size)[:, None, None] / 2).astype(np.float32)
+    # The whole image on each face; on those above and below, x is to the right and y up.
+    places = np.stack([signs[1:], signs[[0, 2]], signs[:2]])  # by axis, 2 by 3 by 12
+    axes = np.tile(np.repeat(np.arange(3), len(QUADS)), 2)  # of each triangle
+    points = (places[axes, :, :, np.arange(len(axes))].transpose(1, 2, 0) + 1) / 2
+    return Surface(corners, texture_points=points.astype(np.float32))
 
 
 SQUARE = np.array([[-1, 1, 1, -1], [-1, -1, 1, 1]])  # the corners of a face, seen from outside

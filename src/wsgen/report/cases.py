@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Severity
@@ -246,6 +247,18 @@ def _behaviors(robot: RobotOutcome, own: Sequence[Diagnostic], context: _Context
             if behavior.passed:
                 found = [one for one in found if not _is_error(one)]
             elif not any(map(_is_error, found)):
-                yield context.skipped(name, "It was not simulated.")
+                why = "It was left out." if behavior.is_left_out else "It was not simulated."
+                yield context.skipped(name, why)
                 continue
-            yield context.case(name, found, shows=not behavior.passed)
+            case = context.case(
+                name, found, seconds=behavior.wall_seconds, shows=not behavior.passed
+            )
+            yield replace(case, output=_with_printed(case.output, behavior.printed))
+
+
+def _with_printed(output: str, lines: Sequence[str]) -> str:
+    """What a case says, and what the nodes of its launch file have printed last."""
+    if not lines:
+        return output
+    printed = "\n".join(["the last lines that the nodes printed:", *lines])
+    return f"{output}\n\n{printed}" if output else printed

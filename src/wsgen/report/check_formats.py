@@ -152,7 +152,7 @@ def render_github(
 ) -> Iterator[str]:
     """A command of GitHub's runners a line: they annotate the files of a pull request.
 
-    GitHub shows ten of a step: informations are left out unless `verbose` wants them.
+    GitHub shows ten of a step: notes are left out unless `verbose` wants them.
     """
     for found in diagnostics:
         if found.severity is Severity.INFO and not verbose:

@@ -53,6 +53,7 @@ MOST_MEDIA = 40 * 2**20  # bytes of a video that is put into the page
 STAGES = {  # of the clock, and what they do
     "launch": "evaluate launch files",
     "expand": "read robots and worlds",
+    "run": "run the launch file",
     "load": "start the engine",
     "simulate": "simulate",
 }
@@ -207,6 +208,7 @@ def _package(package: PackageOutcome, number: int, texts: _Texts) -> dict[str, A
         "world": world if world is not None and (package.robots or world.file) else None,
         "engines": name_engines(engines) if engines else "",
         "has_engines": len(engines) > 1,
+        "has_robots": len(package.robots) > 1,
         "seconds": package.seconds.get("total"),
         "stages": [*_stages(package)],
         "counts": _counts(package.diagnostics),
@@ -273,6 +275,8 @@ def _robot(robot: RobotOutcome, number: str) -> dict[str, Any]:
     parents = {joint.child: joint.name for joint in description.joints} if description else {}
     series = [one for engine in robot.engines for one in engine.time_series if one.seconds]
     rest = robot.rest
+    phases = [*dict.fromkeys(one.behavior for one in series)]
+    failed = {one.name for one in robot.behaviors if not one.passed}
     return {
         "id": f"robot-{number}",
         "entity": robot.entity,
@@ -284,7 +288,8 @@ def _robot(robot: RobotOutcome, number: str) -> dict[str, Any]:
         ]
         if description
         else [],
-        "phases": [*dict.fromkeys(one.behavior for one in series)],
+        "phases": phases,
+        "phase": next((number for number, one in enumerate(phases) if one in failed), 0),
         "plots": [*_plots(robot)],
     }
 
@@ -436,6 +441,9 @@ def _behaviors(robot: RobotOutcome) -> Iterator[dict[str, Any]]:
                     "expected": what_is_expected(one.task),
                     "reached": what_it_did(one),
                     "passed": one.passed,
+                    "is_left_out": one.is_left_out,
+                    "seconds": one.seconds,
+                    "printed": one.printed,
                 }
 
 

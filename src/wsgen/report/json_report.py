@@ -189,11 +189,14 @@ def _behaved(behavior: BehaviorOutcome) -> dict[str, Any]:
     moved, positions = behavior.moved, behavior.positions
     return {
         "name": behavior.name,
-        "passed": behavior.passed,
+        "passed": None if behavior.is_left_out else behavior.passed,
         "moved": None
         if moved is None
         else _numbers(dict(zip(("x", "y", "yaw"), moved, strict=True))),
         "joints": None if positions is None else _numbers(dict(positions)),
+        "traveled": None if behavior.traveled is None else _number(behavior.traveled),
+        "seconds": behavior.seconds,
+        "printed": list(behavior.printed),
     }
 
 

@@ -112,7 +112,7 @@ def _result(robot: RobotOutcome, package: PackageOutcome) -> str:
         return f"{mark}, not simulated"
     if rest.settled_after is None:
         return f"{mark}, did not settle"
-    behaviors = robot.behaviors
+    behaviors = [one for one in robot.behaviors if not one.is_left_out]
     done = sum(behavior.passed for behavior in behaviors)
     more = f", {done} of {len(behaviors)} behaviors" if behaviors else ""
     return f"{mark}, stands after {rest.settled_after:.1f} s{more}"

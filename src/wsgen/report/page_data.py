@@ -14,11 +14,13 @@ import sys
 from array import array
 from typing import TYPE_CHECKING, Any
 
+from wsgen.model.behavior import Drive, Reach
 from wsgen.model.robot import JointType
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
+    from wsgen.model.behavior import Task
     from wsgen.model.outcome import PackageOutcome, RobotOutcome
     from wsgen.model.scene_view import SceneView
     from wsgen.model.time_series import TimeSeries
@@ -71,26 +73,58 @@ def pack_package(package: PackageOutcome, clean: Callable[[str], str]) -> str | 
     `clean` makes names of the user printable.
     """
     packer = Packer()
-    robots = [
-        {
-            "entity": clean(robot.entity),
-            "series": [
-                {
-                    "engine": engine.engine,
-                    "behavior": None if series.behavior is None else clean(series.behavior),
-                    **_series(series, _slides(robot), packer, clean),
-                }
-                for engine in robot.engines
-                for series in engine.time_series
-                if series.seconds
-            ],
-        }
-        for robot in package.robots
-    ]
+    robots = [_robot(robot, packer, clean) for robot in package.robots]
     view = None if package.view is None else _view(package.view, packer, clean)
     if view is None and not any(robot["series"] for robot in robots):
         return None
     return packer.pack({"robots": robots, "view": view})
+
+
+def _robot(robot: RobotOutcome, packer: Packer, clean: Callable[[str], str]) -> dict[str, Any]:
+    tasks = {one.name: one.task for one in robot.behaviors}
+    slides = _slides(robot)
+    return {
+        "entity": clean(robot.entity),
+        "series": [
+            {
+                "engine": engine.engine,
+                "behavior": None if series.behavior is None else clean(series.behavior),
+                "goal": _goal(series, tasks.get(series.behavior or ""), packer),
+                **_series(series, slides, packer, clean),
+            }
+            for engine in robot.engines
+            for series in engine.time_series
+            if series.seconds
+        ],
+    }
+
+
+def _goal(series: TimeSeries, task: Task | None, packer: Packer) -> dict[str, Any] | None:
+    """The corners of the area on the ground in which a behavior has to end, in the world, m.
+
+    Where one coordinate alone is checked, it is a strip along the way.
+    """
+    if task is None or isinstance(task, Reach) or (task.x is None and task.y is None):
+        return None
+    drive = task if isinstance(task, Drive) else task.as_drive
+    slack = drive.slack(drive.x, drive.y)
+    east, north, _ = series.positions[0]
+    cos, sin = math.cos(series.heading), math.sin(series.heading)
+    ways = [(x - east, y - north) for x, y, _ in series.positions]
+    ahead = _reach(drive.x, slack, [cos * x + sin * y for x, y in ways])
+    left = _reach(drive.y, slack, [cos * y - sin * x for x, y in ways])
+    corners = [(ahead[i], left[j]) for i, j in ((0, 0), (1, 0), (1, 1), (0, 1), (0, 0))]
+    return {
+        "x": packer.column([east + cos * x - sin * y for x, y in corners]),
+        "y": packer.column([north + sin * x + cos * y for x, y in corners]),
+    }
+
+
+def _reach(wanted: float | None, slack: float, way: Sequence[float]) -> tuple[float, float]:
+    """From where to where a coordinate may be at the end; as far as the way where any is good."""
+    if wanted is None:
+        return min(way) - slack, max(way) + slack
+    return wanted - slack, wanted + slack
 
 
 def _slides(robot: RobotOutcome) -> set[str]:

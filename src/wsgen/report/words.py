@@ -10,14 +10,16 @@ from wsgen.rules.runs import TIPS_OVER, UNACTUATED_JOINTS_MOVE
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from wsgen.model.behavior import BehaviorOutcome, Drive, Reach
+    from wsgen.model.behavior import BehaviorOutcome, Task
     from wsgen.model.outcome import EngineOutcome
 
 
 def result_of(one: EngineOutcome) -> str:
     """How a robot ended in an engine."""
-    if one.rest is None or not one.passed:
-        return "fails" if one.rest else "not simulated"
+    if one.rest is None:
+        return "not simulated"
+    if not (one.passed or one.is_untried):  # the line of a behavior says that it was not tried
+        return "fails"
     if TIPS_OVER.code in one.codes:
         return "tips over"
     settled = one.rest.settled_after
@@ -37,26 +39,40 @@ def write_xyz(xyz: tuple[float, float, float]) -> str:
 
 def what_it_did(behavior: BehaviorOutcome) -> str:
     """What was measured at the end of a behavior."""
+    if behavior.is_left_out:
+        return "left out"
+    parts = []
     if behavior.moved is not None:
-        return _way(*behavior.moved)
+        parts.append(_way(*behavior.moved))
+    if behavior.traveled is not None:
+        parts.append(f"traveled {_plain(behavior.traveled)} m")
     if behavior.positions is not None:
-        return _positions(behavior.positions)
-    return "not simulated"
+        parts.append(_positions(behavior.positions))
+    return "; ".join(parts) or "not simulated"
 
 
-def what_it_is_to_do(task: Drive | Reach) -> str:
+def what_it_is_to_do(task: Task) -> str:
     """The commands of a behavior."""
-    from wsgen.model.behavior import Drive  # noqa: PLC0415  who has no behaviors need not load it
+    from wsgen.model.behavior import Drive, LaunchTask  # noqa: PLC0415  who has no behaviors need not load it
 
     if isinstance(task, Drive):
         return f"drive at {_plain(task.linear)} m/s, {_plain(task.angular)} rad/s"
+    if isinstance(task, LaunchTask):
+        return "what the nodes of the launch file do"
     return f"move to {_positions(task.positions)}"
 
 
-def what_is_expected(task: Drive | Reach) -> str:
+def what_is_expected(task: Task) -> str:
     """Where a behavior is to end."""
-    from wsgen.model.behavior import Drive  # noqa: PLC0415  who has no behaviors need not load it
+    from wsgen.model.behavior import Drive, LaunchTask  # noqa: PLC0415  who has no behaviors need not load it
 
+    if isinstance(task, LaunchTask):
+        parts = [
+            _way(task.x, task.y, task.yaw),
+            "" if task.travels is None else f"traveled at least {_plain(task.travels)} m",
+            _positions(task.positions),
+        ]
+        return "; ".join(filter(None, parts)) or "upright, no node fails"
     if isinstance(task, Drive):
         return _way(task.x, task.y, task.yaw) or "not checked"
     return f"within {task.within:g} of these positions"

@@ -5,9 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from wsgen.ros_environment.environment import RosEnvironment, open_ros, variables_of_nodes
+    from wsgen.ros_environment.environment import (
+        RosEnvironment,
+        open_ros,
+        paths_with_all_messages,
+        variables_of_nodes,
+    )
 
-__all__ = ["RosEnvironment", "open_ros", "variables_of_nodes"]
+__all__ = ["RosEnvironment", "open_ros", "paths_with_all_messages", "variables_of_nodes"]
 
 
 def __getattr__(name: str) -> Any:

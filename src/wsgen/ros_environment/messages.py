@@ -8,10 +8,12 @@ one process (`message_generator.py`), and what they write is compiled several fi
 from __future__ import annotations
 
 import json
+import re
 import shutil
 import subprocess
 import sys
 import time
+from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,9 +21,15 @@ from wsgen.errors import NotFoundError
 from wsgen.events import OutputLine, StepEnded, StepProgressed, StepStarted, post
 from wsgen.ros_environment.cache import being_made
 from wsgen.ros_environment.compiler import python_headers, run_all
-from wsgen.ros_environment.interfaces import dependencies, digest, in_order, write_interfaces
+from wsgen.ros_environment.interfaces import (
+    buildable,
+    dependencies,
+    digest,
+    in_order,
+    write_interfaces,
+)
 from wsgen.ros_environment.wheels import site_packages
-from wsgen.values import dataclass
+from wsgen.values import dataclass, lazy_pattern
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
@@ -35,6 +43,8 @@ HOT = ("tf2_msgs",)  # what is sent at high rates
 PER_FILE = 16  # sources of C++ that are compiled as one
 LARGEST = 40  # the same for C
 INDEX = "share/ament_index/resource_index"
+# A static variable of a file that describes a type.
+STATIC = lazy_pattern(r"^static [^=;(]*?(\w+)(?:\[\d*\])? =", re.MULTILINE)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -112,15 +122,24 @@ def make_messages(
         NotReadableError: the cache cannot be used.
     """
     prefixes: dict[str, Path] = {}
-    numpy = _numpy_version()
     means = _Means(compiler=compiler, environment=environment, listener=listener)
     for package in in_order(set(packages)):
-        name = f"{package}-{digest(package)}-{RECIPE}-numpy{numpy}"
-        target = prefix.parent / f"{prefix.name}-messages" / name
+        target = _target(package, prefix)
         if not target.exists():
             _make(package, target, [prefix, *prefixes.values()], means)
         prefixes[package] = target
     return list(prefixes.values())
+
+
+def built_messages(prefix: Path) -> list[Path]:
+    """List the prefixes of all messages that are built for the ROS in a prefix."""
+    targets = [_target(package, prefix) for package in buildable()]
+    return [target for target in targets if target.exists()]
+
+
+def _target(package: str, prefix: Path) -> Path:
+    name = f"{package}-{digest(package)}-{RECIPE}-numpy{_numpy_version()}"
+    return prefix.parent / f"{prefix.name}-messages" / name
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -137,7 +156,7 @@ def _make(package: str, target: Path, prefixes: list[Path], means: _Means) -> No
     started = time.monotonic()
     succeeded = False
     target.parent.mkdir(exist_ok=True)
-    post(means.listener, StepStarted(step=step, detail="built once"))
+    post(means.listener, StepStarted(step=step, detail="compiled once", takes_long=True))
     try:
         with being_made(target, means.listener, step) as folder:
             if folder is not None:
@@ -359,7 +378,7 @@ class _Work:
                 part = sources[start : start + size]
                 is_cxx = part[0].suffix == ".cpp"
                 file = self._build / f"{kind}{len(commands)}{part[0].suffix}"
-                file.write_text("".join(f'#include "{source}"\n' for source in part), "utf-8")
+                file.write_text("".join(map(_included, part, count())), "utf-8")
                 output = str(file.with_suffix(".o"))
                 objects.setdefault(kind, []).append(output)
                 compiler = self.compiler.cxx if is_cxx else self.compiler.c
@@ -383,10 +402,25 @@ class _Work:
         add("rosidl_typesupport_introspection_c", described, LARGEST, ["-O0"])
         add("rosidl_generator_c", found(code, "*/detail/*__functions.c"), LARGEST, fast)
         add("rosidl_generator_c", found(code, "*/detail/*__type_support.c"), LARGEST, ["-O0"])
-        # They define the same names, as static ones.
-        add("rosidl_generator_c", found(code, "*/detail/*__description.c"), 1, ["-O0"])
+        add("rosidl_generator_c", found(code, "*/detail/*__description.c"), LARGEST, ["-O0"])
         commands.sort(key=lambda one: -one[0])
         return objects, [command for _, command in commands]
+
+
+def _included(source: Path, number: int) -> str:
+    """Return the lines that include a source between others of its kind.
+
+    Those that describe types define the same static names.
+    """
+    is_description = source.stem.endswith("__description")
+    names = STATIC.findall(source.read_text(encoding="utf-8")) if is_description else []
+    return "".join(
+        [
+            *(f"#define {name} {name}__of_{number}\n" for name in names),
+            f'#include "{source}"\n',
+            *(f"#undef {name}\n" for name in names),
+        ]
+    )
 
 
 def _python_includes() -> list[Path]:

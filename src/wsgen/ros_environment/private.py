@@ -72,7 +72,10 @@ def make_private(environment: Mapping[str, str], listener: Listener) -> Path:
         return prefix
     started = time.monotonic()
     succeeded = False
-    post(listener, StepStarted(step=STEP, detail=f"ROS 2 {DISTRO.capitalize()} from PyPI"))
+    post(
+        listener,
+        StepStarted(step=STEP, detail=f"ROS 2 {DISTRO.capitalize()} from PyPI", takes_long=True),
+    )
     try:
         with being_made(prefix, listener, STEP) as folder:
             if folder is not None:

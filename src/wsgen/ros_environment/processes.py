@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import os
 import tempfile
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from pathlib import Path
+from pathlib import Path
 
 # `python -m` finds modules in the working folder first: the yaml.py of a user would be executed.
 # Python 3.10 has no option against that which keeps PYTHONPATH. `-P` and PYTHONSAFEPATH of later
 # versions leave the first entry out themselves.
 WITHOUT_WORKING_FOLDER = "import sys\nif not sys.path[0]: del sys.path[0]\n"  # for `python -c`
+SHIM = Path(__file__).parents[1] / "ros_shim"  # Python packages of ROS that PyPI lacks
+START = Path(__file__).parents[1] / "ros_start"  # what the Python of a node executes at its start
 _RUN_MODULE = (
     f"{WITHOUT_WORKING_FOLDER}import runpy\n"
+    f"sys.path.append({str(SHIM)!r})\n"  # a sourced ROS may lack them, too
     "sys.argv[0] = '-m'\n"  # as `python -m` has it while packages of the module are imported
     "runpy.run_module(sys.argv.pop(1), run_name='__main__', alter_sys=True)"
 )

@@ -34,18 +34,24 @@ def check_rclpy(prefix: Path, distro: str, environment: Mapping[str, str]) -> No
     """Refuse a ROS whose rclpy the interpreter of wsgen cannot import.
 
     rclpy is compiled for one version of Python. The file is looked up, because importing it takes
-    a quarter of a second.
+    a quarter of a second. ROS of conda (RoboStack) is no entry of PYTHONPATH: wsgen finds its rclpy
+    where it is installed in the same environment.
 
     Raises:
-        NotFoundError: rclpy is for another Python, or not on PYTHONPATH.
+        NotFoundError: rclpy is for another Python, or wsgen does not find it.
     """
     suffix = sysconfig.get_config_var("EXT_SUFFIX")
-    entries = environment.get("PYTHONPATH", "").split(os.pathsep)
+    entries = [*environment.get("PYTHONPATH", "").split(os.pathsep), *sys.path]
     found = [folder for entry in entries if entry and (folder := Path(entry, "rclpy")).is_dir()]
     if not found:
+        own = prefix / "bin" / "python"
+        hint = f"Source its setup file again: source {prefix}/setup.bash."
+        if own.exists():
+            hint = f"Install wsgen into its environment: {own} -m pip install wsgen."
         raise NotFoundError(
-            f"ROS {distro} is sourced, but PYTHONPATH does not have its rclpy.",
-            hint=f"Source its setup file again: source {prefix}/setup.bash.",
+            f"ROS {distro} is sourced, but neither PYTHONPATH nor the Python of wsgen has its "
+            "rclpy.",
+            hint=hint,
         )
     modules = [file.name for file in sorted(found[0].glob("_rclpy_pybind11.*"))]
     if modules and f"_rclpy_pybind11{suffix}" not in modules:

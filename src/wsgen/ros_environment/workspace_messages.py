@@ -15,14 +15,30 @@ import re
 import shutil
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from wsgen.errors import WsgenError
 from wsgen.ros_environment.environment import find_compiler, variables_of
 from wsgen.ros_environment.interfaces import ADDED, OTHER_PACKAGE
 from wsgen.ros_environment.messages import MessagePackage, build_messages
+from wsgen.suggestions import did_you_mean, misspelled_as, nearest
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterator, Sequence
 
 COMMENT = re.compile(r"#.*")
 OF_IDL = re.compile(r'#include\s+"([a-z][a-z0-9_]*)/')
+# A field or a constant, and its type: float32[<=3] sizes, geometry_msgs/Pose pose.
+FIELD = re.compile(
+    r"(?:(?P<package>[a-z]\w*)/)?(?:msg/)?(?P<name>[A-Za-z]\w*)(?:<=\d+)?(?:\[[^\]]*\])?\s+[A-Za-z]"
+)
+PRIMITIVES = frozenset(
+    (
+        *("bool", "byte", "char", "float32", "float64", "string", "wstring"),
+        *("int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64"),
+        *("duration", "time"),  # which rosidl_adapter takes as well
+    )
+)
 DEPENDENCY = re.compile(r"<\w*depend[^>]*>\s*([\w-]+)\s*</")
 
 
@@ -42,17 +58,15 @@ def main() -> int:
         overlays = [Path(entry) for entry in _split("AMENT_PREFIX_PATH")]
         prefixes = _with_messages([ros, *messages, *overlays])
         allowed = _closure(declared, prefixes)
-        uses = set()
+        uses: set[str] = set()
         mistakes = []
         for base, _, name in pairs:
-            for line, package in _used(Path(base, name)):
-                if package in allowed:
-                    uses.add(package)
-                elif package != given.package:
-                    mistakes.append(
-                        f"{Path(base, name)}:{line}: error: {package} is used, but it is not among "
-                        "DEPENDENCIES of rosidl_generate_interfaces() in CMakeLists.txt."
-                    )
+            file = Path(base, name)
+            uses.update(package for _, package in _used(file) if package in allowed)
+            mistakes += [
+                f"{file}:{line}: error: {text}"
+                for line, text in mistakes_in(file, given.package, allowed, prefixes)
+            ]
             uses.update(ADDED.get(name.partition("/")[0], ()))
         absent = sorted(name for name in uses if not any(_has(one, name) for one in prefixes))
         mistakes += [
@@ -93,6 +107,43 @@ def _gathered(folder: Path, pairs: list[tuple[str, str, str]]) -> list[Path]:
         shutil.copyfile(Path(base, name), file)
         files.append(file)
     return files
+
+
+def mistakes_in(
+    file: Path, package: str, allowed: Collection[str], prefixes: Sequence[Path]
+) -> Iterator[tuple[int, str]]:
+    """Say which types in the file of an interface nobody has, each with the 1-based line.
+
+    Args:
+        file: It.
+        package: That it belongs to.
+        allowed: The packages whose types it may use.
+        prefixes: Where these are.
+    """
+    for line, used in _used(file):
+        if used not in {package, *allowed}:
+            meant = misspelled_as(used, allowed)
+            question = f" {did_you_mean(meant)}" if meant else ""
+            declared = "among DEPENDENCIES of rosidl_generate_interfaces() in CMakeLists.txt"
+            yield line, f"{used} is used, but it is not {declared}.{question}"
+    if file.suffix == ".idl":
+        return
+    text = file.read_text(encoding="utf-8", errors="replace")
+    for number, written in enumerate(text.splitlines(), start=1):
+        match = FIELD.match(COMMENT.sub("", written).strip())
+        if match is None:
+            continue
+        of, name = match["package"], match["name"]
+        if of is None and name[0].islower() and name not in PRIMITIVES:
+            meant = nearest(name, PRIMITIVES)
+            yield number, f"{name} is no type.{f' {did_you_mean(meant)}' if meant else ''}"
+        elif of in allowed and of != package:
+            folders = (prefix / "share" / of / "msg" for prefix in prefixes)
+            known = {one.stem for folder in folders for one in folder.glob("*.idl")}
+            if known and name not in known:
+                meant = nearest(name, known)
+                question = f" {did_you_mean(f'{of}/{meant}')}" if meant else ""
+                yield number, f"{of} has no message {name}.{question}"
 
 
 def _used(file: Path) -> list[tuple[int, str]]:

@@ -40,7 +40,10 @@ def _bring(target: Path, environment: Mapping[str, str], listener: Listener) -> 
     step = ("ros", "ziglang")
     started = time.monotonic()
     succeeded = False
-    post(listener, StepStarted(step=step, detail="a compiler, because this machine has none"))
+    post(
+        listener,
+        StepStarted(step=step, detail="a compiler, because this machine has none", takes_long=True),
+    )
 
     def progress(detail: str) -> None:
         post(listener, StepProgressed(step=step, detail=detail))

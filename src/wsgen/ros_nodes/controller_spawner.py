@@ -9,14 +9,13 @@ from __future__ import annotations
 
 import argparse
 import os
-import signal
 import sys
 import time
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wsgen.ros_nodes.colors import colored
-from wsgen.ros_nodes.signals import ignore_ends
+from wsgen.ros_nodes.signals import ignore_ends, raise_when_ended
 from wsgen.values import dataclass
 
 if TYPE_CHECKING:
@@ -258,24 +257,24 @@ def main() -> int:
         ServiceMissingError,
     )
 
-    given = sys.argv[1:]
-    is_unspawner = given[:1] == [UNSPAWN]
-    given = given[1:] if is_unspawner else given
-    plain = remove_ros_args(args=["spawner", *given])[1:]
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, _interrupt)
-    if is_unspawner:
-        order = _unspawner(plain)
-    else:
-        order = read_arguments(plain, _parameter_files(given))
-        for file in (file for one in order.controllers for file in one.files):
-            if not os.path.isfile(file):  # noqa: PTH113  a text for its message
-                sys.stderr.write(f"FileNotFoundError: No such file or directory: '{file}'\n")
-                return 1
-    rclpy.init(args=[sys.argv[0], *given], signal_handler_options=SignalHandlerOptions.NO)
-    first = order.controllers[0].name
-    node = Node(f"{'un' if is_unspawner else ''}spawner_{first}")
+    node: Any = None
     try:
+        raise_when_ended()
+        given = sys.argv[1:]
+        is_unspawner = given[:1] == [UNSPAWN]
+        given = given[1:] if is_unspawner else given
+        plain = remove_ros_args(args=["spawner", *given])[1:]
+        if is_unspawner:
+            order = _unspawner(plain)
+        else:
+            order = read_arguments(plain, _parameter_files(given))
+            for file in (file for one in order.controllers for file in one.files):
+                if not os.path.isfile(file):  # noqa: PTH113  a text for its message
+                    sys.stderr.write(f"FileNotFoundError: No such file or directory: '{file}'\n")
+                    return 1
+        rclpy.init(args=[sys.argv[0], *given], signal_handler_options=SignalHandlerOptions.NO)
+        first = order.controllers[0].name
+        node = Node(f"{'un' if is_unspawner else ''}spawner_{first}")
         namespace = order.namespace or node.get_namespace()
         namespace = namespace if namespace.startswith("/") else f"/{namespace}"
         client = ManagerClient(
@@ -295,7 +294,9 @@ def main() -> int:
     except KeyboardInterrupt:
         return 0
     finally:
-        node.destroy_node()
+        ignore_ends()
+        if node is not None:
+            node.destroy_node()
         rclpy.try_shutdown()
 
 
@@ -317,10 +318,6 @@ def _unspawner(arguments: Sequence[str]) -> Order:
         unloads=False,
         says_stopped=False,
     )
-
-
-def _interrupt(_number: int, _frame: object) -> NoReturn:
-    raise KeyboardInterrupt
 
 
 if __name__ == "__main__":

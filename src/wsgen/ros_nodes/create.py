@@ -3,17 +3,19 @@
 `--as spawn_entity.py` takes the arguments of gazebo_ros's spawner, `--as create` those of
 ros_gz_sim's. What they print, how long they wait and how they end is theirs: sources are
 ros-simulation/gazebo_ros_pkgs, gazebo_ros/scripts/spawn_entity.py (branch ros2) and
-gazebosim/ros_gz, ros_gz_sim/src/create.cpp. The robot and its pose are those that wsgen read in
-the launch file: descriptions are only waited for.
+gazebosim/ros_gz, ros_gz_sim/src/create.cpp. A robot that wsgen has read in the launch file is
+prepared already, with its pose; another one is prepared from the description that is given here.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 import math
 import re
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -23,8 +25,11 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.signals import SignalHandlerOptions
 from std_msgs.msg import String
 
+from wsgen.isolation.codec import encode
+from wsgen.model.transform import Pose
 from wsgen.ros_nodes.signals import ignore_ends, raise_when_ended
 from wsgen.ros_nodes.simulator_client import SimulatorClient, SimulatorError, live_folder
+from wsgen.simulation.live_scene import NewEntity
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -72,9 +77,9 @@ def _spawn_entity(words: list[str], client: SimulatorClient) -> int:
         client.connect(math.inf)
         while options.wait not in client.ask("state")["entities"]:
             time.sleep(LOOK_EVERY)
-    problem = _classic_source(options, node)
-    if problem:
-        log.error(problem)
+    new = _classic_source(options, node)
+    if isinstance(new, str):
+        log.error(new)
         return 1
     timeout = options.timeout
     if options.spawn_service_timeout is not None:
@@ -93,7 +98,12 @@ def _spawn_entity(words: list[str], client: SimulatorClient) -> int:
         return 1
     log.info(f"Calling service {service}")
     try:
-        client.ask("spawn", entity=options.entity)
+        client.ask(
+            "spawn",
+            entity=options.entity,
+            namespace=options.robot_namespace,
+            new=json.loads(encode(new)),
+        )
     except SimulatorError as error:
         log.info(f"Spawn status: {error.message} {error.hint}")
         log.error("Spawn service failed. Exiting.")
@@ -113,6 +123,7 @@ def _stay(options: argparse.Namespace, client: SimulatorClient, log: Any) -> Non
     try:
         client.wait_until_it_ends()
     except KeyboardInterrupt:
+        ignore_ends()
         log.info("Ctrl-C detected")
     log.info(f"Deleting entity [{options.entity}]")
     log.info(f"Calling service {options.gazebo_namespace}/delete_entity")
@@ -148,26 +159,37 @@ def _classic_options() -> argparse.ArgumentParser:
     return parser
 
 
-def _classic_source(options: argparse.Namespace, node: Any) -> str:
-    """Wait for the description; gives what is wrong with where it is, if anything is."""
+def _classic_source(options: argparse.Namespace, node: Any) -> NewEntity | str:
+    """The description, which is waited for; or what is wrong with where it is."""
     log = node.get_logger()
+    new = NewEntity(
+        entity=options.entity,
+        pose_in_world=Pose(
+            xyz=(options.x, options.y, options.z), rpy=(options.R, options.P, options.Y)
+        ),
+    )
     if options.file:
         log.info(f"Loading entity XML from file {options.file}")
-        file = Path(options.file)
-        if not file.exists():
-            return f"Error: specified file {options.file} does not exist"
-        if not file.is_file():
-            return f"Error: specified file {options.file} is not a file"
-        if not file.stat().st_size:
-            return f"Error: file {options.file} is empty"
-    elif options.topic:
+        return _in_file(new, Path(options.file))
+    if options.topic:
         log.info(f"Loading entity published on topic {options.topic}")
-        _description_on(node, options.topic, f"Waiting for entity xml on {options.topic}")
-    elif options.database:
+        waiting = f"Waiting for entity xml on {options.topic}"
+        return replace(new, text=_description_on(node, options.topic, waiting))
+    if options.database:
         log.info("Loading entity XML from Gazebo Model Database")
-    elif not sys.stdin.read():
-        return "Error: stdin buffer was empty"
-    return ""
+        return replace(new, model_uri=f"model://{options.database}")
+    text = sys.stdin.read()
+    return replace(new, text=text) if text else "Error: stdin buffer was empty"
+
+
+def _in_file(new: NewEntity, file: Path) -> NewEntity | str:
+    """The description of a file, or what is wrong with that."""
+    if not file.exists():
+        return f"Error: specified file {file} does not exist"
+    if not file.is_file():
+        return f"Error: specified file {file} is not a file"
+    text = file.read_text(errors="replace")
+    return replace(new, text=text, file=file.absolute()) if text else f"Error: file {file} is empty"
 
 
 def _description_on(node: Any, topic: str, waiting: str, every: float | None = None) -> str:
@@ -202,10 +224,17 @@ def _create(words: list[str], client: SimulatorClient) -> int:
     while world not in {"", actual}:
         time.sleep(WAIT)
         log.warning(_waiting(world))
-    found = NAME.search(description)
+    new = replace(description, pose_in_world=given.pose())
+    found = NAME.search(new.text)
     entity = given.value("name") or (found[1] if found else "")
+    renames = given.value("allow_renaming").lower() == "true"
     try:
-        client.ask("spawn", entity=entity)
+        client.ask(
+            "spawn",
+            entity=entity,
+            renames=renames,
+            new=json.loads(encode(replace(new, entity=entity))),
+        )
     except SimulatorError as error:
         log.error(f"Entity creation failed.\n {error.message} {error.hint}")
         return 1
@@ -225,24 +254,39 @@ class _Given(NamedTuple):
         parameter = self.node.get_parameter(name).value if is_there else ""
         return str(parameter) or self.flags.get(name, "")
 
+    def pose(self) -> Pose:
+        """Where it is spawned; 0 for what is no number."""
+        x, y, z, roll, pitch, yaw = (self._number(name) for name in ("x", "y", "z", "R", "P", "Y"))
+        return Pose(xyz=(x, y, z), rpy=(roll, pitch, yaw))
 
-def _gz_description(given: _Given) -> str | None:
-    """The text of the robot, waited for if it must be; None where nothing says where it is."""
+    def _number(self, name: str) -> float:
+        try:
+            number = float(self.value(name))
+        except ValueError:
+            return 0.0
+        return number if math.isfinite(number) else 0.0
+
+
+def _gz_description(given: _Given) -> NewEntity | None:
+    """The robot, waited for if it must be; None where nothing says where its description is."""
     log = given.node.get_logger()
     if given.value("file"):
         file = Path(given.value("file"))
-        return file.read_text(errors="replace") if file.is_file() else ""
+        if not file.is_file():  # the address of a model
+            return NewEntity(model_uri=given.value("file"))
+        return NewEntity(text=file.read_text(errors="replace"), file=file.absolute())
     if given.value("string"):
-        return given.value("string")
+        return NewEntity(text=given.value("string"))
     parameter = given.flags.get("param", "")
     if parameter:
         text = given.value(parameter)
         if not text:
             log.error(f"Failed to get XML from param [{parameter}].")
-        return text or None
+        return NewEntity(text=text) if text else None
     topic = given.value("topic")
     if topic:
-        return _description_on(given.node, topic, f"Waiting messages on topic [{topic}].", 1.0)
+        waiting = f"Waiting messages on topic [{topic}]."
+        return NewEntity(text=_description_on(given.node, topic, waiting, 1.0))
     kinds = "file, string or topic as ROS 2 parameters"
     if given.flags:
         kinds = "either -file, -param, -string or -topic"

@@ -20,7 +20,8 @@ from wsgen.ros_environment import open_ros
 from wsgen.ros_environment.interfaces import buildable
 from wsgen.ros_environment.processes import hand_over, handed_over, module_command
 from wsgen.ros_nodes import node_verbs, topic_verbs
-from wsgen.ros_nodes.graph import MissingMessages, Refusal, discover
+from wsgen.ros_nodes.graph import Absent, MissingMessages, Refusal, discover, make_node
+from wsgen.ros_nodes.silence import Silence
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -35,6 +36,8 @@ VERBS: dict[str, Callable[..., None]] = {
     "node list": node_verbs.list_nodes,
     "node info": node_verbs.show_info,
 }
+LIST = ("topic list", "node list")
+WAIT = ("topic echo", "topic hz", "topic pub")  # for messages, or for who takes them
 INTERRUPTED = 130
 CLOSED = 141  # nobody reads what is printed
 
@@ -42,12 +45,19 @@ CLOSED = 141  # nobody reads what is printed
 def main(arguments: list[str]) -> int:
     """Answer the request; returns the exit code."""
     request = json.loads(handed_over(arguments[1]))
-    rclpy.init(args=[])
-    node = rclpy.create_node(
-        request["node_name"] or f"_ros2cli_{os.getpid()}",
-        start_parameter_services=False,
-        parameter_overrides=[rclpy.Parameter("use_sim_time", value=request["use_sim_time"])],
-    )
+    try:
+        rclpy.init(args=[])
+        node = make_node(
+            request["node_name"] or f"_ros2cli_{os.getpid()}",
+            start_parameter_services=False,
+            parameter_overrides=[rclpy.Parameter("use_sim_time", value=request["use_sim_time"])],
+        )
+    except (Refusal, RuntimeError) as refusal:  # its name; the folder of logs
+        text = str(refusal).partition(", at /")[0]
+        hint = "\nSet ROS_LOG_DIR to a folder that you may write to." if "log dir" in text else ""
+        print(f"{text}{hint}", file=sys.stderr)
+        rclpy.try_shutdown()
+        return 1
     try:
         return _answer(node, request)
     except MissingMessages as missing:
@@ -67,14 +77,30 @@ def main(arguments: list[str]) -> int:
 
 
 def _answer(node: Any, request: dict[str, Any]) -> int:
-    options = request["options"]
+    options = dict(request["options"])
+    silence = Silence.of(node, request)
     try:
         discover(
-            node, request["seconds"], topic=options.get("topic"), node_name=options.get("name")
+            node,
+            request["seconds"],
+            topic=options.get("topic"),
+            node_name=options.get("name"),
+            silence=silence,
         )
+        if request["verb"] in WAIT:
+            options["silence"] = silence
         VERBS[request["verb"]](node, **options)
+        if request["verb"] in LIST and silence.is_alone():
+            sys.stdout.flush()
+            silence.say(silence.nothing_runs())
     except MissingMessages:
         raise
+    except Absent as absent:
+        print(
+            f"{absent.text}\n{silence.nothing_runs()}" if silence.is_alone() else absent,
+            file=sys.stderr,
+        )
+        return 1
     except Refusal as refusal:
         print(refusal, file=sys.stderr)
         return 1

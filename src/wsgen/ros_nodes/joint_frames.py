@@ -1,11 +1,15 @@
 """Where a joint puts its child: the transforms that robot_state_publisher sends.
 
+The description is URDF, or SDF of one model, which a ROS with Gazebo Sim reads by sdformat_urdf
+(ros/sdformat_urdf, src/sdformat_urdf.cpp): the frame of a link is that of the joint above it.
+
 A rotation is a unit quaternion x, y, z, w.
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.description_rules import MALFORMED_XML, NO_LINK, NOT_A_NUMBER, UNKNOWN_JOINT_TYPE
@@ -25,6 +29,7 @@ from wsgen.urdf.reader import (
     UNNAMED_ROBOT,
     read_urdf,
 )
+from wsgen.xmltree import Malformed, parse
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -105,11 +110,28 @@ class JointFrames(NamedTuple):
 
 
 def read_joint_frames(text: str) -> tuple[Robot, JointFrames]:
-    """The robot of a URDF, and its joints.
+    """The robot of a URDF or SDF, and its joints.
 
     Raises:
-        RefusedDescriptionError: urdfdom refuses the text.
+        RefusedDescriptionError: urdfdom, or sdformat_urdf, refuses the text.
     """
+    robot = _of_sdf(text) if is_sdf(text) else _of_urdf(text)
+    moves = (JointType.REVOLUTE, JointType.CONTINUOUS, JointType.PRISMATIC)
+    stays = (JointType.FIXED, JointType.PLANAR)
+    return robot, JointFrames(
+        moving={joint.name: joint_frame(joint) for joint in robot.joints if joint.type in moves},
+        fixed=tuple(joint_frame(joint) for joint in robot.joints if joint.type in stays),
+        mimics={joint.name: joint.mimic for joint in robot.joints if joint.mimic is not None},
+    )
+
+
+def is_sdf(text: str) -> bool:
+    """Whether a description is SDF, as sdformat_urdf and joint_state_publisher ask."""
+    root = parse(text)
+    return not isinstance(root, Malformed) and root.tag == "sdf"
+
+
+def _of_urdf(text: str) -> Robot:
     robot, diagnostics = read_urdf(text, file=None)
     errors = [
         found
@@ -118,12 +140,48 @@ def read_joint_frames(text: str) -> tuple[Robot, JointFrames]:
     ]
     if robot is None or errors:
         raise RefusedDescriptionError("\n".join(map(_line, errors)) or "It describes no robot.")
-    moves = (JointType.REVOLUTE, JointType.CONTINUOUS, JointType.PRISMATIC)
-    stays = (JointType.FIXED, JointType.PLANAR)
-    return robot, JointFrames(
-        moving={joint.name: joint_frame(joint) for joint in robot.joints if joint.type in moves},
-        fixed=tuple(joint_frame(joint) for joint in robot.joints if joint.type in stays),
-        mimics={joint.name: joint.mimic for joint in robot.joints if joint.mimic is not None},
+    return robot
+
+
+def read_sdf_robot(text: str) -> tuple[Robot | None, list[Diagnostic]]:
+    """The model of an SDF, without joints of two axes, and the errors in it."""
+    from wsgen.sdf.assembly import is_cross  # noqa: PLC0415  seldom
+    from wsgen.sdf.models import read_model  # noqa: PLC0415  same
+
+    found = read_model(text, file=None, find_model=lambda _: None)
+    errors = [one for one in found.diagnostics if one.severity is Severity.ERROR]
+    robot = found.models[0].robot if found.models else None
+    if robot is None:
+        return None, errors
+    joints = [one for one in robot.joints if not (is_cross(one.parent) or is_cross(one.child))]
+    return replace(robot, joints=tuple(joints)), errors
+
+
+def _of_sdf(text: str) -> Robot:
+    """The robot, unless sdformat_urdf refuses it."""
+    robot, errors = read_sdf_robot(text)
+    if robot is None or errors:
+        raise RefusedDescriptionError("\n".join(map(_line, errors)) or "It describes no robot.")
+    problem = ""
+    if _is_posed(text):
+        problem = "<model> has a <pose>. Remove it; the spawner places the robot."
+    elif robot.fixed_to_world:
+        problem = "A joint has the parent `world`. Give the robot a first link that stands for it."
+    elif robot.loose:
+        names = ", ".join(f"`{joint.child}`" for joint in robot.loose)
+        problem = f"The links are no tree. Join {names} to it by joints."
+    if problem:
+        raise RefusedDescriptionError(f"sdformat_urdf refuses the model: {problem}")
+    return robot
+
+
+def _is_posed(text: str) -> bool:
+    root = parse(text)
+    pose = None if isinstance(root, Malformed) else root.find("model/pose")
+    if pose is None:
+        return False
+    return bool(pose.get("relative_to")) or any(
+        number.strip("+-0.") for number in (pose.text or "").split()
     )
 
 

@@ -17,6 +17,7 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPo
 from ament_index_python.packages import get_package_share_directory
 from wsgen.ros_nodes.message_definitions import definition_of
 from wsgen.ros_nodes.signals import ENDING, ignore_ends
+from wsgen.ros_nodes.simulator_time import SimulatorTime
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -33,7 +34,9 @@ LIBRARY = "wsgen"
 class Recorder(Node):
     """Subscribes to every topic and writes what comes."""
 
-    def __init__(self, writer: Writer, *, use_sim_time: bool) -> None:
+    def __init__(
+        self, writer: Writer, *, use_sim_time: bool, simulator: SimulatorTime | None = None
+    ) -> None:
         super().__init__(
             "_wsgen_recorder",  # hidden, as its subscriptions are nobody's business
             parameter_overrides=[Parameter("use_sim_time", value=use_sim_time)],
@@ -41,11 +44,19 @@ class Recorder(Node):
             start_parameter_services=False,
         )
         self._writer = writer
+        self._simulator = simulator
         self._schemas: dict[str, int] = {}  # by type
         self._topics: set[str] = set()  # that are recorded, or cannot be
         self._sequences: dict[int, int] = {}  # by channel
+        self._first: int | None = None  # ns, the time of the first message, and of the last one
+        self._last = 0
         self.create_timer(LOOK_SECONDS, self._look, clock=rclpy.clock.Clock())
         self._look()
+
+    def recorded(self) -> tuple[float, int]:
+        """The time from the first message to the last one in seconds, and how many there are."""
+        first = self._last if self._first is None else self._first
+        return (self._last - first) * 1e-9, sum(self._sequences.values())
 
     def _look(self) -> None:
         for topic, types in self.get_topic_names_and_types():
@@ -91,13 +102,21 @@ class Recorder(Node):
 
     def _write(self, channel: int, message: bytes) -> None:
         now = self.get_clock().now().nanoseconds
+        if now == 0 and self._simulator is not None:
+            now = self._simulator.nanoseconds()
+        self._first = now if self._first is None else min(now, self._first)
+        self._last = max(now, self._last)
         sequence = self._sequences[channel] = self._sequences.get(channel, 0) + 1
         self._writer.add_message(channel, now, message, now, sequence)
 
 
 def _message_type(type_name: str) -> Any:
     package, kind, name = type_name.split("/")
-    return getattr(importlib.import_module(f"{package}.{kind}"), name)
+    module = importlib.import_module(f"{package}.{kind}")
+    action = name.removesuffix("_FeedbackMessage")  # which is no name in the module
+    if kind == "action" and action != name:
+        return getattr(module, action).Impl.FeedbackMessage
+    return getattr(module, name)
 
 
 def _matching(publishers: Sequence[TopicEndpointInfo]) -> QoSProfile:
@@ -137,12 +156,21 @@ def _duration_as_yaml(duration: Duration) -> str:
     return f"{{sec: {seconds}, nsec: {nanoseconds}}}"
 
 
-def record(stream: IO[bytes], *, use_sim_time: bool, when_ready: Callable[[], None]) -> None:
+def record(
+    stream: IO[bytes],
+    *,
+    use_sim_time: bool,
+    live_folder: Path | None = None,
+    when_ready: Callable[[], None],
+) -> tuple[float, int]:
     """Record until a signal comes, which may be blocked until now.
+
+    It gives what `Recorder.recorded` gives.
 
     Args:
         stream: receives the file.
         use_sim_time: messages get the time of /clock.
+        live_folder: of the live run whose simulator is asked for it until there is a /clock.
         when_ready: is called when topics are looked for.
 
     Raises:
@@ -150,10 +178,12 @@ def record(stream: IO[bytes], *, use_sim_time: bool, when_ready: Callable[[], No
     """
     writer = Writer(stream)
     writer.start(profile="ros2", library=LIBRARY)
+    simulator = SimulatorTime(live_folder) if live_folder is not None else None
     rclpy.init(args=[], signal_handler_options=rclpy.signals.SignalHandlerOptions.NO)
     try:
         executor = SingleThreadedExecutor()
-        executor.add_node(Recorder(writer, use_sim_time=use_sim_time))
+        recorder = Recorder(writer, use_sim_time=use_sim_time, simulator=simulator)
+        executor.add_node(recorder)
         # An exception of a handler could be lost in a destructor.
         signals: list[int] = []
         for number in ENDING:
@@ -162,7 +192,11 @@ def record(stream: IO[bytes], *, use_sim_time: bool, when_ready: Callable[[], No
         signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDING)
         while not signals:
             executor.spin_once(timeout_sec=LOOK_SECONDS)
+        found = recorder.recorded()
     finally:
         ignore_ends()
+        if simulator is not None:
+            simulator.close()
         rclpy.try_shutdown()
     writer.finish()
+    return found

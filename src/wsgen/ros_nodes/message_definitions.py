@@ -4,6 +4,9 @@ Files with recorded messages have it beside them, so that programs without ROS c
 format is that of rosbag2 and of MCAP's encoding `ros2msg`: the text of the .msg file, then for each
 message in it a line of `=`, a line `MSG: package/Name` and its text.
 Source: https://mcap.dev/spec/registry, "ros2msg".
+
+Of an action, the feedback is on a topic. Its messages have no file: they are made of the .action
+file (ros2/rosidl, rosidl_parser/rosidl_parser/definition.py, class Action).
 """
 
 from __future__ import annotations
@@ -19,6 +22,7 @@ if TYPE_CHECKING:
 SEPARATOR = "=" * 80
 INTEGERS = frozenset(f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64))
 PRIMITIVE = {"bool", "byte", "char", "float32", "float64", "string", "wstring", *INTEGERS}
+_PART = re.compile(r"^---.*$", re.MULTILINE)  # between goal, result and feedback of an action
 _FIELD = re.compile(r"\s*([A-Za-z]\w*(?:/\w+)?(?:/\w+)?)(?:<=\d+)?(?:\[[^\]]*\])?\s+[A-Za-z]")
 
 
@@ -64,4 +68,12 @@ def _split(type_name: str, package: str) -> tuple[str, str]:
 
 
 def _read(package: str, name: str, share_of: Callable[[str], Path]) -> str:
-    return (share_of(package) / "msg" / f"{name}.msg").read_text(encoding="utf-8")
+    share = share_of(package)
+    action, _, part = name.rpartition("_")
+    file = share / "action" / f"{action}.action"
+    if part == "FeedbackMessage" and file.is_file():
+        return f"unique_identifier_msgs/UUID goal_id\n{package}/{action}_Feedback feedback\n"
+    if part == "Feedback" and file.is_file():
+        _goal, _result, feedback = _PART.split(file.read_text(encoding="utf-8"))
+        return feedback.lstrip()
+    return (share / "msg" / f"{name}.msg").read_text(encoding="utf-8")

@@ -10,7 +10,7 @@ from rclpy.action.graph import (
     get_action_server_names_and_types_by_node,
 )
 
-from wsgen.ros_nodes.graph import Refusal, instead, is_hidden, node_names
+from wsgen.ros_nodes.graph import Absent, instead, is_hidden, node_names
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -36,12 +36,12 @@ def show_info(node: Any, *, name: str, with_hidden: bool) -> None:
     """Print what a node publishes, takes and offers.
 
     Raises:
-        Refusal: The node is not there.
+        Absent: The node is not there.
     """
     name = name if name.startswith("/") else f"/{name}"
     names = node_names(node, with_hidden=with_hidden)
     if name not in names:
-        raise Refusal(f"Unable to find node '{name}'\n{instead(name, names, 'node')}")
+        raise Absent(f"Unable to find node '{name}'", instead(name, names, "node"))
     if names.count(name) > 1:
         print(
             f'There are {names.count(name)} nodes in the graph with the exact name "{name}". You '

@@ -31,8 +31,8 @@ def run(name: str, make_node: Callable[[], Any], arguments: list[str] | None = N
     `name` is that of the log, where the node cannot be made. `arguments` are those of the process,
     its path first.
     """
-    rclpy.init(args=sys.argv if arguments is None else arguments)
     try:
+        rclpy.init(args=sys.argv if arguments is None else arguments)
         node = make_node()
         # A signal that comes at a bad moment does not wake who waits without end.
         node.create_timer(

@@ -9,6 +9,7 @@ import math
 from typing import TYPE_CHECKING, NamedTuple
 
 from wsgen.model.robot import JointType
+from wsgen.ros_nodes.joint_frames import is_sdf, read_sdf_robot
 from wsgen.urdf.reader import read_urdf
 from wsgen.values import dataclass
 from wsgen.xmltree import Malformed, children, parse
@@ -78,12 +79,12 @@ class PublishedJoints:
         self._dependent: dict[str, Dependence] = dict(settings.dependences)
 
     def configure(self, text: str) -> None:
-        """Take the joints of a URDF; what is none is refused, and the joints stay.
+        """Take the joints of a URDF or SDF; what is none is refused, and the joints stay.
 
         Raises:
             DependenceError: They depend on each other in a circle, or on one that is not there.
         """
-        robot, _ = read_urdf(text, file=None)
+        robot = (read_sdf_robot(text) if is_sdf(text) else read_urdf(text, file=None))[0]
         if robot is None:
             self._warn("Invalid robot_description given, ignoring")
             return

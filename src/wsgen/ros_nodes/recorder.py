@@ -1,13 +1,16 @@
 """Record all topics into an MCAP file, which Foxglove and `ros2 bag` open.
 
-    python -m wsgen.ros_nodes.recorder FILE [--use-sim-time] [--parent PID] [--tell DESCRIPTOR]
+    python -m wsgen.ros_nodes.recorder FILE [--use-sim-time] [--live-folder FOLDER] [--parent PID]
+        [--tell DESCRIPTOR]
 
 Like `ros2 bag record --all`: topics are found as they appear, hidden ones are left out, and
 messages are stored as they came, with the time at which they did: that of the clock, or with
---use-sim-time the simulated one. The file has its name when it is complete; until then `.part` is
+--use-sim-time the simulated one. Where nobody publishes /clock, the simulator of the live run in
+FOLDER is asked for that. The file has its name when it is complete; until then `.part` is
 behind it. It is completed at SIGINT or SIGTERM, and when the process PID ends.
 
-It writes READY to the descriptor when it records, and a text when it cannot: why.
+It writes READY to the descriptor when it records, and a text when it cannot: why. When the file is
+complete, it writes the seconds from the first message to the last one, and how many there are.
 """
 
 from __future__ import annotations
@@ -44,6 +47,7 @@ def _read(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="recorder")
     parser.add_argument("file", type=Path)
     parser.add_argument("--use-sim-time", action="store_true")
+    parser.add_argument("--live-folder", type=Path)
     parser.add_argument("--parent", type=int)
     parser.add_argument("--tell", type=int)
     return parser.parse_args(arguments)
@@ -71,8 +75,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
         with unfinished.open("wb") as stream:
             from wsgen.ros_nodes.mcap_recording import record  # noqa: PLC0415  see above
 
-            record(stream, use_sim_time=given.use_sim_time, when_ready=lambda: tell(READY))
+            seconds, messages = record(
+                stream,
+                use_sim_time=given.use_sim_time,
+                live_folder=given.live_folder,
+                when_ready=lambda: tell(READY),
+            )
         unfinished.replace(file)
+        if given.tell is not None:
+            tell(f"{seconds:.3f} {messages}".encode())
     except OSError as error:
         tell(f"{unfinished} cannot be written: {error.strerror or error}".encode())
         return FAILED

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import socket
@@ -38,11 +39,25 @@ def live_folder() -> Path:
     return Path(folder)
 
 
+class SimulatorEndedError(SimulatorError):
+    """It does not answer any more."""
+
+    def __init__(self) -> None:
+        super().__init__("The simulator has ended.", "Read what it printed before.")
+
+
 class SimulatorClient:
     """A connection to the simulator."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, *, patience: float | None = None) -> None:
+        """Connect to that of a live run, later.
+
+        Args:
+            folder: Of the run.
+            patience: How long to wait for an answer, s; afterwards it has ended.
+        """
         self._path = socket_path(folder)
+        self._patience = patience
         self._socket: socket.socket | None = None
         self._stream: Any = None
 
@@ -60,6 +75,7 @@ class SimulatorClient:
                     return False
                 time.sleep(LOOK_EVERY)
             else:
+                made.settimeout(self._patience)
                 self._socket, self._stream = made, made.makefile("rwb")
         return True
 
@@ -67,7 +83,8 @@ class SimulatorClient:
         """Have the simulator do something; gives its answer.
 
         Raises:
-            SimulatorError: It cannot do it, or it has ended.
+            SimulatorError: It cannot do it.
+            SimulatorEndedError: It has ended.
         """
         try:
             self._stream.write(json.dumps({"do": do, **values}).encode() + b"\n")
@@ -76,7 +93,7 @@ class SimulatorClient:
         except OSError:
             line = b""
         if not line:
-            raise SimulatorError("The simulator has ended.", "Read what it printed before.")
+            raise SimulatorEndedError
         answer: dict[str, Any] = json.loads(line)
         if "error" in answer:
             raise SimulatorError(str(answer["error"]), str(answer.get("hint", "")))
@@ -90,9 +107,16 @@ class SimulatorClient:
         except OSError:
             pass
 
+    def interrupt(self) -> None:
+        """End the connection for a thread that waits for an answer."""
+        if (waited_for := self._socket) is not None:
+            with contextlib.suppress(OSError):
+                waited_for.shutdown(socket.SHUT_RDWR)
+
     def close(self) -> None:
         """End the connection, and what goes with it."""
         if self._socket is not None:
-            self._stream.close()
+            with contextlib.suppress(OSError):  # what is not sent yet
+                self._stream.close()
             self._socket.close()
             self._socket = None

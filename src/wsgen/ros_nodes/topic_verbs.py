@@ -5,7 +5,10 @@ Texts and choices are those of ros2/ros2cli, ros2topic/verb.
 
 from __future__ import annotations
 
+import math
 import time
+from copy import copy
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import rclpy
@@ -23,19 +26,26 @@ from rclpy.qos import (
 
 from rosidl_runtime_py import message_to_csv, message_to_yaml, set_message_fields
 from wsgen.ros_nodes.graph import (
+    Absent,
     Refusal,
     class_of_topic,
     full_name,
     instead,
     message_class,
     topics,
+    type_name,
 )
+from wsgen.ros_nodes.message_fields import WrongFieldError, fill
 from wsgen.ros_nodes.rates import Rates, one_topic, table
+from wsgen.ros_nodes.silence import SECONDS
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from wsgen.ros_nodes.silence import Silence
+
 POLL_SECONDS = 0.1
+SECONDS_TO_ARRIVE = 10.0  # of the clock, for the last message, on a busy machine
 
 
 def list_topics(
@@ -89,6 +99,7 @@ def echo(
     timeout: float | None,
     filter_expression: str | None,
     no_lost_messages: bool,
+    silence: Silence,
 ) -> None:
     """Print messages as they come."""
     kind = class_of_topic(node, topic) if message_type is None else message_class(message_type)
@@ -97,10 +108,11 @@ def echo(
         raise Refusal(f"Invalid field value '{field}'")
     is_wanted = _filter(filter_expression)
     shown: dict[str, Any] = {"truncate_length": truncate_length, "no_arr": no_arr, "no_str": no_str}
-    is_done = False
+    is_done = has_come = False
 
     def show(message: Any) -> None:
-        nonlocal is_done
+        nonlocal is_done, has_come
+        has_come = True
         part = _part(message, path)
         if is_done or not is_wanted(part):
             return
@@ -113,12 +125,21 @@ def echo(
             text = message_to_yaml(part, **shown, flow_style=flow_style)
             print(text, end="---\n", flush=True)
 
-    profile = _profile(qos, "sensor_data") if qos else _matching_profile(node, topic)
     callbacks = None if no_lost_messages else SubscriptionEventCallbacks(message_lost=_report_lost)
-    node.create_subscription(kind, topic, show, profile, raw=raw, event_callbacks=callbacks)
-    end = None if timeout is None else time.monotonic() + timeout
+    subscribe = partial(
+        node.create_subscription, kind, topic, show, raw=raw, event_callbacks=callbacks
+    )
+    subscription = _Subscription(node, topic, subscribe, qos)
+    begun = time.monotonic()
+    end = None if timeout is None else begun + timeout
+    told = begun + SECONDS
     while rclpy.ok() and not is_done and (end is None or time.monotonic() < end):
         rclpy.spin_once(node, timeout_sec=POLL_SECONDS)
+        if not has_come:
+            subscription.match()
+        if not has_come and time.monotonic() >= told:
+            told = math.inf
+            silence.say_nothing_comes(full_name(node, topic), type_name(kind))
 
 
 def measure(
@@ -128,14 +149,19 @@ def measure(
     window: int,
     filter_expression: str | None,
     wall_time: bool,
+    silence: Silence,
 ) -> None:
     """Print how often messages come, each second."""
     is_wanted = _filter(filter_expression)
     found = {name: Rates(window) for name in names}
+    kinds: dict[str, str] = {}
+    heard: set[str] = set()
     for name, rates in found.items():
-        kind = _wait_for_class(node, name)
+        kind = _wait_for_class(node, name, silence)
+        kinds[name] = type_name(kind)
 
-        def take(message: Any, rates: Rates = rates) -> None:
+        def take(message: Any, rates: Rates = rates, name: str = name) -> None:
+            heard.add(name)
             if not is_wanted(message):
                 return
             now = time.time() if wall_time else node.get_clock().now().nanoseconds * 1e-9
@@ -151,6 +177,9 @@ def measure(
         if time.monotonic() >= shown + 1.0:
             shown += 1.0
             _show_rates(found)
+            for name in kinds.keys() - heard:
+                silence.say_nothing_comes(full_name(node, name), kinds[name])
+                heard.add(name)  # it is said once
 
 
 def publish(
@@ -166,23 +195,27 @@ def publish(
     most_seconds: float | None,
     keep_alive: float,
     qos: dict[str, Any],
+    silence: Silence,
 ) -> None:
     """Publish a message, once or again and again; `times` 0 stands for without end."""
     kind = message_class(message_type)
-    full_name(node, topic)
+    name = full_name(node, topic)
     fields = _fields(values)
     message = kind()
+    expand = partial(set_message_fields, expand_header_auto=True, expand_time_now=True)
     try:
-        stamps = set_message_fields(message, fields, expand_header_auto=True, expand_time_now=True)
-    except Exception as error:  # noqa: BLE001  of messages, which check their values
-        known = ", ".join(kind.get_fields_and_field_types())
-        raise Refusal(
-            f"Failed to populate field: {error}\nThe fields of {message_type} are: {known}"
-        ) from None
+        stamps = fill(message, fields, expand, message_type)
+    except WrongFieldError as error:
+        raise Refusal(f"Failed to populate field: {error}") from None
     publisher = node.create_publisher(kind, topic, _profile(qos, "default"))
-    _wait_for_subscriptions(publisher, subscriptions, most_seconds)
+
+    def tell() -> None:
+        silence.say_nobody_takes(name, message_type)
+
+    _wait_for_subscriptions(publisher, subscriptions, most_seconds, tell)
     print("publisher: beginning loop", flush=True)
     number, due = 0, time.monotonic()
+    told = due + SECONDS
     while rclpy.ok():
         now = node.get_clock().now().to_msg()
         for stamp in stamps:
@@ -196,7 +229,24 @@ def publish(
         due += 1.0 / rate
         while rclpy.ok() and (rest := due - time.monotonic()) > 0:
             rclpy.spin_once(node, timeout_sec=min(rest, POLL_SECONDS))
+        if time.monotonic() >= told:
+            told = math.inf
+            if publisher.get_subscription_count() == 0:
+                tell()
+    _wait_for_acknowledgments(publisher)
     time.sleep(keep_alive)
+
+
+def _wait_for_acknowledgments(publisher: Any) -> None:
+    """Wait until those who take all messages have them.
+
+    Who subscribes may know of this publisher later than it knows of them; what was sent before, it
+    sends again, as long as it is there.
+    """
+    end = time.monotonic() + SECONDS_TO_ARRIVE
+    while rclpy.ok() and time.monotonic() < end:
+        if publisher.wait_for_all_acked(Duration(seconds=POLL_SECONDS)):
+            return
 
 
 def _counted(
@@ -214,20 +264,25 @@ def _counted(
 def _types(node: Any, topic: str) -> list[str]:
     name, found = full_name(node, topic), dict(topics(node))
     if name not in found:
-        raise Refusal(
-            f"Unknown topic '{topic}'\n"
-            + instead(name, [one for one, _ in topics(node, with_hidden=False)], "topic")
+        raise Absent(
+            f"Unknown topic '{topic}'",
+            instead(name, [one for one, _ in topics(node, with_hidden=False)], "topic"),
         )
     return found[name]
 
 
-def _wait_for_class(node: Any, topic: str) -> Any:
+def _wait_for_class(node: Any, topic: str, silence: Silence) -> Any:
     try:
         return class_of_topic(node, topic)
     except Refusal:
         if full_name(node, topic) in dict(topics(node)):
             raise
     print(f"WARNING: topic [{topic}] does not appear to be published yet", flush=True)
+    if silence.is_alone():
+        silence.say(silence.nothing_runs())
+    else:
+        name = full_name(node, topic)
+        silence.say(instead(name, [one for one, _ in topics(node, with_hidden=False)], "topic"))
     while full_name(node, topic) not in dict(topics(node)):
         rclpy.spin_once(node, timeout_sec=POLL_SECONDS)
     return class_of_topic(node, topic)
@@ -270,7 +325,7 @@ def _filter(expression: str | None) -> Callable[[Any], Any]:
 
 def _profile(qos: dict[str, Any], default: str) -> Any:
     """The QoS of a preset, and what options change of it."""
-    profile = QoSPresetProfiles.get_from_short_key(qos.get("profile") or default)
+    profile = copy(QoSPresetProfiles.get_from_short_key(qos.get("profile") or default))
     for key, policies in (
         ("history", QoSHistoryPolicy),
         ("durability", QoSDurabilityPolicy),
@@ -288,9 +343,46 @@ def _profile(qos: dict[str, Any], default: str) -> Any:
     return profile
 
 
-def _matching_profile(node: Any, topic: str) -> Any:
-    """A QoS that takes what all publishers of a topic offer."""
-    profile = QoSPresetProfiles.get_from_short_key("sensor_data")
+class _Subscription:
+    """A subscription with the QoS that the user chooses, or that publishers offer.
+
+    These may be found after the topic, to which somebody else has subscribed. What they keep for
+    those who come later is sent to one who asks for it alone.
+    """
+
+    def __init__(
+        self, node: Any, topic: str, subscribe: Callable[..., Any], qos: dict[str, Any]
+    ) -> None:
+        self._node, self._topic, self._subscribe = node, topic, subscribe
+        self._is_chosen = bool(qos)
+        self._profile = _profile(qos, "sensor_data") if qos else matching_profile(node, topic)
+        self._made = subscribe(qos_profile=self._profile)
+
+    def match(self) -> None:
+        """Subscribe anew where publishers that have been found since then offer something else."""
+        if self._is_chosen or self._profile == _offered_profile(self._node, self._topic)[0]:
+            return
+        self._node.destroy_subscription(self._made)
+        self._profile = matching_profile(self._node, self._topic)
+        self._made = self._subscribe(qos_profile=self._profile)
+
+
+def matching_profile(node: Any, topic: str) -> Any:
+    """A QoS that takes what all publishers of a topic offer; says what not all of them do."""
+    profile, mixed = _offered_profile(node, topic)
+    for wanted, fallback in mixed:
+        print(
+            f"Some, but not all, publishers are offering {wanted}. Falling back to {fallback} as "
+            "it will connect to all publishers",
+            flush=True,
+        )
+    return profile
+
+
+def _offered_profile(node: Any, topic: str) -> tuple[Any, list[tuple[str, str]]]:
+    """The QoS, and the policies that some offer alone, with those in their place."""
+    profile = copy(QoSPresetProfiles.get_from_short_key("sensor_data"))
+    mixed = []
     offered = [one.qos_profile for one in node.get_publishers_info_by_topic(full_name(node, topic))]
     for name, policies, wanted, fallback in (
         ("reliability", QoSReliabilityPolicy, "RELIABLE", "BEST_EFFORT"),
@@ -301,14 +393,10 @@ def _matching_profile(node: Any, topic: str) -> Any:
             setattr(profile, name, getattr(policies, wanted))
         elif offered:
             if number:
-                print(
-                    f"Some, but not all, publishers are offering {policies.__name__}.{wanted}. "
-                    f"Falling back to {policies.__name__}.{fallback} as it will connect to all "
-                    "publishers",
-                    flush=True,
-                )
+                kind = policies.__name__
+                mixed.append((f"{kind}.{wanted}", f"{kind}.{fallback}"))
             setattr(profile, name, getattr(policies, fallback))
-    return profile
+    return profile, mixed
 
 
 def _report_lost(status: Any) -> None:
@@ -336,12 +424,16 @@ def _fields(values: str) -> dict[str, Any]:
     return fields
 
 
-def _wait_for_subscriptions(publisher: Any, wanted: int, most_seconds: float | None) -> None:
+def _wait_for_subscriptions(
+    publisher: Any, wanted: int, most_seconds: float | None, tell: Callable[[], None]
+) -> None:
     start = shown = time.monotonic()
     while rclpy.ok() and (found := publisher.get_subscription_count()) < wanted:
         if time.monotonic() >= shown:
             print(f"Waiting for at least {wanted} matching subscription(s)...", flush=True)
             shown += 1.0
+        if time.monotonic() >= start + SECONDS:
+            tell()
         if most_seconds is not None and time.monotonic() - start >= most_seconds:
             raise Refusal(
                 f"Timed out waiting for subscribers: Expected {wanted} subcribers but only got "

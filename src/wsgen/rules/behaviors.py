@@ -6,18 +6,21 @@ name the behavior and its place in `wsgen.toml`.
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity
-from wsgen.model.behavior import Drive
-from wsgen.model.robot import JointType
+from wsgen.model.behavior import Drive, LaunchTask, Reach
+from wsgen.model.robot import LITTLE_GRIP, JointType
+from wsgen.suggestions import ask_for_nearest
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
-    from wsgen.model.behavior import Behavior, BehaviorRun, DiffDrive, Reach
+    from wsgen.model.behavior import Behavior, BehaviorRun, DiffDrive, LiveMeasurement
     from wsgen.model.robot import Joint, Robot
     from wsgen.simulation.scene import BehaviorMeasurement
 
@@ -25,8 +28,10 @@ if TYPE_CHECKING:
 NAMED = 5  # at most so many joints are named in a message
 SEEN = 0.01  # m or rad; less does not show what is wrong
 ALIKE = 1.05  # sizes that differ by less are the same
+MISREAD = 2.5  # times: by more nobody errs in a size, not even who takes a diameter for a radius
 COMMANDED = (JointType.REVOLUTE, JointType.CONTINUOUS, JointType.PRISMATIC)
 LIMITED = (JointType.REVOLUTE, JointType.PRISMATIC)
+FALLEN = math.radians(45)  # no ramp is as steep
 AT_LIMIT = 1e-6  # rad or m; limits are rounded when they are written
 
 
@@ -44,7 +49,165 @@ def check_behavior(
                 behavior, behavior.task, behaved.moved[2], behavior_run.drive, file
             ),
         )
+    if not isinstance(behavior.task, Reach):
+        return ()  # its launch file runs, which `check_live` checks
     return tuple(joints_not_reached(behavior, behavior.task, behaved.positions, file))
+
+
+def check_live(
+    behavior: Behavior, task: LaunchTask, measured: LiveMeasurement, file: Path
+) -> tuple[Diagnostic, ...]:
+    """Check one behavior for which the launch file has run.
+
+    What did not run is named with each error: it may be why.
+    """
+    left_out = [f"{what} ({why})" for what, why in measured.left_out.items()]
+    found = _check_measured(behavior, task, measured, file)
+    if not left_out:
+        return found
+    more = f" and {len(left_out) - NAMED} more" if len(left_out) > NAMED else ""
+    named = f"Left out of the run: {', '.join(left_out[:NAMED])}{more}."
+    return tuple(replace(one, hint=f"{one.hint} {named}" if one.hint else named) for one in found)
+
+
+def _check_measured(
+    behavior: Behavior, task: LaunchTask, measured: LiveMeasurement, file: Path
+) -> tuple[Diagnostic, ...]:
+    if measured.problem is not None:
+        return tuple(launch_fails(behavior, measured, file))
+    if not measured.is_finite:
+        return tuple(behavior_explodes(behavior, file))
+    if not measured.is_there:
+        return tuple(launch_fails(behavior, replace(measured, problem=GONE), file))
+    missing = [f"`{name}`" for name in task.positions if name not in measured.positions]
+    if missing:  # a node may spawn another robot than the launch file has
+        problem = f"the robot `{measured.entity}` has no joint {', '.join(missing[:NAMED])}"
+        return tuple(launch_fails(behavior, replace(measured, problem=problem), file))
+    hint = why_not_driven(measured)
+    return (
+        *tips_over_in_run(behavior, measured.tilt, file),
+        *position_not_reached(behavior, task.as_drive, measured.moved, None, file, hint=hint),
+        *heading_not_reached(behavior, task.as_drive, measured.moved[2], None, file, hint=hint),
+        *way_too_short(behavior, task, measured, file),
+        *joints_not_reached(behavior, task.as_reach, measured.positions, file, hint=hint),
+    )
+
+
+def why_not_driven(measured: LiveMeasurement) -> str:
+    """Where to look for what has not moved the robot."""
+    return (
+        "Run the launch file, and look at what its nodes print and publish: wsgen launch "
+        f"{measured.launched} --run, wsgen topic echo /cmd_vel."
+    )
+
+
+# The simulator takes a robot out that has exploded, and says so; nodes delete robots by services.
+GONE = "the robot is no longer in the world: a node has deleted it, or it has exploded"
+
+
+LAUNCH_FAILS = Rule(
+    code="SPN099",
+    name="launch-fails",
+    severity=Severity.ERROR,
+    summary="The launch file does not run to the end of a behavior.",
+    what="Runs the launch file with its nodes for behaviors with `run = true`, and looks at how "
+    "processes end, and whether all robots come into the world and stay there.",
+    why="On the robot the node would be missing, too.",
+    example="speed = 1.0 / clearance  # that is 0",
+    instead="speed = 1.0 / max(clearance, 0.1)",
+)
+
+
+def launch_fails(behavior: Behavior, measured: LiveMeasurement, file: Path) -> Iterator[Diagnostic]:
+    """Report a launch file that does not run to the end of a behavior."""
+    problem = (measured.problem or "").rstrip(".")
+    yield error_about(
+        LAUNCH_FAILS,
+        behavior,
+        file,
+        f"after {measured.seconds:.2f} simulated s: {problem[:1].lower()}{problem[1:]}.",
+        "Correct the node, or the launch file; all that is printed is shown by: wsgen launch "
+        f"{measured.launched} --run",
+    )
+
+
+TIPS_OVER_IN_RUN = Rule(
+    code="SPN100",
+    name="tips-over-in-run",
+    severity=Severity.ERROR,
+    summary="A robot tips over while its launch file runs.",
+    what="Compares what was up in the robot when it was spawned with what is up at the end of a "
+    "behavior with `run = true`.",
+    why="The nodes drive it over something, or brake it too hard.",
+    example="velocity.linear.x = 5.0",
+    instead="velocity.linear.x = 0.5",
+)
+
+
+def tips_over_in_run(behavior: Behavior, tilt: float, file: Path) -> Iterator[Diagnostic]:
+    """Report a robot that lies at the end of a behavior."""
+    if tilt > FALLEN:
+        yield error_about(
+            TIPS_OVER_IN_RUN,
+            behavior,
+            file,
+            f"after {behavior.seconds:g} s the robot leans by {math.degrees(tilt):.0f} degrees.",
+            "Have it drive more slowly, and accelerate less; lower its center of mass.",
+        )
+
+
+WAY_TOO_SHORT = Rule(
+    code="SPN101",
+    name="way-too-short",
+    severity=Severity.ERROR,
+    summary="A robot travels less far than its behavior says while its launch file runs.",
+    what="Adds up the way of the root link, and compares it with `travels`.",
+    why="No node drives the robot, or it is stuck.",
+    example="self.create_publisher(Twist, 'cmd_vell', 10)",
+    instead="self.create_publisher(Twist, 'cmd_vel', 10)",
+)
+
+
+def way_too_short(
+    behavior: Behavior, task: LaunchTask, measured: LiveMeasurement, file: Path
+) -> Iterator[Diagnostic]:
+    """Report a robot that does not travel as far as the behavior says."""
+    if task.travels is not None and measured.traveled < task.travels:
+        yield error_about(
+            WAY_TOO_SHORT,
+            behavior,
+            file,
+            f"in {behavior.seconds:g} s the robot travels {_short(measured.traveled)} m; expected: "
+            f"at least {task.travels:g} m.",
+            why_not_driven(measured),
+        )
+
+
+LAUNCH_NOT_RUN = Rule(
+    code="SPN102",
+    name="launch-not-run",
+    severity=Severity.WARNING,
+    severity_varies="an info of commands that run no nodes",
+    summary="A behavior with `run = true` is left out: its launch file cannot be run here.",
+    what="Looks for ROS, sourced or that of `wsgen[ros]`, and whether the command runs nodes.",
+    why="What the nodes do is not checked.",
+    example="pip install wsgen",
+    instead="pip install 'wsgen[ros]'",
+)
+
+
+def launch_not_run(
+    behavior: Behavior, reason: str, hint: str, file: Path, severity: Severity
+) -> Iterator[Diagnostic]:
+    """Report a behavior that is left out."""
+    yield LAUNCH_NOT_RUN.at(
+        file,
+        behavior.line,
+        f"behavior `{behavior.name}`",
+        message=f"`{behavior.name}` is left out: {reason[:1].lower()}{reason[1:].rstrip('.')}.",
+        hint=hint,
+        severity=severity,
+    )
 
 
 POSITION_NOT_REACHED = Rule(
@@ -52,20 +215,22 @@ POSITION_NOT_REACHED = Rule(
     name="position-not-reached",
     severity=Severity.ERROR,
     summary="A robot that is driven does not get where its behavior says.",
-    what="Drives the robot through its plugin, and compares where it gets with `moved`. The "
-    "difference may be `tolerance` times the way.",
+    what="Drives the robot through its plugin, or runs the launch file (`run = true`), and "
+    "compares where it gets with `moved`. The difference may be `tolerance` times the way.",
     why="Odometry and navigation rely on the sizes in the plugin: they would be wrong by as much.",
     example="<wheel_radius>0.2</wheel_radius>  <!-- of a wheel with a radius of 0.1 m -->",
     instead="<wheel_radius>0.1</wheel_radius>",
 )
 
 
-def position_not_reached(
+def position_not_reached(  # noqa: PLR0913  what is compared, and what is said
     behavior: Behavior,
     task: Drive,
     moved: tuple[float, float, float],
     drive: DiffDrive | None,
     file: Path,
+    *,
+    hint: str | None = None,
 ) -> Iterator[Diagnostic]:
     """Report a robot that does not get where the behavior says."""
     x, y, _ = moved
@@ -87,7 +252,7 @@ def position_not_reached(
             file,
             f"after {behavior.seconds:g} s the robot is at x = {_short(x)} m, y = {_short(y)} m "
             f"from where it began; expected: {wanted}, within {slack:.2g} m.",
-            _why_position_not_reached(task, x, drive),
+            hint or _why_slipping(drive, x, task.x) or _why_position_not_reached(task, x, drive),
         )
 
 
@@ -96,16 +261,23 @@ HEADING_NOT_REACHED = Rule(
     name="heading-not-reached",
     severity=Severity.ERROR,
     summary="A robot that is driven does not turn as its behavior says.",
-    what="Drives the robot through its plugin, and compares how far it turns with the `yaw` of "
-    "`moved`. The difference may be `tolerance` times the angle.",
+    what="Drives the robot through its plugin, or runs the launch file (`run = true`), and "
+    "compares how far it turns with the `yaw` of `moved`. The difference may be `tolerance` times "
+    "the angle.",
     why="Odometry and navigation rely on the sizes in the plugin: they would be wrong by as much.",
     example="<wheel_separation>0.8</wheel_separation>  <!-- between the outer sides -->",
     instead="<wheel_separation>0.6</wheel_separation>  <!-- between the contacts -->",
 )
 
 
-def heading_not_reached(
-    behavior: Behavior, task: Drive, turned: float, drive: DiffDrive | None, file: Path
+def heading_not_reached(  # noqa: PLR0913  as above
+    behavior: Behavior,
+    task: Drive,
+    turned: float,
+    drive: DiffDrive | None,
+    file: Path,
+    *,
+    hint: str | None = None,
 ) -> Iterator[Diagnostic]:
     """Report a robot that does not turn as the behavior says."""
     if task.yaw is None:
@@ -118,7 +290,9 @@ def heading_not_reached(
             file,
             f"in {behavior.seconds:g} s the robot turns by {_short(turned)} rad; "
             f"expected: {task.yaw:g} rad, within {slack:.2g} rad.",
-            _why_heading_not_reached(task, turned, drive),
+            hint
+            or _why_slipping(drive, turned, task.yaw)
+            or _why_heading_not_reached(task, turned, drive),
         )
 
 
@@ -127,16 +301,27 @@ JOINT_NOT_REACHED = Rule(
     name="joint-not-reached",
     severity=Severity.ERROR,
     summary="A joint is not where its behavior sends it.",
-    what="Sends joints to positions, and compares where they are at the end. They are as strong "
-    "and as fast as their limits say.",
+    what="Sends joints to positions, or runs the launch file (`run = true`), and compares where "
+    "they are at the end. They are as strong and as fast as their limits say.",
     why="The arm hangs, or moves more slowly than a motion planner assumes.",
     example='<limit lower="-1.57" upper="1.57" effort="0.1" velocity="1"/>',
     instead='<limit lower="-1.57" upper="1.57" effort="20" velocity="1"/>',
 )
 
 
+WHY_JOINTS_NOT_REACHED = (
+    "Raise `effort` in the <limit> of joints that carry much, or `velocity` of joints that are "
+    "late, or `seconds`; check whether the robot runs into something."
+)
+
+
 def joints_not_reached(
-    behavior: Behavior, task: Reach, positions: Mapping[str, float], file: Path
+    behavior: Behavior,
+    task: Reach,
+    positions: Mapping[str, float],
+    file: Path,
+    *,
+    hint: str | None = None,
 ) -> Iterator[Diagnostic]:
     """Report joints that are not where the behavior sends them."""
     missed = {
@@ -157,8 +342,7 @@ def joints_not_reached(
             behavior,
             file,
             f"after {behavior.seconds:g} s {joints}.",
-            "Raise `effort` in the <limit> of joints that carry much, or `velocity` of joints that "
-            "are late, or `seconds`; check whether the robot runs into something.",
+            hint or WHY_JOINTS_NOT_REACHED,
         )
 
 
@@ -220,7 +404,8 @@ def unclear_behavior_robot(
         f"no robot is spawned as `{behavior.robot}`."
         if behavior.robot is not None
         else f"{len(entities)} robots are spawned, and `robot` does not say which one is meant.",
-        f'Add robot = "NAME" to the behavior; the robots are {there}.',
+        f"{ask_for_nearest(behavior.robot or '', entities)}"
+        f'Write robot = "NAME" in the behavior; the robots are {there}.',
     )
 
 
@@ -267,9 +452,10 @@ UNKNOWN_BEHAVIOR_JOINT = Rule(
     code="SPN083",
     name="unknown-behavior-joint",
     severity=Severity.ERROR,
-    summary="A behavior moves a joint that does not exist or takes no commands.",
+    summary="A behavior names a joint that does not exist or takes no commands.",
     what="Compares `joints` with the joints of the robot that Gazebo builds: revolute, continuous "
-    "and prismatic joints that mimic no other joint take commands.",
+    "and prismatic joints that mimic no other joint take commands. With `run = true` nothing is "
+    "sent to joints: those that mimic others are measured, too.",
     why="The behavior is not simulated.",
     example="joints = { shouder = 0.5 }",
     instead="joints = { shoulder = 0.5 }",
@@ -279,9 +465,14 @@ UNKNOWN_BEHAVIOR_JOINT = Rule(
 def unknown_behavior_joint(
     behavior: Behavior, positions: Mapping[str, float], robot: Robot, file: Path
 ) -> Iterator[Diagnostic]:
-    """Report joints that a behavior moves and that take no commands."""
+    """Report joints that a behavior moves and that take no commands, or that it cannot measure."""
     joints = {} if robot.is_static else {joint.name: joint for joint in robot.movable_joints}
-    names = [joint.name for joint in joints.values() if _is_commanded(joint)]
+    is_measured = isinstance(behavior.task, LaunchTask)  # nothing is sent
+    names = [
+        joint.name
+        for joint in joints.values()
+        if joint.type in COMMANDED and (is_measured or joint.mimic is None)
+    ]
     for name in positions:
         if name in names:
             continue
@@ -294,7 +485,8 @@ def unknown_behavior_joint(
             f"the robot has no joint `{name}` that can move."
             if mimics is None
             else f"the joint `{name}` follows `{mimics}` and takes no commands.",
-            f"Joints that take commands: {some_of(names)}."
+            f"{ask_for_nearest(name, names)}"
+            f"Joints that {'are measured' if is_measured else 'take commands'}: {some_of(names)}."
             if names
             else "Give the robot revolute, continuous or prismatic joints.",
         )
@@ -304,7 +496,7 @@ COMMAND_BEYOND_LIMIT = Rule(
     code="SPN084",
     name="command-beyond-limit",
     severity=Severity.ERROR,
-    summary="A behavior sends a joint beyond its limits.",
+    summary="A behavior wants to have a joint beyond its limits.",
     what="Compares the positions of `joints` with the limits in the description.",
     why="The joint cannot get there; ros2_control refuses or clamps such a command.",
     example="joints = { shoulder = 3.0 }  # upper limit: 1.57",
@@ -315,7 +507,8 @@ COMMAND_BEYOND_LIMIT = Rule(
 def command_beyond_limit(
     behavior: Behavior, positions: Mapping[str, float], joints: Sequence[Joint], file: Path
 ) -> Iterator[Diagnostic]:
-    """Report joints that a behavior sends beyond their limits."""
+    """Report joints that a behavior sends, or wants to see, beyond their limits."""
+    is_measured = isinstance(behavior.task, LaunchTask)
     for joint in joints:
         limit = joint.limit
         position = positions.get(joint.name)
@@ -326,14 +519,13 @@ def command_beyond_limit(
                 COMMAND_BEYOND_LIMIT,
                 behavior,
                 file,
-                f"the joint `{joint.name}` is sent to {position:g}, beyond its limits "
+                f"the joint `{joint.name}` cannot reach {position:g}, which is beyond its limits "
+                f"{limit.lower:g} and {limit.upper:g}."
+                if is_measured
+                else f"the joint `{joint.name}` is sent to {position:g}, beyond its limits "
                 f"{limit.lower:g} and {limit.upper:g}.",
                 "Choose a position between them, or change the <limit> of the joint.",
             )
-
-
-def _is_commanded(joint: Joint) -> bool:
-    return joint.type in COMMANDED and joint.mimic is None
 
 
 def _why_position_not_reached(task: Drive, x: float, drive: DiffDrive | None) -> str:
@@ -348,11 +540,13 @@ def _why_position_not_reached(task: Drive, x: float, drive: DiffDrive | None) ->
     radius = drive.pairs[0].radius
     if not drive.linear.slowest <= task.linear <= drive.linear.fastest:
         return f"The plugin limits {task.linear:g} m/s."
-    return (
+    return _why_by_size(
+        x / task.x,
         f"{_size_in_plugin(drive, radius)}: {_size(drive, radius * x / task.x)} would explain it, "
-        "if the wheels are strong enough."
+        f"if the wheels {_unless_slipping(drive) or 'are strong enough'}."
         if not 1 / ALIKE < x / task.x < ALIKE
-        else usual
+        else usual,
+        usual,
     )
 
 
@@ -365,10 +559,36 @@ def _why_heading_not_reached(task: Drive, turned: float, drive: DiffDrive | None
     if turned * task.yaw < 0:
         return "It turned the other way: swap <left_joint> and <right_joint>."
     separation = drive.pairs[0].separation
-    return (
+    return _why_by_size(
+        turned / task.yaw,
         f"The plugin has wheel_separation = {separation:g} m: "
-        f"{separation * task.yaw / turned:.3g} m would fit, if the size of the wheels is right."
+        f"{separation * task.yaw / turned:.3g} m would fit, "
+        f"if the wheels {_unless_slipping(drive) or 'have the right size'}.",
+        "Check the sizes in the plugin, and the friction of wheels and casters.",
     )
+
+
+def _why_by_size(share: float, size: str, usual: str) -> str:
+    """Name another size in the plugin, where the robot gets about as far as it is to get."""
+    if share < 1 / MISREAD:
+        return (
+            "The wheels slip, or are too weak: check the friction of casters, efforts and limits."
+        )
+    return usual if share > MISREAD else size
+
+
+def _unless_slipping(drive: DiffDrive) -> str:
+    """The condition of a size where the wheels may slip; empty where they grip."""
+    return f"do not slip: their friction is {drive.grip:g}" if drive.grip < LITTLE_GRIP else ""
+
+
+def _why_slipping(drive: DiffDrive | None, way: float, wanted: float | None) -> str | None:
+    """Name the friction of the wheels, where it is low and the robot gets much less far."""
+    if drive is None or drive.grip >= LITTLE_GRIP or not wanted:
+        return None
+    if not -SEEN / abs(wanted) < way / wanted < 1 / MISREAD:
+        return None
+    return f"The wheels slip: their friction is {drive.grip:g}. Give wheels <mu1> and <mu2> of 1."
 
 
 def _size_in_plugin(drive: DiffDrive, radius: float) -> str:

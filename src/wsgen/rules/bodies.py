@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING
 from wsgen.diagnostics import Rule, Severity
 from wsgen.model.inertia import as_attributes, of_solid, principal_moments
 from wsgen.model.robot import Box, Capsule, Cylinder, JointType, Mesh, Sphere
-from wsgen.model.transform import Pose, compose
+from wsgen.model.transform import Pose, compose, rotate, rotation_of_rpy
+from wsgen.rules.friction import is_oblique
 from wsgen.rules.robots import HEAVIEST, IMPLAUSIBLE_INERTIA, LARGEST, ratio
 from wsgen.values import NamedTuple, lazy_pattern
 
@@ -105,7 +106,7 @@ IMPLAUSIBLE_DENSITY = Rule(
     code="ROB118",
     name="implausible-density",
     severity=Severity.WARNING,
-    severity_varies="an information of a body lighter than air; an error where its run fails",
+    severity_varies="a note about a body lighter than air; an error where its run fails",
     summary="A link is denser than any material, or lighter than air.",
     what="Divides the mass by the volume of the primitive shapes, or of the box around all shapes; "
     "reports more than 25,000 and less than 0.5 kg/m³.",
@@ -393,10 +394,11 @@ SLIPPERY_WHEEL = Rule(
     code="ROB122",
     name="slippery-wheel",
     severity=Severity.WARNING,
-    severity_varies="an information of a wheel that no plugin drives",
+    severity_varies="a note about a wheel that no plugin drives",
     summary="A wheel has no friction.",
     what="Looks for `<mu1>` or `<mu2>` below 0.001 on the links of the joints that a drive turns, "
-    "and of continuous joints with `wheel` in a name. Casters may have none.",
+    "and of continuous joints with `wheel` in a name. Casters may have none, and mecanum wheels "
+    "one of the two, with an `<fdir1>` oblique to the axis.",
     why="The wheel spins and the robot stays where it is.",
     example='<gazebo reference="left_wheel">\n  <mu1>0</mu1>\n  <mu2>0</mu2>\n</gazebo>',
     instead='<gazebo reference="left_wheel">\n  <mu1>1.0</mu1>\n  <mu2>1.0</mu2>\n</gazebo>',
@@ -413,20 +415,50 @@ def slippery_wheels(
         if joint.name in driven
         or (joint.type is JointType.CONTINUOUS and _is_wheel(f"{joint.name} {joint.child}"))
     }
+    tags, joints = tuple(tags), tuple(joints)
+    directed = {tag.reference for tag in tags if "fdir1" in tag.values}
+    with_rollers = {
+        name for name in directed.intersection(wheels) if name and _has_rollers(name, joints, tags)
+    }
     for tag in tags:
         for key in ("mu1", "mu2"):
             text = tag.values.get(key, "")
-            if tag.reference is not None and tag.reference in wheels and _is_below(text, SLIPPERY):
+            name = tag.reference
+            if name in wheels and name not in with_rollers and _is_below(text, SLIPPERY):
                 yield SLIPPERY_WHEEL.at(
                     file,
                     tag.line,
-                    f"gazebo[@reference='{tag.reference}']/{key}",
-                    message=f"The wheel `{tag.reference}` has no friction (<{key}> is {text}): it "
-                    "spins.",
+                    f"gazebo[@reference='{name}']/{key}",
+                    message=f"The wheel `{name}` has no friction (<{key}> is {text}): it "
+                    f"{'spins, or slides to the side' if name in directed else 'spins'}.",
                     hint=f"Write <{key}>1.0</{key}>.",
-                    severity=wheels[tag.reference],
+                    severity=wheels[name],
                 )
                 break
+
+
+def _has_rollers(wheel: str, joints: Sequence[Joint], tags: Iterable[GazeboTag]) -> bool:
+    """Whether it is a mecanum wheel: it grips in one of two directions, which are oblique.
+
+    Some write the direction in the frame of the wheel, others in that of the robot.
+    """
+    values: dict[str, str] = {}
+    for tag in tags:
+        if tag.reference == wheel:
+            values.update(tag.values)
+    if all(_is_below(values.get(key, "1"), SLIPPERY) for key in ("mu1", "mu2")):
+        return False
+    try:
+        x, y, z = map(float, values["fdir1"].split())
+    except ValueError:
+        return False
+    joint_of = {joint.child: joint for joint in joints}
+    axis = axis_in_root = joint_of[wheel].axis_in_joint
+    link = wheel
+    while (joint := joint_of.pop(link, None)) is not None:
+        axis_in_root = rotate(rotation_of_rpy(joint.pose_in_parent.rpy), axis_in_root)
+        link = joint.parent
+    return is_oblique(axis, (x, y, z)) or is_oblique(axis_in_root, (x, y, z))
 
 
 STICKY_WHEEL = Rule(

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from wsgen import yamlfile
     from wsgen.diagnostics import Diagnostic
+    from wsgen.launch.other_places import PlaceInPackage
     from wsgen.model.control import ControlSystem
     from wsgen.model.robot import Joint, Plugin
 
@@ -91,9 +92,16 @@ MISSING_CONTROLLER_FILE = Rule(
 
 
 def missing_controller_file(
-    plugin: Plugin, path: Path, beside: Collection[str], file: Path | None
+    plugin: Plugin,
+    path: Path,
+    beside: Collection[str],
+    file: Path | None,
+    place: PlaceInPackage | None = None,
 ) -> Diagnostic:
-    """Report a file of parameters that is not there; `beside` are the names in its folder."""
+    """Report a file of parameters that is not there.
+
+    `beside` are the names in its folder; `place` is where a package has it.
+    """
     near = nearest(path.name, beside)
     return MISSING_CONTROLLER_FILE.at(
         file,
@@ -102,6 +110,8 @@ def missing_controller_file(
         message=f"The file of parameters `{path}` does not exist.",
         hint=did_you_mean(near)
         if near
+        else f"Write $(find {place.package})/{place.inside}, which xacro replaces."
+        if place
         else f"Create it, and install the folder `{path.parent.name}` in CMakeLists.txt or "
         "setup.py.",
     )

@@ -175,9 +175,11 @@ def find_configured(
         )
     if not files and not nodes:
         return None
+    # What files say for a node without a name is unknown: the program names itself.
+    is_read = all(any(key.endswith(".type") for key in node.parameters) for node in nodes)
     return Configured(
         frozenset(names),
-        are_all=not plan.unresolved and None not in files.values() and bool(files or names),
+        are_all=not plan.unresolved and None not in files.values() and is_read,
     )
 
 

@@ -275,8 +275,7 @@ MIMICS_FIXED_JOINT = Rule(
     code="ROB085",
     name="mimics-fixed-joint",
     severity=Severity.WARNING,
-    severity_varies="an information where the joint itself is fixed, as it is where somebody froze "
-    "it",
+    severity_varies="a note where the joint itself is fixed, as it is where somebody froze it",
     summary="A joint mimics a fixed joint, or is a fixed joint itself.",
     what="Compares the types of the joint with `<mimic>` and of the joint that it names.",
     why="A fixed joint has no position: one that mimics it never moves, and a `<mimic>` in a fixed "

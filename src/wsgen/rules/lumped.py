@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.model.robot import MOST_LINKS
+from wsgen.rules.friction import turning_friction
 from wsgen.rules.robots import BEYOND
 
 if TYPE_CHECKING:
@@ -30,6 +31,7 @@ def check_lumped(written: Robot, lumped: Robot, file: Path | None) -> Iterator[D
     yield from many_links(lumped, file)
     yield from mass_ratio(written.links, lumped, file)
     yield from lumped_frames(written, lumped, file)
+    yield from turning_friction(written, lumped, file)
 
 
 MANY_LINKS = Rule(

@@ -137,7 +137,7 @@ PLUGIN_OF_OTHER_SIMULATOR = Rule(
     code="ROB101",
     name="robot-plugin-of-other-simulator",
     severity=Severity.WARNING,
-    severity_varies="an information where the robot has plugins for both simulators",
+    severity_varies="a note where the robot has plugins for both simulators",
     summary="A plugin is not for the simulator of the launch file or of the ROS 2 distribution.",
     what="Plugins of gazebo_plugins (`libgazebo_ros_*.so`) are for Gazebo Classic, which Jazzy and "
     "later do not have; systems (`gz-sim-*-system`) are for Gazebo Sim.",

@@ -180,7 +180,7 @@ IMPLAUSIBLE_INERTIA = Rule(
     code="ROB050",
     name="implausible-inertia",
     severity=Severity.WARNING,
-    severity_varies="an information of a link that fixed joints attach to one with mass: only the "
+    severity_varies="a note about a link that fixed joints attach to one with mass: only the "
     "sum counts",
     summary="The inertia of a link does not fit its mass and shape.",
     what="For a link with one primitive shape, compares the largest principal moment with that of "

@@ -430,7 +430,7 @@ KEEPS_MOVING = Rule(
     code="SPN058",
     name="keeps-moving",
     severity=Severity.ERROR,
-    severity_varies="a warning where joints that are not actuated move, an information where it "
+    severity_varies="a warning where joints that are not actuated move, a note where it "
     "moves slowly",
     summary="The robot does not come to rest within the simulation.",
     what="Looks whether the speed of the robot stays low from some moment on. A robot that stands "

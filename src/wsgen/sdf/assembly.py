@@ -99,6 +99,14 @@ SHARED_PART_NAME = Rule(
 CROSS = Inertial(mass=1e-6, inertia=(1e-8, 0.0, 0.0, 1e-8, 0.0, 1e-8))  # kg, kg m²
 
 
+_CROSS = " (cross)"
+
+
+def is_cross(link: str) -> bool:
+    """Whether a link is none of the file, but what is between the two axes of a joint."""
+    return link.endswith(_CROSS)
+
+
 class Tree:
     """Links, connected joint by joint as long as no link has two parents."""
 
@@ -220,7 +228,7 @@ class Tree:
         pose_in_parent = _from(frames[parent], frames[child])
         if not edge.has_two_axes:
             return (read_joint(edge, (name, parent, child), pose_in_parent, self.poses),)
-        cross = f"{name} (cross)"
+        cross = f"{name}{_CROSS}"
         second = read_joint(edge, (f"{name} (axis2)", cross, child), IDENTITY, self.poses, "axis2")
         return (
             read_joint(edge, (name, parent, cross), pose_in_parent, self.poses),
@@ -361,7 +369,7 @@ def assemble(includes: Includes, model: Scope, model_in_world: Pose, resolved: P
     tree = Tree(model, nodes, poses)
     bodies = {name: read_body(includes, node, name) for name, node in nodes.items()}
     planes = {
-        name: read_planes(node, compose(model_in_world, poses[node]))
+        name: read_planes(node, compose(model_in_world, poses[node]), includes)
         for name, node in nodes.items()
     }
     links = {name: _with_planes(body.link, planes[name]) for name, body in bodies.items()}

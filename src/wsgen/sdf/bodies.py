@@ -47,7 +47,7 @@ DEFAULT_INERTIA = Rule(
     code="WLD035",
     name="default-inertia",
     severity=Severity.WARNING,
-    severity_varies="an information in a model without joints",
+    severity_varies="a note in a model without joints",
     summary="A link of a model that can move has no `<inertial>`.",
     why="Gazebo gives the link 1 kg and 1 kg m², the inertia of a body of 2.4 m. A small link is "
     "then far too heavy and turns far too slowly.",

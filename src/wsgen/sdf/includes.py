@@ -39,7 +39,8 @@ MODEL_LEFT_OUT = Rule(
     name="model-left-out",
     severity=Severity.WARNING,
     severity_varies="an error where the model is part of another model, where an `<include>` has "
-    "no `<uri>`, and where the world has no ground because of it",
+    "no `<uri>`, and where the world has no ground because of it; information of `wsgen check` "
+    "about what Gazebo downloads, and about actors and the like",
     summary="A model of the world is not part of the simulation.",
     what="Looks for included models beside the file, in the folders of `GAZEBO_MODEL_PATH` and "
     "`GZ_SIM_RESOURCE_PATH` and in the cache of Gazebo Fuel; the network is not used. Joints, "

@@ -46,6 +46,7 @@ NO_WORLD = Rule(
     code="WLD003",
     name="no-world",
     severity=Severity.ERROR,
+    severity_varies="information of `wsgen check` in a format of Gazebo 1, and of a light alone",
     summary="An SDF file has neither a `<world>` nor a `<model>`.",
     why="Gazebo has nothing to load and refuses the file.",
     example='<sdf version="1.9">\n</sdf>',
@@ -512,9 +513,11 @@ def _selected(source: Source) -> Element | None:
     kinds = ("world", "model", "include")
     found = list(children(source.root, *kinds)) if source.root.tag == "sdf" else []
     if not found:
+        has_light = next(children(source.root, "light"), None) is not None
+        lights = ", but a <light>" if has_light else ""
         source.report_missing(
             NO_WORLD,
-            "The file has neither a <world> nor a <model>."
+            f"The file has neither a <world> nor a <model>{lights}."
             if source.root.tag == "sdf"
             else "The file has no <sdf> with a <world> or a <model>; "
             f"its root element is <{source.root.tag}>.",

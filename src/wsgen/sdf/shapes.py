@@ -7,7 +7,8 @@ half-spaces in Gazebo, become the ground or large boxes.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 from wsgen.description_rules import (
     MAKE_IT_THICK,
@@ -39,6 +40,7 @@ from wsgen.sdf.frames import DUPLICATE_SDF_NAME, is_level_at_zero
 from wsgen.sdf.includes import how_to_find
 from wsgen.sdf.lookup import instead_of_file, is_file
 from wsgen.sdf.source import line_of
+from wsgen.sdf.textures import read_texture
 from wsgen.sdf.values import (
     FARTHEST,
     first,
@@ -50,7 +52,7 @@ from wsgen.sdf.values import (
     word,
 )
 from wsgen.values import NamedTuple
-from wsgen.xmltree import children
+from wsgen.xmltree import children, gz_attribute
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -297,11 +299,26 @@ def read_surface(source: Source, collision: Element) -> Surface:
     return Surface(
         mu1=max(0.0, number(source, place, "friction", "ode", "mu", default=1.0)),
         mu2=max(0.0, number(source, place, "friction", "ode", "mu2", default=1.0)),
+        **_direction(source, place),
         kp=optional_number(source, place, "contact", "ode", "kp"),
         kd=optional_number(source, place, "contact", "ode", "kd"),
         min_depth=optional_number(source, place, "contact", "ode", "min_depth"),
         max_contacts=None if contacts is None else int(min(max(contacts, 0), MOST_CONTACTS)),
     )
+
+
+def _direction(source: Source, place: Element) -> dict[str, Any]:
+    """The first direction of friction, and the link that it turns with, if there is one."""
+    element = first(place, "friction", "ode", "fdir1")
+    numbers = None if element is None else read_numbers(source, element, 3)
+    if element is None or numbers is None or not any(numbers):
+        return {}
+    return {"fdir1": numbers, "fdir1_in": gz_attribute(element, "expressed_in")}
+
+
+def read_laser_retro(source: Source, owner: Element) -> float:
+    """How much a collision or a visual reflects the rays of a lidar."""
+    return number(source, owner, "laser_retro", default=0.0)
 
 
 def _rgba(source: Source, material: Element, tag: str) -> Rgba | None:
@@ -347,6 +364,10 @@ class ShapeReader:
                         geometry=geometry,
                         pose_in_link=pose,
                         rgba=read_color(self.source, element),
+                        texture=read_texture(self.source, self.includes, element)
+                        if isinstance(geometry, Box)
+                        else None,
+                        laser_retro=read_laser_retro(self.source, element),
                         name=element.get("name"),
                     )
                 )
@@ -364,6 +385,7 @@ class ShapeReader:
                         geometry=geometry,
                         pose_in_link=pose,
                         surface=read_surface(self.source, element),
+                        laser_retro=read_laser_retro(self.source, element),
                         name=element.get("name"),
                     )
                 )
@@ -500,7 +522,7 @@ class Planes(NamedTuple):
 NONE = Planes()
 
 
-def read_planes(node: Node, link_in_world: Pose) -> Planes:
+def read_planes(node: Node, link_in_world: Pose, includes: Includes) -> Planes:
     """The planes of a link of a model, in the link's own frame.
 
     In a static model, a level plane at z = 0 is the ground; others become boxes that are larger
@@ -520,7 +542,12 @@ def read_planes(node: Node, link_in_world: Pose) -> Planes:
         if owner.tag == "visual":
             size = _size(source, shape)
             if size is not None and not is_level:
-                visuals.append(_seen(source, owner, upward, size))
+                visuals.append(
+                    replace(
+                        _seen(source, owner, upward, size),
+                        texture=read_texture(source, includes, owner),
+                    )
+                )
         elif not is_static:
             source.report(
                 SHAPE_LEFT_OUT,
@@ -537,6 +564,7 @@ def read_planes(node: Node, link_in_world: Pose) -> Planes:
                     geometry=Box(size=EXTENT),
                     pose_in_link=_below(upward, EXTENT[2]),
                     surface=read_surface(source, owner),
+                    laser_retro=read_laser_retro(source, owner),
                     name=owner.get("name"),
                 )
             )
@@ -612,5 +640,6 @@ def _seen(source: Source, owner: Element, upward: Pose, size: tuple[float, float
         geometry=Box(size=(*size, SHEET)),
         pose_in_link=_below(upward, SHEET),
         rgba=read_color(source, owner),
+        laser_retro=read_laser_retro(source, owner),
         name=owner.get("name"),
     )

@@ -62,7 +62,7 @@ class Client:
 
     def __init__(self) -> None:
         # Making a world costs as much as 300 steps of a robot; an emptied one is as good as new.
-        self.number: int = _emptied.pop() if _emptied else pybullet.connect(pybullet.DIRECT)
+        self.number: int = _kept()
         self._give_back = weakref.finalize(self, _empty, self.number)
         self._give_back.atexit = False
 
@@ -85,6 +85,17 @@ class Client:
 
 
 _emptied: list[int] = []  # worlds that nobody has, at most one
+
+
+def _kept() -> int:
+    """An emptied world, or a new one."""
+    if not _emptied:
+        return int(pybullet.connect(pybullet.DIRECT))
+    number = _emptied.pop()
+    # PyBullet's functions have a default world, which this one may be: what other code in the
+    # process put there is not ours.
+    pybullet.resetSimulation(physicsClientId=number)
+    return number
 
 
 def _empty(number: int) -> None:
@@ -126,6 +137,9 @@ SEPARATION_FROM_TRIANGLES = 0.05  # m/s; their edges push in several directions 
 LIMIT_SHARE = 0.01  # of the way back to a limit, in one step; DART's error reduction parameter
 SEPARATION_STRIDE = 10  # steps between two looks at the overlap while it is large
 
+STILL = (0.0, 0.0, 0.0)
+MOST_SPHERES = 8  # that a ray begins in
+BEYOND = 1e-9  # of a ray's way, behind a sphere that it begins in
 MOST_RAYS = 16_000  # at a time; PyBullet takes a few more
 FAR = 100.0  # m; no robot is as large
 
@@ -274,6 +288,14 @@ class BulletEngine:
             for name, effort in zip(body.movable, body.joint_efforts(), strict=True)
         }
 
+    def joint_wrench(self, entity: str, joint: str) -> tuple[Vector, Vector]:
+        """The force and the torque of the parent link on the child link of a joint."""
+        for body, _ in self._bodies[entity]:
+            wrench = body.joint_wrench(joint)
+            if wrench is not None and self._has_stepped:
+                return wrench
+        return STILL, STILL
+
     def state(self, entity: str) -> State:
         """Where the robot is and how it moves."""
         return self.look(entity).state()
@@ -381,16 +403,67 @@ class BulletEngine:
     def cast_rays(self, starts: Points, ends: Points) -> NDArray[np.float64]:
         """How far rays get through what can touch something: fractions of their ways, shape (n,).
 
-        Meshes of what moves are their convex hulls. The shape that a ray begins in it does not see,
-        but a sphere that it begins in may stop it at once.
+        Meshes of what moves are their convex hulls. The shape that a ray begins in it does not see.
         """
-        fractions = []
+        origins, targets = (np.asarray(points, dtype=np.float64) for points in (starts, ends))
+        fractions, at_once = self._hits(origins, targets)
+        begun: dict[int, float] = {}  # how far rays have got through spheres that they begin in
+        for _ in range(MOST_SPHERES):
+            for place, body, link in at_once:
+                through = self._through_sphere(body, link, origins[place], targets[place])
+                if through > begun.get(place, 0.0):
+                    begun[place] = through
+                    fractions[place] = math.inf
+            left = [place for place, _, _ in at_once if begun.get(place, 1.0) < 1.0]
+            if not left:
+                break
+            shares = np.array([begun[place] for place in left])[:, np.newaxis]
+            ways = targets[left] - origins[left]
+            found, again = self._hits(origins[left] + shares * ways, targets[left])
+            fractions[left] = shares[:, 0] + (1.0 - shares[:, 0]) * found
+            at_once = [(left[place], body, link) for place, body, link in again]
+        return fractions
+
+    def _hits(
+        self, starts: NDArray[np.float64], ends: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], list[tuple[int, int, int]]]:
+        """How far rays get, and which of them hit something at once: its body and its link."""
+        fractions: list[float] = []
+        at_once: list[tuple[int, int, int]] = []
         for place in range(0, len(starts), MOST_RAYS):
             hits = self.client.rayTestBatch(
                 starts[place : place + MOST_RAYS], ends[place : place + MOST_RAYS]
             )
             fractions += [hit[2] if hit[0] >= 0 else math.inf for hit in hits]
-        return np.array(fractions, dtype=np.float64)
+            at_once += [
+                (place + index, hit[0], hit[1])
+                for index, hit in enumerate(hits)
+                if hit[2] <= 0.0 <= hit[0]
+            ]
+        return np.array(fractions, dtype=np.float64), at_once
+
+    def _through_sphere(
+        self, body: int, link: int, start: NDArray[np.float64], end: NDArray[np.float64]
+    ) -> float:
+        """Up to which fraction of its way a ray is in spheres of a link that it begins in.
+
+        PyBullet has such a ray hit a sphere at once, if it goes towards the sphere's center.
+        """
+        client = self.client
+        if link < 0:
+            center, turn = client.getBasePositionAndOrientation(body)
+        else:
+            center, turn = client.getLinkState(body, link, computeForwardKinematics=1)[:2]
+        way, fraction = end - start, 0.0
+        for shape in client.getCollisionShapeData(body, link):
+            if shape[2] != client.GEOM_SPHERE:
+                continue
+            middle, _ = client.multiplyTransforms(center, turn, shape[5], shape[6])
+            away = start - np.array(middle)
+            a, b, c = way @ way, away @ way, away @ away - shape[3][0] ** 2
+            if c <= 0.0 < a:
+                fraction = max(fraction, (math.sqrt(b * b - a * c) - b) / a + BEYOND)
+        return fraction
 
     def overlaps(self) -> list[Overlap]:
         """Links in each other, of two robots or of one, whether or not they may collide."""

@@ -99,6 +99,16 @@ class Dampers:
         )
 
 
+def _sum(*vectors: Vector) -> Vector:
+    x, y, z = (sum(parts) for parts in zip(*vectors, strict=True))
+    return x, y, z
+
+
+def _scaled(vector: Vector, factor: float) -> Vector:
+    x, y, z = vector
+    return factor * x, factor * y, factor * z
+
+
 def undamped(joints: tuple[Joint, ...], names: set[str]) -> tuple[Joint, ...]:
     """The joints without the damping of those that are named."""
     return tuple(replace(joint, damping=0.0) if joint.name in names else joint for joint in joints)
@@ -291,6 +301,7 @@ class BulletBody:
         self._efforts: dict[int, float] = {}  # N m or N, by index, of joints without a motor
         self._torques: dict[int, float] = {}  # those that no damper takes into account
         self._motors: set[int] = set()  # indices of joints
+        self._measured: set[int] = set()  # whose forces PyBullet keeps
         names = {joint.name for joint in self.tree.joints}
         self._without_damping = {joint.name: joint for joint in undamped(self.tree.joints, names)}
         self._root_from_base = invert(_pose(*self._dynamics[ROOT][3:5]))
@@ -405,6 +416,34 @@ class BulletBody:
         given = {index: float(state[3]) for index, state in zip(moving, states, strict=True)}
         given |= self._efforts
         return [given.get(index, 0.0) for index in self.movable.values()]
+
+    def joint_wrench(self, name: str) -> tuple[Vector, Vector] | None:
+        """What the parent exerts on the child of a joint, if that is in this tree: N and N m.
+
+        Seen from the world, about the origin of the child's frame; zero before the next step where
+        it is asked for first. PyBullet gives it at the center of mass, without the motor's effort,
+        and without what holds a joint at its end.
+        """
+        joint = next((one for one in self.tree.joints if one.name == name), None)
+        if joint is None:
+            return None
+        client, index = self._client, self._index_of[joint.child]
+        if index not in self._measured:
+            client.enableJointForceTorqueSensor(self.number, index, enableSensor=True)
+            self._measured.add(index)
+            return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        state = client.getJointState(self.number, index)
+        link = client.getLinkState(self.number, index, computeForwardKinematics=1)
+        turn = rotation_of_quaternion(link[1])  # of the center of mass
+        force, about_center = rotate(turn, state[2][:3]), rotate(turn, state[2][3:])
+        x, y, z = (there - here for there, here in zip(link[0], link[4], strict=True))
+        a, b, c = force
+        moment = (y * c - z * b, z * a - x * c, x * b - y * a)
+        axis = rotate(rotation_of_quaternion(link[5]), joint.axis_in_joint)
+        is_slide = joint.type is JointType.PRISMATIC
+        pushes = state[3] if is_slide else 0.0
+        turns = 0.0 if is_slide or index in self._balls else state[3]
+        return _sum(force, _scaled(axis, pushes)), _sum(about_center, moment, _scaled(axis, turns))
 
     def damp(self) -> None:
         """For the next steps, set what its stiff dampers do."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Protocol
 
-from wsgen.model.behavior import Drive
+from wsgen.model.behavior import Drive, LaunchTask
 from wsgen.model.robot import JointType
 from wsgen.simulation.engine import Motor
 
@@ -38,6 +38,7 @@ class Controller(Protocol):
 def controller_for(behavior_run: BehaviorRun, robot: Robot) -> Controller:
     """The controller for a behavior."""
     task = behavior_run.behavior.task
+    assert not isinstance(task, LaunchTask)  # noqa: S101  the launch file runs for it, in no scene
     if isinstance(task, Drive):
         assert behavior_run.drive is not None  # noqa: S101  else it is not run
         return DiffDriveController(behavior_run.drive, task, robot)

@@ -19,6 +19,7 @@ from wsgen.model.transform import (
     Pose,
     compose,
     quaternion_of_rpy,
+    rotate,
     rotation_of_rpy,
     rpy_of_rotation,
 )
@@ -431,6 +432,18 @@ class DartEngine:
         """What acted in the movable joints in the last step, by name, N m or N."""
         efforts = self._robots[entity].efforts(self.step_seconds)
         return efforts if self._has_stepped else dict.fromkeys(efforts, 0.0)
+
+    def joint_wrench(self, entity: str, joint: str) -> tuple[Vector, Vector]:
+        """The force and the torque of the parent link on the child link of a joint."""
+        body = self._robots[entity]
+        child = next((one.child for one in body.robot.joints if one.name == joint), "")
+        node = body.nodes.get(child)
+        if node is None or not self._has_stepped:
+            return STILL, STILL
+        # First the torque, then the force, about the origin of the child's frame and seen from it.
+        a, b, c, d, e, f = node.getBodyForce().tolist()
+        rotation = rotation_of_rpy(pose_of(node).rpy)
+        return rotate(rotation, (d, e, f)), rotate(rotation, (a, b, c))
 
     def state(self, entity: str) -> State:
         """Where the robot is and how it moves."""

@@ -218,6 +218,14 @@ class Engine(Protocol):
         That is what a motor gave, or the effort that was set; 0 for passive joints.
         """
 
+    def joint_wrench(self, entity: str, joint: str) -> tuple[Vector, Vector]:
+        """The force (N) and the torque (N m) of the parent link on the child link of a joint.
+
+        Those of the last step, seen from the world, the torque about the origin of the child's
+        frame. A fixed joint that is left has one, too. Zero before the first step after it was
+        asked for first, or after the robot was placed.
+        """
+
     def link_poses(self, entity: str) -> dict[str, Pose]:
         """The frames of all links of a robot by name, seen from the world."""
 

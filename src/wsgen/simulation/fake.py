@@ -128,6 +128,10 @@ class FakeEngine:
         """Those that were set; motors give none."""
         return dict.fromkeys(self.joint_positions(entity), 0.0) | self.efforts.get(entity, {})
 
+    def joint_wrench(self, entity: str, joint: str) -> tuple[Vector, Vector]:  # noqa: ARG002  as for `state`
+        """Nothing."""
+        return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+
     def joint_positions(self, entity: str) -> dict[str, float]:  # noqa: ARG002  as for `state`
         """What the script says for now."""
         return dict(self.positions_at(self.steps * self.step_seconds))

@@ -41,6 +41,7 @@ from wsgen.simulation.mujoco_body import (
     solver,
     surface,
 )
+from wsgen.simulation.mujoco_friction import DirectedFriction
 from wsgen.simulation.mujoco_triangles import LOOK_EVERY, StaticTriangles
 
 if TYPE_CHECKING:
@@ -54,6 +55,7 @@ if TYPE_CHECKING:
     from wsgen.simulation.scene import SpawnedRobot
 
 
+STILL = (0.0, 0.0, 0.0)
 BEHIND = 1e-6  # m, behind a surface that a ray has left
 # How fast two bodies may be pushed apart, as in PyBullet; MuJoCo has no such bound either.
 SEPARATION_SPEED = 0.25  # m/s
@@ -107,6 +109,7 @@ class MujocoEngine:
             )
         self._model = self._spec.compile()
         self._data = library.MjData(self._model)
+        self._directed = DirectedFriction(self._model, ())
 
     def spawn(self, robot: SpawnedRobot) -> Loaded | Refused:
         """Put a robot into the world, at rest, its joints passive."""
@@ -161,9 +164,11 @@ class MujocoEngine:
             # MuJoCo's plane has all inside that is below it, however deep.
             highest = self._boxes_around(body)[:, 1, 2].max(initial=-math.inf)
             is_below = highest < -GROUND_DEPTH
-            for _, _, geom in body.shapes:
+            for shape in body.shapes:
+                geom = shape.geom
                 bits = geom.conaffinity & ~GROUND_BIT if is_below else geom.conaffinity
                 self._model.geom_conaffinity[geom.id] = bits
+        self._directed = DirectedFriction(self._model, self._robots.values())
 
     def _set_motors(self) -> None:
         losses, speeds = self._model.dof_frictionloss, np.zeros(self._model.nv)
@@ -280,6 +285,20 @@ class MujocoEngine:
                 efforts[joint.name] = forces.get(dof, 0.0)
         return efforts | body.efforts
 
+    def joint_wrench(self, entity: str, joint: str) -> tuple[Vector, Vector]:
+        """The force and the torque of the parent link on the child link of a joint."""
+        body, model, data = self._robots[entity], self._model, self._data
+        child = next((one.child for one in body.robot.joints if one.name == joint), "")
+        if child not in body.bodies or not self._has_stepped:
+            return STILL, STILL
+        library.mj_rnePostConstraint(model, data)
+        number = body.bodies[child].id
+        # First the torque, then the force, about the center of mass of the whole tree.
+        torque, force = data.cfrc_int[number][:3], data.cfrc_int[number][3:]
+        away = data.subtree_com[model.body_rootid[number]] - data.xpos[number]
+        (a, b, c), (d, e, f) = force.tolist(), (torque + np.cross(away, force)).tolist()
+        return (a, b, c), (d, e, f)
+
     def advance(self, steps: int) -> None:
         """Let time pass; overlapping bodies are pushed apart no faster than the bound."""
         while steps > 0:
@@ -292,6 +311,8 @@ class MujocoEngine:
                 self._bound_separation()
             for _ in range(now):
                 library.mj_step1(self._model, self._data)
+                if self._directed:
+                    self._directed.turn(self._model, self._data)
                 self._correct()
                 library.mj_step2(self._model, self._data)
             steps -= now
@@ -338,17 +359,22 @@ class MujocoEngine:
 
         The last are contacts, of three numbers each: away from what is touched, and two along it.
         To MuJoCo's solver it is as good to leave a contact, as fast as friction would brake, as to
-        brake: what slides hops. With so much less of an aim to leave, it slides.
+        brake: what slides hops. With so much less of an aim to leave, it slides. That is too much
+        by what it gains in speed: casters would carry the load of wheels that spin, and mecanum
+        wheels that roll that of those that slide. How much that was is known of the last step.
         """
         data, speeds = self._data, self._speeds
         if len(speeds):
             data.efc_aref[: len(speeds)] += data.efc_KBIP[: len(speeds), 1] * speeds
         if data.ncon:
             aims = data.efc_aref[data.ne + data.nf + data.nl :].reshape(-1, 3)
-            frictions = data.contact.friction[:, 0]
+            frictions = data.contact.friction[:, :2]
             if len(frictions) > len(aims):  # some do not touch
                 frictions = frictions[data.contact.efc_address >= 0]
-            aims[:, 0] -= frictions * np.hypot(aims[:, 1], aims[:, 2])
+            gained = np.zeros(len(data.efc_aref))
+            library.mj_mulJacVec(self._model, data, gained, data.qacc_warmstart)
+            slips = aims[:, 1:] - gained[data.ne + data.nf + data.nl :].reshape(-1, 3)[:, 1:]
+            aims[:, 0] -= np.hypot(*(frictions * slips).T)
 
     def _surround(self) -> None:
         """Have the static triangles in the model that are near what moves."""

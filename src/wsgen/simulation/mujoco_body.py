@@ -100,6 +100,7 @@ class Shape(NamedTuple):
     link: str
     geometry: Touchable
     geom: Any
+    collision: Collision
 
 
 class StaticMesh(NamedTuple):
@@ -234,7 +235,7 @@ class MujocoBody:
             else:
                 geom.type, geom.size = _type_and_size(geometry)
             set_pose(geom, compose(pose, Pose(xyz=(0.0, 0.0, z))))
-            self.shapes.append(Shape(link, geometry, geom))
+            self.shapes.append(Shape(link, geometry, geom, collision))
 
     def _make_hull(self, geom: Any, points: NDArray[np.float64]) -> None:
         mesh = self._spec.add_mesh(
@@ -246,7 +247,7 @@ class MujocoBody:
 
     def meet_triangles(self) -> None:
         """Make hulls of boxes: those of MuJoCo fall through triangles."""
-        for _, geometry, geom in self.shapes:
+        for _, geometry, geom, _ in self.shapes:
             if isinstance(geometry, Box) and geom.type == mjtGeom.mjGEOM_BOX:
                 self._make_hull(geom, np.array(list(box_around(geometry))))
 

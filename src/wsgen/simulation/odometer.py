@@ -24,7 +24,7 @@ class Odometer:
     def __init__(self, start: State) -> None:
         self.is_finite = is_finite(start)
         self._xyz = start.xyz
-        self._heading = self._last = _heading(start) if self.is_finite else 0.0
+        self._heading = self._last = heading_of(start) if self.is_finite else 0.0
         self.moved = (0.0, 0.0, 0.0)  # m, m, rad
 
     def go(self, state: State) -> None:
@@ -32,7 +32,7 @@ class Odometer:
         self.is_finite = self.is_finite and is_finite(state)
         if not self.is_finite:
             return
-        heading = _heading(state)
+        heading = heading_of(state)
         turned = self.moved[2] + math.remainder(heading - self._last, math.tau)
         self._last = heading
         east, north = state.xyz[0] - self._xyz[0], state.xyz[1] - self._xyz[1]
@@ -40,7 +40,7 @@ class Odometer:
         self.moved = (cos * east + sin * north, cos * north - sin * east, turned)
 
 
-def _heading(state: State) -> float:
+def heading_of(state: State) -> float:
     """Of the root link's x axis on the ground, rad."""
     rotation = rotation_of_quaternion(state.xyzw)
     return math.atan2(rotation[1][0], rotation[0][0])

@@ -252,8 +252,11 @@ def _no_picture(what: str, problem: str) -> Diagnostic:
     )
 
 
-def no_video(problem: str) -> Diagnostic:
-    """Say that there is no video; `problem` goes on after "Cannot record a video:"."""
+def no_video(problem: str, hint: str | None = None) -> Diagnostic:
+    """Say that there is no video; `problem` goes on after "Cannot record a video:".
+
+    `hint` says what to do where that is not the file or the drawing.
+    """
     missing = find_missing_library(problem)
     if missing is not None:
         return NO_VIDEO.at(
@@ -264,7 +267,8 @@ def no_video(problem: str) -> Diagnostic:
     return NO_VIDEO.at(
         None,
         message=f"Cannot record a video: {problem}.",
-        hint="Name a .gif in a writable directory, or leave --record out: the simulation itself is "
+        hint=hint
+        or "Name a .gif in a writable directory, or leave --record out: the simulation itself is "
         "not affected.",
     )
 

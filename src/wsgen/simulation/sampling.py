@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.model.time_series import TimeSeries
 from wsgen.model.transform import multiply, rotation_of_quaternion, transpose
+from wsgen.simulation.odometer import heading_of
 from wsgen.simulation.simulate import is_finite
 
 if TYPE_CHECKING:
@@ -111,6 +112,7 @@ class _Samples:
                 (round(x, DIGITS), round(y, DIGITS), round(z, DIGITS))
                 for x, y, z in (state.xyz for state in states)
             ),
+            heading=round(heading_of(states[0]), DIGITS),
             speeds=tuple(round(state.speed, DIGITS) for state in states),
             tilts=tuple(round(tilt, DIGITS) for _, _, tilt in self.rows),
             joint_positions={

@@ -76,7 +76,7 @@ def lowest_point(robot: Robot, poses: Mapping[str, Pose]) -> float:
 
     The poses of the links are seen from the world.
     """
-    lowest = (pose.xyz[2] - _reach_down(shape, pose) for shape, pose in _placed(robot, poses))
+    lowest = (pose.xyz[2] - reach_down(shape, pose) for shape, pose in _placed(robot, poses))
     return min(lowest, default=poses[robot.root].xyz[2])
 
 
@@ -89,12 +89,12 @@ def lowest_points(robot: Robot, poses: Mapping[str, Pose]) -> dict[str, float]:
     for link in robot.links:
         for geometry, collision in there(link):
             pose = compose(poses[link.name], collision.pose_in_link)
-            lowest = pose.xyz[2] - _reach_down(geometry, pose)
+            lowest = pose.xyz[2] - reach_down(geometry, pose)
             found[link.name] = min(lowest, found.get(link.name, lowest))
     return found
 
 
-def _reach_down(geometry: Touchable, pose: Pose) -> float:
+def reach_down(geometry: Touchable, pose: Pose) -> float:
     """How far it reaches below its frame, m."""
     down = rotation_of_rpy(pose.rpy)[2]
     if isinstance(geometry, Mesh):

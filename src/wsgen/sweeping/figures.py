@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from wsgen.model.behavior import Drive
+from wsgen.model.behavior import Drive, Reach
 from wsgen.model.sweep import Column, free_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
-    from wsgen.model.behavior import Behavior, BehaviorOutcome, Reach
+    from wsgen.model.behavior import Behavior, BehaviorOutcome
     from wsgen.model.outcome import RobotOutcome
     from wsgen.model.sweep import Figure
     from wsgen.simulation.scene import RobotRun
@@ -60,6 +60,8 @@ def _of_behavior(behavior: Behavior) -> Iterator[Column]:
         yield Column(name=f"{name}.x", kind="number", meaning=f"m, moved along x {frame}")
         yield Column(name=f"{name}.y", kind="number", meaning=f"m, moved along y {frame}")
         yield Column(name=f"{name}.yaw", kind="number", meaning="rad, turned, whole turns included")
+        return
+    if not isinstance(behavior.task, Reach):
         return
     for heading in _of_joints(name, behavior.task).values():
         yield Column(name=heading, kind="number", meaning="rad or m, at its end")
@@ -119,7 +121,7 @@ def _of_outcome(behavior: BehaviorOutcome) -> Mapping[str, Figure]:
             f"{name}.{part}": moved
             for part, moved in zip(("x", "y", "yaw"), behavior.moved, strict=True)
         }
-    if behavior.positions and not isinstance(behavior.task, Drive):
+    if behavior.positions and isinstance(behavior.task, Reach):
         headings = _of_joints(name, behavior.task)
         figures |= {headings[joint]: at for joint, at in behavior.positions.items()}
     return figures

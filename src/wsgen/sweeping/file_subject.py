@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.pipeline.file_validation import FileValidation
 from wsgen.pipeline.prepare import PrepareContext
-from wsgen.pipeline.selection import FILE_SUFFIXES, ValidateRequest
+from wsgen.pipeline.requests import FILE_SUFFIXES, ValidateRequest
 from wsgen.sweeping.blueprint import Blueprint
 from wsgen.sweeping.kept_answers import KeptAnswers
 from wsgen.sweeping.parameters import Parameter, write_value

@@ -6,12 +6,13 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-from wsgen.diagnostics import has_errors
+from wsgen.diagnostics import Severity, has_errors
 from wsgen.launch.evaluate import evaluate
+from wsgen.model.behavior import LaunchTask
 from wsgen.pipeline.load_scene import select_only
 from wsgen.pipeline.package_validation import Validation, why_nothing_is_simulated
 from wsgen.pipeline.prepare import KnownRobots
-from wsgen.pipeline.selection import ValidateRequest
+from wsgen.pipeline.requests import ValidateRequest
 from wsgen.pipeline.started import DESCRIPTION_FROM_ELSEWHERE
 from wsgen.sweeping.blueprint import Blueprint
 from wsgen.sweeping.kept_answers import KeptAnswers
@@ -19,6 +20,7 @@ from wsgen.sweeping.parameters import Parameter, write_value
 from wsgen.sweeping.subject import Prepared, RobotText, Subject, files_below
 from wsgen.workspace.layout import Workspace, find_launch_files
 from wsgen.workspace.overlay import require_share
+from wsgen.workspace.settings import read_settings
 from wsgen.xacro.source import written_elements
 
 if TYPE_CHECKING:
@@ -32,7 +34,7 @@ if TYPE_CHECKING:
     from wsgen.model.sweep import Value
     from wsgen.model.world import World
     from wsgen.pipeline.prepare import PreparedRobot
-    from wsgen.pipeline.selection import SelectedPackage
+    from wsgen.pipeline.requests import SelectedPackage
     from wsgen.sweeping.subject import SubjectRequest
     from wsgen.workspace.overlay import Overlay
 
@@ -133,6 +135,14 @@ class PackageSubject(Subject):
                 self._of_package = tuple(validation.of_package())
             return self._of_package
 
+    @property
+    def left_out(self) -> tuple[str, ...]:
+        """As in the base."""
+        if self._selected.source is None or not self._has_behaviors:
+            return ()
+        settings, _ = read_settings(self._selected.source)
+        return tuple(one.name for one in settings.behaviors if isinstance(one.task, LaunchTask))
+
     def _fixed(self) -> Iterable[str]:
         file = self._selected.launch_file
         arguments = self._request.launch_arguments.items()
@@ -165,13 +175,18 @@ def as_prepared(
         and not has_errors(validation.diagnostics)
     ):
         validation.diagnostics = why_nothing_is_simulated(started.plan, validation.diagnostics)
+    # Nodes would take more time than the simulations of all variants.
+    plan = None if world is None else validation.behavior_plan([*prepared])
+    if plan is not None:
+        hint = "`wsgen validate` runs them."
+        plan = plan.leave_out("A sweep runs no nodes.", hint, Severity.INFO).without_to_run()
     blueprint = Blueprint(
         name=name,
         world=world,
         prepared=tuple(
             replace(robot, diagnostics=validation.named(robot.diagnostics)) for robot in prepared
         ),
-        behavior_plan=None if world is None else validation.behavior_plan([*prepared]),
+        behavior_plan=plan,
         diagnostics=(*validation.named(validation.diagnostics), *general),
         allow=() if validation.settings is None else validation.settings.allow,
     )

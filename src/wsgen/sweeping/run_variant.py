@@ -11,8 +11,8 @@ from wsgen.isolation.codec import decode
 from wsgen.isolation.in_process import run_here
 from wsgen.isolation.result import Answered, Died
 from wsgen.model.sweep import Row
+from wsgen.pipeline.requests import ValidateRequest
 from wsgen.pipeline.run_robots import simulate_robots
-from wsgen.pipeline.selection import ValidateRequest
 from wsgen.pipeline.simulation_result import SimulationResult
 from wsgen.rules.catalogue import without_allowed
 from wsgen.simulation.scene import Push, SceneResult

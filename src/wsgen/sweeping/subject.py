@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from wsgen import __version__
 from wsgen.errors import RequestError
 from wsgen.model.robot import Mesh
+from wsgen.source_shares import BUILD_FOLDERS
 from wsgen.sweeping.parameters import OWN_NAMES, check_design, subject_values, write_value
 from wsgen.values import dataclass
 
@@ -100,6 +101,11 @@ class Subject(ABC):
         self._has_behaviors = request.has_behaviors
         self._lock = threading.Lock()
         self._slots: OrderedDict[tuple[tuple[str, str, str], ...], _Slot] = OrderedDict()
+
+    @property
+    def left_out(self) -> tuple[str, ...]:
+        """The names of behaviors that a sweep leaves out: their launch files would have to run."""
+        return ()
 
     @property
     def own_names(self) -> tuple[str, ...]:
@@ -255,7 +261,7 @@ _ASKED = re.compile(
     rb"""\s*(?:name\s*=\s*)?\[?['"])([A-Za-z_]\w*)"""
 )
 # Folders that no result depends on, and files that only people read.
-NOT_READ = frozenset(("__pycache__", "build", "install", "log", "test", "tests"))
+NOT_READ = BUILD_FOLDERS | {"test", "tests"}
 TEXTS = frozenset((".md", ".rst", ".pyc"))
 
 

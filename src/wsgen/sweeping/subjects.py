@@ -10,7 +10,7 @@ from wsgen.isolation.fork_server import ForkServer
 from wsgen.isolation.parent import make_scratch
 from wsgen.launch.known_packages import prefix
 from wsgen.launch.plain_child import PlainLaunches
-from wsgen.pipeline.selection import ValidateRequest
+from wsgen.pipeline.requests import ValidateRequest
 from wsgen.pipeline.validate import check_request, overlays_of_files
 from wsgen.workspace.overlay import open_overlay
 

@@ -149,7 +149,12 @@ def sweep(
             was_complete=was_complete,
             data=data,
             summary=summarize(data),
-            hints=tuple(filter(None, (variants.hint, _late_push(design, request.seconds)))),
+            hints=tuple(
+                filter(
+                    None,
+                    (variants.hint, _late_push(design, request.seconds), _left_out(subject)),
+                )
+            ),
         )
         on_table(outcome)
         if request.worst is None:
@@ -170,6 +175,14 @@ def sweep(
             listener=listener,
         )
         return replace(outcome, worst=tuple(worst))
+
+
+def _left_out(subject: Subject) -> str | None:
+    """What a sweep does not do, in words."""
+    if not subject.left_out:
+        return None
+    names = ", ".join(f"`{name}`" for name in subject.left_out)
+    return f"A sweep runs no nodes and leaves out {names}; `wsgen validate` runs them."
 
 
 def _inputs(

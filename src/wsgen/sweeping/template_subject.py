@@ -10,7 +10,7 @@ from wsgen.diagnostics import has_errors
 from wsgen.errors import RequestError
 from wsgen.model.package import Maintainer, suggest_package_name
 from wsgen.pipeline.package_validation import Validation
-from wsgen.pipeline.selection import SelectedPackage, ValidateRequest
+from wsgen.pipeline.requests import SelectedPackage, ValidateRequest
 from wsgen.pipeline.started import start
 from wsgen.source_shares import INDEX
 from wsgen.sweeping.blueprint import Blueprint

@@ -18,8 +18,8 @@ from wsgen.fixes.source import Edit
 from wsgen.fixes.source import apply as apply_edits
 from wsgen.fixes.xml_source import read_tags
 from wsgen.isolation import parent
+from wsgen.pipeline.requests import ValidateRequest
 from wsgen.pipeline.run_robots import simulate_robots
-from wsgen.pipeline.selection import ValidateRequest
 from wsgen.rules.catalogue import without_allowed
 from wsgen.suggestions import ask_for_nearest
 from wsgen.sweeping.apply import apply

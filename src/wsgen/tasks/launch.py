@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 from dataclasses import replace
 from pathlib import Path
@@ -43,8 +44,10 @@ def serve_plain_launches(endpoint: Endpoint) -> None:
     worker.load_shim(worker.FIRST_IMPORTED)  # the rest when a launch file asks for it
     watch = expansion.Watch(RECORD.note_text, RECORD.note_unused_xacro_arguments)
     run_kept = Expansions(run_xacro).run
+    gc.freeze()  # the collector need not look at what is imported
 
     def evaluate(request: LaunchRequest, environment: Mapping[str, str]) -> LaunchPlan | None:
+        gc.collect(1)  # documents of the one before it, whose nodes hold each other
         watch.seconds = 0.0
         expansion.reset()
         plan = worker.evaluate_plain(

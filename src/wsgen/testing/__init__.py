@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from wsgen.model.world import World
     from wsgen.simulation.engine import Contact
     from wsgen.testing.assertions import assert_drives, assert_reaches, assert_stands
+    from wsgen.testing.live import Live, LiveRobot, Message
+    from wsgen.testing.needs import needs_ros
     from wsgen.testing.robot import Joint, Limits, Link, Moved, Robot
     from wsgen.testing.simulation import Simulation
 
@@ -22,6 +24,9 @@ __all__ = [
     "LaunchPlan",
     "Limits",
     "Link",
+    "Live",
+    "LiveRobot",
+    "Message",
     "Moved",
     "Pose",
     "Robot",
@@ -30,6 +35,7 @@ __all__ = [
     "assert_drives",
     "assert_reaches",
     "assert_stands",
+    "needs_ros",
 ]
 
 _MODULES = {
@@ -37,6 +43,10 @@ _MODULES = {
     "LaunchPlan": "wsgen.model.plan",
     "Pose": "wsgen.model.transform",
     "World": "wsgen.model.world",
+    "Live": "wsgen.testing.live",
+    "LiveRobot": "wsgen.testing.live",
+    "Message": "wsgen.testing.live",
+    "needs_ros": "wsgen.testing.needs",
     "Simulation": "wsgen.testing.simulation",
     "assert_drives": "wsgen.testing.assertions",
     "assert_reaches": "wsgen.testing.assertions",

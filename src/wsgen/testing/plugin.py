@@ -10,6 +10,7 @@ import hashlib
 import os
 import sys
 from collections.abc import Mapping
+from contextlib import ExitStack
 from importlib.machinery import PathFinder
 from typing import TYPE_CHECKING, Any
 
@@ -17,11 +18,14 @@ import pytest
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterator, Sequence
+    from contextlib import AbstractContextManager
     from importlib.machinery import ModuleSpec
     from pathlib import Path
 
+    from wsgen.live.session import LiveSession
     from wsgen.model.plan import LaunchPlan
     from wsgen.model.world import World
+    from wsgen.testing.live import Live
     from wsgen.testing.robot import Robot
     from wsgen.testing.simulation import SharedScene, Simulation
 
@@ -34,6 +38,7 @@ MARKER = (
 LONGEST_NAME = 200  # bytes, of a file; systems take 255
 SIMULATION = pytest.StashKey[Any]()  # of a test that has one
 SHARED_SCENES = pytest.StashKey[Any]()  # of a run
+LIVE_REPORTS = pytest.StashKey[Any]()  # of a test: what is known of its live runs at their ends
 
 
 class PlainImports:
@@ -129,20 +134,38 @@ def _wanted(item: pytest.Item) -> dict[str, Any]:
         wanted["arguments"] |= {
             name: _text(value) for name, value in (marker.kwargs.get("arguments") or {}).items()
         }
-    if wanted["engine"] not in {None, *ENGINES}:
-        _fail(f"{wanted['engine']!r} is not a physics engine.", f"Use {', '.join(ENGINES)}.")
+    _check_name_of_engine(wanted["engine"])
     return wanted
 
 
-def _check_values(given: Mapping[str, object]) -> None:
-    """Refuse what a marker cannot mean."""
+def _check_name_of_engine(engine: str | None) -> None:
+    if engine not in {None, *ENGINES}:
+        _fail(f"{engine!r} is not a physics engine.", f"Use {', '.join(ENGINES)}.")
+
+
+def _check_values(given: Mapping[str, object], of: str = "The marker wsgen") -> None:
+    """Refuse what a marker or a call cannot mean."""
     for name, value in given.items():
         if name != "arguments" and value is not None and not isinstance(value, str):
-            _fail(f"The marker wsgen has {name}={value!r}.", f'Give a name: {name}="NAME".')
+            _fail(f"{of} has {name}={value!r}.", f'Give a name: {name}="NAME".')
     arguments = given.get("arguments")
     if arguments is not None and not isinstance(arguments, Mapping):
-        what = f"The marker wsgen has arguments={arguments!r}."
+        what = f"{of} has arguments={arguments!r}."
         _fail(what, 'Give names and values: arguments={"z": 0.5}.')
+
+
+def _check_run(rate: object, may_fail: object) -> None:
+    """Refuse a way to run that is none."""
+    if rate is not None and (
+        isinstance(rate, bool) or not isinstance(rate, (int, float)) or not 0 < rate < float("inf")
+    ):
+        _fail(
+            f"live() has rate={rate!r}.",
+            "Give simulated seconds a second, above 0; without it, time passes as fast as it can.",
+        )
+    names = may_fail if isinstance(may_fail, (list, tuple, set, frozenset)) else [None]
+    if not all(isinstance(one, str) for one in names):
+        _fail(f"live() has may_fail={may_fail!r}.", 'Give a list of names: may_fail=["mapper"].')
 
 
 def _text(value: object) -> str:
@@ -238,6 +261,91 @@ def world(request: pytest.FixtureRequest) -> World:
     return _shared_scene(request.node).loaded.world
 
 
+@pytest.fixture
+def live(request: pytest.FixtureRequest) -> Iterator[Callable[..., AbstractContextManager[Live]]]:
+    """What starts a launch file with its nodes, in simulated time.
+
+    Use it as `with live("my_package", "bringup.launch.py") as ros: ...`
+    It has a ROS domain of its own; all that it starts ends with the context, or with the test.
+    """
+    stack = ExitStack()
+
+    def start(  # noqa: PLR0913  what is run, and how
+        package: str | None = None,
+        launch_file: str | None = None,
+        *,
+        arguments: Mapping[str, object] | None = None,
+        engine: str | None = None,
+        rate: float | None = None,
+        may_fail: Sequence[str] = (),
+    ) -> AbstractContextManager[Live]:
+        wanted = _wanted(request.node)
+        names = {"package": package, "launch_file": launch_file, "engine": engine}
+        _check_values({**names, "arguments": arguments}, "live()")
+        _check_name_of_engine(engine)
+        _check_run(rate, may_fail)
+        given = {name: _text(value) for name, value in (arguments or {}).items()}
+        return _RunningLive(
+            request.node,
+            stack,
+            package=package or wanted["package"],
+            launch_file=launch_file or wanted["launch_file"],
+            arguments={**wanted["arguments"], **given},
+            engine=engine or wanted["engine"],
+            rate=rate,
+            may_fail=may_fail,
+        )
+
+    with stack:
+        yield start
+
+
+class _RunningLive:
+    """A live run, which ends with the context, or with the test."""
+
+    def __init__(self, item: pytest.Item, of_test: ExitStack, **wanted: Any) -> None:
+        self._item = item
+        self._of_test = of_test
+        self._stack = ExitStack()
+        self._wanted = wanted
+
+    def __enter__(self) -> Live:
+        from wsgen.errors import NotFoundError, WsgenError  # noqa: PLC0415  see the top
+        from wsgen.live.linux import require_linux  # noqa: PLC0415
+
+        __tracebackhide__ = True
+        try:
+            require_linux("The fixture `live`", "The fixture `simulation` needs no nodes.")
+        except NotFoundError as error:
+            pytest.fail(f"wsgen: {error}", pytrace=False)
+        from wsgen.live.session import BrokenLaunchError  # noqa: PLC0415
+        from wsgen.report.text import render_text  # noqa: PLC0415
+        from wsgen.testing.live import run_live  # noqa: PLC0415
+
+        self._of_test.push(self._stack)
+        reports = self._item.stash.setdefault(LIVE_REPORTS, [])
+
+        def opened(session: LiveSession) -> None:
+            self._stack.callback(lambda: reports.append(session.report()))
+            for unused in session.unused_arguments:  # the test does not test what it says
+                self._item.warn(pytest.PytestWarning(unused))
+
+        try:
+            run = run_live(near=self._item.path, opened=opened, **self._wanted)
+            ros: Live = self._stack.enter_context(run)
+        except WsgenError as error:
+            problem = f"wsgen: {error}"
+        except BrokenLaunchError as broken:
+            problem = f"wsgen: {broken}\n{render_text(broken.diagnostics)}"
+        else:
+            return ros
+        self._stack.close()
+        pytest.fail(problem, pytrace=False)
+
+    def __exit__(self, *error: object) -> None:
+        self._stack.close()
+
+
 # The form that old versions know, too: a plugin that is not loaded breaks all tests.
 @pytest.hookimpl(hookwrapper=True)
 def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, Any, None]:
@@ -249,7 +357,9 @@ def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, Any, None]:
         shown = _draw(item, simulation)
         if shown:
             _add(report, shown)
-    elif report.when == "call" and report.passed and simulation is not None:
+    if report.when == "call" and report.failed and item.stash.get(LIVE_REPORTS, None):
+        _add(report, "\n".join(item.stash[LIVE_REPORTS]))
+    if report.when == "call" and report.passed and simulation is not None:
         for file in _files(item, simulation):  # that an earlier run may have left
             file.unlink(missing_ok=True)
 

@@ -7,9 +7,17 @@ that is left; plugins count where they are in a `<gazebo>` without a reference, 
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from wsgen.model.devices import Carried, Devices, MountedSensor, copied, pose_of
+from wsgen.model.devices import (
+    NUMBERS_OF_POSE,
+    Carried,
+    Devices,
+    MountedSensor,
+    copied,
+    pose_of,
+)
 from wsgen.model.kinematics import fixed_frames, link_poses
 from wsgen.model.transform import IDENTITY, compose, invert
 from wsgen.urdf.reader import read_document
@@ -65,6 +73,7 @@ def _mounted(
 ) -> Iterator[MountedSensor]:
     """The sensors of the link, or of the joint, that a `<gazebo>` refers to."""
     place = places[reference]
+    kept = {*(link.name for link in lumped.links), *(joint.name for joint in lumped.joints)}
     for element in elements:
         written = element.find("pose")
         relative_to = "" if written is None else written.attributes.get("relative_to", "")
@@ -75,11 +84,23 @@ def _mounted(
             name=element.attributes.get("name", ""),
             kind=element.attributes.get("type", ""),
             link=place.link,
-            pose_in_link=compose(base, pose_of(written)),
+            pose_in_link=compose(base, _pose_of(written, is_moved=reference not in kept)),
             frame=reference,
             element=element,
             plugins=tuple(element.find_all("plugin")),
         )
+
+
+def _pose_of(written: Element | None, *, is_moved: bool) -> Pose:
+    """What is read of the `<pose>` of a sensor, which may be of a lumped link.
+
+    Where sdformat moves a sensor to another link, it reads the first six numbers as x y z roll
+    pitch yaw, in rad, whatever the attributes of the `<pose>` say.
+    """
+    if written is None or not is_moved:
+        return pose_of(written)
+    numbers = written.text.split()[:NUMBERS_OF_POSE]
+    return pose_of(replace(written, text=" ".join(numbers), attributes={}))
 
 
 def _seen_from(link: str, place: Carried, lumped: Robot) -> Pose:

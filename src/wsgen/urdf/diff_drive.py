@@ -98,17 +98,20 @@ def _read(kind: str, plugin: Plugin, robot: Robot) -> DiffDrive:
                     "joint that can turn",
                     "Write the names of the wheels' joints into <left_joint> and <right_joint>.",
                 )
+    grip = robot.least_grip([joint for pair in pairs for joint in (pair.left, pair.right)])
     if kind == CLASSIC:
         most = _number(values, "max_wheel_acceleration", 0.0) or math.inf
         return DiffDrive(
             simulator=kind,
             pairs=pairs,
+            grip=grip,
             torque=_number(values, "max_wheel_torque", TORQUE),
             rim=Bounds(braking=-most, acceleration=most),
         )
     return DiffDrive(
         simulator=kind,
         pairs=pairs,
+        grip=grip,
         linear=_bounds(values, "linear"),
         angular=_bounds(values, "angular"),
     )

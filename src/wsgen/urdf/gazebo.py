@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from wsgen.diagnostics import Rule, Severity
 from wsgen.model.robot import GAZEBO_COLORS, GazeboTag, Plugin, SdfJoint, Sensor, Surface
@@ -22,7 +22,7 @@ from wsgen.suggestions import did_you_mean, nearest
 from wsgen.urdf.sensors import check_plugins, check_sensors
 from wsgen.urdf.unknown_elements import nearest_element
 from wsgen.urdf.values import LEFT_OVER, NUMBER, leading_float, leading_integer, line_of
-from wsgen.xmltree import child_text, child_texts, children
+from wsgen.xmltree import child_text, child_texts, children, gz_attribute
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -64,6 +64,7 @@ NUMERIC = frozenset(
 SDF_NUMERIC = frozenset(
     (
         *("velocity_decay/linear", "velocity_decay/angular", "collision/max_contacts"),
+        *("collision/laser_retro", "visual/laser_retro"),
         *(f"collision/surface/friction/ode/{key}" for key in ("mu", "mu2")),
         *(f"collision/surface/contact/ode/{key}" for key in ("kp", "kd", "min_depth")),
     )
@@ -85,6 +86,9 @@ TRUE = frozenset(("true", "yes", "1"))  # as sdformat reads its own keys, in low
 FALSE = frozenset(("false", "no", "0"))
 LUMPED = "_fixed_joint_lump__"  # what sdformat puts into the names of lumped shapes
 FRICTION = "collision/surface/friction/ode/"
+# In copied SDF; of <fdir1> in the <gazebo> of a link, sdformat leaves the attribute out.
+DIRECTION = FRICTION + "fdir1"
+DIRECTION_IN = DIRECTION + "@gz:expressed_in"
 CONTACT = "collision/surface/contact/ode/"
 # The field of Surface that a key sets, and the one of the same thing in copied SDF.
 FIELDS = {"mu1": "mu1", "mu2": "mu2", "kp": "kp", "kd": "kd", "minDepth": "min_depth"}
@@ -95,6 +99,11 @@ SDF_FIELDS = {
     CONTACT + "kd": "kd",
     CONTACT + "min_depth": "min_depth",
 }
+Direction = dict[str, Any]  # fields of Surface
+# <laserRetro> is for collisions alone (gazebosim/sdformat, src/parser_urdf.cc,
+# `InsertSDFExtensionCollision`): lidars on a GPU, which see visuals, do not see it.
+RETRO_OF_COLLISION = ("collision/laser_retro", "laserRetro")
+RETRO_OF_VISUAL = ("visual/laser_retro",)
 TagsOfBody = dict[str, list[tuple[int, GazeboTag]]]  # by reference, with their places in order
 
 UNKNOWN_REFERENCE = Rule(
@@ -228,6 +237,8 @@ def _read_tag(
             continue
         for key, leaf in _values_in(child, child.tag):
             values[key] = _value_of(leaf)
+            if key == DIRECTION and (link := gz_attribute(leaf, "expressed_in")) is not None:
+                values[DIRECTION_IN] = link
             _check_value(collector, leaf, f"{path}/{key}", key, values[key], is_known=is_known)
         inside = f"{path}/{child.tag}"
         if is_known:
@@ -505,7 +516,7 @@ def with_extensions(link: Link, tags: Sequence[GazeboTag], *, self_collide: bool
             for index, collision in enumerate(link.collisions)
         ),
         visuals=tuple(
-            _with_color(visual, _meant(link, visual.name, "_visual", index, about))
+            _with_look(visual, _meant(link, visual.name, "_visual", index, about))
             for index, visual in enumerate(link.visuals)
         ),
     )
@@ -588,9 +599,12 @@ def _with_surface(collision: Collision, tags: Sequence[GazeboTag]) -> Collision:
         return collision
     numbers: dict[str, float] = {}
     contacts: list[int] = []
+    direction: Direction = {}
     for tag in tags:
         if "collision/surface" in tag.values:  # takes the place of the whole
             numbers.clear()
+            direction = {}
+        direction = _direction(tag) or direction
         for fields in (SDF_FIELDS, FIELDS):
             for key, field in fields.items():
                 number = _finite(tag.values.get(key))
@@ -602,6 +616,7 @@ def _with_surface(collision: Collision, tags: Sequence[GazeboTag]) -> Collision:
             contacts = [*contacts[1:], leading_integer(tag.values["maxContacts"]) or 0]
     return replace(
         collision,
+        laser_retro=_last_number(tags, RETRO_OF_COLLISION, collision.laser_retro),
         surface=Surface(
             mu1=numbers.get("mu1", 1.0),
             mu2=numbers.get("mu2", 1.0),
@@ -609,11 +624,22 @@ def _with_surface(collision: Collision, tags: Sequence[GazeboTag]) -> Collision:
             kd=numbers.get("kd"),
             min_depth=numbers.get("min_depth"),
             max_contacts=contacts[0] if contacts else None,
+            **direction,
         ),
     )
 
 
-def _with_color(visual: Visual, tags: Sequence[GazeboTag]) -> Visual:
+def _direction(tag: GazeboTag) -> Direction:
+    """The first direction of friction that a tag gives, as fields of a surface."""
+    for key, link in (("fdir1", None), (DIRECTION, tag.values.get(DIRECTION_IN))):
+        words = tag.values.get(key, "").split()
+        numbers = [number for number in map(_finite, words) if number is not None]
+        if len(words) == len(numbers) == 3 and any(numbers):  # noqa: PLR2004  x, y, z
+            return {"fdir1": (numbers[0], numbers[1], numbers[2]), "fdir1_in": link}
+    return {}
+
+
+def _with_look(visual: Visual, tags: Sequence[GazeboTag]) -> Visual:
     rgba = visual.rgba
     for tag in tags:
         rgba = GAZEBO_COLORS.get(tag.values.get("material", ""), rgba)
@@ -623,7 +649,20 @@ def _with_color(visual: Visual, tags: Sequence[GazeboTag]) -> Visual:
                 min(1.0, max(0.0, float(word))) for word in (*words, "1")[:4]
             )
             rgba = (red, green, blue, alpha)
-    return visual if rgba == visual.rgba else replace(visual, rgba=rgba)
+    retro = _last_number(tags, RETRO_OF_VISUAL, visual.laser_retro)
+    if (rgba, retro) == (visual.rgba, visual.laser_retro):
+        return visual
+    return replace(visual, rgba=rgba, laser_retro=retro)
+
+
+def _last_number(tags: Iterable[GazeboTag], keys: Sequence[str], default: float) -> float:
+    """The last number that the tags give for one of the keys."""
+    found = default
+    for tag in tags:
+        for key in keys:
+            number = _finite(tag.values.get(key))
+            found = found if number is None else number
+    return found
 
 
 def _finite(text: str | None) -> float | None:

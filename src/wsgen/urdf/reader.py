@@ -116,12 +116,27 @@ UNEXPANDED_XACRO = Rule(
     code="ROB017",
     name="unexpanded-xacro",
     severity=Severity.ERROR,
-    summary="A URDF contains an element or expression of xacro.",
+    severity_varies="a warning in a name or a plugin, which take the text as it is",
+    summary="A URDF contains an expression of xacro.",
     why=(
         "Gazebo and robot_state_publisher do not know xacro: they refuse the text or read 0 in "
         "its place. Usually a launch file reads the .xacro file without expanding it, or a "
         "macro or property is not defined."
     ),
+    example="with open('robot.urdf.xacro') as file:\n    robot_description = file.read()",
+    instead="robot_description = xacro.process_file('robot.urdf.xacro').toxml()",
+)
+
+IGNORED_XACRO = Rule(
+    code="ROB143",
+    name="ignored-xacro",
+    severity=Severity.ERROR,
+    severity_varies="a warning for a definition, which adds nothing by itself",
+    summary="A URDF contains an element of xacro, which Gazebo ignores.",
+    what="Looks for elements of xacro in what is spawned. The robot is spawned and simulated "
+    "without what they would add, as in Gazebo.",
+    why="Gazebo spawns the robot without what a macro, an included file or a condition would add: "
+    "wheels, joints, sensors. Usually a launch file reads the .xacro file without expanding it.",
     example="with open('robot.urdf.xacro') as file:\n    robot_description = file.read()",
     instead="robot_description = xacro.process_file('robot.urdf.xacro').toxml()",
 )
@@ -135,6 +150,21 @@ UNKNOWN_URDF_VERSION = Rule(
     example='<robot name="my_robot" version="2.0">',
     instead='<robot name="my_robot">',
 )
+
+
+# What Gazebo loses with a value in one of these elements, or around them, that is no number.
+LOST_WITH = {
+    "robot": "the value is lost",
+    "material": "the color is lost",
+    "inertial": "it leaves out the <inertial> of the link",
+    "visual": "it stops reading the link there, and leaves out visuals and all collisions",
+    "collision": "it stops reading the link there, and leaves out collisions",
+    "joint": "it refuses the robot",
+    "gazebo": "the value is lost, or Gazebo's parser ends with an error",
+    "plugin": "",  # reads the text as it is
+}
+NAMES = frozenset(("name", "link", "joint", "reference"))  # attributes
+DEFINITIONS = frozenset(("macro", "property", "arg"))  # of xacro; the others add something
 
 
 def read_urdf(
@@ -428,30 +458,63 @@ def _report_broken_lines(collector: Collector, text: str) -> None:
         )
 
 
-def _report_unexpanded(collector: Collector, element: Element, path: str) -> None:
-    """Report what xacro should have replaced, in the element and below it."""
-    texts = [*element.attrib.values(), element.text or ""]
-    left = next((text for text in texts if LEFT_OVER.search(text)), None)
-    if left is not None:
+def _report_unexpanded(
+    collector: Collector, element: Element, path: str, inside: str = "robot"
+) -> None:
+    """Report what xacro should have replaced, in the element and below it.
+
+    `inside` is the outermost element around it whose loss users notice: see `LOST_WITH`.
+    """
+    texts = {"": element.text or "", **{str(key): str(value) for key, value in element.items()}}
+    left = {name: text.strip()[:60] for name, text in texts.items() if LEFT_OVER.search(text)}
+    if left:
+        text = next(iter(left.values()))
+        is_kept = inside == "plugin" or left.keys() <= NAMES
+        holder = "the plugin reads" if inside == "plugin" else "Gazebo takes"
         collector.report(
             UNEXPANDED_XACRO,
-            f"`{left.strip()[:60]}` is an expression of xacro, which Gazebo does not evaluate.",
+            f"`{text}` is an expression of xacro: {holder} it as it is written."
+            if is_kept
+            else f"`{text}` is an expression of xacro, which Gazebo does not evaluate: "
+            f"{LOST_WITH[inside]}.",
             hint="Expand the file with xacro first; check that the property is defined.",
             at=element,
             path=path,
+            severity=Severity.WARNING if is_kept else Severity.ERROR,
         )
     for child in element:
-        if isinstance(child.tag, str):
-            name = child.get("name")
-            if "xacro" in child.tag:
-                collector.report(
-                    UNEXPANDED_XACRO,
-                    f"<{child.tag.rpartition('}')[2]}> is an element of xacro, which Gazebo "
-                    "does not expand.",
-                    hint="Expand the file with xacro first; check that the macro is defined.",
-                    at=child,
-                    path=f"{path}/{child.tag.rpartition('}')[2]}",
-                )
-            _report_unexpanded(
-                collector, child, child.tag if name is None else f"{child.tag}[@name='{name}']"
-            )
+        if not isinstance(child.tag, str):
+            continue
+        name = child.get("name")
+        if "xacro" in child.tag:
+            _report_ignored(collector, child, path)
+        else:
+            child_path = child.tag if name is None else f"{child.tag}[@name='{name}']"
+            below = child.tag if child.tag in LOST_WITH else inside
+            _report_unexpanded(collector, child, child_path, below)
+
+
+def _report_ignored(collector: Collector, element: Element, path: str) -> None:
+    """Report an element of xacro, which Gazebo passes over with all that it holds."""
+    kind = element.tag.rpartition("}")[2].rpartition(":")[2]
+    tag = f"xacro:{kind}"
+    found = {name: len(list(element.iter(name))) for name in ("link", "joint")}
+    held = " and ".join(
+        f"{count} {name}{'s' if count > 1 else ''}" for name, count in found.items() if count
+    )
+    if kind in DEFINITIONS:
+        lost = "it adds nothing to the robot by itself"
+    elif kind == "include":
+        lost = f"what the file `{(element.get('filename') or '')[:60]}` adds is missing"
+    elif held:
+        lost = f"the {held} in it are missing"
+    else:
+        lost = "what it adds to the robot is missing"
+    collector.report(
+        IGNORED_XACRO,
+        f"Gazebo ignores <{tag}>, an element of xacro: {lost}.",
+        hint="Expand the file with xacro first: Command(['xacro ', path]) in the launch file.",
+        at=element,
+        path=f"{path}/{tag}",
+        severity=Severity.WARNING if kind in DEFINITIONS else Severity.ERROR,
+    )

@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Rule, Severity
+from wsgen.model.devices import NUMBERS_OF_POSE, NUMBERS_OF_QUATERNION_POSE
 from wsgen.suggestions import did_you_mean, nearest
 from wsgen.urdf.values import LEFT_OVER, leading_float
 from wsgen.xmltree import children
@@ -38,7 +39,11 @@ NUMBERS = frozenset(
 )
 TRUTHS = frozenset(("always_on", "visualize", "enable_metrics"))
 TRUE_OR_FALSE = frozenset(("true", "false", "1", "0"))
-NUMBERS_OF_POSE = 6
+# How many, and what to write.
+POSES = {
+    NUMBERS_OF_POSE: ("six", "Write x y z roll pitch yaw, in m and rad."),
+    NUMBERS_OF_QUATERNION_POSE: ("seven", "Write x y z, in m, and the quaternion x y z w."),
+}
 WIDEST_VIEW = 6.283186  # rad, and the narrowest
 NARROWEST_VIEW = 0.1
 
@@ -119,7 +124,7 @@ def check_sensors(collector: Collector, element: Element, path: str) -> None:
             )
         check_plugins(collector, sensor, place)
         for inner, below in _leaves(sensor, place):
-            problem = _problem(str(inner.tag), (inner.text or "").strip())
+            problem = _problem(inner, str(inner.tag), (inner.text or "").strip())
             if problem is not None:
                 message, hint, severity = problem
                 collector.report(
@@ -141,15 +146,15 @@ def _leaves(element: Element, path: str) -> Iterator[tuple[Element, str]]:
             yield from _leaves(child, below)
 
 
-def _problem(tag: str, text: str) -> tuple[str, str, Severity] | None:
+def _problem(element: Element, tag: str, text: str) -> tuple[str, str, Severity] | None:
     """What is wrong with a text, what to write, and how bad it is; None where nothing is."""
     if not text or LEFT_OVER.search(text):
         return None
     if tag in TRUTHS and text.lower() not in TRUE_OR_FALSE:
         problem = f"`{text[:60]}` is neither true nor false", "Write true or false."
-    elif tag == "pose" and not _is_pose(text):
-        hint = "Write x y z roll pitch yaw, in m and rad."
-        problem = f"`{text[:60]}` is not six numbers", hint
+    elif tag == "pose" and not _is_pose(text, count := _numbers_of_pose(element)):
+        words, hint = POSES[count]
+        problem = f"`{text[:60]}` is not {words} numbers", hint
     elif tag in NUMBERS:
         return _number_problem(tag, text)
     else:
@@ -175,6 +180,12 @@ def _number_problem(tag: str, text: str) -> tuple[str, str, Severity] | None:
     return None
 
 
-def _is_pose(text: str) -> bool:
+def _numbers_of_pose(element: Element) -> int:
+    if element.get("rotation_format") == "quat_xyzw":
+        return NUMBERS_OF_QUATERNION_POSE
+    return NUMBERS_OF_POSE
+
+
+def _is_pose(text: str, count: int) -> bool:
     numbers = [leading_float(word) for word in text.split()]
-    return len(numbers) == NUMBERS_OF_POSE and None not in numbers
+    return len(numbers) == count and None not in numbers

@@ -108,21 +108,25 @@ def draw_one(prepared: PreparedRobot, collision_surfaces: Mapping[str, str]) -> 
 
 
 def draw_simulated(
-    prepared: PreparedRobot, pose_in_world: Pose, collision_surfaces: Mapping[str, str]
+    robot: Robot,
+    pose_in_world: Pose,
+    collision_surfaces: Mapping[str, str],
+    *,
+    entity: str,
+    is_static_model: bool,
 ) -> DrawnRobot:
     """What is drawn of a robot that is simulated: the links that the engine has, each by itself.
 
-    `pose_in_world` is where it was spawned.
+    The robot is the lumped one, `pose_in_world` where it is seen first.
     """
-    robot = prepared.lumped
-    links = _links(robot, collision_surfaces, is_subject=not prepared.is_static_model)
+    links = _links(robot, collision_surfaces, is_subject=not is_static_model)
     low, high = _bounds(robot, links, {}, pose_in_world, touching=False)
     return DrawnRobot(
-        entity=prepared.entity,
+        entity=entity,
         name=robot.name,
         pose_in_world=IDENTITY,
         links=tuple(replace(link, parent=None) for link in links),
-        is_static_model=prepared.is_static_model,
+        is_static_model=is_static_model,
         robot=robot,
         low=low,
         high=high,

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import itertools
 import math
 import random
 import re
@@ -52,8 +53,6 @@ INERTIA_OPACITY = 0.55
 DIGITS = 6  # after the point, of what a slider shows
 LEAST_SIZE = 0.05  # m, of what is framed
 FIELD_OF_VIEW = math.radians(45)
-TOWARDS_CAMERA = np.array([0.78, -0.52, 0.36])  # from the robots
-DISTANCE = 1.6  # of the camera, in sizes of the robots
 CELLS = (0.01, 0.05, 0.1, 0.5, 1.0, 5.0, 10.0)  # m, edges of a square of the grid
 CELLS_ALONG = 12  # squares, about, along the robots
 GRID_COLOR: Rgb = (205, 209, 214)
@@ -104,6 +103,11 @@ def _pages_of_this_machine_alone(host: str) -> Iterator[None]:
 class Page:
     """A page with robots; a panel for what is shown of them, and for diagnostics."""
 
+    # Where the camera is at first, from the robots: a direction, and how many of their sizes.
+    towards_camera = (0.78, -0.52, 0.36)
+    distance = 1.6
+    world = ""  # the node that all is in
+
     def __init__(self, *, host: str, port: int, title: str, first_tab: str) -> None:
         self._server = Quiet(host, port, title)
         self._lock = threading.RLock()  # callbacks come from threads of the server
@@ -118,6 +122,7 @@ class Page:
         shades = np.linspace(*BACKGROUND, 64).astype(np.uint8)
         scene.set_background_image(np.repeat(shades[:, None], 2, axis=1), format="png")
         self._robots: list[_RobotNodes] = []
+        self._numbers = itertools.count()  # of robots, those that are gone among them
         self._summary = gui.add_markdown("")
         tabs = gui.add_tab_group()
         self._first_tab = tabs.add_tab(first_tab)
@@ -140,25 +145,34 @@ class Page:
         """Where it listens."""
         return self._server.get_port()
 
+    @property
+    def is_open(self) -> bool:
+        """Whether a browser shows it."""
+        return bool(self._server.get_clients())
+
     def stop(self) -> None:
         """End the server; open pages show that."""
         self._server.stop()
 
     def show(self, robots: Sequence[DrawnRobot], *, links: str) -> None:
-        """Show robots instead of those before.
+        """Show robots instead of those before; one that was among them stays as it is.
 
         `links` is HTML for the list of links in the panel.
         """
         with self._lock, self._server.atomic():
+            known = {id(node.robot): node for node in self._robots}
+            shown = {id(robot) for robot in robots}
             for node in self._robots:
-                node.remove()
-            self._robots = [
-                _RobotNodes(self._server, number, robot) for number, robot in enumerate(robots)
-            ]
+                if id(node.robot) not in shown:
+                    node.remove()
+            self._robots = [known.get(id(robot)) or self._make(robot) for robot in robots]
             for key in LAYERS:
                 self._show_layer(key)
             self._links.content = clean(links)
             self._frame(robots)
+
+    def _make(self, robot: DrawnRobot) -> _RobotNodes:
+        return _RobotNodes(self._server, f"{self.world}/robots/{next(self._numbers)}", robot)
 
     def report(self, *, summary: str, diagnostics: str) -> None:
         """Show what is reported: Markdown for the head of the panel, HTML for its list."""
@@ -190,7 +204,7 @@ class Page:
 
     def _frame(self, robots: Sequence[DrawnRobot]) -> None:
         """Put the grid under the robots, and the camera of pages that are opened before them."""
-        subjects = [robot for robot in robots if not robot.is_static_model] or list(robots)
+        subjects = subjects_of(robots)
         if not subjects:
             return
         low = np.min([robot.low for robot in subjects], axis=0)
@@ -198,19 +212,19 @@ class Page:
         size = max(float(np.linalg.norm(high - low)), LEAST_SIZE)
         cell = min(CELLS, key=lambda edge: abs(math.log(size / CELLS_ALONG / edge)))
         self._grid = self._server.scene.add_grid(
-            "/grid",
+            f"{self.world}/grid",
             infinite_grid=True,
             cell_size=cell,
             section_size=10 * cell,
             cell_color=GRID_COLOR,
             section_color=SECTION_COLOR,
-            fade_distance=12 * size,
+            fade_distance=7.5 * self.distance * size,
             shadow_opacity=0.25,
             visible=self._grid_box.value,
         )
         middle = (low + high) / 2
-        towards = TOWARDS_CAMERA / np.linalg.norm(TOWARDS_CAMERA)
-        reach = DISTANCE * size
+        towards = np.array(self.towards_camera) / np.linalg.norm(self.towards_camera)
+        reach = self.distance * size
         camera = self._server.initial_camera
         camera.fov = FIELD_OF_VIEW
         camera.near, camera.far = reach / 200, reach * 200
@@ -219,7 +233,7 @@ class Page:
         self._view = (middle, middle + reach * towards)
 
     def _moved(self) -> Any:
-        """How far the robots have moved away from where they were shown first, m."""
+        """How far the robots are in the scene from where they were shown first, m."""
         return np.zeros(3)
 
     def _look_from_here(self) -> None:
@@ -232,6 +246,11 @@ class Page:
 
     def _show_grid(self) -> None:
         self._grid.visible = self._grid_box.value
+
+
+def subjects_of(robots: Sequence[DrawnRobot]) -> list[DrawnRobot]:
+    """Those that one looks at: the robots, or the models of a world without any."""
+    return [robot for robot in robots if not robot.is_static_model] or list(robots)
 
 
 class JointPage(Page):
@@ -334,10 +353,10 @@ class JointPage(Page):
 class _RobotNodes:
     """The nodes of a robot in the scene: a frame for each link, what is in it below that."""
 
-    def __init__(self, server: viser.ViserServer, number: int, robot: DrawnRobot) -> None:
+    def __init__(self, server: viser.ViserServer, path: str, robot: DrawnRobot) -> None:
         self.robot = robot
         self._scene = server.scene
-        self._root = f"/robots/{number}"
+        self._root = path
         self._paths: list[str] = []
         self._frames: list[Any] = []
         self._nodes: dict[str, list[Any]] = {key: [] for key in LAYERS}
@@ -345,7 +364,7 @@ class _RobotNodes:
         self._places: dict[int, tuple[Any, Quaternion]] = {}  # of links, as they have been sent
         self._is_faint = False
         self._began: Vector | None = None  # where the root was when it was put first
-        self.moved: tuple[float, ...] = ()  # how far it has moved since then, m
+        self.moved: Vector = (0.0, 0.0, 0.0)  # how far it has moved since then, m
         self._length = 0.08 * max(robot.size, LEAST_SIZE)  # m, of an axis of a frame
         x, y, z, w = quaternion_of_rpy(robot.pose_in_world.rpy)
         self._base = self._scene.add_frame(
@@ -397,7 +416,8 @@ class _RobotNodes:
                 continue
             if number == 0:
                 self._began = self._began or pose.xyz
-                self.moved = tuple(a - b for a, b in zip(pose.xyz, self._began, strict=True))
+                (x, y, z), (from_x, from_y, from_z) = pose.xyz, self._began
+                self.moved = x - from_x, y - from_y, z - from_z
             x, y, z, w = quaternion_of_rpy(pose.rpy)
             place = (pose.xyz, (w, x, y, z))
             if self._places.get(number) != place:

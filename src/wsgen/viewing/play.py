@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections import deque
 from functools import partial
 from queue import Empty
 from typing import TYPE_CHECKING, Protocol
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING, Protocol
 from wsgen.errors import RequestError, SessionDiedError
 from wsgen.viewing.commands import Push, Reset, SetRunning, Step
 from wsgen.viewing.drawing import draw_one, draw_simulated
+from wsgen.viewing.speedometer import Speedometer
 from wsgen.viewing.texts import diagnostics_list, links_table, plain, summary
 
 if TYPE_CHECKING:
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
 FRAME = 1 / 30  # s, wall-clock, between two looks at the robots
 MOST_BEHIND = 0.1  # s of simulated time in a frame, however late it is
-RATE_OVER = 1.0  # s, wall-clock
 
 
 class SimulationViewer(Protocol):
@@ -67,7 +66,7 @@ class Player:
         self._session: Session | None = None
         self._is_running = True
         self._problem = ""
-        self._paces: deque[tuple[float, float]] = deque()  # wall-clock and simulated s
+        self._speed = Speedometer(clock)
         self._owed = 0.0  # s of simulated time that are due, less than a step of the engine
         self._open()
         robots = list(self._drawn(found))
@@ -85,7 +84,13 @@ class Player:
         poses: Mapping[str, Pose] = {} if session is None else session.spawn_poses
         for one in found.robots:
             if one.entity in poses:
-                yield draw_simulated(one, poses[one.entity], surfaces)
+                yield draw_simulated(
+                    one.lumped,
+                    poses[one.entity],
+                    surfaces,
+                    entity=one.entity,
+                    is_static_model=one.is_static_model,
+                )
             else:
                 drawn = draw_one(one, surfaces)
                 if drawn is not None:
@@ -116,7 +121,7 @@ class Player:
                 return
             if isinstance(command, SetRunning):
                 self._is_running = command.is_running and not self._problem
-                self._paces.clear()
+                self._speed.begin()
             elif isinstance(command, Reset):
                 self._reset()
             elif isinstance(command, Step):
@@ -134,7 +139,7 @@ class Player:
 
     def _reset(self) -> None:
         self._problem, self._is_running, self._owed = "", True, 0.0
-        self._paces.clear()
+        self._speed.begin()
         if self._session is not None:
             self._guarded(self._session.reset)
         if self._problem or self._session is None:  # the engine has died
@@ -181,7 +186,7 @@ class Player:
             self._viewer.tell(f"**{plain(self._problem)}**", is_running=False)
             return
         self._viewer.put({entity: state.links for entity, state in session.states.items()})
-        lines = [f"**{session.seconds:.2f} s** simulated{self._pace(session.seconds)}"]
+        lines = [self._speed.describe(session.seconds, is_running=self._is_running)]
         lines += [
             f"{plain(entity)} is not simulated: {plain(refused.reason.rstrip('.'))}."
             for entity, refused in session.refused.items()
@@ -189,17 +194,3 @@ class Player:
         if self._problem:
             lines.append(f"**{plain(self._problem)}** Reset to begin again.")
         self._viewer.tell("  \n".join(lines), is_running=self._is_running)
-
-    def _pace(self, simulated: float) -> str:
-        """How fast it runs, of late, against real time."""
-        if not self._is_running:
-            return ", paused"
-        now = self._clock()
-        self._paces.append((now, simulated))
-        while len(self._paces) > 2 and now - self._paces[1][0] > RATE_OVER:  # noqa: PLR2004
-            self._paces.popleft()
-        began, before = self._paces[0]
-        if now - began < RATE_OVER / 2:
-            return ""
-        rate = (simulated - before) / (now - began)
-        return f", {rate:.2g} × real time"

@@ -28,6 +28,8 @@ ROOT = "root link"
 class SimulationPage(Page):
     """A page with robots that move; what its user wants is in `commands`."""
 
+    can_push = True
+
     def __init__(self, *, host: str, port: int, title: str) -> None:
         super().__init__(host=host, port=port, title=title, first_tab="Simulation")
         self.commands: SimpleQueue[Command] = SimpleQueue()
@@ -40,10 +42,10 @@ class SimulationPage(Page):
             self._seconds = gui.add_number(
                 "Step, s", STEP, min=SHORTEST, max=LONGEST, step=SHORTEST
             )
-            step = gui.add_button("Step")
-            step.on_click(lambda _: self.commands.put(Step(float(self._seconds.value))))
-            reset = gui.add_button("Reset")
-            reset.on_click(lambda _: self.commands.put(Reset()))
+            self._step = gui.add_button("Step")
+            self._step.on_click(lambda _: self.commands.put(Step(float(self._seconds.value))))
+            self._reset = gui.add_button("Reset")
+            self._reset.on_click(lambda _: self.commands.put(Reset()))
 
     def show(self, robots: Sequence[DrawnRobot], *, links: str) -> None:
         """Show robots instead of those before."""
@@ -54,7 +56,7 @@ class SimulationPage(Page):
             movable = [
                 robot for robot in robots if not robot.is_static_model and not robot.robot.is_static
             ]
-            self._push = _PushInputs(self, movable) if movable else None
+            self._push = _PushInputs(self, movable) if movable and self.can_push else None
 
     def put(self, poses: Mapping[str, Mapping[str, Pose]]) -> None:
         """Put links to poses in the world, by entity and link."""
@@ -66,9 +68,7 @@ class SimulationPage(Page):
     def _moved(self) -> Any:
         """How far the robots have moved, on the average."""
         with self._lock:
-            moved = [
-                node.moved for node in self._robots if not node.robot.is_static_model and node.moved
-            ]
+            moved = [node.moved for node in self._robots if not node.robot.is_static_model]
         if not moved:
             return super()._moved()
         return [sum(parts) / len(moved) for parts in zip(*moved, strict=True)]

@@ -7,7 +7,6 @@ import os
 import socket
 import time
 from contextlib import ExitStack
-from importlib.util import find_spec
 from typing import TYPE_CHECKING, Protocol
 
 from wsgen.diagnostics import has_errors
@@ -17,6 +16,7 @@ from wsgen.pipeline.file_validation import UNUSABLE_FILE
 from wsgen.rendering.surfaces import forget_surfaces
 from wsgen.viewing.drawing import draw
 from wsgen.viewing.texts import diagnostics_list, links_table, summary
+from wsgen.viewing.viewer_library import INSTALL, LIBRARY, is_viewer_installed
 from wsgen.viewing.watch import Watcher
 
 if TYPE_CHECKING:
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from wsgen.viewing.drawing import DrawnRobot
 
 
-LIBRARY = "viser"
 LOOK_EVERY = 0.5  # s; between two looks at the files
 QUIET_FOR = 0.2  # s without a change: an editor or a build has written all that it writes
 MOST_LOOKS = 50  # at files that do not stop changing
@@ -43,10 +42,10 @@ def check_viewer() -> None:
     Raises:
         NotFoundError: The library is not installed.
     """
-    if find_spec(LIBRARY) is None:
+    if not is_viewer_installed():
         raise NotFoundError(
-            "viser, which shows robots in a browser, is not installed.",
-            hint="Install it: pip install 'wsgen[view]'",
+            f"{LIBRARY}, which shows robots in a browser, is not installed.",
+            hint=f"Install it: {INSTALL}",
         )
 
 
@@ -85,16 +84,21 @@ def _try_port(host: str, port: int) -> None:
                 trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
             trial.bind(address)
     except OSError as error:
-        if error.errno in {errno.EADDRINUSE, errno.EACCES}:
-            why = "is taken" if error.errno == errno.EADDRINUSE else "is reserved for the system"
-            raise PortTakenError(
-                f"The port {port} of {host} {why}.",
-                hint="Choose another one: --port N; without --port, a free one is chosen.",
-            ) from error
-        raise RequestError(
-            f"wsgen cannot listen on {host}: {error.strerror or error}.",
-            hint="Give an address of this machine: --host 127.0.0.1, or 0.0.0.0 for all.",
-        ) from error
+        raise not_listening(host, port, error) from error
+
+
+def not_listening(host: str, port: int, error: OSError) -> RequestError:
+    """Why a page cannot be served there."""
+    if error.errno in {errno.EADDRINUSE, errno.EACCES}:
+        why = "is taken" if error.errno == errno.EADDRINUSE else "is reserved for the system"
+        return PortTakenError(
+            f"The port {port} of {host} {why}.",
+            hint="Choose another one: --port N; without --port, a free one is chosen.",
+        )
+    return RequestError(
+        f"wsgen cannot listen on {host}: {error.strerror or error}.",
+        hint="Give an address of this machine: --host 127.0.0.1, or 0.0.0.0 for all.",
+    )
 
 
 class Viewer(Protocol):

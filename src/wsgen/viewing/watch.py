@@ -8,13 +8,15 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING
 
+from wsgen.source_shares import BUILD_FOLDERS
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
     from pathlib import Path
 
 
 MOST_FILES = 5_000  # that are looked at
-LEFT_OUT = frozenset({"__pycache__", "build", "install", "log", "node_modules"})  # folders
+LEFT_OUT = BUILD_FOLDERS | {"node_modules"}  # names of folders
 MARKS = ("package.xml", "model.config")  # of a folder that belongs together
 MOST_LEVELS = 6  # from a file to the folder of its package
 OF_EDITORS = ("~", ".swp", ".swx", ".tmp", ".bak", ".orig", ".pyc", "4913")  # ends of names

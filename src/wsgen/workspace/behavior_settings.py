@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from wsgen.model.behavior import Behavior, Drive, Reach
+from wsgen.model.behavior import Behavior, Drive, LaunchTask, Reach, Task
 from wsgen.suggestions import advice
 from wsgen.tomlfile import find_line
 
@@ -24,7 +24,8 @@ EXAMPLE = (
 COMMON = ("name", "robot", "seconds")
 OF_DRIVE = ("drive", "moved", "tolerance")
 OF_REACH = ("joints", "within")
-KEYS = (*COMMON, *OF_DRIVE, *OF_REACH)
+OF_RUN = ("run", "moved", "tolerance", "travels", "joints", "within")
+KEYS = (*COMMON, *dict.fromkeys((*OF_DRIVE, *OF_REACH, *OF_RUN)))
 TWIST = ("linear", "angular")
 PLACE = ("x", "y", "yaw")
 
@@ -45,7 +46,12 @@ def read_behaviors(
     reader = _Reader(file, text, rule)
     tables = document.get(TABLE, [])
     if not isinstance(tables, list) or not all(isinstance(table, dict) for table in tables):
-        reader.report("`behavior` is not a list of tables.", EXAMPLE, TABLE)
+        is_one = isinstance(tables, dict)
+        reader.report(
+            "`behavior` is not a list of tables.",
+            "Write [[behavior]], with two brackets on each side." if is_one else EXAMPLE,
+            TABLE,
+        )
         return (), tuple(reader.found)
     if len(tables) > MOST:
         reader.report(
@@ -82,17 +88,12 @@ class _Reader:
         """Read one table; None where it has a mistake."""
         count = len(self.found)
         where = (TABLE, str(index))
-        kinds = [key for key in ("drive", "joints") if key in table]
-        if len(kinds) != 1:
-            self.report(
-                "A behavior has both `drive` and `joints`."
-                if kinds
-                else "A behavior has neither `drive` nor `joints`.",
-                "Give it one of them: `drive` for a mobile robot, `joints` for a target position.",
-                *where,
-            )
-            kinds = []
-        allowed = {"drive": (*COMMON, *OF_DRIVE), "joints": (*COMMON, *OF_REACH)}
+        kinds = self._kinds(table, *where)
+        allowed = {
+            "drive": (*COMMON, *OF_DRIVE, "run"),
+            "joints": (*COMMON, *OF_REACH, "run"),
+            "run": (*COMMON, *OF_RUN),
+        }
         self._no_others(table, allowed[kinds[0]] if kinds else KEYS, *where)
         name = self._name(table, before, *where)
         seconds = self._number(table, *where, "seconds", default=None, most=LONGEST, positive=True)
@@ -103,9 +104,43 @@ class _Reader:
         line = find_line(self.text, where)
         return Behavior(name=name, task=task, seconds=seconds, robot=robot, line=line)
 
-    def _task(
-        self, table: dict[str, Any], kinds: Sequence[str], *where: str
-    ) -> Drive | Reach | None:
+    def _kinds(self, table: dict[str, Any], *where: str) -> Sequence[str]:
+        """What decides what the behavior is: one key; none where that is not clear."""
+        run = table.get("run", False)
+        if not isinstance(run, bool):
+            meant = "without quotes " if isinstance(run, str) else ""
+            self.report(
+                "The `run` of a behavior is neither true nor false.",
+                f"Write run = true {meant}to run the launch file, or remove the key.",
+                *where,
+                "run",
+            )
+            return ()
+        kinds = [key for key in ("drive", "joints") if key in table]
+        if run and "drive" in kinds:
+            self.report(
+                "A behavior has both `drive` and `run`.",
+                "Remove `drive`: with `run`, the nodes of the launch file drive the robot.",
+                *where,
+            )
+            return ()
+        if run:
+            return ("run",)
+        if len(kinds) != 1:
+            self.report(
+                "A behavior has both `drive` and `joints`."
+                if kinds
+                else "A behavior has neither `drive` nor `joints`.",
+                "Give it one of them: `drive` for a mobile robot, `joints` for a target position; "
+                "or run = true, to have the nodes of the launch file move the robot.",
+                *where,
+            )
+            return ()
+        return kinds
+
+    def _task(self, table: dict[str, Any], kinds: Sequence[str], *where: str) -> Task | None:
+        if "run" in kinds:
+            return self._run(table, *where)
         if "drive" in kinds:
             return self._drive(table, *where)
         return self._reach(table, *where) if kinds else None
@@ -160,6 +195,26 @@ class _Reader:
             return None
         return Reach(positions=positions, within=within)
 
+    def _run(self, table: dict[str, Any], *where: str) -> LaunchTask | None:
+        moved: dict[str, float] | None = {}
+        positions: dict[str, float] | None = {}
+        if "moved" in table:
+            moved = self._numbers(table, *where, "moved", keys=PLACE, most=FARTHEST)
+        if "joints" in table:
+            positions = self._numbers(table, *where, "joints", keys=None, most=FARTHEST)
+        tolerance = self._number(table, *where, "tolerance", default=0.1, most=1.0, positive=True)
+        within = self._number(table, *where, "within", default=0.05, most=10.0, positive=True)
+        travels = None
+        if "travels" in table:
+            travels = self._number(
+                table, *where, "travels", default=None, most=FARTHEST, positive=True
+            )
+        if moved is None or positions is None or tolerance is None or within is None:
+            return None
+        return LaunchTask(
+            **moved, tolerance=tolerance, travels=travels, positions=positions, within=within
+        )
+
     def _numbers(
         self, table: dict[str, Any], *where: str, keys: tuple[str, ...] | None, most: float
     ) -> dict[str, float] | None:
@@ -198,7 +253,7 @@ class _Reader:
                 f"A behavior has no `{where[-1]}`."
                 if value is None
                 else f"`{where[-1]}` is not a number.",
-                f"Write a number {span}.",
+                f"Write a number {span}{_unquoted(value)}.",
                 *where,
             )
             return None
@@ -220,3 +275,8 @@ class _Reader:
                 key,
             )
         return not unknown
+
+
+def _unquoted(value: object) -> str:
+    """That a number between quotes is a text."""
+    return ", without quotes" if isinstance(value, str) else ""

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Diagnostic
 from wsgen.errors import NotFoundError, RequestError
-from wsgen.files import real_path
+from wsgen.files import list_files, real_path
 from wsgen.values import dataclass, lazy_pattern
 from wsgen.workspace.manifest import FOREIGN_MANIFEST, read_manifest
 
@@ -55,9 +55,10 @@ def _without_manifest(source: Path) -> Iterator[Path]:
 
 INSTALL_LAYOUT = ".colcon_install_layout"  # colcon writes it into an install space
 IGNORE_MARKERS = frozenset({"COLCON_IGNORE", "AMENT_IGNORE", "CATKIN_IGNORE"})
+BUILD_MARKERS = IGNORE_MARKERS | {INSTALL_LAYOUT}  # in folders of no package around
 PYTHON_MARKERS = frozenset({"setup.py", "setup.cfg", "pyproject.toml"})
 # How `ros2 launch` recognizes launch files.
-LAUNCH_FILES = ("*launch.py", "*launch.xml", "*launch.yaml", "*launch.yml")
+LAUNCH_FILES = ("launch.py", "launch.xml", "launch.yaml", "launch.yml")  # ends of names
 # Next to `src`, these mark the source code of a single project.
 PROJECT_MARKERS = PYTHON_MARKERS | {
     *("CMakeLists.txt", "Cargo.toml", "build.gradle", "go.mod", "meson.build", "package.json"),
@@ -161,6 +162,24 @@ def open_workspace(given: str | None, *, takes_clone: bool = True) -> Workspace:
             hint="Change into one, name it with --workspace, or create one: wsgen new PACKAGE",
         )
     return Workspace(root=inside[0])
+
+
+def workspace_if_any(given: str | None) -> Workspace | None:
+    """Open the given workspace, or that of the current folder as `open_workspace` finds it.
+
+    It is for commands that work without one: where none is found, or several, what is sourced may
+    have the package.
+
+    Raises:
+        NotFoundError: the given folder does not exist.
+        RequestError: the given folder is around a workspace.
+    """
+    if given is not None:
+        return open_workspace(given)
+    try:
+        return open_workspace(None)
+    except (NotFoundError, RequestError):
+        return None
 
 
 def find_workspace(start: Path) -> Workspace | None:
@@ -291,9 +310,7 @@ def read_package(folder: Path) -> PackageFolder | None:
 
 def find_launch_files(folder: Path) -> tuple[Path, ...]:
     """List the launch files below a folder, by path; not those of builds, which colcon ignores."""
-    found = {file for pattern in LAUNCH_FILES for file in folder.rglob(pattern) if file.is_file()}
-    ignored = [marker.parent for marker in folder.glob("*/COLCON_IGNORE")]
-    return tuple(sorted(file for file in found if not any(map(file.is_relative_to, ignored))))
+    return tuple(list_files(folder, LAUNCH_FILES, markers=BUILD_MARKERS))
 
 
 def crawl(root: Path, *, with_ignored: bool = False) -> Iterator[tuple[Path, frozenset[str]]]:
@@ -370,6 +387,31 @@ def _holds_packages(folder: Path, package: Path | None = None) -> bool:
 
 # The options of spawn_entity.py and of create, with a name that is written out after them.
 NAMED = lazy_pattern(r"""['"]-(?:entity|name)['"]\s*,\s*['"]([^'"]+)['"]""")
+
+
+def ignored_packages(workspace: Workspace) -> Iterator[tuple[Path, Path]]:
+    """Yield the packages that colcon ignores, each with the marker file."""
+    for folder, names in crawl(workspace.source, with_ignored=True):
+        if "package.xml" not in names:
+            continue
+        for parent in (folder, *folder.parents):
+            for marker in IGNORE_MARKERS:
+                if (parent / marker).exists():
+                    yield folder, parent / marker
+            if parent == workspace.source:
+                break
+
+
+def ignored_package(workspace: Workspace, name: str) -> RequestError | None:
+    """The error for the name of a package that colcon ignores; None where it ignores none."""
+    for folder, marker in ignored_packages(workspace):
+        package = read_package(folder)
+        if package is not None and package.name == name:
+            return RequestError(
+                f"colcon ignores the package {name} in {folder}, because {marker} exists.",
+                hint=f"Remove {marker} to build the package.",
+            )
+    return None
 
 
 def spawned_entities(workspace: Workspace) -> frozenset[str]:

@@ -162,6 +162,11 @@ class _Handler:
         parser.EndElementHandler = self.end
         parser.CharacterDataHandler = self.text
 
+    def leave(self) -> None:
+        """Let the parser go, which holds this: only the garbage collector would free both."""
+        self.parser.StartElementHandler = self.parser.EndElementHandler = None
+        self.parser.CharacterDataHandler = None
+
     def start(self, tag: str, attributes: dict[str, str]) -> None:
         if self.root is None:
             self.root = tag
@@ -190,6 +195,13 @@ def read_manifest(file: Path) -> Manifest | Diagnostic:
     parser = expat.ParserCreate()
     handler = _Handler(parser)
     parser.EntityDeclHandler = _refuse_entity  # no bombs: ROS manifests declare none
+    try:
+        return _read_manifest(file, parser, handler)
+    finally:
+        handler.leave()
+
+
+def _read_manifest(file: Path, parser: Any, handler: _Handler) -> Manifest | Diagnostic:
     data = b""
     try:
         data = _read(file)

@@ -17,7 +17,7 @@ from wsgen.isolation.parent import make_scratch
 from wsgen.source_shares import INDEX, is_used, note_use, serve_sources
 from wsgen.suggestions import advice, suggest
 from wsgen.values import dataclass
-from wsgen.workspace.layout import Workspace, find_packages
+from wsgen.workspace.layout import Workspace, find_packages, ignored_package
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -203,6 +203,9 @@ def require_share(overlay: Overlay, workspace: Workspace | None, package: str) -
             raise NotFoundError(
                 f"The package {package} cannot be read: {problem.message}", hint=problem.hint or ""
             )
+    ignored = None if workspace is None else ignored_package(workspace, package)
+    if ignored is not None:
+        raise ignored
     known = overlay.packages()
     if workspace is None:  # what is known is what wsgen or ROS brings
         hint = advice(

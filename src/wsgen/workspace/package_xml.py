@@ -88,10 +88,11 @@ REFUSED_MANIFEST = Rule(
     code="PKG005",
     name="invalid-manifest",
     severity=Severity.ERROR,
+    severity_varies="a warning of `wsgen validate`, which looks at robots",
     summary="`catkin_pkg` refuses package.xml.",
     what="Reads package.xml with catkin_pkg, as colcon and ament_cmake do.",
-    why="`colcon` then takes the package for one of plain CMake, in another environment and with "
-    "other arguments, or skips it.",
+    why="`colcon` then takes the package for one of plain CMake or Python, in another environment "
+    "and with other arguments, or skips it; it warns in its log alone.",
     example="""<package format="3">
   <name>my_robot</name>
   <version>1</version>""",
@@ -184,9 +185,12 @@ def _is_redundant(manifest: Manifest) -> bool:
     )
 
 
-def check_package_xml(file: Path) -> tuple[Diagnostic, ...]:
-    """List what catkin_pkg refuses (errors) and what it warns about (warnings)."""
-    manifest = read_manifest(file)
+def check_package_xml(file: Path, known: Manifest | None = None) -> tuple[Diagnostic, ...]:
+    """List what catkin_pkg refuses (errors) and what it warns about (warnings).
+
+    `known` is what the file says, where it has been read.
+    """
+    manifest = known or read_manifest(file)
     if isinstance(manifest, Diagnostic):
         return (manifest,)
     if is_plain(manifest):
@@ -207,6 +211,12 @@ def check_package_xml(file: Path) -> tuple[Diagnostic, ...]:
         *(_refused(file, text, line) for line in _split_refusal(refusal)),
         *(_questionable(file, text, line) for line in warnings),
     )
+
+
+def refusals_of(file: Path, known: Manifest | None = None) -> tuple[Diagnostic, ...]:
+    """What catkin_pkg refuses, for which colcon takes the package for one of another kind."""
+    found = check_package_xml(file, known)
+    return tuple(one for one in found if one.code == REFUSED_MANIFEST.code)
 
 
 def _split_refusal(message: str) -> Iterator[str]:

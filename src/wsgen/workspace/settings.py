@@ -98,8 +98,9 @@ def _read_settings(package: Path) -> tuple[Settings, tuple[Diagnostic, ...]]:
             INVALID_SETTINGS.at(
                 file,
                 int(at[1]) if at else None,
-                message=f"{FILE} is not TOML: {error}.",
-                hint="Fix it, or remove the file.",
+                message=f"{FILE} is not TOML: {error}. Nothing in it counts: no behavior is "
+                "checked, and no rule is allowed.",
+                hint=_explain(file, error) or "Fix it, or remove the file.",
             ),
         )
     text = file.read_text(encoding="utf-8")
@@ -140,6 +141,13 @@ def _read_settings(package: Path) -> tuple[Settings, tuple[Diagnostic, ...]]:
             for key in sorted(set(document.get("validate", {})) - {"allow"})
         ),
     )
+
+
+def _explain(file: Path, error: ValueError) -> str | None:
+    try:
+        return tomlfile.explain(file.read_text(encoding="utf-8"), error)
+    except (OSError, ValueError):  # it is not UTF-8
+        return None
 
 
 def _read_allowances(

@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import importlib
 import io
 import os
 import sys
 import time
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import xacro
@@ -26,6 +28,27 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from wsgen.xacro.result import ExpansionRequest
+
+
+class _YamlWhenUsed(ModuleType):
+    """Stands for yaml, which takes longer to import than most robots to expand."""
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(importlib.import_module("yaml"), name)
+
+
+def _import_substitution_args() -> Any:
+    """Import the module of xacro for `$(…)`, which imports yaml for values that few robots have."""
+    if "yaml" in sys.modules:
+        return importlib.import_module("xacro.substitution_args")
+    sys.modules["yaml"] = _YamlWhenUsed("yaml")
+    try:
+        return importlib.import_module("xacro.substitution_args")
+    finally:
+        del sys.modules["yaml"]
+
+
+_substitution_args = _import_substitution_args()
 
 
 def _open_regular(file: Any, mode: str = "r", **keywords: Any) -> Any:
@@ -177,18 +200,15 @@ def expand_for_parent(request: ExpansionRequest) -> Expansion | ExpansionError:
 @functools.cache
 def _note_finds_once() -> None:
     """Note which packages `$(find …)` looks up; launch files have their own way to find them."""
-    # It loads yaml, which launch files seldom need.
-    from xacro import substitution_args  # noqa: PLC0415
-
-    find = substitution_args._eval_find  # noqa: SLF001  xacro has no hook for it
+    find = _substitution_args._eval_find  # noqa: SLF001  xacro has no hook for it
 
     def find_and_note(package: str) -> str:
         share: str = find(package)
         note_use(package, os.environ)
         return share
 
-    substitution_args._eval_find = find_and_note  # noqa: SLF001  same
-    substitution_args._eval_dict["find"] = find_and_note  # noqa: SLF001  of $(eval …)
+    _substitution_args._eval_find = find_and_note  # noqa: SLF001  same
+    _substitution_args._eval_dict["find"] = find_and_note  # noqa: SLF001  of $(eval …)
 
 
 def run_command(words: Sequence[str], *, rewrite: Callable[[str], str] = str) -> CommandResult:

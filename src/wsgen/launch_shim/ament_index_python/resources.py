@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from contextlib import suppress
 from pathlib import Path
 
 from ament_index_python.search_paths import get_search_paths
@@ -25,9 +26,8 @@ def get_resources(resource_type: str) -> dict[str, str]:
     """Names and prefixes of all resources of a type."""
     found: dict[str, str] = {}
     for prefix in get_search_paths():
-        folder = Path(prefix, _INDEX, resource_type)
-        if folder.is_dir():
-            for marker in folder.iterdir():
+        with suppress(OSError):
+            for marker in os.scandir(os.path.join(prefix, _INDEX, resource_type)):
                 if marker.is_file() and not marker.name.startswith("."):
                     found.setdefault(marker.name, prefix)
     return found

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, get_args, get_origin
 
 from launch.base import LaunchDescriptionEntity, Substitution, TextSubstitution
 from wsgen.launch.record import RECORD, UnknownText
+from wsgen.values import lazy_pattern
 
 if TYPE_CHECKING:
     from launch.base import SomeSubstitutionsType
@@ -92,7 +93,12 @@ def _normalize(item: Any) -> Substitution:
 
 def perform_substitutions(context: LaunchContext, subs: Iterable[Substitution]) -> str:
     """Their texts in order, joined without anything in between."""
-    return RECORD.mark("".join([context.perform_substitution(sub) for sub in subs]))
+    texts = [
+        # Most are plain texts, which cannot fail.
+        sub.text if type(sub) is TextSubstitution else context.perform_substitution(sub)
+        for sub in subs
+    ]
+    return RECORD.mark("".join(texts))
 
 
 def is_substitution(x: Any) -> bool:
@@ -151,18 +157,34 @@ def perform_typed_substitution(context: LaunchContext, value: Any, data_type: An
     return value
 
 
+_TRUTHS = {"true": True, "false": False}
+_NUMBER = lazy_pattern(r"-?(?:0|[1-9][0-9]*)(\.[0-9]+)?")
+
+
+def read_plain_yaml(text: str) -> bool | float | None:
+    """What YAML reads in a text that is surely a truth value or a number; None for any other."""
+    if text in _TRUTHS:
+        return _TRUTHS[text]
+    number = _NUMBER.fullmatch(text)
+    if number is None:
+        return None
+    return float(text) if number[1] else int(text)
+
+
 def read_as(text: str, data_type: Any) -> Any:
     """The value that a text stands for; ValueError where it is not of that type."""
     if data_type is str or RECORD.is_unknown(text):
         return text
     if data_type in {int, float}:
         return data_type(text)
-    import yaml  # takes longer to import than most launch files need altogether
+    value = read_plain_yaml(text)
+    if value is None:
+        import yaml  # takes longer to import than most launch files need altogether
 
-    try:
-        value = yaml.safe_load(text)
-    except yaml.YAMLError as error:
-        raise ValueError(f"Failed to convert '{text}' using yaml rules: {error}") from error
+        try:
+            value = yaml.safe_load(text)
+        except yaml.YAMLError as error:
+            raise ValueError(f"Failed to convert '{text}' using yaml rules: {error}") from error
     if data_type is None and (isinstance(value, SCALAR_TYPES) or _is_uniform(value)):
         return value
     if data_type is bool and isinstance(value, bool):

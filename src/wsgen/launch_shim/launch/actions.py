@@ -25,6 +25,7 @@ from launch._utilities import (
 from launch.base import Action, Event, Substitution, TextSubstitution
 from launch.launch_context import NEVER, PROCESS_TIME, LaunchContext
 from launch.launch_description import LaunchDescriptionSource
+from wsgen.isolation.child import copy_environment
 from wsgen.launch import commands, known_packages, written_files
 from wsgen.launch.record import RECORD, split_location
 from wsgen.model.plan import (
@@ -145,12 +146,12 @@ class DeclareLaunchArgument(Action):
                     f"Required launch argument '{self.__name}' (description: "
                     f"'{self.description}') was not provided"
                 )
-            configurations[self.__name] = perform_substitutions(context, self.__default_value)
-            configurations.setters[self.__name] = (DEFAULT, self.wsgen_location)
-            self._note(configurations[self.__name], configurations)
+            value = perform_substitutions(context, self.__default_value)
+            configurations.set(self.__name, value, DEFAULT, self.wsgen_location)
+            self._note(value, value, configurations)
         else:
-            self._note(_words(self.__default_value), configurations)
-        value = configurations[self.__name]
+            value = configurations[self.__name]
+            self._note(_words(self.__default_value), value, configurations)
         if not self._allows(value):
             raise RuntimeError(
                 f'Argument "{self.__name}" provided value "{value}" is not valid. '
@@ -165,7 +166,7 @@ class DeclareLaunchArgument(Action):
         """Set the configuration to what is unknown."""
         _set_unknown(context, self.__name, self.wsgen_location)
 
-    def _note(self, default: str | None, configurations: _Configurations) -> None:
+    def _note(self, default: str | None, value: Any, configurations: _Configurations) -> None:
         if self.wsgen_location is not None:  # not those of the ROS package shims
             setter, place = configurations.setters.get(self.__name, (LAUNCH_FILE, None))
             RECORD.arguments.setdefault(
@@ -173,7 +174,7 @@ class DeclareLaunchArgument(Action):
                 LaunchArgument(
                     name=str(self.__name),
                     default=default,
-                    value=str(configurations[self.__name]),
+                    value=str(value),
                     description="" if self.__description is None else str(self.__description),
                     origin=RECORD.origin(self.wsgen_location),
                     set_by=setter,
@@ -404,6 +405,8 @@ class ExecuteProcess(ExecuteLocal):
             inside = IncludeLaunchDescription(source, launch_arguments=include.arguments.items())
             inside.wsgen_location = self.wsgen_location
             yield GroupAction([ResetLaunchConfigurations(), inside])
+        elif RECORD.live is not None:
+            yield GroupAction(RECORD.live.included(include) or [])
 
     def prepare(self, context: LaunchContext) -> Process:
         """Perform the words."""
@@ -421,7 +424,7 @@ class ExecuteProcess(ExecuteLocal):
             perform_substitutions(context, name): perform_substitutions(context, value)
             for name, value in self.__environment
         }
-        inherited = {} if self.__replaces_environment else dict(os.environ)
+        inherited = {} if self.__replaces_environment else copy_environment()
         self.wsgen_environment = {**inherited, **variables}
         return Process(
             package=None,
@@ -582,8 +585,8 @@ class SetLaunchConfiguration(Action):
     def execute(self, context: LaunchContext) -> None:
         """Set it."""
         name = perform_substitutions(context, self.__name)
-        context.launch_configurations[name] = perform_substitutions(context, self.__value)
-        context.launch_configurations.setters[name] = self.wsgen_setter
+        value = perform_substitutions(context, self.__value)
+        context.launch_configurations.set(name, value, *self.wsgen_setter)
 
     def wsgen_give_up(self, context: LaunchContext) -> None:
         """Set the configuration to what is unknown."""

@@ -9,6 +9,7 @@ from collections import deque
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
+from wsgen.isolation.child import copy_environment, set_environment
 from wsgen.launch.record import RECORD, caller, locate
 from wsgen.model.plan import LAUNCH_FILE
 
@@ -101,6 +102,11 @@ class _Configurations(dict[str, Any]):
         self.setters[name] = (LAUNCH_FILE, caller())
         super().__setitem__(name, value)
 
+    def set(self, name: str, value: Any, setter: str, location: Location | None) -> None:
+        """Set one, with who has set it and where that is written."""
+        self.setters[name] = (setter, location)
+        super().__setitem__(name, value)
+
     def copy_unread(self) -> _Configurations:
         """A copy, for a scope."""
         copied = _Configurations(self.unread())
@@ -148,7 +154,7 @@ class LaunchContext:
         self._configurations = _Configurations()
         self._configurations_stack: list[_Configurations] = []
         self._environment_stack: list[dict[str, str]] = []
-        self._environment_at_start = dict(os.environ)
+        self._environment_at_start = copy_environment()
 
     @property
     def launch_configurations(self) -> _Configurations:
@@ -250,7 +256,7 @@ class LaunchContext:
         self._configurations = self._configurations_stack.pop()
 
     def _push_environment(self) -> None:
-        self._environment_stack.append(dict(os.environ))
+        self._environment_stack.append(copy_environment())
 
     def _pop_environment(self) -> None:
         if not self._environment_stack:
@@ -262,11 +268,7 @@ class LaunchContext:
 
     @staticmethod
     def _replace_environment(variables: Mapping[str, str]) -> None:
-        for name in set(os.environ) - set(variables):
-            del os.environ[name]
-        for name, value in variables.items():
-            if os.environ.get(name) != value:
-                os.environ[name] = value
+        set_environment(variables)
 
 
 def local_of(name: str) -> str:

@@ -103,6 +103,8 @@ class _Declarations:
             if isinstance(entity, self._declares):
                 entity.conditionally_included = entity.conditionally_included or conditional
                 self._found.setdefault(entity.name, (entity, includes))
+                if type(entity) is self._declares:
+                    continue  # nothing is in it
             if isinstance(entity, self._resets):
                 break
             path = (*includes, entity) if isinstance(entity, self._includes) else includes

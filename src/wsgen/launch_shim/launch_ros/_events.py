@@ -33,12 +33,22 @@ class ChangeState(Event):
 
 
 class StateTransition(Event):
-    """From one state to the next, both by name."""
+    """From one state to the next, both by name; rcl gives no label of the transition."""
 
     name = "launch_ros.events.lifecycle.StateTransition"
 
-    def __init__(self, *, action: LifecycleNode, start_state: str, goal_state: str) -> None:
+    def __init__(
+        self,
+        *,
+        action: LifecycleNode,
+        start_state: str,
+        goal_state: str,
+        transition: str = "",
+        timestamp: int = 0,  # ns
+    ) -> None:
         self.action = action
+        self.timestamp = timestamp
+        self.transition = transition
         self.start_state = start_state
         self.goal_state = goal_state
 
@@ -46,7 +56,7 @@ class StateTransition(Event):
 class OnStateTransition(EventHandler):
     """What is done when a node comes to a state, from another one where that is said."""
 
-    def __init__(
+    def __init__(  # noqa: PLR0913  as the original
         self,
         *,
         entities: Any,
@@ -54,16 +64,16 @@ class OnStateTransition(EventHandler):
         transition: str | None = None,
         start_state: str | None = None,
         goal_state: str | None = None,
+        matcher: Callable[[Event], bool] | None = None,
         **kwargs: Any,
     ) -> None:
-        del transition  # the original does not look at it either
-
         def matches(event: Event) -> bool:
             return (
                 isinstance(event, StateTransition)
                 and target_lifecycle_node in {None, event.action}
+                and transition in {None, event.transition}
                 and start_state in {None, event.start_state}
                 and goal_state in {None, event.goal_state}
             )
 
-        super().__init__(matcher=matches, entities=entities, **kwargs)
+        super().__init__(matcher=matcher or matches, entities=entities, **kwargs)

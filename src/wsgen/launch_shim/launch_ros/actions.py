@@ -216,10 +216,11 @@ _STATES = {
     7: ("active", "shuttingdown", "finalized"),
 }
 _CONFIGURE, _ACTIVATE = 1, 3
+_ERROR = "errorprocessing"
 
 
 class LifecycleNode(Node):
-    """A node that must have a name and a namespace; its transitions always succeed here."""
+    """A node that must have a name and a namespace; for a plan its transitions always succeed."""
 
     def __init__(
         self,
@@ -241,26 +242,23 @@ class LifecycleNode(Node):
     def execute(self, context: LaunchContext) -> Iterable[LaunchDescriptionEntity] | None:
         """Start it, and listen to what it is asked."""
         super().execute(context)
+        if RECORD.live is not None:
+            RECORD.live.follow_states(self)
         context.register_event_handler(_Listener(self))
-        if perform_typed_substitution(context, self.__autostart, bool):
-            for transition in (_CONFIGURE, _ACTIVATE):
-                context.emit_event_sync(
-                    ChangeState(
-                        lifecycle_node_matcher=lambda node: node is self,
-                        transition_id=transition,
-                    )
-                )
-        return None
+        if not perform_typed_substitution(context, self.__autostart, bool):
+            return None
+        return [
+            LifecycleTransition(
+                lifecycle_node_names=[self.node_name], transition_ids=[_CONFIGURE, _ACTIVATE]
+            )
+        ]
 
     def change_state(self, transition: int, context: LaunchContext) -> None:
         """Make a transition if its first state is the node's, and emit its events."""
-        states = _STATES.get(transition)
         if RECORD.live is not None:
-            RECORD.live.leave_out(
-                f"transition {transition} of the lifecycle node {self.process_name}",
-                "nothing here asks nodes for their transitions",
-            )
+            RECORD.live.change_state(self, transition)
             return
+        states = _STATES.get(transition)
         if states is None or states[0] != self.__state:
             return
         for start, goal in itertools.pairwise(states):
@@ -289,7 +287,7 @@ class _Listener(EventHandler):
 
 
 class LifecycleTransition(Action):
-    """Asks each of the nodes for each of the transitions, one after the other."""
+    """Asks each of the nodes for the transitions, for the next one when it is where one leads."""
 
     def __init__(
         self,
@@ -308,14 +306,49 @@ class LifecycleTransition(Action):
             raise RuntimeError("lifecycle_node_names and transition_ids must not be empty")
 
     def execute(self, context: LaunchContext) -> None:
-        """Ask them."""
+        """Ask them for the first one."""
+        numbers = [int(perform_substitutions(context, one)) for one in self.__transitions]
         for name in self.__names:
-            matcher = matches_node_name(perform_substitutions(context, name))
-            for transition in self.__transitions:
-                number = int(perform_substitutions(context, transition))
-                context.emit_event_sync(
-                    ChangeState(lifecycle_node_matcher=matcher, transition_id=number)
-                )
+            _Sequence(perform_substitutions(context, name), numbers).ask(context)
+
+
+class _Sequence(EventHandler):
+    """The transitions that a node is yet to make; an error ends them."""
+
+    def __init__(self, node: str, transitions: list[int]) -> None:
+        super().__init__(matcher=self._is_met)
+        self.__node = node
+        self.__matches_node = matches_node_name(node)
+        self.__left = list(transitions)
+        self.__states: list[str] = []  # on the way, and at the end, of the one that is made
+
+    def ask(self, context: LaunchContext) -> None:
+        """Ask for the next one."""
+        number = self.__left.pop(0)
+        self.__states = list(_STATES.get(number, ())[1:])
+        if self.__left:
+            context.register_event_handler(self)
+        context.emit_event_sync(
+            ChangeState(lifecycle_node_matcher=self.__matches_node, transition_id=number)
+        )
+
+    def _is_met(self, event: Event) -> bool:
+        if not isinstance(event, StateTransition) or not self.__matches_node(event.action):
+            return False
+        return event.goal_state == _ERROR or [event.start_state, event.goal_state] == self.__states
+
+    def handle(self, event: Event, context: LaunchContext) -> None:
+        """Go on."""
+        super().handle(event, context)
+        context.unregister_event_handler(self)
+        if isinstance(event, StateTransition) and event.goal_state == _ERROR:
+            import logging
+
+            logging.getLogger("launch_ros.actions.lifecycle_transition").info(
+                "Stopping transitions for %s because an error has occurred", self.__node
+            )
+            return
+        self.ask(context)
 
 
 class LoadComposableNodes(Action):

@@ -9,13 +9,18 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from launch._utilities import normalize_to_list_of_substitutions, perform_substitutions
+from launch._utilities import (
+    normalize_to_list_of_substitutions,
+    perform_substitutions,
+    read_plain_yaml,
+)
 from launch.base import Substitution, TextSubstitution
 from launch_ros.parameter_descriptions import Parameter, ParameterFile, ParameterValue
 from wsgen.files import refuse_irregular
 from wsgen.launch.live import ParameterGroup
 from wsgen.launch.record import RECORD, caller, split_location
 from wsgen.model.plan import Process
+from wsgen.yamlfile import merge_repeated
 
 if TYPE_CHECKING:
     from launch.base import Condition, SomeSubstitutionsType
@@ -316,6 +321,9 @@ def _read_value(name: str, text: str, location: Location | None) -> Any:
 
 
 def _read_yaml(name: str, text: str) -> Any:
+    plain = read_plain_yaml(text)
+    if plain is not None:
+        return plain
     import yaml  # see launch.utilities.type_utils
 
     try:
@@ -493,7 +501,10 @@ def note_composable_node(
     )
     RECORD.processes.append(process)
     if RECORD.live is not None:
-        RECORD.live.load(process)
+        extra = evaluate_parameters(
+            context, node.extra_arguments, node=full_name, location=place, in_container=True
+        )
+        RECORD.live.load(process, extra)
 
 
 def read(
@@ -506,8 +517,9 @@ def read(
 ) -> Evaluated:
     """What a file says for a node, given by its full name; nothing where the file is missing.
 
-    For a node that is loaded `in_container`, launch itself reads the file, and takes one without
-    sections for parameters.
+    For a node that is loaded `in_container`, launch itself reads the file: it takes one without
+    sections for parameters, and makes a list with numbers of both kinds one of floats, as it does
+    with those that a launch file writes. A node refuses such a file.
     """
     path = parameter_file.evaluate(context)
     found = Evaluated()
@@ -536,7 +548,7 @@ def read(
         return found
     lines = _lines_of(path, text) if RECORD.with_origins else {}
     for name, value in _meant(content, node, in_container=in_container).items():
-        found[name] = value
+        found[name] = _with_one_kind(value) if in_container else value
     for name, line in _meant(lines, node, in_container=in_container).items():
         found.places[name] = (_original(path), line)
     return found
@@ -552,6 +564,13 @@ def _meant(content: Any, node: str, *, in_container: bool) -> dict[str, Any]:
     if in_container and not sections and isinstance(content, dict):
         return _flatten(content, "")
     return found
+
+
+def _with_one_kind(value: Any) -> Any:
+    """A list with integers and floats as one of floats; all else as it is."""
+    if isinstance(value, list) and {type(item) for item in value} == {int, float}:
+        return [float(item) for item in value]
+    return value
 
 
 def _original(path: Path) -> str:
@@ -576,7 +595,13 @@ def _parse(text: str) -> Any:
     import yaml  # see launch.utilities.type_utils
 
     # libyaml is ten times as fast, and what nodes read the file with themselves.
-    return yaml.load(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))  # noqa: S506  both are safe
+    class Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
+        def get_single_node(self) -> Any:
+            node = super().get_single_node()
+            merge_repeated(node)
+            return node
+
+    return yaml.load(text, Loader=Loader)  # noqa: S506  it is safe
 
 
 def _sections(content: Any, name: str) -> Iterator[tuple[str, dict[Any, Any]]]:

@@ -44,10 +44,40 @@ function lines(kind, data, all) {
     const line = { width: 2, dash, color: colors[number % colors.length] };
     const values = { x: seconds, name: engine, mode: "lines", line, showlegend: several };
     if (kind === "path") {
-      return [{ ...values, x: column(data, series.x), y: column(data, series.y) }];
+      const path = { ...values, x: column(data, series.x), y: column(data, series.y) };
+      return [...(number === 0 ? area(data, series.goal) : []), path, ...ends(path, number)];
     }
     return [{ ...values, y: column(data, series[kind]) }];
   });
+}
+
+// Where a behavior has to end: the same in all engines.
+function area(data, goal) {
+  if (!goal) return [];
+  return [
+    {
+      x: column(data, goal.x),
+      y: column(data, goal.y),
+      name: "has to end here",
+      mode: "lines",
+      fill: "toself",
+      fillcolor: color("good-back"),
+      line: { width: 1.5, color: color("good"), dash: "dot" },
+      hoverinfo: "name",
+    },
+  ];
+}
+
+function ends({ x, y, line }, number) {
+  const marker = (at, name, symbol) => ({
+    x: [x.at(at)],
+    y: [y.at(at)],
+    name,
+    mode: "markers",
+    showlegend: number === 0,
+    marker: { size: 11, symbol, color: line.color, line: { width: 1.5, color: color("card") } },
+  });
+  return [marker(0, "start", "circle"), marker(-1, "end", "square")];
 }
 
 // A line of noise is flat: an axis shows no less than this.
@@ -88,7 +118,7 @@ async function drawMotion(motion) {
     if (figure.hidden) continue;
     const traces = lines(kind, data, all);
     const isNarrow = plot.clientWidth < 560;
-    const legend = isNarrow
+    const legend = isNarrow || kind === "path"
       ? { orientation: "h", x: 0, y: -0.25, yanchor: "top" }
       : { orientation: "v", x: 1.01, y: 1 };
     const axes =
@@ -358,6 +388,37 @@ for (const table of document.querySelectorAll("table.sortable")) {
     rows.sort((one, other) => compare(one.value, other.value) * (isUp ? 1 : -1));
     body.append(...rows.map(({ row }) => row));
   });
+}
+
+// A table that does not fit shows each row as a list, with the name of the column before each cell.
+const ROLES = { TABLE: "table", THEAD: "rowgroup", TBODY: "rowgroup", TR: "row", TD: "cell" };
+
+function labelCells(table) {
+  const names = [...table.tHead.rows[0].cells].map((heading) => heading.textContent.trim());
+  for (const row of table.tBodies[0].rows) {
+    [...row.cells].forEach((cell, index) => (cell.dataset.label = names[index]));
+  }
+  // Browsers take tables that are not laid out as such for none.
+  for (const one of [table, ...table.querySelectorAll("thead, tbody, tr, td")]) {
+    one.setAttribute("role", ROLES[one.tagName]);
+  }
+  for (const heading of table.querySelectorAll("th")) {
+    heading.setAttribute("role", heading.scope === "col" ? "columnheader" : "rowheader");
+  }
+}
+
+const widths = new ResizeObserver((entries) => {
+  for (const { target, contentRect } of entries) {
+    const table = target.querySelector("table");
+    if (!contentRect.width || target.dataset.width === String(contentRect.width)) continue;
+    target.dataset.width = contentRect.width;
+    table.classList.remove("stacked");
+    table.classList.toggle("stacked", target.scrollWidth > target.clientWidth);
+  }
+});
+for (const scroll of document.querySelectorAll(".scroll")) {
+  labelCells(scroll.querySelector("table"));
+  widths.observe(scroll);
 }
 
 const filter = document.getElementById("only-failed");

@@ -8,7 +8,9 @@ import importlib
 import json
 import os
 import sys
+import time
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,14 +19,15 @@ from wsgen.isolation.codec import decode
 from wsgen.ros_nodes.bridge import split
 from wsgen.ros_nodes.signals import ignore_ends, raise_when_ended
 from wsgen.ros_nodes.simulator.commands import CommandServer
-from wsgen.ros_nodes.simulator.filming import Filming
 from wsgen.ros_nodes.simulator.host import Due
 from wsgen.ros_nodes.simulator.names import BadNameError
 from wsgen.ros_nodes.simulator.pace import Pace
+from wsgen.ros_nodes.simulator.pose_logger import PoseLogger
+from wsgen.ros_nodes.simulator.preparing import Preparing
 from wsgen.ros_nodes.simulator.ros import Ros
 from wsgen.ros_nodes.simulator.services import offer_services
 from wsgen.ros_nodes.simulator.simulation import LiveSimulation
-from wsgen.simulation.live_scene import FOLDER_VARIABLE, SCENE_FILE, LiveScene
+from wsgen.simulation.live_scene import FOLDER_VARIABLE, SCENE_FILE, UNHEARD_FILE, LiveScene
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -39,7 +42,10 @@ TELL_OF_WAITING = (
     "once; add -r to gz_args, and Gazebo Sim does so, too."
 )
 SLICE = 0.01  # s, simulated, between two looks at what has arrived
+AWAITED = 30.0  # s, of the wall clock, that the time of robots to come is not faster than that
+LOOK_EVERY = 2.0  # s, of the wall clock, between two looks at the types of topics
 IDLE = 0.02  # s, that a paused simulator waits for what arrives
+NEXT_STEP = 0.002  # s, that one waits for who tells it to go on, before it looks at messages
 TRACEBACK = "WSGEN_TRACEBACK"  # a variable; set, bugs have tracebacks
 ENGINES = {
     "bullet": "wsgen.simulation.bullet:BulletEngine",
@@ -57,10 +63,11 @@ def main() -> int:
             "Start it with `wsgen launch PACKAGE FILE --run`.\n"
         )
         return 2
-    raise_when_ended()
     try:
+        raise_when_ended()
         simulate(Path(folder), sys.argv[1:])
     except KeyboardInterrupt:
+        ignore_ends()
         return 0
     except BadNameError as error:
         sys.stderr.write(
@@ -82,34 +89,55 @@ def main() -> int:
 
 def simulate(folder: Path, arguments: list[str]) -> None:
     """Simulate the scene of a live folder."""
-    text = (folder / SCENE_FILE).read_text(encoding="utf-8")
-    scene = decode(json.loads(text), LiveScene)
-    if PAUSED in arguments:
-        scene = replace(scene, is_paused=True)
-    engine = make_engine(scene.scene.engine, scene.scene.world)
-    ros = Ros(split(arguments).of_ros)
-    simulation = LiveSimulation(scene, engine, ros, lambda _: None)
-    if scene.is_filmed:
-        simulation.add(Due(plugin=Filming(simulation.host, folder), robot=None, name="film"))
-    if WAITS in arguments:
-        simulation.host.warn(TELL_OF_WAITING)
-    server = CommandServer(folder, simulation)
+    ends = contextlib.ExitStack()
     try:
+        text = (folder / SCENE_FILE).read_text(encoding="utf-8")
+        scene = decode(json.loads(text), LiveScene)
+        if PAUSED in arguments:
+            scene = replace(scene, is_paused=True)
+        engine = make_engine(scene.scene.engine, scene.scene.world)
+        ros = Ros(split(arguments).of_ros)
+        ends.callback(ros.close)
+        simulation = LiveSimulation(scene, engine, ros, lambda _: None)
+        ends.callback(simulation.close)
+        ends.callback(note_unheard, folder, ros)  # first: other nodes end at the same time
+        simulation.prepare = Preparing(folder)
+        if scene.logs_poses:
+            logger = PoseLogger(simulation.host, folder)
+            simulation.add(Due(plugin=logger, robot=None, name="pose log"))
+        if WAITS in arguments:
+            simulation.host.warn(TELL_OF_WAITING)
+        server = CommandServer(folder, simulation)
+        ends.callback(server.close)
         run(simulation, server, ros)
     finally:
-        ignore_ends()
-        server.close()
-        simulation.close()
-        ros.close()
+        ignore_ends()  # before anything that takes time: a signal comes again
+        ends.close()
+
+
+def note_unheard(folder: Path, ros: Ros) -> None:
+    """Leave the topics that could have driven a robot, where nobody has sent anything.
+
+    Those are none of them where a node was about to do so when the run was ended.
+    """
+    if not ros.has_heard:
+        ros.note_publishers()
+        unheard = {topic: kind for topic, kind in ros.read.items() if topic not in ros.of_others}
+        with contextlib.suppress(OSError):  # a hint depends on it, no more
+            (folder / UNHEARD_FILE).write_text(json.dumps(unheard), encoding="utf-8")
 
 
 def make_engine(name: str, world: World) -> Engine:
     """The world in an engine."""
+    engine: Engine = load_engine(name)(world)
+    return engine
+
+
+def load_engine(name: str) -> Any:
+    """The class of an engine, by the name of its option."""
     module, _, attribute = ENGINES[name].partition(":")
     with _quiet():  # PyBullet tells when it was built
-        made: Any = getattr(importlib.import_module(module), attribute)
-    engine: Engine = made(world)
-    return engine
+        return getattr(importlib.import_module(module), attribute)
 
 
 @contextlib.contextmanager
@@ -129,30 +157,82 @@ def _quiet() -> Iterator[None]:
         os.close(nowhere)
 
 
+class Arrival:
+    """Keeps time as slow as real time until the robots of the launch file are there.
+
+    Otherwise the seconds of `--for` could be over before their spawners have begun. Who steps the
+    simulation waits for them.
+    """
+
+    def __init__(self, simulation: LiveSimulation, pace: Pace) -> None:
+        self._simulation, self._pace = simulation, pace
+        self._wanted = pace.rate
+        self._end = time.monotonic() + AWAITED
+        self._is_over = simulation.scene.is_stepped
+        if not self._is_over:
+            pace.rate = min(pace.rate or 1.0, 1.0)
+
+    def look(self) -> None:
+        """Take the wanted rate when they are there, or have not come for long."""
+        if self._is_over or (self._simulation.awaited and time.monotonic() < self._end):
+            return
+        self._is_over, self._pace.rate = True, self._wanted
+        self._pace.begin(self._simulation.now)
+
+
+class TypesOfTopics:
+    """Names messages that do not arrive because another type is read."""
+
+    def __init__(self, simulation: LiveSimulation, ros: Ros) -> None:
+        self._simulation, self._ros = simulation, ros
+        self._next = time.monotonic() + LOOK_EVERY
+
+    def look(self) -> None:
+        """Look now and then: it costs as much as a small message."""
+        if time.monotonic() >= self._next:
+            self._next = time.monotonic() + LOOK_EVERY
+            for problem in self._ros.mixed_types():
+                self._simulation.host.warn(problem)
+            if not self._ros.has_heard:  # who publishes may be gone at the end
+                self._ros.note_publishers()
+
+
 def run(simulation: LiveSimulation, server: CommandServer, ros: Ros) -> None:
     """Let time pass, as fast as the scene says."""
-    pace = Pace(simulation.scene.rate)
+    rate = simulation.scene.rate
+    pace = Pace(rate)
+    arrival = Arrival(simulation, pace)
     control = simulation.control
     offer_services(simulation)
+    # What asks has its answer as soon in slow motion.
+    slice_seconds = SLICE * min(1.0, rate or 1.0)
     last = simulation.scene.seconds
     begun, is_told = simulation.now, False
+    is_stepped = simulation.scene.is_stepped
+    rest = partial(server.wait, NEXT_STEP) if is_stepped else partial(ros.wait, IDLE)
+    types = TypesOfTopics(simulation, ros)
     while last is None or simulation.now < last:
-        if server.answer():  # it takes its time to load a robot
-            pace.begin(simulation.now)
+        loads = simulation.loads
+        took_time = server.answer()
         ros.poll()
-        if not control.passes:
-            ros.wait(IDLE)
+        arrival.look()
+        if took_time or simulation.loads != loads:  # it takes its time to load a robot
+            pace.begin(simulation.now)
+        types.look()
+        if not control.passes(simulation.now):
+            rest()
             pace.begin(simulation.now)
             continue
         if simulation.now < begun:  # it was reset
             pace.begin(simulation.now)
         begun = simulation.now
-        simulation.advance(control.next(simulation.now, SLICE))
-        rate = pace.rate_reached(simulation.now)
-        if rate is not None and not is_told:
+        simulation.advance(control.next(simulation.now, slice_seconds))
+        reached = pace.rate_reached(simulation.now)
+        if reached is not None and not is_told:
             is_told = True
             simulation.host.warn(
-                f"This machine simulates {rate:.2g} s a second, slower than --rate {pace.rate:g}."
+                f"This machine simulates {reached:.2g} s a second, slower than --rate "
+                f"{pace.rate:g}."
             )
         while (left := pace.early(simulation.now)) > 0:
             ros.wait(left)

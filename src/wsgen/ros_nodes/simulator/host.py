@@ -69,11 +69,17 @@ class Host:
         self.moment = 0  # counts the states that the engine has had
         self.engine = engine
         self._description = world
+        self._count = 0  # of robots
         self._told: set[str] = set()
         self._stamp: tuple[float, Any] | None = None
         self.gz = GzTopics(ros, self.warn)
         self._own: Any = None
         self._described: dict[int, Element] = {}  # by the identity of a node: its <ros>
+
+    def count_robot(self) -> int:
+        """A number that no other robot has."""
+        self._count += 1
+        return self._count
 
     @property
     def own_node(self) -> Any:
@@ -213,6 +219,8 @@ class RobotHandle:
         description: The text of its URDF, if it has one.
         spawned: As it was put into the world.
         ends: What is called when it leaves the world.
+        number: Counts robots: no other one of this simulation has had it.
+        times_placed: Counts how often it was put somewhere.
     """
 
     def __init__(
@@ -224,9 +232,12 @@ class RobotHandle:
         self.description = description
         self.spawned = spawned
         self.ends: list[Callable[[], None]] = []
+        self.number = host.count_robot()
+        self.times_placed = 0
         self._host = host
         self._engine = host.engine
         self._motors: dict[str, Motor] = {}  # that were put in and are there still
+        self._efforts: dict[str, float] = {}  # likewise, N m or N
         self._moment = -1
         self._known: dict[str, Any] = {}
 
@@ -258,6 +269,13 @@ class RobotHandle:
         """What their motors gave in the last step, N m or N."""
         return self._once("efforts", lambda: self._engine.joint_efforts(self.entity))
 
+    def joint_wrench(self, joint: str) -> tuple[Vector, Vector]:
+        """The force (N) and torque (N m) of the parent link on the child of a joint.
+
+        In the last step, about the origin of the child's frame.
+        """
+        return self._once(f"wrench {joint}", lambda: self._engine.joint_wrench(self.entity, joint))
+
     def contacts(self) -> list[Contact]:
         """What it touched in the last step."""
         return self._once("contacts", lambda: self._engine.contacts(self.entity))
@@ -281,7 +299,14 @@ class RobotHandle:
         }
         if new:
             self._motors |= new
+            for name in new:
+                self._efforts.pop(name, None)
             self._engine.drive(self.entity, new)
+
+    @property
+    def is_driven(self) -> bool:
+        """Whether a joint is told to move: by a motor that turns, or by an effort."""
+        return any(motor.speed for motor in self._motors.values()) or any(self._efforts.values())
 
     def release(self, joints: Iterable[str]) -> None:
         """Take the motors out of these joints."""
@@ -291,6 +316,7 @@ class RobotHandle:
         """Have efforts (N m or N) act on joints, which lose their motors, until the next call."""
         for name in efforts:
             self._motors.pop(name, None)
+        self._efforts |= efforts
         self._engine.set_efforts(self.entity, efforts)
 
     def set_joint_positions(self, positions: Mapping[str, float]) -> None:
@@ -305,6 +331,7 @@ class RobotHandle:
     def place(self, pose: Pose) -> None:
         """Put it elsewhere, at rest, its joints at zero."""
         self._engine.place(self.entity, pose)
+        self.times_placed += 1
         self._host.moment += 1
 
     def cast_rays(

@@ -20,6 +20,7 @@ from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from wsgen.ros_nodes.simulator.names import BadNameError
+from wsgen.ros_nodes.simulator.topics import Endpoint, mixed_types
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -41,8 +42,13 @@ class Ros:
         self._executor = _executor()
         self._subscriptions: list[tuple[Any, Callable[[Any], None]]] = []
         self._services: list[tuple[Any, Callable[[Any, Any], Any]]] = []
+        self.read: dict[str, str] = {}  # topics that were subscribed: the types of their messages
+        self.has_heard = False  # a message has come on one of them
+        self.of_others: set[str] = set()  # those of them that another process publishes
         self._next_executor = 0.0
         self._nodes: list[Any] = []
+        self._on_rosout: dict[str, Any] = {}  # the node that publishes there, by full name
+        self._ending: dict[str, Any] = {}  # such nodes that are forgotten: a task after their end
 
     def node(
         self,
@@ -60,10 +66,15 @@ class Ros:
             BadNameError: ROS refuses the name, the namespace or an argument.
         """
         given = {key: one for key, one in (parameters or {}).items() if key != "use_sim_time"}
+        # Several bridges may have one name. In ROS they are processes; in one, rcl would warn that
+        # /rosout has this name already. What all of them log goes through the first.
+        full_name = _full_name(namespace, name)
+        is_first = full_name not in self._on_rosout and full_name not in self._ending
         with _refusing():
             node = rclpy.create_node(
                 name,
                 namespace=namespace,
+                enable_rosout=is_first,
                 cli_args=["--ros-args", *arguments] if arguments else None,
                 start_parameter_services=parameters is not None,
                 allow_undeclared_parameters=parameters is not None,
@@ -72,6 +83,8 @@ class Ros:
             )
         self._executor.add_node(node)
         self._nodes.append(node)
+        if is_first:  # its arguments may have given it another name
+            self._on_rosout[_full_name(node.get_namespace(), node.get_name())] = node
         return node
 
     def own_node(self, name: str) -> Any:
@@ -92,9 +105,16 @@ class Ros:
         self, node: Any, message_type: type, topic: str, callback: Callable[[Any], None], qos: Any
     ) -> Any:
         """Have messages of a topic given to a function, one by one. Raises BadNameError."""
+
+        def take(message: Any) -> None:
+            self.has_heard = True
+            callback(message)
+
         with _refusing():
-            made = node.create_subscription(message_type, topic, callback, qos)
-        self._subscriptions.append((made, callback))
+            made = node.create_subscription(message_type, topic, take, qos)
+        self._subscriptions.append((made, take))
+        package, name = message_type.__module__.partition(".")[0], message_type.__name__
+        self.read[made.topic_name] = f"{package}/msg/{name}"
         return made
 
     def service(
@@ -125,6 +145,11 @@ class Ros:
         self._executor.remove_node(node)
         self._nodes = [one for one in self._nodes if one is not node]
         node.destroy_node()
+        for name in [name for name, one in self._on_rosout.items() if one is node]:
+            del self._on_rosout[name]
+            # The executor holds the node until its next turn. Then rcl takes the name from
+            # /rosout, even if another node has it by then, which would not be heard any more.
+            self._ending[name] = self._executor.create_task(_do_nothing)
 
     @staticmethod
     def time(seconds: float) -> Any:
@@ -176,13 +201,45 @@ class Ros:
                 request, header = service.handle.service_take_request(service.srv_type.Request)
             if header is not None:
                 service.send_response(answer(request, service.srv_type.Response()), header)
-        if time.monotonic() >= self._next_executor:
+                self._let_nodes_end()
+        if self._ending or time.monotonic() >= self._next_executor:
             self.wait(0.0)
 
     def wait(self, seconds: float) -> None:
         """Wait for something to arrive, no longer than that; timers, actions and the like run."""
         self._executor.spin_once(timeout_sec=seconds)
+        self._let_nodes_end()
         self._next_executor = time.monotonic() + EXECUTOR_EVERY
+
+    def _let_nodes_end(self) -> None:
+        """Have the executor let go of nodes that are forgotten; never called by a callback."""
+        for _ in range(MOST_AT_ONCE):  # a turn may end with the callback of something else
+            self._ending = {name: end for name, end in self._ending.items() if not end.done()}
+            if not self._ending:
+                break
+            self._executor.spin_once(timeout_sec=0.0)
+
+    def mixed_types(self) -> Iterator[str]:
+        """Which messages do not arrive in this domain, because two types are on one topic."""
+        if not self._nodes:
+            return
+        node = self._nodes[0]
+        for topic, types in node.get_topic_names_and_types():
+            if len(types) > 1:
+                senders = node.get_publishers_info_by_topic(topic)
+                readers = node.get_subscriptions_info_by_topic(topic)
+                yield from mixed_types(topic, map(_endpoint, senders), map(_endpoint, readers))
+
+    def note_publishers(self) -> None:
+        """Look which of the topics that are read another process publishes."""
+        if not self._nodes:
+            return
+        own = {(node.get_name(), node.get_namespace()) for node in self._nodes}
+        for topic in self.read.keys() - self.of_others:
+            senders = self._nodes[0].get_publishers_info_by_topic(topic)
+            # A bridge of both directions publishes what it reads.
+            if any((one.node_name, one.node_namespace) not in own for one in senders):
+                self.of_others.add(topic)
 
     def close(self) -> None:
         """Leave the domain."""
@@ -190,6 +247,18 @@ class Ros:
         for node in self._nodes:
             node.destroy_node()
         rclpy.try_shutdown()
+
+
+def _do_nothing() -> None:
+    """What a task does that tells when those before it have run."""
+
+
+def _full_name(namespace: str, name: str) -> str:
+    return "/".join(("", *filter(None, namespace.split("/")), name))
+
+
+def _endpoint(info: Any) -> Endpoint:
+    return Endpoint(node=info.node_name, type=info.topic_type)
 
 
 @contextmanager

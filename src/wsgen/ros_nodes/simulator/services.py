@@ -15,6 +15,7 @@ from wsgen.ros_nodes.simulator.gz_messages import message_class
 from wsgen.ros_nodes.simulator.host import Due, Plugin
 from wsgen.ros_nodes.simulator.messages import NOT_FINITE, move, pose_of
 from wsgen.ros_nodes.simulator.simulation import RefusedError
+from wsgen.simulation.live_scene import NewEntity
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -114,6 +115,7 @@ class GzServices:
             f"{world}/control": ("ControlWorld", self._control),
             f"{world}/remove": ("DeleteEntity", self._remove),
             f"{world}/set_pose": ("SetEntityPose", self._set_pose),
+            f"{world}/create": ("SpawnEntity", self._create),
         }
 
     def problem_of(self, rule: Rule) -> str | None:
@@ -151,6 +153,33 @@ class GzServices:
         except RefusedError as error:
             self._simulation.host.warn(f"{error.message} {error.hint}")
             response.success = False
+        else:
+            response.success = True
+        return response
+
+    def _create(self, request: Any, response: Any) -> Any:
+        """Spawn by text or file; what it cannot do is told as Gazebo tells it, in the log."""
+        wanted, host = request.entity_factory, self._simulation.host
+        pose = pose_of(wanted.pose)
+        response.success = False
+        if pose is None:
+            host.warn(f"SpawnEntity: {NOT_FINITE}")
+            return response
+        if not (wanted.sdf or wanted.sdf_filename):
+            host.warn(
+                "SpawnEntity: the request has neither sdf nor sdf_filename, all that wsgen spawns."
+            )
+            return response
+        new = NewEntity(
+            entity=wanted.name,
+            text=wanted.sdf,
+            model_uri=None if wanted.sdf else wanted.sdf_filename,
+            pose_in_world=pose,
+        )
+        try:
+            self._simulation.spawn_new(new, renames=wanted.allow_renaming)
+        except RefusedError as error:
+            host.warn(f"{error.message} {error.hint}")
         else:
             response.success = True
         return response

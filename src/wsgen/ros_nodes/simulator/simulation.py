@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import importlib
+import itertools
 import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from wsgen.model.devices import Devices
+from wsgen.model.devices import Devices, in_namespace
 from wsgen.model.gazebo_plugins import stem
 from wsgen.ros_nodes.simulator.host import CannotWorkError, Due, Host, RobotHandle
 from wsgen.ros_nodes.simulator.names import BadNameError
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from wsgen.ros_nodes.simulator.host import Plugin
     from wsgen.ros_nodes.simulator.ros import Ros
     from wsgen.simulation.engine import Engine
-    from wsgen.simulation.live_scene import LiveScene
+    from wsgen.simulation.live_scene import LiveScene, NewEntity, PreparedEntity
 
 BRIDGES_AFTER = 5.0  # s, simulated, after a robot came, until what nobody has is named
 LOOK_EVERY = 0.1  # s, simulated, between two looks at whether a robot has exploded
@@ -32,18 +33,20 @@ LOOK_EVERY = 0.1  # s, simulated, between two looks at whether a robot has explo
 class Control:
     """Whether time passes, as commands and services say."""
 
-    def __init__(self, *, is_paused: bool) -> None:
+    def __init__(self, *, is_paused: bool, limit: float = math.inf) -> None:
         self.is_paused = is_paused
         self.seconds = 0.0  # simulated, that pass although it is paused
+        self.limit = limit  # s, simulated: until when time may pass, paused or not
 
-    @property
-    def passes(self) -> bool:
-        """Whether any time passes now."""
-        return not self.is_paused or self.seconds > 0
+    def passes(self, now: float) -> bool:
+        """Whether any time passes at that time, s, simulated."""
+        return now < self.limit - TINY and (not self.is_paused or self.seconds > 0)
 
     def next(self, now: float, slice_seconds: float) -> float:
         """Until when time passes next, s, simulated."""
+        slice_seconds = min(slice_seconds, self.limit - now)
         if not self.is_paused:
+            self.seconds = 0.0
             return now + slice_seconds
         passing = min(self.seconds, slice_seconds)
         self.seconds = 0.0 if self.seconds - passing < TINY else self.seconds - passing
@@ -57,6 +60,13 @@ class RefusedError(Exception):
         super().__init__(message)
         self.message = message
         self.hint = hint
+
+
+def _prepares_nothing(new: NewEntity) -> PreparedEntity:
+    raise RefusedError(
+        f"The launch file spawns no robot `{new.entity}` that wsgen has prepared.",
+        "Spawn it in a launch that `wsgen launch --run` plays.",
+    )
 
 
 class LiveSimulation:
@@ -75,12 +85,20 @@ class LiveSimulation:
             world=scene.scene.world,
             world_name=scene.world,
         )
-        self.control = Control(is_paused=scene.is_paused)
+        self.control = Control(
+            is_paused=scene.is_paused, limit=0.0 if scene.is_stepped else math.inf
+        )
         self.host.rate = scene.rate
         around = scene.world_devices.surroundings if scene.world_devices is not None else ()
         self.host.surroundings = {element.tag: element for element in around}
         self._announce = announce
         self._known = {robot.entity: robot for robot in scene.scene.robots}
+        self._devices = dict(scene.devices)
+        self._descriptions = dict(scene.descriptions)
+        self.prepare: Callable[[NewEntity], PreparedEntity] = _prepares_nothing
+        self.loads = 0  # that have taken time in which none was simulated
+        # What spawners of the launch file have not put into the world so far.
+        self.awaited = {robot.entity for robot in scene.scene.robots}
         self._poses: dict[str, Pose] = {}  # where robots were spawned
         self._due: list[Due] = []
         self._steps = 0  # since the time was 0
@@ -96,8 +114,62 @@ class LiveSimulation:
         """The simulated time, s."""
         return self.host.now
 
-    def spawn(self, entity: str) -> None:
-        """Put a robot into the world.
+    def awaits(self, entity: str, new: NewEntity | None = None) -> bool:
+        """Whether a robot of that name is prepared that has not been in the world so far.
+
+        With `new`, only if it has that description and pose.
+        """
+        if entity not in self.awaited:
+            return False
+        return new is None or (
+            self._descriptions.get(entity) == new.text
+            and self._known[entity].pose_in_world == new.pose_in_world
+        )
+
+    def free_name(self, entity: str) -> str:
+        """That name, or the next one that nothing in the world has: `box_0`, `box_1`."""
+        names = itertools.chain((entity,), (f"{entity}_{n}" for n in itertools.count()))
+        return next(name for name in names if name not in self.host.robots)
+
+    def spawn_new(self, new: NewEntity, namespace: str = "", *, renames: bool = False) -> str:
+        """Prepare what the launch file does not name, and put it into the world; gives its name.
+
+        Raises:
+            RefusedError: It cannot be prepared or put there.
+        """
+        if new.entity and not renames:
+            self.refuse_twice(new.entity)
+        self.loads += 1
+        return self.spawn_prepared(self.prepare(new), namespace, renames=renames)
+
+    def spawn_prepared(
+        self, prepared: PreparedEntity, namespace: str = "", *, renames: bool = False
+    ) -> str:
+        """Put what has been prepared into the world; gives its name. Raises as `spawn_new`."""
+        robot = prepared.robot
+        if robot is None:
+            raise RefusedError(prepared.problem, prepared.hint)
+        if renames:
+            robot = replace(robot, entity=self.free_name(robot.entity))
+        entity = robot.entity
+        self.refuse_twice(entity)
+        self._known[entity] = robot
+        self._devices[entity] = prepared.devices or Devices()
+        self._descriptions.pop(entity, None)
+        if prepared.description is not None:
+            self._descriptions[entity] = prepared.description
+        self.spawn(entity, namespace)
+        return entity
+
+    def refuse_twice(self, entity: str) -> None:
+        """Raise RefusedError if something in the world has that name."""
+        if entity in self.host.robots:
+            raise RefusedError(
+                f"The entity `{entity}` exists already.", "Give each robot a name of its own."
+            )
+
+    def spawn(self, entity: str, namespace: str = "") -> None:
+        """Put a robot into the world; its plugins have that namespace in ROS, if one is given.
 
         Raises:
             RefusedError: There is no such robot, or it is there already, or the engine does not
@@ -109,10 +181,7 @@ class LiveSimulation:
                 f"The launch file spawns no robot `{entity}` that wsgen has prepared.",
                 f"Robots: {', '.join(self._known) or 'none'}.",
             )
-        if entity in self.host.robots:
-            raise RefusedError(
-                f"The entity `{entity}` exists already.", "Give each robot a name of its own."
-            )
+        self.refuse_twice(entity)
         spawned, refused = spawn_robots(
             self.engine, replace(self.scene.scene, robots=(robot,)), self._announce
         )
@@ -122,12 +191,13 @@ class LiveSimulation:
             )
         ((_, _, pose),) = spawned
         self._poses[entity] = pose
+        self.awaited.discard(entity)
         self.host.moment += 1
         handle = RobotHandle(
             self.host,
             robot,
-            self.scene.devices.get(entity, Devices()),
-            self.scene.descriptions.get(entity),
+            in_namespace(self._devices.get(entity, Devices()), namespace),
+            self._descriptions.get(entity),
         )
         self.host.robots[entity] = handle
         self._due += self._plugins(handle)
@@ -161,6 +231,7 @@ class LiveSimulation:
     def reset(self, *, with_time: bool) -> None:
         """Have all robots where they were spawned, and the time at 0."""
         if with_time:
+            self.control.limit -= self.host.now  # as much as before may pass
             self._steps = 0
             self.host.now = self._next_look = 0.0
         for entity, robot in self.host.robots.items():
@@ -244,13 +315,22 @@ class LiveSimulation:
             _end(robot, kept)
             self.host.warn(f"{owner}: the {name} does not work: {problem}")
             return
+        except (ArithmeticError, ValueError) as problem:
+            _end(robot, kept)
+            self.host.warn(
+                f"{owner}: the {name} does not work: wsgen cannot compute with its numbers "
+                f"({problem}). Correct what is 0, negative or huge."
+            )
+            return
         except ModuleNotFoundError as problem:
             if (problem.name or "").startswith("wsgen"):
                 raise
             _end(robot, kept)
+            package = (problem.name or "").partition(".")[0]
             self.host.warn(
-                f"{owner}: the {name} does not work: the ROS package "
-                f"`{(problem.name or '').partition('.')[0]}` is not installed."
+                f"{owner}: the {name} does not work: the ROS package `{package}` is not installed. "
+                f"Write <exec_depend>{package}</exec_depend> into a package.xml of the workspace "
+                "of the launch file that starts the simulator, and launch that again."
             )
             return
         yield Due(plugin=made, robot=robot, name=name, next=self.host.now)

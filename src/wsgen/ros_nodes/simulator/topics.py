@@ -6,6 +6,7 @@ bridges that name it, and what arrives from ROS by a rule goes to the plugins th
 
 from __future__ import annotations
 
+import itertools
 import math
 import time
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
@@ -21,12 +22,34 @@ from wsgen.ros_nodes.simulator.gz_messages import (
 from wsgen.suggestions import did_you_mean, nearest
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
 
     from wsgen.ros_nodes.simulator.ros import Ros
 
 COUNT_EVERY = 0.02  # s of wall-clock time
 DEPTH = 10  # of the queues of a bridge
+_ALIKE = 0.85  # as difflib counts: long names have their beginning in common
+
+
+class Endpoint(NamedTuple):
+    """A node at a topic of ROS."""
+
+    node: str
+    type: str  # sensor_msgs/msg/LaserScan
+
+
+def mixed_types(
+    topic: str, senders: Iterable[Endpoint], readers: Iterable[Endpoint]
+) -> Iterator[str]:
+    """Which messages do not arrive, because they are not of the type that is read."""
+    for sender, reader in itertools.product(sorted(set(senders)), sorted(set(readers))):
+        is_hidden = "_" in {sender.node[:1], reader.node[:1]}
+        if sender.type != reader.type and not is_hidden:
+            yield (
+                f"Nothing that `{sender.node}` publishes on {topic} reaches `{reader.node}`: it "
+                f"sends {sender.type}, and {reader.type} is read. Publish that type, or change the "
+                "one that is read: ros_type_name of a bridge, use_stamped_vel of a controller."
+            )
 
 
 class Publisher(Protocol):
@@ -165,12 +188,18 @@ class GzTopics:
             topic = gz_name(rule.gz_topic)
             if self._publishers.get(topic) or self._readers.get(topic):
                 continue
-            near = nearest(topic, sorted(self.names))
+            near = self._near(topic)
             yield (
                 f"bridge of `{rule.ros_topic}`: nothing in the simulation publishes or reads "
                 f"Gazebo's topic `{topic}`. "
                 + (did_you_mean(near) if near else f"Topics: {', '.join(sorted(self.names))}.")
             )
+
+    def _near(self, topic: str) -> str | None:
+        """The topic that may be meant: what is alike in it is more than the world and the model."""
+        word = topic.rpartition("/")[2]
+        same = [name for name in self.names if name.rpartition("/")[2] == word]
+        return same[0] if len(same) == 1 else nearest(topic, sorted(self.names), cutoff=_ALIKE)
 
     def open(self, node: Any, rules: list[Rule]) -> Bridge:
         """Connect topics; `node` is that of the bridge, and the rules have no problem."""

@@ -1,7 +1,7 @@
 """What gazebo_msgs says of Gazebo Classic's world: which robots are in it, and how they move.
 
 Sources: ros-simulation/gazebo_ros_pkgs, gazebo_ros/src/gazebo_ros_factory.cpp and
-gazebo_ros_state.cpp (branch ros2). Spawned are robots of the launch file alone.
+gazebo_ros_state.cpp (branch ros2).
 """
 
 from __future__ import annotations
@@ -33,6 +33,7 @@ from wsgen.ros_nodes.simulator.elements import number
 from wsgen.ros_nodes.simulator.host import Plugin
 from wsgen.ros_nodes.simulator.messages import NOT_FINITE, move, pose_of, set_pose, set_twist
 from wsgen.ros_nodes.simulator.simulation import RefusedError
+from wsgen.simulation.live_scene import NewEntity
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -45,13 +46,14 @@ if TYPE_CHECKING:
     Moving = tuple[Pose, tuple[Vector, Vector]]  # in the world, with m/s and rad/s
 
 WORLD = ("", "world")  # the frame of reference that is none
+MAP = (*WORLD, "map", "/map")  # that of what is spawned
 
 
 def offer_factory(simulation: LiveSimulation) -> None:
     """Offer the services that spawn, delete and list robots."""
     host = simulation.host
 
-    def do(function: Callable[[], None], response: Any, done: str) -> Any:
+    def do(function: Callable[[], object], response: Any, done: str) -> Any:
         try:
             function()
         except RefusedError as error:
@@ -61,19 +63,25 @@ def offer_factory(simulation: LiveSimulation) -> None:
         return response
 
     def spawn(request: Any, response: Any) -> Any:
-        name, pose = request.name, pose_of(request.initial_pose)
-        if pose is None:
-            response.success, response.status_message = False, f"SpawnEntity: {NOT_FINITE}"
+        new = _asked_for(host, request)
+        if isinstance(new, str):
+            response.success, response.status_message = False, new
             return response
-        done = f"SpawnEntity: Successfully spawned entity [{name}]"
-        answer = do(lambda: simulation.spawn(name), response, done)
-        if answer.success:
-            move(host.robots[name], pose)
-        return answer
+        done = "Successfully sent factory message to Gazebo."
+        if new.entity:
+            done = f"SpawnEntity: Successfully spawned entity [{new.entity}]"
+        namespace = request.robot_namespace
+        return do(
+            lambda: simulation.spawn_new(new, namespace, renames=not new.entity), response, done
+        )
 
     def delete(request: Any, response: Any) -> Any:
         name = request.name
-        done = f"DeleteEntity: Successfully deleted entity [{name}]"
+        if name not in host.robots:
+            response.success = False
+            response.status_message = f"Entity [{name}] does not exist"
+            return response
+        done = f"Successfully deleted entity [{name}]"
         return do(lambda: simulation.delete(name), response, done)
 
     def names(_: Any, response: Any) -> Any:
@@ -84,6 +92,25 @@ def offer_factory(simulation: LiveSimulation) -> None:
     host.service(None, SpawnEntity, "spawn_entity", spawn)
     host.service(None, DeleteEntity, "delete_entity", delete)
     host.service(None, GetModelList, "get_model_list", names)
+
+
+def _asked_for(host: Host, request: Any) -> NewEntity | str:
+    """What a request for an entity describes, or what is wrong with it, as Gazebo says it."""
+    pose, frame = pose_of(request.initial_pose), _find(host, request.reference_frame)
+    if pose is None:
+        return f"SpawnEntity: {NOT_FINITE}"
+    if frame is None and request.reference_frame not in MAP:
+        return (
+            f"Reference frame [{request.reference_frame}] not found, did you forget to scope the "
+            "link by model name?"
+        )
+    if request.name in host.robots:
+        return f"Entity [{request.name}] already exists."
+    return NewEntity(
+        entity=request.name,
+        text=request.xml,
+        pose_in_world=pose if frame is None else compose(frame[0], pose),
+    )
 
 
 class WorldState(Plugin):
@@ -130,18 +157,9 @@ class WorldState(Plugin):
             message.twist.append(twist)
         publisher.publish(message)
 
-    def _find(self, name: str) -> Moving | None:
-        """Where a robot or a link of one (`robot::link`) is."""
-        entity, _, link = name.partition("::")
-        robot = self._host.robots.get(entity)
-        if robot is None or (link and link not in robot.link_poses()):
-            return None
-        if not link:
-            return _root_of(robot)
-        return robot.link_poses()[link], robot.link_velocities()[link]
-
     def _get(self, request: Any, response: Any) -> Any:
-        found, frame = self._find(request.name), self._find(request.reference_frame)
+        found = _find(self._host, request.name)
+        frame = _find(self._host, request.reference_frame)
         response.success = found is not None and (
             frame is not None or request.reference_frame in WORLD
         )
@@ -168,7 +186,8 @@ class WorldState(Plugin):
 
     def _set(self, request: Any, response: Any) -> Any:
         state = request.state
-        robot, frame = self._host.robots.get(state.name), self._find(state.reference_frame)
+        robot = self._host.robots.get(state.name)
+        frame = _find(self._host, state.reference_frame)
         response.success = robot is not None and (
             frame is not None or state.reference_frame in WORLD
         )
@@ -195,6 +214,17 @@ class WorldState(Plugin):
     def close(self) -> None:
         """End its node."""
         self._host.ros.forget_node(self._node)
+
+
+def _find(host: Host, name: str) -> Moving | None:
+    """Where a robot or a link of one (`robot::link`) is."""
+    entity, _, link = name.partition("::")
+    robot = host.robots.get(entity)
+    if robot is None or (link and link not in robot.link_poses()):
+        return None
+    if not link:
+        return _root_of(robot)
+    return robot.link_poses()[link], robot.link_velocities()[link]
 
 
 def _root_of(robot: RobotHandle) -> Moving:

@@ -6,6 +6,7 @@ import importlib
 from typing import Any
 
 KINDS = ("msg", "srv", "action")
+OF_FEEDBACK = "_FeedbackMessage"  # on the topic `_action/feedback`; the package does not export it
 
 
 def get_interface(identifier: str) -> Any:
@@ -21,7 +22,10 @@ def get_interface(identifier: str) -> Any:
         parts.insert(1, "msg")
     if len(parts) < 3 or not all(parts):  # noqa: PLR2004
         raise ValueError(f"The passed type '{identifier}' is invalid")
-    return getattr(importlib.import_module(".".join(parts[:-1])), parts[-1])
+    module, name = importlib.import_module(".".join(parts[:-1])), parts[-1]
+    if parts[-2] == "action" and name.endswith(OF_FEEDBACK) and not hasattr(module, name):
+        return getattr(module, name.removesuffix(OF_FEEDBACK)).Impl.FeedbackMessage
+    return getattr(module, name)
 
 
 def get_message(identifier: str) -> Any:

@@ -8,16 +8,22 @@ from __future__ import annotations
 
 _HERE = "wsgen.ros_nodes.simulator.plugins"
 PLUGINS: dict[str, str] = {
+    "gazebo_ros_ackermann_drive": f"{_HERE}.ackermann:ClassicAckermann",
     "gazebo_ros_diff_drive": f"{_HERE}.diff_drive:ClassicDiffDrive",
+    "gazebo_ros_ft_sensor": f"{_HERE}.force_torque:ClassicForceTorque",
     "gazebo_ros_joint_pose_trajectory": f"{_HERE}.joint_control:ClassicPoseTrajectory",
     "gazebo_ros_joint_state_publisher": f"{_HERE}.joint_states:ClassicJointStates",
     "gazebo_ros_p3d": f"{_HERE}.odometry:GroundTruth",
     "gazebo_ros_planar_move": f"{_HERE}.planar_move:PlanarMove",
+    "ackermann-steering": f"{_HERE}.ackermann:GzAckermann",
+    "apply-joint-force": f"{_HERE}.joint_control:GzJointForce",
     "diff-drive": f"{_HERE}.diff_drive:GzDiffDrive",
     "joint-controller": f"{_HERE}.joint_control:GzJointVelocity",
     "joint-position-controller": f"{_HERE}.joint_control:GzJointPosition",
     "joint-state-publisher": f"{_HERE}.joint_states:GzJointStates",
     "joint-trajectory-controller": f"{_HERE}.joint_control:GzJointTrajectory",
+    "linearbatteryplugin": f"{_HERE}.battery:LinearBattery",
+    "mecanum-drive": f"{_HERE}.mecanum:GzMecanum",
     "odometry-publisher": f"{_HERE}.odometry:OdometryPublisher",
     "pose-publisher": f"{_HERE}.odometry:PosePublisher",
     "velocity-control": f"{_HERE}.planar_move:VelocityControl",
@@ -32,11 +38,13 @@ WORLD_PLUGINS: dict[str, str] = {
     "gazebo_ros_state": "wsgen.ros_nodes.simulator.world_state:WorldState"
 }
 
-# What the simulator does by itself, or what needs nothing done, by the same names.
+# What the simulator does by itself, or what needs nothing done, by the same names. Sensors work by
+# themselves, whether a system is there for them or not.
 DONE_BY_SIMULATOR = frozenset(
     (
         *("gazebo_ros_init", "gazebo_ros_factory", "gazebo_ros_state", "gazebo_ros_properties"),
         *("gazebo_ros_force_system", "physics", "user-commands", "scene-broadcaster", "sensors"),
-        *("imu", "contact", "label", "cpu-lidar", "environment-preload", "shader-param"),
+        *("air-pressure", "altimeter", "contact", "cpu-lidar", "forcetorque", "imu"),
+        *("magnetometer", "navsat", "label", "environment-preload", "shader-param"),
     )
 )

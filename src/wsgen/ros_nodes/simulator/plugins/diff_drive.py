@@ -7,8 +7,7 @@ src/DiffDriveOdometry.cc. Neither stops when commands cease: the last one holds 
 
 from __future__ import annotations
 
-import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from geometry_msgs.msg import TransformStamped, Twist
 from nav_msgs.msg import Odometry
@@ -29,7 +28,15 @@ from wsgen.ros_nodes.simulator.messages import (
     set_twist,
     yaw_of,
 )
-from wsgen.ros_nodes.simulator.plugins.wheels import Limits, WheelOdometry
+from wsgen.ros_nodes.simulator.plugins.gz_drive import (
+    DrivePublisher,
+    driven_joints,
+    joint_names,
+    length,
+    limits,
+)
+from wsgen.ros_nodes.simulator.plugins.slip import SlipWatch, Wheels
+from wsgen.ros_nodes.simulator.plugins.wheels import WheelOdometry
 from wsgen.ros_nodes.simulator.timing import Timer, until_next
 from wsgen.simulation.controllers import limited_motor
 from wsgen.simulation.engine import Motor
@@ -42,27 +49,6 @@ if TYPE_CHECKING:
 
 REACHED = 0.01  # m/s; Classic's plugin takes a speed that is so near for the wanted one
 WORLD = 1  # odometry_source of Classic's plugin: where the robot is, instead of its wheels
-
-
-class _Pair(NamedTuple):
-    """Two wheels on one axle."""
-
-    left: str  # joint
-    right: str
-    separation: float  # m
-    radius: float  # m
-
-
-def _joints(robot: RobotHandle, element: Element, side: str) -> list[str]:
-    movable = {joint.name for joint in robot.robot.movable_joints}
-    names = [found.text for found in element.find_all(side)]
-    for name in names:
-        if name not in movable:
-            raise CannotWorkError(
-                f"the robot has no joint `{name}` that can turn. Write the names of its wheels' "
-                f"joints into <{side}>."
-            )
-    return names
 
 
 class ClassicDiffDrive(Plugin):
@@ -83,6 +69,7 @@ class ClassicDiffDrive(Plugin):
         self._last = host.now
         first = self._pairs[0]
         self._encoder = WheelOdometry(first.separation, first.radius, first.radius)
+        self._slip = SlipWatch(host, robot, first, tuple(self._instructed))
         self._from_world = number(element, "odometry_source", WORLD) == WORLD
         self._odometry_frame = element.get("odometry_frame", "odom")
         self._base_frame = element.get("robot_base_frame", "base_footprint")
@@ -132,6 +119,7 @@ class ClassicDiffDrive(Plugin):
         if wants_odometry or (self._tf is not None and self._tf.is_wanted):
             self._publish()
         self._drive()
+        self._slip.look()
         self._last = self._host.now
 
     def _publish(self) -> None:
@@ -202,14 +190,15 @@ class ClassicDiffDrive(Plugin):
         self._instructed = dict.fromkeys(self._instructed, 0.0)
         self._last = self._host.now
         self._encoder.reset()
+        self._slip.reset()
 
     def close(self) -> None:
         """End its node."""
         self._host.ros.forget_node(self._node)
 
 
-def _classic_pairs(robot: RobotHandle, element: Element) -> list[_Pair]:
-    left, right = (_joints(robot, element, side) for side in ("left_joint", "right_joint"))
+def _classic_pairs(robot: RobotHandle, element: Element) -> list[Wheels]:
+    left, right = (joint_names(robot, element, side) for side in ("left_joint", "right_joint"))
     count = max(1, round(number(element, "num_wheel_pairs", 1.0)))
     if len(left) != len(right) or len(left) != count:
         raise CannotWorkError(
@@ -220,17 +209,17 @@ def _classic_pairs(robot: RobotHandle, element: Element) -> list[_Pair]:
     separations = [*numbers(element, "wheel_separation"), *[0.34] * count]
     diameters = [*numbers(element, "wheel_diameter"), *[0.15] * count]
     return [
-        _Pair(one, other, separation, _positive(diameter, "wheel_diameter") / 2)
+        Wheels(one, other, separation, _radius(diameter))
         for one, other, separation, diameter in zip(
             left, right, separations[:count], diameters[:count], strict=True
         )
     ]
 
 
-def _positive(value: float, name: str) -> float:
-    if not value > 0:
-        raise CannotWorkError(f"its <{name}> is {value:g}. Write a length in meters.")
-    return value
+def _radius(diameter: float) -> float:
+    if not diameter > 0:
+        raise CannotWorkError(f"its <wheel_diameter> is {diameter:g}. Write a length in meters.")
+    return diameter / 2
 
 
 class GzDiffDrive(Plugin):
@@ -238,35 +227,25 @@ class GzDiffDrive(Plugin):
 
     def __init__(self, host: Host, robot: RobotHandle, element: Element) -> None:
         self._host, self._robot = host, robot
-        joints = {joint.name: joint for joint in robot.robot.movable_joints}
-        names = [_joints(robot, element, side) for side in ("left_joint", "right_joint")]
-        if not all(names):
-            raise CannotWorkError("it names no <left_joint> or no <right_joint>.")
-        self._left, self._right = ([joints[name] for name in side] for side in names)
-        self._radius = _positive(number(element, "wheel_radius", 0.2), "wheel_radius")
-        separation = number(element, "wheel_separation", 1.0)
-        self._separation = _positive(separation, "wheel_separation")
-        self._linear_limits = _limits(element, "linear")
-        self._angular_limits = _limits(element, "angular")
-        frequency = number(element, "odom_publish_frequency", 50.0)
+        self._left, self._right = driven_joints(robot, element, "left_joint", "right_joint")
+        self._radius = length(element, "wheel_radius", 0.2)
+        self._separation = length(element, "wheel_separation", 1.0)
+        self._linear_limits = limits(element, "linear")
+        self._angular_limits = limits(element, "angular")
         self._control = Timer(host.update_seconds, host.now)
-        self._publish_timer = Timer(1 / frequency if frequency > 0 else 0.0, host.now)
-        self._wheels = WheelOdometry(separation, self._radius, self._radius)
+        self._wheels = WheelOdometry(self._separation, self._radius, self._radius)
+        names = self._left[0].name, self._right[0].name
+        self._slip = SlipWatch(
+            host,
+            robot,
+            Wheels(*names, self._separation, self._radius),
+            tuple(joint.name for joint in (*self._left, *self._right)),
+        )
         model = f"/model/{robot.entity}"
         self._topic = element.get("topic") or f"{model}/cmd_vel"
         host.subscription(robot, Twist, self._topic, self._command)
         host.subscription(robot, Bool, f"{model}/enable", self._enable)
-        topic = element.get("odom_topic") or f"{model}/odometry"
-        self._odometry_publisher = host.publisher(robot, Odometry, topic)
-        topic = element.get("tf_topic") or f"{model}/tf"
-        self._tf = host.publisher(robot, TFMessage, topic)
-        self._odometry = Odometry(
-            child_frame_id=element.get("child_frame_id") or f"{robot.entity}/{robot.robot.root}"
-        )
-        self._odometry.header.frame_id = element.get("frame_id") or f"{robot.entity}/odom"
-        self._transforms = TFMessage(
-            transforms=[TransformStamped(child_frame_id=self._odometry.child_frame_id)]
-        )
+        self._publisher = DrivePublisher(host, robot, element)
         self._begin()
 
     def _begin(self) -> None:
@@ -291,9 +270,12 @@ class GzDiffDrive(Plugin):
             self._drive()
         positions = self._robot.joint_positions()
         self._wheels.update(positions[self._left[0].name], positions[self._right[0].name], now)
-        if self._publish_timer.is_due(now):
-            self._publish()
-        self.period = until_next(now, self._control, self._publish_timer)
+        if self._publisher.timer.is_due(now):
+            wheels = self._wheels
+            place = wheels.x, wheels.y, wheels.heading
+            self._publisher.publish(place, (wheels.linear, 0.0), wheels.angular)
+        self._slip.look()
+        self.period = until_next(now, self._control, self._publisher.timer)
 
     def _drive(self) -> None:
         seconds = self._host.now - self._updated or self._host.update_seconds
@@ -318,43 +300,10 @@ class GzDiffDrive(Plugin):
             }
         )
 
-    def _publish(self) -> None:
-        wants_tf = self._tf.is_wanted
-        if not (wants_tf or self._odometry_publisher.is_wanted):
-            return
-        stamp, wheels, message = self._host.stamp(), self._wheels, self._odometry
-        xyz, xyzw = (wheels.x, wheels.y, 0.0), of_yaw(wheels.heading)
-        message.header.stamp = stamp
-        set_pose(message.pose.pose, xyz, xyzw)
-        set_twist(message.twist.twist, (wheels.linear, 0.0, 0.0), (0.0, 0.0, wheels.angular))
-        self._odometry_publisher.publish(message)
-        if wants_tf:
-            transform = self._transforms.transforms[0]
-            transform.header = message.header
-            set_transform(transform.transform, xyz, xyzw)
-            self._tf.publish(self._transforms)
-
     def reset(self) -> None:
         """Stand still at the origin of the odometry."""
         self._begin()
         self._wheels.reset()
-        for timer in (self._control, self._publish_timer):
+        self._slip.reset()
+        for timer in (self._control, self._publisher.timer):
             timer.reset(self._host.now)
-
-
-def _limits(element: Element, motion: str) -> Limits:
-    """What Gazebo Sim allows; a key without the kind of motion is for both."""
-
-    def bound(side: str, what: str) -> float:
-        default = -math.inf if side == "min" else math.inf
-        both = number(element, f"{side}_{what}", default)
-        return number(element, f"{side}_{motion}_{what}", both)
-
-    return Limits(
-        slowest=bound("min", "velocity"),
-        fastest=bound("max", "velocity"),
-        braking=bound("min", "acceleration"),
-        acceleration=bound("max", "acceleration"),
-        least_jerk=bound("min", "jerk"),
-        jerk=bound("max", "jerk"),
-    )

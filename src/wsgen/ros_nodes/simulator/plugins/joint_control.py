@@ -1,17 +1,16 @@
 """Plugins that move single joints by messages.
 
-Sources: gazebosim/gz-sim, src/systems/joint_position_controller, joint_controller and
-joint_traj_control; ros-simulation/gazebo_ros_pkgs,
+Sources: gazebosim/gz-sim, src/systems/joint_position_controller, joint_controller,
+joint_traj_control and apply_joint_force; ros-simulation/gazebo_ros_pkgs,
 gazebo_plugins/src/gazebo_ros_joint_pose_trajectory.cpp (branch ros2).
 
-PID controllers are updated in each step, as in Gazebo. Gazebo Sim's actuator messages are not
-taken.
+PID controllers are updated in each step, as in Gazebo.
 """
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from std_msgs.msg import Float32, Float64
 from trajectory_msgs.msg import JointTrajectory
@@ -19,6 +18,11 @@ from trajectory_msgs.msg import JointTrajectory
 from wsgen.ros_nodes.simulator.elements import boolean, number, numbers
 from wsgen.ros_nodes.simulator.host import CannotWorkError, Plugin
 from wsgen.ros_nodes.simulator.pid import Gains, GzPid
+from wsgen.ros_nodes.simulator.plugins.actuators import (
+    TOPIC,
+    actuator_number,
+    listen_to_actuator,
+)
 from wsgen.simulation.controllers import limited_motor
 
 if TYPE_CHECKING:
@@ -44,25 +48,36 @@ class _GzJoints(Plugin):
         if not self._joints:
             raise CannotWorkError("it names no joint of the robot. Write <joint_name>.")
         self._models = {joint.name: joint for joint in robot.robot.movable_joints}
-        if boolean(element, "use_actuator_msg", default=False):
-            raise CannotWorkError("wsgen does not take Actuators messages. Use <topic>.")
         self._target = 0.0
         self._pid = GzPid(_gains(element, "", self.default))
 
-    def _listen(self, element: Element, topic: str) -> None:
-        model = f"/model/{self._robot.entity}"
+    def _listen(
+        self, element: Element, topic: str, values: Literal["position", "velocity"]
+    ) -> None:
+        host, robot = self._host, self._robot
+        actuator = actuator_number(host, robot, element)
+        if actuator is not None:
+            topic = TOPIC
         if element.get("sub_topic"):
-            topic = f"{model}/{element.get('sub_topic')}"
+            topic = f"/model/{robot.entity}/{element.get('sub_topic')}"
         topic = element.get("topic") or topic
-        self._host.subscription(self._robot, Float64, topic, self._take)
+        if actuator is not None:
+            listen_to_actuator(host, robot, topic, (values, actuator), self._take)
+        else:
+            self._listen_to(topic)
 
-    def _take(self, message: Any) -> None:
-        if math.isfinite(message.data):
-            self._target = message.data
+    def _listen_to(self, topic: str) -> None:
+        self._host.subscription(
+            self._robot, Float64, topic, lambda message: self._take(message.data)
+        )
+
+    def _take(self, wanted: float) -> None:
+        if math.isfinite(wanted):
+            self._target = wanted
         else:
             self._host.warn(
                 f"`{self._robot.entity}`: a command for the joint `{self._joints[0]}` is "
-                f"{message.data}, which no joint can have."
+                f"{wanted}, which no joint can have."
             )
 
     def _drive(self, speed: float) -> None:
@@ -94,7 +109,8 @@ class GzJointPosition(_GzJoints):
         self._fastest = number(element, "cmd_max", math.inf)
         self.period = None if self._by_speed else host.step_seconds
         index = int(number(element, "joint_index", 0.0))
-        self._listen(element, f"/model/{robot.entity}/joint/{self._joints[0]}/{index}/cmd_pos")
+        topic = f"/model/{robot.entity}/joint/{self._joints[0]}/{index}/cmd_pos"
+        self._listen(element, topic, "position")
 
     def update(self) -> None:
         """Go on towards the position."""
@@ -117,7 +133,8 @@ class GzJointVelocity(_GzJoints):
         self._by_effort = boolean(element, "use_force_commands", default=False)
         self.period = host.step_seconds if self._by_effort else None
         self._driven: float | None = None
-        self._listen(element, f"/model/{robot.entity}/joint/{self._joints[0]}/cmd_vel")
+        topic = f"/model/{robot.entity}/joint/{self._joints[0]}/cmd_vel"
+        self._listen(element, topic, "velocity")
 
     def update(self) -> None:
         """Keep the speed."""
@@ -131,6 +148,29 @@ class GzJointVelocity(_GzJoints):
         """Begin again."""
         super().reset()
         self._driven = None
+
+
+class GzJointForce(_GzJoints):
+    """`gz-sim-apply-joint-force-system`: the effort of the last message acts on a joint."""
+
+    default = OF_SPEED
+
+    def __init__(self, host: Host, robot: RobotHandle, element: Element) -> None:
+        super().__init__(host, robot, element)
+        self._listen_to(f"/model/{robot.entity}/joint/{self._joints[0]}/cmd_force")
+        self._acting = 0.0
+
+    def update(self) -> None:
+        """Have it act."""
+        if self._target != self._acting:
+            self._acting = self._target
+            self._robot.set_efforts(
+                {name: _within(self._models[name], self._target) for name in self._joints}
+            )
+
+    def reset(self) -> None:
+        """Let go."""
+        self._target = 0.0
 
 
 class GzJointTrajectory(Plugin):

@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING
 from wsgen.ros_nodes.simulator.elements import boolean, number
 from wsgen.ros_nodes.simulator.host import CannotWorkError, Plugin
 from wsgen.ros_nodes.simulator.ros2_control.hardware import Interfaces, read_hardware
-from wsgen.ros_nodes.simulator.ros2_control.imu_hardware import imus_of
 from wsgen.ros_nodes.simulator.ros2_control.joints import JointSystem, Settings
 from wsgen.ros_nodes.simulator.ros2_control.manager import ControllerManager, is_former
+from wsgen.ros_nodes.simulator.ros2_control.sensor_hardware import sensors_of
 
 if TYPE_CHECKING:
     from wsgen.model.devices import Element
@@ -60,7 +60,7 @@ class Ros2Control(Plugin):
         robot.ends.append(self._manager.close)
         self._period = self.period = max(host.step_seconds, 1.0 / self._manager.rate)
         interfaces = Interfaces(hardware.components)
-        self._imus = imus_of(host, robot, hardware.components, interfaces)
+        self._sensors = sensors_of(host, robot, hardware.components, interfaces)
         self._system = JointSystem(
             robot,
             hardware.components,
@@ -81,16 +81,16 @@ class Ros2Control(Plugin):
         """Read the joints, update the controllers, command the joints."""
         now = self._host.now
         self._system.read()
-        for imu in self._imus:
-            imu.update()
+        for sensor in self._sensors:
+            sensor.update()
         self._manager.update(now)
         self._system.write(self._period)
 
     def reset(self) -> None:
         """Begin again."""
         self._system.begin()  # controllers begin where the joints are then
-        for imu in self._imus:
-            imu.reset()
+        for sensor in self._sensors:
+            sensor.reset()
         self._manager.reset()
 
 

@@ -24,6 +24,10 @@ IMU = (
     *("angular_velocity.x", "angular_velocity.y", "angular_velocity.z"),
     *("linear_acceleration.x", "linear_acceleration.y", "linear_acceleration.z"),
 )
+FORCE_TORQUE = (
+    *("force.x", "force.y", "force.z"),
+    *("torque.x", "torque.y", "torque.z"),
+)
 # What `<hardware><plugin>` names where the simulator is the hardware.
 SIMULATED = frozenset(
     (

@@ -106,8 +106,8 @@ def _mirrored(value: float | None) -> float | None:
     return None if value is None else -value
 
 
-class WheelOdometry:
-    """Where a robot with two wheels is, by how these have turned.
+class Odometry:
+    """Where a robot is, by the speeds that its wheels have.
 
     Attributes:
         x: m, in the frame of odometry.
@@ -117,35 +117,23 @@ class WheelOdometry:
         angular: rad/s, to the left, likewise.
     """
 
-    def __init__(self, separation: float, left: float, right: float, window: int) -> None:
-        """Distance of the wheels and their radii (m); of how many updates speeds are the mean."""
-        self._separation, self._left, self._right = separation, left, right
+    def __init__(self, window: int) -> None:
+        """Of how many updates speeds are the mean."""
         self._speeds: deque[tuple[float, float]] = deque(maxlen=max(1, window))
-        self._last: tuple[float, float] | None = None
         self.x = self.y = self.heading = 0.0
         self.linear = self.angular = 0.0
-
-    def by_positions(self, left: float, right: float, seconds: float) -> None:
-        """The wheels are at these positions (rad) now."""
-        way = (left * self._left, right * self._right)
-        last, self._last = self._last or (0.0, 0.0), way
-        self._go(way[0] - last[0], way[1] - last[1], seconds)
-
-    def by_velocities(self, left: float, right: float, seconds: float) -> None:
-        """The wheels turn that fast (rad/s) now."""
-        self._go(left * self._left * seconds, right * self._right * seconds, seconds)
 
     def by_commands(self, linear: float, angular: float, seconds: float) -> None:
         """The robot is believed to do what it was told, m/s and rad/s."""
         self.linear, self.angular = linear, angular
         self._integrate(linear * seconds, angular * seconds)
 
-    def _go(self, left: float, right: float, seconds: float) -> None:
+    def by_speeds(self, linear: float, angular: float, seconds: float) -> None:
+        """It has gone like that (m/s, rad/s) since the last update."""
         if seconds < _SHORTEST:
             return
-        way, turn = (left + right) / 2, (right - left) / self._separation
-        self._integrate(way, turn)
-        self._speeds.append((way / seconds, turn / seconds))
+        self._integrate(linear * seconds, angular * seconds)
+        self._speeds.append((linear, angular))
         self.linear = sum(one for one, _ in self._speeds) / len(self._speeds)
         self.angular = sum(one for _, one in self._speeds) / len(self._speeds)
 
@@ -160,3 +148,27 @@ class WheelOdometry:
         self.heading += turn
         self.x += radius * (math.sin(self.heading) - math.sin(old))
         self.y -= radius * (math.cos(self.heading) - math.cos(old))
+
+
+class WheelOdometry(Odometry):
+    """That of a robot with two wheels, by how these have turned."""
+
+    def __init__(self, separation: float, left: float, right: float, window: int) -> None:
+        """Distance of the wheels and their radii (m); of how many updates speeds are the mean."""
+        super().__init__(window)
+        self._separation, self._left, self._right = separation, left, right
+        self._last: tuple[float, float] | None = None
+
+    def by_positions(self, left: float, right: float, seconds: float) -> None:
+        """The wheels are at these positions (rad) now."""
+        way = (left * self._left, right * self._right)
+        last, self._last = self._last or (0.0, 0.0), way
+        if seconds >= _SHORTEST:
+            self._go((way[0] - last[0]) / seconds, (way[1] - last[1]) / seconds, seconds)
+
+    def by_velocities(self, left: float, right: float, seconds: float) -> None:
+        """The wheels turn that fast (rad/s) now."""
+        self._go(left * self._left, right * self._right, seconds)
+
+    def _go(self, left: float, right: float, seconds: float) -> None:
+        self.by_speeds((left + right) / 2, (right - left) / self._separation, seconds)

@@ -12,6 +12,7 @@ SENSORS: dict[str, str] = {
     **dict.fromkeys(("ray", "gpu_ray", "lidar", "gpu_lidar"), f"{_HERE}.lidar:Lidar"),
     "imu": f"{_HERE}.imu:Imu",
     "contact": f"{_HERE}.contact:ContactSensor",
+    "force_torque": f"{_HERE}.force_torque:ForceTorque",
     **dict.fromkeys(("gps", "navsat"), f"{_HERE}.navsat:NavSat"),
     "altimeter": f"{_HERE}.altimeter:Altimeter",
     "air_pressure": f"{_HERE}.air_pressure:AirPressure",

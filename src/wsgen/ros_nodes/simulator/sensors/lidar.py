@@ -8,8 +8,9 @@ gazebo_ros/include/gazebo_ros/conversions/sensor_msgs.hpp). Gazebo Sim publishes
 (gazebosim/gz-sensors, src/Lidar.cc and src/GpuLidarSensor.cc; the scan of several rows is the
 middle one: gazebosim/ros_gz, ros_gz_bridge/src/convert/sensor_msgs.cpp).
 
-All of them see collisions here; those of a GPU see visuals in Gazebo. Intensities are 0: no
-`laser_retro` is read.
+All of them see collisions here; those of a GPU see visuals in Gazebo. Intensities are the
+<laser_retro> of what is hit, for those of a GPU that of its visual (reflection.py), and for
+Classic's plugin no less than <min_intensity>.
 """
 
 from __future__ import annotations
@@ -17,7 +18,9 @@ from __future__ import annotations
 import array
 import math
 import time
+from operator import is_
 from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from sensor_msgs.msg import ChannelFloat32, LaserScan, PointCloud, PointCloud2, Range
@@ -27,15 +30,18 @@ from wsgen.ros_nodes.simulator.host import CannotWorkError
 from wsgen.ros_nodes.simulator.sensors.clouds import FLOAT32, UINT16, fill_cloud, layout
 from wsgen.ros_nodes.simulator.sensors.lidar_scan import Scanner, read_lidar
 from wsgen.ros_nodes.simulator.sensors.mounting import NEVER, Sensor, sensor_qos
+from wsgen.ros_nodes.simulator.sensors.reflection import Reflection
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from wsgen.model.devices import Element, MountedSensor
     from wsgen.ros_nodes.simulator.host import Host, RobotHandle
+    from wsgen.simulation.scene import SpawnedRobot
 
     Floats = NDArray[np.float64]
 
+GPU = "gpu_"  # kinds that begin so see visuals in Gazebo
 RAY_SENSOR = ("gazebo_ros_ray_sensor",)
 CLASSIC_FIELDS = {
     "x": (0, FLOAT32),
@@ -53,6 +59,33 @@ TYPES = {
     "sensor_msgs/Range": Range,
 }
 RADIATION = {"infrared": Range.INFRARED, "ultrasound": Range.ULTRASOUND}
+
+
+class _Reflections:
+    """What reflects in the world of a simulator, for all of its lidars."""
+
+    def __init__(self) -> None:
+        self._robots: tuple[SpawnedRobot, ...] = ()  # that are known
+        self._known: dict[bool, Reflection] = {}
+
+    def intensities(
+        self, host: Host, starts: Floats, ends: Floats, fractions: Floats, *, is_gpu: bool
+    ) -> Floats:
+        """Those of rays; what reflects is read again when robots came or went."""
+        robots = tuple(robot.spawned for robot in host.robots.values())
+        if len(robots) != len(self._robots) or not all(map(is_, robots, self._robots)):
+            self._robots = robots
+            self._known.clear()
+        if is_gpu not in self._known:
+            has_ground = host.view().world.has_ground_plane
+            self._known[is_gpu] = Reflection(robots, is_gpu=is_gpu, has_ground=has_ground)
+        reflection = self._known[is_gpu]
+        if not reflection.is_any:
+            return np.zeros(len(fractions))
+        return reflection.intensities(starts, ends, fractions, host.view().poses)
+
+
+_reflections: WeakKeyDictionary[Any, _Reflections] = WeakKeyDictionary()
 
 
 class Output:
@@ -114,30 +147,37 @@ class Lidar(Sensor):
         if not wanted or not self.pose().is_finite:  # the robot has exploded
             return
         begun = time.thread_time()
-        ranges = self.scanner.measure(self.pose(), self.robot.cast_rays)
+        ranges, intensities = self.scanner.scan(self.pose(), self.robot.cast_rays, self._reflect)
         for output in wanted:
             message = output.kind()
             message.header.stamp = self.host.stamp()
             message.header.frame_id = output.frame
+            bright = np.maximum(intensities, output.least_intensity)
             if output.kind is LaserScan:
-                self._fill_scan(message, ranges, output)
+                self._fill_scan(message, ranges, bright)
             elif output.kind is Range:
                 self._fill_range(message, ranges, output)
             elif output.kind is PointCloud:
-                self._fill_old_cloud(message, ranges, output)
+                self._fill_old_cloud(message, ranges, bright)
             else:
-                self._fill_cloud(message, ranges, output)
+                self._fill_cloud(message, ranges, bright)
             output.publisher.publish(message)
         self.keep_pace(time.thread_time() - begun, "Write fewer <samples>.")
 
-    def _fill_scan(self, message: Any, ranges: Floats, output: Output) -> None:
+    def _reflect(self, starts: Floats, ends: Floats, fractions: Floats) -> Floats:
+        """The intensities of rays."""
+        reflections = _reflections.setdefault(self.host, _Reflections())
+        is_gpu = self.sensor.kind.startswith(GPU)
+        return reflections.intensities(self.host, starts, ends, fractions, is_gpu=is_gpu)
+
+    def _fill_scan(self, message: Any, ranges: Floats, intensities: Floats) -> None:
         spec = self.scanner.spec
         middle = spec.up.count // 2
         message.angle_min, message.angle_max = spec.across.least, spec.across.most
         message.angle_increment = spec.across.step
         message.range_min, message.range_max = spec.nearest, spec.farthest
         message.ranges = _floats(ranges[middle])
-        message.intensities = _floats(np.full(spec.across.count, output.least_intensity))
+        message.intensities = _floats(intensities[middle])
 
     def _fill_range(self, message: Any, ranges: Floats, output: Output) -> None:
         spec = self.scanner.spec
@@ -149,28 +189,31 @@ class Lidar(Sensor):
         nearest = float(ranges.min())
         message.range = float(np.finfo(np.float32).max) if nearest == math.inf else nearest
 
-    def _fill_cloud(self, message: Any, ranges: Floats, output: Output) -> None:
+    def _fill_cloud(self, message: Any, ranges: Floats, intensities: Floats) -> None:
         points = self.scanner.points(ranges).astype(np.float32)
         if self.host.simulator == "classic":
-            seen = points[np.isfinite(ranges)]
+            is_seen = np.isfinite(ranges)
+            seen = points[is_seen]
             cloud = np.zeros((1, len(seen)), layout(CLASSIC_FIELDS, CLASSIC_STEP))
             cloud["x"], cloud["y"], cloud["z"] = seen.T
-            cloud["intensity"] = output.least_intensity
+            cloud["intensity"] = intensities[is_seen]
             fill_cloud(message, CLASSIC_FIELDS, cloud, is_dense=True)
             return
         cloud = np.zeros(self.scanner.spec.shape, layout(GZ_FIELDS, GZ_STEP))
         for place, axis in enumerate("xyz"):
             cloud[axis] = points[..., place]
+        cloud["intensity"] = intensities
         cloud["ring"] = np.arange(len(cloud))[:, None]
         is_dense = bool(np.isfinite(ranges).all())
         fill_cloud(message, GZ_FIELDS, cloud, is_dense=is_dense)
 
-    def _fill_old_cloud(self, message: Any, ranges: Floats, output: Output) -> None:
+    def _fill_old_cloud(self, message: Any, ranges: Floats, intensities: Floats) -> None:
         from geometry_msgs.msg import Point32  # noqa: PLC0415  few use it
 
-        seen = self.scanner.points(ranges)[np.isfinite(ranges)].tolist()
+        is_seen = np.isfinite(ranges)
+        seen = self.scanner.points(ranges)[is_seen].tolist()
         message.points = [Point32(x=x, y=y, z=z) for x, y, z in seen]
-        values = _floats(np.full(len(seen), output.least_intensity))
+        values = _floats(intensities[is_seen])
         message.channels = [ChannelFloat32(name="intensity", values=values)]
 
 

@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
     CastRays = Callable[[Floats, Floats], Floats]
+    # Where rays begin and end, and the shares of their ways that they get -> their intensities.
+    Reflect = Callable[[Floats, Floats, Floats], Floats]
 
 FARTHEST = 1e4  # m; nothing in a world is farther
 MOST_RAYS = 1_000_000  # of a scan; a lidar with more has a mistake in it
@@ -130,16 +132,26 @@ class Scanner:
 
         What is nearer than the least range is -inf, what is farther than the most inf.
         """
+        return self.scan(pose, cast_rays)[0]
+
+    def scan(
+        self, pose: Pose, cast_rays: CastRays, reflect: Reflect | None = None
+    ) -> tuple[Floats, Floats]:
+        """The ranges as `measure` has them, and the intensities, 0 where no range is measured."""
         spec = self.spec
         ways = self.directions.reshape(-1, 3) @ rotation(pose).T
         origin = np.array(pose.xyz)
         far = min(spec.farthest, FARTHEST)
-        hits = cast_rays(origin + ways * spec.nearest, origin + ways * far)
+        begins, ends = origin + ways * spec.nearest, origin + ways * far
+        hits = cast_rays(begins, ends)
         ranges = spec.nearest + hits * (far - spec.nearest)
         measured = self.noise.apply(ranges)
         measured = np.clip(measured, spec.nearest, spec.farthest)
         measured = np.where(ranges >= spec.farthest, math.inf, measured)
-        return np.where(ranges <= spec.nearest, -math.inf, measured).reshape(spec.shape)
+        measured = np.where(ranges <= spec.nearest, -math.inf, measured)
+        intensities = np.zeros(len(hits)) if reflect is None else reflect(begins, ends, hits)
+        intensities[~np.isfinite(measured)] = 0.0
+        return measured.reshape(spec.shape), intensities.reshape(spec.shape)
 
     def points(self, ranges: Floats) -> Floats:
         """The points that are seen, rows by columns by 3, in its frame, m, or not finite."""

@@ -215,7 +215,8 @@ def _write(text: str, original: str) -> str:
 
 
 def _normalized(rewrites: Rewrites) -> dict[str, list[Substitution]]:
-    return {name: normalize_to_list_of_substitutions(value) for name, value in rewrites.items()}
+    # As the original, which an empty text serves as well as an empty dictionary.
+    return {name: normalize_to_list_of_substitutions(rewrites[name]) for name in rewrites}
 
 
 def _performed(

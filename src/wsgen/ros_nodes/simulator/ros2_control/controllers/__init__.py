@@ -11,8 +11,20 @@ if TYPE_CHECKING:
 _HERE = __name__
 # Type -> module and class.
 TYPES: dict[str, tuple[str, str]] = {
+    "ackermann_steering_controller/AckermannSteeringController": (
+        "steering",
+        "AckermannSteeringController",
+    ),
+    "bicycle_steering_controller/BicycleSteeringController": (
+        "steering",
+        "BicycleSteeringController",
+    ),
     "diff_drive_controller/DiffDriveController": ("diff_drive", "DiffDriveController"),
     "effort_controllers/JointGroupEffortController": ("forward_command", "EffortController"),
+    "force_torque_sensor_broadcaster/ForceTorqueSensorBroadcaster": (
+        "force_torque_sensor_broadcaster",
+        "ForceTorqueSensorBroadcaster",
+    ),
     "forward_command_controller/ForwardCommandController": (
         "forward_command",
         "ForwardCommandController",
@@ -33,6 +45,10 @@ TYPES: dict[str, tuple[str, str]] = {
         "joint_trajectory",
         "JointTrajectoryController",
     ),
+    "mecanum_drive_controller/MecanumDriveController": (
+        "mecanum_drive",
+        "MecanumDriveController",
+    ),
     "parallel_gripper_action_controller/GripperActionController": (
         "gripper",
         "ParallelGripperController",
@@ -40,6 +56,11 @@ TYPES: dict[str, tuple[str, str]] = {
     "effort_controllers/GripperActionController": ("gripper", "EffortGripperController"),
     "position_controllers/GripperActionController": ("gripper", "PositionGripperController"),
     "position_controllers/JointGroupPositionController": ("forward_command", "PositionController"),
+    "tricycle_controller/TricycleController": ("tricycle", "TricycleController"),
+    "tricycle_steering_controller/TricycleSteeringController": (
+        "steering",
+        "TricycleSteeringController",
+    ),
     "velocity_controllers/JointGroupVelocityController": ("forward_command", "VelocityController"),
 }
 

@@ -8,12 +8,17 @@ parameters: Humble and Iron take geometry_msgs/msg/Twist on `~/cmd_vel_unstamped
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from geometry_msgs.msg import TransformStamped, Twist, TwistStamped
-from nav_msgs.msg import Odometry
+from geometry_msgs.msg import TwistStamped
 
 from wsgen.ros_nodes.simulator.ros2_control.controllers.base import Controller, ControllerError
+from wsgen.ros_nodes.simulator.ros2_control.controllers.odometry_messages import (
+    OdometryMessages,
+    namespace_prefix,
+)
+from wsgen.ros_nodes.simulator.ros2_control.controllers.velocity_command import (
+    VelocityCommand,
+)
 from wsgen.ros_nodes.simulator.ros2_control.hardware import POSITION, VELOCITY
 from wsgen.ros_nodes.simulator.ros2_control.wheels import Limits, WheelOdometry
 
@@ -53,7 +58,6 @@ class DiffDriveController(Controller):
         self.states = (
             () if self._is_open_loop else tuple(f"{wheel}/{self._feedback}" for wheel in wheels)
         )
-        self._timeout = parameters.number("cmd_vel_timeout", 0.5)
         self._linear_limits = Limits.read(parameters, "linear.x", is_former=self._is_former())
         self._angular_limits = Limits.read(parameters, "angular.z", is_former=self._is_former())
         self._window = int(parameters.number("velocity_rolling_window_size", 10))
@@ -75,46 +79,27 @@ class DiffDriveController(Controller):
         is_stamped = True
         if self._is_former():
             is_stamped = parameters.flag("use_stamped_vel", default=True)
-        if is_stamped:
-            self.subscription(TwistStamped, "~/cmd_vel", self._take)
-        else:
-            self.subscription(Twist, "~/cmd_vel_unstamped", self._take_unstamped)
-        prefix = self._prefix()
-        self._odom_publisher = self.publisher(Odometry, "~/odom")
-        self._odom = message = Odometry()
-        message.header.frame_id = prefix + parameters.text("odom_frame_id", "odom")
-        message.child_frame_id = prefix + parameters.text("base_frame_id", "base_link")
-        for name, part in (("pose", message.pose), ("twist", message.twist)):
-            diagonal = parameters.numbers(f"{name}_covariance_diagonal", [0.0] * 6)
-            for index, value in enumerate(diagonal[:6]):
-                part.covariance[7 * index] = value
-        self._tf_publisher = None
-        if parameters.flag("enable_odom_tf", default=True):
-            from tf2_msgs.msg import TFMessage  # noqa: PLC0415  if it is wanted
-
-            self._tf_publisher = self.publisher(TFMessage, "/tf")
-            transform = TransformStamped()
-            transform.header.frame_id = message.header.frame_id
-            transform.child_frame_id = message.child_frame_id
-            self._tf = TFMessage(transforms=[transform])
+        timeout = parameters.number("cmd_vel_timeout", 0.5)
+        self._command = VelocityCommand(
+            self,
+            timeout=timeout if timeout > 0 else math.inf,
+            unstamped=None if is_stamped else "~/cmd_vel_unstamped",
+            refuses_old=True,
+            not_finite="Command message contains NaNs. Not updating reference interfaces.",
+        )
+        has_tf = parameters.flag("enable_odom_tf", default=True)
+        self._messages = OdometryMessages(
+            self, topics=("~/odom", "/tf" if has_tf else None), prefix=namespace_prefix(self)
+        )
         self._limited_publisher = (
             self.publisher(TwistStamped, "~/cmd_vel_out")
             if parameters.flag("publish_limited_velocity")
             else None
         )
 
-    def _prefix(self) -> str:
-        """What the names of frames begin with: the namespace, or as it is asked."""
-        if not self.parameters.flag("tf_frame_prefix_enable", default=True):
-            return ""
-        prefix = self.parameters.text("tf_frame_prefix") or self.node.get_namespace()
-        prefix = prefix.strip("/")
-        return f"{prefix}/" if prefix else ""
-
     def activate(self) -> None:
         """Stand still until a command comes."""
-        self._command: tuple[float, float] | None = None
-        self._command_time = self.clock()
+        self._command.forget(self.clock())
         self._last = self._before = (0.0, 0.0)
 
     def reset(self, now: float) -> None:
@@ -127,47 +112,13 @@ class DiffDriveController(Controller):
         """Stop the wheels."""
         self.interfaces.commands.update(dict.fromkeys(self.commands, 0.0))
 
-    def _take(self, message: Any) -> None:
-        stamp = message.header.stamp
-        time = stamp.sec + stamp.nanosec * 1e-9
-        if not time:
-            self.warn_once(
-                "Received TwistStamped with zero timestamp, setting it to current time, this "
-                "message will only be shown once"
-            )
-            time = self.clock()
-        elif self._timeout > 0 and self.clock() - time >= self._timeout:
-            self.warn(
-                f"Ignoring the received message (timestamp {time:f}) because it is older than the "
-                f"current time by {self.clock() - time:f} seconds, which exceeds the allowed "
-                f"timeout ({self._timeout:.4f})"
-            )
-            return
-        self._obey(message.twist, time)
-
-    def _take_unstamped(self, message: Any) -> None:
-        self._obey(message, self.clock())
-
-    def _obey(self, twist: Any, time: float) -> None:
-        if not self.is_active:
-            self.warn("Can't accept new commands. subscriber is inactive")
-            return
-        command = (twist.linear.x, twist.angular.z)
-        if all(map(math.isfinite, command)):
-            self._command, self._command_time = command, time
-        else:
-            self.warn_once("Command message contains NaNs. Not updating reference interfaces.")
-
     def update(self, now: float, elapsed: float) -> None:
         """Turn the wheels, and count their turns."""
-        command = self._command or (0.0, 0.0)
-        if self._timeout > 0 and now - self._command_time > self._timeout:
-            command = (0.0, 0.0)
         linear, angular = (
             limits.next(wanted, last, before, elapsed)
             for limits, wanted, last, before in zip(
                 (self._linear_limits, self._angular_limits),
-                command,
+                self._command.at(now),
                 self._last,
                 self._before,
                 strict=True,
@@ -177,7 +128,9 @@ class DiffDriveController(Controller):
         self._count(linear, angular, elapsed)
         if now >= self._next_publish:
             self._next_publish = max(now, self._next_publish + self._publish_period)
-            self._publish(now)
+            odometry = self._odometry
+            place = odometry.x, odometry.y, odometry.heading
+            self._messages.publish(now, place, (odometry.linear, 0.0), odometry.angular)
         if self._limited_publisher is not None and self._limited_publisher.is_wanted:
             limited = TwistStamped()
             limited.header.stamp = self.ros.time(now)
@@ -205,22 +158,3 @@ class DiffDriveController(Controller):
             self._odometry.by_positions(left, right, elapsed)
         else:
             self._odometry.by_velocities(left, right, elapsed)
-
-    def _publish(self, now: float) -> None:
-        odometry = self._odometry
-        z, w = math.sin(odometry.heading / 2), math.cos(odometry.heading / 2)
-        if self._odom_publisher.is_wanted:
-            message = self._odom
-            message.header.stamp = self.ros.time(now)
-            pose, twist = message.pose.pose, message.twist.twist
-            pose.position.x, pose.position.y = odometry.x, odometry.y
-            pose.orientation.z, pose.orientation.w = z, w
-            twist.linear.x, twist.angular.z = odometry.linear, odometry.angular
-            self._odom_publisher.publish(message)
-        if self._tf_publisher is not None and self._tf_publisher.is_wanted:
-            stamped = self._tf.transforms[0]
-            stamped.header.stamp = self.ros.time(now)
-            place, turn = stamped.transform.translation, stamped.transform.rotation
-            place.x, place.y = odometry.x, odometry.y
-            turn.z, turn.w = z, w
-            self._tf_publisher.publish(self._tf)

@@ -1,0 +1,171 @@
+"""What to install for a Python module that a node lacks, or that is newer than the node."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from wsgen.markup import read_text
+from wsgen.ros_environment.interfaces import buildable
+from wsgen.ros_names import released_packages
+from wsgen.suggestions import did_you_mean, misspelled_as, nearest
+
+if TYPE_CHECKING:
+    from collections.abc import Collection
+
+# The last line of a traceback.
+MISSING = re.compile(rb"^ModuleNotFoundError: No module named '([\w.]+)'", re.MULTILINE)
+MARK = b"ModuleNotFoundError"  # which is in few outputs
+
+# Likewise, of a name that a package of interfaces does not have; some versions of Python go on.
+MISSING_NAME = re.compile(
+    rb"^ImportError: cannot import name '(\w+)' from '(\w+)\.(msg|srv|action)' "
+    rb"\(([^)\r\n]+)\)",
+    re.MULTILINE,
+)
+NAME_MARK = b"ImportError: cannot import name"
+
+# Errors of a NumPy that no longer does what the distributions of ROS have it do (NumPy 1.21 of
+# Humble, 1.26 of Jazzy) -> the release that was the first to refuse it.
+OF_NUMPY = {
+    b"TypeError: only 0-dimensional arrays can be converted to Python scalars": "2.4",
+    b"was removed in the NumPy 2.0 release": "2",
+}
+
+# Modules whose package on PyPI has another name.
+ON_PYPI = {
+    "bs4": "beautifulsoup4",
+    "can": "python-can",
+    "Crypto": "pycryptodome",
+    "cv2": "opencv-python-headless",
+    "dotenv": "python-dotenv",
+    "em": "empy",
+    "gi": "PyGObject",
+    "git": "GitPython",
+    "google": "protobuf",
+    "mpl_toolkits": "matplotlib",
+    "OpenGL": "PyOpenGL",
+    "paho": "paho-mqtt",
+    "PIL": "pillow",
+    "pinocchio": "pin",
+    "pylab": "matplotlib",
+    "quaternion": "numpy-quaternion",
+    "roboticstoolbox": "roboticstoolbox-python",
+    "RPi": "RPi.GPIO",
+    "serial": "pyserial",
+    "skfuzzy": "scikit-fuzzy",
+    "skimage": "scikit-image",
+    "sklearn": "scikit-learn",
+    "spatialmath": "spatialmath-python",
+    "speech_recognition": "SpeechRecognition",
+    "stable_baselines3": "stable-baselines3",
+    "usb": "pyusb",
+    "Xlib": "python-xlib",
+    "yaml": "PyYAML",
+    "zmq": "pyzmq",
+}
+# Modules of Python that Linux distributions have in packages of their own.
+OF_PYTHON = {"tkinter": "python3-tk", "curses": "libncurses-dev", "_tkinter": "python3-tk"}
+# Packages of ROS that nodes import: those of interfaces by the ends of their names, and others.
+OF_INTERFACES = ("_msgs", "_srvs", "_interfaces", "_actions")
+OF_NODES = (
+    *("ament_index_python", "cv_bridge", "launch", "launch_ros", "message_filters", "rclpy"),
+    *("sensor_msgs_py", "tf2_geometry_msgs", "tf2_ros", "tf_transformations"),
+)
+OF_ROS_1 = frozenset(("actionlib", "dynamic_reconfigure", "roslib", "rospy", "tf"))
+
+
+def missing_module(printed: bytes) -> str | None:
+    """The module whose absence has ended a Python program, by the lines that it has printed."""
+    found = MISSING.findall(printed) if MARK in printed else []
+    return found[-1].decode() if found else None
+
+
+def missing_name(printed: bytes) -> str | None:
+    """What to say of a message, service or action that a Python program imports and nobody has."""
+    found = MISSING_NAME.findall(printed) if NAME_MARK in printed else []
+    if not found:
+        return None
+    name, package, kind, file = (part.decode(errors="replace") for part in found[-1])
+    text = read_text(Path(file))
+    if text is None:  # a program prints what it likes for a file
+        return None
+    meant = nearest(name, re.findall(r"^from \S+ import (\w+)", text, re.MULTILINE))
+    question = f" {did_you_mean(f'{package}.{kind}.{meant}')}" if meant else ""
+    return f"{package} has no {kind}/{name}.{question}"
+
+
+def newer_numpy(printed: bytes) -> str | None:
+    """The release of NumPy whose change has ended a Python program, by its last lines."""
+    return next((release for words, release in OF_NUMPY.items() if words in printed), None)
+
+
+def tell_of_numpy(release: str, python: Path | None) -> str:
+    """Say that a node was written for an older NumPy, and what to do.
+
+    Args:
+        release: The first that refuses what the node does.
+        python: The interpreter that has it; None: that which the program names itself.
+    """
+    return (
+        f"NumPy {release} and later refuse what the node does, and that of ROS is older: correct "
+        f"the line, or {python or 'python3'} -m pip install 'numpy<{release}'"
+    )
+
+
+def tell_of_module(
+    module: str, python: Path | None, workspace: Collection[str], distro: str | None = None
+) -> str:
+    """Say that a module is missing, and what to do.
+
+    Args:
+        module: Its name; of one in a package with the names of that.
+        python: The interpreter that lacks it; None: that which the program names itself.
+        workspace: The names of its packages.
+        distro: The ROS that is sourced; None: that of PyPI.
+    """
+    top = module.partition(".")[0]
+    lacks = f"the Python module {module} is missing"
+    if top in workspace:
+        return (
+            f"{lacks}: {top} is a package of this workspace; let it install its modules, and run "
+            "`wsgen build`"
+        )
+    if top in OF_PYTHON:
+        return (
+            f"{lacks}, a part of Python that this one was built without; for that of Debian and "
+            f"Ubuntu: sudo apt install {OF_PYTHON[top]}"
+        )
+    if top in OF_ROS_1:
+        return f"{lacks}: it is one of ROS 1; port the node to ROS 2"
+    meant = _meant(top, workspace)
+    if meant is not None:
+        return f"{lacks}. {did_you_mean(meant)}"
+    if top not in ON_PYPI and top in released_packages():
+        return f"{lacks}: {_way_to_package(top, distro)}"
+    command = f"{python or 'python3'} -m pip install {ON_PYPI.get(top, top)}"
+    return f"{lacks}: {command}"
+
+
+def _meant(module: str, workspace: Collection[str]) -> str | None:
+    """The package that nodes import, of whose name this is a misspelling."""
+    if module in ON_PYPI or module in released_packages():
+        return None
+    interfaces = (one for one in released_packages() if one.endswith(OF_INTERFACES))
+    return misspelled_as(module, (*workspace, *OF_NODES, *interfaces))
+
+
+def _way_to_package(name: str, distro: str | None) -> str:
+    """What to do to have a package of ROS."""
+    if distro is not None:
+        return f"sudo apt install ros-{distro}-{name.replace('_', '-')}"
+    if name in buildable():
+        return (
+            f"wsgen builds the messages of {name} where a package of the workspace names them; add "
+            f"<exec_depend>{name}</exec_depend> to the package.xml of the node's package"
+        )
+    return (
+        f"{name} is a package of ROS that PyPI does not have; put its sources into the workspace "
+        "and run `wsgen build`, or source a ROS that has it"
+    )

@@ -1,0 +1,219 @@
+"""What the rays of a lidar have as intensity: the <laser_retro> of the shape that they hit.
+
+Gazebo Classic's rays on the CPU have that of the collision (gazebosim/gazebo-classic,
+gazebo/physics/ode/ODEMultiRayShape.cc, `UpdateCallback`; 0 where nothing is hit, as
+gazebo/physics/MultiRayShape.cc begins). Lidars on a GPU have that of the visual, from 0 to 2000
+(gazebosim/gz-rendering, ogre2/src/Ogre2GpuRays.cc; Classic's likewise).
+
+Engines know the link that a ray hits, and not which of its shapes: rays are cast again, at those
+shapes that are near the places that they have hit. No ROS in here.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from wsgen.model.robot import Box, Capsule, Cylinder, Mesh, Primitive, Sphere
+from wsgen.model.transform import compose, rotation_of_rpy
+from wsgen.simulation.contact_shapes import box_around
+from wsgen.simulation.surfaces import UnreadError, cast_rays, triangles_of
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from numpy.typing import NDArray
+
+    from wsgen.model.robot import Geometry
+    from wsgen.model.transform import Pose
+    from wsgen.simulation.scene import SpawnedRobot
+
+    Floats = NDArray[np.float64]
+    Poses = Mapping[str, Mapping[str, Pose]]
+
+MOST_OF_GPU = 2000.0
+# m, along a ray: how far the hit of an engine is off a collision; and how far before it something
+# is that has a visual alone, like a line on the ground, or that is smaller than its collision.
+OFF_COLLISION = 0.01
+OFF_VISUAL = 0.02
+GROUND = 1e-4  # m; what is hit no higher than that is the ground
+
+
+class _Shape(NamedTuple):
+    """A shape that may reflect."""
+
+    entity: str
+    link: str
+    pose_in_link: Pose
+    geometry: Primitive | Mesh
+    radius: float  # m, around its frame
+    retro: float
+    is_hull: bool  # rays may hit the convex hull of its mesh
+
+
+class Reflection:
+    """The shapes of all robots, static models among them, that rays may hit."""
+
+    def __init__(
+        self, robots: Sequence[SpawnedRobot], *, is_gpu: bool, has_ground: bool = False
+    ) -> None:
+        """Take in what rays may hit; the ground, the plane z = 0, does not reflect."""
+        self._off = OFF_VISUAL if is_gpu else OFF_COLLISION
+        self._has_ground = has_ground
+        found = [
+            (robot, link, shape)
+            for robot in robots
+            for link in robot.robot.links
+            for shape in (link.visuals if is_gpu else link.collisions)
+        ]
+        if not any(shape.laser_retro for _, _, shape in found):
+            found.clear()
+        self._shapes: list[_Shape] = []
+        for robot, link, shape in found:
+            radius = _radius(shape.geometry)
+            if radius is None or not isinstance(shape.geometry, Primitive | Mesh):
+                continue
+            retro = min(max(0.0, shape.laser_retro), MOST_OF_GPU) if is_gpu else shape.laser_retro
+            is_hull = isinstance(shape.geometry, Mesh) and not robot.robot.is_static
+            place = (robot.entity, link.name, shape.pose_in_link)
+            self._shapes.append(_Shape(*place, shape.geometry, radius, retro, is_hull))
+
+    @property
+    def is_any(self) -> bool:
+        """Whether anything reflects."""
+        return bool(self._shapes)
+
+    def intensities(self, starts: Floats, ends: Floats, fractions: Floats, poses: Poses) -> Floats:
+        """The intensities of rays, shape (n,); 0 where a ray hits nothing.
+
+        Args:
+            starts: Where they begin in the world, shape (n, 3), m.
+            ends: Where they end.
+            fractions: How far they have got, as `Engine.cast_rays` says.
+            poses: Of the links in the world, by entity and link.
+        """
+        found = np.zeros(len(fractions))
+        hits = np.flatnonzero(np.isfinite(fractions))
+        if not self._shapes or not len(hits):
+            return found
+        begins, ways = starts[hits], ends[hits] - starts[hits]
+        lengths = np.linalg.norm(ways, axis=1)
+        points = begins + ways * fractions[hits, None]
+        first = fractions[hits] + self._off / lengths  # the first shape near the hit counts
+        least = fractions[hits] - self._off / lengths
+        hulls = np.zeros(len(hits))  # those of what is around, where there is no such shape
+        is_found = np.zeros(len(hits), dtype=np.bool_)
+        if self._has_ground:
+            is_found = np.abs(points[:, 2]) <= GROUND
+            first[is_found] = fractions[hits][is_found]
+        for shape in self._shapes:
+            link = poses.get(shape.entity, {}).get(shape.link)
+            if link is None or not link.is_finite:
+                continue
+            pose = compose(link, shape.pose_in_link)
+            apart = points - np.array(pose.xyz)
+            reach = shape.radius + self._off
+            near = np.flatnonzero((apart * apart).sum(axis=1) <= reach * reach)
+            if not len(near):
+                continue
+            rotation = np.array(rotation_of_rpy(pose.rpy))
+            local = (begins[near] - np.array(pose.xyz)) @ rotation
+            local_points = apart[near] @ rotation
+            through = _cast(shape.geometry, local, ways[near] @ rotation, local_points)
+            is_hit = (through >= least[near]) & (through < first[near])
+            where = near[is_hit]
+            first[where] = through[is_hit]
+            is_found[where] = True
+            found[hits[where]] = shape.retro
+            if shape.is_hull:
+                hulls[near[_is_around(shape.geometry, local_points)]] = shape.retro
+        found[hits[~is_found]] = hulls[~is_found]
+        return found
+
+
+def _radius(geometry: Geometry) -> float | None:
+    """Of the ball around the frame of a shape that it lies in, m; None of what no ray finds."""
+    if isinstance(geometry, Primitive):
+        return max(math.hypot(*corner) for corner in box_around(geometry))
+    if not isinstance(geometry, Mesh) or geometry.path is None:
+        return None
+    try:
+        corners = triangles_of(geometry)
+    except UnreadError:
+        return None
+    return float(np.sqrt((corners * corners).sum(axis=2).max()))
+
+
+def _is_around(geometry: Primitive | Mesh, points: Floats) -> NDArray[np.bool_]:
+    """Which points are in the box around a mesh, seen from its frame."""
+    assert isinstance(geometry, Mesh)  # noqa: S101  primitives have no hull
+    corners = triangles_of(geometry)
+    low, high = corners.min(axis=(0, 1)) - OFF_COLLISION, corners.max(axis=(0, 1)) + OFF_COLLISION
+    is_around: NDArray[np.bool_] = ((points >= low) & (points <= high)).all(axis=1)
+    return is_around
+
+
+def _cast(geometry: Primitive | Mesh, begins: Floats, ways: Floats, points: Floats) -> Floats:
+    """Where rays enter a shape, as fractions of their ways, shape (n,); infinite where they do not.
+
+    All is seen from the frame of the shape. A ray that begins inside does not enter. Of meshes
+    those triangles count that are near the points.
+    """
+    if isinstance(geometry, Mesh):
+        triangles = triangles_of(geometry)
+        low, high = points.min(axis=0) - OFF_VISUAL, points.max(axis=0) + OFF_VISUAL
+        is_near = (triangles.max(axis=1) >= low).all(axis=1)
+        is_near &= (triangles.min(axis=1) <= high).all(axis=1)
+        return cast_rays(begins, ways, triangles[is_near])
+    if isinstance(geometry, Box):
+        return _into_slabs(begins, ways, np.array(geometry.size) / 2)
+    if isinstance(geometry, Sphere):
+        return _into_ball(begins, ways, geometry.radius)
+    side = _into_round(begins, ways, geometry.radius)
+    if isinstance(geometry, Cylinder):
+        top = _into_slabs(begins[:, 2:], ways[:, 2:], np.array([geometry.length / 2]))
+        side_at = np.abs(begins[:, 2] + ways[:, 2] * np.where(np.isfinite(side), side, 0.0))
+        top_at = begins[:, :2] + ways[:, :2] * np.where(np.isfinite(top), top, 0.0)[:, None]
+        is_on_top = (top_at * top_at).sum(axis=1) <= geometry.radius**2
+        return np.minimum(
+            np.where(side_at <= geometry.length / 2, side, np.inf),
+            np.where(is_on_top, top, np.inf),
+        )
+    assert isinstance(geometry, Capsule)  # noqa: S101  the last of the primitives
+    half = np.array([0.0, 0.0, geometry.length / 2])
+    side_at = np.abs(begins[:, 2] + ways[:, 2] * np.where(np.isfinite(side), side, 0.0))
+    ends = (_into_ball(begins - sign * half, ways, geometry.radius) for sign in (-1.0, 1.0))
+    entered: Floats = np.minimum.reduce([np.where(side_at <= half[2], side, np.inf), *ends])
+    return entered
+
+
+def _into_slabs(begins: Floats, ways: Floats, half: Floats) -> Floats:
+    """Where rays enter what is between planes, so far from the origin along each axis."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        one, other = (-half - begins) / ways, (half - begins) / ways
+    # Along a plane: always between, or never.
+    is_between = np.abs(begins) <= half
+    is_along = ways == 0.0
+    enter = np.where(is_along, np.where(is_between, -np.inf, np.inf), np.minimum(one, other))
+    leave = np.where(is_along, np.where(is_between, np.inf, -np.inf), np.maximum(one, other))
+    first, last = enter.max(axis=1), leave.min(axis=1)
+    entered: Floats = np.where((first >= 0.0) & (first <= last), first, np.inf)
+    return entered
+
+
+def _into_round(begins: Floats, ways: Floats, radius: float) -> Floats:
+    """Where rays enter an endless cylinder along z."""
+    return _into_ball(begins[:, :2], ways[:, :2], radius)
+
+
+def _into_ball(begins: Floats, ways: Floats, radius: float) -> Floats:
+    """Where rays enter a ball around the origin; a circle, if they have two coordinates."""
+    a = (ways * ways).sum(axis=1)
+    b = (begins * ways).sum(axis=1)
+    c = (begins * begins).sum(axis=1) - radius**2
+    with np.errstate(divide="ignore", invalid="ignore"):
+        entered = (-b - np.sqrt(b * b - a * c)) / a
+    into: Floats = np.where(np.isfinite(entered) & (entered >= 0.0), entered, np.inf)
+    return into

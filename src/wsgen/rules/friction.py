@@ -1,0 +1,160 @@
+"""Rules about friction that has a direction, as that of mecanum wheels.
+
+The parameters of a check are facts in SI units; a check yields what it reports.
+"""
+
+from __future__ import annotations
+
+import math
+import operator
+from typing import TYPE_CHECKING
+
+from wsgen.diagnostics import Rule, Severity
+from wsgen.model.outcome import name_engines
+from wsgen.model.robot import JointType
+from wsgen.model.transform import rotate, rotation_of_rpy
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+    from pathlib import Path
+
+    from wsgen.diagnostics import Diagnostic
+    from wsgen.model.robot import Collision, Link, Robot, Surface
+    from wsgen.model.transform import Vector
+
+WITH_DIRECTIONS = ("mujoco",)  # engines
+ROLLERS = 0.5  # times the larger coefficient
+ALONG = 0.999  # the cosine between two directions that are one
+ACROSS = math.sqrt(1 - ALONG**2)  # the cosine between two that are at right angles
+
+TURNING_FRICTION = Rule(
+    code="ROB141",
+    name="turning-friction-direction",
+    severity=Severity.WARNING,
+    summary="The direction of the friction of a wheel turns with the wheel.",
+    what="Looks at links of `continuous` joints with a `<fdir1>` other than the axis, of whose "
+    "coefficients `<mu1>` (`<mu>`) and `<mu2>` one is less than half of the other: whether "
+    "`gz:expressed_in` names a link that Gazebo has when fixed joints are lumped.",
+    why="Mecanum wheels are simulated by a friction whose direction stays with the robot. Where "
+    "`gz:expressed_in` is missing, or names a link that is lumped into another one, Gazebo takes "
+    "the frame of the wheel: the robot goes ahead, and to the side it goes back and forth. Of a "
+    "`<fdir1>` beside `<mu1>`, sdformat leaves the attribute out.",
+    example='<gazebo reference="front_left_wheel">\n'
+    "  <mu1>1.0</mu1>\n  <mu2>0.0</mu2>\n  <fdir1>1 -1 0</fdir1>\n</gazebo>",
+    instead='<gazebo reference="front_left_wheel">\n'
+    "  <collision><surface><friction><ode>\n"
+    "    <mu>1.0</mu>\n    <mu2>0.0</mu2>\n"
+    '    <fdir1 gz:expressed_in="base_footprint">1 -1 0</fdir1>\n'
+    "  </ode></friction></surface></collision>\n</gazebo>",
+)
+
+
+def turning_friction(written: Robot, lumped: Robot, file: Path | None) -> Iterator[Diagnostic]:
+    """Report wheels whose friction cannot be that of rollers, in one diagnostic.
+
+    `written` is the robot before it is lumped.
+    """
+    left = {link.name for link in lumped.links}
+    found = [
+        (link.name, collision.surface)
+        for link, axis in _wheels(lumped)
+        for collision in link.collisions
+        if _is_directed(collision.surface)
+        and collision.surface.fdir1_in not in left
+        and not _is_along(axis, collision)
+    ]
+    if not found:
+        return
+    name, surface = found[0]
+    others = len({wheel for wheel, _ in found}) - 1
+    more = f", and {others} more like it" if others else ""
+    named = surface.fdir1_in
+    if named is None:
+        why = "no gz:expressed_in that Gazebo reads says which link it stays with"
+    elif any(link.name == named for link in written.links):
+        why = f"gz:expressed_in names `{named}`, which is lumped into another link"
+    else:
+        why = f"gz:expressed_in names `{named}`, which is no link of the robot"
+    place = next(
+        (
+            tag.line
+            for tag in written.gazebo
+            if tag.reference == name and any("fdir1" in key for key in tag.values)
+        ),
+        None,
+    )
+    yield TURNING_FRICTION.at(
+        file,
+        place or next(link.line for link in lumped.links if link.name == name),
+        f"gazebo[@reference='{name}']" if place else f"link[@name='{name}']",
+        message=f"The direction of the friction of `{name}` turns with it{more}: {why}.",
+        hint="In <collision><surface><friction><ode>, write "
+        f'<fdir1 gz:expressed_in="{lumped.root}">.',
+    )
+
+
+NO_FRICTION_DIRECTION = Rule(
+    code="ROB142",
+    name="friction-direction-not-simulated",
+    severity=Severity.WARNING,
+    summary="The physics engine has no friction with a direction, which wheels of the robot have.",
+    what="Looks for `<fdir1>` on wheels, of whose coefficients `<mu1>` (`<mu>`) and `<mu2>` one is "
+    "less than half of the other, where PyBullet or DART simulates. MuJoCo is the engine that has "
+    "directions, which are those of Gazebo.",
+    why="Mecanum wheels then grip as tires do: the robot goes ahead, and does not go to the side.",
+    example="wsgen launch my_robot robot.launch.py --run  # a robot with mecanum wheels",
+    instead="pip install 'wsgen[mujoco]'\n"
+    "wsgen launch my_robot robot.launch.py --run --engine mujoco",
+)
+
+
+def friction_without_direction(robot: Robot, engines: Sequence[str]) -> Iterator[Diagnostic]:
+    """Report a robot as Gazebo has it, whose wheels grip in one direction, for such engines."""
+    without = [engine for engine in engines if engine not in WITH_DIRECTIONS]
+    wheels = [
+        link.name
+        for link, _ in _wheels(robot)
+        if any(_is_directed(collision.surface) for collision in link.collisions)
+    ]
+    if without and wheels:
+        more = f" and {len(wheels) - 1} more" if len(wheels) > 1 else ""
+        wheels_have = "have" if more else "has"
+        has = "has" if len(without) == 1 else "have"
+        yield NO_FRICTION_DIRECTION.at(
+            None,
+            message=f"{name_engines(without)} {has} no friction with a direction (<fdir1>), which "
+            f"`{wheels[0]}`{more} of `{robot.name}` {wheels_have}: the robot does not go to "
+            "the side.",
+            hint="Simulate it with --engine mujoco (pip install 'wsgen[mujoco]').",
+        )
+
+
+def _wheels(robot: Robot) -> Iterator[tuple[Link, Vector]]:
+    """The links that turn without end, with the axes that they turn about, in their frames."""
+    axes = {
+        one.child: one.axis_in_joint for one in robot.joints if one.type is JointType.CONTINUOUS
+    }
+    return ((link, axes[link.name]) for link in robot.links if link.name in axes)
+
+
+def _is_directed(surface: Surface) -> bool:
+    """Whether it grips in one direction: of tires, too, the coefficients may differ somewhat."""
+    least, most = sorted((surface.mu1, surface.mu2))
+    return surface.fdir1 is not None and least < ROLLERS * most
+
+
+def _is_along(axis: Vector, collision: Collision) -> bool:
+    """Whether a direction in the frame of a collision is that of the axis: it does not turn."""
+    rotation = rotation_of_rpy(collision.pose_in_link.rpy)
+    return _cosine(axis, rotate(rotation, collision.surface.fdir1 or axis)) > ALONG
+
+
+def is_oblique(axis: Vector, direction: Vector) -> bool:
+    """Whether friction in that direction is that of rollers: neither along the axis nor ahead."""
+    return ACROSS < _cosine(axis, direction) < ALONG
+
+
+def _cosine(one: Vector, other: Vector) -> float:
+    """Of the angle between two lines; 0 where one has no direction."""
+    lengths = math.hypot(*one) * math.hypot(*other)
+    return abs(sum(map(operator.mul, one, other))) / lengths if lengths else 0.0

@@ -1,0 +1,13 @@
+"""Whether viser, which shows robots in a browser, is installed; it is not imported for that."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+
+LIBRARY = "viser"
+INSTALL = "pip install 'wsgen[view]'"
+
+
+def is_viewer_installed() -> bool:
+    """Whether robots can be shown in a browser."""
+    return find_spec(LIBRARY) is not None

@@ -1,0 +1,57 @@
+"""The simulator knows which of its topics another process publishes."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+from ros_for_tests import ros_with, variables_for
+
+pytestmark = pytest.mark.slow
+
+NODES = """
+import subprocess
+import sys
+import time
+
+from std_msgs.msg import String
+from wsgen.ros_nodes.simulator.ros import Ros
+
+OTHER = '''
+import rclpy
+from std_msgs.msg import String
+
+rclpy.init()
+made = rclpy.create_node("driver").create_publisher(String, "/driven", 1)
+input()
+'''
+ros = Ros()
+for name in ("driven", "bridged", "idle"):
+    ros.subscription(ros.node("bridge", name), String, f"/{name}", lambda _: None, 1)
+ros.publisher(ros.node("bridge", "bridged"), String, "/bridged", 1)
+ros.note_publishers()
+print(sorted(ros.of_others), flush=True)
+other = subprocess.Popen([sys.executable, "-c", OTHER], stdin=subprocess.PIPE)
+end = time.monotonic() + 120
+while not ros.of_others and time.monotonic() < end:
+    ros.wait(0.01)
+    ros.note_publishers()
+other.communicate(b"end\\n")
+ros.note_publishers()
+print(sorted(ros.of_others), ros.has_heard)
+ros.close()
+"""
+
+
+def test_topics_that_other_processes_publish() -> None:
+    """Not those that a bridge of both directions reads and publishes."""
+    done = subprocess.run(
+        [sys.executable, "-c", NODES],
+        env=variables_for(ros_with()),
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout.splitlines() == ["[]", "['/driven'] False"]

@@ -1,0 +1,77 @@
+"""The time of a simulator without a /clock in ROS."""
+
+from __future__ import annotations
+
+import json
+import socket
+import threading
+from typing import TYPE_CHECKING
+
+from wsgen.ros_nodes import simulator_time
+from wsgen.simulation.live_scene import short_name, socket_path
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    import pytest
+
+
+def test_it_is_asked_as_soon_as_the_simulator_is_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(simulator_time, "ASK_SECONDS", 0.0)
+    time = simulator_time.SimulatorTime(tmp_path)
+    assert time.nanoseconds() == 0  # it is not there yet
+    server = socket.socket(socket.AF_UNIX)
+    with short_name(socket_path(tmp_path)) as name:
+        server.bind(name)
+    server.listen()
+
+    def serve() -> None:
+        client, _ = server.accept()
+        with client, client.makefile("rwb") as stream:
+            for seconds in (1.5, 2.25):
+                assert json.loads(stream.readline()) == {"do": "state"}
+                stream.write(json.dumps({"ok": True, "seconds": seconds}).encode() + b"\n")
+                stream.flush()
+
+    thread = threading.Thread(target=serve)
+    thread.start()
+    assert [time.nanoseconds(), time.nanoseconds()] == [1_500_000_000, 2_250_000_000]
+    thread.join()
+    assert time.nanoseconds() == 2_250_000_000  # it has ended
+    monkeypatch.setattr(simulator_time, "ASK_SECONDS", 60.0)
+    time.nanoseconds()
+    assert time.nanoseconds() == 2_250_000_000  # it is not asked for each message
+    time.close()
+    server.close()
+
+
+def test_a_simulator_that_hangs_holds_nobody(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(simulator_time, "ASK_SECONDS", 0.0)
+    monkeypatch.setattr(simulator_time, "PATIENCE_SECONDS", 0.01)
+    time = simulator_time.SimulatorTime(tmp_path)
+    with socket.socket(socket.AF_UNIX) as server:
+        with short_name(socket_path(tmp_path)) as name:
+            server.bind(name)
+        server.listen()
+        assert time.nanoseconds() == 0
+        server.accept()[0].close()
+        answers = [b'{"ok": true}\n', b'{"seco', b'{"seconds": 2}\n']
+
+        def serve() -> None:
+            for answer in answers:
+                client, _ = server.accept()
+                with client:
+                    client.recv(100)
+                    client.sendall(answer)
+
+        thread = threading.Thread(target=serve)
+        thread.start()
+        monkeypatch.setattr(simulator_time, "PATIENCE_SECONDS", 60.0)
+        time = simulator_time.SimulatorTime(tmp_path)
+        assert [time.nanoseconds() for _ in answers] == [0, 0, 2_000_000_000]
+        thread.join()
+        time.close()
