@@ -6,10 +6,10 @@ import shutil
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import pytest  # noqa: TC002
+import pytest
 
 from wsgen.live.failures import FailedProgram, read_failures
-from wsgen.live.tracebacks import Frames, tell_of_source
+from wsgen.live.tracebacks import CHAINED, MOST_SECONDS_AFTER, Frames, tell_of_source
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -42,13 +42,55 @@ return LaunchDescription([
 
 def test_frames_are_those_of_tracebacks() -> None:
     frames = Frames()
-    frames.take(b'Traceback:\n  File "/a/b.py", line 3, in go\n    go()\n')
+    frames.take(b'Traceback:\n  File "/a/b.py", line 3, in go\n    go()\nKeyError: 1\n')
     frames.take(b'  File "/a/c d.py", line 12\r\n    x = = 1\nSyntaxError: invalid syntax\n')
     frames.take(b'[INFO]   File "/a/e.py", line 3\n')
     found = [(str(file), line) for file, line in frames.innermost_first()]
-    assert found == [("/a/c d.py", 12), ("/a/b.py", 3)]
+    assert found == [("/a/c d.py", 12)]
     frames.take(b'  File "/a/f.py", line ' + b"1" * 5000 + b"\n")
     assert next(iter(frames.innermost_first()))[0] == Path("/a/c d.py")
+
+
+CAUSE, OTHER = (
+    b'%sTraceback (most recent call last):\n  File "/a/b.py", line %d, in go\n    go()\nKeyError\n'
+    % where
+    for where in ((b"", 3), (b"[ERROR] [node]: ", 4))
+)
+
+
+@pytest.mark.parametrize(
+    ("printed", "lines"),
+    [
+        ([CAUSE], [3]),
+        ([CAUSE, OTHER], [4]),
+        ([CAUSE, b"\n" + CHAINED[0] + b"\n\n", OTHER], [4, 3]),
+        ([CAUSE, b"\n" + CHAINED[1] + b"\n\n" + OTHER], [4, 3]),
+        ([CAUSE, b"\n" + CHAINED[1] + b"\n\n" + OTHER + CAUSE], [3]),
+        ([CAUSE, b"terminate called\n  what():  no context\n", b"a line\n" * 8], [3]),
+        ([CAUSE, b"[INFO] [node]: on it goes\n" * 10], []),
+        ([b"[INFO] [node]: on it goes\n" * 100, CAUSE], [3]),
+    ],
+)
+def test_frames_are_those_of_what_has_ended_the_program(
+    printed: list[bytes], lines: list[int]
+) -> None:
+    frames = Frames()
+    for one in printed:
+        frames.take(one)
+    assert [line for _, line in frames.innermost_first()] == lines
+
+
+def test_a_program_that_runs_on_has_handled_its_exception(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = 100.0
+    monkeypatch.setattr("wsgen.live.tracebacks.time.monotonic", lambda: now)
+    frames = Frames()
+    frames.take(CAUSE)
+    now += MOST_SECONDS_AFTER
+    assert list(frames.innermost_first())
+    now += 1.0
+    assert not list(frames.innermost_first())
+    frames.take(CAUSE)
+    assert list(frames.innermost_first())
 
 
 def test_what_a_program_prints_need_not_be_a_file(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import time
 from collections import deque
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -15,27 +16,60 @@ if TYPE_CHECKING:
 # Of a traceback, and of a syntax error, whose line has no function.
 FRAME = re.compile(rb'^  File "([^"\r\n]+)", line (\d{1,9})\b', re.MULTILINE)
 MARK = b'  File "'  # which is in few outputs
-MOST_FRAMES = 50  # that are kept, of the last tracebacks
+HEADER = b"Traceback (most recent call last):"  # at the end of a line, also of one of a logger
+CHAINED = (
+    b"During handling of the above exception, another exception occurred:",
+    b"The above exception was the direct cause of the following exception:",
+)
+MOST_FRAMES = 50  # that are kept, of the last traceback
+# A program that has printed more after its traceback, or has run on for longer, has handled it.
+# One that is ended by it may print some more: a message of several lines, what DDS says at its end.
+MOST_LINES_AFTER = 10
+MOST_SECONDS_AFTER = 10.0
 
 Frame = tuple[Path, int]  # a file as it is executed, and a line
 
 
 class Frames:
-    """The frames of the last tracebacks that a process has printed, the innermost one last."""
+    """The frames of the last traceback that a process has printed, if that may have ended it.
+
+    Those of the exceptions that it was raised from belong to it.
+    """
 
     def __init__(self) -> None:
         self._frames: deque[Frame] = deque(maxlen=MOST_FRAMES)
+        self._is_chained = False  # the next traceback belongs to the last one
+        self._lines_after = 0  # that have come since the last frame and are not indented
+        self._time = 0.0  # of the last frame
 
     def take(self, printed: bytes) -> None:
         """Take whole lines that the process has printed."""
-        if MARK in printed:
-            self._frames.extend(
-                (Path(file.decode(errors="replace")), int(line))
-                for file, line in FRAME.findall(printed)
-            )
+        if not self._frames and MARK not in printed:
+            return
+        for line in printed.splitlines():
+            if line.startswith(MARK) and (found := FRAME.match(line)) is not None:
+                if self._lines_after:  # a syntax error has no header
+                    self._begin()
+                self._time = time.monotonic()
+                self._frames.append((Path(found[1].decode(errors="replace")), int(found[2])))
+            elif line.endswith(HEADER):
+                self._begin()
+            elif line in CHAINED:
+                self._is_chained = True
+            elif line and not line.startswith(b" "):
+                self._lines_after += 1
+                if self._lines_after > MOST_LINES_AFTER:
+                    self._frames.clear()
+
+    def _begin(self) -> None:
+        if not self._is_chained:
+            self._frames.clear()
+        self._is_chained, self._lines_after = False, 0
 
     def innermost_first(self) -> Iterable[Frame]:
-        """The frames, from where the exception was raised on."""
+        """The frames, from where the exception was raised on; asked when the process has ended."""
+        if time.monotonic() - self._time > MOST_SECONDS_AFTER:
+            return ()
         return reversed(self._frames)
 
 
