@@ -4,7 +4,7 @@ from pathlib import Path
 
 import yaml
 
-from wsgen.yamlfile import MOST_VALUES, NotYaml, Value, load, merge_repeated, parse
+from wsgen.yamlfile import MOST_VALUES, NotYaml, Value, load, load_parameters, merge_repeated, parse
 
 TEXT = """\
 controller_manager:
@@ -17,8 +17,8 @@ controller_manager:
 """
 
 
-def _parse(text: str) -> Value:
-    found = parse(text)
+def _parse(text: str, *, are_parameters: bool = False) -> Value:
+    found = parse(text, are_parameters=are_parameters)
     assert isinstance(found, Value)
     return found
 
@@ -57,24 +57,34 @@ def test_odd_documents_are_read() -> None:
     assert parse(bomb) is None
 
 
-def test_mappings_of_one_key_are_merged() -> None:
+def test_mappings_of_one_key_are_merged_in_parameters() -> None:
     text = "/**:\n  a: {x: 1}\n/**:\n  b: {x: 2}\n  a:\n    y: 3\n"
-    document = _parse(text)
+    document = _parse(text, are_parameters=True)
     assert document.get("/**", "a", "x") == Value(1, 2)
     assert document.get("/**", "a", "y") == Value(3, 6)
     assert document.get("/**", "b", "x") == Value(2, 4)
-    with_anchor = _parse("a: &one {x: 1}\nb: *one\na: {y: 2}\n")
+    with_anchor = _parse("a: &one {x: 1}\nb: *one\na: {y: 2}\n", are_parameters=True)
     assert with_anchor.get("b", "y") is None
-    assert _parse("a: {x: 1}\na: 2\n").get("a") == Value(2, 2)
-    thrice = _parse("a: &one {x: 1}\na: {y: 2}\na: {z: 3}\nb: *one\n")
+    assert _parse("a: {x: 1}\na: 2\n", are_parameters=True).get("a") == Value(2, 2)
+    thrice = _parse("a: &one {x: 1}\na: {y: 2}\na: {z: 3}\nb: *one\n", are_parameters=True)
     assert [thrice.get("a", key) for key in "xyz"] == [Value(1, 1), Value(2, 2), Value(3, 3)]
     assert [thrice.get("b", key) for key in "yz"] == [None, None]
+
+
+def test_the_last_of_one_key_counts_elsewhere(tmp_path: Path) -> None:
+    file = tmp_path / "a.yaml"
+    file.write_text("a: {x: 1}\na:\n  y: 2\n")
+    assert load(file) == Value({"a": Value({"y": Value(2, 3)}, 3)}, 1)
+    merged = load_parameters(file)
+    assert isinstance(merged, Value)
+    assert merged.get("a", "x") == Value(1, 1)
+    assert load_parameters(tmp_path / "none.yaml") is None
 
 
 def test_aliases_of_one_key_are_not_merged_without_end() -> None:
     levels = [f"a{i}: &a{i} {{{', '.join([f'k: *a{i - 1}'] * 50)}}}" for i in range(1, 6)]
     text = "\n".join(["a0: &a0 {k: 1}", *levels])  # 50**5 values
-    assert parse(text) is None
+    assert parse(text, are_parameters=True) is None
     todo: list[yaml.Node | None] = [yaml.SafeLoader(text).get_single_node()]
     merge_repeated(todo[0])
     pairs = {}

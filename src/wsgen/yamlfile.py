@@ -55,21 +55,36 @@ class NotYaml(NamedTuple):
 
 def load(file: Path) -> Value | NotYaml | None:
     """The first document of a file; None where it cannot be read or is empty."""
+    text = _read(file)
+    return None if text is None else parse(text)
+
+
+def load_parameters(file: Path) -> Value | NotYaml | None:
+    """The same of a file of parameters, as a node of ROS reads it: see `merge_repeated`."""
+    text = _read(file)
+    return None if text is None else parse(text, are_parameters=True)
+
+
+def _read(file: Path) -> str | None:
     try:
-        text = read_regular(file, SIZE_LIMIT).decode()
+        return read_regular(file, SIZE_LIMIT).decode()
     except (OSError, ValueError):
         return None
-    return parse(text)
 
 
-def parse(text: str) -> Value | NotYaml | None:
-    """The first document of a text; None where it has none, or more than anybody writes."""
+def parse(text: str, *, are_parameters: bool = False) -> Value | NotYaml | None:
+    """The first document of a text; None where it has none, or more than anybody writes.
+
+    Of keys that a mapping has twice the last one counts, as YAML is loaded; where a node reads its
+    parameters, see `merge_repeated`.
+    """
     import yaml  # noqa: PLC0415  20 ms that only a package with such files pays
 
     try:
         loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)(text)
         node = loader.get_node() if loader.check_node() else None
-        merge_repeated(node)
+        if are_parameters:
+            merge_repeated(node)
         return None if node is None else _value(loader, node, [0])
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark

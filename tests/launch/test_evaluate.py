@@ -601,6 +601,20 @@ def test_sections_of_one_name_are_merged(space: InstallSpace) -> None:
     assert [one.parameters for one in plan.processes] == [{"p": 1}, {"p": 2}]
 
 
+def test_launch_merges_no_sections_for_a_container(space: InstallSpace) -> None:
+    text = "/**: {ros__parameters: {p: 1}}\n/**: {ros__parameters: {q: 2}}\n"
+    share = space.add("my_robot", {"p.yaml": text})
+    plan = space.play(
+        "LoadComposableNodes(target_container='box', composable_node_descriptions=["
+        "ComposableNode(package='p_a', plugin='p_a::N', name='n', "
+        f"parameters=['{share}/p.yaml'])]), "
+        f"Node(package='rviz2', executable='rviz2', parameters=['{share}/p.yaml'])",
+        before="from launch_ros.actions import LoadComposableNodes\n"
+        "from launch_ros.descriptions import ComposableNode",
+    )
+    assert [one.parameters for one in plan.processes] == [{"q": 2}, {"p": 1, "q": 2}]
+
+
 def test_a_parameter_file_is_parsed_once(space: InstallSpace) -> None:
     share = space.add("my_robot", {"p.yaml": "/**: {ros__parameters: {p: 1}}"})
     node = f"Node(package='rviz2', executable='rviz2', parameters=['{share}/p.yaml'])"

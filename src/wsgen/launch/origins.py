@@ -122,14 +122,15 @@ def _assigned(file: str) -> dict[str, list[ast.expr]]:
 
 
 @functools.cache
-def key_lines(text: str) -> Any:
+def key_lines(text: str, *, merges_repeated: bool) -> Any:
     """The mapping of a YAML file with the line of its key (1-based) in place of each value."""
     import yaml  # see launch.utilities.type_utils
 
     loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)(text)
     try:
         node = loader.get_single_node()
-        merge_repeated(node)
+        if merges_repeated:
+            merge_repeated(node)
         return {} if node is None else _key_lines(loader, node, {})
     except (yaml.YAMLError, ValueError, RecursionError):
         return {}

@@ -47,7 +47,7 @@ def check_controlled(
                     yield from place_in_source([missing], text="", file=file, share_of=share_of)
                 of_file.setdefault(path, []).append(robot)
     for path, users in of_file.items():
-        content = yamlfile.load(path)
+        content = yamlfile.load_parameters(path)
         if isinstance(content, yamlfile.Value):
             controlled = Controlled(
                 joints=[joint for robot in users for joint in robot.joints],

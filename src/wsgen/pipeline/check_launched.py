@@ -99,7 +99,9 @@ def check_launched(  # noqa: PLR0913  most have defaults
         is_included or any(bridges.may_bring_clock(bridges.find_bridges(other)) for other in beside)
     ):
         yield from lacks_clock
-    files = {file: _yaml(file) for file in controllers.parameter_files(_descriptions(started))}
+    files = {
+        file: _parameters(file) for file in controllers.parameter_files(_descriptions(started))
+    }
     yield from controllers.unknown_controllers(plan, controllers.find_configured(plan, files))
     if found.topics:
         yield from bridges.check_bridges(
@@ -255,7 +257,7 @@ def _check_paths(file: Path, content: bytes) -> Iterator[Diagnostic]:
 
 
 def _check_controllers(file: Path, content: bytes) -> Iterator[Diagnostic]:
-    parameters = _yaml(file) if b"controller_manager" in content else None
+    parameters = _parameters(file) if b"controller_manager" in content else None
     if parameters is not None:
         yield from controllers.unknown_types(file, parameters)
 
@@ -333,8 +335,8 @@ def _descriptions(started: Started) -> Iterator[Element]:
             yield root
 
 
-def _yaml(file: Path) -> yamlfile.Value | None:
-    content = yamlfile.load(file)
+def _parameters(file: Path) -> yamlfile.Value | None:
+    content = yamlfile.load_parameters(file)
     return content if isinstance(content, yamlfile.Value) else None
 
 

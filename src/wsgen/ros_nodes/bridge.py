@@ -246,7 +246,7 @@ def _parameter(of_ros: list[str], name: str) -> str:
 
 def _in_file(file: Path, name: str) -> str:
     """A parameter in a YAML file of parameters, of whatever node: launch writes one for each."""
-    nodes = yamlfile.load(file)
+    nodes = yamlfile.load_parameters(file)
     if not isinstance(nodes, yamlfile.Value):
         return ""
     for node in (node for _, node in nodes.items()):

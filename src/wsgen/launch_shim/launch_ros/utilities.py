@@ -542,11 +542,11 @@ def read(
     import yaml  # see launch.utilities.type_utils
 
     try:
-        content = _parse(text)
+        content = _parse(text, is_read_by_node=not in_container)
     except yaml.YAMLError as error:
         RECORD.note_unresolved(str(path), f"it is not YAML: {error}", location)
         return found
-    lines = _lines_of(path, text) if RECORD.with_origins else {}
+    lines = _lines_of(path, text, is_read_by_node=not in_container) if RECORD.with_origins else {}
     for name, value in _meant(content, node, in_container=in_container).items():
         found[name] = _with_one_kind(value) if in_container else value
     for name, line in _meant(lines, node, in_container=in_container).items():
@@ -579,26 +579,31 @@ def _original(path: Path) -> str:
     return RECORD.made.get(absolute, absolute)
 
 
-def _lines_of(path: Path, text: str) -> Any:
+def _lines_of(path: Path, text: str, *, is_read_by_node: bool) -> Any:
     """The lines of the keys; those of the file that this one is made of, if it is made."""
     from wsgen.launch.origins import key_lines
 
     absolute = os.path.abspath(path)
     original = RECORD.made.get(absolute)
     RECORD.read[original or absolute] = "parameters"
-    return key_lines(text if original is None else Path(original).read_text(encoding="utf-8"))
+    text = text if original is None else Path(original).read_text(encoding="utf-8")
+    return key_lines(text, merges_repeated=is_read_by_node)
 
 
 @functools.cache
-def _parse(text: str) -> Any:
-    """The content of a parameter file, which several nodes read and none changes."""
+def _parse(text: str, *, is_read_by_node: bool) -> Any:
+    """The content of a parameter file, which several nodes read and none changes.
+
+    A node merges repeated sections; launch, which reads the file for a container, does not.
+    """
     import yaml  # see launch.utilities.type_utils
 
     # libyaml is ten times as fast, and what nodes read the file with themselves.
     class Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
         def get_single_node(self) -> Any:
             node = super().get_single_node()
-            merge_repeated(node)
+            if is_read_by_node:
+                merge_repeated(node)
             return node
 
     return yaml.load(text, Loader=Loader)  # noqa: S506  it is safe

@@ -39,7 +39,7 @@ class ParameterFiles:
         sections: list[Section] = []
         errors: list[str] = []
         for file in files:
-            content = yamlfile.load(Path(file))
+            content = yamlfile.load_parameters(Path(file))
             if isinstance(content, yamlfile.Value):
                 sections += sections_of(content)
             elif isinstance(content, yamlfile.NotYaml):
