@@ -104,8 +104,13 @@ def test_frames_and_what_shows_them(environment: dict[str, str], tmp_path: Path)
         check_frames(environment)
         check_topics(environment)
         check_nodes(environment)
-    refused = tool("topic", "type", "/gone", environment=environment)
-    assert refused.returncode == 1
+    at_end = tmp_path / "at_end"
+    at_end.mkdir()
+    text = "import atexit, os\natexit.register(os.write, 1, b'The interpreter is torn down.')\n"
+    (at_end / "sitecustomize.py").write_text(text, encoding="utf-8")
+    path = os.pathsep.join([str(at_end), environment.get("PYTHONPATH", "")])
+    refused = tool("topic", "type", "/gone", environment={**environment, "PYTHONPATH": path})
+    assert (refused.returncode, refused.stdout) == (1, "")
     assert "Unknown topic '/gone'" in refused.stderr
     assert f"No node is found in ROS_DOMAIN_ID {environment['ROS_DOMAIN_ID']}." in refused.stderr
 
