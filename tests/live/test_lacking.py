@@ -114,7 +114,7 @@ def test_a_program_that_is_no_python(script: Path) -> None:
     assert syntax_error(["./driver"], variables) is None
 
 
-def test_what_the_path_of_nodes_only_wraps_is_lacking(script: Path, tmp_path: Path) -> None:
+def test_what_the_path_of_nodes_has_is_not_lacking(script: Path, tmp_path: Path) -> None:
     site = tmp_path / "lib" / "python3.12" / "site-packages"
     (site / "my_pkg" / "node.py").write_text("import cv2\nimport message_filters\n")
     words = [sys.executable, str(script)]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.ros_environment.processes import SHIM
+from wsgen.ros_environment.processes import SHIM, START
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -45,15 +45,23 @@ print(imshow.__name__, imshow.__doc__, hasattr(cv2, "selectROI"), cv2.__file__)
 
 
 def run(
-    folder: Path, text: str, *, is_built: bool, display: str, slowly: str = ""
+    folder: Path,
+    text: str,
+    *,
+    is_built: bool = True,
+    display: str = "",
+    slowly: str = "",
+    package: str = OPENCV,
+    ours: tuple[Path, ...] = (START, SHIM),
 ) -> subprocess.CompletedProcess[str]:
     installed = folder / "installed"
-    (installed / "cv2").mkdir(parents=True)
-    opencv = OPENCV.replace("{is_built}", str(is_built))
+    (installed / "cv2").mkdir(parents=True, exist_ok=True)
+    opencv = package.replace("{is_built}", str(is_built))
     (installed / "cv2" / "__init__.py").write_text(f"{slowly}\n{opencv}")
     script = folder / "tuner"
     script.write_text(text)
-    environment = {**os.environ, "PYTHONPATH": f"{SHIM}{os.pathsep}{installed}", "DISPLAY": display}
+    path = os.pathsep.join(map(str, (installed, *ours)))
+    environment = {**os.environ, "PYTHONPATH": path, "DISPLAY": display}
     environment.pop("WAYLAND_DISPLAY", None)
     words = [sys.executable, str(script)]
     return subprocess.run(words, env=environment, capture_output=True, text=True, check=False)
@@ -110,26 +118,59 @@ def test_threads_may_import_it_at_the_same_time(tmp_path: Path) -> None:
     assert (done.stdout, done.stderr) == ("True\n", "")
 
 
+LIBRARY = """
+import sys
+package = sys.modules.pop("cv2")  # as OpenCV does it: the library has the name, too
+path, sys.path = sys.path, [__file__.rpartition("/")[0] + "/library", *sys.path]
+import cv2
+assert cv2 is not package
+sys.path = path
+sys.modules["cv2"] = package
+globals().update({k: v for k, v in vars(cv2).items() if not k.startswith("__")})
+"""
+
+
+def test_a_package_that_imports_its_library_by_its_own_name(tmp_path: Path) -> None:
+    library = tmp_path / "installed" / "cv2" / "library"
+    library.mkdir(parents=True)
+    (library / "cv2.py").write_text(OPENCV.replace("{is_built}", "True"))
+    text = 'import cv2\nprint(cv2.imshow("view", None), cv2.cvtColor(None))'
+    done = run(tmp_path, text, package=LIBRARY)
+    assert done.stdout == "real cvtColor\nNone 7\n"
+    assert "OpenCV shows no windows" in done.stderr
+
+
+ABSENT = """
+import importlib.util, sys
+sys.path = [one for one in sys.path if "site-packages" not in one]
+print(importlib.util.find_spec("cv2"))
+try:
+    import cv2
+except ImportError as error:
+    print(error.name, "cv2" in sys.modules)
+import cv2
+"""
+
+
 def test_opencv_that_is_not_installed() -> None:
-    code = (
-        "import sys; sys.path = [p for p in sys.path if 'site-packages' not in p]\n"
-        "try:\n    import cv2\nexcept ImportError as error:\n    print(error.name)\n"
-        "import cv2\n"
-    )
-    environment = {**os.environ, "PYTHONPATH": str(SHIM)}
+    path = os.pathsep.join(map(str, (START, SHIM)))
     done = subprocess.run(
-        [sys.executable, "-S", "-c", code],
-        env=environment,
+        [sys.executable, "-c", ABSENT],
+        env={**os.environ, "PYTHONPATH": path},
         capture_output=True,
         text=True,
         check=False,
     )
-    assert done.stdout == "cv2\n"
-    lines = done.stderr.splitlines()
-    assert lines[-1] == "ModuleNotFoundError: No module named 'cv2'"
-    own, of_stand_in = (line for line in lines if line.startswith("  File "))
-    assert own.startswith('  File "<string>", line 6')
-    assert of_stand_in.startswith(f'  File "{SHIM / "cv2" / "__init__.py"}"')
+    assert done.stdout == "None\ncv2 False\n"
+    *lines, last = done.stderr.splitlines()
+    assert last == "ModuleNotFoundError: No module named 'cv2'"
+    (own,) = (line for line in lines if line.startswith("  File "))
+    assert own.startswith('  File "<string>", line 9')
+
+
+def test_opencv_of_a_sourced_ros_is_left_alone(tmp_path: Path) -> None:
+    done = run(tmp_path, NODE, is_built=True, display="", ours=(START,))
+    assert done.stdout.startswith("real createTrackbar\nreal imshow\n")
 
 
 def test_what_opencv_lacks_is_named(tmp_path: Path) -> None:

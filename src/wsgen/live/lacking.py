@@ -16,12 +16,10 @@ from typing import TYPE_CHECKING
 
 from wsgen.markup import read_text
 from wsgen.pythontree import parse_anew
-from wsgen.ros_environment.processes import SHIM
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-_WRAPPED = frozenset(("cv2",))  # is on the path of nodes without being installed
 _ENTRY_POINTS = "lib/python*/site-packages/*/entry_points.txt"  # below a prefix
 
 
@@ -77,8 +75,6 @@ def _first_file(
 
 
 def _is_there(name: str, places: Sequence[str]) -> bool:
-    if name in _WRAPPED:
-        places = [one for one in places if one != str(SHIM)]
     if PathFinder.find_spec(name, places) is not None:
         return True
     try:  # packages that are installed for editing have finders of their own

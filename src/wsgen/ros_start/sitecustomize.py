@@ -1,8 +1,10 @@
-"""What nodes execute at their start: rclpy is to show exceptions of lifecycle nodes.
+"""What nodes execute at their start: two modules are changed when a node imports them.
 
 rclpy makes any exception of `on_configure()` and the other callbacks of a transition an ERROR, and
-says nothing about it. Here it is logged before rclpy takes it; all else is rclpy's. Nothing happens
-in a process that does not import `rclpy.lifecycle`.
+says nothing about it. Here it is logged before rclpy takes it; all else is rclpy's. OpenCV ends a
+node that shows a window where there is no screen: `opencv_windows` of the packages of wsgen, which
+are on the path where no ROS is sourced, has it go on. Nothing happens in a process that imports
+neither.
 
 Python executes one module of this name, the first that it finds: that which it would have found
 without this folder is executed, too.
@@ -21,33 +23,39 @@ if TYPE_CHECKING:
     from types import ModuleType
     from typing import Any
 
-PATCHED = "rclpy.lifecycle.node"
 REGISTER = "_LifecycleNodeMixin__register_callback"
 
 
-class LifecycleFinder:
-    """Finds rclpy's module, and has it changed when it was executed."""
+class ChangingFinder:
+    """Finds the modules that are to be changed, and has it done when they were executed."""
 
-    def __init__(self) -> None:
-        self._is_asking = False  # the other finders
+    def __init__(self, changes: dict[str, Callable[[ModuleType], None]]) -> None:
+        self._changes = changes  # by the name of the module
+        # Those that other finders are asked for, or that are executed: OpenCV's package imports
+        # its library by its own name.
+        self._in_work: set[str] = set()
 
     def find_spec(
         self, name: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
         """As `importlib.abc.MetaPathFinder`."""
-        if name != PATCHED or self._is_asking:
+        if name not in self._changes or name in self._in_work:
             return None
-        self._is_asking = True
+        self._in_work.add(name)
         try:
             spec = find_spec(name, path, target)
         finally:
-            self._is_asking = False
+            self._in_work.discard(name)
         if spec is not None and spec.loader is not None:
             execute = spec.loader.exec_module
 
             def execute_and_change(module: ModuleType) -> None:
-                execute(module)
-                show_exceptions(module)
+                self._in_work.add(name)
+                try:
+                    execute(module)
+                finally:
+                    self._in_work.discard(name)
+                self._changes[name](module)
 
             spec.loader.exec_module = execute_and_change  # type: ignore[method-assign]  # of this one
         return spec
@@ -85,6 +93,15 @@ def show_exceptions(module: ModuleType) -> None:
     setattr(mixin, REGISTER, register_shown)
 
 
+def go_on_without_windows(module: ModuleType) -> None:
+    """Have OpenCV's functions of windows do nothing where there are none."""
+    try:
+        import opencv_windows
+    except ModuleNotFoundError:  # a ROS is sourced: all is as there
+        return
+    opencv_windows.put_in(module)
+
+
 def tell(node: Any, callback: Callable[[Any], Any], error: Exception) -> None:
     """Log an exception with its traceback, from the callback on."""
     import traceback
@@ -112,6 +129,8 @@ def execute_next() -> None:
 
 
 # Another wsgen may have begun what starts this Python.
-if not any(type(finder).__name__ == LifecycleFinder.__name__ for finder in sys.meta_path):
-    sys.meta_path.insert(0, LifecycleFinder())
+if not any(type(finder).__name__ == ChangingFinder.__name__ for finder in sys.meta_path):
+    sys.meta_path.insert(
+        0, ChangingFinder({"rclpy.lifecycle.node": show_exceptions, "cv2": go_on_without_windows})
+    )
 execute_next()

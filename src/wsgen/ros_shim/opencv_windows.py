@@ -4,12 +4,12 @@ Every third node that looks at pictures shows them with `imshow`. OpenCV without
 (`opencv-python-headless`) raises an exception there, and the one with windows ends the process
 where it finds no display. A node of a live run works on without them, and its log says so once.
 
-This package is on the path of nodes before the real one, imports that, and gives it its place.
+What Python executes at its start (`ros_start`) gives the package to `put_in` when a node has
+imported it. So it is there, or not, as without wsgen.
 """
 
 from __future__ import annotations
 
-import importlib
 import os
 import sys
 import time
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from types import ModuleType
 
-NAME = "cv2"
-OWN = Path(__file__).resolve().parents[1]
 DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY")
 NOT_BUILT = "not implemented"  # in what OpenCV without windows raises
 NO_KEY = -1
@@ -124,27 +122,6 @@ class _Windows:
         self._sliders[trackbarname, winname] = pos
 
 
-def _import_real() -> ModuleType | None:
-    """Import OpenCV from where it is installed; None where it is not."""
-    del sys.modules[NAME]
-    kept = sys.path
-    sys.path = [one for one in kept if not one or Path(one).resolve() != OWN]
-    try:
-        return importlib.import_module(NAME)  # and has the name in sys.modules from here on
-    except ModuleNotFoundError as error:
-        if error.name != NAME:  # something that OpenCV needs
-            raise
-        return None
-    finally:
-        sys.path = kept
-
-
-_real = _import_real()
-if _real is None:  # as a node is told it without this package: no frames of the search
-    raise ModuleNotFoundError(f"No module named {NAME!r}", name=NAME)
-_Windows(_real).put_in()
-
-
-def __getattr__(name: str) -> Any:
-    """What OpenCV has, for a thread that has come to this module before it was replaced."""
-    return getattr(_real, name)
+def put_in(opencv: ModuleType) -> None:
+    """Have the functions of windows do nothing where there are none."""
+    _Windows(opencv).put_in()
