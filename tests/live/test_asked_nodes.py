@@ -192,7 +192,7 @@ def test_a_node_without_states_is_named_with_those_that_have_some(
     (text,) = caplog.messages
     assert text == (
         "TRANSITION_ACTIVATE waits for the service /map/change_state, which does not appear: check "
-        "that /map is a lifecycle node and has this name; those there are: /m/change_state"
+        "that /map is a lifecycle node and has this name; services of its type: /m/change_state"
     )
 
 

@@ -216,7 +216,7 @@ class AskedNodes:
         if one is None:
             return
         others = told["others"]
-        there = f"; those there are: {', '.join(others)}" if others else ""
+        there = f"; services of its type: {', '.join(others)}" if others else ""
         what = "lifecycle node" if one.transition is not None else "container"
         logging.getLogger(one.logger).warning(
             "%s",
