@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import socket
 import sys
+import threading
 from pathlib import Path
 from typing import Any
 
@@ -125,6 +126,36 @@ def test_what_is_reported_later_is_printed_without_what_was_before(
     assert "late is wrong." in printed
     assert "early is wrong." not in printed
     assert "both is wrong." not in printed
+
+
+@pytest.mark.parametrize(("color", "is_colored"), [("always", True), ("never", False)])
+def test_what_is_reported_later_has_the_colors_that_are_wanted(
+    color: str,
+    is_colored: bool,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """Another thread reports it, whose robots are spawned while the run goes on."""
+    file = tmp_path / "empty.launch.py"
+    file.write_text("")
+
+    def run_launch(*_: Any, show: Any, **_more: Any) -> int:
+        late = UNUSABLE_FILE.at(None, message="late is wrong.", hint="Correct it.")
+        thread = threading.Thread(target=show, args=((late,),))
+        thread.start()
+        thread.join()
+        return 0
+
+    def strips(_stream: object, color: bool | None) -> bool:  # by itself, the opposite of --color
+        return is_colored if color is None else not color
+
+    monkeypatch.setattr("wsgen.live.run.run_launch", run_launch)
+    monkeypatch.setattr("click.utils.should_strip_ansi", strips)
+    assert run(["launch", str(file), "--run", "--color", color]) == 0
+    printed = capsys.readouterr().err
+    assert "late is wrong." in printed
+    assert ("\x1b[" in printed) is is_colored
 
 
 def not_finished(*, is_there: bool) -> str:

@@ -98,7 +98,8 @@ def run(
             fresh = tuple(one for one in diagnostics if one not in known)
             known.update(fresh)
             shown.extend(fresh)
-            _print(fresh, verbose=verbose)
+            with context.scope(cleanup=False):  # robots that come later are read in a thread
+                _print(fresh, verbose=verbose)
             raise_dropped_end()  # what follows is a launch, which goes on until somebody ends it
 
         def finish(remains: Callable[[Listener | None], Iterable[Diagnostic]]) -> None:
