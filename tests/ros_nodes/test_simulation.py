@@ -12,6 +12,7 @@ import sys
 import time
 import types
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -39,8 +40,6 @@ from wsgen.simulation.pose_log import POSE_LOG_FILE, read_pose_log
 from wsgen.simulation.scene import SpawnedRobot
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from wsgen.model.robot import Robot
     from wsgen.simulation.engine import State
 
@@ -469,6 +468,26 @@ def test_the_pose_log_has_each_robot_as_it_was_spawned(tmp_path: Path) -> None:
         "rover (2)": other,
     }
     assert log.corners.keys() == {"rover", "rover_0", "rover (2)"}
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="only Linux has a full device")
+def test_a_full_disk_ends_the_pose_log_and_nothing_else(tmp_path: Path) -> None:
+    from wsgen.ros_nodes.simulator.host import Due  # noqa: PLC0415  with fakes
+    from wsgen.ros_nodes.simulator.pose_logger import PoseLogger  # noqa: PLC0415  likewise
+
+    (tmp_path / POSE_LOG_FILE).symlink_to("/dev/full")
+    simulation, ros = simulation_of(live_scene(JOINT_STATES))
+    simulation.add(Due(plugin=PoseLogger(simulation.host, tmp_path), robot=None, name="pose log"))
+    simulation.advance(0.2)
+    simulation.spawn("rover")
+    simulation.advance(0.5)
+    simulation.reset(with_time=False)
+    simulation.advance(1.0)
+    assert ros.published("/joint_states")[-1].header.stamp.nanosec == pytest.approx(95e7)
+    simulation.close()
+    (warning,) = ros.warnings
+    assert "The video ends at 0.20 s" in warning
+    assert "the disk is full" in warning
 
 
 def test_a_signal_while_the_simulator_begins_ends_it_once(
