@@ -8,6 +8,7 @@ request. When the socket is closed, the process ends.
 from __future__ import annotations
 
 import contextlib
+import itertools
 import json
 import math
 import os
@@ -71,6 +72,7 @@ class Messenger:
         self._subscribed: dict[str, Subscribed] = {}
         self._publishers: dict[tuple[str, str], Any] = {}
         self._timers: dict[str, tuple[Any, Any]] = {}  # with their nodes, by topic
+        self._timers_made = itertools.count()
         self._clients: dict[tuple[str, str], Any] = {}
         self._executor = SingleThreadedExecutor()
         self._node = self._make_node("")
@@ -199,7 +201,7 @@ class Messenger:
 
     def _repeat(self, topic: str, publisher: Any, message: Any, stamps: Any, period: float) -> None:
         """Publish a message again and again, in simulated time."""
-        node = self._make_node(f"_{len(self._timers)}_timer", use_sim_time=True)
+        node = self._make_node(f"_{next(self._timers_made)}_timer", use_sim_time=True)
 
         def publish() -> None:
             now = node.get_clock().now().to_msg()
