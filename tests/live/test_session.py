@@ -559,6 +559,26 @@ def test_a_launch_that_ends_is_an_error(rig: Rig) -> None:
     assert "Caught exception" in caught.value.hint
 
 
+def test_a_launch_that_ends_before_its_simulator_leaves_no_connection(tmp_path: Path) -> None:
+    def descriptors() -> int:
+        return len(list(Path("/proc/self/fd").iterdir()))
+
+    service = Service()
+    made = LiveSession(
+        tmp_path,
+        cast("ServiceChild", service),
+        cast("LiveMessenger", Messenger()),
+        entities=(),
+    )
+    service.code = 1
+    before = descriptors()
+    with pytest.raises(SessionDiedError) as caught:  # whose frames may hold what is open
+        made.start()
+    made.close()
+    assert descriptors() == before
+    assert caught.value.message == "The launch has ended (exit code 1)."
+
+
 def test_a_simulator_that_is_gone_is_an_error(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(session, "SECONDS_TO_END", 0.1)
     rig.session.start()

@@ -295,7 +295,7 @@ class LiveSession:
         ]
         lines += [f"{what} is left out: {why}" for what, why in self.journal.left_out.items()]
         lines += [
-            f"{one.name} has ended ({_how(one)})"
+            f"{one.name} has ended ({_how(one.code)})"
             for one in self.journal.processes.values()
             if one.code is not None and one.role != SPAWNER
         ]
@@ -324,7 +324,7 @@ class LiveSession:
         )
 
     def _connect(self) -> None:
-        made = socket.socket(socket.AF_UNIX)
+        self._simulator = made = socket.socket(socket.AF_UNIX)
         end = self._begun + SECONDS_TO_START
         while True:
             self.check()
@@ -339,7 +339,6 @@ class LiveSession:
                 )
                 time.sleep(0.02)
             else:
-                self._simulator = made
                 return
 
     def _ask(self, request: Mapping[str, object]) -> dict[str, Any]:
@@ -393,17 +392,15 @@ class LiveSession:
             ]
             if ended:
                 return SessionDiedError(
-                    f"The simulator has ended ({_how(ended[0])}).", hint=_last_lines(ended[0])
+                    f"The simulator has ended ({_how(ended[0].code)}).", hint=_last_lines(ended[0])
                 )
             time.sleep(0.02)
         return SessionDiedError("The simulator has ended.", hint="Look at what it has printed.")
 
     def _ended(self) -> SessionDiedError:
-        code = self._service.code or 0
-        how = f"exit code {code}" if code >= 0 else signal.Signals(-code).name
         errors = [line for line in self.journal.lines if line.startswith("[launch] [ERROR]")]
         return SessionDiedError(
-            f"The launch has ended ({how}).",
+            f"The launch has ended ({_how(self._service.code)}).",
             hint="\n".join(errors[-LAST_LINES:])
             or "Look at what was printed: a node may have asked for the end of all.",
         )
@@ -601,9 +598,9 @@ def _named(entities: Iterable[str]) -> str:
     return ", ".join(f"`{one}`" for one in entities)
 
 
-def _how(process: KnownProcess) -> str:
-    """How a process has ended."""
-    code = process.code or 0
+def _how(code: int | None) -> str:
+    """How a process has ended, by its exit code, or minus the number of a signal."""
+    code = code or 0
     if code >= 0:
         return f"exit code {code}"
     try:
@@ -614,7 +611,7 @@ def _how(process: KnownProcess) -> str:
 
 def _failure(process: KnownProcess) -> str:
     what = "The simulator" if process.role == SIMULATOR else f"The process {process.name}"
-    return f"{what} has failed ({_how(process)})."
+    return f"{what} has failed ({_how(process.code)})."
 
 
 def _last_lines(process: KnownProcess) -> str:
