@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from wsgen.errors import RequestError
 from wsgen.live.includes import entities_of
 from wsgen.model.plan import Include
 
@@ -42,3 +43,23 @@ def test_parameters_reach_gazebo(
         assert found is not None
         assert len(found) == count  # the second one is the client's
         assert found[0].cmd == ["gzserver", *words]
+
+
+@pytest.mark.parametrize(
+    ("file", "arguments", "problem"),
+    [
+        (
+            "gz_sim.launch.py",
+            {"gz_args": "-r 'empty.sdf"},
+            "gz_args has a quotation mark without its other one: -r 'empty.sdf",
+        ),
+        ("gz_sim.launch.py", {"ign_args": '"'}, "ign_args has a quotation mark without"),
+        ("gz_spawn_model.launch.py", {"R": "up"}, "R is `up`, and no number."),
+    ],
+)
+def test_arguments_that_make_no_sense_are_named(
+    file: str, arguments: dict[str, str], problem: str
+) -> None:
+    with pytest.raises(RequestError) as caught:
+        entities_of(Include(package="ros_gz_sim", file=Path(file), arguments=arguments))
+    assert caught.value.message.startswith(problem)

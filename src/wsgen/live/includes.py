@@ -8,6 +8,8 @@ from __future__ import annotations
 import shlex
 from typing import TYPE_CHECKING, Any
 
+from wsgen.errors import RequestError
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
 
@@ -69,7 +71,15 @@ def _gzclient(values: Mapping[str, str]) -> Iterator[Any]:
 
 
 def _gz_sim(values: Mapping[str, str]) -> Iterator[Any]:
-    words = shlex.split(values.get("gz_args") or values.get("ign_args") or "")
+    name = "gz_args" if values.get("gz_args") else "ign_args"
+    text = values.get(name, "")
+    try:
+        words = shlex.split(text)
+    except ValueError:
+        raise RequestError(
+            f"{name} has a quotation mark without its other one: {text}",
+            hint="Write both, or none: the shell that starts Gazebo Sim refuses it, too.",
+        ) from None
     is_required = _is_true(values.get("on_exit_shutdown", "false"))
     yield _process(["gz", "sim", *words], is_required=is_required, name="gazebo")
 
@@ -92,8 +102,17 @@ def _gz_spawn_model(values: Mapping[str, str]) -> Iterator[Any]:
     }
     parameters["allow_renaming"] = _is_true(values.get("allow_renaming", "false"))
     for axis in ("x", "y", "z", "R", "P", "Y"):
-        parameters[axis] = float(values.get(axis) or 0.0)
+        parameters[axis] = _number(axis, values.get(axis) or "0.0")
     yield _node("ros_gz_sim", "create", parameters=[parameters])
+
+
+def _number(name: str, text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise RequestError(
+            f"{name} is `{text}`, and no number.", hint="Give meters, and radians for R, P and Y."
+        ) from None
 
 
 def _bridge(values: Mapping[str, str]) -> Iterator[Any]:
