@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from wsgen.ros_nodes.simulator.ros2_control.parameters import Parameters
     from wsgen.ros_nodes.simulator.topics import RosPublisher
 
+T = TypeVar("T")
 DEPTH = 10  # of the queues of topics: rclcpp::SystemDefaultsQoS() keeps what the middleware does
 
 
@@ -130,11 +131,19 @@ class Controller:
 
     def require(self, name: str) -> list[str]:
         """The texts of a parameter that must not be empty; raises ControllerError."""
-        found = self.parameters.texts(name)
-        if not found:
-            message = f"'{name}' parameter was empty"
-            raise ControllerError(message)
-        return found
+        return _not_empty(name, self.parameters.texts(name))
+
+    def require_text(self, name: str) -> str:
+        """Likewise the one text of a parameter."""
+        return _not_empty(name, self.parameters.text(name))
+
+    def require_length(self, name: str, factor: float = 1.0) -> float:
+        """A parameter, times a factor, that must be above 0; raises ControllerError."""
+        value = self.parameters.number(name) * factor
+        if value > 0.0:
+            return value
+        message = f"Invalid value '{value:f}' of the parameter '{name}': it must be above 0"
+        raise ControllerError(message)
 
     def info(self, text: str) -> None:
         """Print what happened."""
@@ -153,3 +162,10 @@ class Controller:
         if text not in self._told:
             self._told.add(text)
             self.warn(text)
+
+
+def _not_empty(name: str, found: T) -> T:
+    if not found:
+        message = f"'{name}' parameter was empty"
+        raise ControllerError(message)
+    return found

@@ -37,18 +37,14 @@ class DiffDriveController(Controller):
                 f"[{len(self._right)}] are different"
             )
             raise ControllerError(message)
-        self._separation = parameters.number("wheel_separation") * parameters.number(
-            "wheel_separation_multiplier", 1.0
+        self._separation = self.require_length(
+            "wheel_separation", parameters.number("wheel_separation_multiplier", 1.0)
         )
-        radius = parameters.number("wheel_radius")
+        radius = self.require_length("wheel_radius")
         self._radii = (
             radius * parameters.number("left_wheel_radius_multiplier", 1.0),
             radius * parameters.number("right_wheel_radius_multiplier", 1.0),
         )
-        for name, value in (("wheel_separation", self._separation), ("wheel_radius", radius)):
-            if not value > 0.0:
-                message = f"Invalid value '{value:f}' of the parameter '{name}': it must be above 0"
-                raise ControllerError(message)
         self._is_open_loop = parameters.flag("open_loop")
         self._feedback = (
             POSITION if parameters.flag("position_feedback", default=True) else VELOCITY

@@ -12,7 +12,7 @@ from typing import Any
 
 from control_msgs.msg import MecanumDriveControllerState
 
-from wsgen.ros_nodes.simulator.ros2_control.controllers.base import Controller, ControllerError
+from wsgen.ros_nodes.simulator.ros2_control.controllers.base import Controller
 from wsgen.ros_nodes.simulator.ros2_control.controllers.odometry_messages import (
     OdometryMessages,
     namespace_prefix,
@@ -36,15 +36,17 @@ class MecanumDriveController(Controller):
     def configure(self) -> None:
         """Read the parameters, open the topics."""
         parameters = self.parameters
-        joints = [self._joint(wheel) for wheel in WHEELS]
+        joints = [self.require_text(f"{wheel}_wheel_command_joint_name") for wheel in WHEELS]
         self.commands = tuple(f"{joint}/{VELOCITY}" for joint in joints)
         self._turned = tuple(
             f"{parameters.text(f'{wheel}_wheel_state_joint_name') or joint}/{VELOCITY}"
             for wheel, joint in zip(WHEELS, joints, strict=True)
         )
         self.states = self._turned
-        self._radius = self._length("wheels_radius")
-        self._reach = self._length("sum_of_robot_center_projection_on_X_Y_axis")
+        self._radius, self._reach = (
+            self.require_length(f"{KINEMATICS}.{name}")
+            for name in ("wheels_radius", "sum_of_robot_center_projection_on_X_Y_axis")
+        )
         # Of the base in the middle of the wheels: m, m, rad.
         self._offset = tuple(
             parameters.number(f"{KINEMATICS}.base_frame_offset.{one}")
@@ -61,24 +63,6 @@ class MecanumDriveController(Controller):
         )
         self._state_publisher = self.publisher(MecanumDriveControllerState, "~/controller_state")
         self._begin()
-
-    def _joint(self, wheel: str) -> str:
-        name = f"{wheel}_wheel_command_joint_name"
-        found = self.parameters.text(name)
-        if not found:
-            message = f"'{name}' parameter was empty"
-            raise ControllerError(message)
-        return found
-
-    def _length(self, name: str) -> float:
-        value = self.parameters.number(f"{KINEMATICS}.{name}")
-        if not value > 0.0:
-            message = (
-                f"Invalid value '{value:f}' of the parameter '{KINEMATICS}.{name}': it must be "
-                "above 0"
-            )
-            raise ControllerError(message)
-        return value
 
     def _begin(self) -> None:
         self._x = self._y = self._heading = 0.0

@@ -102,26 +102,20 @@ class SteeringController(Controller):
 
     def _measured(self) -> SteeringBase:
         """The measures in the parameters."""
-        parameters = self.parameters
         wheels = "wheels" if self.driven > 1 else "wheel"
         radius = f"traction_{wheels}_radius"
         if self._is_former:
             wheel = "wheel" if (self.driven, self.steered) == (1, 1) else "wheels"
             radius = f"{self._former_axle('traction')}_{wheel}_radius"
         traction, steering = self._tracks()
-        base = SteeringBase(
-            wheelbase=parameters.number("wheelbase"),
-            radius=parameters.number(radius),
+        return SteeringBase(
+            wheelbase=self.require_length("wheelbase"),
+            radius=self.require_length(radius),
             traction_track=traction,
             steering_track=steering,
             driven=self.driven,
             steered=self.steered,
         )
-        for name, value in (("wheelbase", base.wheelbase), (radius, base.radius)):
-            if not value > 0.0:
-                message = f"Invalid value '{value:f}' of the parameter '{name}': it must be above 0"
-                raise ControllerError(message)
-        return base
 
     def _tracks(self) -> tuple[float, float]:
         """The distances of the driven and of the steered wheels, m."""

@@ -66,11 +66,13 @@ class TricycleController(Controller):
     def configure(self) -> None:
         """Read the parameters, open the topics."""
         parameters = self.parameters
-        traction, steering = (self._joint(kind) for kind in ("traction", "steering"))
+        traction, steering = (
+            self.require_text(f"{kind}_joint_name") for kind in ("traction", "steering")
+        )
         self._speed, self._angle = f"{traction}/{VELOCITY}", f"{steering}/{POSITION}"
         self.commands = self.states = (self._speed, self._angle)
         self._wheelbase, self._radius = (
-            self._length(name) for name in ("wheelbase", "wheel_radius")
+            self.require_length(name) for name in ("wheelbase", "wheel_radius")
         )
         self._is_open_loop = parameters.flag("open_loop")
         self._read_limits()
@@ -107,20 +109,6 @@ class TricycleController(Controller):
             return None
         self._drive = AckermannDrive
         return self.publisher(AckermannDrive, "~/cmd_ackermann")
-
-    def _joint(self, kind: str) -> str:
-        found = self.parameters.text(f"{kind}_joint_name")
-        if not found:
-            message = f"'{kind}_joint_name' parameter was empty"
-            raise ControllerError(message)
-        return found
-
-    def _length(self, name: str) -> float:
-        value = self.parameters.number(name)
-        if not value > 0.0:
-            message = f"Invalid value '{value:f}' of the parameter '{name}': it must be above 0"
-            raise ControllerError(message)
-        return value
 
     def _read_limits(self) -> None:
         parameters = self.parameters
