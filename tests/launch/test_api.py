@@ -39,6 +39,38 @@ def test_scopes_by_hand(space: InstallSpace) -> None:
     ]
 
 
+@pytest.mark.parametrize(
+    ("distro", "inside", "after"), [("humble", "gone", "leaked"), ("jazzy", "in", "gone")]
+)
+def test_timers_keep_the_scope_that_they_were_set_in(
+    space: InstallSpace, distro: str, inside: str, after: str
+) -> None:
+    plan = space.play(
+        "GroupAction([SetLaunchConfiguration('a', 'in'), TimerAction(period=1.0, actions=["
+        "show('inside'), SetLaunchConfiguration('a', 'leaked')])]), "
+        "TimerAction(period=2.0, actions=[OpaqueFunction(function=lambda context: ["
+        "ExecuteProcess(cmd=['after', context.launch_configurations.get('a', 'gone')])])])",
+        before="""
+        def show(word):
+            return ExecuteProcess(cmd=[word, LaunchConfiguration('a', default='gone')])
+        """,
+        environment={"ROS_DISTRO": distro},
+    )
+    assert commands(plan) == [("inside", inside), ("after", after)]
+
+
+@pytest.mark.parametrize("distro", ["galactic", "humble", "jazzy"])
+def test_parts_of_a_path_are_concatenated(space: InstallSpace, distro: str) -> None:
+    plan = space.play(
+        "ExecuteProcess(cmd=[PathJoinSubstitution(['/a', ('b', TextSubstitution(text='.c'))])])",
+        environment={"ROS_DISTRO": distro},
+    )
+    if distro == "galactic":
+        assert "'tuple'" in only_message(plan, "LCH010")
+    else:
+        assert commands(plan) == [("/a/b.c",)]
+
+
 @pytest.mark.parametrize("pop", ["PopEnvironment()", "PopLaunchConfigurations()"])
 def test_a_scope_that_was_not_begun(space: InstallSpace, pop: str) -> None:
     assert "stack unexpectedly empty" in only_message(space.play(pop), "LCH010")

@@ -12,6 +12,7 @@ from conformance import (
     NOT_YET,
     REFUSALS,
     answers,
+    evaluate_case,
     lines,
     merged,
     packages_of_cases,
@@ -32,7 +33,7 @@ def packages(space: InstallSpace) -> InstallSpace:
 def test_the_plan_is_the_real_one(name: str, packages: InstallSpace) -> None:
     # The cases lay in a folder of this name when they were recorded.
     answer = [merged(line.replace('"micro"', f'"{CASES.name}"')) for line in answers()[name]]
-    plan = packages.evaluate(CASES / f"{name}.launch.py", package=None)
+    plan = evaluate_case(packages, name)
     errors = [one for one in plan.diagnostics if one.severity is Severity.ERROR]
     assert lines(plan) == [line for line in answer if not line.startswith("ERROR")]
     if any(line.startswith("ERROR") for line in answer):

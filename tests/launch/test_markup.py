@@ -99,9 +99,9 @@ SAME = {
     ),
     "parameters": (
         """
-        D(parameters=[{'i': 1, 'f': 1.5, 'b': True, 's': 'x', 'l': [1, 2], 'q': '1', 'e': ''}, {'n':
-        {'a': 1, 'm': {'b': 'c'}}}, {'v': ParameterValue(V('i', default='7'))}, {'t':
-        ParameterValue(V('i', default='7'), value_type=str)}, {'list': ['p', 'q']},
+        D(parameters=[{'i': 1, 'f': 1.5, 'b': True, 's': 'x', 'l': [1, 2], 'q': '1', 'e': '',
+        'none': ParameterValue(V('i', default=''))}, {'n': {'a': 1, 'm': {'b': 'c'}}},
+        {'v': ParameterValue(V('i', default='7'))}, {'t': ParameterValue(V('i', default='7'), value_type=str)}, {'list': ['p', 'q']},
         FindPackageShare('my_robot').find('my_robot') + '/config/p.yaml', {'last': '1e-3'}])
         """,
         """
@@ -109,6 +109,7 @@ SAME = {
         <param name="f" value="1.5"/>
         <param name="b" value="true"/><param name="s" value="x"/><param name="l" value="[1, 2]"/>
         <param name="q" value="1" type="str"/><param name="e" value=""/>
+        <param name="none" value="$(var i '')"/>
         <param name="n"><param name="a" value="1"/><param name="m"><param name="b" value="c"/>
         </param></param><param name="v" value="$(var i 7)"/>
         <param name="t" value="$(var i 7)" type="str"/>

@@ -470,12 +470,13 @@ def _refusal(error: BaseException) -> Explanation | None:
         )
     if kind == "SubstitutionFailure" and text.startswith("launch configuration"):
         name = text.split("'")[1]
+        declared = RECORD.argument_use.declared
         return Explanation(
             UNDEFINED_CONFIGURATION,
             f"The launch configuration '{name}' does not exist when it is used.",
             advice(
                 name,
-                RECORD.argument_use.declared,
+                () if name in declared else declared,  # it is spelled well, and comes too late
                 f"Declare it before its first use: DeclareLaunchArgument('{name}', "
                 "default_value=...); the order in the LaunchDescription counts.",
             ),

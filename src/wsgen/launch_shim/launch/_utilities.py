@@ -157,6 +157,9 @@ def perform_typed_substitution(context: LaunchContext, value: Any, data_type: An
     return value
 
 
+# The distributions whose launch has not got what it learned in 2025.
+BEFORE_HUMBLE = ("dashing", "eloquent", "foxy", "galactic")
+BEFORE_JAZZY = (*BEFORE_HUMBLE, "humble", "iron")
 _TRUTHS = {"true": True, "false": False}
 _NUMBER = lazy_pattern(r"-?(?:0|[1-9][0-9]*)(\.[0-9]+)?")
 
@@ -172,8 +175,11 @@ def read_plain_yaml(text: str) -> bool | float | None:
 
 
 def read_as(text: str, data_type: Any) -> Any:
-    """The value that a text stands for; ValueError where it is not of that type."""
-    if data_type is str or RECORD.is_unknown(text):
+    """The value that a text stands for; ValueError where it is not of that type.
+
+    An empty text stays one where no type is given, though YAML reads nothing in it.
+    """
+    if data_type is str or (data_type is None and not text) or RECORD.is_unknown(text):
         return text
     if data_type in {int, float}:
         return data_type(text)

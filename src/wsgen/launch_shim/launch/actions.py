@@ -16,6 +16,7 @@ from launch._events import ProcessExited, ProcessStarted, TimerEvent
 from launch._events import Shutdown as ShutdownEvent
 from launch._finder import show_public_names
 from launch._utilities import (
+    BEFORE_JAZZY,
     ensure_argument_type,
     normalize_to_list_of_substitutions,
     normalize_typed_substitution,
@@ -542,6 +543,18 @@ class PushLaunchConfigurations(Action):
         context._push_launch_configurations()  # noqa: SLF001  a friend of the context
 
 
+class _ResumeLaunchConfigurations(Action):
+    """A scope begins with the configurations of another moment."""
+
+    def __init__(self, configurations: Any) -> None:
+        super().__init__()
+        self.__configurations = configurations
+
+    def execute(self, context: LaunchContext) -> None:
+        """Begin the scope."""
+        context._resume_launch_configurations(self.__configurations)  # noqa: SLF001  a friend
+
+
 class ResetEnvironment(Action):
     """The environment is as it was before the launch."""
 
@@ -596,7 +609,8 @@ class SetLaunchConfiguration(Action):
 class GroupAction(Action):
     """Its actions; with `scoped`, what they set ends with them.
 
-    Timers and event handlers of the group run after its scope has ended, as in the original.
+    Event handlers of the group run after its scope has ended, as in the original; so do its timers
+    before jazzy.
     """
 
     def __init__(
@@ -1014,7 +1028,11 @@ class Shutdown(EmitEvent):
 
 
 class TimerAction(Action):
-    """Its actions, after a period; of virtual time in a plan."""
+    """Its actions, after a period; of virtual time in a plan.
+
+    From launch 3.4.5 (jazzy) on they have the configurations of where the timer was set, and what
+    they set ends with them.
+    """
 
     wsgen_is_simulated = False  # whether it is the time of the simulation
 
@@ -1036,6 +1054,7 @@ class TimerAction(Action):
         )
         self.__actions = list(actions)
         self.__locals: dict[str, Any] = {}
+        self.__configurations: Any = None
         self.wsgen_is_canceled = False
         self.__cancel_on_shutdown = normalize_typed_substitution(cancel_on_shutdown, bool)
         self.wsgen_outlives_shutdown = False
@@ -1065,6 +1084,8 @@ class TimerAction(Action):
         seconds = float(perform_substitutions(context, self.__period))
         # What the actions find out about the launch file is what it was here.
         self.__locals = context.get_locals_as_dict()
+        if os.environ.get("ROS_DISTRO") not in BEFORE_JAZZY:
+            self.__configurations = context.launch_configurations.copy_unread()
         fires = TimerEvent(timer_action=self)
         fires.wsgen_cause = f"timer {seconds}"
         self.wsgen_outlives_shutdown = not perform_typed_substitution(
@@ -1078,7 +1099,13 @@ class TimerAction(Action):
             return []
         context.extend_locals(self.__locals)
         self.announce_completion(context)
-        return self.__actions
+        if self.__configurations is None:
+            return self.__actions
+        return [
+            _ResumeLaunchConfigurations(self.__configurations),
+            *self.__actions,
+            PopLaunchConfigurations(),
+        ]
 
     def _executed(self, context: LaunchContext) -> None:
         """It is complete when the time has come, not when the timer is set."""

@@ -250,6 +250,11 @@ class LaunchContext:
     def _push_launch_configurations(self) -> None:
         self._configurations_stack.append(self._configurations.copy_unread())
 
+    def _resume_launch_configurations(self, configurations: _Configurations) -> None:
+        """Begin a scope with the configurations of another moment."""
+        self._configurations_stack.append(self._configurations)
+        self._configurations = configurations
+
     def _pop_launch_configurations(self) -> None:
         if not self._configurations_stack:
             raise RuntimeError("launch_configurations stack unexpectedly empty")

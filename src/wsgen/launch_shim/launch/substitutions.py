@@ -11,7 +11,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from launch._finder import show_public_names
-from launch._utilities import normalize_to_list_of_substitutions, perform_substitutions
+from launch._utilities import (
+    BEFORE_HUMBLE,
+    normalize_to_list_of_substitutions,
+    perform_substitutions,
+)
 from launch.base import Substitution, SubstitutionFailure, TextSubstitution  # noqa: F401  shown with the others
 from launch.conditions import evaluate_condition_expression
 from launch.launch_context import local_of
@@ -460,23 +464,35 @@ class NotEqualsSubstitution(EqualsSubstitution):
 
 
 class PathJoinSubstitution(Substitution):
-    """Its parts with separators in between; an absolute part discards what is before it."""
+    """Its parts with separators in between; an absolute part discards what is before it.
 
-    def __init__(self, substitutions: Iterable[str | Substitution]) -> None:
-        self.__substitutions = normalize_to_list_of_substitutions(substitutions)
+    Since 2025 a part may be several substitutions, which are concatenated: launch 1.0.9 (humble),
+    3.4.5 (jazzy), 3.8.1 (kilted).
+    """
+
+    def __init__(self, substitutions: Iterable[SomeSubstitutionsType]) -> None:
+        self.__parts: list[list[Substitution]]
+        if isinstance(substitutions, (str, os.PathLike, Substitution)):
+            self.__parts = [normalize_to_list_of_substitutions(substitutions)]
+        elif os.environ.get("ROS_DISTRO") in BEFORE_HUMBLE:
+            parts: Any = substitutions  # any other than texts and substitutions are refused
+            self.__parts = [[part] for part in normalize_to_list_of_substitutions(parts)]
+        else:
+            self.__parts = [normalize_to_list_of_substitutions(part) for part in substitutions]
 
     @property
-    def substitutions(self) -> list[Substitution]:
+    def substitutions(self) -> list[list[Substitution]]:
         """The parts."""
-        return self.__substitutions
+        return self.__parts
 
     def describe(self) -> str:
         """Itself in words."""
-        return f"PathJoin({', '.join(sub.describe() for sub in self.__substitutions)})"
+        parts = (" + ".join(sub.describe() for sub in part) for part in self.__parts)
+        return f"PathJoin({', '.join(parts)})"
 
     def perform(self, context: LaunchContext) -> str:
         """The path."""
-        parts = [context.perform_substitution(sub) for sub in self.__substitutions]
+        parts = [perform_substitutions(context, part) for part in self.__parts]
         return os.path.join(*parts) if parts else ""
 
 
