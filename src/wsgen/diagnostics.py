@@ -32,6 +32,7 @@ class Diagnostic:
     line: int | None = None  # 1-based
     element: str | None = None  # XML path or name of the link, joint, argument meant
     hint: str | None = None  # what to do about it
+    reason: str | None = None  # which of the rule's mistakes it is, for code that weighs it
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,6 +62,7 @@ class Rule:
         message: str,
         hint: str | None = None,
         severity: Severity | None = None,
+        reason: str | None = None,
     ) -> Diagnostic:
         """Report it at a place.
 
@@ -78,6 +80,7 @@ class Rule:
             line=line,
             element=element,
             hint=hint,
+            reason=reason,
         )
 
 

@@ -101,7 +101,8 @@ SAME = {
         """
         D(parameters=[{'i': 1, 'f': 1.5, 'b': True, 's': 'x', 'l': [1, 2], 'q': '1', 'e': '',
         'none': ParameterValue(V('i', default=''))}, {'n': {'a': 1, 'm': {'b': 'c'}}},
-        {'v': ParameterValue(V('i', default='7'))}, {'t': ParameterValue(V('i', default='7'), value_type=str)}, {'list': ['p', 'q']},
+        {'v': ParameterValue(V('i', default='7'))},
+        {'t': ParameterValue(V('i', default='7'), value_type=str)}, {'list': ['p', 'q']},
         FindPackageShare('my_robot').find('my_robot') + '/config/p.yaml', {'last': '1e-3'}])
         """,
         """

@@ -221,3 +221,87 @@ def test_a_configuration_that_who_includes_the_launch_file_may_set(
     outcome = check(CheckRequest(paths=(tmp_path / "src" / "demo",)), environment={})
     (found,) = [one for one in outcome.diagnostics if one.code == "LCH009"]
     assert found.severity.value == severity
+
+
+INNER = """
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument, LogInfo
+from launch.substitutions import LaunchConfiguration
+
+
+def generate_launch_description():
+    return LaunchDescription([
+        DeclareLaunchArgument('robots', default_value='x'),
+        LogInfo(msg=LaunchConfiguration('robot')),
+    ])
+"""
+OUTER = """
+from launch import LaunchDescription
+from launch.actions import ExecuteProcess, IncludeLaunchDescription, SetLaunchConfiguration
+from launch.launch_description_sources import PythonLaunchDescriptionSource
+from launch_ros.substitutions import FindPackageShare
+
+
+def generate_launch_description():
+    return LaunchDescription([ACTIONS])
+"""
+INCLUDE = (
+    "IncludeLaunchDescription(PythonLaunchDescriptionSource("
+    "[FindPackageShare('demo'), '/launch/inner.launch.py']){given})"
+)
+
+
+@pytest.mark.parametrize(
+    ("actions", "severities"),
+    [
+        ("", ["error"]),
+        ("ExecuteProcess(cmd=['ros2', 'launch', 'demo', 'inner.launch.py', 'robot:=a'])", []),
+        ("ExecuteProcess(cmd=['ros2 launch demo inner.launch.py robot:=a'], shell=True)", []),
+        ("ExecuteProcess(cmd=['ros2', 'launch', 'demo', 'inner.launch.py'])", ["error"]),
+        (
+            "ExecuteProcess(cmd=['ros2', 'launch', 'other', 'inner.launch.py', 'robot:=a'])",
+            ["error"],
+        ),
+        (INCLUDE.format(given=", launch_arguments={'robot': 'a'}.items()"), []),
+        (INCLUDE.format(given=""), ["error"]),
+        ("SetLaunchConfiguration('robot', 'a'), " + INCLUDE.format(given=""), []),
+    ],
+)
+def test_a_configuration_that_who_starts_the_launch_file_gives(
+    actions: str, severities: list[str], tmp_path: Path
+) -> None:
+    codes(tmp_path)
+    launch = tmp_path / "src" / "demo" / "launch"
+    (launch / "inner.launch.py").write_text(INNER)
+    (launch / "outer.launch.py").write_text(OUTER.replace("ACTIONS", actions))
+    outcome = check(CheckRequest(paths=(tmp_path / "src" / "demo",)), environment={})
+    found = [one for one in outcome.diagnostics if one.code == "LCH009"]
+    assert [one.severity.value for one in found] == severities
+
+
+def test_a_configuration_that_a_launch_file_of_another_package_gives(tmp_path: Path) -> None:
+    codes(tmp_path)
+    source = tmp_path / "src"
+    (source / "demo" / "launch" / "inner.launch.py").write_text(INNER)
+    other = source / "other" / "launch"
+    other.mkdir(parents=True)
+    (other.parent / "package.xml").write_text(MANIFEST.replace(">demo<", ">other<"))
+    (other.parent / "CMakeLists.txt").write_text(CMAKE.replace("(demo", "(other"))
+    command = "ExecuteProcess(cmd=['ros2', 'launch', 'demo', 'inner.launch.py', 'robot:=a'])"
+    (other / "outer.launch.py").write_text(OUTER.replace("ACTIONS", command))
+    outcome = check(CheckRequest(paths=(source,)), environment={})
+    (found,) = [one for one in outcome.diagnostics if one.code == "LCH009"]
+    assert found.severity.value == "info"
+
+
+def test_a_configuration_that_is_declared_too_late(tmp_path: Path) -> None:
+    codes(tmp_path)
+    first, use, end = INNER.partition("        LogInfo(msg=LaunchConfiguration('robot')),\n")
+    declared = "        DeclareLaunchArgument('robot', default_value='y'),\n"
+    file = tmp_path / "src" / "demo" / "launch" / "inner.launch.py"
+    file.write_text(first + use + declared + end)
+    outcome = check(CheckRequest(paths=(tmp_path / "src" / "demo",)), environment={})
+    (found,) = [one for one in outcome.diagnostics if one.code == "LCH009"]
+    assert found.severity.value == "error"
+    assert "Declare it before" in (found.hint or "")
+    assert "Did you mean" not in (found.hint or "")

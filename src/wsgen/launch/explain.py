@@ -69,6 +69,7 @@ UNDEFINED_CONFIGURATION = Rule(
     "    LogInfo(msg=LaunchConfiguration('world')),\n"
     "])",
 )
+DECLARED_LATER = "declared later"
 INTERACTIVE_INPUT = Rule(
     code="LCH011",
     name="interactive-input",
@@ -231,6 +232,7 @@ def diagnose(explanation: Explanation, where: tuple[str, int | None] | None) -> 
         explanation.element,
         message=explanation.message,
         hint=explanation.hint,
+        reason=explanation.reason,
     )
 
 
@@ -482,6 +484,7 @@ def _refusal(error: BaseException) -> Explanation | None:
             ),
             element=name,
             written=name,
+            reason=DECLARED_LATER if name in declared else None,
         )
     if kind == "SubstitutionFailure" and text.startswith("executable"):
         return Explanation(

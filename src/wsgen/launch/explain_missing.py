@@ -189,6 +189,7 @@ class Explanation(NamedTuple):
     line: int | None = None
     element: str | None = None
     written: str | None = None  # the text that is meant: its line is reported, where it has one
+    reason: str | None = None  # which of the rule's mistakes it is
 
 
 def of_xacro(error: BaseException, xacro_error: dict[str, Any] | None) -> Explanation | None:

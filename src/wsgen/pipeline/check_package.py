@@ -276,9 +276,12 @@ class PackageCheck:
                 if file is not None
             }
 
-    def _is_named_elsewhere(self, file: Path) -> bool:
-        """Whether a launch file of another package of the workspaces names one of this package."""
-        names = file.name.encode(), self.package.name.encode()
+    def _is_named_elsewhere(self, file: Path, *arguments: str) -> bool:
+        """Whether a launch file of another package of the workspaces names one of this package.
+
+        With names of launch arguments: whether it has these, too.
+        """
+        names = [name.encode() for name in (file.name, self.package.name, *arguments)]
         return any(
             all(name in read(other) for name in names)
             for package in self.installed.sources.values()

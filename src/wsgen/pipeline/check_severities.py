@@ -20,9 +20,11 @@ from wsgen.description_rules import (
 )
 from wsgen.diagnostics import Severity
 from wsgen.files import real_path
+from wsgen.launch.commands import nested_launch, programs
 from wsgen.launch.descriptions import UNPUBLISHED_DESCRIPTION
 from wsgen.launch.explain import (
     ARGUMENT_WITHOUT_VALUE,
+    DECLARED_LATER,
     INTERACTIVE_INPUT,
     NEEDS_UNKNOWN,
     UNDEFINED_CONFIGURATION,
@@ -56,10 +58,11 @@ from wsgen.values import lazy_pattern
 from wsgen.xacro.reader import XACRO_FILE_FAILS
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterable, Iterator
+    from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
+    from wsgen.model.plan import Include
     from wsgen.pipeline.candidates import Candidate
 
 
@@ -104,9 +107,9 @@ GIVEN_FROM_OUTSIDE = frozenset(
 
 def of_launch(
     one: Candidate,
-    beside: Iterable[Candidate],
+    beside: Sequence[Candidate],
     package: Path | None = None,
-    is_included_elsewhere: Callable[[], bool] = lambda: False,
+    is_included_elsewhere: Callable[..., bool] = lambda *_: False,
 ) -> Iterator[Diagnostic]:
     """What is wrong with a launch file, whatever it is started with.
 
@@ -114,7 +117,8 @@ def of_launch(
         one: The launch file.
         beside: Those of its package.
         package: The source folder of its package.
-        is_included_elsewhere: Whether a launch file of another package names it.
+        is_included_elsewhere: Whether a launch file of another package names it, and the names of
+            arguments that it is asked for.
     """
     started = one.started
     is_inner = is_included(one, beside)
@@ -143,14 +147,31 @@ def of_launch(
             yield replace(found, severity=Severity.INFO)
         elif found.code == PACKAGE_NOT_FOUND.code and (has_gaps or not _is_misspelled(found)):
             yield replace(found, severity=Severity.WARNING)  # it may be in another workspace
-        elif found.code == UNDEFINED_CONFIGURATION.code and not suggested(found.hint):
-            yield replace(found, severity=Severity.WARNING)  # who includes it may set it
+        elif found.code == UNDEFINED_CONFIGURATION.code:
+            yield from _of_configuration(found, one, beside, is_included_elsewhere)
         elif found.code == INVALID_SPAWNER_OPTION.code and has_gaps:
             yield replace(found, severity=Severity.INFO)
         elif found.code == FILE_NOT_INSTALLED.code and OF_NO_PACKAGE in (found.hint or ""):
             yield replace(found, severity=Severity.WARNING)  # some program may write it before
         else:
             yield found
+
+
+def _of_configuration(
+    found: Diagnostic,
+    one: Candidate,
+    beside: Sequence[Candidate],
+    is_included_elsewhere: Callable[..., bool],
+) -> Iterator[Diagnostic]:
+    """A configuration that does not exist: where others start the launch file, they may set it."""
+    if _is_evaluated_inside(one, beside) or found.element in _given_by_command(one, beside):
+        return  # the evaluation of who includes it says whether it is set there
+    if is_included_elsewhere(found.element):
+        yield replace(found, severity=Severity.INFO)
+    elif found.reason == DECLARED_LATER or suggested(found.hint):
+        yield found
+    else:
+        yield replace(found, severity=Severity.WARNING)
 
 
 _BACKTICKED = lazy_pattern(r"`([^`]+)`")
@@ -237,10 +258,39 @@ def _is_misspelled(found: Diagnostic) -> bool:
     return bool(meant and name and misspelled_as(name[1], [meant]))
 
 
-def is_included(one: Candidate, beside: Iterable[Candidate]) -> bool:
+def is_included(one: Candidate, beside: Sequence[Candidate]) -> bool:
+    """Whether one of the other launch files includes this one, or runs it with `ros2 launch`."""
+    return _is_evaluated_inside(one, beside) or any(_commands(one, beside))
+
+
+def _is_evaluated_inside(one: Candidate, beside: Iterable[Candidate]) -> bool:
     """Whether one of the other launch files includes this one."""
     file = real_path(one.file)
     return any(file in other.included for other in beside if other is not one)
+
+
+def _given_by_command(one: Candidate, beside: Iterable[Candidate]) -> set[str]:
+    """The names of the launch arguments that other launch files run this one with."""
+    return {name for command in _commands(one, beside) for name in command.arguments}
+
+
+def _commands(one: Candidate, beside: Iterable[Candidate]) -> Iterator[Include]:
+    """The commands `ros2 launch` in other launch files that run this one."""
+    for other in beside:
+        if other is one:
+            continue
+        for process in other.started.plan.processes:
+            for program in programs(process) if process.command else ():
+                nested = nested_launch(program)
+                if nested is None or nested.file.name != one.file.name:
+                    continue
+                is_path = nested.package is None
+                if (
+                    real_path(nested.file) == real_path(one.file)
+                    if is_path
+                    else (nested.package == one.package)
+                ):
+                    yield nested
 
 
 QUOTED = lazy_pattern(r"'([^']+)'")
