@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from ros.test_nodes import node
 from ros.test_simulator import WAIT, run, simulator
 from ros_for_tests import ros_with, variables_for
 from wsgen.model.world import World
@@ -134,3 +135,26 @@ def test_a_node_moves_an_arm(simulator_name: str, tmp_path: Path) -> None:
     assert seen["after_command"] == pytest.approx([0.25, 0.15], abs=0.01)
     assert "'nothing'" in warnings
     assert process.returncode == 0
+
+
+def test_the_hardware_of_an_sdf_is_in_the_urdf_that_comes(tmp_path: Path) -> None:
+    """As `gz_ros2_control` has it: an SDF cannot have <ros2_control>."""
+    variables = variables_for(ros_with("control_msgs", "controller_manager_msgs"))
+    parameters, urdf = tmp_path / "controllers.yaml", tmp_path / "arm.urdf"
+    parameters.write_text(PARAMETERS)
+    of_urdf = arm("gz", parameters)
+    urdf.write_text(of_urdf.descriptions["arm"])
+    devices = {"arm": replace(of_urdf.devices["arm"], ros2_control=())}
+    scene = replace(of_urdf, devices=devices, descriptions={}, seconds=None)
+    with simulator(scene, tmp_path, variables) as (process, environment):
+        assert process.stderr is not None
+        while "waits for a URDF" not in (line := process.stderr.readline()):
+            assert line, "the simulator has ended"
+        assert "on the topic /robot_description" in line
+        with node("robot_state_publisher", str(urdf), environment=environment):
+            code, printed = run("controller_spawner", "arm_controller", environment=environment)
+        assert code == 0, printed
+        assert "Configured and activated " in printed
+        process.terminate()
+        _, printed = process.communicate(timeout=WAIT)
+        assert process.returncode == 0, printed

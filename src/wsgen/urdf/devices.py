@@ -26,6 +26,7 @@ from wsgen.xmltree import children
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
+    from wsgen import xmltree
     from wsgen.model.devices import Element
     from wsgen.model.robot import Robot
     from wsgen.model.transform import Pose
@@ -64,8 +65,18 @@ def read_devices(text: str | bytes, written: Robot, lumped: Robot) -> Devices:
         sensors=tuple(sensors),
         plugins=tuple(plugins),
         frames=frames,
-        ros2_control=tuple(map(copied, children(root, "ros2_control"))),
+        ros2_control=_hardware(root),
     )
+
+
+def hardware_of_urdf(text: str) -> tuple[Element, ...]:
+    """The <ros2_control> of a URDF; none where it is no XML."""
+    root = read_document(text)
+    return () if root is None else _hardware(root)
+
+
+def _hardware(root: xmltree.Element) -> tuple[Element, ...]:
+    return tuple(map(copied, children(root, "ros2_control")))
 
 
 def _mounted(

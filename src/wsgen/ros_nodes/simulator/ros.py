@@ -42,7 +42,7 @@ class Ros:
         self._executor = _executor()
         self._subscriptions: list[tuple[Any, Callable[[Any], None]]] = []
         self._services: list[tuple[Any, Callable[[Any, Any], Any]]] = []
-        self.read: dict[str, str] = {}  # topics that were subscribed: the types of their messages
+        self.read: dict[str, str] = {}  # topics of commands: the types of their messages
         self.has_heard = False  # a message has come on one of them
         self.of_others: set[str] = set()  # those of them that another process publishes
         self._next_executor = 0.0
@@ -104,17 +104,22 @@ class Ros:
     def subscription(
         self, node: Any, message_type: type, topic: str, callback: Callable[[Any], None], qos: Any
     ) -> Any:
-        """Have messages of a topic given to a function, one by one. Raises BadNameError."""
+        """Have messages of a topic given to a function, one by one. Raises BadNameError.
+
+        What was kept for who comes later is a description of something, and no command.
+        """
+        is_command = not self.keeps(qos)
 
         def take(message: Any) -> None:
-            self.has_heard = True
+            self.has_heard |= is_command
             callback(message)
 
         with _refusing():
             made = node.create_subscription(message_type, topic, take, qos)
         self._subscriptions.append((made, take))
-        package, name = message_type.__module__.partition(".")[0], message_type.__name__
-        self.read[made.topic_name] = f"{package}/msg/{name}"
+        if is_command:
+            package, name = message_type.__module__.partition(".")[0], message_type.__name__
+            self.read[made.topic_name] = f"{package}/msg/{name}"
         return made
 
     def service(
@@ -169,6 +174,11 @@ class Ros:
     def clock_qos() -> QoSProfile:
         """That of `/clock`, as `rclcpp::ClockQoS`."""
         return QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+
+    @staticmethod
+    def kept_qos() -> QoSProfile:
+        """For the last message of a topic, also one that came before."""
+        return QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
     @staticmethod
     def keeps(qos: Any) -> bool:
