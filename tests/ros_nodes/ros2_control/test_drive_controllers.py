@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 ACKERMANN = "ackermann_steering_controller/AckermannSteeringController"
 TRICYCLE = "tricycle_controller/TricycleController"
+DIFF_DRIVE = "diff_drive_controller/DiffDriveController"
 MECANUM = "mecanum_drive_controller/MecanumDriveController"
 OF_CAR = {
     "rear_left": ["velocity"],
@@ -33,6 +34,12 @@ MEASURES: dict[str, Any] = {
     "wheelbase": BASE,
     "traction_track_width": TRACK,
     "traction_wheels_radius": RADIUS,
+}
+OF_DIFF_DRIVE: dict[str, Any] = {
+    "left_wheel_names": ["rear_left"],
+    "right_wheel_names": ["rear_right"],
+    "wheel_separation": TRACK,
+    "wheel_radius": RADIUS,
 }
 FORMER: dict[str, Any] = {
     "rear_wheels_names": ["rear_right", "rear_left"],
@@ -335,3 +342,29 @@ def test_limits_of_a_tricycle() -> None:
         made.ros.send("/~/cmd_vel", twist(made, 0.0))
         made.run(0.1)
         assert commands["wheel/velocity"] == pytest.approx(3.0 - 0.8)
+
+
+@pytest.mark.parametrize(
+    ("kind", "parameters", "problem"),
+    [
+        (DIFF_DRIVE, {"wheel_radius": 0.0}, "'0.000000' of the parameter 'wheel_radius'"),
+        (DIFF_DRIVE, {"right_wheel_radius_multiplier": 0.0}, "'right_wheel_radius_multiplier': "),
+        (TRICYCLE, {}, "'traction_joint_name' parameter was empty"),
+        (MECANUM, {}, "'front_left_wheel_command_joint_name' parameter was empty"),
+        (ACKERMANN, {**MEASURES, "wheelbase": -0.1}, "'-0.100000' of the parameter 'wheelbase'"),
+    ],
+)
+def test_measures_that_no_robot_has_are_refused(
+    kind: str, parameters: dict[str, Any], problem: str
+) -> None:
+    """Instead of a division by 0 when the wheels turn."""
+    from wsgen.ros_nodes.simulator.ros2_control.controllers.base import (  # noqa: PLC0415
+        ControllerError,
+    )
+
+    given = {**OF_DIFF_DRIVE, **parameters} if kind == DIFF_DRIVE else parameters
+    with (
+        pytest.raises(ControllerError, match=problem),
+        controlled(CAR, kind, given, OF_CAR),
+    ):
+        pass

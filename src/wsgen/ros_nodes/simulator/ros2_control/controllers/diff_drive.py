@@ -41,10 +41,7 @@ class DiffDriveController(Controller):
             "wheel_separation", parameters.number("wheel_separation_multiplier", 1.0)
         )
         radius = self.require_length("wheel_radius")
-        self._radii = (
-            radius * parameters.number("left_wheel_radius_multiplier", 1.0),
-            radius * parameters.number("right_wheel_radius_multiplier", 1.0),
-        )
+        self._radii = (radius * self._multiplier("left"), radius * self._multiplier("right"))
         self._is_open_loop = parameters.flag("open_loop")
         self._feedback = (
             POSITION if parameters.flag("position_feedback", default=True) else VELOCITY
@@ -62,6 +59,15 @@ class DiffDriveController(Controller):
         self._publish_period = 1.0 / rate if rate > 0 else 0.0
         self._next_publish = 0.0
         self._open_topics()
+
+    def _multiplier(self, side: str) -> float:
+        """Of the radius of the wheels of a side; a negative one has them turn the other way."""
+        name = f"{side}_wheel_radius_multiplier"
+        value = self.parameters.number(name, 1.0)
+        if not value:
+            message = f"Invalid value '{value:f}' of the parameter '{name}': it must not be 0"
+            raise ControllerError(message)
+        return value
 
     def _new_odometry(self) -> WheelOdometry:
         return WheelOdometry(self._separation, *self._radii, window=self._window)
