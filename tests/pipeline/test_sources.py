@@ -16,8 +16,8 @@ from wsgen.pipeline.changed_since_build import (
     source_of,
     used_packages,
 )
-from wsgen.pipeline.package_validation import is_folder_reported, missing_world
 from wsgen.pipeline.sources import name_sources
+from wsgen.rules.named_worlds import is_folder_reported, missing_world
 from wsgen.workspace.layout import PackageFolder, Workspace, read_package
 from wsgen.workspace.overlay import open_overlay
 
