@@ -11,9 +11,9 @@ import pytest
 
 from wsgen.diagnostics import Diagnostic, Severity
 from wsgen.launch.launch_warnings import UNUSED_ARGUMENT
+from wsgen.live.prepare import BrokenRunError, Prepared, RunRequest, prepare
 from wsgen.live.request import ServiceRequest
 from wsgen.live.resolve import Resolver
-from wsgen.live.run import BrokenRunError, Prepared, RunRequest, prepare
 from wsgen.model.plan import LaunchRequest
 from wsgen.pipeline.plan_launch import select_launch_file
 from wsgen.pipeline.requests import ValidateRequest

@@ -70,7 +70,8 @@ def run(
     from wsgen.cli import raise_dropped_end
     from wsgen.cli.progress import listening
     from wsgen.cli.words import tell_unfinished, written
-    from wsgen.live.run import RunRequest, run_launch
+    from wsgen.live.prepare import RunRequest
+    from wsgen.live.run import run_launch
     from wsgen.pipeline.engines import check_engines
     from wsgen.ros_environment import open_ros
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wsgen.errors import RequestError, SessionDiedError
-from wsgen.live.run import RunRequest
+from wsgen.live.prepare import RunRequest
 from wsgen.live.session import BrokenLaunchError, open_live
 from wsgen.model.behavior import LiveMeasurement
 from wsgen.model.time_series import TimeSeries

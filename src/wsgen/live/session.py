@@ -25,7 +25,7 @@ from wsgen.live.activity import Activity, cpu_seconds
 from wsgen.live.domains import take_domain
 from wsgen.live.journal import SIMULATOR, SPAWNER, Journal
 from wsgen.live.messenger import Messenger
-from wsgen.live.run import (
+from wsgen.live.prepare import (
     BrokenRunError,
     Prepared,
     RunRequest,

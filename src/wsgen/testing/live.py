@@ -9,7 +9,7 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from wsgen.errors import RequestError, SessionDiedError
-from wsgen.live.run import RunRequest
+from wsgen.live.prepare import RunRequest
 from wsgen.live.session import open_live, shown_pose
 from wsgen.pipeline.load_scene import load_scene, workspace_of
 from wsgen.pipeline.plan_launch import package_of, select_launch_file
