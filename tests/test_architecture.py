@@ -1,5 +1,6 @@
 """The diagram of docs/architecture.md is what the code does."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -15,6 +16,8 @@ FOREIGN = {
     "trimesh": "meshes/worker.py",
     "shapely": "meshes/shape_worker.py",
     "dartpy": "simulation/dart.py",
+    "mujoco": "simulation/mujoco_body.py",
+    "mcap": "ros_nodes/mcap_recording.py",
     "distributed": "executors/dask_cluster.py",
     "av": "rendering/video_encoder.py",
     "pyarrow": "sweeping/parquet.py",
@@ -42,6 +45,15 @@ def test_the_diagram_in_the_documentation_is_the_contract() -> None:
     layers = [line.strip(' ",') for line in contract.strip().splitlines()]
     diagram = (ROOT / "docs" / "architecture.md").read_text().split("<!-- layers -->")[1]
     assert diagram.split("```")[1].strip().splitlines() == layers
+
+
+@pytest.mark.parametrize("page", ["docs/architecture.md", "CONTRIBUTING.md"])
+def test_modules_that_are_named_are_there(page: str) -> None:
+    named = set(re.findall(r"`((?:\w+/)+\w+\.py)`", (ROOT / page).read_text()))
+    roots = (SOURCE, ROOT)
+    lost = {name for name in named if not any((root / name).is_file() for root in roots)}
+    assert {name for name in lost if not name.endswith("/NAME.py")} == set()
+    assert named
 
 
 @pytest.mark.parametrize("library", FOREIGN)

@@ -11,11 +11,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import mujoco as library
 import numpy as np
 
 from wsgen.model.transform import rotation_of_rpy
 from wsgen.simulation.engine import GROUND_FRICTION
+from wsgen.simulation.mujoco_body import library
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
