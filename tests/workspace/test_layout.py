@@ -159,6 +159,19 @@ def test_what_is_no_ros_package(root: Path, file: str, others: int, has_python: 
     assert (len(inventory.others), inventory.has_python) == (others, has_python)
 
 
+def test_what_catkin_left_behind_hides_no_package(root: Path) -> None:
+    file = root / "src" / "CMakeLists.txt"
+    file.symlink_to("/opt/ros/noetic/share/catkin/cmake/no_such.cmake")
+    assert [package.name for package in find_packages(Workspace(root=root))] == ["demo"]
+    file.unlink()
+    file.write_text("project(Project)\n# a comment\ncatkin_workspace()\n")
+    inventory = take_inventory(Workspace(root=root))
+    assert [package.name for package in inventory.packages] == ["demo"]
+    assert not inventory.others
+    file.write_text("project(other)\n")
+    assert not find_packages(Workspace(root=root))
+
+
 def test_a_package_xml_of_another_world(root: Path) -> None:
     (root / "src" / "pear").mkdir()
     (root / "src" / "pear" / "package.xml").write_text("<extension/>")

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.diagnostics import Diagnostic
 from wsgen.errors import NotFoundError, RequestError
-from wsgen.files import list_files, real_path
+from wsgen.files import list_files, read_regular, real_path
 from wsgen.values import dataclass, lazy_pattern
 from wsgen.workspace.manifest import FOREIGN_MANIFEST, read_manifest
 
@@ -317,7 +317,8 @@ def crawl(root: Path, *, with_ignored: bool = False) -> Iterator[tuple[Path, fro
     """Yield the folders that colcon searches, each with the names of its files.
 
     Like colcon, it follows links, skips hidden and ignored folders, and does not search below a
-    package. `with_ignored` also yields folders below ignored ones.
+    package. `with_ignored` also yields folders below ignored ones. A CMakeLists.txt that catkin has
+    left behind is not among the files.
     """
     visited = set()
     for name, folders, files in os.walk(root, followlinks=True):
@@ -326,10 +327,28 @@ def crawl(root: Path, *, with_ignored: bool = False) -> Iterator[tuple[Path, fro
             folders.clear()
             continue
         visited.add(real)
-        yield Path(name), frozenset(files)
-        if not {"package.xml", "CMakeLists.txt", "setup.py"}.isdisjoint(files):
+        found = frozenset(files)
+        if "CMakeLists.txt" in found and "package.xml" not in found and _is_of_catkin(name):
+            found -= {"CMakeLists.txt"}
+        yield Path(name), found
+        if not {"package.xml", "CMakeLists.txt", "setup.py"}.isdisjoint(found):
             folders.clear()
         folders[:] = sorted(folder for folder in folders if not folder.startswith("."))
+
+
+CMAKE_SIZE_LIMIT = 2**16  # bytes; that of catkin has 3 kB
+
+
+def _is_of_catkin(folder: str) -> bool:
+    """Whether CMakeLists.txt makes a workspace of catkin, or is a link to a catkin without one."""
+    file = os.path.join(folder, "CMakeLists.txt")  # noqa: PTH118  as in os.walk
+    if not os.path.isfile(file):  # noqa: PTH113
+        return True
+    try:
+        lines = read_regular(Path(file), CMAKE_SIZE_LIMIT).splitlines()
+    except (OSError, ValueError):
+        return False
+    return b"catkin_workspace()" in lines
 
 
 def _refuse_surroundings(root: Path) -> None:
