@@ -524,7 +524,7 @@ def test_what_worlds_have_elsewhere_or_download(tmp_path: Path) -> None:
     assert ("missing-collision-mesh", "error") in only(package, "missing-collision-mesh")
     file.write_text(world.replace("https://fuel.gazebosim.org/1.0/o/models/can<", "model://can2<"))
     found = only(package, "model-left-out")
-    assert sorted({severity for _, severity in found}) == ["error", "info", "warning"]
+    assert sorted({severity for _, severity in found}) == ["info", "warning"]
 
 
 def test_a_launch_file_that_another_package_includes(tmp_path: Path) -> None:

@@ -162,3 +162,15 @@ def test_a_mistake_is_named_at_its_line(
         text = ARM.replace(old, new, 1)
     found = diagnose(text, tmp_path)
     assert (code, line) in {(one.code, one.line) for one in found}, found
+
+
+@pytest.mark.parametrize(
+    ("uri", "severity"), [("model://x500", "warning"), ("x500", "warning"), ("parts/x", "error")]
+)
+def test_a_part_may_be_in_a_folder_of_models(tmp_path: Path, uri: str, severity: str) -> None:
+    (tmp_path / "model.sdf").write_text(
+        f'<sdf version="1.9"><model name="m"><include><uri>{uri}</uri></include></model></sdf>'
+    )
+    outcome = check(CheckRequest(paths=(tmp_path / "model.sdf",)), environment={})
+    found = [one for one in outcome.diagnostics if one.code == "WLD004"]
+    assert [one.severity.value for one in found] == [severity]

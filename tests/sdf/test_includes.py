@@ -128,6 +128,28 @@ def test_merged_include(read: Read, models: Path) -> None:
     assert [(one.child, one.pose_in_parent.xyz) for one in robot.joints] == [("l", (0, 1, 1))]
 
 
+@pytest.mark.parametrize(
+    ("include", "link", "codes"),
+    [
+        ('<include merge="true"><uri>model://lost</uri></include>', "base", ["WLD004"]),
+        ("<include><uri>model://lost</uri></include>", "lost::base", ["WLD004"]),
+        ("<include><uri>lost</uri><name>n</name></include>", "n::base", ["WLD004"]),
+        ("<include><uri>model://lost</uri></include>", "base", ["ROB013", "WLD004", "WLD016"]),
+        ("", "base", ["ROB013", "WLD016"]),
+    ],
+)
+def test_what_a_model_that_is_not_found_may_have(
+    read: Read, models: Path, include: str, link: str, codes: list[str]
+) -> None:
+    models.mkdir(exist_ok=True)
+    file = read(
+        f'<model name="m"><link name="l"><pose relative_to="{link}">0 0 1 0 0 0</pose>{MASS}</link>'
+        f'<joint name="j" type="fixed"><parent>{link}</parent><child>l</child></joint>'
+        f"{include}</model>"
+    )
+    assert sorted({found.code for found in file.diagnostics}) == codes
+
+
 def test_a_merged_link_needs_its_own_name(read: Read, models: Path) -> None:
     hand = (
         f'{LINK}<link name="k">{MASS}</link>'
@@ -276,9 +298,9 @@ def test_a_robot_of_urdf(tmp_path: Path, models: Path) -> None:
         for one in found.models
     ] == [("arm", "arm", (1, 0, 0), False), ("b", "b", (0, 0, 0), True)]
     assert [one.robot and one.robot.is_static for one in found.models] == [False, True]
-    (first, second) = read_sdf(file, find_model=find).diagnostics
-    assert (first.code, second.code) == ("WLD004", "WLD016")
-    assert "arm.urdf is a URDF" in first.message
+    (left_out,) = read_sdf(file, find_model=find).diagnostics  # nothing about the frame on it
+    assert left_out.code == "WLD004"
+    assert "arm.urdf is a URDF" in left_out.message
 
 
 def test_a_robot_of_urdf_that_cannot_be_read(read: Read, models: Path) -> None:

@@ -353,7 +353,7 @@ class FileCheck:
     def run(self) -> tuple[Diagnostic, ...]:
         """Read and check it."""
         with self.clock.step("check", self.file.name) as step, make_part(self.scratch) as folder:
-            found = tuple(without_simulation(self._run(folder)))
+            found = tuple(without_absent_packages(without_simulation(self._run(folder)), ()))
             step.succeeded = not has_errors(found)
         return found
 

@@ -44,10 +44,11 @@ from wsgen.launch.undeclared import UNDECLARED_PACKAGE
 from wsgen.pipeline.file_kinds import read
 from wsgen.pipeline.file_validation import NO_MODEL, PART_OF_ROBOT
 from wsgen.ros_names import released_packages
+from wsgen.rules.friction import NO_FRICTION_DIRECTION
 from wsgen.rules.ros2_control import INCOMPLETE_CONTROL
 from wsgen.rules.simulators import SPAWNER_OF_OTHER_SIMULATOR
 from wsgen.sdf.assembly import CLOSED_CHAIN, JOINT_LEFT_OUT
-from wsgen.sdf.includes import MODEL_LEFT_OUT
+from wsgen.sdf.includes import ELSEWHERE, MODEL_LEFT_OUT
 from wsgen.sdf.models import NO_WORLD
 from wsgen.sdf.shapes import SHAPE_LEFT_OUT
 from wsgen.sdf.worlds import NO_GROUND
@@ -68,7 +69,11 @@ if TYPE_CHECKING:
 
 # What Gazebo simulates, and no engine of wsgen.
 OF_SIMULATION = frozenset(
-    rule.code for rule in (CLOSED_CHAIN, JOINT_LEFT_OUT, SDF_NOT_SIMULATED, SHAPE_LEFT_OUT)
+    rule.code
+    for rule in (
+        *(CLOSED_CHAIN, JOINT_LEFT_OUT, NO_FRICTION_DIRECTION),
+        *(SDF_NOT_SIMULATED, SHAPE_LEFT_OUT),
+    )
 )
 
 
@@ -421,11 +426,10 @@ def _without_elsewhere(found: Diagnostic) -> Diagnostic:
     )
     if is_note:
         return replace(found, severity=Severity.INFO)
-    if (
-        found.severity is Severity.ERROR
-        and _OF_MODEL.search(found.message)
-        and not suggested(found.hint)
-    ):
+    is_elsewhere = found.reason == ELSEWHERE or (
+        _OF_MODEL.search(found.message) and not suggested(found.hint)
+    )
+    if found.severity is Severity.ERROR and is_elsewhere:
         return replace(found, severity=Severity.WARNING)  # it may be in a folder of models
     return found
 

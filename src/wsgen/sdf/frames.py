@@ -116,6 +116,7 @@ class Scope:
         "depth",
         "element",
         "is_static",
+        "left_out",
         "merged",
         "name",
         "node",
@@ -140,6 +141,8 @@ class Scope:
         self.placement_frame = ""  # the frame in it whose pose is that of the model
         self.nodes: dict[str, Node] = {}
         self.merged: list[Scope] = []  # their names count as names of this one
+        # The names of included models that were not found; "" for one that is merged.
+        self.left_out: set[str] = set()
 
     @property
     def is_world(self) -> bool:
@@ -167,6 +170,11 @@ class Scope:
             if name in scope.nodes:
                 return scope.nodes[name]
         return None
+
+    def may_have(self, name: str) -> bool:
+        """Whether a model that was not found may have what is not found in its scope."""
+        head = name.partition("::")[0]
+        return any(not scope.left_out.isdisjoint({"", head}) for scope in self.with_merged())
 
     def with_merged(self) -> Iterator[Scope]:
         """This scope, and those merged into it."""
@@ -337,7 +345,7 @@ def frame_called(node: Node, name: str, what: str) -> Node | None:
     if name in {"", MODEL_FRAME} or (name == WORLD and node.scope.is_world):
         return None
     found = node.scope.lookup(name)
-    if found is None:
+    if found is None and not node.scope.may_have(name):
         node.source.report(
             UNKNOWN_FRAME,
             f"{what} of the {node.kind} `{node.name}` names `{name}`, "

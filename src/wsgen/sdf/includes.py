@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     ReadRobot = Callable[[Path], tuple[Robot | None, tuple[Diagnostic, ...]]]
 
 
+ELSEWHERE = "maybe in a folder of models"
 MODEL_LEFT_OUT = Rule(
     code="WLD004",
     name="model-left-out",
@@ -264,6 +265,7 @@ class Includes:
             hint=did_you_mean(f"model://{near}") if near else how_to_find(uri),
             # The models of a world may be where wsgen does not look.
             severity=Severity.ERROR if is_part else Severity.WARNING,
+            reason=None if near or not _may_be_elsewhere(uri) else ELSEWHERE,
         )
 
     def _near(self, source: Source, uri: str) -> str | None:
@@ -382,6 +384,11 @@ def how_to_find(uri: str) -> str:
             "or put its folder into one of GZ_SIM_RESOURCE_PATH, and include model://NAME."
         )
     return WHERE
+
+
+def _may_be_elsewhere(uri: str) -> bool:
+    """Whether Gazebo also looks for it in folders of models that wsgen may not know."""
+    return uri.startswith("model://") or "/" not in uri
 
 
 def _near_model(source: Source, uri: str) -> str | None:

@@ -102,7 +102,7 @@ def _end(node: Node, tag: str) -> Node | None:
         return link_of(node.scope.node)
     found = node.scope.lookup(name) if name else None
     link = None if found is None else link_of(found)
-    if link is None:
+    if link is None and not (name and found is None and node.scope.may_have(name)):
         near = nearest(name, node.scope.nodes) if name else None
         node.source.report(
             UNKNOWN_LINK if name else MISSING_JOINT_END,

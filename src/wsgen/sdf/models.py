@@ -167,7 +167,10 @@ class Contents:
         if is_sun(uri):
             return
         found = self.includes.find(scope.source, include, uri, trail, is_part=not scope.is_world)
+        is_merged = not scope.is_world and include.get("merge") in {"true", "1"}
         if found is None:
+            last = uri.rstrip("/").rpartition("/")[2]
+            scope.left_out.add("" if is_merged else word(include, "name") or last)
             return
         source, element = found
         node = self._place(scope, include, uri, source, element)
@@ -181,7 +184,6 @@ class Contents:
         )
         if element.tag != "model":
             return
-        is_merged = not scope.is_world and include.get("merge") in {"true", "1"}
         inside_trail = trail if source.file is None else (*trail, source.file)
         placement = word(include, "placement_frame") or element.get("placement_frame") or ""
         self._open(node, placement, inside_trail, is_merged=is_merged)
@@ -235,7 +237,11 @@ class Contents:
             ("placement_frame", placement_frame),
             ("canonical_link", canonical),
         ):
-            if name not in {"", MODEL_FRAME} and inside.lookup(name) is None:
+            if (
+                name not in {"", MODEL_FRAME}
+                and inside.lookup(name) is None
+                and not inside.may_have(name)
+            ):
                 node.source.report(
                     UNKNOWN_FRAME,
                     f"`{attribute}` of the model `{node.name}` names `{name}`, which is not in it.",

@@ -336,7 +336,7 @@ class Source(NamedTuple):
     # Where the diagnostic about a misspelled child stands, by the element and the name meant.
     misspelled: dict[tuple[Element, str], int]
 
-    def report(
+    def report(  # noqa: PLR0913  the fields of a diagnostic
         self,
         rule: Rule,
         message: str,
@@ -344,6 +344,7 @@ class Source(NamedTuple):
         at: Element,
         hint: str,
         severity: Severity | None = None,
+        reason: str | None = None,
     ) -> None:
         """Add a diagnostic about an element; the severity is that of the rule if none is given."""
         self.diagnostics.append(
@@ -354,6 +355,7 @@ class Source(NamedTuple):
                 message=message,
                 hint=hint,
                 severity=severity,
+                reason=reason,
             )
         )
 
