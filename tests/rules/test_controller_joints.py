@@ -113,6 +113,17 @@ def test_what_no_launch_file_starts_may_be_for_another_robot() -> None:
     assert not check(other, ROBOT._replace(started=()))
 
 
+def test_a_controller_may_be_for_a_part_that_an_argument_adds() -> None:
+    robot = ROBOT._replace(of_parts=("arm",))
+    gripper = SOUND.replace("- shoulder", "- knuckle").replace("- elbow", "- finger_tip")
+    assert [found.code for found in check(gripper)] == ["ROB111", "ROB111"]
+    assert not check(gripper, robot)
+    (found,) = check(SOUND.replace("- elbow", "- elbwo"), robot)
+    assert (found.code, found.severity) == ("ROB111", Severity.ERROR)
+    misspelled = gripper.replace("- knuckle", "- sholder")
+    assert [found.code for found in check(misspelled, robot)] == ["ROB111", "ROB111"]
+
+
 def test_a_file_that_is_missing() -> None:
     plugin = Plugin("gz_ros2_control-system", {}, "x", 5)
     path = Path("/share/arm/config/controler.yaml")

@@ -114,6 +114,11 @@ def started_launch_files(plan: LaunchPlan) -> tuple[Include, ...]:
     )
 
 
+def has_gaps(plan: LaunchPlan) -> bool:
+    """Whether an argument is empty by default, as somebody is meant to give it."""
+    return any(argument.default == "" for argument in plan.arguments)
+
+
 def nested_launch(program: Process) -> Include | None:
     """The launch file that `ros2 launch` runs."""
     if program.executable != "ros2" or program.arguments[:1] != ("launch",):

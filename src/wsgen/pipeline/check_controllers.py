@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wsgen import yamlfile
+from wsgen.launch.commands import has_gaps
 from wsgen.launch.other_places import find_in_package
 from wsgen.rules.controller_joints import Controlled, check_controllers, missing_controller_file
 from wsgen.rules.controllers import started_controllers
@@ -29,7 +30,13 @@ def check_controlled(
     `robots` are those of a package, as written, with the files that describe them, which may
     include others.
     """
-    started = {name for plan in plans for name in started_controllers(plan)}
+    started: set[str] = set()
+    surely: set[str] = set()  # whatever is given
+    for plan in plans:
+        names = set(started_controllers(plan))
+        started |= names
+        if not has_gaps(plan):
+            surely |= names
     # A robot may have parts that only some launch files give it.
     of_file: dict[Path, list[Robot]] = {}
     for robot, file in robots:
@@ -53,5 +60,6 @@ def check_controlled(
                 joints=[joint for robot in users for joint in robot.joints],
                 controls=[system for robot in users for system in robot.controls],
                 started=started,
+                of_parts=started - surely,
             )
             yield from check_controllers(content, controlled, path)

@@ -20,7 +20,7 @@ from wsgen.description_rules import (
 )
 from wsgen.diagnostics import Severity
 from wsgen.files import real_path
-from wsgen.launch.commands import nested_launch, programs
+from wsgen.launch.commands import has_gaps, nested_launch, programs
 from wsgen.launch.descriptions import UNPUBLISHED_DESCRIPTION
 from wsgen.launch.explain import (
     ARGUMENT_WITHOUT_VALUE,
@@ -127,8 +127,7 @@ def of_launch(
     """
     started = one.started
     is_inner = is_included(one, beside)
-    # With an empty default, somebody is meant to give it, too.
-    has_gaps = any(argument.default == "" for argument in started.plan.arguments)
+    is_open = has_gaps(started.plan)
     lacks_package = any(
         found.code == PACKAGE_NOT_FOUND.code and not _is_misspelled(found)
         for found in started.plan.diagnostics
@@ -140,7 +139,7 @@ def of_launch(
             (found.code in GIVEN_FROM_OUTSIDE and not _is_wrong_import(found))
             or _lacks_device(found)
             or _lacks_module(found, package)
-            or (has_gaps and _is_for_nothing(found))
+            or (is_open and _is_for_nothing(found))
             or (lacks_package and found.code == RAISES.code)  # without what that package has
         ):
             if not is_inner:
@@ -150,11 +149,11 @@ def of_launch(
             and (found.severity is Severity.WARNING or is_included_elsewhere())
         ):  # somebody may start it in another terminal, or a file that is not here does
             yield replace(found, severity=Severity.INFO)
-        elif found.code == PACKAGE_NOT_FOUND.code and (has_gaps or not _is_misspelled(found)):
+        elif found.code == PACKAGE_NOT_FOUND.code and (is_open or not _is_misspelled(found)):
             yield replace(found, severity=Severity.WARNING)  # it may be in another workspace
         elif found.code == UNDEFINED_CONFIGURATION.code:
             yield from _of_configuration(found, one, beside, is_included_elsewhere)
-        elif found.code == INVALID_SPAWNER_OPTION.code and has_gaps:
+        elif found.code == INVALID_SPAWNER_OPTION.code and is_open:
             yield replace(found, severity=Severity.INFO)
         elif found.code == FILE_NOT_INSTALLED.code and OF_NO_PACKAGE in (found.hint or ""):
             yield replace(found, severity=Severity.WARNING)  # some program may write it before

@@ -76,6 +76,9 @@ class Controlled(NamedTuple):
     joints: Sequence[Joint]
     controls: Sequence[ControlSystem]
     started: Collection[str]  # names of the controllers that a launch file starts
+    # Those of them that only launch files start which have an argument that is empty by default: it
+    # may be what gives the robot a gripper.
+    of_parts: Collection[str] = ()
 
 
 MISSING_CONTROLLER_FILE = Rule(
@@ -123,7 +126,9 @@ UNKNOWN_CONTROLLER_JOINT = Rule(
     severity=Severity.ERROR,
     severity_varies="a warning about a controller that no launch file of the package starts",
     summary="The parameters of a controller name a joint that the robot does not have.",
-    what="Reads the file that Gazebo's plugin for ros2_control names in `<parameters>`.",
+    what="Reads the file that Gazebo's plugin for ros2_control names in `<parameters>`. Nothing is "
+    "reported about a controller that names no joint of the robot where the launch file has an "
+    "argument that is empty by default, such as one for a gripper.",
     why="The controller cannot claim the interfaces of the joint, and does not start.",
     example="""
 diff_drive_controller:
@@ -206,6 +211,8 @@ def check_controllers(
         for values in own:
             if severity is not None and not _names_any(values, robot):
                 continue  # of another robot
+            if name in robot.of_parts and not _names_nearly_any(values, robot):
+                continue  # of a part that an argument adds
             for claim in CLAIMS.get(kind, ()):
                 yield from _claimed(name, claim, values, robot, file, severity)
 
@@ -214,6 +221,17 @@ def _names_any(values: yamlfile.Value, robot: Controlled) -> bool:
     """Whether any parameter names a joint of the robot."""
     names = {joint.name for joint in robot.joints}
     return any(one.text in names for _, value in values.items() for one in _listed(value))
+
+
+def _names_nearly_any(values: yamlfile.Value, robot: Controlled) -> bool:
+    """The same, also of a misspelled one."""
+    names = {joint.name for joint in robot.joints}
+    return any(
+        one.text in names or nearest(one.text, names, cutoff=MISSPELLED)
+        for _, value in values.items()
+        for one in _listed(value)
+        if one.text
+    )
 
 
 def _claimed(  # noqa: PLR0913, PLR0917  a controller, and what it is compared with
