@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from ros_for_tests import ros_with, variables_for
+from wsgen.cli.words import unwritten
 from wsgen.errors import SessionDiedError
 from wsgen.events import Event, StepEnded, StepProgressed, StepStarted
 from wsgen.isolation.codec import encode
@@ -84,13 +85,24 @@ def test_messages_have_the_time_of_the_machine(
 
 
 @pytest.mark.slow
-def test_a_short_run_has_a_file(
-    tmp_path: Path, variables: Mapping[str, str], capfd: pytest.CaptureFixture[str]
+@pytest.mark.parametrize("earlier", [b"of yesterday", None])
+def test_a_run_without_messages_keeps_the_earlier_recording(
+    tmp_path: Path,
+    variables: Mapping[str, str],
+    capfd: pytest.CaptureFixture[str],
+    earlier: bytes | None,
 ) -> None:
     file = tmp_path / "short.mcap"
-    with recording_topics(file, PYTHON, variables, use_sim_time=True):
+    if earlier is not None:
+        file.write_bytes(earlier)
+    told: list[Recorded] = []
+    with recording_topics(file, PYTHON, variables, use_sim_time=True, recorded=told.append):
         pass
-    assert file.read_bytes()[:5] == b"\x89MCAP"
+    assert (file.read_bytes() if file.exists() else None) == earlier
+    assert told == [Recorded(file, 0.0, 0)]
+    kept = "" if earlier is None else " The short.mcap of before is unchanged."
+    assert unwritten(file) == f"{file} was not written: no message came.{kept}"
+    assert not file.with_name("short.mcap.part").exists()
     assert capfd.readouterr().err == ""
 
 

@@ -69,7 +69,7 @@ def run(
     require_linux("--run", "--play simulates the robots here.")
     from wsgen.cli import raise_dropped_end
     from wsgen.cli.progress import listening
-    from wsgen.cli.words import tell_unfinished, written
+    from wsgen.cli.words import tell_unfinished, unwritten, written
     from wsgen.live.prepare import RunRequest
     from wsgen.live.run import run_launch
     from wsgen.pipeline.engines import check_engines
@@ -109,7 +109,9 @@ def run(
             _print(tuple(found), verbose=verbose)
 
         def tell(one: Recorded) -> None:
-            if not quiet:
+            if one.messages == 0:
+                click.echo(unwritten(one.file), err=True)
+            elif not quiet:
                 click.echo(f"Recorded {written(one.file)}, {_opened_by(one)}", err=True)
 
         is_new = seconds is not None and page is None  # --view may be

@@ -59,10 +59,18 @@ def tell_unfinished(video: Path) -> None:
     """Say that a signal keeps a video from being drawn, and what is kept."""
     import contextlib
 
-    kept = f" The {video.name} of before is unchanged." if video.exists() else ""
-    text = f"{video} was not finished: wsgen was ended before it was drawn.{kept}"
+    text = f"{video} was not finished: wsgen was ended before it was drawn.{_kept(video)}"
     with contextlib.suppress(OSError):  # the terminal may be gone
         click.echo(text, err=True)
+
+
+def unwritten(recording: Path) -> str:
+    """Say that a recording has no message, and what is kept."""
+    return f"{short_name(recording)} was not written: no message came.{_kept(recording)}"
+
+
+def _kept(file: Path) -> str:
+    return f" The {file.name} of before is unchanged." if file.exists() else ""
 
 
 def next_command(workspace: Workspace, *commands: str) -> str:

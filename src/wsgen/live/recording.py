@@ -42,11 +42,11 @@ class Recordings:
 
 
 class Recorded(NamedTuple):
-    """A file that a live run has left."""
+    """A file that a live run has left, or would have left if a message had come."""
 
     file: Path
     seconds: float  # simulated, where something was
-    messages: int | None = None  # None: of a video
+    messages: int | None = None  # None: of a video. 0: no file was written
 
 
 def choose_recordings(files: Sequence[Path]) -> Recordings:
@@ -111,7 +111,7 @@ def recording_topics(  # noqa: PLR0913  a request
         environment: All variables of nodes.
         use_sim_time: Messages get the time of /clock, not that of this machine.
         live_folder: Of the simulator that is asked for its time until there is a /clock.
-        recorded: Is told when the file is complete.
+        recorded: Is told when the file is complete, or was not written for want of messages.
 
     Raises:
         NotReadableError: The process cannot be started.

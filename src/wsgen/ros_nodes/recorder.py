@@ -7,7 +7,8 @@ Like `ros2 bag record --all`: topics are found as they appear, hidden ones are l
 messages are stored as they came, with the time at which they did: that of the clock, or with
 --use-sim-time the simulated one. Where nobody publishes /clock, the simulator of the live run in
 FOLDER is asked for that. The file has its name when it is complete; until then `.part` is
-behind it. It is completed at SIGINT or SIGTERM, and when the process PID ends.
+behind it. It is completed at SIGINT or SIGTERM, and when the process PID ends. Without a message it
+is removed: an earlier recording of that name stays.
 
 It writes READY to the descriptor when it records, and a text when it cannot: why. When the file is
 complete, it writes the seconds from the first message to the last one, and how many there are.
@@ -81,7 +82,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 live_folder=given.live_folder,
                 when_ready=lambda: tell(READY),
             )
-        unfinished.replace(file)
+        if messages:
+            unfinished.replace(file)
+        else:
+            unfinished.unlink(missing_ok=True)
         if given.tell is not None:
             tell(f"{seconds:.3f} {messages}".encode())
     except OSError as error:
