@@ -56,6 +56,18 @@ def test_without_linters(tmp_path: Path) -> None:
     assert cache_entry(tmp_path, "BUILD_TESTING") == "OFF"
 
 
+def test_environments_of_python_are_ignored(tmp_path: Path) -> None:
+    write_package(tmp_path)
+    for name, marker in (("venv", "pyvenv.cfg"), ("env", "conda-meta/history")):
+        write_package(tmp_path / name, f"of_{name}").parent.rename(tmp_path / name / "share")
+        (tmp_path / name / marker).parent.mkdir(exist_ok=True)
+        (tmp_path / name / marker).touch()
+    plain_colcon(tmp_path, outside())
+    assert [folder.name for folder in (tmp_path / "install").iterdir() if folder.is_dir()] == [
+        "demo"
+    ]
+
+
 @pytest.mark.parametrize("arguments", [("--paths", "../src/*"), ("--base-paths", "../src")])
 def test_without_linters_from_elsewhere(tmp_path: Path, arguments: tuple[str, ...]) -> None:
     write_package(tmp_path, cmake=LINTED)

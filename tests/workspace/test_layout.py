@@ -140,6 +140,21 @@ def test_packages_are_those_that_colcon_finds(root: Path) -> None:
     assert [package.name for package in find_packages(Workspace(root=root))] == ["demo", "second"]
 
 
+@pytest.mark.parametrize("marker", ["pyvenv.cfg", "conda-meta/history"])
+def test_the_packages_of_an_environment_of_python_are_not_of_the_workspace(
+    root: Path, marker: str
+) -> None:
+    write_package(root / "venv", "installed").parent.rename(root / "venv" / "share")
+    assert [package.name for package in find_packages(Workspace(root=root))] == [
+        "demo",
+        "installed",
+    ]
+    for folder in (root / "venv", root):  # a workspace in an environment is one
+        (folder / marker).parent.mkdir(exist_ok=True)
+        (folder / marker).touch()
+    assert [package.name for package in find_packages(Workspace(root=root))] == ["demo"]
+
+
 def test_a_broken_manifest_is_reported_and_the_others_are_listed(root: Path) -> None:
     (write_package(root, "broken") / "package.xml").write_text("<package>\n<name>")
     broken, demo = find_packages(Workspace(root=root))

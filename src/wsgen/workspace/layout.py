@@ -16,7 +16,7 @@ from wsgen.values import dataclass, lazy_pattern
 from wsgen.workspace.manifest import FOREIGN_MANIFEST, read_manifest
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Collection, Iterable, Iterator
 
     from wsgen.workspace.manifest import Manifest
 
@@ -55,7 +55,10 @@ def _without_manifest(source: Path) -> Iterator[Path]:
 
 INSTALL_LAYOUT = ".colcon_install_layout"  # colcon writes it into an install space
 IGNORE_MARKERS = frozenset({"COLCON_IGNORE", "AMENT_IGNORE", "CATKIN_IGNORE"})
-BUILD_MARKERS = IGNORE_MARKERS | {INSTALL_LAYOUT}  # in folders of no package around
+VIRTUAL_ENVIRONMENT = "pyvenv.cfg"  # that `python -m venv` and its like write
+CONDA_ENVIRONMENT = "conda-meta"  # a folder
+# In folders of no package around.
+BUILD_MARKERS = IGNORE_MARKERS | {INSTALL_LAYOUT, VIRTUAL_ENVIRONMENT}
 PYTHON_MARKERS = frozenset({"setup.py", "setup.cfg", "pyproject.toml"})
 # How `ros2 launch` recognizes launch files.
 LAUNCH_FILES = ("launch.py", "launch.xml", "launch.yaml", "launch.yml")  # ends of names
@@ -319,11 +322,16 @@ def crawl(root: Path, *, with_ignored: bool = False) -> Iterator[tuple[Path, fro
     Like colcon, it follows links, skips hidden and ignored folders, and does not search below a
     package. `with_ignored` also yields folders below ignored ones. A CMakeLists.txt that catkin has
     left behind is not among the files.
+
+
+    package. `with_ignored` also yields folders below ignored ones. As wsgen has colcon do, it skips
+    environments of Python (`is_python_environment`).
     """
     visited = set()
     for name, folders, files in os.walk(root, followlinks=True):
         real = real_path(name)
-        if real in visited or (not with_ignored and not IGNORE_MARKERS.isdisjoint(files)):
+        is_skipped = not with_ignored and not IGNORE_MARKERS.isdisjoint(files)
+        if real in visited or is_skipped or is_python_environment({*folders, *files}):
             folders.clear()
             continue
         visited.add(real)
@@ -349,6 +357,15 @@ def _is_of_catkin(folder: str) -> bool:
     except (OSError, ValueError):
         return False
     return b"catkin_workspace()" in lines
+
+
+def is_python_environment(names: Collection[str]) -> bool:
+    """Whether a folder with these files and folders is an environment of venv or conda.
+
+    Such a folder in a workspace has the packages of wsgen's wheels, or all those of a ROS from
+    conda, which nobody wants to build. A workspace in an environment remains one.
+    """
+    return "src" not in names and (VIRTUAL_ENVIRONMENT in names or CONDA_ENVIRONMENT in names)
 
 
 def _refuse_surroundings(root: Path) -> None:
