@@ -182,6 +182,8 @@ def test_only_what_is_installed_counts(tmp_path: Path) -> None:
     [
         ('<plugin filename="libgazebo_ros_diff_drive.so" name="a"/>', "gazebo_plugins"),
         ('<plugin filename="libgazebo_ros_init.so" name="a"/>', "gazebo_ros"),
+        ('<plugin filename="libgazebo_ros_control.so" name="a"/>', None),  # of ROS 1
+        ('<plugin filename="libgazebo_ros_of_mine.so" name="a"/>', None),
         ('<plugin filename="libgazebo_ros2_control.so" name="a"/>', "gazebo_ros2_control"),
         ('<plugin filename="gz_ros2_control-system" name="a"/>', "gz_ros2_control"),
         ('<plugin filename="libgz_ros2_control-system.so" name="a"/>', "gz_ros2_control"),

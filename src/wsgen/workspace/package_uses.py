@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.files import irregular_kind, real_path
 from wsgen.markup import read_text, without_comments
+from wsgen.model.gazebo_plugins import OF_CLASSIC
 from wsgen.pythontree import parse
 from wsgen.ros_names import released_packages
 from wsgen.values import NamedTuple, lazy_pattern
@@ -370,9 +371,10 @@ _CONTROL_PLUGIN = lazy_pattern(
     r"\blib((?:gazebo|gz|ign)_ros2_control)(?:-system)?\.so\b"
     r"|\b((?:gz|ign)_ros2_control)-system\b|>\s*((?:gazebo|gz|ign)_ros2_control)/\w+\s*<"
 )
-_CLASSIC_PLUGIN = lazy_pattern(r"\blibgazebo_ros_(\w+)\.so\b")
-# Of gazebo_ros itself.
-_OF_GAZEBO_ROS = frozenset(("init", "factory", "force_system", "state", "properties", "node"))
+_CLASSIC_PLUGIN = lazy_pattern(r"\blib(gazebo_ros_\w+)\.so\b")
+_OF_GAZEBO_ROS = frozenset(
+    f"gazebo_ros_{name}" for name in ("init", "factory", "force_system", "state", "properties")
+)
 
 
 def _plugins(text: str) -> Iterator[tuple[str, int]]:
@@ -380,7 +382,9 @@ def _plugins(text: str) -> Iterator[tuple[str, int]]:
     if "_ros2_control" in text:
         yield from _matches(_CONTROL_PLUGIN, text)
     for name, line in _matches(_CLASSIC_PLUGIN, text):
-        yield "gazebo_ros" if name in _OF_GAZEBO_ROS else "gazebo_plugins", line
+        # Others are of ROS 1, or somebody's own, and gazebo_plugins does not have them.
+        if name in OF_CLASSIC:
+            yield "gazebo_ros" if name in _OF_GAZEBO_ROS else "gazebo_plugins", line
 
 
 def _matches(pattern: re.Pattern[str], text: str) -> Iterator[tuple[str, int]]:
