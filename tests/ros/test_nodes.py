@@ -300,3 +300,39 @@ def test_a_node_that_cannot_start_says_why(
     assert run.returncode == 1
     assert message in run.stderr
     assert "Traceback" not in run.stderr
+
+
+JUMPS = """
+import time
+import rclpy
+from rclpy.time import Time
+from sensor_msgs.msg import JointState
+
+rclpy.init()
+node = rclpy.create_node("two_clocks")
+publisher = node.create_publisher(JointState, "joint_states", 10)
+while publisher.get_subscription_count() == 0:
+    time.sleep(0.02)
+for second in (9, 5) * 20:
+    stamp = Time(seconds=second).to_msg()
+    message = JointState(name=["turn"], position=[0.0])
+    message.header.stamp = stamp
+    publisher.publish(message)
+    time.sleep(0.02)
+"""
+
+
+def test_two_clocks_do_not_drown_everything_else(
+    environment: dict[str, str], tmp_path: Path
+) -> None:
+    file = tmp_path / "crane.urdf"
+    file.write_text(ROBOT)
+    command = [sys.executable, "-m", "wsgen.ros_nodes.robot_state_publisher", str(file)]
+    command += ["--ros-args", "-p", "use_sim_time:=true"]
+    with subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True) as process:
+        began = time.monotonic()
+        subprocess.run([sys.executable, "-c", JUMPS], env=environment, check=True, timeout=WAIT)
+        took = time.monotonic() - began
+        process.terminate()
+        _, printed = process.communicate(timeout=WAIT)
+    assert 1 <= printed.count("Moved backwards in time") <= 2 + took / 2.0

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 NAME = "robot_state_publisher"
 MOST_HERTZ = 1000.0
 BACKWARDS = 500_000_000  # ns
+SAY_SECONDS = 2.0  # wall-clock, between two warnings of one kind
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
@@ -142,7 +143,12 @@ class RobotStatePublisher(Node):
         stamp = Time.from_msg(state.header.stamp).nanoseconds
         now = self._now(stamp)
         if now < self._last_callback:
-            self.get_logger().warning("Moved backwards in time, re-publishing joint transforms!")
+            # With two simulators in a domain that is each message, and the original says it each
+            # time: nothing else can be read then.
+            self.get_logger().warning(
+                "Moved backwards in time, re-publishing joint transforms!",
+                throttle_duration_sec=SAY_SECONDS,
+            )
             self._last_sent.clear()
         self._last_callback = now
         last = min((self._last_sent.get(name, 0) for name in names), default=now)

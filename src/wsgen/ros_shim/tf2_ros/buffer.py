@@ -57,7 +57,10 @@ class Buffer(BufferCore, BufferInterface):
     def time_jump_callback(self, time_jump: Any) -> None:
         """Forget what has not happened yet."""
         del time_jump
-        get_logger("tf2_buffer").warning("Detected jump back in time. Clearing tf buffer.")
+        # Not for each message, where two simulators publish /clock.
+        get_logger("tf2_buffer").warning(
+            "Detected jump back in time. Clearing tf buffer.", throttle_duration_sec=2.0
+        )
         self.clear()
 
     def set_transform(self, transform: Any, authority: str) -> None:
