@@ -858,5 +858,21 @@ def test_the_cause_of_a_failure_is_the_last_line_and_its_place() -> None:
     hint = (
         'Traceback (most recent call last):\n  File "/a/b.py", line 3, in go\n    x\nValueError: no'
     )
-    assert _cause(hint) == ": ValueError: no, in /a/b.py:3"
-    assert not _cause("[INFO] hello")
+    assert _cause(hint, {}) == ": ValueError: no, in /a/b.py:3"
+    assert not _cause("[INFO] hello", {})
+
+
+def test_the_cause_of_a_failure_is_in_the_source(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    share, source = tmp_path / "install" / "share" / "rover", tmp_path / "src" / "rover"
+    for folder in (share, source):
+        (folder / "scripts").mkdir(parents=True)
+        (folder / "scripts" / "drive.py").write_text("x\n" * 9)
+    hint = (
+        f'Traceback (most recent call last):\n  File "{share}/scripts/drive.py", line 3, in go\n'
+        '    x\n  File "/usr/lib/rclpy.py", line 70, in spin\nValueError: no'
+    )
+    expected = ": ValueError: no, in line 3 of src/rover/scripts/drive.py"
+    assert _cause(hint, {share: source}) == expected

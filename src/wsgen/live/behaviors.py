@@ -10,16 +10,20 @@ from typing import TYPE_CHECKING
 from wsgen.errors import RequestError, SessionDiedError
 from wsgen.live.prepare import RunRequest
 from wsgen.live.session import BrokenLaunchError, open_live
+from wsgen.live.tracebacks import Frames, find_source
 from wsgen.model.behavior import LiveMeasurement
 from wsgen.model.time_series import TimeSeries
 from wsgen.model.transform import rotation_of_quaternion
+from wsgen.pipeline.changed_since_build import shares_of
 from wsgen.simulation.engine import State
 from wsgen.simulation.odometer import Odometer, heading_of
 from wsgen.simulation.sampling import DIGITS, TOLERANCE
 from wsgen.values import NamedTuple
+from wsgen.workspace.layout import find_packages
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
+    from pathlib import Path
 
     from wsgen.live.journal import Journal
     from wsgen.live.session import LiveSession, LiveState
@@ -73,7 +77,7 @@ def _run(
             begun.append(session.state.seconds)
             session.run_for(behavior.seconds)
     except (SessionDiedError, RequestError) as error:
-        problem = f"{error.message.rstrip('.')}{_cause(error.hint)}"
+        problem = f"{error.message.rstrip('.')}{_cause(error.hint, _shares(selected))}"
     except BrokenLaunchError as broken:
         problem = str(broken)
     measured = way.measured(behavior.name, begun[0] if begun else None, problem)
@@ -107,16 +111,30 @@ def _last_lines(journal: Journal) -> Iterator[str]:
         yield line if len(line) <= LONGEST_LINE else f"{line[: LONGEST_LINE - 1]}…"
 
 
-def _cause(hint: str) -> str:
-    """What a process has printed last, where that is an exception: `: ValueError: …, at FILE:4`."""
+def _shares(selected: SelectedLaunchFile) -> Mapping[Path, Path]:
+    """Of the packages of the workspace: share folder -> source."""
+    if selected.workspace is None:
+        return {}
+    return shares_of(find_packages(selected.workspace), selected.overlay)
+
+
+def _cause(hint: str, shares: Mapping[Path, Path]) -> str:
+    """What a process has printed last, where that is an exception: `: ValueError: …, at FILE:4`.
+
+    The file is the source, where a traceback names what was installed of it.
+    """
     lines = [line.strip() for line in hint.splitlines() if line.strip()]
     if not lines or not any(line.startswith("Traceback") for line in lines):
         return ""
-    places = [line for line in lines if line.startswith('File "') and ", line " in line]
+    printed = Frames()
+    printed.take(hint.encode())
+    frames = tuple(printed.innermost_first())
+    source = find_source(frames, shares)
     place = ""
-    if places:
-        file, _, rest = places[-1].removeprefix('File "').partition('", line ')
-        place = f", in {file}:{rest.partition(',')[0]}"
+    if source is not None:
+        place = f", in {source.place}"
+    elif frames:
+        place = f", in {frames[0][0]}:{frames[0][1]}"
     return f": {lines[-1]}{place}"
 
 

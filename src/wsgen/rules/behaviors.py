@@ -126,8 +126,8 @@ def launch_fails(behavior: Behavior, measured: LiveMeasurement, file: Path) -> I
         behavior,
         file,
         f"after {measured.seconds:.2f} simulated s: {problem[:1].lower()}{problem[1:]}.",
-        "Correct the node, or the launch file; all that is printed is shown by: wsgen launch "
-        f"{measured.launched} --run",
+        "Correct the node, or the launch file, and run `wsgen build`; all that is printed is shown "
+        f"by: wsgen launch {measured.launched} --run",
     )
 
 
