@@ -20,7 +20,8 @@ from build.building import (
     write_package,
 )
 from wsgen.build.colcon import Finished
-from wsgen.build.explain import explain_colcon, refuse_full_disk
+from wsgen.build.explain import explain, explain_colcon, refuse_full_disk
+from wsgen.build.failure import Failure
 from wsgen.build.run import BuildResult
 from wsgen.build_files.facts import read_build_facts
 from wsgen.diagnostics import Diagnostic, Severity
@@ -698,3 +699,34 @@ def test_a_disk_too_full_to_say_so(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(os, "statvfs", lambda _folder: full)
     with pytest.raises(NotReadableError, match="the disk is full"):
         build_here(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("text", "message", "hint"),
+    [
+        ("double is no type. Did you mean `float64`?", "double is no type.", "Did you mean `flo"),
+        (
+            "nav_msgs is used, but it is not among DEPENDENCIES in CMakeLists.txt.",
+            "nav_msgs is used, but it is not among DEPENDENCIES in CMakeLists.txt.",
+            "Write a type such as float64",
+        ),
+    ],
+)
+def test_a_type_that_no_interface_has(text: str, message: str, hint: str, tmp_path: Path) -> None:
+    file = tmp_path / "msg" / "Load.msg"
+    (found,) = explain(
+        Failure(
+            package="demo",
+            folder=tmp_path,
+            is_python=False,
+            build_folder=tmp_path / "build",
+            output=f"{file}:2: error: {text}\ngmake[2]: *** [demo.stamp] Error 1\n",
+            siblings=(),
+            distro="",
+            log=None,
+        )
+    )
+    assert (found.code, found.file, found.line) == ("BLD067", file, 2)
+    assert found.message == f"demo: {message}"
+    assert found.hint is not None
+    assert found.hint.startswith(hint)

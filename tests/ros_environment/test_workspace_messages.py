@@ -50,6 +50,7 @@ def test_what_is_right(prefix: Path) -> None:
     [
         ("flot32 x", "flot32 is no type. Did you mean `float32`?"),
         ("zzz[3] x", "zzz is no type."),
+        ("double x", "double is no type. Did you mean `float64`?"),
         (
             "geometry_msgs/Pos pose",
             "geometry_msgs has no message Pos. Did you mean `geometry_msgs/Pose`?",

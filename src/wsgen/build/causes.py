@@ -145,6 +145,19 @@ FAILED_DOWNLOAD = Rule(
 )
 
 
+INVALID_INTERFACE = Rule(
+    code="BLD067",
+    name="invalid-interface",
+    severity=Severity.ERROR,
+    summary="A message, service or action has a field of a type that does not exist.",
+    what="Reads what the generator of wsgen prints, which builds interfaces where no ROS is "
+    "sourced. Types of packages that CMakeLists.txt does not name do not exist there, either.",
+    why="The interfaces of the package are not built, and nodes that import them fail.",
+    example="# LoadState.msg\ndouble mass",
+    instead="# LoadState.msg\nfloat64 mass",
+)
+
+
 def unparsed(failure: Failure) -> Iterator[Diagnostic]:
     """Name the line of CMakeLists.txt with the mistake, which CMake may notice far below."""
     if any(error.message.startswith("Parse error") for error in failure.errors):
@@ -606,7 +619,25 @@ def _xacro_error(failure: Failure) -> Iterator[Diagnostic]:
         )
 
 
+def _invalid_interface(failure: Failure) -> Iterator[Diagnostic]:
+    """Report what `wsgen.ros_environment.workspace_messages` prints."""
+    for name, line, message, question in re.findall(
+        r"(?m)^(/.+\.(?:msg|srv|action|idl)):(\d+): error: (.+?\.)(?: (Did you mean .+))?$",
+        failure.output,
+    ):
+        yield failure.report(
+            INVALID_INTERFACE,
+            message,
+            file=Path(name),
+            line=int(line),
+            hint=question
+            or "Write a type such as float64 or string, or PACKAGE/NAME of a message "
+            "of a package among DEPENDENCIES of rosidl_generate_interfaces().",
+        )
+
+
 PACKAGE_CAUSES = (
+    _invalid_interface,
     _missing_manifest,
     _missing_cmake_file,
     _missing_package,

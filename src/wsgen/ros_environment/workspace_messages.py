@@ -39,6 +39,8 @@ PRIMITIVES = frozenset(
         *("duration", "time"),  # which rosidl_adapter takes as well
     )
 )
+# What other languages call a type.
+MEANT = {"double": "float64", "int": "int32", "uint": "uint32", "long": "int64", "str": "string"}
 DEPENDENCY = re.compile(r"<\w*depend[^>]*>\s*([\w-]+)\s*</")
 
 
@@ -135,7 +137,7 @@ def mistakes_in(
             continue
         of, name = match["package"], match["name"]
         if of is None and name[0].islower() and name not in PRIMITIVES:
-            meant = nearest(name, PRIMITIVES)
+            meant = MEANT.get(name) or nearest(name, PRIMITIVES)
             yield number, f"{name} is no type.{f' {did_you_mean(meant)}' if meant else ''}"
         elif of in allowed and of != package:
             folders = (prefix / "share" / of / "msg" for prefix in prefixes)
