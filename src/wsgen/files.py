@@ -326,10 +326,13 @@ def replace_file(file: Path) -> Iterator[BinaryIO]:
         raise
 
 
-def explain_write_error(error: OSError, path: Path, *, what: str = "") -> NotReadableError:
+def explain_write_error(
+    error: OSError, path: Path, *, what: str = "", instead: str = ""
+) -> NotReadableError:
     """Explain why `path` cannot be written, and what to do.
 
-    `what` names what is written if it is not a file that could be written elsewhere.
+    `what` names what is written if it is not a file that could be written elsewhere; `instead` says
+    how to have it elsewhere all the same.
     """
     number = error.errno or 0
     place = mount_point(path)
@@ -344,7 +347,7 @@ def explain_write_error(error: OSError, path: Path, *, what: str = "") -> NotRea
         errno.ENOENT: ("the folder does not exist", "Create the folder"),
     }
     reason, remedy = reasons.get(number, ((error.strerror or str(error)).lower(), ""))
-    other = "" if what else "choose a folder that exists and that you may write to"
+    other = instead if what else "choose a folder that exists and that you may write to"
     hint = ", or ".join(filter(None, (remedy, other))) or f"Check who may write to {path}"
     return NotReadableError(
         f"Cannot write {what or path}: {reason}.", hint=f"{hint[0].upper()}{hint[1:]}."

@@ -147,6 +147,13 @@ def test_what_pip_says_is_told(tmp_path: Path) -> None:
     assert "No matching distribution found for no-such==1" in caught.value.message
 
 
+def test_a_cache_that_cannot_be_written_may_be_elsewhere(tmp_path: Path) -> None:
+    (tmp_path / "wsgen").touch()
+    with pytest.raises(NotReadableError, match="Cannot write the folder of ROS") as one:
+        cache_folder({"XDG_CACHE_HOME": str(tmp_path)})
+    assert one.value.hint == "Set XDG_CACHE_HOME to a folder that you may write to."
+
+
 def test_the_folder_of_the_cache(tmp_path: Path) -> None:
     assert cache_folder({"XDG_CACHE_HOME": str(tmp_path)}) == tmp_path / "wsgen" / "ros"
     (tmp_path / "wsgen" / "ros").chmod(0o777)

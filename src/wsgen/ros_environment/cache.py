@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     from wsgen.events import Listener
 
+ELSEWHERE = "set XDG_CACHE_HOME to a folder that you may write to"  # on a full or read-only home
 UNFINISHED = ".unfinished"  # at the end of the name of a folder that is being made
 
 
@@ -42,7 +43,9 @@ def cache_folder(environment: Mapping[str, str]) -> Path:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         status = folder.stat()
     except OSError as error:
-        raise explain_write_error(error, folder, what=f"the folder of ROS, {folder}") from None
+        raise explain_write_error(
+            error, folder, what=f"the folder of ROS, {folder}", instead=ELSEWHERE
+        ) from None
     if status.st_uid != os.geteuid() or status.st_mode & 0o022:
         raise NotReadableError(
             f"{folder} is not used: other users can write into it.",
@@ -75,7 +78,9 @@ def being_made(target: Path, listener: Listener, step: tuple[str, ...]) -> Itera
             finally:
                 shutil.rmtree(unfinished, ignore_errors=True)
     except OSError as error:
-        raise explain_write_error(error, target, what=f"the folder of ROS, {target}") from None
+        raise explain_write_error(
+            error, target, what=f"the folder of ROS, {target}", instead=ELSEWHERE
+        ) from None
 
 
 @contextlib.contextmanager
