@@ -98,3 +98,24 @@ def test_the_page_of_a_run_goes_along_with_the_robots() -> None:
         assert page._reset.disabled
     finally:
         page.stop()
+
+
+def test_inputs_may_be_used_before_there_is_a_robot() -> None:
+    from viewing.test_play import BOX  # noqa: PLC0415  as above
+    from wsgen.model.transform import Pose  # noqa: PLC0415
+    from wsgen.viewing.drawing import draw_simulated  # noqa: PLC0415
+    from wsgen.viewing.run_page import RunPage  # noqa: PLC0415
+
+    page = RunPage(host=HOST, port=choose_port(HOST, None), title="run")
+    try:
+        page._grid_box.value = False
+        page._show_grid()  # what a click calls
+        page._look_from_here()
+        box = draw_simulated(BOX, Pose(), {}, entity="box", is_static_model=False)
+        page.show([box], links="")
+        assert not page._grid.visible
+        page._grid_box.value = True
+        page._show_grid()
+        assert page._grid.visible
+    finally:
+        page.stop()

@@ -123,6 +123,9 @@ class Page:
         scene.set_background_image(np.repeat(shades[:, None], 2, axis=1), format="png")
         self._robots: list[_RobotNodes] = []
         self._numbers = itertools.count()  # of robots, those that are gone among them
+        # Those of the scene, when there is something to look at: at what, and from where.
+        self._grid: Any = None
+        self._view: tuple[Any, Any] | None = None
         self._summary = gui.add_markdown("")
         tabs = gui.add_tab_group()
         self._first_tab = tabs.add_tab(first_tab)
@@ -237,6 +240,8 @@ class Page:
         return np.zeros(3)
 
     def _look_from_here(self) -> None:
+        if self._view is None:
+            return
         moved = self._moved()
         look_at, position = (point + moved for point in self._view)
         for client in self._server.get_clients().values():
@@ -245,7 +250,8 @@ class Page:
                 client.camera.look_at = look_at
 
     def _show_grid(self) -> None:
-        self._grid.visible = self._grid_box.value
+        if self._grid is not None:
+            self._grid.visible = self._grid_box.value
 
 
 def subjects_of(robots: Sequence[DrawnRobot]) -> list[DrawnRobot]:
