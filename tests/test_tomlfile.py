@@ -54,6 +54,8 @@ if TYPE_CHECKING:
         ("[validate\na = 1", "Close the name of the table: [validate]"),
         ("[a]\nx = 1\n[a]\ny = 1", "`a` is defined twice: write [[a]]"),
         ("[[b]]\na = 1\na = 2\n", "The key is defined twice in its table"),
+        (f"a = 1{'0' * 400}", "Write it with a point"),
+        (f"a = {'[' * 5000}{']' * 5000}", "fewer levels"),
     ],
 )
 def test_what_to_write_instead(text: str, instead: str, tmp_path: Path) -> None:
@@ -81,3 +83,13 @@ def test_what_nobody_can_know_is_no_traceback(text: str, tmp_path: Path) -> None
     with pytest.raises(ValueError, match=r".") as caught:
         tomlfile.load(file)
     assert tomlfile.explain(text, caught.value) != ""
+
+
+def test_an_integer_that_is_too_large_has_its_line(tmp_path: Path) -> None:
+    """TOML 1.0 has those of 64 bits; no float of Python holds one of 400 digits."""
+    file = tmp_path / "wsgen.toml"
+    file.write_text(f"a = [{2**63 - 1}, {-(2**63)}]")
+    assert tomlfile.load(file) == {"a": [2**63 - 1, -(2**63)]}
+    file.write_text(f"a = 1\n[[b]]\nc = 2\n[[b]]\nd = [0.5, {{ e = {2**63} }}]\n")
+    with pytest.raises(ValueError, match=r"64 bits \(at line 5, column 1\)"):
+        tomlfile.load(file)

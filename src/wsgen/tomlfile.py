@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from wsgen.files import refuse_irregular
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterator, Sequence
     from pathlib import Path
 
 
@@ -20,6 +20,7 @@ else:
     import tomli as tomllib
 
 
+INTEGERS = range(-(2**63), 2**63)
 _WORD = r"""(?:"[^"]*"|'[^']*'|[\w-]+)"""
 _DOTTED = rf"{_WORD}(?:\s*\.\s*{_WORD})*"
 _HEADER = rf"\s*(\[\[?)\s*({_DOTTED})\s*\]"
@@ -35,8 +36,29 @@ def load(file: Path) -> dict[str, Any]:
     """
     if file.exists():
         refuse_irregular(file)
-    document: dict[str, Any] = tomllib.loads(file.read_text(encoding="utf-8"))
+    text = file.read_text(encoding="utf-8")
+    try:
+        document: dict[str, Any] = tomllib.loads(text)
+    except RecursionError:
+        raise ValueError("Nested too deeply") from None
+    where = next(_too_large(document), None)
+    if where is not None:
+        line = find_line(text, where) or 1
+        raise ValueError(f"Integer of more than 64 bits (at line {line}, column 1)")
     return document
+
+
+def _too_large(document: dict[str, Any]) -> Iterator[tuple[str, ...]]:
+    """Find the integers that TOML does not have; those of Python have any size, and no float."""
+    waiting: list[tuple[tuple[str, ...], Any]] = [((), document)]
+    while waiting:
+        where, value = waiting.pop()
+        if isinstance(value, dict):
+            waiting += [((*where, name), inner) for name, inner in value.items()]
+        elif isinstance(value, list):
+            waiting += [((*where, str(number)), inner) for number, inner in enumerate(value)]
+        elif isinstance(value, int) and value not in INTEGERS:
+            yield where
 
 
 def find_line(text: str, where: Sequence[str]) -> int | None:
@@ -204,6 +226,8 @@ def _backslash(_before: str, _rest: str) -> str:
 
 
 _EXPLAINED: tuple[tuple[str, Callable[[str, str], str | None]], ...] = (
+    ("64 bits", lambda _before, _rest: "Write it with a point, or an exponent: 1e20"),
+    ("Nested too deeply", lambda _before, _rest: "Write fewer levels of lists and tables."),
     ("Invalid value", _value),
     ("Expected '=' after a key", _key),
     ("declaration", _table),

@@ -126,8 +126,6 @@ class ManifestFile:
             document = tomlfile.load(self.file) if self.file.is_file() else {}
         except OSError as error:
             return self._unreadable(f"cannot be read: {error.strerror}", "Make it readable.")
-        except RecursionError:
-            return self._unreadable("is nested too deeply", "Write plain tables.")
         except ValueError as error:
             return self._unreadable(f"is not TOML: {error}", "Fix the named line.")
         if not document:

@@ -26,9 +26,7 @@ from typing import TYPE_CHECKING, Any
 
 from wsgen.model.outcome import ENGINE_NAMES
 from wsgen.model.sweep import (
-    LEAST_INTEGER,
     LONGEST_RUN,
-    MOST_INTEGER,
     MOST_SEED,
     MOST_VARIANTS,
     SAMPLERS,
@@ -134,13 +132,6 @@ class _Reader:
             values = value if isinstance(value, list) else [value]
             if isinstance(value, str):
                 read[name] = value
-            elif any(_is_too_large(one) for one in values):
-                self.report(
-                    f"A value of `{name}` is too large: integers must fit into 64 bits.",
-                    f'Write it with a point, for example: "{name}" = [1e20, 2e20]',
-                    "over",
-                    name,
-                )
             elif self._are_values(values):
                 read[name] = tuple(values)
             else:
@@ -250,10 +241,6 @@ class _Reader:
             return value
         self.report("`out` is not a path.", 'Write for example: out = "rover.csv"', "out")
         return None
-
-
-def _is_too_large(value: object) -> bool:
-    return isinstance(value, int) and not LEAST_INTEGER <= value <= MOST_INTEGER
 
 
 def _flat(table: Mapping[str, Any], before: str = "") -> list[tuple[str, Any]]:
