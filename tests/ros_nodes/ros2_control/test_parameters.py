@@ -89,6 +89,13 @@ def test_values_of_wrong_types_are_told_and_their_defaults_used() -> None:
     assert "`rate` is 'fast', which is not a number" in parameters.problems[0]
 
 
+def test_an_integer_that_no_float_holds_is_no_number() -> None:
+    parameters = Parameters({"rate": 10**400, "gains": [1.0, -(10**400)]})
+    assert parameters.number("rate", 50.0) == 50.0
+    assert parameters.numbers("gains", [2.0]) == [2.0]
+    assert len(parameters.problems) == 2
+
+
 def test_defaults_are_kept_for_whoever_lists_the_parameters() -> None:
     parameters = Parameters({})
     parameters.number("update_rate", 100.0)

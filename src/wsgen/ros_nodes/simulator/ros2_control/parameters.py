@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -107,7 +108,7 @@ class Parameters:
     def number(self, name: str, default: float = 0.0) -> float:
         """A number; the default where it is none."""
         value = self.values.setdefault(name, default)
-        if isinstance(value, (int, float)) and not isinstance(value, bool):
+        if _is_number(value):
             return float(value)
         return self._wrong(name, value, default, "a number")
 
@@ -135,9 +136,7 @@ class Parameters:
     def numbers(self, name: str, default: Sequence[float] = ()) -> list[float]:
         """A list of numbers; the default where it is not one."""
         value = self.values.setdefault(name, list(default))
-        if isinstance(value, (list, tuple)) and all(
-            isinstance(one, (int, float)) and not isinstance(one, bool) for one in value
-        ):
+        if isinstance(value, (list, tuple)) and all(map(_is_number, value)):
             return [float(one) for one in value]
         return self._wrong(name, value, list(default), "a list of numbers")
 
@@ -149,3 +148,10 @@ class Parameters:
     def _wrong(self, name: str, value: object, default: T, kind: str) -> T:
         self.problems.append(f"The parameter `{name}` is {value!r}, which is not {kind}.")
         return default
+
+
+def _is_number(value: object) -> bool:
+    """Whether it is a float, or an integer that one holds."""
+    if isinstance(value, int) and not isinstance(value, bool):
+        return abs(value) <= sys.float_info.max
+    return isinstance(value, float)
