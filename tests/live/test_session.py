@@ -484,7 +484,7 @@ def test_it_waits_until_something_holds_and_no_longer(rig: Rig) -> None:
 def test_who_has_not_appeared_is_waited_for(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
     Clock(rig, monkeypatch)
     monkeypatch.setattr(session, "SECONDS_TO_APPEAR", 0.3)
-    monkeypatch.setattr(session._CpuTimes, "idle", lambda *_: set())
+    monkeypatch.setattr(activity.CpuTimes, "idle", lambda *_: set())
     rig.writer.started("driver-2", os.getpid(), "/driver", OTHER)
     rig.writer.started("slow-3", os.getpid(), "/slow", OTHER)
     rig.session.start()
@@ -633,7 +633,7 @@ def test_a_robot_that_is_assumed_is_awaited_once_its_spawner_has_joined(
     """A spawner imports its modules for longer than a robot is awaited; its end starts a node."""
     clock = Clock(rig, monkeypatch)
     monkeypatch.setattr(session, "SECONDS_TO_SPAWN", 0.5)
-    monkeypatch.setattr(session._CpuTimes, "idle", lambda *_: set())
+    monkeypatch.setattr(activity.CpuTimes, "idle", lambda *_: set())
     rig.session.entities, rig.session.assumed = (), ("rover",)
     rig.simulator.robot_comes_at = math.inf
     rig.writer.started("spawner-2", os.getpid(), "/spawner", OTHER)

@@ -21,6 +21,7 @@ LOOKS = 2  # in a row, in which all must sleep
 # s of CPU time that a process may take without being seen asleep; then it is one that never sleeps.
 MOST = 4.0
 CLOCK_SHARE = LONGEST / LONGEST_WAIT  # what a second of waiting counts where it gets no CPU time
+IDLE = 0.2  # of a core; a process that imports modules takes more
 AT_WORK = (b"R", b"D")  # it computes, or waits for a core or a disk
 CLOCK_TICKS = os.sysconf("SC_CLK_TCK")
 
@@ -73,6 +74,26 @@ class Activity:
         One that has imported its modules sleeps again.
         """
         return self._sleepless.get(pid, 0.0) >= MOST and is_at_work(pid)
+
+
+class CpuTimes:
+    """Which processes take little CPU time."""
+
+    def __init__(self) -> None:
+        self._known: dict[int, tuple[float, float]] = {}  # by pid: the clock, and CPU time, s
+
+    def idle(self, pids: Iterable[int]) -> set[int]:
+        """Those of the processes that have taken little since the last call."""
+        idle = set()
+        for pid in pids:
+            used, now = cpu_seconds(pid), time.monotonic()
+            if used is None:
+                continue
+            before = self._known.get(pid)
+            if before is not None and used - before[1] < IDLE * (now - before[0]):
+                idle.add(pid)
+            self._known[pid] = (now, used)
+        return idle
 
 
 def _used(pid: int, before: Mapping[int, float]) -> float:

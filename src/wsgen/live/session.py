@@ -15,13 +15,14 @@ import signal
 import socket
 import time
 from dataclasses import field, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from wsgen.diagnostics import Severity, has_errors
 from wsgen.errors import RequestError, SessionDiedError
 from wsgen.isolation import parent
 from wsgen.launch.launch_warnings import UNUSED_ARGUMENT
-from wsgen.live.activity import Activity, cpu_seconds
+from wsgen.live.activity import Activity, CpuTimes
 from wsgen.live.domains import take_domain
 from wsgen.live.journal import SIMULATOR, SPAWNER, Journal
 from wsgen.live.messenger import Messenger
@@ -67,7 +68,6 @@ LOOK_EVERY = 0.1
 # Until nodes have been found, robots hardly move, and nobody waits for ever who waits for /clock.
 SLOWLY = 0.01  # s, simulated, in each `LOOK_EVERY`
 LOOKS_AT_READY = 3  # as often in a row all must be ready
-IDLE = 0.2  # of a core; a process that imports modules takes more
 SECONDS_TO_BE_NODE = 5.0  # after which a process that is idle is taken for none that would appear
 
 LAST_LINES = 30  # that are shown of what was printed
@@ -420,7 +420,7 @@ class LiveSession:
     def _wait_for_nodes(self) -> None:
         """Until those of the launch file have been found by each other; not for ever."""
         end, looks = time.monotonic() + SECONDS_TO_APPEAR, 0
-        times = _CpuTimes()
+        times = CpuTimes()
         first_seen: dict[str, float] = {}
         while looks < LOOKS_AT_READY and time.monotonic() < end:
             time.sleep(LOOK_EVERY)
@@ -447,26 +447,6 @@ class LiveSession:
         now = time.monotonic()
         age = now - first_seen.setdefault(one.name, now)
         return one.pid in idle and age >= (1.0 if one.node is None else SECONDS_TO_BE_NODE)
-
-
-class _CpuTimes:
-    """Which processes take little CPU time."""
-
-    def __init__(self) -> None:
-        self._known: dict[int, tuple[float, float]] = {}  # by pid: the clock, and CPU time, s
-
-    def idle(self, pids: Iterable[int]) -> set[int]:
-        """Those of the processes that have taken little since the last call."""
-        idle = set()
-        for pid in pids:
-            used, now = cpu_seconds(pid), time.monotonic()
-            if used is None:
-                continue
-            before = self._known.get(pid)
-            if before is not None and used - before[1] < IDLE * (now - before[0]):
-                idle.add(pid)
-            self._known[pid] = (now, used)
-        return idle
 
 
 @contextlib.contextmanager
@@ -512,22 +492,7 @@ def open_live(  # noqa: PLR0913  what is run, and how
             )
         )
         reported: list[Diagnostic] = []
-
-        def open_here(messages: Collection[str]) -> RosEnvironment:
-            hear = listener or (lambda _event: None)
-            return open_environment(environment, messages=messages, listener=hear)
-
-        def check(prepared: Prepared) -> None:
-            robots = (*prepared.entities, *prepared.assumed)
-            if has_errors(reported) and prepared.has_spawner and not robots:
-                raise BrokenRunError
-            if not prepared.has_simulator:
-                raise RequestError(
-                    f"{selected.file.name} starts no simulator, so that no simulated time passes.",
-                    hint="Start Gazebo in it, as the launch files of `wsgen new` do, or run one "
-                    "that includes both.",
-                )
-
+        hear = listener or (lambda _event: None)
         try:
             prepared, to_play = stack.enter_context(
                 prepared_request(
@@ -536,9 +501,11 @@ def open_live(  # noqa: PLR0913  what is run, and how
                     service,
                     folder,
                     environment,
-                    open_ros=open_here,
+                    open_ros=lambda messages: open_environment(
+                        environment, messages=messages, listener=hear
+                    ),
                     show=reported.extend,
-                    check=check,
+                    check=partial(_check_simulated, selected, reported),
                     listener=listener,
                 )
             )
@@ -562,6 +529,26 @@ def open_live(  # noqa: PLR0913  what is run, and how
         opened(session)
         session.start()
         yield session
+
+
+def _check_simulated(
+    selected: SelectedLaunchFile, reported: Sequence[Diagnostic], prepared: Prepared
+) -> None:
+    """Refuse a launch file without a robot, because of errors, or without simulated time.
+
+    Raises:
+        BrokenRunError: What is reported says why.
+        RequestError: It starts no simulator.
+    """
+    robots = (*prepared.entities, *prepared.assumed)
+    if has_errors(reported) and prepared.has_spawner and not robots:
+        raise BrokenRunError
+    if not prepared.has_simulator:
+        raise RequestError(
+            f"{selected.file.name} starts no simulator, so that no simulated time passes.",
+            hint="Start Gazebo in it, as the launch files of `wsgen new` do, or run one "
+            "that includes both.",
+        )
 
 
 def _environment(overlay: Mapping[str, str], domain: int, folder: Path) -> dict[str, str]:
