@@ -23,7 +23,7 @@ from wsgen.diagnostics import Severity
 from wsgen.errors import NotReadableError, RequestError, SessionDiedError
 from wsgen.launch.launch_warnings import UNUSED_ARGUMENT
 from wsgen.launch.spawning import NO_ROBOT
-from wsgen.live import activity, behaviors, domains, session
+from wsgen.live import activity, behaviors, domains, messenger, session
 from wsgen.live.activity import Activity, cpu_seconds, is_at_work
 from wsgen.live.behaviors import LONGEST_LINE, Way, _cause
 from wsgen.live.domains import take_domain
@@ -559,24 +559,47 @@ def test_a_launch_that_ends_is_an_error(rig: Rig) -> None:
     assert "Caught exception" in caught.value.hint
 
 
+def without_simulator(folder: Path, code: int) -> LiveSession:
+    """A session whose launch service has ended with a code."""
+    service = Service()
+    service.code = code
+    return LiveSession(
+        folder, cast("ServiceChild", service), cast("LiveMessenger", Messenger()), entities=()
+    )
+
+
 def test_a_launch_that_ends_before_its_simulator_leaves_no_connection(tmp_path: Path) -> None:
     def descriptors() -> int:
         return len(list(Path("/proc/self/fd").iterdir()))
 
-    service = Service()
-    made = LiveSession(
-        tmp_path,
-        cast("ServiceChild", service),
-        cast("LiveMessenger", Messenger()),
-        entities=(),
-    )
-    service.code = 1
+    made = without_simulator(tmp_path, code=1)
     before = descriptors()
     with pytest.raises(SessionDiedError) as caught:  # whose frames may hold what is open
         made.start()
     made.close()
     assert descriptors() == before
     assert caught.value.message == "The launch has ended (exit code 1)."
+
+
+def test_what_the_launch_service_has_printed_last_says_why_it_has_ended(tmp_path: Path) -> None:
+    made = without_simulator(tmp_path, code=-9)
+    with pytest.raises(SessionDiedError, match=r"ended \(SIGKILL\)") as caught:
+        made.check()
+    assert caught.value.hint.startswith("Look at what was printed")
+    (tmp_path / session.ERRORS_FILE).write_text("Traceback\nMemoryError\n")
+    with pytest.raises(SessionDiedError) as caught:
+        made.check()
+    assert caught.value.hint == "Traceback\nMemoryError"
+
+
+def test_why_the_process_with_rclpy_has_ended_is_what_it_has_printed(tmp_path: Path) -> None:
+    made = messenger.Messenger(Path(sys.executable), {}, tmp_path / "errors")  # has no rclpy
+    try:
+        with pytest.raises(SessionDiedError, match="speaks ROS for wsgen has ended") as caught:
+            made.ask("nodes")
+    finally:
+        made.close()
+    assert "No module named 'rclpy'" in caught.value.hint
 
 
 def test_a_simulator_that_is_gone_is_an_error(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
-import os
 import select
-import signal
 import socket
 import subprocess
 import time
@@ -14,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from wsgen.errors import RequestError, SessionDiedError
 from wsgen.isolation.parent import not_started
+from wsgen.isolation.result import read_tail
 from wsgen.ros_environment.processes import module_command
 
 if TYPE_CHECKING:
@@ -32,21 +30,24 @@ class Messenger:
         NotReadableError: It cannot be started.
     """
 
-    def __init__(self, python: Path, environment: Mapping[str, str], output: int) -> None:
+    def __init__(self, python: Path, environment: Mapping[str, str], errors: Path) -> None:
+        """Start it; what it prints is added to the file `errors`."""
+        self._errors = errors
         ours, theirs = socket.socketpair()
         # Killed, it would leave queues of Fast DDS in shared memory; with LOCALHOST it may do so
         # still, since rmw_fastrtps then adds them to all profiles.
         variables = {"FASTDDS_BUILTIN_TRANSPORTS": "UDPv4", **environment}
         try:
-            self._process = subprocess.Popen(
-                module_command(python, MODULE, str(theirs.fileno())),
-                stdin=subprocess.DEVNULL,
-                stdout=output,
-                stderr=output,
-                pass_fds=(theirs.fileno(),),
-                env=variables,
-                start_new_session=True,  # Ctrl-C is for the process that has started it
-            )
+            with errors.open("ab") as output:
+                self._process = subprocess.Popen(
+                    module_command(python, MODULE, str(theirs.fileno())),
+                    stdin=subprocess.DEVNULL,
+                    stdout=output,
+                    stderr=output,
+                    pass_fds=(theirs.fileno(),),
+                    env=variables,
+                    start_new_session=True,  # Ctrl-C is for the process that has started it
+                )
         except OSError as error:
             ours.close()
             raise not_started(error) from error
@@ -75,7 +76,7 @@ class Messenger:
         try:
             self._socket.sendall(text.encode() + b"\n")
         except OSError as error:
-            raise _ended() from error
+            raise self._ended() from error
         return self._count
 
     def answer(self, number: int, seconds: float = 0.0) -> dict[str, Any] | None:
@@ -95,7 +96,7 @@ class Messenger:
             except OSError:
                 data = b""
             if not data:
-                raise _ended()
+                raise self._ended()
             *lines, self._rest = (self._rest + data).split(b"\n")
             for line in lines:
                 found = json.loads(line)
@@ -127,9 +128,14 @@ class Messenger:
         try:
             self._process.wait(SECONDS_TO_END)
         except subprocess.TimeoutExpired:
-            with contextlib.suppress(ProcessLookupError):
-                os.kill(self._process.pid, signal.SIGKILL)
+            self._process.kill()
             self._process.wait()
+
+    def _ended(self) -> SessionDiedError:
+        return SessionDiedError(
+            "The process that speaks ROS for wsgen has ended.",
+            hint=read_tail(self._errors) or "Check the memory of the machine.",
+        )
 
 
 def _plain(value: Any) -> Any:
@@ -137,10 +143,3 @@ def _plain(value: Any) -> Any:
     if hasattr(value, "tolist"):
         return value.tolist()
     raise TypeError(f"{value!r} is a {type(value).__name__}")
-
-
-def _ended() -> SessionDiedError:
-    return SessionDiedError(
-        "The process that speaks ROS for wsgen has ended.",
-        hint="Look at what it has printed; check the memory of the machine.",
-    )

@@ -111,7 +111,7 @@ def start_service(
     folder: Path,
     environment: Mapping[str, str],
     *,
-    output: int | None = None,
+    errors: int | None = None,
     held: Sequence[int] = (),
     adopts: bool = True,
 ) -> Iterator[ServiceChild]:
@@ -120,7 +120,8 @@ def start_service(
     Args:
         folder: Of the live run.
         environment: That the launch file is evaluated in.
-        output: A descriptor for what it prints; None: that of this process.
+        errors: A descriptor for what it prints on stderr, and what it prints on stdout is thrown
+            away; None: those of this process.
         held: Descriptors that stay open until all that it has started has ended.
         adopts: Whether this process has no other children, and may become the parent of those that
             a guard leaves behind when it is killed. If not, they are found by their environment.
@@ -144,8 +145,8 @@ def start_service(
                     os.pathsep.join(parent.search_path()),
                 ],
                 stdin=pipe,
-                stdout=output,
-                stderr=output,
+                stdout=None if errors is None else subprocess.DEVNULL,
+                stderr=errors,
                 pass_fds=(theirs.fileno(), *held),
                 env=dict(environment),
                 # Ctrl-C is for this process, which hands it on.

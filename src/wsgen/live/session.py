@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 from wsgen.diagnostics import Severity, has_errors
 from wsgen.errors import RequestError, SessionDiedError
 from wsgen.isolation import parent
+from wsgen.isolation.result import read_tail
 from wsgen.launch.launch_warnings import UNUSED_ARGUMENT
 from wsgen.live.activity import Activity, CpuTimes
 from wsgen.live.domains import take_domain
@@ -70,6 +71,8 @@ SLOWLY = 0.01  # s, simulated, in each `LOOK_EVERY`
 LOOKS_AT_READY = 3  # as often in a row all must be ready
 SECONDS_TO_BE_NODE = 5.0  # after which a process that is idle is taken for none that would appear
 
+# In the live folder: what the launch service, and the process with rclpy, print of themselves.
+ERRORS_FILE = "errors"
 LAST_LINES = 30  # that are shown of what was printed
 
 
@@ -402,6 +405,7 @@ class LiveSession:
         return SessionDiedError(
             f"The launch has ended ({_how(self._service.code)}).",
             hint="\n".join(errors[-LAST_LINES:])
+            or read_tail(self._folder / ERRORS_FILE)
             or "Look at what was printed: a node may have asked for the end of all.",
         )
 
@@ -485,10 +489,11 @@ def open_live(  # noqa: PLR0913  what is run, and how
         live_folder.mkdir()
         domain = stack.enter_context(take_domain())
         environment = _environment(selected.overlay.environment, domain.number, folder)
-        output = stack.enter_context((folder / "output").open("wb")).fileno()
+        # What nodes print is in the journal, which does not grow without end.
+        errors = stack.enter_context((live_folder / ERRORS_FILE).open("wb")).fileno()
         service = stack.enter_context(
             start_service(
-                live_folder, environment, output=output, held=(domain.lock,), adopts=False
+                live_folder, environment, errors=errors, held=(domain.lock,), adopts=False
             )
         )
         reported: list[Diagnostic] = []
@@ -513,7 +518,7 @@ def open_live(  # noqa: PLR0913  what is run, and how
             raise BrokenLaunchError(selected.file, tuple(reported)) from None
         service.go(to_play)
         variables = {**environment, **to_play.variables}
-        messenger = Messenger(to_play.python, variables, output)
+        messenger = Messenger(to_play.python, variables, live_folder / ERRORS_FILE)
         session = LiveSession(
             live_folder,
             service,
