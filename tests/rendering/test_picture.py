@@ -234,6 +234,20 @@ def test_a_texture_is_shown_the_right_way_up(tmp_path: Path) -> None:
         assert ((spot > 100) == (np.array(color) > 100)).all()
 
 
+def test_a_broken_texture_is_not_shown(tmp_path: Path) -> None:
+    """Pillow raises a SyntaxError where the length of a part of the file is wrong."""
+    file = tmp_path / "noise.png"
+    noise = np.random.default_rng(0).integers(0, 255, (40, 40, 3), dtype=np.uint8)
+    Image.fromarray(noise).save(file)
+    before, name, after = file.read_bytes().partition(b"IDAT")
+    length = int.from_bytes(before[-4:], "big") - 100
+    file.write_bytes(before[:-4] + length.to_bytes(4, "big") + name + after)
+    white = (1.0, 1.0, 1.0, 1.0)
+    plain, _ = photograph(tmp_path, piece(CUBE, rgba=white, at=STANDING))
+    broken, _ = photograph(tmp_path, piece(CUBE, rgba=white, texture=str(file), at=STANDING))
+    assert (plain == broken).all()
+
+
 # What has nothing to show
 
 

@@ -579,7 +579,7 @@ def _load_texture(file: str) -> Floats | None:
         with Image.open(file) as image:
             image.thumbnail((MOST_TEXELS, MOST_TEXELS))
             pixels = np.asarray(image.convert("RGB"), dtype=np.float32)
-    except (OSError, ValueError, Image.DecompressionBombError):
+    except Exception:  # noqa: BLE001  Pillow raises anything on broken images
         return None
     colors: Floats = np.ascontiguousarray(pixels.transpose(2, 0, 1)) / np.float32(255)
     return colors
