@@ -106,7 +106,7 @@ def test_inputs_may_be_used_before_there_is_a_robot() -> None:
     from wsgen.viewing.drawing import draw_simulated  # noqa: PLC0415
     from wsgen.viewing.run_page import RunPage  # noqa: PLC0415
 
-    page = RunPage(host=HOST, port=choose_port(HOST, None), title="run")
+    page: Any = RunPage(host=HOST, port=choose_port(HOST, None), title="run")
     try:
         page._grid_box.value = False
         page._show_grid()  # what a click calls
