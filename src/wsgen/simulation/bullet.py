@@ -168,6 +168,10 @@ class BulletEngine:
             enableFileCaching=0,
             # The same scene must give the same simulation on every run.
             deterministicOverlappingPairs=1,
+            # Friction along each of two directions by itself, as in DART and ODE. With the cone,
+            # what stands still across keeps wheels that slip from pulling: robots with four wheels
+            # turn by half as much as in Gazebo.
+            enableConeFriction=0,
         )
         if world.has_ground_plane:
             self._ground = self._add_ground()
@@ -562,9 +566,11 @@ class BulletEngine:
         self._separating = depth * OVERLAP_SHARE > SEPARATION_SPEED * self.step_seconds
         is_in_triangles = any(not self._triangles.isdisjoint(contact[1:3]) for contact in contacts)
         speed = SEPARATION_FROM_TRIANGLES if is_in_triangles else SEPARATION_SPEED
-        self.client.setPhysicsEngineParameter(
-            contactERP=speed * self.step_seconds / depth if self._separating else OVERLAP_SHARE
-        )
+        share = speed * self.step_seconds / depth if self._separating else OVERLAP_SHARE
+        self.client.setPhysicsEngineParameter(contactERP=share)  # of what has no springs
+        for bodies in self._bodies.values():
+            for body, _ in bodies:
+                body.soften_contacts(share)
 
     def close(self) -> None:
         """Give everything back; the engine is not used afterwards."""

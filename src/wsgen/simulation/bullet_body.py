@@ -30,6 +30,7 @@ from wsgen.model.transform import (
     rpy_of_rotation,
     transpose,
 )
+from wsgen.simulation.bullet_contacts import contact_masses, spring_of
 from wsgen.simulation.contact_shapes import inner_apart, one_friction_a_link
 from wsgen.simulation.engine import GROUND_FRICTION, may_touch
 from wsgen.simulation.stiffness import STRONGEST, is_stiff, stiffness_to_simulate
@@ -273,6 +274,7 @@ class BulletBody:
                 )
             )
         )
+        self._step_seconds = step_seconds
         self.number = self._load(pose_in_world)
         self._index_of = self._number_parts()
         self.indices = {link.name: self._index_of[link.name] for link in self.tree.links}
@@ -306,6 +308,8 @@ class BulletBody:
         self._without_damping = {joint.name: joint for joint in undamped(self.tree.joints, names)}
         self._root_from_base = invert(_pose(*self._dynamics[ROOT][3:5]))
         self._set_properties()
+        # Contacts with what is static are as soft as the other one's.
+        self._contact_masses = {} if tree.is_static else contact_masses(self._parts)
         self._springs = [
             (
                 self.movable[joint.name],
@@ -348,6 +352,17 @@ class BulletBody:
         for name in self._inner:
             index = self._index_of[name]
             self._client.setCollisionFilterPair(ground, self.number, ROOT, index, 0)
+
+    def soften_contacts(self, share: float) -> None:
+        """Have its contacts spread its weight, and take this share of an overlap in one step."""
+        for name, mass in self._contact_masses.items():
+            stiffness, damping = spring_of(mass, share, self._step_seconds)
+            self._client.changeDynamics(
+                self.number,
+                self._index_of[name],
+                contactStiffness=stiffness,
+                contactDamping=damping,
+            )
 
     @property
     def mass(self) -> float:
