@@ -28,8 +28,14 @@ for _name, _handler in (("SIGINT", signal.default_int_handler), ("SIGHUP", signa
     if _signal is not None and signal.getsignal(_signal) is signal.SIG_IGN:
         signal.signal(_signal, _handler)
 
-# A busy machine takes its time: limits are those of CPU time.
-hypothesis.settings.register_profile("wsgen", deadline=None)
+# A busy machine takes its time: limits are those of CPU time. Examples of properties are the same
+# in each run, so that what fails was changed; with --thorough they are others each time.
+hypothesis.settings.register_profile(
+    "thorough", deadline=None, suppress_health_check=[hypothesis.HealthCheck.too_slow]
+)
+hypothesis.settings.register_profile(
+    "wsgen", hypothesis.settings.get_profile("thorough"), derandomize=True
+)
 hypothesis.settings.load_profile("wsgen")
 result.WALL_CLOCK_FACTOR = 200.0
 
@@ -107,8 +113,15 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--thorough",
         action="store_true",
-        help="compare all public meshes and simulate all public robots, not a sample of them",
+        help="compare all public meshes and simulate all public robots, not a sample of them; "
+        "test properties with other examples each time",
     )
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Choose the examples of properties, before the files that have some are imported."""
+    if config.getoption("--thorough"):
+        hypothesis.settings.load_profile("thorough")
 
 
 def pytest_report_header() -> str:
