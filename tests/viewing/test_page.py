@@ -18,6 +18,7 @@ viser = pytest.importorskip("viser")
 client = pytest.importorskip("websockets.sync.client")
 
 HOST = "127.0.0.1"
+SECONDS = 300.0  # wall-clock, on a busy machine
 NO_CHARACTER = os.fsdecode(b"\xff")
 
 
@@ -34,7 +35,12 @@ def open_page(page: Any, origin: str | None = None) -> Any:
     """Connect as the script of the page does; `origin` is the site that it comes from."""
     protocol = f"viser-v{viser.__version__}"
     return client.connect(
-        f"ws://{HOST}:{page.port}", origin=origin, subprotocols=[protocol], max_size=None
+        f"ws://{HOST}:{page.port}",
+        origin=origin,
+        subprotocols=[protocol],
+        max_size=None,
+        open_timeout=SECONDS,
+        ping_interval=None,
     )
 
 
@@ -45,7 +51,7 @@ def test_names_of_files_may_have_any_bytes(page: Any, origin: str | None) -> Non
     with open_page(page, origin) as connection:
         received = b""
         while b"links" not in received:
-            received += connection.recv(timeout=20)
+            received += connection.recv(timeout=SECONDS)
 
 
 @pytest.mark.parametrize("origin", ["https://example.org", "http://localhost.example.org", "null"])
