@@ -171,3 +171,22 @@ def test_two_meshes_of_a_missing_folder_are_reported_by_themselves(share: Path) 
     uris = [f"package://arm/mesches/{name}.stl" for name in "ab"]
     _, found = find_meshes(robot_of(*uris, *uris), share_of={"arm": share}.get)
     assert len(found) == 8
+
+
+@pytest.mark.parametrize(
+    ("name", "meant"),
+    [
+        ("base_lnik.stl", "base_link.stl"),
+        ("base-link.stl", "base_link.stl"),
+        ("wheel.stl", "wheel.dae"),
+        ("link_3.stl", None),  # it may be yet to be made
+        ("right_arm.stl", None),
+    ],
+)
+def test_a_mesh_of_nearly_the_same_name(tmp_path: Path, name: str, meant: str | None) -> None:
+    for there in ("base_link.stl", "wheel.dae", "link_1.stl", "left_arm.stl", "right_arm.txt"):
+        (tmp_path / there).touch()
+    _, found = find_meshes(robot(name), share_of={}.get, folder=tmp_path)
+    hints = {one.hint for one in found}
+    assert len(hints) == 1
+    assert (f"Did you mean `{meant}`?" in hints) == (meant is not None), hints

@@ -479,7 +479,14 @@ def test_a_part_of_a_robot_names_links_of_the_files_beside_it(tmp_path: Path) ->
     assert only(package, "unknown-link") == [("unknown-link", "error")]
     arm = URDF.partition("\n")[2].rpartition("</robot>")[0] + joint.format("wrist", "base")
     (package / "urdf" / "arm.xacro").write_text(XACRO.format("arm", arm))
-    assert only(package, "unknown-link") == [("unknown-link", "info")]
+    assert only(package, "unknown-link") == [("unknown-link", "warning")]
+    including = [f'<xacro:include filename="{name}.xacro"/>' for name in ("arm", "tool")]
+    whole = package / "urdf" / "all.xacro"
+    whole.write_text(XACRO.format("all", "".join(including)))
+    assert only(package, "unknown-link") == []
+    whole.unlink()
+    part.write_text(XACRO.format("tool", joint.format("tool", "wrist") + '<link name="wirst"/>'))
+    assert ("unknown-link", "error") in only(package, "unknown-link")
 
 
 def test_what_is_no_robot_or_world_of_this_gazebo(tmp_path: Path) -> None:

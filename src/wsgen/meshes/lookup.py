@@ -14,6 +14,7 @@ from wsgen.description_rules import MISSING_COLLISION_MESH, MISSING_VISUAL_MESH
 from wsgen.files import after_scheme, irregular_kind
 from wsgen.markup import read_text
 from wsgen.model.robot import Mesh, Robot
+from wsgen.suggestions import did_you_mean, misspelled_as
 from wsgen.values import NamedTuple, lazy_pattern
 
 if TYPE_CHECKING:
@@ -127,13 +128,35 @@ def _explain(uri: str, path: Path) -> Missing:
     if Path(uri.removeprefix("file://")).is_absolute() and not home.exists():
         return Missing(f"has a path of another machine ({path})", IN_PACKAGE)
     own = address_in_package(path.name, path.parent)
+    near = None if own else _misspelled(path)
     return Missing(
         f"does not exist ({path})",
         f"Write {own}"
         if own
+        else did_you_mean(near)
+        if near
         else "Check its spelling, including capitals, and that CMakeLists.txt installs it.",
         None if own else _missing_folder(path),
     )
+
+
+def _misspelled(path: Path) -> str | None:
+    """The name of the mesh in the folder that is surely meant, or is this one in another format."""
+    try:
+        names = os.listdir(path.parent)  # noqa: PTH208  names suffice
+    except (OSError, ValueError):
+        return None
+    if any(name.casefold() == path.name.casefold() for name in names):
+        return None  # several with other capitals
+    stems = {
+        stem: name
+        for stem, suffix, name in ((*os.path.splitext(one), one) for one in sorted(names))  # noqa: PTH122
+        if suffix.lower() in FORMATS
+    }
+    if path.stem in stems:
+        return stems[path.stem]
+    near = misspelled_as(path.stem, stems)
+    return None if near is None else stems[near]
 
 
 def _missing_folder(path: Path) -> Path | None:

@@ -316,6 +316,8 @@ def of_file_alone(diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
             or _is_of_others(found)
         ):
             yield replace(found, severity=Severity.INFO)
+        elif found.code == UNKNOWN_LINK.code and _is_linked_beside(found):
+            yield replace(found, severity=Severity.WARNING)  # a part of which no file is the whole
         elif found.code == XACRO_FILE_FAILS.code and NOT_FOUND.search(found.message):
             is_known = not _is_misspelled(found)  # see `_of_launch`
             yield replace(found, severity=Severity.WARNING) if is_known else found
@@ -330,18 +332,26 @@ _FOR_OTHERS = lazy_pattern("its root element is <gazebo>|, but a <light>")
 def _is_of_others(found: Diagnostic) -> bool:
     """Whether a file is no robot or world by itself, but something for other files or programs.
 
-    These are parts of robots in xacro, whose joints name links of the files beside them; models for
-    old versions of Gazebo, in the formats of those; lights, which worlds include; and what Webots
-    reads of a robot.
+    These are models for old versions of Gazebo, in the formats of those; lights, which worlds
+    include; and what Webots reads of a robot.
     """
     if found.file is None:
         return False
     if found.code == NO_WORLD.code:
         return _FOR_OTHERS.search(found.message) is not None
-    if found.code == NO_LINK.code:
-        return b"<webots" in read(found.file)
-    unknown = _UNKNOWN_LINK.search(found.message) if found.code == UNKNOWN_LINK.code else None
-    if unknown is None or found.file.suffix != ".xacro":
+    return found.code == NO_LINK.code and b"<webots" in read(found.file)
+
+
+def _is_linked_beside(found: Diagnostic) -> bool:
+    """Whether a link that a joint of a xacro file names is in a file beside it.
+
+    It is not where the name is surely a misspelling of a link that the file has.
+    """
+    unknown = _UNKNOWN_LINK.search(found.message)
+    if unknown is None or found.file is None or found.file.suffix != ".xacro":
+        return False
+    meant = suggested(found.hint)
+    if meant and misspelled_as(unknown[1], [meant]):
         return False
     link = re.compile(rb"<link\s+name\s*=\s*[\"']%s[\"']" % re.escape(unknown[1]).encode())
     beside = (other for other in sorted(found.file.parent.glob("*.xacro")) if other != found.file)
