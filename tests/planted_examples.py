@@ -1693,5 +1693,6 @@ NOT_PLANTED: dict[str, tuple[str, ...]] = {
         *("WLD014", "WLD060", "LCH024", "LCH090", "SPN001", "SPN091"),
     ),
     "a launch that is started": ("LCH091",),
+    "several packages": ("PKG090",),
     "a launch file that runs for long, or in two processes": ("LCH012", "LCH025"),
 }

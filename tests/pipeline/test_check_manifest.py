@@ -305,3 +305,19 @@ def test_a_configuration_that_is_declared_too_late(tmp_path: Path) -> None:
     assert found.severity.value == "error"
     assert "Declare it before" in (found.hint or "")
     assert "Did you mean" not in (found.hint or "")
+
+
+def test_a_circle_of_packages_is_reported_once(tmp_path: Path) -> None:
+    codes(tmp_path)
+    source = tmp_path / "src"
+    for name, needed in (("demo", "other"), ("other", "demo")):
+        (source / name).mkdir(exist_ok=True)
+        text = MANIFEST.replace(">demo<", f">{name}<")
+        needs = f"<exec_depend>{needed}</exec_depend>\n  <export>"
+        (source / name / "package.xml").write_text(text.replace("<export>", needs))
+        (source / name / "CMakeLists.txt").write_text(CMAKE.replace("(demo", f"({name}"))
+    for paths in ((source,), (source / "demo",)):
+        outcome = check(CheckRequest(paths=paths), environment={})
+        (found,) = [one for one in outcome.diagnostics if one.code == "PKG090"]
+        assert found.file == source / "demo" / "package.xml"
+        assert "demo → other → demo" in found.message

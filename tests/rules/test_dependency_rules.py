@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
 
-from wsgen.rules.dependencies import check_dependencies, common_distros
+from wsgen.rules.dependencies import check_circles, check_dependencies, common_distros
 from wsgen.workspace.manifest import Dependency, Manifest
 
 if TYPE_CHECKING:
@@ -156,3 +157,41 @@ def test_other_tags_and_conditions_are_no_duplicates() -> None:
         )
         == []
     )
+
+
+def needing(name: str, *dependencies: tuple[str, str]) -> Manifest:
+    return replace(manifest(*dependencies), name=name)
+
+
+@pytest.mark.parametrize(
+    ("manifests", "circle"),
+    [
+        ((needing("a", ("depend", "b")), needing("b", ("exec_depend", "rclcpp"))), None),
+        ((needing("a", ("depend", "b")), needing("b", ("doc_depend", "a"))), None),
+        ((needing("a", ("depend", "a")),), None),  # which is no package.xml
+        ((needing("a", ("depend", "b")), needing("b", ("test_depend", "a"))), "a → b → a"),
+        (
+            (
+                needing("c", ("depend", "a")),
+                needing("a", ("exec_depend", "d"), ("exec_depend", "b")),
+                needing("b", ("build_depend", "c")),
+                needing("d"),
+            ),
+            "a → b → c → a",
+        ),
+        # One that only leads into a circle is in none.
+        (
+            (
+                needing("a", ("depend", "b")),
+                needing("b", ("depend", "c")),
+                needing("c", ("depend", "b")),
+            ),
+            "b → c → b",
+        ),
+    ],
+)
+def test_circles_of_packages(manifests: tuple[Manifest, ...], circle: str | None) -> None:
+    by_name = {one.name: one for one in manifests}
+    found = [one for each in manifests for one in check_circles(each, by_name)]
+    assert [one.code for one in found] == (["PKG090"] if circle else [])
+    assert all(f": {circle}." in one.message for one in found)

@@ -13,10 +13,11 @@ from wsgen.fixes.manifests import DEPENDENCY
 from wsgen.fixes.registry import FIXERS, file_to_fix
 from wsgen.fixes.source import apply, overlap, read_source
 from wsgen.values import dataclass
+from wsgen.workspace.dependency_ways import way_between
 from wsgen.workspace.layout import INSTALL_LAYOUT, find_packages, read_package, workspace_around
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
     from pathlib import Path
 
     from wsgen.diagnostics import Diagnostic
@@ -109,7 +110,7 @@ class _Dependencies:
             return None
         needed = self._around(file.parent)
         for name in sorted(added):
-            way = _way(name, package.name, needed)
+            way = way_between(name, package.name, lambda one: needed.get(one, ()))
             if way is not None:
                 circle = " → ".join((package.name, *way))
                 return f"colcon refuses packages that need each other: {circle}"
@@ -127,20 +128,6 @@ class _Dependencies:
                 if package.manifest is not None
             }
         return self._of[workspace.root]
-
-
-def _way(start: str, end: str, needed: Mapping[str, Collection[str]]) -> tuple[str, ...] | None:
-    """The shortest way from a package to one that it needs, itself or by others; both included."""
-    ways: dict[str, tuple[str, ...]] = {start: (start,)}
-    todo = [start]
-    for name in todo:
-        if name == end:
-            return ways[name]
-        for other in sorted(needed.get(name, ())):
-            if other not in ways:
-                ways[other] = (*ways[name], other)
-                todo.append(other)
-    return None
 
 
 def _fix_file(

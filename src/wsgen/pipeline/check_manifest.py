@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.files import real_path
 from wsgen.launch.simulators import simulator_kinds
-from wsgen.rules.dependencies import check_dependencies
+from wsgen.rules.dependencies import check_circles, check_dependencies
 from wsgen.rules.manifests import check_manifest, generated_interfaces
 from wsgen.rules.package_uses import (
     check_required,
@@ -74,6 +74,7 @@ def check_package_manifest(
     manifests = {
         name: one.manifest for name, one in packages.items() if one.manifest is not None
     } | {package.name: manifest}
+    yield from check_circles(manifest, manifests)
     yield from check_dependencies(manifest, workspace=manifests.keys(), distro=distro)
     plans = tuple(plans)
     misplaced = {

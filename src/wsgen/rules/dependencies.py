@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 from wsgen.diagnostics import Rule, Severity
 from wsgen.ros_names import cmake_packages, released_packages, rosdep_keys
 from wsgen.suggestions import did_you_mean, misspelled_as, some_of
+from wsgen.workspace.dependency_ways import way_between
 from wsgen.workspace.manifest import TEST_TAGS
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Iterator
+    from collections.abc import Collection, Iterable, Iterator, Mapping
 
     from wsgen.diagnostics import Diagnostic
     from wsgen.workspace.manifest import Dependency, Manifest
@@ -28,6 +29,19 @@ MISSPELLED_DEPENDENCY = Rule(
     "that was meant.",
     example="<exec_depend>robot_state_publiser</exec_depend>",
     instead="<exec_depend>robot_state_publisher</exec_depend>",
+)
+CIRCULAR_DEPENDENCY = Rule(
+    code="PKG090",
+    name="circular-dependency",
+    severity=Severity.ERROR,
+    summary="Packages of the workspace need each other in a circle.",
+    what="Follows the dependencies in `package.xml` from package to package of the workspace, "
+    "those of tests included; each circle is reported once.",
+    why="No package of a circle can be built first, so that colcon builds nothing: `Unable to order "
+    "packages topologically`.",
+    example="<exec_depend>my_robot</exec_depend>  <!-- in package.xml of my_robot_description -->\n"
+    "<depend>my_robot_description</depend>  <!-- in that of my_robot -->",
+    instead="<depend>my_robot_description</depend>  <!-- in package.xml of my_robot -->",
 )
 UNKNOWN_DEPENDENCY = Rule(
     code="PKG069",
@@ -403,3 +417,39 @@ def duplicate_dependencies(manifest: Manifest) -> Iterator[Diagnostic]:
                 if one.line != other.line
                 else "Remove one of the two elements.",
             )
+
+
+def check_circles(manifest: Manifest, manifests: Mapping[str, Manifest]) -> Iterator[Diagnostic]:
+    """Report a circle of dependencies that the package is in.
+
+    It is reported of the package of the circle whose name is the first; `manifests` are those of
+    the workspace, by name.
+    """
+    for dependency in _ordered(manifest):
+        way = way_between(
+            dependency.name,
+            manifest.name,
+            lambda name: (
+                {one.name for one in _ordered(manifests[name])} if name in manifests else ()
+            ),
+        )
+        # What depends on itself alone is reported when its package.xml is read.
+        if way is None or len(way) == 1 or min(way) != manifest.name:
+            continue
+        circle = " → ".join((manifest.name, *way))
+        yield CIRCULAR_DEPENDENCY.at(
+            manifest.file,
+            dependency.line,
+            dependency.name,
+            message=f"Packages need each other: {circle}. colcon builds none of the workspace.",
+            hint="Remove one of these dependencies from package.xml, or put what the packages "
+            "share into another one.",
+        )
+        return
+
+
+def _ordered(manifest: Manifest) -> tuple[Dependency, ...]:
+    """The dependencies by which colcon orders packages."""
+    return tuple(
+        one for one in manifest.dependencies if one.tag != "doc_depend" and one.condition is None
+    )
