@@ -321,11 +321,8 @@ def crawl(root: Path, *, with_ignored: bool = False) -> Iterator[tuple[Path, fro
 
     Like colcon, it follows links, skips hidden and ignored folders, and does not search below a
     package. `with_ignored` also yields folders below ignored ones. A CMakeLists.txt that catkin has
-    left behind is not among the files.
-
-
-    package. `with_ignored` also yields folders below ignored ones. As wsgen has colcon do, it skips
-    environments of Python (`is_python_environment`).
+    left behind is not among the files. As wsgen has colcon do, it skips environments of Python
+    (`is_python_environment`).
     """
     visited = set()
     for name, folders, files in os.walk(root, followlinks=True):
