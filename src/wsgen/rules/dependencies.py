@@ -37,8 +37,8 @@ CIRCULAR_DEPENDENCY = Rule(
     summary="Packages of the workspace need each other in a circle.",
     what="Follows the dependencies in `package.xml` from package to package of the workspace, "
     "those of tests included; each circle is reported once.",
-    why="No package of a circle can be built first, so that colcon builds nothing: `Unable to order "
-    "packages topologically`.",
+    why="No package of a circle can be built first, so that colcon builds nothing: `Unable to "
+    "order packages topologically`.",
     example="<exec_depend>my_robot</exec_depend>  <!-- in package.xml of my_robot_description -->\n"
     "<depend>my_robot_description</depend>  <!-- in that of my_robot -->",
     instead="<depend>my_robot_description</depend>  <!-- in package.xml of my_robot -->",
