@@ -59,6 +59,16 @@ def test_what_makes_no_sense_is_refused(
     assert message in capsys.readouterr().err
 
 
+def test_a_video_without_its_encoder(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("wsgen.rendering.recording.find_spec", lambda _: None)
+    file = tmp_path / "empty.launch.py"
+    file.write_text("1 / 0")
+    assert run(["launch", str(file), "--run", "--record", str(tmp_path / "x.mp4")]) == 4
+    assert "pip install 'wsgen[video]'; or record a .gif." in capsys.readouterr().err
+
+
 def test_a_page_is_refused_before_anything_is_started(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -186,6 +186,19 @@ def test_a_drawing_says_how_far_it_is(driven: Path, monkeypatch: pytest.MonkeyPa
     assert {one.step for one in heard} == {began.step}
 
 
+@pytest.mark.parametrize("has_log", [True, False])
+def test_a_run_that_ends_before_a_robot_comes(driven: Path, *, has_log: bool) -> None:
+    (driven / POSE_LOG_FILE).unlink()
+    if has_log:
+        (driven / POSE_LOG_FILE).touch()
+    (found,) = video.draw_video(driven, driven / "x.gif", lambda _: None, None)
+    assert found.message == (
+        "Cannot record a video: the run ended before the simulator had a robot."
+    )
+    assert found.hint is not None
+    assert found.hint.startswith("Have the run go on until")
+
+
 @pytest.mark.parametrize("end", [KeyboardInterrupt(), SystemExit(143)])
 def test_a_signal_that_keeps_a_video_from_being_drawn_is_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, end: BaseException

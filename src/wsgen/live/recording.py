@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from wsgen.errors import NotFoundError, RequestError, SessionDiedError
 from wsgen.isolation import parent
-from wsgen.rendering.recording import why_no_video
+from wsgen.rendering.recording import require_encoder, why_no_video
 from wsgen.ros_environment.processes import module_command
 from wsgen.values import NamedTuple, dataclass
 
@@ -65,6 +65,7 @@ def choose_recordings(files: Sequence[Path]) -> Recordings:
                 hint="Name one .mcap file for the topics, and one .gif or .mp4 file for a video.",
             )
     for file in videos:
+        require_encoder(file)
         problem = why_no_video(file)
         if file.suffix.lower() not in {".gif", ".mp4"}:
             problem = f"`{file.name}` is neither an .mcap, nor a .gif, nor an .mp4 file"

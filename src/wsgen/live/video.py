@@ -11,7 +11,7 @@ from wsgen.isolation.result import Died
 from wsgen.live.recording import Recorded
 from wsgen.pipeline.clock import DRAW, Clock
 from wsgen.simulation.live_scene import SCENE_FILE, LiveScene
-from wsgen.simulation.pose_log import POSE_LOG_FILE
+from wsgen.simulation.pose_log import NO_ROBOT, POSE_LOG_FILE
 from wsgen.simulation.run import no_video
 from wsgen.simulation.scene import NotDrawn, Video
 
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
 TASK = "wsgen.tasks.video:draw"
 PROGRESS_FILE = "drawn"  # in the live folder: how far the drawing is
-NO_ROBOT = "the run ended before the simulator had a robot"
 LONGER = (
     "Have the run go on until a spawner has put a robot into the world: its output above says what "
     "it waits for."
@@ -49,7 +48,7 @@ def draw_video(
         drawn = _draw(folder, file)
         step.succeeded = isinstance(drawn, Video)
     if not isinstance(drawn, Video):
-        return (no_video(drawn.problem),)
+        return (no_video(drawn.problem, LONGER if drawn.problem == NO_ROBOT else None),)
     recorded(Recorded(file, drawn.frames / drawn.frames_per_second))
     return ()
 

@@ -22,7 +22,7 @@ from wsgen.pipeline.package_validation import Validation
 from wsgen.pipeline.parallel import run_parallel
 from wsgen.pipeline.requests import SelectedPackage
 from wsgen.pipeline.selection import Selection, select_packages
-from wsgen.rendering.recording import lacks_encoder, why_no_video
+from wsgen.rendering.recording import require_encoder, why_no_video
 from wsgen.workspace.layout import Workspace, find_packages, workspace_around
 from wsgen.workspace.overlay import Overlay, open_overlay, overlay_of
 
@@ -280,11 +280,8 @@ def play(  # noqa: PLR0913  what to play, where, how
         NotReadableError: the folder for the pictures cannot be made.
     """
     check_request(request)
-    if request.video is not None and lacks_encoder(request.video):
-        raise NotFoundError(
-            "PyAV, which writes .mp4, is not installed.",
-            hint="Install it: pip install 'wsgen[video]'; or record a .gif.",
-        )
+    if request.video is not None:
+        require_encoder(request.video)
     problem = None if request.video is None else why_no_video(request.video)
     if problem is not None:
         raise RequestError(f"Cannot record a video: {problem}.", hint="Record a .gif, for example.")

@@ -8,6 +8,7 @@ from dataclasses import field
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
+from wsgen.errors import NotFoundError
 from wsgen.values import dataclass
 
 if TYPE_CHECKING:
@@ -23,8 +24,20 @@ MOST_FRAMES = 600  # of a long simulation there are fewer a second
 ENCODER = "av"  # PyAV, which brings FFmpeg with it; wheels for every Python that wsgen runs on
 
 
-def lacks_encoder(file: Path) -> bool:
-    """Whether a video of that name needs PyAV, which is not installed."""
+def require_encoder(file: Path) -> None:
+    """Check that what a video of that name needs is installed.
+
+    Raises:
+        NotFoundError: PyAV is not.
+    """
+    if _lacks_encoder(file):
+        raise NotFoundError(
+            "PyAV, which writes .mp4, is not installed.",
+            hint="Install it: pip install 'wsgen[video]'; or record a .gif.",
+        )
+
+
+def _lacks_encoder(file: Path) -> bool:
     return file.suffix.lower() == ".mp4" and find_spec(ENCODER) is None
 
 
@@ -35,7 +48,7 @@ def why_no_video(file: Path) -> str | None:
     """
     if file.suffix.lower() not in {".gif", ".mp4"}:
         return f"`{file.name}` is neither a .gif nor an .mp4 file"
-    if lacks_encoder(file):
+    if _lacks_encoder(file):
         return "an .mp4 file needs PyAV: name a .gif file, or pip install 'wsgen[video]'"
     if not file.parent.is_dir():
         return f"the folder {file.parent} does not exist"

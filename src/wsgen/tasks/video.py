@@ -10,7 +10,7 @@ from wsgen.rendering.drawing import drawn
 from wsgen.rendering.recording import Clip, Recorder
 from wsgen.rendering.scene_renderer import SceneRenderer
 from wsgen.rendering.video import draw_video
-from wsgen.simulation.pose_log import RATE, read_pose_log
+from wsgen.simulation.pose_log import NO_ROBOT, RATE, read_pose_log
 from wsgen.simulation.scene import RECORDING, NotDrawn
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ def draw(
     """
     log = read_pose_log(log_file)
     if not log.frames:
-        return NotDrawn(problem="no robot was spawned")
+        return NotDrawn(problem=NO_ROBOT)
     scene = replace(scene, robots=log.robots)
     recorder = Recorder(lambda _: {}, 0.0)
     recorder.rate = RATE
