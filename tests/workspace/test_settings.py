@@ -71,3 +71,17 @@ def test_a_mistake_is_reported_at_its_line(tmp_path: Path, content: str, line: i
 def test_the_line_of_what_is_allowed(tmp_path: Path) -> None:
     (tmp_path / "wsgen.toml").write_text('schema = 1\n[validate]\nallow = ["massless-rot"]\n')
     assert read_settings(tmp_path)[0].allow_line == 3
+
+
+@pytest.mark.parametrize(
+    ("line", "hint"),
+    [
+        ('distro = "jazzy"', "Write it below a line `[target]`."),
+        ("run = true", "Write it below a line `[[behavior]]`."),
+        ("[behaviour]", "Did you mean `behavior`?"),
+    ],
+)
+def test_a_key_that_belongs_into_a_table(line: str, hint: str, tmp_path: Path) -> None:
+    (tmp_path / "wsgen.toml").write_text(f"{line}\n")
+    (found,) = read_settings(tmp_path)[1]
+    assert (found.code, found.line, found.hint) == ("PKG060", 1, hint)

@@ -46,6 +46,7 @@ FILE = "wsgen.toml"
 ALLOW = ("validate", "allow")
 ALLOW_IN_CHECK = ("check", "allow")
 # What `wsgen new` records, and what a user may set.
+TARGET_KEYS = ("distro", "simulator")
 KNOWN_KEYS = (
     "schema",
     "wsgen",
@@ -226,15 +227,27 @@ def _read_sweep(
     return read_sweep(document, file, text, INVALID_SETTINGS)
 
 
+def _place_of(key: str) -> str | None:
+    """The only table that has a key which stands above all tables."""
+    from wsgen.workspace.behavior_settings import KEYS  # noqa: PLC0415  only for a mistake
+
+    if key in TARGET_KEYS:
+        return "[target]"
+    return "[[behavior]]" if key in KEYS and key != "name" else None  # packages have names, too
+
+
 def _unknown_keys(document: dict[str, Any], file: Path, text: str) -> Iterator[Diagnostic]:
     """Report keys that nothing reads: wsgen would never run a misspelled behavior."""
     for key in document:
         if key not in KNOWN_KEYS:
+            place = _place_of(key)
             yield INVALID_SETTINGS.at(
                 file,
                 tomlfile.find_line(text, (key,)),
                 message=f"{FILE} has no key `{key}`.",
-                hint=suggest(key.lower(), KNOWN_KEYS),
+                hint=f"Write it below a line `{place}`."
+                if place is not None
+                else suggest(key.lower(), KNOWN_KEYS),
             )
 
 
