@@ -7,7 +7,7 @@ import signal
 import sys
 import time
 from types import ModuleType, SimpleNamespace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
@@ -16,10 +16,14 @@ from wsgen.ros_nodes.controller_spawner import (
     full_manager,
     main,
     read_arguments,
+    refused_in,
     spawn,
     unspawn,
 )
 from wsgen.ros_nodes.signals import ignore_ends
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 
 def test_names_and_options() -> None:
@@ -48,6 +52,17 @@ def test_each_controller_may_have_options_of_its_own() -> None:
     )
     assert order.manager == "/cm"
     assert order.controllers == (Wanted("a", stays_inactive=True), Wanted("b", ("x.yaml",)))
+
+
+def test_names_and_files_are_looked_at_before_there_is_a_node(tmp_path: Path) -> None:
+    """rclpy raises an exception on the name of a spawner's node, which has that of a controller."""
+    file = tmp_path / "controllers.yaml"
+    file.touch()
+    assert refused_in(read_arguments(["arm_1", "2nd", "-p", str(file)])) is None
+    for name in ("my-controller", "/arm/wheels", "", "b\u00e4r", "a\n"):
+        assert "no node can have" in (refused_in(read_arguments(["arm", name])) or "")
+    missing = refused_in(read_arguments(["arm", "-p", str(file), "-p", "x.yaml"]))
+    assert missing == "FileNotFoundError: No such file or directory: 'x.yaml'"
 
 
 def test_wrong_arguments_end_as_with_argparse(capsys: pytest.CaptureFixture[str]) -> None:

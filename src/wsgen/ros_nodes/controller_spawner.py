@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
 import sys
 import time
 from itertools import pairwise
@@ -128,6 +129,20 @@ def _each(arguments: list[str]) -> Any:
             sys.stdout.write(f"Error: {EACH} argument missing value in chunk: {[EACH]}\n")
             sys.exit(1)
         yield _wanted(chunk[0], _own().parse_known_args(chunk[1:])[0])
+
+
+def refused_in(order: Order) -> str | None:
+    """What ends a spawner before it is a node: a name that none can have, or a missing file."""
+    for one in order.controllers:
+        if re.fullmatch(r"\w+", one.name, re.ASCII) is None:
+            return (
+                f"The controller '{one.name}' has a name that no node can have.\n"
+                "Write letters, digits and underscores, also in the file of its parameters."
+            )
+        for file in one.files:
+            if not os.path.isfile(file):  # noqa: PTH113  a text for its message
+                return f"FileNotFoundError: No such file or directory: '{file}'"
+    return None
 
 
 def spawn(order: Order, client: ManagerClient, namespace: str) -> int:
@@ -264,14 +279,12 @@ def main() -> int:
         is_unspawner = given[:1] == [UNSPAWN]
         given = given[1:] if is_unspawner else given
         plain = remove_ros_args(args=["spawner", *given])[1:]
-        if is_unspawner:
-            order = _unspawner(plain)
-        else:
-            order = read_arguments(plain, _parameter_files(given))
-            for file in (file for one in order.controllers for file in one.files):
-                if not os.path.isfile(file):  # noqa: PTH113  a text for its message
-                    sys.stderr.write(f"FileNotFoundError: No such file or directory: '{file}'\n")
-                    return 1
+        order = (
+            _unspawner(plain) if is_unspawner else read_arguments(plain, _parameter_files(given))
+        )
+        if (problem := refused_in(order)) is not None:
+            sys.stderr.write(f"{problem}\n")
+            return 1
         rclpy.init(args=[sys.argv[0], *given], signal_handler_options=SignalHandlerOptions.NO)
         first = order.controllers[0].name
         node = Node(f"{'un' if is_unspawner else ''}spawner_{first}")
@@ -288,8 +301,8 @@ def main() -> int:
             return unspawn(names, client, order.switch_seconds)
         code = spawn(order, client, namespace)
         return unload_when_interrupted(order, client) if order.unloads and not code else code
-    except ServiceMissingError as problem:
-        node.get_logger().fatal(str(problem))
+    except ServiceMissingError as missing:
+        node.get_logger().fatal(str(missing))
         return 1
     except KeyboardInterrupt:
         return 0
